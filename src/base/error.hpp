@@ -1,0 +1,41 @@
+#pragma once
+// The three kinds of failure. A user's mistake throws UserError (exit 2); a run that cannot go on throws SimulationError (exit 3);
+// a bug is an assert. Nothing calls exit.
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace knap {
+
+/// One message about the user's input, with the place it is about.
+struct Diagnostic {
+    enum class Severity { error, warning };
+    Severity severity = Severity::error;
+    std::string code;         // short and stable, e.g. "unknown-key"
+    std::string message;      // one line: what is wrong
+    std::string file;         // empty when the message is about no file
+    int line = 0, column = 0; // from 1; 0 = unknown
+    int length = 0;           // characters underlined in the source line
+    std::string source_line;  // the text of that line
+    std::string hint;         // shown under the marks: "did you mean `sigma_c`?"
+    std::string note;         // what is allowed
+};
+
+/// The message as interface.md-style text: `error[code]: message`, place, source line, marks, note.
+std::string format(const Diagnostic& diagnostic);
+
+/// All that is wrong with the user's input, at once.
+class UserError : public std::runtime_error {
+public:
+    explicit UserError(std::vector<Diagnostic> found);
+    explicit UserError(const std::string& code, const std::string& message, const std::string& note = {});
+    std::vector<Diagnostic> diagnostics;
+};
+
+/// A run that cannot go on: what happened, where and when, and what to change.
+class SimulationError : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+}  // namespace knap

@@ -1,0 +1,18 @@
+#pragma once
+// Linear algebra aliases of the project. Two-dimensional vectors are Eigen's; an `Index` counts triangles, corners, nodes, points.
+#include <Eigen/Core>
+
+#include <cstdint>
+
+namespace knap {
+
+using Vec2 = Eigen::Vector2d;
+using Index = std::int32_t;
+
+/// The vector turned by +90 degrees.
+inline Vec2 turned_left(const Vec2& a) { return {-a.y(), a.x()}; }
+
+/// z-component of the cross product.
+inline double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+}  // namespace knap

@@ -1,0 +1,21 @@
+#include "material/cohesive_law.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+
+double CohesiveLaw::equivalent_opening(double u_N, double u_T) const { return std::max(u_N, 0.0) + gamma * std::abs(u_T); }
+
+double CohesiveLaw::next_cohesion(double cohesion, double u_N, double u_T) const {
+    // 0 <= A  perp  -d beta/dt >= 0,  A = sigma_c delta_c (1 - beta) - sigma_c s + xi,  0 <= xi perp beta >= 0
+    if (cohesion == 0) return 0;
+    return std::min(cohesion, std::max(0.0, 1 - equivalent_opening(u_N, u_T) / delta_c()));
+}
+
+double CohesiveLaw::surface_energy(double cohesion, double u_N, double u_T) const {
+    if (cohesion == 0) return G_c;
+    return cohesion * sigma_c * equivalent_opening(u_N, u_T) + G_c * (1 - cohesion) * (1 - cohesion);
+}
+
+}  // namespace knap

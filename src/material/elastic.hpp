@@ -1,0 +1,25 @@
+#pragma once
+// Linear isotropic elasticity in the plane.
+#include <Eigen/Core>
+
+namespace knap {
+
+enum class PlaneModel { strain, stress };
+
+struct Elastic {
+    double density = 0;  // [kg/m3]
+    double E = 0;        // [Pa] Young's modulus
+    double nu = 0;       // [-]  Poisson's ratio
+
+    double shear_modulus() const { return E / (2 * (1 + nu)); }  // [Pa]
+    double first_lame(PlaneModel model) const;                   // [Pa] lambda of the plane law
+    double plane_modulus(PlaneModel model) const;                // [Pa] E' = E/(1-nu^2) in plane strain, E in plane stress
+    double dilatational_speed(PlaneModel model) const;           // [m/s] c_d
+    double shear_speed() const;                                  // [m/s] c_s
+    double rayleigh_speed(PlaneModel model) const;               // [m/s] c_R, root of the Rayleigh function
+
+    /// Stress (xx, yy, xy) = D * strain (xx, yy, 2 xy).  [Pa]
+    Eigen::Matrix3d stiffness(PlaneModel model) const;
+};
+
+}  // namespace knap

@@ -1,0 +1,59 @@
+#pragma once
+// What acts on a body from outside, before it meets a mesh.
+#include "base/vec.hpp"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace knap {
+
+/// A piecewise linear function of time; constant before its first and after its last point. No points: 1 everywhere.
+struct TimeFunction {
+    std::vector<double> time;   // [s], ascending
+    std::vector<double> value;  // same length
+    double operator()(double t) const;
+};
+
+struct Box {
+    Vec2 low, high;  // [m]
+    bool contains(const Vec2& x) const {
+        return x.x() >= low.x() && x.x() <= high.x() && x.y() >= low.y() && x.y() <= high.y();
+    }
+};
+
+/// Where something acts: a named boundary, or all inside a box, or everywhere.
+struct Selection {
+    std::string boundary;    // empty: not by name
+    std::optional<Box> box;  // with a boundary name: the part of it inside the box
+};
+
+struct Load {
+    enum class Kind {
+        traction,      // [Pa] on boundary edges
+        velocity,      // [m/s] of boundary vertices (or of all vertices in a box)
+        displacement,  // [m] likewise
+        body_force,    // [N/m3]
+        acceleration   // [m/s2] a body force proportional to the density (gravity)
+    };
+    Kind kind = Kind::traction;
+    Selection on;
+    std::array<std::optional<double>, 2> value;  // x, y; absent = free (velocity, displacement) or zero
+    TimeFunction history;                        // multiplies the value
+};
+
+/// A rigid, fixed foundation that a boundary stands on, glued by a cohesive law or only in contact.
+struct Foundation {
+    Selection on;
+    Index law = 0;       // index into the model's laws
+    bool glued = false;  // false: cohesion zero from the start, contact and friction only
+    double gap = 0;      // [m] initial distance along the outward normal
+};
+
+struct InitialVelocity {
+    Selection on;  // triangles whose centroid lies inside the box; everywhere without one
+    Vec2 value;    // [m/s]
+};
+
+}  // namespace knap

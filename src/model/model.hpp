@@ -1,0 +1,103 @@
+#pragma once
+// The discrete model: immutable after it is made. Nothing here changes in a run; what changes is State.
+//
+// Every triangle owns its three corners (corner c = 3 triangle + k). Every interior edge, and every boundary edge on a foundation,
+// is an interface with two points, one at each end (point p = 2 interface + end), of area S = 1/2 length x thickness.
+// The corners round a mesh vertex, in counterclockwise order, with the points between them, form a fan.
+#include "geometry/mesh.hpp"
+#include "material/cohesive_law.hpp"
+#include "material/elastic.hpp"
+#include "model/loads.hpp"
+
+#include <vector>
+
+namespace knap {
+
+inline constexpr Index ground = -1;  // stands for the rigid foundation where a corner is expected
+
+struct Interface {
+    std::array<Index, 2> triangle;  // sides A and B; A = ground for a foundation
+    std::array<Index, 2> vertex;    // the two ends
+    Vec2 normal;                    // N, from side A to side B; T = turned_left(N)
+    double length;                  // [m]
+    Index law;                      // index into Model::laws
+    bool cracked;                   // no cohesion from the start
+    double gap;                     // [m] initial opening (foundations only)
+};
+
+/// One point of a fan between the corners `before` and `after` (counterclockwise); either may be ground.
+struct FanPoint {
+    Index before, after;  // corner index, or ground
+    Index point;          // 2 interface + end
+    Vec2 normal;          // N, from before to after; T = turned_left(N)
+    double area;          // [m2] S
+    double gap;           // [m]
+    Index law;
+    bool cracked;
+};
+
+/// The corners and points round one vertex, in counterclockwise order; points[i].after == corners[i] in a closed fan.
+struct Fan {
+    Index vertex;
+    Index first_corner, n_corners;  // into Model::fan_corners
+    Index first_point, n_points;    // into Model::fan_points
+    bool closed;                    // the last point leads back to the first corner; else n_points = n_corners - 1 (+ grounds)
+    bool split_at_start;            // has a cracked point or a foundation
+    double mass;                    // [kg] sum of its corner masses
+};
+
+/// Constant force on a corner times a history.
+struct CornerLoad {
+    Index corner;
+    Index history;  // into Model::histories
+    Vec2 force;     // [N]
+};
+
+/// Prescribed motion of a fan's corners in x and/or y.
+struct PrescribedMotion {
+    Index fan;
+    std::array<bool, 2> component;
+    std::array<Index, 2> history;  // into Model::histories, per component
+    Vec2 value;                    // [m/s] or [m]
+    std::array<bool, 2> is_displacement;
+};
+
+struct ModelInput {
+    Mesh mesh;
+    PlaneModel plane = PlaneModel::strain;
+    double thickness = 1;                         // [m]
+    std::vector<Elastic> materials;               // by Mesh::region
+    std::vector<CohesiveLaw> laws;
+    std::vector<std::vector<Index>> law_of_pair;  // law_of_pair[material a][material b], symmetric
+    std::vector<Load> loads;
+    std::vector<Foundation> foundations;
+    std::vector<InitialVelocity> initial_velocities;
+};
+
+struct Model {
+    Mesh mesh;
+    PlaneModel plane;
+    double thickness;  // [m]
+    std::vector<Elastic> materials;
+    std::vector<CohesiveLaw> laws;
+
+    std::vector<double> corner_mass;  // [kg] one per triangle: density * area * thickness / 3
+    std::vector<Interface> interfaces;
+    std::vector<Fan> fans;
+    std::vector<Index> fan_corners;
+    std::vector<FanPoint> fan_points;
+    std::vector<Index> fan_of_corner;
+    std::vector<Index> fan_point_of;  // per point: its index in fan_points
+
+    std::vector<TimeFunction> histories;
+    std::vector<CornerLoad> corner_loads;
+    std::vector<PrescribedMotion> prescribed;
+    std::vector<Vec2> initial_velocity;  // [m/s] per fan
+
+    Index n_points() const { return 2 * static_cast<Index>(interfaces.size()); }
+};
+
+/// Throws UserError for selections that select nothing, missing pair laws and the like.
+Model make_model(ModelInput input);
+
+}  // namespace knap

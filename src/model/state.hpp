@@ -1,0 +1,45 @@
+#pragma once
+// All that changes in a run, and all that a restart needs.
+#include "model/model.hpp"
+
+#include <vector>
+
+namespace knap {
+
+/// What a split fan remembers of each of its points.
+struct PointState {
+    double cohesion;  // [-] beta
+    Vec2 traction;    // [Pa] (N, T) mean over the last step, on the side `after`; for output only
+};
+
+/// A fan that has not come apart is one node, like in an ordinary finite element mesh; one that has is a node per corner, for ever
+/// (its corners still move together where its points stick: the fan solver clusters them).
+/// Node f (for f < number of fans) belongs to fan f, or to its first corner once split; further nodes are appended in order of release.
+struct State {
+    double time = 0;           // [s]
+    double last_step = 0;      // [s] the step that led here; 0 at the start
+    std::int64_t n_steps = 0;
+    std::vector<Vec2> displacement;     // [m] per node
+    std::vector<Vec2> velocity;         // [m/s] per node; of the explicit bulk: at the middle of the last step
+    std::vector<Index> node_of_corner;  // per corner
+    std::vector<Index> split_fans;      // in order of release
+    std::vector<Index> first_point;     // per split fan, in that order: into `points`
+    std::vector<PointState> points;     // of the split fans, in that order
+    std::vector<Index> split_rank;      // per fan: its place in split_fans, or -1
+};
+
+State initial_state(const Model& model);
+
+/// Gives every corner of `fan` a node of its own and every point a PointState.
+void split(const Model& model, Index fan, State& state);
+
+/// Opening of a point in the frame of its interface (A to B): (u_N, u_T) [m].
+Vec2 opening(const Model& model, const State& state, Index point);
+/// Cohesion of a point; 1 in a fan that never came apart.
+double cohesion(const Model& model, const State& state, Index point);
+/// Traction on side B in the frame of its interface [Pa]; in an intact fan the mean stress of the two neighbours gives it.
+Vec2 traction(const Model& model, const State& state, Index point);
+/// Stress (xx, yy, xy) of a triangle [Pa].
+Eigen::Vector3d stress(const Model& model, const State& state, Index triangle);
+
+}  // namespace knap

@@ -1,0 +1,58 @@
+#pragma once
+// One moment of a run as the writers and figures see it: plain arrays, made from (model, state) or read back from a run directory.
+#include "base/vec.hpp"
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace knap {
+
+struct Model;
+struct State;
+
+enum class PointStatus : std::uint8_t {
+    intact = 0,    // cohesion 1
+    damaged = 1,   // 0 < cohesion < 1
+    broken = 2,    // cohesion 0
+    precrack = 3   // no cohesion from the start
+};
+
+struct Frame {
+    double time = 0;  // [s]
+    double length_scale = 1;  // [m] diagonal of the body
+
+    // bulk: triangle t owns corners 3t, 3t+1, 3t+2
+    std::vector<Vec2> position;      // [m] per corner, reference
+    std::vector<Vec2> displacement;  // [m] per corner
+    std::vector<Vec2> velocity;      // [m/s] per corner
+    std::vector<Eigen::Vector3d> stress;  // [Pa] per triangle: xx, yy, xy
+    std::vector<std::int32_t> region;     // per triangle
+
+    // interfaces: interface i owns points 2i, 2i+1 (its two ends)
+    std::vector<std::array<Index, 2>> side_a, side_b;  // per interface: the corner on each side at each end, -1 = ground
+    std::vector<Vec2> end_position;                    // [m] per point, reference
+    std::vector<double> cohesion;                      // per point
+    std::vector<double> opening, slip;                 // [m] per point
+    std::vector<Vec2> traction;                        // [Pa] per point (N, T)
+    std::vector<PointStatus> status;                   // per point
+
+    Index n_triangles() const { return static_cast<Index>(region.size()); }
+    Index n_interfaces() const { return static_cast<Index>(side_a.size()); }
+};
+
+Frame make_frame(const Model& model, const State& state);
+
+/// Largest principal stress [Pa] of (xx, yy, xy).
+double largest_principal(const Eigen::Vector3d& stress);
+
+/// A table of numbers with named columns (energy.csv, cracks.csv): what the curves are drawn from.
+struct History {
+    std::vector<std::string> columns;
+    std::vector<std::vector<double>> rows;
+    /// Throws std::out_of_range for an unknown name.
+    std::vector<double> column(const std::string& name) const;
+};
+
+}  // namespace knap

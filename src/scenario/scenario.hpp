@@ -1,0 +1,75 @@
+#pragma once
+// A scenario: the sum of the option structs of the floors below. SI throughout.
+#include "geometry/shape.hpp"
+#include "geometry/triangulate.hpp"
+#include "material/cohesive_law.hpp"
+#include "material/elastic.hpp"
+#include "model/loads.hpp"
+#include "observe/figures.hpp"
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace knap {
+
+struct NamedMaterial {
+    std::string name;
+    Elastic elastic;
+};
+
+struct NamedLaw {
+    std::string name;  // "default", or "a-b" for a pair of materials, or a free name used by a foundation
+    CohesiveLaw law;
+};
+
+enum class BulkScheme { explicit_lumped, implicit_theta };
+enum class CohesionScheme { explicit_beta, implicit_lcp };
+
+struct TimeOptions {
+    double end = 0;                                            // [s]
+    BulkScheme bulk = BulkScheme::explicit_lumped;
+    CohesionScheme cohesion = CohesionScheme::explicit_beta;
+    double step = 0;                                           // [s] 0 = auto
+    double safety = 0.8;                                       // [-] fraction of the stable step that "auto" takes
+    double theta = 0.5;                                        // [-] implicit bulk
+};
+
+struct OutputOptions {
+    double every = 0;          // [s] between field frames; 0 = end/40
+    double history_every = 0;  // [s] between lines of energy.csv and cracks.csv; 0 = end/400
+    bool fields = true;        // write .vtu frames
+};
+
+/// A bound on a number of the run's summary (key as in run.json's `summary`).
+struct Expectation {
+    std::string key;
+    std::optional<double> below, above, at_least, at_most, value;
+    double within = 0;        // with `value`: allowed deviation, absolute, or relative where `relative`
+    bool relative = false;
+    std::string unit;         // "" = SI; "cR" = multiples of the Rayleigh speed
+};
+
+struct Scenario {
+    std::string name, title;
+    std::uint64_t seed = 1;
+    Shape shape;
+    PlaneModel plane = PlaneModel::strain;
+    double thickness = 1;  // [m]
+    MeshOptions mesh;
+    std::vector<NamedMaterial> materials;
+    std::vector<NamedLaw> laws;
+    std::vector<std::vector<Index>> law_of_pair;
+    std::vector<Load> loads;
+    std::vector<Foundation> foundations;
+    std::vector<InitialVelocity> initial_velocities;
+    TimeOptions time;
+    OutputOptions output;
+    std::vector<FigureOptions> figures;
+    std::vector<Expectation> expect;
+};
+
+}  // namespace knap

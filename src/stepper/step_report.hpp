@@ -1,0 +1,30 @@
+#pragma once
+// What one step says of itself; the ledger adds it up.
+#include <cstdint>
+
+namespace knap {
+
+/// Works are those of this step [J]; of impulses with the mean of the velocities before and after (formulation: energy ledger).
+struct StepReport {
+    double kinetic = 0;          // 1/2 v' M v after the step
+    double strain = 0;           // 1/2 u_n' K u_{n+1}
+    double surface = 0;          // sum of S Psi over all points, after the step
+    double external_work = 0;    // of loads and prescribed motions
+    double cohesive_work = 0;    // spent against the interface forces that Psi belongs to (positive: taken from the body)
+    double impact_work = 0;      // <= 0
+    double friction_work = 0;    // <= 0
+    double step_change_work = 0; // what a change of the step size does to the leapfrog energy; 0 at constant step
+    double worst_impact_work = 0;    // the largest single term, should be <= 0 up to rounding
+    double worst_friction_work = 0;
+    double residual = 0;             // worst residual of the interface laws, scaled
+    double penetration = 0;          // [m] largest
+    double largest_speed = 0;        // [m/s]
+    double largest_beta_growth = 0;  // must be 0
+    std::int64_t fan_solves = 0;     // local problems solved, and how many needed more than one system
+    std::int64_t fan_iterations = 0;
+    std::int64_t fan_fallbacks = 0;
+    std::int64_t bound_tests = 0;    // exact tests of fans in one piece
+    std::int64_t released = 0;       // fans that came apart in this step
+};
+
+}  // namespace knap
