@@ -1,0 +1,53 @@
+#include "observe/interface_status.hpp"
+
+#include "model/model.hpp"
+#include "model/state.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace knap {
+
+InterfaceGraph interface_graph(const Model& model) {
+    const Mesh& mesh = model.mesh;
+    std::vector<std::pair<Index, Index>> on_foundation;  // edges by their vertices
+    InterfaceGraph graph;
+    graph.vertices = mesh.vertices;
+    graph.ends.reserve(model.interfaces.size());
+    graph.length.reserve(model.interfaces.size());
+    for (const Interface& i : model.interfaces) {
+        graph.ends.push_back(i.vertex);
+        graph.length.push_back(i.length);
+        if (i.triangle[0] == ground || i.triangle[1] == ground) on_foundation.push_back(std::minmax(i.vertex[0], i.vertex[1]));
+    }
+    std::sort(on_foundation.begin(), on_foundation.end());
+    graph.on_boundary.assign(mesh.vertices.size(), 0);
+    for (const BoundaryEdge& edge : mesh.boundary_edges) {
+        const auto& corners = mesh.triangles[edge.triangle];
+        const Index a = corners[edge.side], b = corners[(edge.side + 1) % 3];
+        if (std::binary_search(on_foundation.begin(), on_foundation.end(), std::pair<Index, Index>(std::minmax(a, b)))) continue;
+        graph.on_boundary[a] = graph.on_boundary[b] = 1;
+    }
+    return graph;
+}
+
+std::vector<InterfaceStatus> interface_status(const Model& model, const State& state) {
+    std::vector<InterfaceStatus> status(model.interfaces.size(), InterfaceStatus::intact);
+    std::vector<std::uint8_t> n_broken_points(model.interfaces.size(), 0);
+    for (std::size_t i = 0; i < status.size(); ++i) {
+        if (model.interfaces[i].cracked) status[i] = InterfaceStatus::precrack;
+    }
+    for (std::size_t s = 0; s < state.split_fans.size(); ++s) {
+        const Fan& fan = model.fans[state.split_fans[s]];
+        for (Index k = 0; k < fan.n_points; ++k) {
+            const double cohesion = state.points[state.first_point[s] + k].cohesion;
+            const Index i = model.fan_points[fan.first_point + k].point / 2;
+            if (cohesion >= 1 || status[i] == InterfaceStatus::precrack) continue;
+            if (cohesion <= 0) ++n_broken_points[i];
+            status[i] = n_broken_points[i] == 2 ? InterfaceStatus::broken : InterfaceStatus::damaged;
+        }
+    }
+    return status;
+}
+
+}  // namespace knap
