@@ -92,7 +92,7 @@ struct Model {
     std::vector<TimeFunction> histories;
     std::vector<CornerLoad> corner_loads;
     std::vector<PrescribedMotion> prescribed;
-    std::vector<Vec2> initial_velocity;  // [m/s] per fan
+    std::vector<Vec2> initial_velocity;  // [m/s] per corner; equal round a fan in one piece
 
     Index n_points() const { return 2 * static_cast<Index>(interfaces.size()); }
 };

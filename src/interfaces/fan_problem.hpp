@@ -1,0 +1,51 @@
+#pragma once
+// The nonsmooth problem of one fan in one step of the explicit bulk: a chain of bodies (corners) linked by interface points.
+//
+//     v_i+ = v_i_free + m_i^-1 (P_left - P_right)          P = impulse of a point, acting on the body after it, minus on the one before
+//     P = P_N N + P_T T,      V = v_after+ - v_before+,    the cohesion beta frozen over the step (explicit beta)
+//     P_N = -C + p,           0 <= p  perp  V_N - b >= 0   where the point may touch, else p = 0          C = k S beta sigma_c
+//    -P_T in gamma C sgn(u_T + h V_T) + mu p 1/2 [ sgn(V_T) + sgn(V_T + V_T-) ]
+//
+// k is the time over which forces act on the velocity, h the time over which the velocity moves the points (equal at constant step).
+// The bound b and the two-sign friction make the work of every single contact non-positive when it is taken with the mean velocity
+// (V+ + V-)/2, as the leapfrog energy asks, and still let a sliding point come to exact rest; see src/README.md.
+#include "base/vec.hpp"
+
+#include <vector>
+
+namespace knap {
+
+/// A corner, or a whole cluster of them. A zero component of inverse_mass: that velocity component is prescribed (= free_velocity).
+struct FanBody {
+    Vec2 velocity;       // [m/s] before the step
+    Vec2 free_velocity;  // [m/s] after the step if no interface acted
+    Vec2 inverse_mass;   // [1/kg] per component
+    Vec2 end_velocity;   // [m/s] result
+};
+
+/// An interface point of the chain. Bodies are numbered along the chain; link i joins `before` and `after` = neighbours, or ground.
+struct FanLink {
+    Index before, after;    // body, or -1 = ground (at rest)
+    Vec2 normal;            // N; T = turned_left(N)
+    double u_N, u_T;        // [m] opening and slip before the step
+    double cohesive;        // [N s] C
+    double gamma;           // [-]
+    double friction;        // [-]
+    double restitution;     // [-]
+    bool unbreakable;       // sticks for ever
+    double contact = 0;     // [N s] result: p
+    double tangential = 0;  // [N s] result: P_T
+    bool stuck = false;     // result: no relative velocity was found necessary
+};
+
+struct FanProblem {
+    std::vector<FanBody> bodies;
+    std::vector<FanLink> links;  // in the order of the chain; in a closed chain the first leads from the last body to the first
+    bool closed = false;
+    double drift_time = 0;       // [s] h
+
+    Vec2 velocity_before(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].velocity; }
+    Vec2 velocity_after(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].end_velocity; }
+};
+
+}  // namespace knap

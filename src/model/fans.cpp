@@ -1,0 +1,155 @@
+#include "model/fans.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace knap {
+namespace {
+
+constexpr Index none = -1;
+
+/// Interface at each side (3 triangle + side) of the mesh, or none.
+using InterfaceOfSide = std::vector<Index>;
+
+Index ray_side(Index k) { return k; }            // the edge at which corner k begins, going counterclockwise
+Index last_side(Index k) { return (k + 2) % 3; }  // the edge at which it ends
+
+Interface interface_at(const Mesh& mesh, Index a, Index b, Index owner, Index side) {
+    // seen from `owner`: its outward normal is the edge turned right; N runs from A to B
+    const Vec2 from = mesh.corner(owner, side), to = mesh.corner(owner, (side + 1) % 3);
+    const Vec2 outward = -turned_left((to - from).normalized());
+    return {.triangle = {a, b},
+            .vertex = {mesh.triangles[owner][side], mesh.triangles[owner][(side + 1) % 3]},
+            .normal = owner == a ? outward : Vec2(-outward),
+            .length = (to - from).norm(),
+            .law = 0,
+            .cracked = false,
+            .gap = 0};
+}
+
+InterfaceOfSide make_interfaces(const ModelInput& input, const FoundationOfEdge& foundation_of_edge, Model& model) {
+    const Mesh& mesh = model.mesh;
+    InterfaceOfSide interface_of_side(mesh.n_corners(), none);
+    for (const InteriorEdge& edge : mesh.interior_edges) {
+        const auto [a, b] = edge.triangle;
+        Interface made = interface_at(mesh, a, b, a, edge.side[0]);
+        made.law = input.law_of_pair[mesh.region[a]][mesh.region[b]];
+        made.cracked = edge.cracked;
+        interface_of_side[3 * a + edge.side[0]] = interface_of_side[3 * b + edge.side[1]] = static_cast<Index>(model.interfaces.size());
+        model.interfaces.push_back(made);
+    }
+    for (std::size_t i = 0; i < mesh.boundary_edges.size(); ++i) {
+        if (foundation_of_edge[i] == none) continue;
+        const BoundaryEdge& edge = mesh.boundary_edges[i];
+        const Foundation& foundation = input.foundations[foundation_of_edge[i]];
+        Interface made = interface_at(mesh, ground, edge.triangle, edge.triangle, edge.side);
+        made.law = foundation.law;
+        made.cracked = !foundation.glued;
+        made.gap = foundation.gap;
+        interface_of_side[3 * edge.triangle + edge.side] = static_cast<Index>(model.interfaces.size());
+        model.interfaces.push_back(made);
+    }
+    return interface_of_side;
+}
+
+class FanWalk {
+public:
+    FanWalk(Model& model, const InterfaceOfSide& interface_of_side) : model_(model), interface_of_side_(interface_of_side) {}
+
+    /// The fan that holds `corner`, walked counterclockwise from its first edge.
+    void walk(Index corner) {
+        const Index start = first_corner_of(corner);
+        const Index vertex = vertex_of(start);
+        Fan fan{.vertex = vertex,
+                .first_corner = static_cast<Index>(model_.fan_corners.size()),
+                .n_corners = 0,
+                .first_point = static_cast<Index>(model_.fan_points.size()),
+                .n_points = 0,
+                .closed = across(start, ray_side(start % 3)) != none,
+                .split_at_start = false,
+                .mass = 0};
+        Index before = fan.closed ? across(start, ray_side(start % 3)) : ground;
+        for (Index here = start;;) {
+            add_point(interface_of_side_[side_of(here, ray_side(here % 3))], vertex, before, here, fan);
+            model_.fan_of_corner[here] = static_cast<Index>(model_.fans.size());
+            model_.fan_corners.push_back(here);
+            fan.mass += model_.corner_mass[here];
+            ++fan.n_corners;
+            before = here;
+            here = across(here, last_side(here % 3));
+            if (here == none || here == start) break;
+        }
+        if (!fan.closed) add_point(interface_of_side_[side_of(before, last_side(before % 3))], vertex, before, ground, fan);
+        model_.fans.push_back(fan);
+    }
+
+private:
+    static Index side_of(Index corner, Index side) { return corner / 3 * 3 + side; }
+    Index vertex_of(Index corner) const { return model_.mesh.triangles[corner / 3][corner % 3]; }
+
+    /// The corner at the same vertex on the other side of an edge, or none at the boundary.
+    Index across(Index corner, Index side) const {
+        const Index i = interface_of_side_[side_of(corner, side)];
+        if (i == none || model_.interfaces[i].triangle[0] == ground) return none;
+        const auto& pair = model_.interfaces[i].triangle;
+        const Index other = pair[0] == corner / 3 ? pair[1] : pair[0];
+        for (Index k = 0; k < 3; ++k)
+            if (model_.mesh.triangles[other][k] == vertex_of(corner)) return 3 * other + k;
+        assert(false);
+        return none;
+    }
+
+    Index first_corner_of(Index corner) const {
+        Index first = corner;  // walk clockwise to the boundary; round a closed fan begin at the lowest corner
+        for (Index here = across(corner, ray_side(corner % 3)); here != corner; here = across(here, ray_side(here % 3))) {
+            if (here == none) {
+                Index open_end = corner;
+                while (across(open_end, ray_side(open_end % 3)) != none) open_end = across(open_end, ray_side(open_end % 3));
+                return open_end;
+            }
+            first = std::min(first, here);
+        }
+        return first;
+    }
+
+    void add_point(Index interface, Index vertex, Index before, Index after, Fan& fan) {
+        if (interface == none) return;  // a free end
+        const Interface& edge = model_.interfaces[interface];
+        const Index end = edge.vertex[0] == vertex ? 0 : 1;
+        const Vec2 ray = (model_.mesh.vertices[edge.vertex[1 - end]] - model_.mesh.vertices[vertex]).normalized();
+        model_.fan_point_of[2 * interface + end] = static_cast<Index>(model_.fan_points.size());
+        model_.fan_points.push_back({.before = before,
+                                     .after = after,
+                                     .point = 2 * interface + end,
+                                     .normal = turned_left(ray),
+                                     .area = 0.5 * edge.length * model_.thickness,
+                                     .gap = edge.gap,
+                                     .law = edge.law,
+                                     .cracked = edge.cracked});
+        ++fan.n_points;
+        fan.split_at_start = fan.split_at_start || edge.cracked || before == ground || after == ground;
+    }
+
+    Model& model_;
+    const InterfaceOfSide& interface_of_side_;
+};
+
+}  // namespace
+
+void make_interfaces_and_fans(const ModelInput& input, const FoundationOfEdge& foundation_of_edge, Model& model) {
+    const InterfaceOfSide interface_of_side = make_interfaces(input, foundation_of_edge, model);
+    model.fan_of_corner.assign(model.mesh.n_corners(), none);
+    model.fan_point_of.assign(model.n_points(), none);
+
+    // fans in the order of their vertices, so that the nodes keep the mesh's locality
+    std::vector<Index> order(model.mesh.n_corners());
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) order[c] = c;
+    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
+        return model.mesh.triangles[a / 3][a % 3] < model.mesh.triangles[b / 3][b % 3];
+    });
+    FanWalk walker(model, interface_of_side);
+    for (const Index corner : order)
+        if (model.fan_of_corner[corner] == none) walker.walk(corner);
+}
+
+}  // namespace knap

@@ -1,0 +1,16 @@
+#include "model/loads.hpp"
+
+#include <algorithm>
+
+namespace knap {
+
+double TimeFunction::operator()(double t) const {
+    if (time.empty()) return 1;
+    if (t <= time.front()) return value.front();
+    if (t >= time.back()) return value.back();
+    const std::size_t after = std::upper_bound(time.begin(), time.end(), t) - time.begin();
+    const double part = (t - time[after - 1]) / (time[after] - time[after - 1]);
+    return value[after - 1] + part * (value[after] - value[after - 1]);
+}
+
+}  // namespace knap
