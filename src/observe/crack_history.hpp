@@ -10,7 +10,7 @@ namespace knap {
 
 /// Speed of a tip from its path length, which grows in jumps of an edge: the slope of the least-squares line through the last
 /// stretch of the history in which it grew by `window` on top of its largest single jump. N edges in a window leave a relative error
-/// of about 1/N^2 of the staircase in the slope. The speed belongs to the middle of the stretch.
+/// of about 1/N^2 of the staircase in the slope; one jump J raises it by 1.5 J/window at most. It belongs to the middle of the stretch.
 class TipSpeed {
 public:
     explicit TipSpeed(double window) : window_(window) {}  // [m]

@@ -1,0 +1,129 @@
+// Tip speed, first growth and first branching of cracks that move as prescribed.
+#include "observe/crack_history.hpp"
+
+#include "base/random.hpp"
+#include "crack_drawing.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace knap;
+using namespace crack_drawing;
+using doctest::Approx;
+
+TEST_CASE("tip speed of smooth growth is exact") {
+    TipSpeed tip(5 * mm);
+    for (int k = 0; k < 10; ++k) tip.add(k * 1e-6, 0);  // waits, then runs
+    CHECK(tip.speed() == 0);
+    for (int k = 10; k < 30; ++k) tip.add(k * 1e-6, 1000.0 * (k - 9) * 1e-6);
+    CHECK(tip.speed() == Approx(1000).epsilon(1e-9));
+}
+
+TEST_CASE("tip speed of growth by whole edges is right within 1 percent on average") {
+    // edges of 0.4 to 0.6 mm as in a random mesh, 0.2 us between snapshots, window of 10 mm
+    Random random(3, "edges");
+    const double speed = 1380;
+    TipSpeed tip(10 * mm);
+    double length = 0, next_edge = 0, worst = 0, sum = 0;
+    int n = 0;
+    for (int k = 0; k < 250; ++k) {
+        const double t = k * 0.2e-6;
+        for (; length + next_edge <= speed * t; next_edge = random.uniform(0.4 * mm, 0.6 * mm)) length += next_edge;
+        tip.add(t, length);
+        if (tip.speed() > 0) worst = std::max(worst, std::abs(tip.speed() / speed - 1)), sum += tip.speed(), ++n;
+    }
+    REQUIRE(n > 100);
+    CHECK(sum / n == Approx(speed).epsilon(0.005));
+    CHECK(worst < 0.015);
+}
+
+TEST_CASE("a jump does not give an absurd speed") {
+    // an isolated stretch of 8 mm ahead of the tip joins it at once; the window is 10 mm
+    TipSpeed tip(10 * mm);
+    double largest = 0;
+    for (int k = 0; k < 400; ++k) {
+        tip.add(k * 0.2e-6, 1000 * k * 0.2e-6 + (k < 200 ? 0 : 8 * mm));
+        largest = std::max(largest, tip.speed());
+    }
+    CHECK(largest > 1000);
+    CHECK(largest < 1000 * (1 + 1.5 * 8.0 / 10.0));  // the bound for a jump in the middle of the window
+    CHECK(tip.speed() == Approx(1000).epsilon(1e-6));
+}
+
+TEST_CASE("the speed of a crack that stopped goes to zero") {
+    TipSpeed tip(5 * mm);
+    for (int k = 0; k < 200; ++k) tip.add(k * 1e-6, std::min(1000.0 * k * 1e-6, 20 * mm));
+    CHECK(tip.speed() > 0);
+    CHECK(tip.speed() < 100);
+}
+
+namespace {
+/// Breaks the interfaces from `first` on, one an `interval`, up to time t.
+void break_until(std::vector<InterfaceStatus>& status, std::size_t first, std::size_t n, double start, double interval, double t) {
+    for (std::size_t k = 0; k < n; ++k) {
+        if (start + static_cast<double>(k + 1) * interval <= t) status[first + k] = InterfaceStatus::broken;
+    }
+}
+}  // namespace
+
+TEST_CASE("history of a straight crack of known speed") {
+    Drawing d;
+    d.notch();
+    const std::size_t first = d.status.size();
+    d.row(0, 0, 1, 0, 60, InterfaceStatus::intact);
+    CrackHistory history(d.graph, options());
+    const double speed = 1000, start = 10e-6;
+    for (int k = 0; k <= 340; ++k) {
+        const double t = k * 0.2e-6;
+        break_until(d.status, first, 60, start, 1 * mm / speed, t + 1e-12);
+        history.snapshot(t, d.status);
+    }
+    CHECK(history.pattern().crack_length == Approx(58 * mm));
+    CHECK(history.tip_speed() == Approx(speed).epsilon(0.01));
+    CHECK(history.max_tip_speed() == Approx(speed).epsilon(0.01));
+    CHECK(*history.first_growth_time() == Approx(11e-6));
+    CHECK_FALSE(history.first_branching());
+}
+
+TEST_CASE("first branching is dated back to the first edge of the arm that made it") {
+    Drawing d;
+    d.notch();
+    const std::size_t main = d.status.size();
+    d.row(0, 0, 1, 0, 20, InterfaceStatus::intact);
+    const std::size_t arm = d.status.size();
+    d.row(8, 0, 0, 1, 10, InterfaceStatus::intact);
+    const std::size_t stub = d.status.size();
+    d.row(4, 0, 0, 1, 3, InterfaceStatus::intact);  // breaks earlier, and stops
+    CrackHistory history(d.graph, options());
+    double seen = 0;
+    for (int k = 0; k <= 60; ++k) {
+        const double t = k * 0.5e-6;
+        break_until(d.status, main, 20, 0, 1e-6, t + 1e-12);
+        break_until(d.status, stub, 3, 4e-6, 1e-6, t + 1e-12);
+        break_until(d.status, arm, 10, 9e-6, 1.5e-6, t + 1e-12);
+        history.snapshot(t, d.status);
+        if (history.first_branching() && seen == 0) seen = t;
+    }
+    REQUIRE(history.first_branching());
+    CHECK(seen == Approx(15e-6));  // four edges of the arm: the pruning length
+    CHECK(history.first_branching()->time == Approx(10.5e-6));
+    CHECK((history.first_branching()->position - mm * Vec2(8, 0)).norm() < 1e-12);
+}
+
+TEST_CASE("two cracks that meet did not run the length of the other") {
+    Drawing d;
+    d.notch();
+    const std::size_t first = d.status.size();
+    d.row(0, 0, 1, 0, 30, InterfaceStatus::intact);
+    d.row(30, 0, 1, 0, 12);  // another crack that waits
+    d.boundary(42, 0);
+    CrackHistory history(d.graph, options());
+    for (int k = 0; k <= 200; ++k) {
+        break_until(d.status, first, 30, 0, 1e-6, k * 0.2e-6 + 1e-12);
+        history.snapshot(k * 0.2e-6, d.status);
+    }
+    CHECK(history.pattern().n_cracks == 1);
+    CHECK(history.pattern().crack_length == Approx(42 * mm));
+    CHECK(history.max_tip_speed() == Approx(1000).epsilon(0.02));
+}
