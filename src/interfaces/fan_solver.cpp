@@ -239,7 +239,7 @@ double FanSolver::walk_chain(const FanProblem& problem) {
     return mismatch;
 }
 
-void FanSolver::settle_circulation(const FanProblem& problem) {
+bool FanSolver::settle_circulation(const FanProblem& problem) {
     // every point gets the same c on top: first the one of least traction, sum |P/S|^2 S; only if that is not admissible, the climb
     planes_.clear();
     Vec2 sum = Vec2::Zero();
@@ -262,8 +262,7 @@ void FanSolver::settle_circulation(const FanProblem& problem) {
     }
     const Circulation found = find_circulation(planes_, -sum / weight);
     for (LinkState& link : links_) link.impulse += found.c;
-    if (found.slack >= -impulse_tolerance_) return;
-    violation_ = -found.slack;
+    if (found.slack >= -impulse_tolerance_) return true;
     for (int k = 0; k < found.n_binding; ++k) {  // the half planes that bind are the mechanism
         const HalfPlane& plane = planes_[found.binding[k]];
         LinkState& link = links_[plane.link];
@@ -275,6 +274,7 @@ void FanSolver::settle_circulation(const FanProblem& problem) {
             set_state(plane.link, link.closed, std::clamp(link.tangential_state - plane.kind, 0, link.law.n_states(link.closed) - 1));
         }
     }
+    return false;
 }
 
 int FanSolver::correct_states(const FanProblem& problem, bool only_worst) {
@@ -425,10 +425,7 @@ FanSolution FanSolver::solve(FanProblem& problem) {
             ++solution.iterations;
             violation_ = 0;
             if (!solve_states(problem)) break;
-            if (sticks_all_round_) {
-                settle_circulation(problem);
-                if (violation_ > 0 && violation_ > impulse_tolerance_) continue;
-            }
+            if (sticks_all_round_ && !settle_circulation(problem)) continue;
             if (correct_states(problem, correction >= patient_corrections) > 0) continue;
             if (violation_ > 1e-9) break;  // no state to change, yet a law or the balance is violated
             solution.bound = std::all_of(links_.begin(), links_.end(), [](const LinkState& l) { return l.sticks(); });

@@ -50,7 +50,7 @@ private:
     void make_clusters(const FanProblem& problem);
     bool solve_partial(const FanProblem& problem);
     double walk_chain(const FanProblem& problem);
-    void settle_circulation(const FanProblem& problem);
+    bool settle_circulation(const FanProblem& problem);  // false: not admissible, and the mechanism's links changed state
     int correct_states(const FanProblem& problem, bool only_worst);
     bool sweep(FanProblem& problem);
     void store(FanProblem& problem) const;

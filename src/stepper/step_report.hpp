@@ -25,6 +25,9 @@ struct StepReport {
     std::int64_t fan_fallbacks = 0;
     std::int64_t bound_tests = 0;    // exact tests of fans in one piece
     std::int64_t released = 0;       // fans that came apart in this step
+
+    /// Adds the share of another part of the body (or of another step).
+    StepReport& operator+=(const StepReport& other);
 };
 
 }  // namespace knap

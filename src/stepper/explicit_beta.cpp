@@ -1,0 +1,248 @@
+#include "stepper/explicit_beta.hpp"
+
+#include "base/error.hpp"
+#include "base/parallel.hpp"
+
+#include <omp.h>
+
+#include <cmath>
+
+namespace knap {
+namespace {
+
+constexpr std::size_t fans_in_a_block = 512, split_fans_in_a_block = 32;
+
+}  // namespace
+
+ExplicitBeta::ExplicitBeta(const Model& model) : model_(model) {
+    prescribed_of_fan_.assign(model.fans.size(), -1);
+    for (std::size_t i = 0; i < model.prescribed.size(); ++i) prescribed_of_fan_[model.prescribed[i].fan] = static_cast<Index>(i);
+    workspaces_.resize(omp_get_max_threads());
+}
+
+StepReport ExplicitBeta::advance(const State& begin, const FreeMotion& free, State& end) {
+    // the partition of `end` is that of `begin` until fans come apart
+    if (end.split_fans != begin.split_fans || end.node_of_corner.size() != begin.node_of_corner.size()) {
+        end.node_of_corner = begin.node_of_corner;
+        end.split_fans = begin.split_fans;
+        end.first_point = begin.first_point;
+        end.split_rank = begin.split_rank;
+    }
+    end.displacement.resize(begin.displacement.size());
+    end.velocity.resize(begin.velocity.size());
+    end.points.resize(begin.points.size());
+
+    StepReport report = advance_bound(begin, free, end);
+    release(begin, end, report);
+    report += advance_split(begin, free, end);
+    return report;
+}
+
+StepReport ExplicitBeta::advance_bound(const State& begin, const FreeMotion& free, State& end) {
+    comes_apart_.assign(model_.fans.size(), 0);
+    return sum_over_blocks(model_.fans.size(), fans_in_a_block, partial_, [&](std::size_t first, std::size_t last, StepReport& report) {
+        Workspace& work = workspaces_[omp_get_thread_num()];
+        for (std::size_t f = first; f < last; ++f) {
+            if (begin.split_rank[f] >= 0) continue;
+            const Index fan = static_cast<Index>(f);
+            const Index* corner = &model_.fan_corners[model_.fans[f].first_corner];
+            Vec2 force = Vec2::Zero();
+            for (Index i = 0; i < model_.fans[f].n_corners; ++i) force += free.corner_force[corner[i]];
+            Vec2 velocity = begin.velocity[f] + free.kick_time / model_.fans[f].mass * force;
+            if (prescribed_of_fan_[f] >= 0) {
+                const PrescribedMotion& motion = model_.prescribed[prescribed_of_fan_[f]];
+                const Vec2 given = prescribed_velocity(motion, begin.displacement[f], begin, free.drift_time);
+                for (int k = 0; k < 2; ++k)
+                    if (motion.component[k]) velocity[k] = given[k];
+            }
+            if (free.fan_is_hot[f] && !stays_bound(fan, begin, free, work, report)) {
+                comes_apart_[f] = 1;
+                continue;
+            }
+            move_bound(fan, begin, free, velocity, force, end, report);
+        }
+    });
+}
+
+bool ExplicitBeta::stays_bound(Index fan, const State& begin, const FreeMotion& free, Workspace& work, StepReport& report) const {
+    pose(fan, begin, free, work.problem);
+    const FanSolution solution = work.solver.solve(work.problem);
+    ++report.bound_tests;
+    return solution.bound;
+}
+
+void ExplicitBeta::move_bound(Index fan, const State& begin, const FreeMotion& free, const Vec2& velocity, const Vec2& force, State& end,
+                              StepReport& report) const {
+    const Vec2 before = begin.velocity[fan], change = velocity - before;
+    const double mass = model_.fans[fan].mass;
+    end.velocity[fan] = velocity;
+    end.displacement[fan] = begin.displacement[fan] + free.drift_time * velocity;
+    report.kinetic += 0.5 * mass * velocity.squaredNorm();
+    report.strain -= 0.5 * force.dot(end.displacement[fan]);
+    report.step_change_work -= 0.25 * (free.drift_time - begin.last_step) * force.dot(change);
+    report.largest_speed = std::max(report.largest_speed, velocity.squaredNorm());
+    if (prescribed_of_fan_[fan] < 0) return;
+    const Vec2 reaction = mass * change - free.kick_time * force;
+    const PrescribedMotion& motion = model_.prescribed[prescribed_of_fan_[fan]];
+    for (int k = 0; k < 2; ++k)
+        if (motion.component[k]) report.external_work += 0.5 * reaction[k] * (velocity[k] + before[k]);
+}
+
+void ExplicitBeta::release(const State& begin, State& end, StepReport& report) {
+    for (std::size_t f = 0; f < model_.fans.size(); ++f) {
+        if (!comes_apart_[f]) continue;
+        end.displacement[f] = begin.displacement[f];
+        split(model_, static_cast<Index>(f), end);
+        ++report.released;
+    }
+}
+
+StepReport ExplicitBeta::advance_split(const State& begin, const FreeMotion& free, State& end) {
+    return sum_over_blocks(end.split_fans.size(), split_fans_in_a_block, partial_,
+                           [&](std::size_t first, std::size_t last, StepReport& report) {
+                               Workspace& work = workspaces_[omp_get_thread_num()];
+                               for (std::size_t rank = first; rank < last; ++rank)
+                                   advance_fan(static_cast<Index>(rank), begin, free, end, work, report);
+                           });
+}
+
+Vec2 ExplicitBeta::prescribed_velocity(const PrescribedMotion& motion, const Vec2& displacement, const State& begin, double h) const {
+    Vec2 velocity = Vec2::Zero();
+    for (int k = 0; k < 2; ++k) {
+        if (!motion.component[k]) continue;
+        const TimeFunction& history = model_.histories[motion.history[k]];
+        // the velocity lives at the middle of the step, the displacement it leads to at its end
+        velocity[k] = motion.is_displacement[k] ? (motion.value[k] * history(begin.time + h) - displacement[k]) / h
+                                                : motion.value[k] * history(begin.time + 0.5 * h);
+    }
+    return velocity;
+}
+
+double ExplicitBeta::cohesion_before(Index fan, Index point, const State& begin) const {
+    if (begin.split_rank[fan] >= 0) return begin.points[begin.first_point[begin.split_rank[fan]] + point].cohesion;
+    return model_.laws[model_.fan_points[model_.fans[fan].first_point + point].law].sigma_c > 0 ? 1 : 0;
+}
+
+void ExplicitBeta::pose(Index f, const State& begin, const FreeMotion& free, FanProblem& problem) const {
+    const Fan& fan = model_.fans[f];
+    problem.closed = fan.closed;
+    problem.drift_time = free.drift_time;
+    problem.bodies.resize(fan.n_corners);
+    problem.links.resize(fan.n_points);
+    for (Index i = 0; i < fan.n_corners; ++i) {
+        const Index corner = model_.fan_corners[fan.first_corner + i];
+        const Index node = begin.node_of_corner[corner];
+        const double inverse_mass = 1 / model_.corner_mass[corner];
+        FanBody& body = problem.bodies[i];
+        body.velocity = begin.velocity[node];
+        body.free_velocity = body.velocity + free.kick_time * inverse_mass * free.corner_force[corner];
+        body.inverse_mass = Vec2::Constant(inverse_mass);
+        if (prescribed_of_fan_[f] < 0) continue;
+        const PrescribedMotion& motion = model_.prescribed[prescribed_of_fan_[f]];
+        const Vec2 given = prescribed_velocity(motion, begin.displacement[node], begin, free.drift_time);
+        for (int k = 0; k < 2; ++k)
+            if (motion.component[k]) body.free_velocity[k] = given[k], body.inverse_mass[k] = 0;
+    }
+    // links in counterclockwise order; bodies are numbered in the same order
+    const auto body_of = [&](Index corner, Index guess) { return corner == ground ? ground : (guess + fan.n_corners) % fan.n_corners; };
+    const bool ground_first = fan.n_points > 0 && model_.fan_points[fan.first_point].before == ground;
+    for (Index i = 0; i < fan.n_points; ++i) {
+        const FanPoint& point = model_.fan_points[fan.first_point + i];
+        const CohesiveLaw& law = model_.laws[point.law];
+        const Index before = fan.closed || ground_first ? i - 1 : i;
+        const auto displacement = [&](Index corner) -> Vec2 {
+            return corner == ground ? Vec2::Zero() : begin.displacement[begin.node_of_corner[corner]];
+        };
+        const Vec2 jump = displacement(point.after) - displacement(point.before);
+        const bool unbreakable = !law.breakable() && !point.cracked;
+        problem.links[i] = {.before = body_of(point.before, before),
+                            .after = body_of(point.after, before + 1),
+                            .normal = point.normal,
+                            .u_N = point.gap + point.normal.dot(jump),
+                            .u_T = turned_left(point.normal).dot(jump),
+                            .cohesive = unbreakable || point.cracked ? 0 : free.kick_time * law.sigma_c * point.area * cohesion_before(f, i, begin),
+                            .gamma = law.gamma,
+                            .friction = law.friction,
+                            .restitution = law.restitution,
+                            .unbreakable = unbreakable};
+    }
+}
+
+namespace {
+
+/// P_T in the part that Psi stores and the part that friction takes.
+double cohesive_part(const FanLink& link, double v_T_before, double v_T_after, double h, double speed_tolerance) {
+    const double most = link.gamma * link.cohesive;
+    const double slip = link.u_T + h * v_T_after;
+    if (most == 0) return 0;
+    if (std::abs(slip) > speed_tolerance * h) return slip > 0 ? -most : most;
+    // at zero slip the cohesion takes what it can; beyond that, and never so that friction would push the motion on
+    const double friction = std::abs(link.tangential) <= most ? 0 : link.tangential - std::copysign(most, link.tangential);
+    return link.tangential - (friction * (v_T_before + v_T_after) > 0 ? 0 : friction);
+}
+
+}  // namespace
+
+void ExplicitBeta::advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work,
+                               StepReport& report) const {
+    const Index f = end.split_fans[rank];
+    const Fan& fan = model_.fans[f];
+    FanProblem& problem = work.problem;
+    pose(f, begin, free, problem);
+    const FanSolution solution = work.solver.solve(problem);
+    ++report.fan_solves;
+    report.fan_iterations += solution.iterations;
+    if (solution.status != FanSolution::Status::exact) ++report.fan_fallbacks;
+    report.residual = std::max(report.residual, solution.residual);
+
+    for (Index i = 0; i < fan.n_corners; ++i) {
+        const Index corner = model_.fan_corners[fan.first_corner + i], from = begin.node_of_corner[corner], to = end.node_of_corner[corner];
+        const double mass = model_.corner_mass[corner];
+        const Vec2 before = problem.bodies[i].velocity, velocity = problem.bodies[i].end_velocity, force = free.corner_force[corner];
+        end.velocity[to] = velocity;
+        end.displacement[to] = begin.displacement[from] + free.drift_time * velocity;
+        report.kinetic += 0.5 * mass * velocity.squaredNorm();
+        report.strain -= 0.5 * force.dot(end.displacement[to]);
+        report.step_change_work -= 0.25 * (free.drift_time - begin.last_step) * force.dot(velocity - before);
+        report.largest_speed = std::max(report.largest_speed, velocity.squaredNorm());
+        for (int k = 0; k < 2; ++k) {  // the reaction of a prescribed motion, up to impulses between its own corners
+            if (problem.bodies[i].inverse_mass[k] > 0) continue;
+            const double reaction = mass * (velocity[k] - before[k]) - free.kick_time * force[k];
+            report.external_work += 0.5 * reaction * (velocity[k] + before[k]);
+        }
+    }
+
+    const double speed_tolerance = 1e-12 * std::sqrt(report.largest_speed);
+    for (Index i = 0; i < fan.n_points; ++i) {
+        const FanLink& link = problem.links[i];
+        const FanPoint& point = model_.fan_points[fan.first_point + i];
+        const CohesiveLaw& law = model_.laws[point.law];
+        const Vec2 n = link.normal, t = turned_left(n);
+        const Vec2 before = problem.velocity_before(link.after) - problem.velocity_before(link.before);
+        const Vec2 after = problem.velocity_after(link.after) - problem.velocity_after(link.before);
+        const double mean_N = 0.5 * n.dot(before + after), mean_T = 0.5 * t.dot(before + after);
+        PointState& state = end.points[end.first_point[rank] + i];
+        const double S = point.area;
+        state.traction = Vec2(link.contact - link.cohesive, link.tangential) / (free.kick_time * S);
+        if (link.unbreakable) {
+            state.cohesion = 1;
+            continue;
+        }
+        const double stored = cohesive_part(link, t.dot(before), t.dot(after), free.drift_time, speed_tolerance);
+        const double impact = link.contact * mean_N, friction = (link.tangential - stored) * mean_T;
+        report.cohesive_work += link.cohesive * mean_N - stored * mean_T;
+        report.impact_work += impact;
+        report.friction_work += friction;
+        report.worst_impact_work = std::max(report.worst_impact_work, impact);
+        report.worst_friction_work = std::max(report.worst_friction_work, friction);
+
+        const double u_N = link.u_N + free.drift_time * n.dot(after), u_T = link.u_T + free.drift_time * t.dot(after);
+        const double cohesion = point.cracked ? 0 : cohesion_before(f, i, begin);
+        state.cohesion = law.next_cohesion(cohesion, u_N, u_T);
+        report.largest_beta_growth = std::max(report.largest_beta_growth, state.cohesion - cohesion);
+        if (!point.cracked && law.sigma_c > 0) report.surface += S * law.surface_energy(state.cohesion, u_N, u_T);
+        report.penetration = std::max(report.penetration, -u_N);
+    }
+}
+
+}  // namespace knap

@@ -1,0 +1,43 @@
+#pragma once
+// Explicit beta: the cohesion is frozen over the step, each fan is solved by itself and exactly (interfaces/fan_solver.hpp), and the
+// cohesion follows from the openings at the end. Needs the explicit lumped bulk, whose mass couples nothing beyond a fan.
+#include "interfaces/fan_solver.hpp"
+#include "stepper/interface_scheme.hpp"
+
+#include <memory>
+
+namespace knap {
+
+class ExplicitBeta : public InterfaceScheme {
+public:
+    explicit ExplicitBeta(const Model& model);
+    StepReport advance(const State& begin, const FreeMotion& free, State& end) override;
+
+private:
+    struct Workspace {
+        FanProblem problem;
+        FanSolver solver;
+        std::vector<std::array<bool, 2>> driven;
+    };
+
+    StepReport advance_bound(const State& begin, const FreeMotion& free, State& end);
+    bool stays_bound(Index fan, const State& begin, const FreeMotion& free, Workspace& work, StepReport& report) const;
+    void move_bound(Index fan, const State& begin, const FreeMotion& free, const Vec2& velocity, const Vec2& force, State& end,
+                    StepReport& report) const;
+    void release(const State& begin, State& end, StepReport& report);
+    StepReport advance_split(const State& begin, const FreeMotion& free, State& end);
+    void advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report) const;
+
+    void pose(Index fan, const State& begin, const FreeMotion& free, FanProblem& problem) const;
+    Vec2 prescribed_velocity(const PrescribedMotion& motion, const Vec2& displacement, const State& begin, double h) const;
+    double cohesion_before(Index fan, Index point, const State& begin) const;
+
+    const Model& model_;
+    std::vector<Index> prescribed_of_fan_;   // into Model::prescribed, or -1
+    std::vector<std::uint8_t> comes_apart_;  // per fan, in this step
+    std::vector<Workspace> workspaces_;      // one a thread
+    std::vector<StepReport> partial_;
+    double worst_status_ = 0;
+};
+
+}  // namespace knap

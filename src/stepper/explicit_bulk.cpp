@@ -1,0 +1,43 @@
+#include "stepper/explicit_bulk.hpp"
+
+#include "stepper/stress_screen.hpp"
+
+#include <algorithm>
+
+namespace knap {
+
+ExplicitBulk::ExplicitBulk(const Model& model) : model_(model), forces_(model.mesh, model.materials, model.plane, model.thickness) {
+    forces_.set_screen(screen_thresholds(model), model.fan_of_corner);
+    const std::vector<double> steps = stable_steps(model.mesh, model.materials, model.plane);
+    stable_step_ = *std::min_element(steps.begin(), steps.end());
+}
+
+void ExplicitBulk::free_motion(const State& begin, double h, FreeMotion& free) const {
+    free.drift_time = h;
+    free.kick_time = 0.5 * (begin.last_step + h);
+    free.corner_force.resize(model_.mesh.n_corners());
+    free.fan_is_hot.assign(model_.fans.size(), 0);
+    forces_.evaluate(begin.displacement, begin.node_of_corner, free.corner_force, free.fan_is_hot);
+    const std::vector<double>& amplitude = amplitudes(begin.time);
+    for (const CornerLoad& load : model_.corner_loads) free.corner_force[load.corner] += amplitude[load.history] * load.force;
+}
+
+const std::vector<double>& ExplicitBulk::amplitudes(double time) const {
+    amplitude_.resize(model_.histories.size());
+    for (std::size_t i = 0; i < amplitude_.size(); ++i) amplitude_[i] = model_.histories[i](time);
+    return amplitude_;
+}
+
+void ExplicitBulk::account_loads(const State& begin, const State& end, const FreeMotion& free, StepReport& report) const {
+    const double change = 0.25 * (free.drift_time - begin.last_step);
+    const std::vector<double>& amplitude = amplitudes(begin.time);
+    for (const CornerLoad& load : model_.corner_loads) {
+        const Vec2 force = amplitude[load.history] * load.force;
+        const Vec2 before = begin.velocity[begin.node_of_corner[load.corner]], after = end.velocity[end.node_of_corner[load.corner]];
+        report.external_work += free.kick_time * force.dot(0.5 * (before + after));
+        report.strain += 0.5 * force.dot(end.displacement[end.node_of_corner[load.corner]]);
+        report.step_change_work += change * force.dot(after - before);
+    }
+}
+
+}  // namespace knap

@@ -1,0 +1,32 @@
+#pragma once
+// Explicit lumped bulk: M v+ = M v + k (F - K u), u+ = u + h v+ (central differences; velocities live at the middle of the steps,
+// k = (previous h + h)/2, so the first step kicks for half a step).
+#include "bulk/elastic_forces.hpp"
+#include "model/state.hpp"
+#include "stepper/free_motion.hpp"
+#include "stepper/step_report.hpp"
+
+namespace knap {
+
+class ExplicitBulk {
+public:
+    explicit ExplicitBulk(const Model& model);
+
+    /// Forces of the bulk and of the loads at begin.time.
+    void free_motion(const State& begin, double h, FreeMotion& free) const;
+
+    /// What the loads did in the step: their work, and their share in the energies that `report` has with all forces.
+    void account_loads(const State& begin, const State& end, const FreeMotion& free, StepReport& report) const;
+
+    double stable_step() const { return stable_step_; }  // [s] of the worst free triangle
+
+private:
+    const std::vector<double>& amplitudes(double time) const;  // of every history
+
+    const Model& model_;
+    mutable std::vector<double> amplitude_;
+    ElasticForces forces_;
+    double stable_step_;
+};
+
+}  // namespace knap

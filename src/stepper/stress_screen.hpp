@@ -1,0 +1,18 @@
+#pragma once
+// Which fans surely stay in one piece, by the stress of their triangles alone.
+//
+// With |sigma|_F <= s in all its triangles, a fan that moves as one has reactions R_j = sum_i a_ji f_i (walk of the chain and least-norm
+// circulation), |f_i| <= s l_i t/2, l_i the edge opposite to the vertex. A point holds every reaction up to
+// S sigma_c min(1, (gamma + mu)/sqrt(1 + mu^2)): the distance of its strength polygon from the origin. So the fan holds if
+//     s <= min_j  S_j rho_j / sum_i |a_ji| l_i t/2.
+#include "model/model.hpp"
+
+#include <vector>
+
+namespace knap {
+
+/// [Pa^2] per fan: no test is needed while |sigma|_F^2 stays at or below. Infinite for a fan that cannot break, negative (always test)
+/// for one that is split from the start, loaded, or driven.
+std::vector<double> screen_thresholds(const Model& model);
+
+}  // namespace knap
