@@ -21,7 +21,7 @@ enum class PointStatus : std::uint8_t {
 
 struct Frame {
     double time = 0;  // [s]
-    double length_scale = 1;  // [m] diagonal of the body
+    double length_scale = 1;  // [m] diagonal of the reference body
 
     // bulk: triangle t owns corners 3t, 3t+1, 3t+2
     std::vector<Vec2> position;      // [m] per corner, reference
@@ -44,6 +44,9 @@ struct Frame {
 
 Frame make_frame(const Model& model, const State& state);
 
+/// Diagonal [m] of the box round some points.
+double diagonal(const std::vector<Vec2>& points);
+
 /// Largest principal stress [Pa] of (xx, yy, xy).
 double largest_principal(const Eigen::Vector3d& stress);
 
@@ -53,6 +56,7 @@ struct History {
     std::vector<std::vector<double>> rows;
     /// Throws std::out_of_range for an unknown name.
     std::vector<double> column(const std::string& name) const;
+    bool has(const std::string& name) const;
 };
 
 }  // namespace knap

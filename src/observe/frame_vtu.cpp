@@ -1,0 +1,212 @@
+#include "observe/frame_vtu.hpp"
+
+#include "base/error.hpp"
+
+#include <vtkCallbackCommand.h>
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkDoubleArray.h>
+#include <vtkErrorCode.h>
+#include <vtkFieldData.h>
+#include <vtkFloatArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkTypeInt32Array.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLUnstructuredGridReader.h>
+#include <vtkXMLUnstructuredGridWriter.h>
+
+namespace knap {
+
+namespace {
+
+using std::filesystem::path;
+
+/// An array of `n` tuples whose entry (i, j) is value(i, j).
+template <class Array, class Value>
+vtkNew<Array> filled(const char* name, Index n, int n_components, Value value) {
+    vtkNew<Array> array;
+    array->SetName(name);
+    array->SetNumberOfComponents(n_components);
+    array->SetNumberOfTuples(n);
+    auto* out = array->GetPointer(0);
+    for (Index i = 0; i < n; ++i)
+        for (int j = 0; j < n_components; ++j) *out++ = static_cast<typename Array::ValueType>(value(i, j));
+    return array;
+}
+
+/// VTK's vectors have three components.
+auto in_plane(const std::vector<Vec2>& values) {
+    return [&](Index i, int j) { return j < 2 ? values[i][j] : 0.0; };
+}
+
+Index count(const std::vector<Vec2>& values) { return static_cast<Index>(values.size()); }
+
+/// Points, and cells of `n_ends` consecutive points each.
+void set_geometry(vtkUnstructuredGrid* grid, const std::vector<Vec2>& position, int cell_type, Index n_ends) {
+    const Index n_points = count(position), n_cells = n_points / n_ends;
+    vtkNew<vtkPoints> points;
+    points->SetData(filled<vtkDoubleArray>("Points", n_points, 3, in_plane(position)));
+    grid->SetPoints(points);
+    vtkNew<vtkCellArray> cells;
+    cells->SetData(filled<vtkTypeInt32Array>("offsets", n_cells + 1, 1, [&](Index i, int) { return n_ends * i; }),
+                   filled<vtkTypeInt32Array>("connectivity", n_points, 1, [](Index i, int) { return i; }));
+    grid->SetCells(cell_type, cells);
+}
+
+void ignore(vtkObject*, unsigned long, void*, void*) {}
+
+/// VTK prints its errors; ours are thrown.
+void keep_quiet(vtkObject* object) {
+    vtkNew<vtkCallbackCommand> silence;
+    silence->SetCallback(ignore);
+    object->AddObserver(vtkCommand::ErrorEvent, silence);
+}
+
+void write(vtkUnstructuredGrid* grid, double time, const path& file) {
+    vtkNew<vtkDoubleArray> time_value;  // the name that ParaView looks for
+    time_value->SetName("TimeValue");
+    time_value->InsertNextValue(time);
+    grid->GetFieldData()->AddArray(time_value);
+    vtkNew<vtkXMLUnstructuredGridWriter> writer;
+    keep_quiet(writer);
+    writer->SetFileName(file.string().c_str());
+    writer->SetInputData(grid);
+    writer->SetDataModeToAppended();
+    writer->EncodeAppendedDataOff();
+    writer->SetCompressorTypeToLZ4();
+    if (writer->Write() == 0 || writer->GetErrorCode() != vtkErrorCode::NoError)
+        throw SimulationError("cannot write " + file.string() + ": " + vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
+}
+
+vtkNew<vtkXMLUnstructuredGridReader> opened(const path& file) {
+    vtkNew<vtkXMLUnstructuredGridReader> reader;
+    if (!std::filesystem::is_regular_file(file)) throw SimulationError("cannot read " + file.string());
+    keep_quiet(reader);
+    reader->SetFileName(file.string().c_str());
+    reader->Update();
+    if (reader->GetErrorCode() != vtkErrorCode::NoError) throw SimulationError("cannot read " + file.string());
+    return reader;
+}
+
+/// The entries of one array, checked for presence and shape.
+class Values {
+public:
+    Values(vtkFieldData* data, const char* name, int n_components, const path& file) : array_(data->GetArray(name)) {
+        if (!array_ || array_->GetNumberOfComponents() != n_components)
+            throw SimulationError(file.string() + " has no array `" + name + "` of " + std::to_string(n_components) + " components");
+    }
+    Index size() const { return static_cast<Index>(array_->GetNumberOfTuples()); }
+    double operator()(Index i, int j = 0) const { return array_->GetComponent(i, j); }
+    Vec2 vector(Index i) const { return {(*this)(i, 0), (*this)(i, 1)}; }
+
+private:
+    vtkDataArray* array_;
+};
+
+std::vector<Vec2> vectors(const Values& values) {
+    std::vector<Vec2> out(values.size());
+    for (Index i = 0; i < values.size(); ++i) out[i] = values.vector(i);
+    return out;
+}
+
+std::vector<Vec2> positions(vtkUnstructuredGrid* grid) {
+    std::vector<Vec2> out(grid->GetNumberOfPoints());
+    double x[3];
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        grid->GetPoint(static_cast<vtkIdType>(i), x);
+        out[i] = {x[0], x[1]};
+    }
+    return out;
+}
+
+std::vector<double> numbers(const Values& values) {
+    std::vector<double> out(values.size());
+    for (Index i = 0; i < values.size(); ++i) out[i] = values(i);
+    return out;
+}
+
+/// Mean displacement of the two sides, so that the interfaces can be warped like the body.
+Vec2 mean_displacement(const Frame& frame, Index point) {
+    const Index a = frame.side_a[point / 2][point % 2], b = frame.side_b[point / 2][point % 2];
+    const Vec2 u_a = a < 0 ? frame.displacement[b] : frame.displacement[a];
+    const Vec2 u_b = b < 0 ? frame.displacement[a] : frame.displacement[b];
+    return 0.5 * (u_a + u_b);
+}
+
+}  // namespace
+
+void write_bulk(const Frame& frame, const path& file) {
+    const Index n_corners = count(frame.position), n = frame.n_triangles();
+    vtkNew<vtkUnstructuredGrid> grid;
+    set_geometry(grid, frame.position, VTK_TRIANGLE, 3);
+    grid->GetPointData()->AddArray(filled<vtkFloatArray>("displacement", n_corners, 3, in_plane(frame.displacement)));
+    grid->GetPointData()->AddArray(filled<vtkFloatArray>("velocity", n_corners, 3, in_plane(frame.velocity)));
+    vtkNew<vtkFloatArray> stress = filled<vtkFloatArray>("stress", n, 3, [&](Index t, int j) { return frame.stress[t][j]; });
+    const char* names[] = {"xx", "yy", "xy"};
+    for (int j = 0; j < 3; ++j) stress->SetComponentName(j, names[j]);
+    grid->GetCellData()->AddArray(stress);
+    grid->GetCellData()->AddArray(
+        filled<vtkFloatArray>("principal_stress", n, 1, [&](Index t, int) { return largest_principal(frame.stress[t]); }));
+    grid->GetCellData()->AddArray(filled<vtkTypeInt32Array>("region", n, 1, [&](Index t, int) { return frame.region[t]; }));
+    write(grid, frame.time, file);
+}
+
+void write_interfaces(const Frame& frame, const path& file) {
+    const Index n = 2 * frame.n_interfaces();
+    vtkNew<vtkUnstructuredGrid> grid;
+    set_geometry(grid, frame.end_position, VTK_LINE, 2);
+    vtkPointData* data = grid->GetPointData();
+    data->AddArray(filled<vtkFloatArray>("beta", n, 1, [&](Index p, int) { return frame.cohesion[p]; }));
+    data->AddArray(filled<vtkFloatArray>("opening", n, 1, [&](Index p, int) { return frame.opening[p]; }));
+    data->AddArray(filled<vtkFloatArray>("slip", n, 1, [&](Index p, int) { return frame.slip[p]; }));
+    data->AddArray(filled<vtkFloatArray>("traction", n, 2, [&](Index p, int j) { return frame.traction[p][j]; }));
+    data->AddArray(filled<vtkUnsignedCharArray>("status", n, 1, [&](Index p, int) { return frame.status[p]; }));
+    data->AddArray(filled<vtkTypeInt32Array>("sides", n, 2, [&](Index p, int j) { return (j == 0 ? frame.side_a : frame.side_b)[p / 2][p % 2]; }));
+    data->AddArray(filled<vtkFloatArray>("displacement", n, 3, [&](Index p, int j) { return j < 2 ? mean_displacement(frame, p)[j] : 0.0; }));
+    write(grid, frame.time, file);
+}
+
+void read_bulk(const path& file, Frame& frame) {
+    const auto reader = opened(file);
+    vtkUnstructuredGrid* grid = reader->GetOutput();
+    const Values time(grid->GetFieldData(), "TimeValue", 1, file);
+    if (time.size() == 0) throw SimulationError(file.string() + " has no time");
+    const Values stress(grid->GetCellData(), "stress", 3, file), region(grid->GetCellData(), "region", 1, file);
+    frame.time = time(0);
+    frame.position = positions(grid);
+    frame.length_scale = diagonal(frame.position);
+    frame.displacement = vectors({grid->GetPointData(), "displacement", 3, file});
+    frame.velocity = vectors({grid->GetPointData(), "velocity", 3, file});
+    frame.stress.resize(stress.size());
+    frame.region.resize(region.size());
+    for (Index t = 0; t < stress.size(); ++t) {
+        frame.stress[t] = {stress(t, 0), stress(t, 1), stress(t, 2)};
+        frame.region[t] = static_cast<std::int32_t>(region(t));
+    }
+}
+
+void read_interfaces(const path& file, Frame& frame) {
+    const auto reader = opened(file);
+    vtkUnstructuredGrid* grid = reader->GetOutput();
+    vtkPointData* data = grid->GetPointData();
+    const Values status(data, "status", 1, file), sides(data, "sides", 2, file);
+    const Index n_points = status.size();
+    frame.end_position = positions(grid);
+    frame.cohesion = numbers({data, "beta", 1, file});
+    frame.opening = numbers({data, "opening", 1, file});
+    frame.slip = numbers({data, "slip", 1, file});
+    frame.traction = vectors({data, "traction", 2, file});
+    frame.status.resize(n_points);
+    frame.side_a.resize(n_points / 2);
+    frame.side_b.resize(n_points / 2);
+    for (Index p = 0; p < n_points; ++p) {
+        frame.status[p] = static_cast<PointStatus>(status(p));
+        frame.side_a[p / 2][p % 2] = static_cast<Index>(sides(p, 0));
+        frame.side_b[p / 2][p % 2] = static_cast<Index>(sides(p, 1));
+    }
+}
+
+}  // namespace knap

@@ -1,0 +1,18 @@
+#pragma once
+// A Frame as two VTK files: the triangles (corner-owned points) and the interfaces (line cells), and back.
+#include "observe/frame.hpp"
+
+#include <filesystem>
+
+namespace knap {
+
+/// Appended raw data with LZ4; what is computed with is float64 (positions), what is looked at is float32.
+/// Throws SimulationError naming the path.
+void write_bulk(const Frame& frame, const std::filesystem::path& path);
+void write_interfaces(const Frame& frame, const std::filesystem::path& path);
+
+/// Throws SimulationError naming the path.
+void read_bulk(const std::filesystem::path& path, Frame& frame);
+void read_interfaces(const std::filesystem::path& path, Frame& frame);
+
+}  // namespace knap

@@ -1,0 +1,79 @@
+#include "observe/history_csv.hpp"
+
+#include "base/error.hpp"
+
+#include <charconv>
+#include <fstream>
+#include <string_view>
+
+namespace knap {
+
+namespace {
+
+std::string shortest(double value) {
+    char text[32];
+    const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+    return {text, end};
+}
+
+std::vector<std::string_view> cells(std::string_view line) {
+    std::vector<std::string_view> found;
+    while (true) {
+        const std::size_t comma = line.find(',');
+        found.push_back(line.substr(0, comma));
+        if (comma == std::string_view::npos) return found;
+        line.remove_prefix(comma + 1);
+    }
+}
+
+/// The next line without its line end (either kind); false at the end of the file.
+bool next_line(std::istream& in, std::string& line) {
+    if (!std::getline(in, line)) return false;
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    return true;
+}
+
+}  // namespace
+
+std::string csv_line(const std::vector<std::string>& columns) {
+    std::string line;
+    for (const std::string& name : columns) line += (line.empty() ? "" : ",") + name;
+    return line;
+}
+
+std::string csv_line(const std::vector<double>& row) {
+    std::string line;
+    for (const double value : row) line += (line.empty() ? "" : ",") + shortest(value);
+    return line;
+}
+
+void write_csv(const History& history, const std::filesystem::path& path) {
+    std::ofstream out(path, std::ios::binary);
+    out << csv_line(history.columns) << '\n';
+    for (const auto& row : history.rows) out << csv_line(row) << '\n';
+    out.close();
+    if (!out) throw SimulationError("cannot write " + path.string());
+}
+
+History read_csv(const std::filesystem::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::string line;
+    if (!in || !next_line(in, line)) throw SimulationError("cannot read " + path.string());
+    History history;
+    for (const std::string_view name : cells(line)) history.columns.emplace_back(name);
+    while (next_line(in, line)) {
+        if (line.empty()) continue;
+        const std::string place = path.string() + ":" + std::to_string(history.rows.size() + 2);
+        auto& row = history.rows.emplace_back();
+        for (const std::string_view cell : cells(line)) {
+            double value = 0;
+            const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+            if (error != std::errc() || end != cell.data() + cell.size()) throw SimulationError(place + ": `" + std::string(cell) + "` is not a number");
+            row.push_back(value);
+        }
+        if (row.size() != history.columns.size()) throw SimulationError(place + ": a row needs " + std::to_string(history.columns.size()) + " numbers");
+    }
+    return history;
+}
+
+}  // namespace knap

@@ -1,0 +1,88 @@
+#include "observe/vtk_series.hpp"
+
+#include "base/error.hpp"
+#include "observe/frame_vtu.hpp"
+#include "observe/history_csv.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <string>
+
+namespace knap {
+
+namespace {
+
+using std::filesystem::path;
+
+std::string file_of(const char* part, std::size_t index) {
+    std::string number = std::to_string(index);
+    if (number.size() < 4) number.insert(0, 4 - number.size(), '0');
+    return "fields/" + std::string(part) + "_" + number + ".vtu";
+}
+
+std::string entry(double time, int part, const std::string& file) {
+    return "    <DataSet timestep=\"" + csv_line(std::vector<double>{time}) + "\" part=\"" + std::to_string(part) + "\" file=\"" + file + "\"/>\n";
+}
+
+void write_collection(const path& run, const std::vector<double>& times) {
+    const path whole = run / "run.pvd", partial = run / "run.pvd.part";
+    std::ofstream out(partial, std::ios::binary);
+    out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <Collection>\n";
+    for (std::size_t i = 0; i < times.size(); ++i)
+        out << entry(times[i], 0, file_of("bulk", i)) << entry(times[i], 1, file_of("interfaces", i));
+    out << "  </Collection>\n</VTKFile>\n";
+    out.close();
+    std::error_code error;
+    if (out) std::filesystem::rename(partial, whole, error);
+    if (!out || error) throw SimulationError("cannot write " + whole.string());
+}
+
+}  // namespace
+
+VtkSeries::VtkSeries(path run, double keep_until) : run_(std::move(run)) {
+    std::error_code error;
+    std::filesystem::create_directories(run_ / "fields", error);
+    if (error) throw SimulationError("cannot make " + (run_ / "fields").string() + ": " + error.message());
+    if (keep_until >= 0 && std::filesystem::exists(run_ / "run.pvd")) times_ = frame_times(run_);
+    while (!times_.empty() && times_.back() > keep_until) times_.pop_back();
+}
+
+void VtkSeries::write(const Frame& frame) {
+    write_bulk(frame, run_ / file_of("bulk", times_.size()));
+    write_interfaces(frame, run_ / file_of("interfaces", times_.size()));
+    times_.push_back(frame.time);
+    write_collection(run_, times_);
+}
+
+std::vector<double> frame_times(const path& run) {
+    const path file = run / "run.pvd";
+    std::ifstream in(file, std::ios::binary);
+    if (!in) throw SimulationError("cannot read " + file.string());
+    std::vector<double> times;
+    const std::string key = "timestep=\"";
+    for (std::string line; std::getline(in, line);) {
+        const std::size_t at = line.find(key);
+        if (at == std::string::npos || line.find("part=\"0\"") == std::string::npos) continue;
+        const char* begin = line.data() + at + key.size();
+        double time = 0;
+        if (std::from_chars(begin, line.data() + line.size(), time).ec != std::errc()) throw SimulationError(file.string() + ": a time is not a number");
+        times.push_back(time);
+    }
+    return times;
+}
+
+Frame read_frame(const path& run, std::size_t index) {
+    Frame frame;
+    read_bulk(run / file_of("bulk", index), frame);
+    read_interfaces(run / file_of("interfaces", index), frame);
+    return frame;
+}
+
+std::size_t nearest_frame(const std::vector<double>& times, double time) {
+    const auto nearer = [&](double a, double b) { return std::abs(a - time) < std::abs(b - time); };
+    return static_cast<std::size_t>(std::min_element(times.begin(), times.end(), nearer) - times.begin());
+}
+
+}  // namespace knap

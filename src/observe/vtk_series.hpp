@@ -1,0 +1,36 @@
+#pragma once
+// The frames of a run: <run>/fields/bulk_NNNN.vtu and interfaces_NNNN.vtu, listed with their times in <run>/run.pvd.
+#include "observe/frame.hpp"
+
+#include <filesystem>
+#include <limits>
+#include <vector>
+
+namespace knap {
+
+class VtkSeries {
+public:
+    /// Makes <run>/fields. Frames that are already there are kept up to the time `keep_until` (a resumed run goes on behind them).
+    explicit VtkSeries(std::filesystem::path run, double keep_until = -std::numeric_limits<double>::infinity());
+
+    /// Writes the next frame and lists it: run.pvd is whole at every moment, whatever interrupts the run.
+    /// Throws SimulationError naming the path that could not be written.
+    void write(const Frame& frame);
+
+    const std::vector<double>& times() const { return times_; }  // [s]
+
+private:
+    std::filesystem::path run_;
+    std::vector<double> times_;
+};
+
+/// Times [s] of the frames of a finished or interrupted run. Throws SimulationError when there is no run.pvd.
+std::vector<double> frame_times(const std::filesystem::path& run);
+
+/// Frame number `index` of frame_times.
+Frame read_frame(const std::filesystem::path& run, std::size_t index);
+
+/// The number of the frame nearest to `time` [s]; `times` is not empty.
+std::size_t nearest_frame(const std::vector<double>& times, double time);
+
+}  // namespace knap
