@@ -40,7 +40,12 @@ public:
     std::string part;
 };
 
-/// A closed polygon of `n` sides on a circle.
+/// A closed polygon of `n` sides on a circle, counterclockwise.
 std::vector<Vec2> circle(const Vec2& centre, double radius, int n);
+
+/// Throws ShapeError unless rings are simple polygons that do not touch each other, holes lie inside the outer ring, regions are simple
+/// polygons, and every part has a length or an area. Cracks may begin on a border, cross each other, and reach out of the body: what
+/// lies outside is cut off, and a crack with nothing inside is an error. Says nothing about mesh sizes (see triangulate).
+void check_shape(const Shape& shape);
 
 }  // namespace knap

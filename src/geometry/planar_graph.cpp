@@ -1,0 +1,175 @@
+#include "geometry/planar_graph.hpp"
+
+#include "geometry/polygon.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace knap {
+
+namespace {
+
+/// Inserts one straight piece after the other; what came before keeps its place, what comes later is bent onto it.
+class GraphBuilder {
+public:
+    GraphBuilder(PlanarGraph& graph, double tolerance) : graph_(graph), tolerance_(tolerance) {}
+
+    void insert(const Vec2& a, const Vec2& b, const GraphSegment& labels) {
+        const Index from = node_at(a), to = node_at(b);
+        std::vector<Stop> stops{{0.0, from}, {1.0, to}};
+        const Vec2 p = graph_.nodes[from], q = graph_.nodes[to];
+        split_what_crosses(p, q);
+        const Vec2 low = p.cwiseMin(q).array() - tolerance_, high = p.cwiseMax(q).array() + tolerance_;
+        for (Index n = 0; n < n_nodes(); ++n) {
+            const Vec2& r = graph_.nodes[n];
+            if (n == from || n == to || (r.array() < low.array()).any() || (r.array() > high.array()).any()) continue;
+            if (distance_to_segment(p, q, r) <= tolerance_) stops.push_back({nearest_parameter(p, q, r), n});
+        }
+        std::stable_sort(stops.begin(), stops.end(), [](const Stop& s, const Stop& t) { return s.position < t.position; });
+        for (std::size_t i = 0; i + 1 < stops.size(); ++i) connect(stops[i].node, stops[i + 1].node, labels);
+    }
+
+private:
+    struct Stop {
+        double position;  // on the piece, 0..1
+        Index node;
+    };
+
+    Index n_nodes() const { return static_cast<Index>(graph_.nodes.size()); }
+
+    /// The node at p: an old one, a new one on the segment that p lies on, or a new free one.
+    Index node_at(const Vec2& p) {
+        Index nearest = -1;
+        double nearest_distance = tolerance_;
+        for (Index n = 0; n < n_nodes(); ++n) {
+            const double distance = (graph_.nodes[n] - p).norm();
+            if (distance <= nearest_distance) nearest = n, nearest_distance = distance;
+        }
+        if (nearest >= 0) return nearest;
+        for (std::size_t s = 0; s < graph_.segments.size(); ++s) {
+            const Vec2 a = graph_.nodes[graph_.segments[s].from], b = graph_.nodes[graph_.segments[s].to];
+            if (distance_to_segment(a, b, p) <= tolerance_) return split(s, a + nearest_parameter(a, b, p) * (b - a));
+        }
+        graph_.nodes.push_back(p);
+        return n_nodes() - 1;
+    }
+
+    Index split(std::size_t s, const Vec2& p) {
+        graph_.nodes.push_back(p);
+        const Index middle = n_nodes() - 1;
+        GraphSegment second = graph_.segments[s];
+        graph_.segments[s].to = middle;
+        second.from = middle;
+        graph_.segments.push_back(second);
+        return middle;
+    }
+
+    void split_what_crosses(const Vec2& p, const Vec2& q) {
+        const std::size_t n_before = graph_.segments.size();
+        for (std::size_t s = 0; s < n_before; ++s) {
+            const Vec2 a = graph_.nodes[graph_.segments[s].from], b = graph_.nodes[graph_.segments[s].to];
+            double t;
+            if (!segments_cross(a, b, p, q, t)) continue;
+            const Vec2 crossing = a + t * (b - a);
+            if ((crossing - a).norm() > tolerance_ && (crossing - b).norm() > tolerance_) split(s, crossing);
+        }
+    }
+
+    void connect(Index from, Index to, const GraphSegment& labels) {
+        if (from == to) return;
+        for (GraphSegment& old : graph_.segments) {
+            if (!((old.from == from && old.to == to) || (old.from == to && old.to == from))) continue;
+            if (old.crack < 0) old.crack = labels.crack;
+            if (old.region < 0) old.region = labels.region;
+            return;
+        }
+        GraphSegment fresh = labels;
+        fresh.from = from;
+        fresh.to = to;
+        graph_.segments.push_back(fresh);
+    }
+
+    PlanarGraph& graph_;
+    double tolerance_;
+};
+
+/// The last region that covers p, -1 for none.
+Index region_at(const std::vector<Region>& regions, const std::vector<Box>& boxes, const Vec2& p) {
+    for (Index i = static_cast<Index>(regions.size()) - 1; i >= 0; --i)
+        if (boxes[i].contains(p) && contains(regions[i].points, p)) return i;
+    return -1;
+}
+
+/// Drops what lies outside the body, and borders that a later region covers on both sides.
+void cut_off(PlanarGraph& graph, const Shape& shape, double tolerance) {
+    std::vector<Box> boxes;
+    for (const Region& region : shape.regions) boxes.push_back(bounding_box(region.points));
+    std::erase_if(graph.segments, [&](GraphSegment& s) {
+        if (s.ring >= 0) {
+            s.crack = s.region = -1;
+            return false;
+        }
+        const Vec2 a = graph.nodes[s.from], b = graph.nodes[s.to], middle = 0.5 * (a + b);
+        if (!in_body(shape, middle)) return true;
+        if (s.region < 0) return false;
+        const Vec2 aside = 4 * tolerance * turned_left(b - a).normalized();
+        if (region_at(shape.regions, boxes, middle + aside) == region_at(shape.regions, boxes, middle - aside)) s.region = -1;
+        return s.crack < 0 && s.region < 0;
+    });
+}
+
+void drop_unused_nodes(PlanarGraph& graph) {
+    std::vector<Index> number(graph.nodes.size(), -1);
+    std::vector<Vec2> kept;
+    const auto renumber = [&](Index& node) {
+        if (number[node] < 0) {
+            number[node] = static_cast<Index>(kept.size());
+            kept.push_back(graph.nodes[node]);
+        }
+        node = number[node];
+    };
+    for (GraphSegment& s : graph.segments) {
+        renumber(s.from);
+        renumber(s.to);
+    }
+    graph.nodes = std::move(kept);
+}
+
+}  // namespace
+
+PlanarGraph planar_graph(const Shape& shape) {
+    PlanarGraph graph;
+    const double tolerance = shape_tolerance(shape);
+    GraphBuilder builder(graph, tolerance);
+    const auto insert_ring = [&](const Ring& ring, Index number) {
+        for (std::size_t i = 0; i < ring.points.size(); ++i)
+            builder.insert(ring.points[i], ring.points[(i + 1) % ring.points.size()], {.ring = number, .boundary = ring.boundary[i]});
+    };
+    insert_ring(shape.outer, 0);
+    for (std::size_t i = 0; i < shape.holes.size(); ++i) insert_ring(shape.holes[i], static_cast<Index>(i) + 1);
+    for (std::size_t i = 0; i < shape.cracks.size(); ++i) {
+        const std::vector<Vec2>& points = shape.cracks[i].points;
+        for (std::size_t k = 0; k + 1 < points.size(); ++k) builder.insert(points[k], points[k + 1], {.crack = static_cast<Index>(i)});
+    }
+    for (std::size_t i = 0; i < shape.regions.size(); ++i) {
+        const std::vector<Vec2>& points = shape.regions[i].points;
+        for (std::size_t k = 0; k < points.size(); ++k)
+            builder.insert(points[k], points[(k + 1) % points.size()], {.region = static_cast<Index>(i)});
+    }
+    cut_off(graph, shape, tolerance);
+    drop_unused_nodes(graph);
+    return graph;
+}
+
+std::string part_name(const GraphSegment& segment) {
+    if (segment.crack >= 0) return "cracks[" + std::to_string(segment.crack) + "]";
+    if (segment.region >= 0) return "regions[" + std::to_string(segment.region) + "]";
+    return segment.ring > 0 ? "holes[" + std::to_string(segment.ring - 1) + "]" : "outer";
+}
+
+bool in_body(const Shape& shape, const Vec2& p) {
+    if (!contains(shape.outer.points, p)) return false;
+    return std::none_of(shape.holes.begin(), shape.holes.end(), [&](const Ring& hole) { return contains(hole.points, p); });
+}
+
+}  // namespace knap

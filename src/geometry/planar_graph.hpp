@@ -1,0 +1,35 @@
+#pragma once
+// A shape as a planar straight-line graph: every crossing is a node, points nearer than the tolerance are one node, what lies outside
+// the body is cut off. The mesh conforms to its segments.
+#include "geometry/shape.hpp"
+
+namespace knap {
+
+struct GraphSegment {
+    Index from = -1;      // node
+    Index to = -1;        // node
+    Index ring = -1;      // 0 the outer ring, 1 + i hole i, -1 no ring
+    Index boundary = -1;  // index into Shape::boundary_names, on rings only
+    Index crack = -1;     // first crack that runs along it, -1 none
+    Index region = -1;    // first region whose border it is, -1 none
+};
+
+struct PlanarGraph {
+    std::vector<Vec2> nodes;  // [m]
+    std::vector<GraphSegment> segments;
+};
+
+/// Points of a shape nearer than this are the same point [m].
+double shape_tolerance(const Shape& shape);
+
+/// For a shape whose rings were checked. The end of a crack or region border within the tolerance of a ring, or of a crack or border
+/// before it, is moved onto it.
+PlanarGraph planar_graph(const Shape& shape);
+
+/// The name of the last-declared part that a segment belongs to: "cracks[1]", "regions[0]", "holes[2]" or "outer".
+std::string part_name(const GraphSegment& segment);
+
+/// True in the outer ring and in no hole.
+bool in_body(const Shape& shape, const Vec2& p);
+
+}  // namespace knap
