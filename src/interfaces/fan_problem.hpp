@@ -35,6 +35,7 @@ struct FanLink {
     bool unbreakable;       // sticks for ever
     double contact = 0;     // [N s] result: p
     double tangential = 0;  // [N s] result: P_T
+    Vec2 impulse = Vec2::Zero();  // [N s] result: P, on the body after
     bool stuck = false;     // result: no relative velocity was found necessary
 };
 

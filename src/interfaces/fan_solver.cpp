@@ -56,9 +56,12 @@ void FanSolver::set_state(Index i, bool closed, int tangential_state) {
 
 void FanSolver::guess(const FanProblem& problem) {
     links_.resize(problem.links.size());
+    const auto prescribed = [&](Index body, int k) { return body < 0 || problem.bodies[body].inverse_mass[k] == 0; };
+    const auto free_velocity = [&](Index body) -> Vec2 { return body < 0 ? Vec2::Zero() : problem.bodies[body].free_velocity; };
     for (Index i = 0; i < n_links(problem); ++i) {
         const FanLink& link = problem.links[i];
         const Vec2 relative = problem.velocity_before(link.after) - problem.velocity_before(link.before);
+        links_[i].imposed = false;
         if (link.unbreakable) {
             links_[i].closed = true;
             links_[i].tangential = {.stick = true, .velocity = 0, .low = 0, .high = 0};
@@ -66,8 +69,17 @@ void FanSolver::guess(const FanProblem& problem) {
         }
         links_[i].law = LinkLaw(link, relative, problem.drift_time, speed_tolerance_);
         const LinkLaw& law = links_[i].law;
-        const bool closed = law.may_touch() && link.normal.dot(relative) <= law.bound() + speed_tolerance_;
-        set_state(i, closed, law.state_of(closed, turned_left(link.normal).dot(relative), speed_tolerance_));
+        // what is prescribed on both sides is known beforehand, all else is guessed to go on as before
+        Vec2 expected = relative;
+        int n_imposed = 0;
+        for (int k = 0; k < 2; ++k) {
+            if (!prescribed(link.before, k) || !prescribed(link.after, k)) continue;
+            expected[k] = free_velocity(link.after)[k] - free_velocity(link.before)[k];
+            ++n_imposed;
+        }
+        links_[i].imposed = n_imposed == 2;
+        const bool closed = law.may_touch() && link.normal.dot(expected) <= law.bound() + speed_tolerance_;
+        set_state(i, closed, law.state_of(closed, turned_left(link.normal).dot(expected), speed_tolerance_));
     }
 }
 
@@ -288,7 +300,7 @@ int FanSolver::correct_states(const FanProblem& problem, bool only_worst) {
     const double impulse_unit = impulse_scale_ + impulse_tolerance_, speed_unit = speed_scale_ + speed_tolerance_;
     for (Index i = 0; i < n_links(problem); ++i) {
         const FanLink& link = problem.links[i];
-        if (link.unbreakable) continue;
+        if (link.unbreakable || links_[i].imposed) continue;
         LinkState& here = links_[i];
         const Vec2 relative = velocity_of(link.after) - velocity_of(link.before);
         const double v_N = link.normal.dot(relative), v_T = turned_left(link.normal).dot(relative);
@@ -411,6 +423,7 @@ void FanSolver::store(FanProblem& problem) const {
         FanLink& link = problem.links[i];
         link.contact = links_[i].closed && !link.unbreakable ? std::max(0.0, link.normal.dot(links_[i].impulse) + link.cohesive) : 0;
         link.tangential = turned_left(link.normal).dot(links_[i].impulse);
+        link.impulse = links_[i].impulse;
         link.stuck = links_[i].sticks();
     }
 }

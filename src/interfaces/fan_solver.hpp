@@ -35,6 +35,7 @@ private:
     struct LinkState {
         LinkLaw law;
         bool closed = false;
+        bool imposed = false;  // both sides fully prescribed: nothing to decide
         int tangential_state = 0;
         TangentialLaw tangential;
         bool sticks() const { return closed && tangential.stick; }

@@ -205,11 +205,9 @@ void ExplicitBeta::advance_fan(Index rank, const State& begin, const FreeMotion&
         report.strain -= 0.5 * force.dot(end.displacement[to]);
         report.step_change_work -= 0.25 * (free.drift_time - begin.last_step) * force.dot(velocity - before);
         report.largest_speed = std::max(report.largest_speed, velocity.squaredNorm());
-        for (int k = 0; k < 2; ++k) {  // the reaction of a prescribed motion, up to impulses between its own corners
-            if (problem.bodies[i].inverse_mass[k] > 0) continue;
-            const double reaction = mass * (velocity[k] - before[k]) - free.kick_time * force[k];
-            report.external_work += 0.5 * reaction * (velocity[k] + before[k]);
-        }
+        for (int k = 0; k < 2; ++k)  // the reaction of a prescribed motion works; the impulses of the links are taken off below
+            if (problem.bodies[i].inverse_mass[k] == 0)
+                report.external_work += 0.5 * (mass * (velocity[k] - before[k]) - free.kick_time * force[k]) * (velocity[k] + before[k]);
     }
 
     const double speed_tolerance = 1e-12 * std::sqrt(report.largest_speed);
@@ -220,6 +218,13 @@ void ExplicitBeta::advance_fan(Index rank, const State& begin, const FreeMotion&
         const Vec2 n = link.normal, t = turned_left(n);
         const Vec2 before = problem.velocity_before(link.after) - problem.velocity_before(link.before);
         const Vec2 after = problem.velocity_after(link.after) - problem.velocity_after(link.before);
+        for (int k = 0; k < 2; ++k) {
+            const auto driven = [&](Index body) { return body >= 0 && problem.bodies[body].inverse_mass[k] == 0; };
+            const double mean_after = 0.5 * (problem.velocity_before(link.after)[k] + problem.velocity_after(link.after)[k]);
+            const double mean_before = 0.5 * (problem.velocity_before(link.before)[k] + problem.velocity_after(link.before)[k]);
+            if (driven(link.after)) report.external_work -= link.impulse[k] * mean_after;
+            if (driven(link.before)) report.external_work += link.impulse[k] * mean_before;
+        }
         const double mean_N = 0.5 * n.dot(before + after), mean_T = 0.5 * t.dot(before + after);
         PointState& state = end.points[end.first_point[rank] + i];
         const double S = point.area;

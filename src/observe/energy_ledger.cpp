@@ -1,0 +1,57 @@
+#include "observe/energy_ledger.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace knap {
+
+EnergyLedger::EnergyLedger(const Model& model, const State& start) {
+    for (Index c = 0; c < model.mesh.n_corners(); ++c)
+        row_.kinetic += 0.5 * model.corner_mass[c] * start.velocity[start.node_of_corner[c]].squaredNorm();
+    row_.time = start.time;
+    start_energy_ = largest_energy_ = row_.kinetic;
+    mass_ = std::accumulate(model.corner_mass.begin(), model.corner_mass.end(), 0.0);
+}
+
+void EnergyLedger::add(const State& end, const StepReport& report) {
+    row_.time = end.time;
+    row_.kinetic = report.kinetic;
+    row_.strain = report.strain;
+    row_.surface = report.surface;
+    row_.external_work += report.external_work;
+    row_.cohesive_work += report.cohesive_work;
+    row_.friction_work += report.friction_work;
+    row_.impact_work += report.impact_work;
+    row_.step_change_work += report.step_change_work;
+    const double given = row_.external_work - row_.cohesive_work + row_.friction_work + row_.impact_work + row_.step_change_work;
+    row_.residual = row_.kinetic + row_.strain - start_energy_ - given;
+    row_.law_lag = row_.cohesive_work - row_.surface;
+    largest_energy_ = std::max({largest_energy_, row_.kinetic, row_.strain, std::abs(row_.external_work), row_.surface});
+    largest_residual_ = std::max(largest_residual_, std::abs(row_.residual));
+    largest_law_lag_ = std::max(largest_law_lag_, std::abs(row_.law_lag));
+
+    StepReport extremes = report;
+    extremes.largest_speed = std::max(worst_.largest_speed, report.largest_speed);
+    worst_ += extremes;
+}
+
+std::vector<Gate> EnergyLedger::gates(double largest_delta_c, double length) const {
+    const double scale = largest_energy_ > 0 ? largest_energy_ : 1;
+    std::vector<Gate> gates;
+    const auto at_most = [&](const std::string& name, double value, double limit, const std::string& meaning) {
+        gates.push_back({name, value, limit, value <= limit, meaning});
+    };
+    at_most("energy_residual", largest_residual_ / scale, 1e-10, "error of the discrete energy identity over the largest energy");
+    at_most("impact_work", worst_.worst_impact_work / scale, 1e-14, "largest work of one impact in one step over the largest energy; a positive one injects energy");
+    at_most("friction_work", worst_.worst_friction_work / scale, 1e-14, "largest work of one sliding point in one step over the largest energy; a positive one injects energy");
+    at_most("cohesion_growth", worst_.largest_beta_growth, 0, "largest growth of the cohesion; it never heals");
+    at_most("interface_residual", worst_.residual, 1e-10, "worst violation of the interface laws, scaled");
+    // no point can be faster than if all energy that ever was in the body sat in a mass as small as its parts allow; the mean is the scale
+    const double speed = std::sqrt(2 * scale / mass_);
+    at_most("largest_speed", worst_.largest_speed, 100 * speed, "[m/s] against 100 times the speed that all energy gives the whole mass");
+    at_most("penetration", worst_.penetration, std::max(largest_delta_c, 1e-3 * length), "[m] against the critical opening, or a thousandth of the body");
+    return gates;
+}
+
+}  // namespace knap

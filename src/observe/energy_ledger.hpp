@@ -1,0 +1,53 @@
+#pragma once
+// The energy books of a run and the gates it must pass (formulation: energy ledger).
+//
+//     kinetic + strain - (start) = external - cohesive + impact + friction      to rounding: the identity of the discrete scheme
+//     law lag = cohesive work - (Psi of the state)                              what the explicit cohesion costs; falls with h
+//
+// Kinetic and strain energy are those of the leapfrog: 1/2 v' M v at the middle of the step, 1/2 u_n' K u_{n+1}.
+#include "model/state.hpp"
+#include "stepper/step_report.hpp"
+
+#include <string>
+#include <vector>
+
+namespace knap {
+
+/// Energies and cumulated works [J].
+struct EnergyRow {
+    double time = 0;
+    double kinetic = 0, strain = 0, surface = 0;
+    double external_work = 0, cohesive_work = 0, friction_work = 0, impact_work = 0, step_change_work = 0;
+    double residual = 0;  // of the identity
+    double law_lag = 0;
+};
+
+struct Gate {
+    std::string name;
+    double value, limit;
+    bool pass;
+    std::string meaning;
+};
+
+class EnergyLedger {
+public:
+    EnergyLedger(const Model& model, const State& start);
+
+    void add(const State& end, const StepReport& report);
+
+    const EnergyRow& row() const { return row_; }
+    const StepReport& worst() const { return worst_; }  // extremes and counts over all steps
+    double largest_energy() const { return largest_energy_; }
+    double largest_residual() const { return largest_residual_; }  // [J] over all steps
+    double largest_law_lag() const { return largest_law_lag_; }    // [J] over all steps
+
+    /// The universal gates of a run; speeds and lengths are judged by what the loads and the law can give.
+    std::vector<Gate> gates(double largest_delta_c, double length) const;
+
+private:
+    double start_energy_, largest_energy_, largest_residual_ = 0, largest_law_lag_ = 0, mass_;
+    EnergyRow row_;
+    StepReport worst_;
+};
+
+}  // namespace knap
