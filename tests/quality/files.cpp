@@ -1,0 +1,99 @@
+// Habits of the files themselves.
+#include "source_tree.hpp"
+
+#include <doctest/doctest.h>
+
+using source_tree::File;
+
+TEST_CASE("files in src are short") {
+    std::size_t n_files = 0, total = 0;
+    for (const File& file : source_tree::files_below("src")) {
+        if (!file.is_cpp()) continue;
+        CHECK_MESSAGE(file.lines.size() <= 400, file.path, " has ", file.lines.size(), " lines");
+        ++n_files;
+        total += file.lines.size();
+    }
+    REQUIRE(n_files > 10);
+    CHECK(total / n_files < 250);  // mean
+}
+
+TEST_CASE("no tabs and no spaces at the end of a line") {
+    for (const File& file : source_tree::all_files()) {
+        if (!file.is_cpp()) continue;
+        for (std::size_t i = 0; i < file.lines.size(); ++i) {
+            const std::string& line = file.lines[i];
+            const bool is_clean = line.find('\t') == std::string::npos && (line.empty() || line.back() != ' ');
+            CHECK_MESSAGE(is_clean, file.path, ":", i + 1);
+        }
+    }
+}
+
+TEST_CASE("lines fit the screen") {
+    for (const File& file : source_tree::all_files()) {
+        if (!file.is_cpp()) continue;
+        // in columns, not bytes; the formatter breaks at 140, tables and long strings may pass it a little
+        const auto columns = [](const std::string& l) {
+            return std::count_if(l.begin(), l.end(), [](char c) { return (c & 0xC0) != 0x80; });
+        };
+        const auto n_wide = std::count_if(file.lines.begin(), file.lines.end(), [&](const std::string& l) { return columns(l) > 180; });
+        CHECK_MESSAGE(n_wide == 0, file.path, " has ", n_wide, " lines of more than 180 columns");
+    }
+}
+
+TEST_CASE("every header has pragma once in its first line") {
+    std::size_t n_headers = 0;
+    for (const char* folder : {"src", "tests"}) {
+        for (const File& file : source_tree::files_below(folder)) {
+            if (!file.has_extension(".hpp")) continue;
+            ++n_headers;
+            CHECK_MESSAGE((!file.lines.empty() && file.lines.front() == "#pragma once"), file.path);
+        }
+    }
+    CHECK(n_headers > 10);
+}
+
+TEST_CASE("no path of a machine") {
+    // put together here so that this file does not find itself
+    const std::vector<std::string> starts{
+        "/"
+        "home/",
+        "/"
+        "root/",
+        "/"
+        "work/",
+        "/"
+        "tmp/",
+        "/"
+        "mnt/",
+        "/"
+        "Users/"};
+    for (const File& file : source_tree::all_files()) {
+        for (std::size_t i = 0; i < file.lines.size(); ++i) {
+            for (const std::string& start : starts) {
+                CHECK_MESSAGE(file.lines[i].find(start) == std::string::npos, file.path, ":", i + 1, " names ", start);
+            }
+        }
+    }
+}
+
+TEST_CASE("tools are executable and stop at the first error") {
+    namespace fs = std::filesystem;
+    for (const char* name : {"tools/run", "tools/test", "tools/setup", ".ci/run"}) {
+        CAPTURE(name);
+        const fs::path path = source_tree::root() / name;
+        REQUIRE(fs::exists(path));
+        CHECK((fs::status(path).permissions() & fs::perms::owner_exec) != fs::perms::none);
+        const File script = source_tree::read(path);
+        CHECK(std::find(script.lines.begin(), script.lines.end(), "set -euo pipefail") != script.lines.end());
+    }
+}
+
+TEST_CASE("every third-party package has its page") {
+    const File index = source_tree::read(source_tree::root() / "third_party_notes" / "README.md");
+    for (const char* name : {"eigen", "cgal", "vtk", "cli11", "tomlplusplus", "doctest", "cairo", "openmp", "dejavu"}) {
+        const std::string page = std::string(name) + ".md";
+        CAPTURE(page);
+        CHECK(std::filesystem::exists(source_tree::root() / "third_party_notes" / page));
+        CHECK(std::any_of(index.lines.begin(), index.lines.end(), [&](const std::string& l) { return l.find(page) != std::string::npos; }));
+    }
+}

@@ -1,0 +1,95 @@
+// Includes point down, and third-party headers stay behind their walls.
+#include "source_tree.hpp"
+
+#include <doctest/doctest.h>
+
+#include <map>
+#include <regex>
+
+using source_tree::File;
+
+namespace {
+
+const std::map<std::string, int> floor_of{{"base", 0},  {"geometry", 1}, {"material", 1}, {"lcp", 1},      {"bulk", 2}, {"interfaces", 2},
+                                          {"model", 3}, {"stepper", 4},  {"observe", 5},  {"scenario", 6}, {"app", 7}};
+
+/// What a file includes in quotes or brackets, as written.
+std::vector<std::string> includes(const File& file, char open) {
+    static const std::regex pattern(R"(^\s*#\s*include\s*([<"])([^>"]+)[>"])");
+    std::vector<std::string> found;
+    std::smatch match;
+    for (const std::string& line : file.lines) {
+        if (std::regex_search(line, match, pattern) && match[1].str()[0] == open) found.push_back(match[2]);
+    }
+    return found;
+}
+
+std::string first_folder(const std::string& path) { return path.substr(0, path.find('/')); }
+
+/// The folder of a file in src; "" for src/main.cpp.
+std::string room(const File& file) {
+    const std::string below = file.path.substr(std::string("src/").size());
+    return below.find('/') == std::string::npos ? "" : first_folder(below);
+}
+
+bool starts_with_any(const std::string& text, const std::vector<std::string>& starts) {
+    return std::any_of(starts.begin(), starts.end(), [&](const std::string& s) { return text.starts_with(s); });
+}
+
+/// Files of src that include a header whose name starts with one of these.
+std::set<std::string> users_of(const std::vector<std::string>& starts) {
+    std::set<std::string> users;
+    for (const File& file : source_tree::files_below("src")) {
+        for (const std::string& header : includes(file, '<')) {
+            if (starts_with_any(header, starts)) users.insert(file.path);
+        }
+    }
+    return users;
+}
+
+}  // namespace
+
+TEST_CASE("a file includes its own folder and lower floors only") {
+    int n_includes = 0;
+    for (const File& file : source_tree::files_below("src")) {
+        if (!file.is_cpp() || room(file).empty()) continue;
+        const std::string own = room(file);
+        CAPTURE(file.path);
+        REQUIRE_MESSAGE(floor_of.contains(own), "folder without a floor: ", own);
+        for (const std::string& header : includes(file, '"')) {
+            CAPTURE(header);
+            const std::string other = first_folder(header);
+            REQUIRE_MESSAGE(floor_of.contains(other), "write it as \"folder/file.hpp\"");
+            CHECK((other == own || floor_of.at(other) < floor_of.at(own)));
+            CHECK(std::filesystem::exists(source_tree::root() / "src" / header));
+            ++n_includes;
+        }
+    }
+    CHECK(n_includes > 20);
+}
+
+TEST_CASE("main includes only the app and errors") {
+    const std::filesystem::path main = source_tree::root() / "src" / "main.cpp";
+    if (!std::filesystem::exists(main)) return;
+    for (const std::string& header : includes(source_tree::read(main), '"')) {
+        CAPTURE(header);
+        CHECK((header.starts_with("app/") || header.starts_with("base/")));
+    }
+}
+
+TEST_CASE("CGAL and toml++ are each behind one file") {
+    const std::map<std::string, std::set<std::string>> users{{"src/geometry/", users_of({"CGAL/"})},
+                                                             {"src/scenario/", users_of({"toml++/", "toml.hpp"})}};
+    for (const auto& [folder, files] : users) {
+        CHECK(files.size() <= 1);
+        for (const std::string& file : files) CHECK_MESSAGE((file.starts_with(folder) && file.ends_with(".cpp")), file);
+    }
+}
+
+TEST_CASE("CLI11 is in app only") {
+    for (const std::string& user : users_of({"CLI/", "CLI11"})) CHECK(user.starts_with("src/app/"));
+}
+
+TEST_CASE("VTK and cairo are in observe only") {
+    for (const std::string& user : users_of({"vtk", "cairo"})) CHECK(user.starts_with("src/observe/"));
+}

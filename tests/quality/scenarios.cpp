@@ -1,0 +1,64 @@
+// Scenarios are documents and tests at once.
+#include "source_tree.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstdio>
+#include <memory>
+
+using source_tree::File;
+
+namespace {
+
+const std::string program = KNAP_PROGRAM;  // empty as long as there is none
+
+std::string output_of(const std::string& command) {
+    const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
+    REQUIRE(pipe);
+    std::string text;
+    char buffer[4096];
+    for (std::size_t n; (n = fread(buffer, 1, sizeof buffer, pipe.get())) > 0;) text.append(buffer, n);
+    return text;
+}
+
+std::string text_of(const File& file) {
+    std::string text;
+    for (const std::string& line : file.lines) text += line + "\n";
+    return text;
+}
+
+std::vector<File> scenarios() {
+    std::vector<File> found;
+    for (const File& file : source_tree::files_below("scenarios")) {
+        if (file.has_extension(".toml")) found.push_back(file);
+    }
+    return found;
+}
+
+}  // namespace
+
+TEST_CASE("every scenario opens with its question and says what it expects") {
+    for (const File& scenario : scenarios()) {
+        CAPTURE(scenario.path);
+        REQUIRE(!scenario.lines.empty());
+        CHECK(scenario.lines.front().starts_with("# "));
+        CHECK(std::any_of(scenario.lines.begin(), scenario.lines.end(), [](const std::string& l) { return l.starts_with("[expect"); }));
+        CHECK(std::any_of(scenario.lines.begin(), scenario.lines.end(), [](const std::string& l) { return l.starts_with("# Source"); }));
+    }
+}
+
+TEST_CASE("every scenario is listed in the gallery") {
+    if (scenarios().empty()) return;
+    const std::string gallery = text_of(source_tree::read(source_tree::root() / "scenarios" / "README.md"));
+    for (const File& scenario : scenarios()) {
+        CHECK_MESSAGE(gallery.find(std::filesystem::path(scenario.path).filename().string()) != std::string::npos, scenario.path);
+    }
+}
+
+// scenarios/KEYS.md is `knap schema --markdown`.
+TEST_CASE("the list of scenario keys is up to date") {
+    if (program.empty()) return;
+    const std::string schema = output_of("'" + program + "' schema --markdown");
+    REQUIRE(schema.size() > 1000);
+    CHECK(text_of(source_tree::read(source_tree::root() / "scenarios" / "KEYS.md")) == schema);
+}
