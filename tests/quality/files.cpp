@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <regex>
+
 using source_tree::File;
 
 TEST_CASE("files in src are short") {
@@ -95,5 +97,17 @@ TEST_CASE("every third-party package has its page") {
         CAPTURE(page);
         CHECK(std::filesystem::exists(source_tree::root() / "third_party_notes" / page));
         CHECK(std::any_of(index.lines.begin(), index.lines.end(), [&](const std::string& l) { return l.find(page) != std::string::npos; }));
+    }
+}
+
+TEST_CASE("notes name files that exist") {
+    static const std::regex pattern("`((src|tests|tools|scenarios)/[A-Za-z0-9_./-]*)`");
+    for (const File& file : source_tree::all_files()) {
+        if (!file.has_extension(".md")) continue;
+        for (const std::string& line : file.lines) {
+            for (std::sregex_iterator m(line.begin(), line.end(), pattern), end; m != end; ++m) {
+                CHECK_MESSAGE(std::filesystem::exists(source_tree::root() / (*m)[1].str()), file.path, " names ", (*m)[1].str());
+            }
+        }
     }
 }
