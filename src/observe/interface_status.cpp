@@ -35,7 +35,8 @@ std::vector<InterfaceStatus> interface_status(const Model& model, const State& s
     std::vector<InterfaceStatus> status(model.interfaces.size(), InterfaceStatus::intact);
     std::vector<std::uint8_t> n_broken_points(model.interfaces.size(), 0);
     for (std::size_t i = 0; i < status.size(); ++i) {
-        if (model.interfaces[i].cracked) status[i] = InterfaceStatus::precrack;
+        const Interface& interface = model.interfaces[i];
+        if (interface.cracked || model.laws[interface.law].sigma_c <= 0) status[i] = InterfaceStatus::precrack;
     }
     for (std::size_t s = 0; s < state.split_fans.size(); ++s) {
         const Fan& fan = model.fans[state.split_fans[s]];
