@@ -1,0 +1,67 @@
+#include "observe/colour_bar.hpp"
+
+#include "observe/ticks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+
+namespace {
+constexpr double label_size = 11, bar_height = 9, tick = 3, point = 8;  // [unit]
+}
+
+ColourRange robust_range(std::vector<double> values, double outside, bool symmetric) {
+    std::erase_if(values, [](double v) { return !std::isfinite(v); });
+    if (values.empty()) return {};
+    std::sort(values.begin(), values.end());
+    const auto skipped = static_cast<std::size_t>(outside * static_cast<double>(values.size()));
+    double low = values[skipped], high = values[values.size() - 1 - skipped];
+    if (symmetric) {
+        high = std::max(std::abs(low), std::abs(high));
+        low = -high;
+    }
+    if (high - low <= 1e-9 * std::max(std::abs(high), std::abs(low))) {
+        const double room = high == 0 ? 1 : 0.1 * std::abs(high);
+        return {low - (low == 0 && !symmetric ? 0 : room), high + room};
+    }
+    const auto round = round_range(low, high, 8);
+    return {round[0], round[1]};
+}
+
+void draw_colour_bar(Canvas& canvas, const ColourScale& scale, const Area& area) {
+    const Area bar{area.left + point, area.top() - bar_height, area.width - 2 * point, bar_height};
+    constexpr int n = 256;
+    const double cell = bar.width / n;
+    for (int i = 0; i < n; ++i) {
+        // each cell reaches under the next one: no seams
+        const double left = bar.left + i * cell, right = std::min(left + 2 * cell, bar.right());
+        canvas.fill({{left, bar.bottom}, {right, bar.bottom}, {right, bar.top()}, {left, bar.top()}}, scale.map((i + 0.5) / n));
+    }
+    const double middle = bar.bottom + 0.5 * bar.height;
+    std::vector<Vec2> outline{{bar.left, bar.top()}, {bar.right(), bar.top()}};
+    if (scale.more_above) {
+        canvas.fill({{bar.right() - 0.3, bar.bottom}, {bar.right() + point, middle}, {bar.right() - 0.3, bar.top()}}, scale.map(1));
+        outline.push_back({bar.right() + point, middle});
+    }
+    outline.push_back({bar.right(), bar.bottom});
+    outline.push_back({bar.left, bar.bottom});
+    if (scale.more_below) {
+        canvas.fill({{bar.left + 0.3, bar.bottom}, {bar.left - point, middle}, {bar.left + 0.3, bar.top()}}, scale.map(0));
+        outline.push_back({bar.left - point, middle});
+    }
+    outline.push_back(outline.front());
+    canvas.line(outline, ink, 0.5);
+
+    const DisplayUnit unit = display_unit(std::max(std::abs(scale.low), std::abs(scale.high)), scale.unit);
+    const Ticks ticks = round_ticks(scale.low * unit.factor, scale.high * unit.factor, std::clamp(static_cast<int>(bar.width / 40), 2, 9));
+    for (std::size_t i = 0; i < ticks.at.size(); ++i) {
+        const double x = bar.left + bar.width * (ticks.at[i] / unit.factor - scale.low) / (scale.high - scale.low);
+        canvas.line({{x, bar.bottom}, {x, bar.bottom - tick}}, ink, 0.6);
+        canvas.text({x, bar.bottom - tick - 1.5}, ticks.labels[i], {.size = label_size, .across = Across::centre, .along = Along::top});
+    }
+    canvas.text({bar.left + 0.5 * bar.width, bar.bottom - tick - 14}, with_unit(scale.quantity, unit.unit),
+                {.size = label_size, .across = Across::centre, .along = Along::top});
+}
+
+}  // namespace knap

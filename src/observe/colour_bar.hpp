@@ -1,0 +1,30 @@
+#pragma once
+// From numbers to colours, and the bar that says which is which.
+#include "observe/colour_map.hpp"
+
+#include <string>
+#include <vector>
+
+namespace knap {
+
+struct ColourScale {
+    ColourMap map;
+    double low = 0, high = 1;             // SI
+    bool more_below = false, more_above = false;  // there are values beyond the ends
+    std::string quantity, unit;           // "opening", "m"; the prefix is found from the range
+
+    Colour operator()(double value) const { return map((value - low) / (high - low)); }
+};
+
+struct ColourRange {
+    double low = 0, high = 1;
+};
+
+/// Round limits that leave out at most the `outside` part of the values at either end (a crack tip's peak says little about the body);
+/// `symmetric` about zero for signed values. Values that are all equal get a range round them.
+ColourRange robust_range(std::vector<double> values, double outside, bool symmetric);
+
+/// A horizontal bar in the upper part of `area`, its numbers and name below it. Ends are pointed where there are values beyond.
+void draw_colour_bar(Canvas& canvas, const ColourScale& scale, const Area& area);
+
+}  // namespace knap

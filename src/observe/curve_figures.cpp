@@ -1,0 +1,71 @@
+// Colours: M. Okabe, K. Ito, "Color universal design" (2008), told apart by the colour-blind.
+#include "observe/curve_figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+
+namespace {
+
+constexpr Colour blue{0, 0.447, 0.698}, orange{0.902, 0.624, 0}, vermilion{0.835, 0.369, 0}, green{0, 0.62, 0.451}, purple{0.8, 0.475, 0.655},
+    sky{0.337, 0.706, 0.914}, light_grey{0.75, 0.75, 0.75};
+
+using Column = std::vector<double>;
+
+Column column_or_zero(const History& history, const std::string& name) {
+    return history.has(name) ? history.column(name) : Column(history.rows.size(), 0.0);
+}
+
+bool all_zero(const Column& values) { return std::all_of(values.begin(), values.end(), [](double v) { return v == 0; }); }
+
+Column negated(Column values) {
+    for (double& v : values) v = -v;
+    return values;
+}
+
+Column sum(const std::vector<Column>& parts) {
+    Column total(parts.front().size(), 0.0);
+    for (const Column& part : parts)
+        for (std::size_t i = 0; i < total.size(); ++i) total[i] += part[i];
+    return total;
+}
+
+}  // namespace
+
+Chart energy_chart(const History& energy) {
+    const Column time = energy.column("time"), kinetic = column_or_zero(energy, "kinetic"), strain = column_or_zero(energy, "strain"),
+                 surface = column_or_zero(energy, "surface"), friction = negated(column_or_zero(energy, "friction_work")),
+                 impact = negated(column_or_zero(energy, "impact_work")), external = column_or_zero(energy, "external_work");
+    Chart chart{.title = "Energy", .x_quantity = "time", .x_unit = "s", .y_quantity = "energy", .y_unit = "J"};
+    // the sum lies broad and pale below the dashed work of the loads: one look tells whether the balance closes
+    chart.curves.push_back({"sum of all", time, sum({kinetic, strain, surface, friction, impact}), light_grey, 4});
+    chart.curves.push_back({"external work", time, external, black, 1.4, true});
+    chart.curves.push_back({"kinetic", time, kinetic, blue});
+    chart.curves.push_back({"strain", time, strain, orange});
+    chart.curves.push_back({"surface", time, surface, vermilion});
+    if (!all_zero(friction)) chart.curves.push_back({"lost in friction", time, friction, purple});
+    if (!all_zero(impact)) chart.curves.push_back({"lost in impact", time, impact, sky});
+    return chart;
+}
+
+Chart crack_length_chart(const History& cracks) {
+    const Column time = cracks.column("time");
+    Chart chart{.title = "Crack length", .x_quantity = "time", .x_unit = "s", .y_quantity = "crack length", .y_unit = "m"};
+    const auto add = [&](const char* label, const char* name, const Colour& colour) {
+        if (cracks.has(name)) chart.curves.push_back({label, time, cracks.column(name), colour});
+    };
+    add("longest path", "length", black);
+    add("broken", "broken_length", vermilion);
+    add("damaged", "damaged_length", sky);
+    return chart;
+}
+
+Chart crack_speed_chart(const History& cracks, double rayleigh_speed) {
+    Chart chart{.title = "Crack speed", .x_quantity = "time", .x_unit = "s", .y_quantity = "speed of the fastest tip", .y_unit = "m/s"};
+    chart.curves.push_back({"speed", cracks.column("time"), cracks.column("speed"), blue, 1.4});
+    if (rayleigh_speed > 0) chart.levels = {{"0.65 c_{R}", 0.65 * rayleigh_speed}, {"c_{R}", rayleigh_speed}};
+    return chart;
+}
+
+}  // namespace knap

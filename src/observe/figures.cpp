@@ -1,0 +1,79 @@
+#include "observe/figures.hpp"
+
+#include "base/error.hpp"
+#include "observe/body_figures.hpp"
+#include "observe/curve_figures.hpp"
+#include "observe/ticks.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+
+namespace {
+
+bool among(const std::vector<std::string>& words, const std::string& word) { return std::find(words.begin(), words.end(), word) != words.end(); }
+
+std::string joined(const std::vector<std::string>& words) {
+    std::string text;
+    for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+    return text;
+}
+
+void check(const FigureOptions& options) {
+    if (!among(figure_subjects(), options.show))
+        throw UserError("figure-show", "`" + options.show + "` is nothing a figure can show", "known: " + joined(figure_subjects()));
+    if (!among(figure_colours(), options.colour))
+        throw UserError("figure-colour", "`" + options.colour + "` is nothing cracks can be coloured by", "known: " + joined(figure_colours()));
+    if (options.width < 200 || options.width > 20000)
+        throw UserError("figure-width", "a figure is 200 to 20000 pixels wide, not " + std::to_string(options.width));
+}
+
+/// With several times asked for, the one nearest to the frame's is put before the ending.
+std::filesystem::path file_name(const FigureOptions& options, double time) {
+    std::filesystem::path file = options.file;
+    if (options.at.size() < 2) return file;
+    const double asked = *std::min_element(options.at.begin(), options.at.end(),
+                                           [&](double a, double b) { return std::abs(a - time) < std::abs(b - time); });
+    return file.replace_filename(file.stem().string() + "_" + time_text(asked, true) + file.extension().string());
+}
+
+Chart chart_of(const FigureOptions& options, const History& energy, const History& cracks, const FigureContext& context) {
+    if (options.show == "energy") return energy_chart(energy);
+    if (options.show == "crack_length") return crack_length_chart(cracks);
+    return crack_speed_chart(cracks, context.rayleigh_speed);
+}
+
+}  // namespace
+
+std::vector<std::string> figure_fields() {
+    std::vector<std::string> names;
+    for (const BodyField& field : body_fields()) names.push_back(field.name);
+    return names;
+}
+
+std::vector<std::string> figure_subjects() {
+    std::vector<std::string> names{"cracks"};
+    for (const std::string& field : figure_fields()) names.push_back(field);
+    names.insert(names.end(), {"energy", "crack_length", "crack_speed"});
+    return names;
+}
+
+std::vector<std::string> figure_colours() { return {"opening", "beta"}; }
+
+bool shows_body(const std::string& subject) { return subject == "cracks" || among(figure_fields(), subject); }
+
+std::vector<std::filesystem::path> draw_figure(const FigureOptions& options, const Frame& frame, const History& energy, const History& cracks,
+                                               const FigureContext& context, const std::filesystem::path& directory) {
+    check(options);
+    const std::string title = options.title.empty() ? context.title : options.title;
+    if (shows_body(options.show)) {
+        const std::filesystem::path file = directory / file_name(options, frame.time);
+        return {(options.show == "cracks" ? draw_cracks : draw_field)(options, frame, title, file).file};
+    }
+    Chart chart = chart_of(options, energy, cracks, context);
+    if (!title.empty()) chart.title = title;
+    return {draw_chart(chart, directory / options.file, options.width).file};
+}
+
+}  // namespace knap

@@ -1,0 +1,93 @@
+#include "observe/ticks.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace knap {
+
+namespace {
+
+struct Prefix {
+    double value;
+    const char* symbol;
+};
+constexpr std::array<Prefix, 9> prefixes{{{1e12, "T"}, {1e9, "G"}, {1e6, "M"}, {1e3, "k"}, {1, ""}, {1e-3, "m"}, {1e-6, "µ"}, {1e-9, "n"}, {1e-12, "p"}}};
+
+std::string fixed(double value, int decimals) {
+    char text[64];
+    const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr;
+    return {text, end};
+}
+
+/// The smallest round number that is not below `value`.
+double round_up(double value) {
+    const double power = std::pow(10, std::floor(std::log10(value)));
+    for (const double digit : {1.0, 2.0, 2.5, 5.0})
+        if (value <= digit * power * (1 + 1e-9)) return digit * power;
+    return 10 * power;
+}
+
+int decimals_of(double step) {
+    int decimals = 0;
+    for (double scaled = step; decimals < 12 && std::abs(scaled - std::round(scaled)) > 1e-6 * scaled; scaled *= 10) ++decimals;
+    return decimals;
+}
+
+/// With a minus sign of the width of a plus sign, and no minus zero.
+std::string label(double value, int decimals) {
+    const std::string text = fixed(std::abs(value), decimals);
+    const bool zero = text.find_first_not_of("0.") == std::string::npos;
+    return value < 0 && !zero ? "−" + text : text;
+}
+
+}  // namespace
+
+DisplayUnit display_unit(double largest, const std::string& unit) {
+    if (unit.empty() || !(largest > 0)) return {1, unit};
+    for (const Prefix& prefix : prefixes) {
+        if (unit == "m/s" && prefix.value > 1) continue;
+        if (largest >= 0.9999 * prefix.value) return {1 / prefix.value, prefix.symbol + unit};
+    }
+    return {1 / prefixes.back().value, prefixes.back().symbol + unit};
+}
+
+std::string with_unit(const std::string& quantity, const std::string& unit) { return unit.empty() ? quantity : quantity + " [" + unit + "]"; }
+
+Ticks round_ticks(double low, double high, int n_most) {
+    const int n = std::max(n_most, 2);
+    const double slack = 1e-9 * (high - low);
+    Ticks ticks;
+    ticks.step = round_up((high - low) / n);
+    double first = std::ceil((low - slack) / ticks.step), last = std::floor((high + slack) / ticks.step);
+    if (last - first + 1 > n) {
+        ticks.step = round_up(1.01 * ticks.step);
+        first = std::ceil((low - slack) / ticks.step), last = std::floor((high + slack) / ticks.step);
+    }
+    for (double i = first; i <= last; ++i) {
+        ticks.at.push_back(i * ticks.step);
+        ticks.labels.push_back(label(i * ticks.step, decimals_of(ticks.step)));
+    }
+    return ticks;
+}
+
+std::vector<double> round_range(double low, double high, int n_most) {
+    const double step = round_ticks(low, high, n_most).step;
+    return {step * std::floor(low / step + 1e-9), step * std::ceil(high / step - 1e-9)};
+}
+
+std::string time_text(double seconds, bool plain) {
+    const DisplayUnit shown = display_unit(std::abs(seconds), "s");
+    const double value = seconds * shown.factor;
+    const int decimals = value == 0 ? 0 : std::clamp(3 - static_cast<int>(std::floor(std::log10(std::abs(value)))), 0, 6);
+    std::string number = fixed(value, decimals);
+    if (number.find('.') != std::string::npos) {
+        number.erase(number.find_last_not_of('0') + 1);
+        if (number.back() == '.') number.pop_back();
+    }
+    if (!plain) return number + " " + shown.unit;
+    return number + (shown.unit == "µs" ? "us" : shown.unit);
+}
+
+}  // namespace knap

@@ -1,0 +1,35 @@
+#pragma once
+// Round numbers along an axis, and units with a prefix.
+#include <string>
+#include <vector>
+
+namespace knap {
+
+/// Values are shown as value * factor, in `unit`: 3e6 Pa -> 3, "MPa".
+struct DisplayUnit {
+    double factor = 1;
+    std::string unit;
+};
+
+/// The prefix that brings `largest` to 1 .. 1000. Speeds stay in m/s where it would be km/s; a number without unit stays as it is.
+DisplayUnit display_unit(double largest, const std::string& unit);
+
+/// "crack length [mm]"
+std::string with_unit(const std::string& quantity, const std::string& unit);
+
+struct Ticks {
+    std::vector<double> at;           // multiples of 1, 2, 2.5 or 5 times a power of ten, inside [low, high]
+    std::vector<std::string> labels;  // all with the same number of decimals
+    double step = 1;
+};
+
+/// At most `n_most` (at least 2) ticks; low < high.
+Ticks round_ticks(double low, double high, int n_most);
+
+/// [low, high] widened to whole steps of its round ticks.
+std::vector<double> round_range(double low, double high, int n_most);
+
+/// "40 µs", "12.5 µs": four digits at most, with a prefix. `plain` writes ASCII without a blank, for file names: "12.5us".
+std::string time_text(double seconds, bool plain = false);
+
+}  // namespace knap
