@@ -1,0 +1,64 @@
+#include "scenario/assemble.hpp"
+
+#include <algorithm>
+
+namespace knap {
+
+const Node& Assembly::at(std::string path) const {
+    static const Node nowhere;
+    while (!path.empty()) {
+        if (const Entry* entry = values.find(path); entry && (entry->node.place.line > 0 || !entry->node.set_by.empty())) return entry->node;
+        const std::size_t cut = path.find_last_of(".[");
+        path.resize(cut == std::string::npos ? 0 : cut);
+    }
+    return nowhere;
+}
+
+std::optional<std::string> Assembly::the_one(const std::string& table, std::initializer_list<const char*> names, bool needed) const {
+    std::vector<std::string> all, given;
+    for (const char* name : names) {
+        all.emplace_back(name);
+        if (values.given(table + "." + name)) given.emplace_back(name);
+    }
+    if (given.size() == 1) return given.front();
+    if (given.size() > 1) {
+        const std::string last = table + "." + given.back();
+        findings.error_at_name("exclusive-keys", "`" + table + "` has " + joined(given, " and ") + ", and only one of them can hold", at(last)).note =
+            "exactly one of: " + joined(all);
+    } else if (needed) {
+        findings.error("missing-key", "`" + table + "` says none of " + joined(all), at(table)).note = "exactly one of: " + joined(all);
+    }
+    return std::nullopt;
+}
+
+void Assembly::unknown_name(const std::string& path, const std::string& what, const std::string& name,
+                            const std::vector<std::string>& known) const {
+    Diagnostic& d = findings.error("unknown-name", "there is no " + what + " `" + name + "`", at(path));
+    d.hint = did_you_mean(name, known);
+    d.note = known.empty() ? "there is none" : "known: " + joined(known);
+}
+
+void assemble(Assembly& assembly) {
+    Scenario& scenario = assembly.scenario;
+    const Values& values = assembly.values;
+    scenario.name = values.text("name").value_or("");
+    scenario.title = values.text("title").value_or("");
+    scenario.seed = static_cast<std::uint64_t>(values.has("seed") ? values.find("seed")->node.integer : 1);
+    const auto plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.'; };
+    if (values.has("name") && (scenario.name.empty() || scenario.name.front() == '.' || !std::all_of(scenario.name.begin(), scenario.name.end(), plain)))
+        assembly.findings.error("bad-name", "`" + scenario.name + "` cannot be the name of a scenario", assembly.at("name")).note =
+            "letters, digits, - _ and . (it names the run directory)";
+
+    assemble_materials(assembly);
+    assemble_mesh_options(assembly);
+    assemble_shape(assembly);
+    assemble_foundations(assembly);
+    assemble_laws(assembly);
+    assemble_loads(assembly);
+    assemble_time(assembly);
+    assemble_output(assembly);
+    assemble_figures(assembly);
+    assemble_expectations(assembly);
+}
+
+}  // namespace knap

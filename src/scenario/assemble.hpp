@@ -1,0 +1,41 @@
+#pragma once
+// From values to the structs of the floors below, with the checks that need more than one key. Each function goes on past a mistake.
+#include "scenario/findings.hpp"
+#include "scenario/scenario.hpp"
+#include "scenario/values.hpp"
+
+#include <filesystem>
+#include <initializer_list>
+#include <optional>
+#include <string>
+
+namespace knap {
+
+struct Assembly {
+    Values& values;
+    Findings& findings;
+    Scenario& scenario;
+    std::filesystem::path directory;  // what file names in the scenario are relative to
+
+    /// Where a message about `path` belongs: there, or at the nearest table above it.
+    const Node& at(std::string path) const;
+    /// The name of the one that is given of some keys of a table; says so when there are more, or none though one is `needed`.
+    std::optional<std::string> the_one(const std::string& table, std::initializer_list<const char*> names, bool needed) const;
+    void unknown_name(const std::string& path, const std::string& what, const std::string& name, const std::vector<std::string>& known) const;
+};
+
+void assemble_materials(Assembly& assembly);  // before shape and laws
+void assemble_mesh_options(Assembly& assembly);
+void assemble_shape(Assembly& assembly);       // before loads
+void assemble_foundations(Assembly& assembly); // before laws: a law may have the name that a foundation uses
+void assemble_laws(Assembly& assembly);
+void assemble_loads(Assembly& assembly);
+void assemble_time(Assembly& assembly);
+void assemble_output(Assembly& assembly);
+void assemble_figures(Assembly& assembly);
+void assemble_expectations(Assembly& assembly);
+
+/// All of them.
+void assemble(Assembly& assembly);
+
+}  // namespace knap

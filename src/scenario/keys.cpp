@@ -1,0 +1,245 @@
+#include "scenario/keys.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "scenario/units.hpp"
+
+namespace knap {
+namespace {
+
+const Range positive{.low = 0, .low_included = false};
+const Range not_negative{.low = 0};
+
+const std::vector<std::string> fields{"displacement", "velocity", "speed", "stress_xx", "stress_yy", "stress_xy", "principal_stress"};
+
+std::vector<std::string> shows() {
+    std::vector<std::string> words{"cracks"};
+    words.insert(words.end(), fields.begin(), fields.end());
+    for (const char* curve : {"energy", "crack_length", "crack_speed"}) words.emplace_back(curve);
+    return words;
+}
+
+std::vector<std::string> summary_names() {
+    std::vector<std::string> names;
+    for (const SummaryKey& key : summary_keys()) names.emplace_back(key.name);
+    return names;
+}
+
+// clang-format off
+const std::vector<Key>& table() {
+    static const std::vector<Key> rows{
+    {.path = "knap", .kind = Kind::integer, .range = {.low = 1}, .required = true, .doc = "version of the scenario format; this program reads 1"},
+    {.path = "name", .kind = Kind::text, .otherwise = "the name of the file", .doc = "short name: letters, digits, - _ and ."},
+    {.path = "title", .kind = Kind::text, .standard = "\"\"", .doc = "one line for people"},
+    {.path = "seed", .kind = Kind::integer, .range = not_negative, .standard = "1", .doc = "the only source of randomness (the mesh)"},
+
+    {.path = "domain", .kind = Kind::table, .required = true, .doc = "the body"},
+    {.path = "domain.shape", .kind = Kind::text, .words = {"rectangle", "polygon", "disc"}, .required = true,
+     .doc = "rectangle has the boundaries left, right, bottom, top; disc has rim"},
+    {.path = "domain.size", .kind = Kind::number, .form = Form::pair, .unit = "m", .range = positive, .required = true, .when = "shape=rectangle",
+     .doc = "width and height"},
+    {.path = "domain.origin", .kind = Kind::number, .form = Form::pair, .unit = "m", .standard = "[0, 0]", .when = "shape=rectangle",
+     .doc = "lower left corner"},
+    {.path = "domain.points", .kind = Kind::number, .form = Form::points, .unit = "m", .required = true, .when = "shape=polygon",
+     .doc = "corners in order, the first one not repeated"},
+    {.path = "domain.sides", .kind = Kind::text, .form = Form::list, .otherwise = "side1, side2, ...", .when = "shape=polygon",
+     .doc = "boundary names, one for each side from a point to the next; a name may come back"},
+    {.path = "domain.centre", .kind = Kind::number, .form = Form::pair, .unit = "m", .standard = "[0, 0]", .when = "shape=disc", .doc = "centre"},
+    {.path = "domain.radius", .kind = Kind::number, .unit = "m", .range = positive, .required = true, .when = "shape=disc",
+     .doc = "radius; the rim becomes a polygon with sides of the mesh size"},
+    {.path = "domain.model", .kind = Kind::text, .words = {"plane strain", "plane stress"}, .standard = "\"plane strain\"",
+     .doc = "what is zero across the plane"},
+    {.path = "domain.thickness", .kind = Kind::number, .unit = "m", .range = positive, .standard = "1", .doc = "thickness of the body"},
+
+    {.path = "domain.hole[]", .kind = Kind::list, .doc = "a hole: points, or centre and radius"},
+    {.path = "domain.hole[].points", .kind = Kind::number, .form = Form::points, .unit = "m", .doc = "corners in order"},
+    {.path = "domain.hole[].centre", .kind = Kind::number, .form = Form::pair, .unit = "m", .doc = "centre of a round hole"},
+    {.path = "domain.hole[].radius", .kind = Kind::number, .unit = "m", .range = positive, .doc = "radius of a round hole"},
+    {.path = "domain.hole[].name", .kind = Kind::text, .otherwise = "hole1, hole2, ...", .doc = "boundary name of its border"},
+    {.path = "domain.crack[]", .kind = Kind::list, .doc = "a closed crack: no cohesion; contact and friction of the material pair it lies between"},
+    {.path = "domain.crack[].points", .kind = Kind::number, .form = Form::points, .unit = "m", .required = true, .doc = "the crack as a polyline"},
+    {.path = "domain.region[]", .kind = Kind::list, .doc = "a part with a material of its own: points, centre and radius, or box; later ones lie over earlier ones"},
+    {.path = "domain.region[].points", .kind = Kind::number, .form = Form::points, .unit = "m", .doc = "corners in order"},
+    {.path = "domain.region[].centre", .kind = Kind::number, .form = Form::pair, .unit = "m", .doc = "centre of a disc"},
+    {.path = "domain.region[].radius", .kind = Kind::number, .unit = "m", .range = positive, .doc = "radius of a disc"},
+    {.path = "domain.region[].box", .kind = Kind::number, .form = Form::box, .unit = "m", .doc = "lower left and upper right corner"},
+    {.path = "domain.region[].material", .kind = Kind::text, .required = true, .doc = "name of a material"},
+
+    {.path = "mesh", .kind = Kind::table, .required = true, .doc = "the triangle mesh"},
+    {.path = "mesh.size", .kind = Kind::number, .unit = "m", .range = positive, .required = true, .doc = "wanted mean edge length"},
+    {.path = "mesh.min_angle", .kind = Kind::number, .unit = "deg", .range = {.low = 0, .high = 30}, .standard = "20", .doc = "wanted smallest angle"},
+    {.path = "mesh.grading", .kind = Kind::number, .range = positive, .standard = "0.3", .doc = "growth of the size per distance away from a refine box"},
+    {.path = "mesh.refine[]", .kind = Kind::list, .doc = "a box with smaller triangles; the smallest size wins where boxes overlap"},
+    {.path = "mesh.refine[].inside", .kind = Kind::number, .form = Form::box, .unit = "m", .required = true, .doc = "lower left and upper right corner"},
+    {.path = "mesh.refine[].size", .kind = Kind::number, .unit = "m", .range = positive, .required = true, .doc = "wanted mean edge length inside"},
+
+    {.path = "material", .kind = Kind::names, .required = true, .doc = "materials by name; the first one is that of the domain"},
+    {.path = "material.*", .kind = Kind::table, .doc = "a linear elastic material; no - in its name"},
+    {.path = "material.*.density", .kind = Kind::number, .unit = "kg/m3", .range = positive, .required = true, .doc = "density"},
+    {.path = "material.*.E", .kind = Kind::number, .unit = "Pa", .range = positive, .required = true, .doc = "Young's modulus"},
+    {.path = "material.*.nu", .kind = Kind::number, .range = {.low = -1, .high = 0.5, .low_included = false, .high_included = false}, .required = true,
+     .doc = "Poisson's ratio"},
+
+    {.path = "interface", .kind = Kind::names, .required = true,
+     .doc = "cohesive laws: `default`, `A-B` for a pair of materials (A-A inside one), or a free name for a foundation; each stands by itself"},
+    {.path = "interface.*", .kind = Kind::table, .doc = "a cohesive law with contact, friction and impact"},
+    {.path = "interface.*.breakable", .kind = Kind::boolean, .standard = "true", .doc = "false: never breaks, whatever sigma_c and G_c say"},
+    {.path = "interface.*.sigma_c", .kind = Kind::number, .unit = "Pa", .range = not_negative,
+     .doc = "tensile strength; 0 = contact and friction only; needed unless breakable = false"},
+    {.path = "interface.*.G_c", .kind = Kind::number, .unit = "J/m2", .range = positive, .doc = "fracture energy; or delta_c"},
+    {.path = "interface.*.delta_c", .kind = Kind::number, .unit = "m", .range = positive, .doc = "opening at which it is broken, 2 G_c/sigma_c; or G_c"},
+    {.path = "interface.*.gamma", .kind = Kind::number, .range = not_negative, .standard = "1", .doc = "mode II over mode I traction; 0 = mode I only"},
+    {.path = "interface.*.friction", .kind = Kind::number, .range = not_negative, .standard = "0", .doc = "Coulomb's coefficient"},
+    {.path = "interface.*.restitution", .kind = Kind::number, .range = {.low = 0, .high = 1}, .standard = "0", .doc = "Newton's coefficient of impact"},
+
+    {.path = "foundation[]", .kind = Kind::list, .doc = "a rigid, fixed foundation that a boundary stands on"},
+    {.path = "foundation[].on", .kind = Kind::table, .required = true, .shorthand = "boundary", .doc = "a boundary, all of it or inside a box"},
+    {.path = "foundation[].on.boundary", .kind = Kind::text, .required = true, .doc = "name of a boundary"},
+    {.path = "foundation[].on.box", .kind = Kind::number, .form = Form::box, .unit = "m", .doc = "only the part inside this box"},
+    {.path = "foundation[].interface", .kind = Kind::text, .standard = "\"default\"", .doc = "name of the law between body and foundation"},
+    {.path = "foundation[].glued", .kind = Kind::boolean, .standard = "false", .doc = "true: held by the law's cohesion; false: contact and friction only"},
+    {.path = "foundation[].gap", .kind = Kind::number, .unit = "m", .range = not_negative, .standard = "0", .doc = "distance at the start"},
+
+    {.path = "load[]", .kind = Kind::list,
+     .doc = "exactly one of traction, velocity, displacement, body_force, acceleration; at most one of ramp, table, csv (none: constant)"},
+    {.path = "load[].on", .kind = Kind::table, .shorthand = "boundary",
+     .doc = "where: a boundary, a box, or a boundary inside a box; body_force and acceleration without it act everywhere"},
+    {.path = "load[].on.boundary", .kind = Kind::text, .doc = "name of a boundary"},
+    {.path = "load[].on.box", .kind = Kind::number, .form = Form::box, .unit = "m", .doc = "lower left and upper right corner"},
+    {.path = "load[].traction", .kind = Kind::number, .form = Form::pair, .unit = "Pa", .doc = "force per area on boundary edges, x and y"},
+    {.path = "load[].velocity", .kind = Kind::number, .form = Form::pair, .unit = "m/s", .words = {"free"}, .doc = "prescribed velocity, x and y"},
+    {.path = "load[].displacement", .kind = Kind::number, .form = Form::pair, .unit = "m", .words = {"free"}, .doc = "prescribed displacement, x and y"},
+    {.path = "load[].body_force", .kind = Kind::number, .form = Form::pair, .unit = "N/m3", .doc = "force per volume, x and y"},
+    {.path = "load[].acceleration", .kind = Kind::number, .form = Form::pair, .unit = "m/s2", .doc = "body force per mass (gravity), x and y"},
+    {.path = "load[].ramp", .kind = Kind::number, .unit = "s", .range = positive, .doc = "grows linearly from zero over this time, then constant"},
+    {.path = "load[].table", .kind = Kind::number, .form = Form::points, .unit = "s", .second_unit = "",
+     .doc = "[[time, factor], ...], linear in between, constant outside"},
+    {.path = "load[].csv", .kind = Kind::text, .doc = "file with lines `time, factor` [s, -], beside the scenario; # begins a comment"},
+
+    {.path = "initial[]", .kind = Kind::list, .doc = "velocity at the start; later ones lie over earlier ones"},
+    {.path = "initial[].velocity", .kind = Kind::number, .form = Form::pair, .unit = "m/s", .required = true, .doc = "velocity, x and y"},
+    {.path = "initial[].box", .kind = Kind::number, .form = Form::box, .unit = "m", .doc = "only triangles with their centroid inside; everywhere without"},
+
+    {.path = "time", .kind = Kind::table, .required = true, .doc = "time and the stepper"},
+    {.path = "time.end", .kind = Kind::number, .unit = "s", .range = positive, .required = true, .doc = "time simulated"},
+    {.path = "time.bulk", .kind = Kind::text, .words = {"explicit", "implicit"}, .standard = "\"explicit\"", .doc = "stepping of the bulk"},
+    {.path = "time.cohesion", .kind = Kind::text, .words = {"explicit", "implicit"}, .standard = "\"explicit\"",
+     .doc = "explicit: cohesion frozen over a step; implicit: part of the complementarity problem"},
+    {.path = "time.step", .kind = Kind::number, .unit = "s", .range = positive, .words = {"auto"}, .standard = "\"auto\"", .doc = "step, or auto = safety x stable step"},
+    {.path = "time.safety", .kind = Kind::number, .range = {.low = 0, .high = 1, .low_included = false}, .standard = "0.8",
+     .doc = "fraction of the stable step that auto takes"},
+    {.path = "time.theta", .kind = Kind::number, .range = {.low = 0.5, .high = 1}, .standard = "0.5", .doc = "theta of the implicit bulk"},
+
+    {.path = "output", .kind = Kind::table, .doc = "what is written"},
+    {.path = "output.every", .kind = Kind::number, .unit = "s", .range = positive, .otherwise = "time.end/40", .doc = "between two field frames"},
+    {.path = "output.history_every", .kind = Kind::number, .unit = "s", .range = positive, .otherwise = "time.end/400",
+     .doc = "between two lines of energy.csv and cracks.csv"},
+    {.path = "output.fields", .kind = Kind::boolean, .standard = "true", .doc = "write .vtu frames"},
+
+    {.path = "figure[]", .kind = Kind::list, .doc = "a picture that the run draws"},
+    {.path = "figure[].file", .kind = Kind::text, .required = true, .doc = "file name, .png, .svg or .pdf; with several times the time is put into it"},
+    {.path = "figure[].show", .kind = Kind::text, .words = shows(), .standard = "\"cracks\"", .doc = "what it shows"},
+    {.path = "figure[].at", .kind = Kind::number, .form = Form::one_or_list, .unit = "s", .range = not_negative, .otherwise = "time.end", .doc = "times"},
+    {.path = "figure[].colour", .kind = Kind::text, .words = {"opening", "beta"}, .standard = "\"opening\"", .doc = "what colours the cracks"},
+    {.path = "figure[].deform", .kind = Kind::number, .range = not_negative, .standard = "1", .doc = "exaggeration of the displacement"},
+    {.path = "figure[].box", .kind = Kind::number, .form = Form::box, .unit = "m", .otherwise = "the whole body", .doc = "the part that is shown"},
+    {.path = "figure[].range", .kind = Kind::number, .form = Form::pair, .unit = "*", .otherwise = "from the data", .doc = "colour range, in the unit of what is shown"},
+    {.path = "figure[].width", .kind = Kind::integer, .range = {.low = 100, .high = 20000}, .standard = "1600", .doc = "width in pixels"},
+    {.path = "figure[].title", .kind = Kind::text, .standard = "\"\"", .doc = "title above the picture"},
+
+    {.path = "expect", .kind = Kind::names, .doc = "what the run must find, by number of its summary: a bound, or value and within"},
+    {.path = "expect.*", .kind = Kind::table, .words = summary_names(), .doc = "bounds on one number"},
+    {.path = "expect.*.below", .kind = Kind::number, .unit = "*", .doc = "less than this; a speed may be a multiple of the Rayleigh speed, \"0.65 cR\""},
+    {.path = "expect.*.above", .kind = Kind::number, .unit = "*", .doc = "more than this"},
+    {.path = "expect.*.at_least", .kind = Kind::number, .unit = "*", .doc = "this or more"},
+    {.path = "expect.*.at_most", .kind = Kind::number, .unit = "*", .doc = "this or less"},
+    {.path = "expect.*.value", .kind = Kind::number, .unit = "*", .doc = "this, up to `within`"},
+    {.path = "expect.*.within", .kind = Kind::number, .unit = "*", .range = not_negative, .doc = "allowed deviation from `value`, or relative: \"2 %\""},
+    };
+    return rows;
+}
+// clang-format on
+
+constexpr std::array summary{
+    SummaryKey{"energy_residual", "", "error of the energy balance, relative to the largest energy"},
+    SummaryKey{"external_work", "J", "work of loads and prescribed motions"},
+    SummaryKey{"dissipated", "J", "surface energy of broken and damaged interfaces"},
+    SummaryKey{"friction_work", "J", "work of friction, never positive"},
+    SummaryKey{"impact_work", "J", "work of impacts, never positive"},
+    SummaryKey{"broken_length", "m", "length of broken interfaces"},
+    SummaryKey{"first_growth_time", "s", "first crack growth"},
+    SummaryKey{"max_tip_speed", "m/s", "largest speed of a crack tip"},
+    SummaryKey{"max_tip_speed_over_cR", "", "the same over the Rayleigh speed"},
+    SummaryKey{"branches", "", "number of branchings"},
+    SummaryKey{"first_branch_time", "s", "first branching"},
+    SummaryKey{"fragments", "", "number of pieces at the end"},
+    SummaryKey{"largest_penetration", "m", "largest overlap in contact"},
+    SummaryKey{"largest_speed", "m/s", "largest speed of any corner"},
+};
+
+}  // namespace
+
+bool Range::contains(double value) const {
+    return (low_included ? value >= low : value > low) && (high_included ? value <= high : value < high);
+}
+
+std::string Range::text() const {
+    const bool has_low = low > -std::numeric_limits<double>::infinity(), has_high = high < std::numeric_limits<double>::infinity();
+    std::string text;
+    if (has_low) text += (low_included ? "at least " : "greater than ") + shortest(low);
+    if (has_low && has_high) text += " and ";
+    if (has_high) text += (high_included ? "at most " : "less than ") + shortest(high);
+    return text;
+}
+
+std::string_view Key::name() const {
+    std::string_view name = path.substr(path.rfind('.') + 1);
+    if (name.ends_with("[]")) name.remove_suffix(2);
+    return name;
+}
+
+std::string_view Key::parent() const {
+    const std::size_t dot = path.rfind('.');
+    return dot == std::string_view::npos ? std::string_view() : path.substr(0, dot);
+}
+
+std::span<const Key> keys() { return table(); }
+
+const Key* find_key(std::string_view pattern) {
+    for (const Key& key : keys())
+        if (key.path == pattern) return &key;
+    return nullptr;
+}
+
+std::vector<const Key*> keys_below(std::string_view pattern) {
+    std::vector<const Key*> below;
+    for (const Key& key : keys())
+        if (key.parent() == pattern) below.push_back(&key);
+    return below;
+}
+
+std::string pattern_of(std::string_view path) {
+    std::string pattern;
+    while (!path.empty()) {
+        const std::size_t dot = path.find('.');
+        std::string part(path.substr(0, dot));
+        path.remove_prefix(dot == std::string_view::npos ? path.size() : dot + 1);
+        if (const std::size_t bracket = part.find('['); bracket != std::string::npos) part = part.substr(0, bracket) + "[]";
+        const Key* parent = find_key(pattern);
+        if (parent && parent->kind == Kind::names) part = "*";
+        pattern += (pattern.empty() ? "" : ".") + part;
+    }
+    return pattern;
+}
+
+std::span<const SummaryKey> summary_keys() { return summary; }
+
+std::string_view unit_of_field(std::string_view field) {
+    if (field == "displacement" || field == "cracks") return "m";
+    if (field == "velocity" || field == "speed") return "m/s";
+    if (field.starts_with("stress") || field == "principal_stress") return "Pa";
+    return "";
+}
+
+}  // namespace knap

@@ -1,0 +1,103 @@
+#include "scenario/overrides.hpp"
+
+#include <charconv>
+#include <optional>
+
+#include "scenario/toml_tree.hpp"
+
+namespace knap {
+namespace {
+
+void mark(Node& node, const std::string& set_by) {
+    node.set_by = set_by;
+    node.place = node.name_place = {};
+    for (Node& child : node.children) mark(child, set_by);
+}
+
+std::string trimmed(const std::string& text) {
+    const std::size_t begin = text.find_first_not_of(" \t"), end = text.find_last_not_of(" \t");
+    return begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
+}
+
+Node value_of(const std::string& text) {
+    Node root;
+    if (!parse_toml("x = " + text, root) && root.children.size() == 1 && root.children[0].type != Node::Type::date) return root.children[0];
+    return Node::of_text(text);
+}
+
+/// "load[2]" -> name "load", index 2
+struct Part {
+    std::string name;
+    std::optional<std::size_t> index;
+    bool good = false;
+};
+
+Part part_of(std::string text) {
+    Part part;
+    const std::size_t bracket = text.find('[');
+    part.name = text.substr(0, bracket);
+    part.good = !part.name.empty();
+    if (bracket == std::string::npos) return part;
+    std::size_t index = 0;
+    const char* end = text.data() + text.size();
+    const auto [last, error] = std::from_chars(text.data() + bracket + 1, end, index);
+    part.good = part.good && error == std::errc() && last + 1 == end && *last == ']';
+    part.index = index;
+    return part;
+}
+
+std::vector<Part> parts_of(const std::string& path) {
+    std::vector<Part> parts;
+    for (std::size_t begin = 0; begin <= path.size();) {
+        const std::size_t dot = std::min(path.find('.', begin), path.size());
+        parts.push_back(part_of(path.substr(begin, dot - begin)));
+        begin = dot + 1;
+    }
+    return parts;
+}
+
+void set(Node& root, const std::string& path, const std::string& text, const std::string& set_by, Findings& findings) {
+    const Node here{.set_by = set_by};
+    Node* node = &root;
+    for (const Part& part : parts_of(path)) {
+        if (!part.good) {
+            findings.error("bad-override", "`" + path + "` is not a path of keys", here).note = "write it like mesh.size or load[0].traction";
+            return;
+        }
+        if (node->type != Node::Type::table) {
+            findings.error("bad-override", "`" + path + "`: there is no table above `" + part.name + "`", here);
+            return;
+        }
+        Node* child = node->find(part.name);
+        if (!child) {
+            node->children.push_back({.name = part.name, .set_by = set_by});
+            child = &node->children.back();
+        }
+        if (part.index && (child->type != Node::Type::array || *part.index >= child->children.size())) {
+            const std::size_t n = child->type == Node::Type::array ? child->children.size() : 0;
+            findings.error("bad-override", "`" + path + "`: there is no `" + part.name + "[" + std::to_string(*part.index) + "]`", here).note =
+                "the scenario has " + std::to_string(n) + ", counted from 0";
+            return;
+        }
+        node = part.index ? &child->children[*part.index] : child;
+    }
+    Node value = value_of(text);
+    mark(value, set_by);
+    value.name = node->name;
+    *node = std::move(value);
+}
+
+}  // namespace
+
+void apply_overrides(Node& root, const std::vector<std::string>& overrides, Findings& findings) {
+    for (const std::string& text : overrides) {
+        const std::string set_by = "--set " + text;
+        const std::size_t equals = text.find('=');
+        if (equals == std::string::npos || equals == 0)
+            findings.error("bad-override", "`" + text + "` is not KEY=VALUE", Node{.set_by = set_by});
+        else
+            set(root, trimmed(text.substr(0, equals)), trimmed(text.substr(equals + 1)), set_by, findings);
+    }
+}
+
+}  // namespace knap

@@ -1,0 +1,162 @@
+#include "scenario/schema.hpp"
+
+#include <cmath>
+
+#include "scenario/findings.hpp"
+#include "scenario/keys.hpp"
+#include "scenario/resolve.hpp"
+#include "scenario/units.hpp"
+
+namespace knap {
+namespace {
+
+bool is_table(const Key& key) { return key.kind == Kind::table || key.kind == Kind::list || key.kind == Kind::names; }
+
+/// "default 0.8", "required", ... and what the range is.
+std::string conditions(const Key& key) {
+    std::vector<std::string> parts;
+    if (!key.when.empty()) parts.push_back("only with " + std::string(key.when));
+    if (key.required) parts.emplace_back("required");
+    if (!key.range.text().empty()) parts.push_back(key.range.text());
+    if (!key.standard.empty()) parts.push_back("default " + std::string(key.standard));
+    if (!key.otherwise.empty()) parts.push_back("default: " + std::string(key.otherwise));
+    return joined(parts, "; ");
+}
+
+std::string header(const Key& key) {
+    std::string path(key.path);
+    if (key.kind != Kind::list) {
+        if (path.ends_with(".*")) path.replace(path.size() - 1, 1, "NAME");
+        return "[" + path + "]";
+    }
+    return "[[" + path.substr(0, path.size() - 2) + "]]";
+}
+
+// ---- JSON
+
+std::string json_text(std::string_view text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\';
+        out += c;  // the table holds no control characters
+    }
+    return out + '"';
+}
+
+std::string json_words(const std::vector<std::string>& words) {
+    std::string list;
+    for (const std::string& word : words) list += (list.empty() ? "" : ", ") + json_text(word);
+    return "{\"enum\": [" + list + "]}";
+}
+
+std::string json_range(const Range& range) {
+    std::string text;
+    if (std::isfinite(range.low)) text += std::string(", \"") + (range.low_included ? "minimum" : "exclusiveMinimum") + "\": " + shortest(range.low);
+    if (std::isfinite(range.high)) text += std::string(", \"") + (range.high_included ? "maximum" : "exclusiveMaximum") + "\": " + shortest(range.high);
+    return text;
+}
+
+std::string json_scalar(const Key& key) {
+    switch (key.kind) {
+        case Kind::boolean: return "{\"type\": \"boolean\"}";
+        case Kind::integer: return "{\"type\": \"integer\"" + json_range(key.range) + "}";
+        case Kind::text: return key.words.empty() ? "{\"type\": \"string\"}" : json_words(key.words);
+        default: break;
+    }
+    std::string any = "{\"type\": \"number\"" + json_range(key.range) + "}, {\"type\": \"string\", \"pattern\": \"^ *[-+]?[0-9.]\"}";
+    if (!key.words.empty()) any += ", " + json_words(key.words);
+    return "{\"anyOf\": [" + any + "]}";
+}
+
+std::string json_array(const std::string& items, int least, int most) {
+    std::string text = "{\"type\": \"array\", \"items\": " + items + ", \"minItems\": " + std::to_string(least);
+    if (most > 0) text += ", \"maxItems\": " + std::to_string(most);
+    return text + "}";
+}
+
+std::string json_form(const Key& key) {
+    const std::string one = json_scalar(key);
+    switch (key.form) {
+        case Form::one: return one;
+        case Form::pair: return json_array(one, 2, 2);
+        case Form::box: return json_array(one, 4, 4);
+        case Form::list: return json_array(one, 1, 0);
+        case Form::one_or_list: return "{\"anyOf\": [" + one + ", " + json_array(one, 1, 0) + "]}";
+        case Form::points: return json_array(json_array(one, 2, 2), 1, 0);
+    }
+    return one;
+}
+
+/// `{...}` with a description (and a default) put in front.
+std::string described(const Key& key, const std::string& schema) {
+    std::string doc(key.doc);
+    if (key.kind == Kind::number && !key.unit.empty() && key.unit != "*") doc += " [" + std::string(key.unit) + "]";
+    if (!key.when.empty()) doc += " (only with " + std::string(key.when) + ")";
+    if (!key.otherwise.empty()) doc += " (default: " + std::string(key.otherwise) + ")";
+    std::string front = "{\"description\": " + json_text(doc);
+    if (!key.standard.empty()) front += ", \"default\": " + std::string(key.standard);  // these TOML values are JSON as well
+    return front + ", " + schema.substr(1);
+}
+
+std::string json_members(std::string_view pattern, const std::string& indent);
+
+std::string json_key(const Key& key, const std::string& indent) {
+    if (!is_table(key)) return json_form(key);
+    if (key.kind == Kind::list) return "{\"type\": \"array\", \"items\": " + json_members(key.path, indent) + "}";
+    if (key.kind == Kind::table) {
+        const std::string table = json_members(key.path, indent);
+        return key.shorthand.empty() ? table : "{\"anyOf\": [{\"type\": \"string\"}, " + table + "]}";
+    }
+    const Key& row = *find_key(std::string(key.path) + ".*");
+    const std::string allowed = row.words.empty() ? "" : ", \"propertyNames\": " + json_words(row.words);
+    return "{\"type\": \"object\"" + allowed + ", \"additionalProperties\": " + json_members(row.path, indent) + "}";
+}
+
+std::string json_members(std::string_view pattern, const std::string& indent) {
+    const std::string inner = indent + "  ";
+    std::string properties, required;
+    for (const Key* key : keys_below(pattern)) {
+        properties += (properties.empty() ? "" : ",") + ("\n" + inner) + json_text(key->name()) + ": " + described(*key, json_key(*key, inner));
+        if (key->required && key->when.empty()) required += (required.empty() ? "" : ", ") + json_text(key->name());
+    }
+    return "{\"type\": \"object\", \"additionalProperties\": false, \"required\": [" + required + "], \"properties\": {" + properties + "}}";
+}
+
+}  // namespace
+
+std::string schema_text() {
+    std::string out;
+    for (const Key& key : keys()) {
+        const std::string also = conditions(key);
+        if (is_table(key)) {
+            out += "\n" + header(key) + "\n    " + std::string(key.doc) + (key.required ? " (required)" : "") + "\n";
+            continue;
+        }
+        const bool plain = key.kind == Kind::text && key.words.empty() && key.form == Form::one;
+        out += std::string(key.name()) + " = " + (plain ? "a text" : describe(key)) + (also.empty() ? "" : "  (" + also + ")") + "\n    " +
+               std::string(key.doc) + "\n";
+    }
+    out += "\nNumbers that [expect] can bound\n";
+    for (const SummaryKey& key : summary_keys())
+        out += "    " + std::string(key.name) + (key.unit.empty() ? "" : " [" + std::string(key.unit) + "]") + ": " + std::string(key.doc) + "\n";
+    out += "\nA number is in the unit shown, or a text with a unit: \"40 mm\", \"3.08 MPa\", \"3 J/m2\", \"2450 kg/m3\", \"80 us\", \"1 mm/ms\".\n";
+    return out;
+}
+
+std::string json_schema() {
+    return "{\"$schema\": \"https://json-schema.org/draft/2020-12/schema\", \"title\": \"knap scenario\", " + json_members("", "").substr(1) + "\n";
+}
+
+std::string schema_markdown() {
+    const auto escaped = [](std::string text) {
+        for (std::size_t i = 0; (i = text.find('|', i)) != std::string::npos; i += 2) text.insert(i, "\\");
+        return text;
+    };
+    std::string out = "| key | value | | meaning |\n|---|---|---|---|\n";
+    for (const Key& key : keys())
+        out += "| `" + (is_table(key) ? header(key) : std::string(key.path)) + "` | " + (is_table(key) ? "" : escaped(describe(key))) + " | " +
+               escaped(conditions(key)) + " | " + escaped(std::string(key.doc)) + " |\n";
+    return out;
+}
+
+}  // namespace knap

@@ -1,0 +1,241 @@
+#include "scenario/units.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+namespace knap {
+namespace {
+
+struct Unit {
+    std::string_view symbol;
+    Dimension dimension;
+    int power_of_ten;  // 1 symbol = factor * 10^power_of_ten in SI
+    double factor;
+    bool takes_prefix;
+};
+
+constexpr Dimension length{.length = 1}, mass{.mass = 1}, time{.time = 1}, angle{.angle = 1};
+constexpr Dimension force{.length = 1, .mass = 1, .time = -2}, pressure{.length = -1, .mass = 1, .time = -2};
+constexpr Dimension energy{.length = 2, .mass = 1, .time = -2}, power{.length = 2, .mass = 1, .time = -3};
+
+constexpr std::array units{
+    Unit{"m", length, 0, 1, true},
+    Unit{"g", mass, -3, 1, true},
+    Unit{"t", mass, 3, 1, false},
+    Unit{"s", time, 0, 1, true},
+    Unit{"min", time, 0, 60, false},
+    Unit{"h", time, 0, 3600, false},
+    Unit{"Hz", {.time = -1}, 0, 1, true},
+    Unit{"N", force, 0, 1, true},
+    Unit{"Pa", pressure, 0, 1, true},
+    Unit{"bar", pressure, 5, 1, false},
+    Unit{"J", energy, 0, 1, true},
+    Unit{"W", power, 0, 1, true},
+    Unit{"deg", angle, 0, 1, false},
+    Unit{"rad", angle, 0, 180 / std::numbers::pi, false},
+    Unit{"%", {}, -2, 1, false},
+    Unit{"cR", {.rayleigh = 1}, 0, 1, false},
+};
+
+struct Prefix {
+    std::string_view symbol;
+    int power_of_ten;
+};
+constexpr std::array prefixes{Prefix{"T", 12},  Prefix{"G", 9},       Prefix{"M", 6},       Prefix{"k", 3},  Prefix{"c", -2}, Prefix{"m", -3},
+                              Prefix{"u", -6},  Prefix{"\u00b5", -6}, Prefix{"\u03bc", -6}, Prefix{"n", -9}, Prefix{"p", -12}};
+
+struct Names {
+    Dimension dimension;
+    std::string_view name;
+};
+constexpr std::array kinds{
+    Names{{}, "a plain number"},
+    Names{length, "a length"},
+    Names{{.length = 2}, "an area"},
+    Names{mass, "a mass"},
+    Names{time, "a time"},
+    Names{angle, "an angle"},
+    Names{{.time = -1}, "a rate"},
+    Names{{.length = 1, .time = -1}, "a speed"},
+    Names{{.length = 1, .time = -2}, "an acceleration"},
+    Names{force, "a force"},
+    Names{pressure, "a pressure"},
+    Names{energy, "an energy"},
+    Names{{.mass = 1, .time = -2}, "an energy per area"},
+    Names{{.length = -2, .mass = 1, .time = -2}, "a force per volume"},
+    Names{{.length = -3, .mass = 1}, "a density"},
+    Names{power, "a power"},
+    Names{{.rayleigh = 1}, "a multiple of the Rayleigh speed"},
+};
+
+/// A unit expression such as kg/m3: what it is and what one of it is in SI.
+struct Scale {
+    Dimension dimension;
+    int power_of_ten = 0;
+    double factor = 1;
+};
+
+std::optional<Scale> symbol_scale(std::string_view symbol) {
+    for (const Unit& unit : units)
+        if (unit.symbol == symbol) return Scale{unit.dimension, unit.power_of_ten, unit.factor};
+    for (const Prefix& prefix : prefixes) {
+        if (!symbol.starts_with(prefix.symbol)) continue;
+        for (const Unit& unit : units)
+            if (unit.takes_prefix && symbol.substr(prefix.symbol.size()) == unit.symbol)
+                return Scale{unit.dimension, unit.power_of_ten + prefix.power_of_ten, unit.factor};
+    }
+    return std::nullopt;
+}
+
+void multiply(Scale& scale, const Scale& by, int exponent) {
+    scale.dimension.length += exponent * by.dimension.length;
+    scale.dimension.mass += exponent * by.dimension.mass;
+    scale.dimension.time += exponent * by.dimension.time;
+    scale.dimension.angle += exponent * by.dimension.angle;
+    scale.dimension.rayleigh += exponent * by.dimension.rayleigh;
+    scale.power_of_ten += exponent * by.power_of_ten;
+    scale.factor *= std::pow(by.factor, exponent);
+}
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool joins(char c) { return c == '/' || c == '*' || c == '.' || c == ' '; }
+
+/// One factor of a unit expression, "mm3" or "s^-2", taken off the front of `text`.
+bool multiply_factor(Scale& scale, std::string_view& text, bool divide) {
+    std::size_t n = 0;
+    while (n < text.size() && !joins(text[n]) && !is_digit(text[n]) && text[n] != '^' && text[n] != '-') ++n;
+    const std::optional<Scale> symbol = symbol_scale(text.substr(0, n));
+    if (!symbol) return false;
+    text.remove_prefix(n);
+    const bool caret = text.starts_with('^');
+    if (caret) text.remove_prefix(1);
+    int exponent = 1;
+    if (caret || (!text.empty() && !joins(text.front()))) {
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), exponent);
+        if (error != std::errc() || exponent == 0 || std::abs(exponent) > 9) return false;
+        text.remove_prefix(end - text.data());
+    }
+    multiply(scale, *symbol, divide ? -exponent : exponent);
+    return text.empty() || joins(text.front());
+}
+
+/// "J/m2", "kg m/s2", "N*s"; a slash divides by the one factor after it.
+std::optional<Scale> unit_scale(std::string_view text) {
+    Scale scale;
+    bool divide = false, first = true;
+    while (!text.empty()) {
+        if (!first) {
+            while (text.starts_with(' ')) text.remove_prefix(1);
+            divide = text.starts_with('/');
+            if (divide || text.starts_with('*') || text.starts_with('.')) text.remove_prefix(1);
+            while (text.starts_with(' ')) text.remove_prefix(1);
+        }
+        first = false;
+        if (!multiply_factor(scale, text, divide)) return std::nullopt;
+    }
+    return scale;
+}
+
+/// Length of the number at the front of `text`: digits, a point, an exponent.
+std::size_t number_length(std::string_view text) {
+    std::size_t n = 0;
+    if (n < text.size() && (text[n] == '+' || text[n] == '-')) ++n;
+    const std::size_t begin = n;
+    bool digits = false;
+    for (; n < text.size() && (is_digit(text[n]) || text[n] == '.'); ++n) digits |= is_digit(text[n]);
+    if (!digits) return 0;
+    if (n > begin && n + 1 < text.size() && (text[n] == 'e' || text[n] == 'E')) {
+        std::size_t m = n + 1;
+        if (m < text.size() && (text[m] == '+' || text[m] == '-')) ++m;
+        if (m < text.size() && is_digit(text[m])) {
+            while (m < text.size() && is_digit(text[m])) ++m;
+            n = m;
+        }
+    }
+    return n;
+}
+
+/// The double nearest to `decimal` * 10^power.
+std::optional<double> shifted(std::string_view decimal, int power) {
+    if (decimal.starts_with('+')) decimal.remove_prefix(1);
+    const std::size_t e = decimal.find_first_of("eE");
+    int exponent = 0;
+    if (e != std::string_view::npos) {
+        std::string_view digits = decimal.substr(e + 1);
+        if (digits.starts_with('+')) digits.remove_prefix(1);
+        if (std::from_chars(digits.data(), digits.data() + digits.size(), exponent).ec != std::errc()) return std::nullopt;
+        if (std::abs(exponent) > 9999) return std::nullopt;
+    }
+    const std::string text = std::string(decimal.substr(0, e)) + "e" + std::to_string(exponent + power);
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return value;
+}
+
+std::string_view trimmed(std::string_view text) {
+    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+    while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+    return text;
+}
+
+}  // namespace
+
+Quantity parse_quantity(std::string_view text) {
+    text = trimmed(text);
+    const std::size_t n = number_length(text);
+    if (n == 0) return {.problem = "does not begin with a number"};
+    const std::string_view number = text.substr(0, n), unit = trimmed(text.substr(n));
+    Quantity quantity{.unit = std::string(unit)};
+    if (unit.starts_with(',')) {
+        quantity.problem = "has a comma where a decimal point belongs";
+        return quantity;
+    }
+    const std::optional<Scale> scale = unit_scale(unit);
+    if (!scale) {
+        quantity.problem = "has the unknown unit `" + std::string(unit) + "`";
+        return quantity;
+    }
+    const std::optional<double> value = shifted(number, scale->power_of_ten);
+    if (!value) {
+        quantity.problem = "is not a number that can be stored";
+        return quantity;
+    }
+    quantity.value = *value * scale->factor;
+    quantity.dimension = scale->dimension;
+    return quantity;
+}
+
+Dimension dimension_of(std::string_view unit) {
+    const std::optional<Scale> scale = unit_scale(unit);
+    return scale ? scale->dimension : Dimension{};
+}
+
+std::string kind_name(const Dimension& dimension) {
+    for (const Names& kind : kinds)
+        if (kind.dimension == dimension) return std::string(kind.name);
+    std::string name = "something in";
+    const auto append = [&name](std::string_view symbol, int exponent) {
+        if (exponent == 0) return;
+        name += " " + std::string(symbol);
+        if (exponent != 1) name += "^" + std::to_string(exponent);
+    };
+    append("kg", dimension.mass);
+    append("m", dimension.length);
+    append("s", dimension.time);
+    append("deg", dimension.angle);
+    append("cR", dimension.rayleigh);
+    return name;
+}
+
+std::string shortest(double value) {
+    std::array<char, 32> buffer;
+    const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+    return {buffer.data(), end};
+}
+
+}  // namespace knap

@@ -1,0 +1,122 @@
+#include "scenario/write_scenario.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "scenario/units.hpp"
+
+namespace knap {
+namespace {
+
+std::string quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\';
+        if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f) {
+            out += c;
+        } else {
+            constexpr std::string_view digits = "0123456789ABCDEF";
+            out += "\\u00";
+            out += digits[static_cast<unsigned char>(c) / 16];
+            out += digits[static_cast<unsigned char>(c) % 16];
+        }
+    }
+    return out + '"';
+}
+
+std::string toml(const Node& node) {
+    switch (node.type) {
+        case Node::Type::text: return quoted(node.text);
+        case Node::Type::boolean: return node.boolean ? "true" : "false";
+        case Node::Type::integer: return std::to_string(node.integer);
+        case Node::Type::number: return node.unit.empty() ? shortest(node.number) : quoted(shortest(node.number) + " " + node.unit);
+        default: break;
+    }
+    std::string text;
+    for (const Node& child : node.children) text += (text.empty() ? "" : ", ") + toml(child);
+    return "[" + text + "]";
+}
+
+std::string last_part(const std::string& path) { return path.substr(path.rfind('.') + 1); }
+
+std::string parent(const std::string& path) {
+    const std::size_t dot = path.rfind('.');
+    return dot == std::string::npos ? "" : path.substr(0, dot);
+}
+
+bool is_table(const Entry& entry) { return entry.key->kind == Kind::table || entry.key->kind == Kind::list || entry.key->kind == Kind::names; }
+
+/// "domain.hole[1]" -> "[[domain.hole]]", "load[0].on" -> "[load.on]"
+std::string header(const std::string& path) {
+    std::string plain;
+    bool skip = false;
+    for (const char c : path) {
+        if (c == '[') skip = true;
+        if (!skip) plain += c;
+        if (c == ']') skip = false;
+    }
+    return path.ends_with(']') ? "[[" + plain + "]]" : "[" + plain + "]";
+}
+
+/// Keys that belong to `table` directly; and the tables below it, in order. Tables of which only defaults are known have no entry of
+/// their own, so they are found by their keys.
+void write_table(const Values& values, const std::string& table, std::string& out) {
+    std::string keys;
+    std::vector<std::string> tables;
+    for (const Entry& entry : values.entries()) {
+        if (!entry.valid || !entry.key) continue;
+        if (!is_table(entry) && parent(entry.path) == table) keys += last_part(entry.path) + " = " + toml(entry.node) + "\n";
+        const bool below = table.empty() || entry.path.starts_with(table + ".");
+        if (!below || (!is_table(entry) && parent(entry.path) == table)) continue;
+        const std::string child = entry.path.substr(0, entry.path.find('.', table.empty() ? 0 : table.size() + 1));
+        if (std::find(tables.begin(), tables.end(), child) == tables.end()) tables.push_back(child);
+    }
+    if (!table.empty() && (!keys.empty() || tables.empty())) out += "\n" + header(table) + "\n";
+    out += keys;
+    for (const std::string& child : tables) write_table(values, child, out);
+}
+
+std::string origin(const Entry& entry, const Source& source) {
+    switch (entry.origin) {
+        case Origin::file: return source.name() + ":" + std::to_string(entry.node.place.line);
+        case Origin::set: return entry.node.set_by;
+        case Origin::standard: return "default";
+        case Origin::computed: return "default, " + std::string(entry.key->otherwise);
+    }
+    return "";
+}
+
+}  // namespace
+
+std::string resolved_toml(const ReadResult& result) {
+    std::string out;
+    write_table(result.values, "", out);
+    return out;
+}
+
+std::string full_listing(const ReadResult& result) {
+    struct Line {
+        std::string key, value, origin;
+    };
+    std::vector<Line> lines;
+    std::size_t key_width = 0, value_width = 0;
+    for (const Entry& entry : result.values.entries()) {
+        if (!entry.key || is_table(entry) || (!entry.valid && entry.origin != Origin::computed)) continue;
+        const bool unset = !entry.valid;  // a default that is no value: "from the data"
+        std::string value = unset ? "-" : toml(entry.node);
+        const bool has_unit = !unset && entry.key->kind == Kind::number && !entry.key->unit.empty() && entry.key->unit != "*" && entry.node.type != Node::Type::text;
+        if (has_unit) value += " " + std::string(entry.key->unit);
+        key_width = std::max(key_width, entry.path.size());
+        value_width = std::max(value_width, std::min<std::size_t>(value.size(), 40));
+        lines.push_back({entry.path, value, origin(entry, result.source)});
+    }
+    std::string out;
+    for (Line& line : lines) {
+        line.key.resize(std::max(line.key.size(), key_width), ' ');
+        line.value.resize(std::max(line.value.size(), value_width), ' ');
+        out += line.key + "  " + line.value + "  " + line.origin + "\n";
+    }
+    return out;
+}
+
+}  // namespace knap
