@@ -3,6 +3,7 @@
 #include "observe/body_raster.hpp"
 #include "observe/body_view.hpp"
 #include "observe/colour_bar.hpp"
+#include "observe/key.hpp"
 
 #include <cairo.h>
 
@@ -15,7 +16,7 @@ namespace knap {
 namespace {
 
 constexpr Colour body_colour{0.90, 0.90, 0.89}, outline_colour{0.35, 0.35, 0.35}, damaged_colour{0.45, 0.62, 0.78};
-constexpr double outline_width = 0.5, broken_width = 1.1, damaged_width = 0.5, precrack_width = 1.1, path_width = 0.6;  // [unit]
+constexpr double outline_width = 0.5, broken_width = 1, damaged_width = 0.6, precrack_width = 1, path_width = 0.6;  // [unit]
 
 template <class Values>
 Vec2 corner_mean(const Values& values, Index t) {
@@ -57,10 +58,13 @@ public:
         raster.paint(canvas_);
     }
 
-    /// Both faces of an interface; they are one line as long as it is closed.
-    void draw_interface(Index i, const Colour& colour, double width) {
-        for (const auto& side : {frame_.side_a[i], frame_.side_b[i]})
-            if (side[0] >= 0) canvas_.line({corner(side[0]), corner(side[1])}, colour, width);
+    /// Both faces of each interface; they are one line as long as it is closed.
+    void draw_interfaces(const std::vector<Index>& interfaces, const Colour& colour, double width) {
+        std::vector<Vec2> ends;
+        for (const Index i : interfaces)
+            for (const auto& side : {frame_.side_a[i], frame_.side_b[i]})
+                if (side[0] >= 0) ends.insert(ends.end(), {corner(side[0]), corner(side[1])});
+        canvas_.segments(ends, colour, width);
     }
 
     /// The edges that only one triangle has.
@@ -72,7 +76,9 @@ public:
             const Index next = c % 3 == 2 ? c - 2 : c + 1;
             if (lonely.erase({place(next), place(c)}) == 0) lonely[{place(c), place(next)}] = {c, next};
         }
-        for (const auto& [ends, corners] : lonely) canvas_.line({corner(corners.first), corner(corners.second)}, outline_colour, outline_width);
+        std::vector<Vec2> ends;
+        for (const auto& [places, corners] : lonely) ends.insert(ends.end(), {corner(corners.first), corner(corners.second)});
+        canvas_.segments(ends, outline_colour, outline_width);
     }
 
     /// Lines of the body stay inside the plot.
@@ -117,22 +123,6 @@ void set_range(ColourScale& scale, const FigureOptions& options, const std::vect
     }
 }
 
-struct KeyEntry {
-    std::string label;
-    Colour colour;
-    double width;
-};
-
-/// Lines and their names, one below the other.
-void draw_key(Canvas& canvas, const std::vector<KeyEntry>& entries, const Area& area) {
-    double y = area.top() - 5;
-    for (const KeyEntry& entry : entries) {
-        canvas.line({{area.left, y}, {area.left + 20, y}}, entry.colour, entry.width);
-        canvas.text({area.left + 26, y}, entry.label, {.size = 11, .along = Along::middle});
-        y -= 14;
-    }
-}
-
 }  // namespace
 
 const std::vector<BodyField>& body_fields() {
@@ -146,7 +136,7 @@ const std::vector<BodyField>& body_fields() {
         {"stress_xx", "stress σ_{xx}", "Pa", true, [](const Frame& f, Index t) { return f.stress[t][0]; }},
         {"stress_yy", "stress σ_{yy}", "Pa", true, [](const Frame& f, Index t) { return f.stress[t][1]; }},
         {"stress_xy", "stress σ_{xy}", "Pa", true, [](const Frame& f, Index t) { return f.stress[t][2]; }},
-        {"principal_stress", "largest principal stress σ_{1}", "Pa", true, [](const Frame& f, Index t) { return largest_principal(f.stress[t]); }},
+        {"principal_stress", "largest principal stress σ_{1}", "Pa", false, [](const Frame& f, Index t) { return largest_principal(f.stress[t]); }},
     };
     return fields;
 }
@@ -170,14 +160,13 @@ DrawnFigure draw_cracks(const FigureOptions& options, const Frame& frame, const 
     page.fill_triangles([](Index) { return body_colour; });
     page.inside_plot([&] {
         page.draw_outline();
-        if (!by_cohesion)
-            for (const Index i : damaged) page.draw_interface(i, damaged_colour, damaged_width);
-        for (const Index i : precracks) page.draw_interface(i, black, precrack_width);
-        for (const Index i : coloured) page.draw_interface(i, scale(value(i)), broken_width);
+        if (!by_cohesion) page.draw_interfaces(damaged, damaged_colour, damaged_width);
+        page.draw_interfaces(precracks, black, precrack_width);
+        for (const Index i : coloured) page.draw_interfaces({i}, scale(value(i)), broken_width);
     });
     std::vector<KeyEntry> key;
     if (!precracks.empty()) key.push_back({"pre-crack", black, precrack_width});
-    if (!damaged.empty() && !by_cohesion) key.push_back({"damaged, not broken", damaged_colour, 2 * damaged_width});
+    if (!damaged.empty() && !by_cohesion) key.push_back({"damaged, not broken", damaged_colour, damaged_width});
     const Area below = page.view().below();
     draw_colour_bar(page.canvas(), scale, {below.left, below.bottom, 0.58 * below.width, below.height});
     draw_key(page.canvas(), key, {below.left + 0.66 * below.width, below.bottom, 0.34 * below.width, below.height});
@@ -195,8 +184,7 @@ DrawnFigure draw_field(const FigureOptions& options, const Frame& frame, const s
     page.fill_triangles([&](Index t) { return scale(values[t]); });
     page.inside_plot([&] {
         page.draw_outline();
-        for (const Kind kind : {Kind::broken, Kind::precrack})
-            for (const Index i : interfaces_of(frame, kind)) page.draw_interface(i, black, path_width);
+        for (const Kind kind : {Kind::broken, Kind::precrack}) page.draw_interfaces(interfaces_of(frame, kind), black, path_width);
     });
     const Area below = page.view().below();
     draw_colour_bar(page.canvas(), scale, {below.left + 0.15 * below.width, below.bottom, 0.7 * below.width, below.height});

@@ -16,7 +16,7 @@ struct BodyField {
     std::string name;      // as in FigureOptions::show
     std::string quantity;  // as beside the colour bar
     std::string unit;
-    bool is_signed;
+    bool is_signed;        // shown about zero
     double (*value)(const Frame&, Index triangle);
 };
 const std::vector<BodyField>& body_fields();

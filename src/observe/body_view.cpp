@@ -1,5 +1,7 @@
 #include "observe/body_view.hpp"
 
+#include "observe/key.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,7 +9,6 @@ namespace knap {
 
 namespace {
 
-constexpr double label_size = 11, title_size = 12.5;                 // [unit]
 constexpr double room_left = 52, room_right = 16, room_above = 28;   // [unit] round the plot
 constexpr double room_for_axis = 36, room_below = 46;                // [unit] x axis; colour bar and key
 constexpr double widest = page_width - room_left - room_right, highest = 620, lowest = 60;
@@ -59,18 +60,18 @@ void BodyView::draw_axes(Canvas& canvas) const {
     for (std::size_t i = 0; i < x_ticks_.at.size(); ++i) {
         const double x = on_page({x_ticks_.at[i] / unit_.factor, 0}).x();
         canvas.line({{x, p.bottom}, {x, p.bottom - tick}}, ink, frame_width);
-        canvas.text({x, p.bottom - tick - 2}, x_ticks_.labels[i], {.size = label_size, .across = Across::centre, .along = Along::top});
+        canvas.text({x, p.bottom - tick - 2}, x_ticks_.labels[i], {.size = type_size, .across = Across::centre, .along = Along::top});
     }
     for (std::size_t i = 0; i < y_ticks_.at.size(); ++i) {
         const double y = on_page({0, y_ticks_.at[i] / unit_.factor}).y();
         canvas.line({{p.left, y}, {p.left - tick, y}}, ink, frame_width);
-        canvas.text({p.left - tick - 2.5, y}, y_ticks_.labels[i], {.size = label_size, .across = Across::right, .along = Along::middle});
-        widest_label = std::max(widest_label, canvas.text_width(y_ticks_.labels[i], label_size));
+        canvas.text({p.left - tick - 2.5, y}, y_ticks_.labels[i], {.size = type_size, .across = Across::right, .along = Along::middle});
+        widest_label = std::max(widest_label, canvas.text_width(y_ticks_.labels[i], type_size));
     }
     canvas.text({p.left + 0.5 * p.width, p.bottom - tick - 15}, with_unit("x", unit_.unit),
-                {.size = label_size, .across = Across::centre, .along = Along::top});
+                {.size = type_size, .across = Across::centre, .along = Along::top});
     canvas.text({p.left - tick - 8 - widest_label, p.bottom + 0.5 * p.height}, with_unit("y", unit_.unit),
-                {.size = label_size, .across = Across::centre, .along = Along::bottom, .angle = 90});
+                {.size = type_size, .across = Across::centre, .along = Along::bottom, .angle = 90});
 }
 
 void BodyView::draw_title(Canvas& canvas, const std::string& title, const std::string& moment) const {

@@ -184,18 +184,18 @@ TextStyle CairoDevice::text_style() const {
 void CairoDevice::DrawString(float* point, const vtkStdString& string) { canvas_->text(on_page(point), string, text_style()); }
 void CairoDevice::DrawMathTextString(float* point, const vtkStdString& string) { DrawString(point, string); }
 
-// The text's width and one line's height, neither turned nor justified, as VTK asks for.
+// The text's width and one line's height; swapped for upright text, which VTK's header does not say and its axes count on.
 void CairoDevice::ComputeStringBounds(const vtkStdString& string, float bounds[4]) {
     const TextStyle style = text_style();
     bounds[0] = bounds[1] = 0;
     bounds[2] = static_cast<float>(canvas_->text_width(string, style.size, style.bold));
     bounds[3] = string.empty() ? 0 : static_cast<float>(style.size);
+    if (std::abs(std::remainder(style.angle, 180)) > 45) std::swap(bounds[2], bounds[3]);
 }
 
 void CairoDevice::ComputeJustifiedStringBounds(const char* string, float bounds[4]) {
     ComputeStringBounds(vtkStdString(string), bounds);
     const TextStyle style = text_style();
-    if (std::abs(std::remainder(style.angle, 180)) > 45) std::swap(bounds[2], bounds[3]);
     if (style.across != Across::left) bounds[0] = -bounds[2] * (style.across == Across::centre ? 0.5f : 1.0f);
     if (style.along != Along::bottom) bounds[1] = -bounds[3] * (style.along == Along::middle ? 0.5f : 1.0f);
 }

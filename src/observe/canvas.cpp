@@ -126,9 +126,22 @@ void Canvas::line(const std::vector<Vec2>& points, const Colour& colour, double 
     trace(cairo_, points);
     set_colour(cairo_, colour);
     cairo_set_line_width(cairo_, width);
+    cairo_set_line_cap(cairo_, dashes.empty() ? CAIRO_LINE_CAP_ROUND : CAIRO_LINE_CAP_BUTT);
     cairo_set_dash(cairo_, dashes.data(), static_cast<int>(dashes.size()), 0);
     cairo_stroke(cairo_);
     cairo_set_dash(cairo_, nullptr, 0, 0);
+    cairo_set_line_cap(cairo_, CAIRO_LINE_CAP_ROUND);
+}
+
+void Canvas::segments(const std::vector<Vec2>& points, const Colour& colour, double width) {
+    cairo_new_path(cairo_);
+    for (std::size_t i = 0; i + 1 < points.size(); i += 2) {
+        cairo_move_to(cairo_, points[i].x(), points[i].y());
+        cairo_line_to(cairo_, points[i + 1].x(), points[i + 1].y());
+    }
+    set_colour(cairo_, colour);
+    cairo_set_line_width(cairo_, width);
+    cairo_stroke(cairo_);
 }
 
 void Canvas::fill(const std::vector<Vec2>& points, const Colour& colour) {

@@ -58,6 +58,8 @@ public:
     cairo_t* cairo() const { return cairo_; }
 
     void line(const std::vector<Vec2>& points, const Colour& colour, double width, const std::vector<double>& dashes = {});
+    /// Separate lines from points[2i] to points[2i+1] as one stroke: where they meet or overlap nothing gets darker.
+    void segments(const std::vector<Vec2>& points, const Colour& colour, double width);
     void fill(const std::vector<Vec2>& points, const Colour& colour);
     void rectangle(const Area& area, const Colour& colour, double width);
 

@@ -1,11 +1,10 @@
 #include "observe/chart.hpp"
 
 #include "observe/cairo_device.hpp"
+#include "observe/key.hpp"
 #include "observe/ticks.hpp"
 
 #include <vtkAxis.h>
-#include <vtkBrush.h>
-#include <vtkChartLegend.h>
 #include <vtkChartXY.h>
 #include <vtkContext2D.h>
 #include <vtkContextScene.h>
@@ -13,6 +12,7 @@
 #include <vtkNew.h>
 #include <vtkPen.h>
 #include <vtkPlot.h>
+#include <vtkRect.h>
 #include <vtkStringArray.h>
 #include <vtkTable.h>
 #include <vtkTextProperty.h>
@@ -24,8 +24,7 @@ namespace knap {
 
 namespace {
 
-constexpr double page_height = 350;  // [unit]
-constexpr int label_size = 12, title_size = 13;
+constexpr double page_height = 330, room_left = 58, room_right = 16, room_below = 42, room_above = 28, gap = 12;  // [unit]
 
 struct Range {
     double low = 0, high = 0;
@@ -39,10 +38,10 @@ struct Range {
 
 unsigned char byte(double channel) { return static_cast<unsigned char>(std::lround(255 * channel)); }
 
-void set_font(vtkTextProperty* text, int size, bool bold) {
-    text->SetFontSize(size);
+void set_font(vtkTextProperty* text) {
+    text->SetFontSize(static_cast<int>(type_size));
     text->SetColor(ink.red, ink.green, ink.blue);
-    text->SetBold(bold);
+    text->SetBold(false);
 }
 
 /// One axis: round ticks in the unit that is shown, thin lines, light grid.
@@ -64,8 +63,8 @@ void set_axis(vtkAxis* axis, const std::string& title, double low, double high, 
     axis->GetPen()->SetWidth(0.8f);
     axis->GetGridPen()->SetColorF(0.88, 0.88, 0.88);
     axis->GetGridPen()->SetWidth(0.5f);
-    set_font(axis->GetTitleProperties(), label_size, false);
-    set_font(axis->GetLabelProperties(), label_size, false);
+    set_font(axis->GetTitleProperties());
+    set_font(axis->GetLabelProperties());
 }
 
 void add_curve(vtkChartXY* chart, const Curve& curve, double x_factor, double y_factor) {
@@ -88,19 +87,28 @@ void add_curve(vtkChartXY* chart, const Curve& curve, double x_factor, double y_
     plot->SetLabel(curve.label);
 }
 
-/// Beside the chart, so it never lies over a curve.
-void set_legend(vtkChartXY* chart) {
-    chart->SetShowLegend(true);
-    vtkChartLegend* legend = chart->GetLegend();
-    legend->SetInline(false);
-    legend->SetHorizontalAlignment(vtkChartLegend::RIGHT);
-    legend->SetVerticalAlignment(vtkChartLegend::TOP);
-    legend->SetLabelSize(label_size);
-    legend->SetSymbolWidth(22);
-    legend->SetPadding(6);
-    legend->GetPen()->SetLineType(vtkPen::NO_PEN);
-    legend->GetBrush()->SetOpacity(0);
-    set_font(legend->GetLabelProperties(), label_size, false);
+/// What VTK's own legend would say, beside the chart and so never over a curve.
+std::vector<KeyEntry> key_of(const Chart& chart) {
+    std::vector<KeyEntry> entries;
+    if (chart.curves.size() > 1)
+        for (const Curve& curve : chart.curves) entries.push_back({curve.label, curve.colour, curve.width, curve.dashed});
+    return entries;
+}
+
+/// VTK draws axes, grid and curves with the corners of the axes on `area`.
+void draw_plot(Canvas& canvas, vtkChartXY* plot, const Area& area) {
+    plot->SetLayoutStrategy(vtkChart::AXES_TO_RECT);
+    plot->SetSize(vtkRectf(area.left, area.bottom, area.width, area.height));
+    plot->SetRenderEmpty(true);
+    vtkNew<vtkContextScene> scene;
+    scene->SetGeometry(static_cast<int>(page_width), static_cast<int>(page_height));
+    scene->AddItem(plot);
+    vtkNew<CairoDevice> device;
+    device->draw_on(canvas);
+    vtkNew<vtkContext2D> context;
+    context->Begin(device);
+    scene->Paint(context);
+    context->End();
 }
 
 void draw_levels(Canvas& canvas, vtkChartXY* chart, const std::vector<Level>& levels, double y_factor) {
@@ -110,7 +118,7 @@ void draw_levels(Canvas& canvas, vtkChartXY* chart, const std::vector<Level>& le
     for (const Level& level : levels) {
         const double at = bottom + (top - bottom) * (level.y * y_factor - y->GetMinimum()) / (y->GetMaximum() - y->GetMinimum());
         canvas.line({{left, at}, {right, at}}, ink, 0.8, {5, 3});
-        canvas.text({left + 8, at + 4}, level.label, {.size = label_size});
+        canvas.text({left + 8, at + 4}, level.label, {.size = type_size});
     }
 }
 
@@ -132,20 +140,15 @@ DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, in
     const auto y_limits = round_range(y_range.low * y_unit.factor, y_range.high * y_unit.factor, 7);
     set_axis(plot->GetAxis(vtkAxis::LEFT), with_unit(chart.y_quantity, y_unit.unit), y_limits[0], y_limits[1], 8);
     for (const Curve& curve : chart.curves) add_curve(plot, curve, x_unit.factor, y_unit.factor);
-    if (chart.curves.size() > 1) set_legend(plot);
 
     Canvas canvas(file, page_height, pixels);
-    plot->SetTitle(canvas.fitted(chart.title, title_size, page_width - 40, true));
-    set_font(plot->GetTitleProperties(), title_size, true);
-    vtkNew<vtkContextScene> scene;
-    scene->SetGeometry(static_cast<int>(page_width), static_cast<int>(page_height));
-    scene->AddItem(plot);
-    vtkNew<CairoDevice> device;
-    device->draw_on(canvas);
-    vtkNew<vtkContext2D> context;
-    context->Begin(device);
-    scene->Paint(context);
-    context->End();
+    const std::vector<KeyEntry> key = key_of(chart);
+    const double beside = key.empty() ? 0 : key_width(canvas, key) + gap;
+    const Area area{room_left, room_below, page_width - room_left - room_right - beside, page_height - room_below - room_above};
+    draw_plot(canvas, plot, area);
+    draw_key(canvas, key, {area.right() + gap, area.bottom, beside, area.height});
+    canvas.text({area.left, area.top() + 9}, canvas.fitted(chart.title, title_size, page_width - room_left - room_right, true),
+                {.size = title_size, .bold = true});
     draw_levels(canvas, plot, chart.levels, y_unit.factor);
     canvas.finish();
     return {file, canvas.height(), canvas.texts()};

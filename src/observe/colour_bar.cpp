@@ -1,5 +1,6 @@
 #include "observe/colour_bar.hpp"
 
+#include "observe/key.hpp"
 #include "observe/ticks.hpp"
 
 #include <algorithm>
@@ -8,7 +9,8 @@
 namespace knap {
 
 namespace {
-constexpr double label_size = 11, bar_height = 9, tick = 3, point = 8;  // [unit]
+constexpr int n_ticks = 7;
+constexpr double bar_height = 9, tick = 3, point = 8;  // [unit]
 }
 
 ColourRange robust_range(std::vector<double> values, double outside, bool symmetric) {
@@ -25,7 +27,7 @@ ColourRange robust_range(std::vector<double> values, double outside, bool symmet
         const double room = high == 0 ? 1 : 0.1 * std::abs(high);
         return {low - (low == 0 && !symmetric ? 0 : room), high + room};
     }
-    const auto round = round_range(low, high, 8);
+    const auto round = round_range(low, high, n_ticks);
     return {round[0], round[1]};
 }
 
@@ -54,14 +56,14 @@ void draw_colour_bar(Canvas& canvas, const ColourScale& scale, const Area& area)
     canvas.line(outline, ink, 0.5);
 
     const DisplayUnit unit = display_unit(std::max(std::abs(scale.low), std::abs(scale.high)), scale.unit);
-    const Ticks ticks = round_ticks(scale.low * unit.factor, scale.high * unit.factor, std::clamp(static_cast<int>(bar.width / 40), 2, 9));
+    const Ticks ticks = round_ticks(scale.low * unit.factor, scale.high * unit.factor, n_ticks);
     for (std::size_t i = 0; i < ticks.at.size(); ++i) {
         const double x = bar.left + bar.width * (ticks.at[i] / unit.factor - scale.low) / (scale.high - scale.low);
         canvas.line({{x, bar.bottom}, {x, bar.bottom - tick}}, ink, 0.6);
-        canvas.text({x, bar.bottom - tick - 1.5}, ticks.labels[i], {.size = label_size, .across = Across::centre, .along = Along::top});
+        canvas.text({x, bar.bottom - tick - 1.5}, ticks.labels[i], {.size = type_size, .across = Across::centre, .along = Along::top});
     }
     canvas.text({bar.left + 0.5 * bar.width, bar.bottom - tick - 14}, with_unit(scale.quantity, unit.unit),
-                {.size = label_size, .across = Across::centre, .along = Along::top});
+                {.size = type_size, .across = Across::centre, .along = Along::top});
 }
 
 }  // namespace knap

@@ -51,18 +51,19 @@ Chart energy_chart(const History& energy) {
 
 Chart crack_length_chart(const History& cracks) {
     const Column time = cracks.column("time");
-    Chart chart{.title = "Crack length", .x_quantity = "time", .x_unit = "s", .y_quantity = "crack length", .y_unit = "m"};
+    Chart chart{.title = "Crack length", .x_quantity = "time", .x_unit = "s", .y_quantity = "length", .y_unit = "m"};
     const auto add = [&](const char* label, const char* name, const Colour& colour) {
         if (cracks.has(name)) chart.curves.push_back({label, time, cracks.column(name), colour});
     };
-    add("longest path", "length", black);
-    add("broken", "broken_length", vermilion);
-    add("damaged", "damaged_length", sky);
+    add("main crack", "length", black);
+    add("all branches", "crack_length", blue);
+    add("broken edges", "broken_length", vermilion);
+    add("damaged edges", "damaged_length", sky);
     return chart;
 }
 
 Chart crack_speed_chart(const History& cracks, double rayleigh_speed) {
-    Chart chart{.title = "Crack speed", .x_quantity = "time", .x_unit = "s", .y_quantity = "speed of the fastest tip", .y_unit = "m/s"};
+    Chart chart{.title = "Crack speed", .x_quantity = "time", .x_unit = "s", .y_quantity = "speed of the main tip", .y_unit = "m/s"};
     chart.curves.push_back({"speed", cracks.column("time"), cracks.column("speed"), blue, 1.4});
     if (rayleigh_speed > 0) chart.levels = {{"0.65 c_{R}", 0.65 * rayleigh_speed}, {"c_{R}", rayleigh_speed}};
     return chart;

@@ -73,8 +73,14 @@ Ticks round_ticks(double low, double high, int n_most) {
 }
 
 std::vector<double> round_range(double low, double high, int n_most) {
-    const double step = round_ticks(low, high, n_most).step;
-    return {step * std::floor(low / step + 1e-9), step * std::ceil(high / step - 1e-9)};
+    // widening can ask for a larger step, which can ask for more widening
+    for (double step = 0, next = round_ticks(low, high, n_most).step; next > step;) {
+        step = next;
+        low = step * std::floor(low / step + 1e-9);
+        high = step * std::ceil(high / step - 1e-9);
+        next = round_ticks(low, high, n_most).step;
+    }
+    return {low, high};
 }
 
 std::string time_text(double seconds, bool plain) {

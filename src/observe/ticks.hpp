@@ -26,7 +26,7 @@ struct Ticks {
 /// At most `n_most` (at least 2) ticks; low < high.
 Ticks round_ticks(double low, double high, int n_most);
 
-/// [low, high] widened to whole steps of its round ticks.
+/// [low, high] widened until it begins and ends with one of its own round_ticks.
 std::vector<double> round_range(double low, double high, int n_most);
 
 /// "40 µs", "12.5 µs": four digits at most, with a prefix. `plain` writes ASCII without a blank, for file names: "12.5us".

@@ -1,0 +1,27 @@
+#include "observe/key.hpp"
+
+#include <algorithm>
+
+namespace knap {
+
+namespace {
+constexpr double symbol = 20, gap = 6, leading = 15;  // [unit]
+}
+
+double key_width(const Canvas& canvas, const std::vector<KeyEntry>& entries) {
+    double widest = 0;
+    for (const KeyEntry& entry : entries) widest = std::max(widest, canvas.text_width(entry.label, type_size));
+    return symbol + gap + widest;
+}
+
+void draw_key(Canvas& canvas, const std::vector<KeyEntry>& entries, const Area& area) {
+    double y = area.top() - 5;
+    for (const KeyEntry& entry : entries) {
+        const std::vector<double> dashes = entry.dashed ? std::vector<double>{4 * entry.width, 2.5 * entry.width} : std::vector<double>{};
+        canvas.line({{area.left, y}, {area.left + symbol, y}}, entry.colour, entry.width, dashes);
+        canvas.text({area.left + symbol + gap, y}, entry.label, {.size = type_size, .along = Along::middle});
+        y -= leading;
+    }
+}
+
+}  // namespace knap

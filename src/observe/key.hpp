@@ -1,0 +1,25 @@
+#pragma once
+// Lines and what they stand for.
+#include "observe/canvas.hpp"
+
+#include <string>
+#include <vector>
+
+namespace knap {
+
+struct KeyEntry {
+    std::string label;
+    Colour colour;
+    double width;  // [unit]
+    bool dashed = false;
+};
+
+inline constexpr double type_size = 11, title_size = 12.5;  // [unit] of all figures
+
+/// Width [unit] that the key needs.
+double key_width(const Canvas& canvas, const std::vector<KeyEntry>& entries);
+
+/// One entry below the other, the first one at the top of `area`.
+void draw_key(Canvas& canvas, const std::vector<KeyEntry>& entries, const Area& area);
+
+}  // namespace knap
