@@ -1,0 +1,109 @@
+// knap check: what people ask before they run.
+#include "app/commands.hpp"
+#include "app/setup.hpp"
+#include "base/stopwatch.hpp"
+#include "scenario/write_scenario.hpp"
+#include "stepper/moreau_jean.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace knap {
+namespace {
+
+constexpr double usual_speed = 1e7;  // triangle-steps per core-second; --time measures it instead
+
+void print_mesh(const MeshReport& mesh) {
+    std::printf("mesh\n  triangles %d, vertices %d, interfaces %d, pre-cracked edges %d\n", mesh.n_triangles, mesh.n_vertices,
+                mesh.n_interior_edges, mesh.n_cracked_edges);
+    std::printf("  edge lengths %.3g / %.3g / %.3g mm (smallest, mean, largest)\n", 1e3 * mesh.smallest_edge, 1e3 * mesh.mean_edge,
+                1e3 * mesh.largest_edge);
+    std::printf("  angles: smallest %.1f, 1 %% of the triangles below %.1f, largest %.1f degree\n", mesh.smallest_angle,
+                mesh.smallest_angle_percentiles[0], mesh.largest_angle);
+    if (mesh.n_paths > 0)
+        std::printf("  path ratio: edges are %.2f %% longer than straight lines, spread over directions %.2f %% (%d paths)\n",
+                    100 * mesh.mean_path_excess, 100 * mesh.path_excess_spread, mesh.n_paths);
+}
+
+void print_materials(const Scenario& scenario) {
+    std::printf("wave speeds\n");
+    for (const NamedMaterial& m : scenario.materials)
+        std::printf("  %-12s c_d %.1f, c_s %.1f, c_R %.1f m/s\n", m.name.c_str(), m.elastic.dilatational_speed(scenario.plane),
+                    m.elastic.shear_speed(), m.elastic.rayleigh_speed(scenario.plane));
+}
+
+void print_resolution(const Scenario& scenario, double finest, double step) {
+    std::printf("interfaces\n");
+    for (const Resolution& r : judge_resolution(scenario, finest))
+        std::printf("  %-12s law %s: process zone %.3g mm (at rest), %.1f edges; cohesive length %.3g mm\n", r.material.c_str(), r.law.c_str(),
+                    1e3 * r.process_zone, r.n_edges, 1e3 * r.cohesive_length);
+    // Assumption 1 on a fully split mesh: h <= (0.43/theta) sqrt(l_coh/l) l/c; explicit beta does not need it, implicit does
+    for (const Resolution& r : judge_resolution(scenario, finest)) {
+        const double c = scenario.materials.front().elastic.dilatational_speed(scenario.plane);
+        const double limit = 0.43 / scenario.time.theta * std::sqrt(r.cohesive_length / finest) * finest / c;
+        std::printf("  %-12s Assumption 1 margin %.1f (an implicit cohesion may take steps up to %.3g s; explicit beta has no such limit)\n",
+                    r.material.c_str(), limit / step, limit);
+    }
+}
+
+void print_parts(const Scenario& scenario, const Model& model) {
+    bool friction = false, restitution = false, breakable = false, shear = false;
+    for (const Interface& i : model.interfaces) {
+        const CohesiveLaw& law = model.laws[i.law];
+        breakable = breakable || (law.breakable() && !i.cracked);
+        if (!law.breakable() && !i.cracked) continue;
+        friction = friction || law.friction > 0;
+        restitution = restitution || law.restitution > 0;
+        shear = shear || law.gamma > 0;
+    }
+    std::printf("what this scene needs\n  cohesion %s, tangential cohesion %s, friction %s, impact %s, foundations %s, driven boundaries %s\n",
+                breakable ? "yes" : "no (elastic)", breakable && shear ? "yes" : "no", friction ? "yes" : "no",
+                restitution ? "with restitution" : "plastic", scenario.foundations.empty() ? "no" : "yes", model.prescribed.empty() ? "no" : "yes");
+    std::printf("  path: explicit lumped bulk, explicit beta; one exact problem per vertex that may open\n");
+}
+
+double measured_speed(const Model& model, MoreauJean& stepper, double step) {
+    State now = initial_state(model), next = now;
+    stepper.step(now, step, next);
+    const Stopwatch watch;
+    std::int64_t n = 0;
+    for (; n < 5 || watch.cpu() < 0.5; ++n) stepper.step(now, step, next), std::swap(now, next);
+    return static_cast<double>(n) * model.mesh.n_triangles() / watch.cpu();
+}
+
+}  // namespace
+
+ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool time) {
+    const Scenario& scenario = read.scenario;
+    const Model model = model_of(read);
+    MoreauJean stepper(model);
+    const StepPlan plan = plan_steps(scenario, stepper.stable_step(), scenario.time.end);
+    const double edge = mean_edge(model.mesh);
+    double finest = edge;
+    for (const RefineBox& box : scenario.mesh.refine) finest = std::min(finest, box.size);
+
+    if (full) std::fputs(full_listing(read).c_str(), stdout);
+    std::printf("%s: %s\n", scenario.name.c_str(), scenario.title.c_str());
+    print_mesh(judge(model.mesh));
+    print_materials(scenario);
+    print_resolution(scenario, finest, plan.step);
+    print_parts(scenario, model);
+
+    const double work = static_cast<double>(plan.n_steps) * model.mesh.n_triangles();
+    const double speed = time ? measured_speed(model, stepper, plan.step) : usual_speed;
+    const double every = scenario.output.every > 0 ? scenario.output.every : scenario.time.end / 40;
+    const double frames = scenario.output.fields ? std::ceil(scenario.time.end / every) + 1 : 0;
+    std::printf("run\n  stable step %.4g s, h = %.4g s, %lld steps, %.3g triangle-steps\n", plan.stable_step, plan.step,
+                static_cast<long long>(plan.n_steps), work);
+    std::printf("  about %.0f s of one core (at %.1e triangle-steps/s, %s), %.0f MB of memory, %.0f MB of disk for %.0f frames\n", work / speed,
+                speed, time ? "measured now" : "usual; --time measures", 60 + 1.8e-3 * model.mesh.n_triangles(),
+                frames * 190e-6 * model.mesh.n_triangles(), frames);
+
+    std::vector<Diagnostic> warnings = read.warnings;
+    for (const Diagnostic& warning : resolution_warnings(read, edge)) warnings.push_back(warning);
+    for (const Diagnostic& warning : warnings) std::fputs(format(warning).c_str(), stderr);
+    return strict && !warnings.empty() ? exit_bad_input : exit_done;
+}
+
+}  // namespace knap

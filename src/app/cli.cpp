@@ -1,0 +1,152 @@
+#include "app/cli.hpp"
+
+#include "app/commands.hpp"
+#include "app/version.hpp"
+#include "base/error.hpp"
+#include "scenario/findings.hpp"
+#include "scenario/keys.hpp"
+#include "scenario/schema.hpp"
+#include "scenario/units.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+
+namespace knap {
+namespace {
+
+std::string version_text() {
+    std::string text = "knap " + version() + " (" + git_hash() + (git_dirty() ? ", with uncommitted changes" : "") + "), " + compiler() + "\n";
+    for (const auto& [name, number] : libraries()) text += "  " + name + " " + number + "\n";
+    return text;
+}
+
+/// A number with a unit of this kind, or a plain one in SI.
+double quantity(const std::string& text, std::string_view unit) {
+    const Quantity read = parse_quantity(text);
+    if (!read.problem.empty()) throw UserError("bad-value", "`" + text + "`: " + read.problem);
+    if (!read.unit.empty() && read.dimension != dimension_of(unit))
+        throw UserError("wrong-unit", "`" + text + "` is " + kind_name(read.dimension) + ", wanted is " + kind_name(dimension_of(unit)));
+    return read.value;
+}
+
+std::vector<std::string> words(int argc, char** argv) { return {argv, argv + argc}; }
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+    CLI::App app{"knap: 2D dynamic fracture with nonsmooth cohesive interfaces on every edge of the mesh", "knap"};
+    app.set_version_flag("--version", version_text);
+    app.require_subcommand(1);
+    app.fallthrough(false);
+
+    std::string scenario;
+    std::vector<std::string> overrides;
+    std::function<int()> chosen;
+    const auto add = [&](const char* name, const char* help, auto&& action) {
+        CLI::App* command = app.add_subcommand(name, help);
+        command->callback([&chosen, action] { chosen = action; });
+        return command;
+    };
+    const auto takes_scenario = [&](CLI::App* command) {
+        command->add_option("scenario", scenario, "a scenario file, or the name of a built-in one")->required();
+        command->add_option("-s,--set", overrides, "KEY=VALUE instead of what the file says, as in mesh.size=\"2 mm\"; may be repeated")->allow_extra_args(false);
+    };
+    const auto read = [&] { return open_scenario(scenario, overrides); };
+
+    RunOptions run{.command = words(argc, argv)};
+    std::string until;
+    CLI::App* run_command = add("run", "simulate a scenario, figures included", [&] {
+        if (!until.empty()) run.until = quantity(until, "s");
+        return run_scenario(read(), run);
+    });
+    takes_scenario(run_command);
+    run_command->add_option("-o,--output", run.output, "directory of the run; default runs/<name>");
+    run_command->add_option("-j,--threads", run.threads, "threads; default all. Results do not depend on it")->check(CLI::Range(1, 1024));
+    run_command->add_option("--until", until, "end earlier, as in 20us");
+    run_command->add_flag("--force", run.force, "replace an earlier run");
+    run_command->add_flag("-q,--quiet", run.quiet, "no progress line");
+
+    bool full = false, strict = false, time = false;
+    CLI::App* check_command = add("check", "read and mesh a scenario, say what would happen", [&] { return check_scenario(read(), full, strict, time); });
+    takes_scenario(check_command);
+    check_command->add_flag("--full", full, "print every key with its value and where it came from");
+    check_command->add_flag("--strict", strict, "warnings are errors");
+    check_command->add_flag("--time", time, "measure the speed on this machine");
+
+    std::filesystem::path output;
+    bool force = false;
+    CLI::App* mesh_command = add("mesh", "only make and judge the mesh", [&] { return mesh_scenario(read(), output, force); });
+    takes_scenario(mesh_command);
+    mesh_command->add_option("-o,--output", output, "write it: .msh, .vtu or .svg");
+    mesh_command->add_flag("--force", force, "replace an existing file");
+
+    std::filesystem::path directory;
+    FigureOptions figure{.show = ""};
+    std::vector<std::string> at, box, range;
+    CLI::App* render_command = add("render", "draw figures from a finished run", [&] {
+        if (figure.file.empty()) figure.file = figure.show + ".png";
+        for (const std::string& text : at) figure.at.push_back(quantity(text, "s"));
+        for (const std::string& text : range) figure.range.push_back(quantity(text, unit_of_field(figure.show)));
+        if (!box.empty())
+            figure.box = Box{{quantity(box[0], "m"), quantity(box[1], "m")}, {quantity(box[2], "m"), quantity(box[3], "m")}};
+        return render_run(directory, figure, output);
+    });
+    render_command->add_option("run", directory, "run directory")->required();
+    render_command->add_option("--show", figure.show, "what to draw; without it the figures of the scenario")->check(CLI::IsMember(figure_subjects()));
+    render_command->add_option("--file", figure.file, "name of the picture: .png, .svg or .pdf");
+    render_command->add_option("--at", at, "times, as in 40us");
+    render_command->add_option("--colour", figure.colour, "of cracks")->check(CLI::IsMember(figure_colours()));
+    render_command->add_option("--deform", figure.deform, "exaggeration of the displacement");
+    render_command->add_option("--range", range, "colour range, two values with units")->expected(2);
+    render_command->add_option("--box", box, "part of the body: xmin ymin xmax ymax")->expected(4);
+    render_command->add_option("--width", figure.width, "pixels")->check(CLI::Range(200, 20000));
+    render_command->add_option("-o,--output", output, "directory for the pictures; default <run>/figures");
+
+    std::vector<std::filesystem::path> runs;
+    bool json = false;
+    CLI::App* info_command = add("info", "what runs were and what they found", [&] { return show_runs(runs, json); });
+    info_command->add_option("runs", runs, "run directories")->required();
+    info_command->add_flag("--json", json, "as JSON");
+
+    std::string name;
+    CLI::App* new_command = add("new", "write a scenario to start from", [&] { return write_new_scenario(name, force); });
+    new_command->add_option("name", name, "name of the scenario")->required();
+    new_command->add_flag("--force", force, "replace an existing file");
+
+    bool markdown = false;
+    CLI::App* schema_command = add("schema", "every key of a scenario", [&] {
+        std::fputs((json ? json_schema() : markdown ? schema_markdown() : schema_text()).c_str(), stdout);
+        return exit_done;
+    });
+    schema_command->add_flag("--json", json, "as JSON Schema, for an editor");
+    schema_command->add_flag("--markdown", markdown, "as a Markdown table");
+
+    add("list", "names of the built-in scenarios", [&] {
+        for (const std::string& built_in : built_in_scenarios()) std::printf("%s\n", built_in.c_str());
+        return exit_done;
+    });
+
+    BenchOptions bench_options;
+    CLI::App* bench_command = add("bench", "fixed work: triangle-steps per core-second and ratios of one run", [&] { return bench(bench_options); });
+    bench_command->add_flag("--full", bench_options.full, "all 80 us of the block, and 148 000 triangles");
+
+    std::vector<std::string> commands;
+    for (const CLI::App* command : app.get_subcommands({})) commands.push_back(command->get_name());
+    if (argc > 1 && argv[1][0] != '-' && std::find(commands.begin(), commands.end(), argv[1]) == commands.end()) {
+        const std::string hint = did_you_mean(argv[1], commands);
+        throw UserError("unknown-command", "`" + std::string(argv[1]) + "` is not a command of knap" + (hint.empty() ? "" : ": " + hint),
+                        "known: " + joined(commands));
+    }
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        const int code = app.exit(error);
+        return code == 0 ? exit_done : exit_bad_input;
+    }
+    return chosen();
+}
+
+}  // namespace knap

@@ -1,0 +1,32 @@
+#pragma once
+// The commands of the program, one function each; cli.cpp turns arguments into these calls.
+#include "app/run.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace knap {
+
+ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool time);
+
+/// Meshes only: prints a report, writes `output` (.vtu, .msh or .svg by its ending) where one is given.
+ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& output, bool force);
+
+/// Draws the figures of a finished or interrupted run again, or one that is described by `figure` where it names something to show.
+ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figure, const std::filesystem::path& output);
+
+/// One line a run, or all of run.json.
+ExitCode show_runs(const std::vector<std::filesystem::path>& runs, bool json);
+
+/// Writes a scenario to start from to <name>.toml.
+ExitCode write_new_scenario(const std::string& name, bool force);
+
+struct BenchOptions {
+    double until = 20e-6;  // [s] of the edge-cracked block
+    bool full = false;     // all 80 us, and 148 000 triangles too
+};
+/// Fixed work: triangle-steps per core-second, its ratio over mesh sizes and threads, end-state hashes.
+ExitCode bench(const BenchOptions& options);
+
+}  // namespace knap

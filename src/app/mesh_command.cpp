@@ -1,0 +1,41 @@
+// knap mesh: only make, or judge, the mesh.
+#include "app/commands.hpp"
+#include "app/run_directory.hpp"
+#include "app/setup.hpp"
+#include "base/error.hpp"
+#include "geometry/mesh_file.hpp"
+#include "stepper/moreau_jean.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace knap {
+
+ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& output, bool force) {
+    const Model model = model_of(read);
+    const MeshReport report = judge(model.mesh);
+    const std::vector<double> steps = stable_steps(model.mesh, model.materials, model.plane);
+    std::printf("%-28s %d\n%-28s %d\n%-28s %d\n%-28s %d\n", "triangles", report.n_triangles, "vertices", report.n_vertices, "interfaces",
+                report.n_interior_edges, "pre-cracked edges", report.n_cracked_edges);
+    std::printf("%-28s %.6g\n", "area [m2]", report.area);
+    std::printf("%-28s %.4g %.4g %.4g\n", "edge length [m]", report.smallest_edge, report.mean_edge, report.largest_edge);
+    std::printf("%-28s %.2f (1 %% below %.2f, 10 %% %.2f, 50 %% %.2f)\n", "smallest angle [degree]", report.smallest_angle,
+                report.smallest_angle_percentiles[0], report.smallest_angle_percentiles[1], report.smallest_angle_percentiles[2]);
+    std::printf("%-28s %.2f\n", "largest angle [degree]", report.largest_angle);
+    std::printf("%-28s %.4g\n", "stable step [s]", *std::min_element(steps.begin(), steps.end()));
+    for (const Resolution& r : judge_resolution(read.scenario, report.mean_edge))
+        std::printf("%-28s %.1f (%s, %.3g m)\n", "edges per process zone", r.n_edges, r.material.c_str(), r.process_zone);
+    if (report.n_paths > 0) {
+        std::printf("%-28s %.4f, spread over directions %.4f\n", "path excess", report.mean_path_excess, report.path_excess_spread);
+        for (int i = 0; i < MeshReport::n_directions; ++i)
+            std::printf("  %5.1f degree  %.4f\n", 180.0 * i / MeshReport::n_directions, report.path_excess[i]);
+    }
+    if (output.empty()) return exit_done;
+    if (std::filesystem::exists(output) && !force)
+        throw UserError("file-exists", "`" + output.string() + "` exists already", "choose another name, or replace it with --force");
+    write_whole_file(output, mesh_as_text(model.mesh, output.extension().string()));
+    std::printf("mesh:    %s\n", output.string().c_str());
+    return exit_done;
+}
+
+}  // namespace knap

@@ -1,0 +1,20 @@
+// knap new: a scenario to start from.
+#include "app/commands.hpp"
+#include "app/run_directory.hpp"
+#include "base/error.hpp"
+#include "scenario/write_scenario.hpp"
+
+#include <cstdio>
+
+namespace knap {
+
+ExitCode write_new_scenario(const std::string& name, bool force) {
+    const std::filesystem::path given(name), file = given.extension() == ".toml" ? given : std::filesystem::path(name + ".toml");
+    if (std::filesystem::exists(file) && !force)
+        throw UserError("file-exists", "`" + file.string() + "` exists already", "choose another name, or replace it with --force");
+    write_whole_file(file, new_scenario(file.stem().string()));
+    std::printf("wrote %s; next: knap check %s, knap run %s\n", file.string().c_str(), file.string().c_str(), file.string().c_str());
+    return exit_done;
+}
+
+}  // namespace knap

@@ -1,0 +1,87 @@
+// knap render and knap info: finished runs.
+#include "app/commands.hpp"
+#include "app/run_directory.hpp"
+#include "base/error.hpp"
+#include "observe/history_csv.hpp"
+#include "observe/vtk_series.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+namespace knap {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json read_run_json(const std::filesystem::path& run) {
+    std::ifstream file(run / "run.json");
+    if (!file) throw UserError("no-run", "`" + run.string() + "` is no run directory: it has no run.json");
+    try {
+        return Json::parse(file);
+    } catch (const Json::exception& error) {
+        throw UserError("bad-run", "`" + (run / "run.json").string() + "` cannot be read: " + error.what());
+    }
+}
+
+}  // namespace
+
+ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figure, const std::filesystem::path& output) {
+    const Json record = read_run_json(run);
+    std::vector<FigureOptions> figures{figure};
+    if (figure.show.empty()) figures = read_scenario(run / "resolved.toml").scenario.figures;
+    const std::string title = record.value("title", "");
+    const FigureContext context{.title = title.empty() ? record.value("name", "") : title,
+                                .rayleigh_speed = record.value("rayleigh_speed_m_per_s", 0.0)};
+    const History energy = read_csv(run / "energy.csv"), cracks = read_csv(run / "cracks.csv");
+    const std::filesystem::path directory = output.empty() ? run / "figures" : output;
+    std::filesystem::create_directories(directory);
+    for (const FigureOptions& wanted : figures) {
+        std::vector<double> at = wanted.at;
+        if (!shows_body(wanted.show)) {
+            for (const auto& path : draw_figure(wanted, Frame{}, energy, cracks, context, directory)) std::printf("figure:  %s\n", path.string().c_str());
+            continue;
+        }
+        const std::vector<double> times = frame_times(run);
+        if (times.empty()) throw UserError("no-frames", "`" + run.string() + "` has no field frames", "run with output.fields = true");
+        if (at.empty()) at = {times.back()};
+        for (const double time : at) {
+            const Frame frame = read_frame(run, nearest_frame(times, time));
+            if (std::abs(frame.time - time) > 1e-6 * times.back())
+                std::fprintf(stderr, "note: no frame at %.6g s; the nearest is at %.6g s\n", time, frame.time);
+            for (const auto& path : draw_figure(wanted, frame, energy, cracks, context, directory)) std::printf("figure:  %s\n", path.string().c_str());
+        }
+    }
+    return exit_done;
+}
+
+ExitCode show_runs(const std::vector<std::filesystem::path>& runs, bool json) {
+    Json all = Json::array();
+    for (const auto& run : runs) {
+        Json record = read_run_json(run);
+        record["directory"] = run.string();
+        all.push_back(record);
+    }
+    if (json) {
+        std::printf("%s\n", (runs.size() == 1 ? all[0] : all).dump(2).c_str());
+        return exit_done;
+    }
+    for (const Json& record : all) {
+        std::printf("%s: %s, %s, version %s, seed %d\n", record["directory"].get<std::string>().c_str(), record.value("name", "").c_str(),
+                    record.value("status", "").c_str(), record.value("version", "").c_str(), record.value("seed", 0));
+        std::printf("  %d triangles, %lld steps, %.1f s of processor time\n", record.value("triangles", 0),
+                    static_cast<long long>(record.value("steps", 0LL)), record.value("cpu_s", 0.0));
+        for (const auto& [name, value] : record["summary"].items())
+            std::printf("  %-24s %s\n", name.c_str(), value.is_null() ? "never" : value.dump().c_str());
+        for (const Json& gate : record["gates"])
+            if (!gate.value("pass", false)) std::printf("  gate %s VIOLATED: %s\n", gate.value("name", "").c_str(), gate["value"].dump().c_str());
+        for (const Json& result : record["expect"])
+            std::printf("  expect %s %s: %s, %s\n", result.value("name", "").c_str(), result.value("limit", "").c_str(), result["value"].dump().c_str(),
+                        result.value("pass", false) ? "ok" : "FAILED");
+    }
+    return exit_done;
+}
+
+}  // namespace knap

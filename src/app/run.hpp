@@ -1,0 +1,35 @@
+#pragma once
+// One run of a scenario, from its text to its figures: the whole program on one screen.
+#include "scenario/read_scenario.hpp"
+
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace knap {
+
+/// How the program ends; interface of every command.
+enum ExitCode { exit_done = 0, exit_internal = 1, exit_bad_input = 2, exit_failed = 3, exit_expectation = 4, exit_interrupted = 130 };
+
+struct RunOptions {
+    std::filesystem::path output;  // empty: runs/<name>
+    bool force = false;            // replace an earlier run
+    bool quiet = false;            // no progress
+    int threads = 0;               // 0 = all
+    double until = std::numeric_limits<double>::infinity();  // [s] end earlier
+    std::vector<std::string> command;                        // as typed, for the record
+};
+
+ExitCode run_scenario(const ReadResult& read, const RunOptions& options);
+
+/// The mesh and model of a scenario; what geometry refuses becomes a UserError at the right line of the scenario.
+Model model_of(const ReadResult& read);
+
+/// Warnings about the resolution of the process zone.
+std::vector<Diagnostic> resolution_warnings(const ReadResult& read, double mean_edge);
+
+/// Sets the number of threads of all loops; 0 = one for each processor of the machine.
+int use_threads(int wanted);
+
+}  // namespace knap

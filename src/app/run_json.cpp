@@ -1,0 +1,78 @@
+#include "app/run_json.hpp"
+
+#include "app/version.hpp"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+namespace knap {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+std::string host() {
+    char name[256] = {};
+    return gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
+
+}  // namespace
+
+std::int64_t peak_memory() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
+}
+
+std::string run_json(const RunRecord& record) {
+    Json json;
+    json["status"] = record.status;
+    if (!record.reason.empty()) json["reason"] = record.reason;
+    json["name"] = record.name;
+    json["title"] = record.title;
+    json["version"] = version();
+    json["git"] = {{"hash", git_hash()}, {"dirty", git_dirty()}};
+    json["compiler"] = compiler();
+    for (const auto& [name, number] : libraries()) json["libraries"][name] = number;
+    json["host"] = host();
+    json["command"] = record.command;
+    json["seed"] = record.seed;
+    json["threads"] = record.threads;
+    json["wall_s"] = record.wall;
+    json["cpu_s"] = record.cpu;
+    json["cpu_parts_s"] = {{"mesh", record.cpu_mesh}, {"model", record.cpu_model}, {"steps", record.cpu_steps}, {"output", record.cpu_output}};
+    json["peak_memory_bytes"] = peak_memory();
+    json["triangles"] = record.triangles;
+    json["interfaces"] = record.interfaces;
+    json["steps"] = record.steps;
+    json["step_s"] = record.step;
+    json["time_s"] = record.time;
+    json["mean_edge_m"] = record.mean_edge;
+    json["rayleigh_speed_m_per_s"] = record.rayleigh_speed;
+    json["triangle_steps_per_core_second"] =
+        record.cpu_steps > 0 ? number(static_cast<double>(record.steps) * record.triangles / record.cpu_steps) : Json(nullptr);
+    json["fan_problems"] = {{"solved", record.counts.fan_solves},
+                            {"linear_solves", record.counts.fan_iterations},
+                            {"fallbacks", record.counts.fan_fallbacks},
+                            {"bound_tests", record.counts.bound_tests},
+                            {"released", record.counts.released}};
+    json["summary"] = Json::object();
+    for (const auto& [name, value] : record.summary.values) json["summary"][name] = number(value);
+    json["gates"] = Json::array();
+    for (const Gate& gate : record.gates)
+        json["gates"].push_back({{"name", gate.name}, {"value", number(gate.value)}, {"limit", number(gate.limit)}, {"pass", gate.pass}, {"meaning", gate.meaning}});
+    json["expect"] = Json::array();
+    for (const ExpectResult& result : record.expect)
+        json["expect"].push_back({{"name", result.name}, {"value", number(result.value)}, {"limit", result.limit}, {"pass", result.pass}});
+    json["figures"] = Json::array();
+    for (const auto& figure : record.figures) json["figures"].push_back("figures/" + figure.filename().string());
+    json["warnings"] = record.warnings;
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace knap

@@ -1,0 +1,41 @@
+#pragma once
+// run.json: what a run was, how it ended, and what it found. Its keys are promised to other programs; new ones may come, none goes.
+#include "app/expectations.hpp"
+#include "observe/energy_ledger.hpp"
+#include "observe/summary.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace knap {
+
+struct RunRecord {
+    std::string status;  // running, done, failed, interrupted
+    std::string reason;  // of a failure
+    std::string name, title;
+    std::vector<std::string> command;
+    std::uint64_t seed = 0;
+    int threads = 1;
+    double wall = 0, cpu = 0;                                                   // [s] the whole command
+    double cpu_mesh = 0, cpu_model = 0, cpu_steps = 0, cpu_output = 0;          // [s] parts of it
+    Index triangles = 0, interfaces = 0;
+    std::int64_t steps = 0;
+    double step = 0, time = 0;       // [s] h, and the time reached
+    double mean_edge = 0;            // [m]
+    double rayleigh_speed = 0;       // [m/s]
+    StepReport counts;               // of the local problems
+    Summary summary;
+    std::vector<Gate> gates;
+    std::vector<ExpectResult> expect;
+    std::vector<std::filesystem::path> figures;
+    std::vector<std::string> warnings;
+};
+
+std::string run_json(const RunRecord& record);
+
+/// Largest resident memory of this process so far [byte].
+std::int64_t peak_memory();
+
+}  // namespace knap

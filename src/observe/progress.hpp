@@ -1,0 +1,31 @@
+#pragma once
+// One line that says how a run goes: rewritten in place on a terminal, a plain line every 5 % otherwise.
+#include "observe/recorder.hpp"
+
+#include "base/stopwatch.hpp"
+
+#include <cstdio>
+
+namespace knap {
+
+class Progress {
+public:
+    /// `file`: where the lines go (null: nowhere); `end` [s].
+    Progress(std::FILE* file, double end, Index n_triangles);
+
+    void after_step(const State& now, const Recorder& recorder);
+    void finish(const State& now, const Recorder& recorder);
+
+private:
+    std::string line(const State& now, const Recorder& recorder) const;
+
+    std::FILE* file_;
+    bool terminal_;
+    double end_;
+    Index n_triangles_;
+    Stopwatch watch_;
+    double next_wall_ = 0;  // [s] on a terminal
+    int next_part_ = 1;     // of 20, otherwise
+};
+
+}  // namespace knap

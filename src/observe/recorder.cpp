@@ -1,0 +1,130 @@
+#include "observe/recorder.hpp"
+
+#include "base/error.hpp"
+#include "base/stopwatch.hpp"
+#include "observe/history_csv.hpp"
+#include "observe/interface_status.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace knap {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+std::vector<double> energy_line(const EnergyRow& row) {
+    return {row.time,          row.kinetic,     row.strain,   row.surface,  row.external_work, row.cohesive_work,
+            row.friction_work, row.impact_work, row.residual, row.law_lag};
+}
+
+std::vector<double> crack_line(double time, const CrackHistory& history, double rayleigh_speed) {
+    const CrackPattern& cracks = history.pattern();
+    const Vec2 tip = cracks.main_end ? cracks.main_end->position : Vec2::Constant(std::nan(""));
+    return {time,
+            cracks.main_length,
+            cracks.crack_length,
+            cracks.broken_length,
+            cracks.damaged_length,
+            static_cast<double>(cracks.tips.size()),
+            static_cast<double>(cracks.n_branches()),
+            tip.x(),
+            tip.y(),
+            history.tip_speed(),
+            rayleigh_speed > 0 ? history.tip_speed() / rayleigh_speed : 0,
+            static_cast<double>(cracks.n_broken),
+            static_cast<double>(cracks.n_damaged)};
+}
+
+std::ofstream opened(const std::filesystem::path& path, const std::vector<std::string>& columns) {
+    std::ofstream file(path);
+    file << csv_line(columns) << "\n" << std::flush;
+    if (!file) throw SimulationError("cannot write " + path.string());
+    return file;
+}
+
+void add_line(const std::vector<double>& row, History& history, std::ofstream& file, const std::filesystem::path& path) {
+    history.rows.push_back(row);
+    if (!file.is_open()) return;
+    file << csv_line(row) << "\n" << std::flush;
+    if (!file) throw SimulationError("cannot write " + path.string());
+}
+
+}  // namespace
+
+std::vector<std::string> energy_columns() {
+    return {"time",          "kinetic",       "strain",      "surface",  "external_work",
+            "cohesive_work", "friction_work", "impact_work", "residual", "law_lag"};
+}
+
+std::vector<std::string> crack_columns() {
+    return {"time",  "length", "crack_length", "broken_length", "damaged_length", "tips",    "branches",
+            "tip_x", "tip_y",  "speed",        "speed_over_cR", "n_broken",       "n_damaged"};
+}
+
+Recorder::Recorder(const Model& model, const State& start, RecorderOptions options)
+    : model_(model), options_(std::move(options)), ledger_(model, start), cracks_(interface_graph(model), options_.cracks) {
+    energy_.columns = energy_columns();
+    crack_.columns = crack_columns();
+    next_at_.assign(options_.figures.size(), 0);
+    if (!options_.directory.empty()) {
+        energy_file_ = opened(options_.directory / "energy.csv", energy_.columns);
+        crack_file_ = opened(options_.directory / "cracks.csv", crack_.columns);
+        if (options_.frame_every > 0) series_.emplace(options_.directory);
+    }
+    write_lines(start);
+    next_history_ = start.time + options_.history_every;
+    if (series_) series_->write(make_frame(model_, start));
+    next_frame_ = series_ ? start.time + options_.frame_every : never;
+}
+
+void Recorder::after_step(const State& now, const StepReport& report) {
+    ledger_.add(now, report);
+    const double reached = now.time * (1 + 1e-12);
+    const Stopwatch watch;
+    if (reached >= next_history_) {
+        write_lines(now);
+        next_history_ = options_.history_every * (std::floor(reached / options_.history_every) + 1);
+    }
+    if (reached >= next_frame_) {
+        series_->write(make_frame(model_, now));
+        next_frame_ = options_.frame_every * (std::floor(reached / options_.frame_every) + 1);
+    }
+    draw_due(now, false);
+    output_seconds_ += watch.cpu();
+}
+
+void Recorder::finish(const State& now) {
+    const Stopwatch watch;
+    if (last_line_ < now.time) write_lines(now);
+    if (series_ && series_->times().back() < now.time) series_->write(make_frame(model_, now));
+    draw_due(now, true);
+    output_seconds_ += watch.cpu();
+}
+
+void Recorder::write_lines(const State& now) {
+    last_line_ = now.time;
+    cracks_.snapshot(now.time, interface_status(model_, now));
+    add_line(energy_line(ledger_.row()), energy_, energy_file_, options_.directory / "energy.csv");
+    add_line(crack_line(now.time, cracks_, options_.rayleigh_speed), crack_, crack_file_, options_.directory / "cracks.csv");
+}
+
+void Recorder::draw_due(const State& now, bool at_end) {
+    if (options_.directory.empty()) return;
+    std::optional<Frame> frame;
+    for (std::size_t i = 0; i < options_.figures.size(); ++i) {
+        const FigureOptions& figure = options_.figures[i];
+        const bool due = figure.at.empty() ? at_end : next_at_[i] < figure.at.size() && now.time * (1 + 1e-9) >= figure.at[next_at_[i]];
+        if (!due) continue;
+        if (!frame) frame = make_frame(model_, now);
+        draw(figure, *frame);
+        while (next_at_[i] < figure.at.size() && now.time * (1 + 1e-9) >= figure.at[next_at_[i]]) ++next_at_[i];
+    }
+}
+
+void Recorder::draw(const FigureOptions& figure, const Frame& frame) {
+    const FigureContext context{.title = options_.title, .rayleigh_speed = options_.rayleigh_speed};
+    for (const auto& path : draw_figure(figure, frame, energy_, crack_, context, options_.directory / "figures")) drawn_.push_back(path);
+}
+
+}  // namespace knap

@@ -1,0 +1,66 @@
+#pragma once
+// Watches a run: energy ledger, crack history, CSV lines, field frames, figures at their times. Knows nothing of the stepper's insides.
+#include "observe/crack_history.hpp"
+#include "observe/energy_ledger.hpp"
+#include "observe/figures.hpp"
+#include "observe/frame.hpp"
+#include "observe/vtk_series.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <optional>
+
+namespace knap {
+
+struct RecorderOptions {
+    std::filesystem::path directory;  // of the run; empty: nothing is written
+    double end = 0;                   // [s]
+    double frame_every = 0;           // [s] 0 = no fields
+    double history_every = 0;         // [s]
+    double rayleigh_speed = 0;        // [m/s]
+    CrackOptions cracks;
+    std::vector<FigureOptions> figures;
+    std::string title;
+};
+
+class Recorder {
+public:
+    Recorder(const Model& model, const State& start, RecorderOptions options);
+
+    void after_step(const State& now, const StepReport& report);
+
+    /// Last lines, last frame, and the figures of the end; also after an interruption.
+    void finish(const State& now);
+
+    const EnergyLedger& ledger() const { return ledger_; }
+    const CrackHistory& cracks() const { return cracks_; }
+    const History& energy_history() const { return energy_; }
+    const History& crack_history() const { return crack_; }
+    const std::vector<std::filesystem::path>& figures() const { return drawn_; }
+    double output_seconds() const { return output_seconds_; }  // [s] processor time spent here
+
+private:
+    void write_lines(const State& now);
+    void draw_due(const State& now, bool at_end);
+    void draw(const FigureOptions& figure, const Frame& frame);
+
+    const Model& model_;
+    RecorderOptions options_;
+    EnergyLedger ledger_;
+    CrackHistory cracks_;
+    History energy_, crack_;
+    std::ofstream energy_file_, crack_file_;
+    std::optional<VtkSeries> series_;
+    double next_frame_ = 0, next_history_ = 0;
+    double last_line_ = -1;             // [s] time of the last line
+    std::vector<std::size_t> next_at_;  // per figure: which of its times comes next
+    std::vector<std::filesystem::path> drawn_;
+    double output_seconds_ = 0;
+};
+
+/// Columns of energy.csv and cracks.csv.
+std::vector<std::string> energy_columns();
+std::vector<std::string> crack_columns();
+
+}  // namespace knap

@@ -1,0 +1,62 @@
+#include "observe/summary.hpp"
+
+#include "observe/fragments.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace knap {
+
+double Summary::operator[](const std::string& name) const {
+    for (const auto& [key, value] : values)
+        if (key == name) return value;
+    return std::nan("");
+}
+
+Summary summarise(const Model& model, const State& end, const Recorder& recorder, double rayleigh_speed) {
+    const EnergyLedger& ledger = recorder.ledger();
+    const EnergyRow& energy = ledger.row();
+    const CrackHistory& cracks = recorder.cracks();
+    const CrackPattern& pattern = cracks.pattern();
+    const double scale = ledger.largest_energy() > 0 ? ledger.largest_energy() : 1;
+    constexpr double never = std::numeric_limits<double>::quiet_NaN();
+    const auto branching = cracks.first_branching();
+
+    Vec2 momentum = Vec2::Zero(), moment = Vec2::Zero();
+    double mass = 0;
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
+        momentum += model.corner_mass[c] * end.velocity[end.node_of_corner[c]];
+        moment += model.corner_mass[c] * end.displacement[end.node_of_corner[c]];
+        mass += model.corner_mass[c];
+    }
+    return {{
+        {"energy_residual", ledger.largest_residual() / scale},
+        {"law_lag", ledger.largest_law_lag() / scale},
+        {"external_work", energy.external_work},
+        {"dissipated", energy.surface},
+        {"friction_work", energy.friction_work},
+        {"impact_work", energy.impact_work},
+        {"kinetic_energy", energy.kinetic},
+        {"strain_energy", energy.strain},
+        {"momentum_x", momentum.x()},
+        {"momentum_y", momentum.y()},
+        {"mean_displacement_x", moment.x() / mass},
+        {"mean_displacement_y", moment.y() / mass},
+        {"broken_length", pattern.broken_length},
+        {"crack_length", pattern.crack_length},
+        {"first_growth_time", cracks.first_growth_time().value_or(never)},
+        {"max_tip_speed", cracks.max_tip_speed()},
+        {"max_tip_speed_over_cR", rayleigh_speed > 0 ? cracks.max_tip_speed() / rayleigh_speed : never},
+        {"tips", static_cast<double>(pattern.tips.size())},
+        {"branches", static_cast<double>(pattern.n_branches())},
+        {"first_branch_time", branching ? branching->time : never},
+        {"first_branch_x", branching ? branching->position.x() : never},
+        {"first_branch_y", branching ? branching->position.y() : never},
+        {"fragments", static_cast<double>(find_fragments(model, end).pieces.size())},
+        {"largest_penetration", ledger.worst().penetration},
+        {"largest_speed", ledger.worst().largest_speed},
+    }};
+}
+
+}  // namespace knap
