@@ -39,11 +39,14 @@ std::vector<Vec2> points_along(const Vec2& a, const Vec2& b, const SizeField& ra
 
 namespace {
 
+/// The radius of every point is the local one times a random factor of 1 +- spread.
+constexpr double spread = 0.15;
+
 /// Blocks of equal width, each cut into square cells smaller than the local radius / sqrt(2), with the points in every cell.
 /// A block that the body does not reach is one cell.
 class CellGrid {
 public:
-    CellGrid(const Shape& shape, const std::vector<Vec2>& on_lines, const SizeField& radius) {
+    CellGrid(const Shape& shape, const std::vector<Vec2>& on_lines, const SizeField& radius) : n_on_lines_(static_cast<Index>(on_lines.size())) {
         const Box box = bounding_box(shape.outer.points);
         const Vec2 extent = box.high - box.low;
         low_ = box.low;
@@ -55,12 +58,12 @@ public:
         for (Index block = 0; block < n_blocks(); ++block) {
             const Vec2 centre = block_low(block) + Vec2::Constant(width_ / 2);
             const double least = std::max(radius.smallest(), radius(centre) - radius.slope() * half_diagonal);
-            n_cells_.push_back(reached_[block] ? static_cast<Index>(std::ceil(2 * half_diagonal / least)) : 1);
+            n_cells_.push_back(reached_[block] ? static_cast<Index>(std::ceil(2 * half_diagonal / ((1 - spread) * least))) : 1);
             first_cell_.push_back(total_);
             total_ += n_cells_.back() * n_cells_.back();
         }
         first_.assign(total_, -1);
-        for (const Vec2& p : on_lines) add(p);
+        for (const Vec2& p : on_lines) add(p, 1);
     }
 
     bool reached(Index block) const { return reached_[block]; }
@@ -72,7 +75,7 @@ public:
     bool empty(Index cell) const { return first_[cell] < 0; }
     const std::vector<Vec2>& points() const { return points_; }
 
-    void add(const Vec2& p) {
+    void add(const Vec2& p, double factor) {
         const Index x = column(p.x()), y = row(p.y()), block = y * n_x_ + x;
         const Vec2 local = (p - block_low(block)) * (n_cells_[block] / width_);
         const Index i = clamped(local.x(), n_cells_[block]), j = clamped(local.y(), n_cells_[block]);
@@ -80,10 +83,13 @@ public:
         next_.push_back(first_[cell]);
         first_[cell] = static_cast<Index>(points_.size());
         points_.push_back(p);
+        factor_.push_back(factor);
     }
 
-    bool has_point_within(const Vec2& p, double distance) const {
-        const double limit = distance * distance;
+    /// True when p, with its radius and factor, is too near to a point: two points of the body keep the mean of their factors apart,
+    /// and points of lines keep a whole radius so that no point of the body lies in the diametral circle of a piece of a line.
+    bool crowded(const Vec2& p, double radius, double factor) const {
+        const double distance = (1 + 0.5 * spread + 0.5 * (factor - 1)) * radius;
         for (Index y = row(p.y() - distance); y <= row(p.y() + distance); ++y)
             for (Index x = column(p.x() - distance); x <= column(p.x() + distance); ++x) {
                 const Index block = y * n_x_ + x, n = n_cells_[block];
@@ -94,7 +100,7 @@ public:
                 for (Index j = clamped((local.y() - distance) * per_length, n); j <= j_end; ++j)
                     for (Index i = i_begin; i <= i_end; ++i)
                         for (Index k = first_[first_cell_[block] + j * n + i]; k >= 0; k = next_[k])
-                            if ((points_[k] - p).squaredNorm() < limit) return true;
+                            if ((points_[k] - p).norm() < radius * (k < n_on_lines_ ? 1 : 0.5 * (factor + factor_[k]))) return true;
             }
         return false;
     }
@@ -116,10 +122,12 @@ private:
     Vec2 low_;
     double width_;  // [m] of a block
     Index n_x_ = 0, n_y_ = 0, total_ = 0;
+    Index n_on_lines_;                         // the points of lines come first
     std::vector<char> reached_;                // per block
     std::vector<Index> n_cells_, first_cell_;  // per block: cells per side, number of its first cell
     std::vector<Index> first_, next_;          // linked lists of points: per cell, per point
     std::vector<Vec2> points_;
+    std::vector<double> factor_;  // [-] of the radius, per point
 };
 
 struct Cell {
@@ -152,8 +160,9 @@ std::vector<Vec2> poisson_points(const Shape& shape, const std::vector<Vec2>& on
             if (!grid.empty(grid.first_cell(cell.block) + cell.j * n + cell.i)) continue;
             const double u = random.uniform(), v = random.uniform();
             const Vec2 dart = grid.block_low(cell.block) + (grid.block_width() / n) * Vec2(cell.i + u, cell.j + v);
-            if (!grid.has_point_within(dart, radius(dart)) && in_body(shape, dart))
-                grid.add(dart);
+            const double factor = random.uniform(1 - spread, 1 + spread);
+            if (!grid.crowded(dart, radius(dart), factor) && in_body(shape, dart))
+                grid.add(dart, factor);
             else
                 still_free.push_back(cell);
         }

@@ -6,6 +6,7 @@
 #include "geometry/planar_graph.hpp"
 #include "geometry/polygon.hpp"
 #include "geometry/random_points.hpp"
+#include "geometry/relax.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +17,7 @@ namespace knap {
 namespace {
 
 /// Poisson discs of this radius times the wanted mean edge length give that mean edge length (measured).
-constexpr double radius_per_size = 0.77;
+constexpr double radius_per_size = 0.775;
 
 Lines cut_lines(const PlanarGraph& graph, const SizeField& radius, Random& random) {
     Lines lines{graph.nodes, {}};
@@ -70,6 +71,12 @@ void tag_regions(Mesh& mesh, const std::vector<Region>& regions) {
     }
 }
 
+std::vector<char> fixed_vertices(const Mesh& mesh, const std::vector<LineEdge>& on_lines) {
+    std::vector<char> fixed(mesh.vertices.size(), 0);
+    for (const LineEdge& edge : on_lines) fixed[edge.from] = fixed[edge.to] = 1;
+    return fixed;
+}
+
 double area_of(const Shape& shape) {
     double area = std::abs(signed_area(shape.outer.points));
     for (const Ring& hole : shape.holes) area -= std::abs(signed_area(hole.points));
@@ -95,6 +102,7 @@ Mesh triangulate(const Shape& shape, const MeshOptions& options) {
     const Lines lines = cut_lines(graph, radius, random);
     const std::vector<Vec2> points = poisson_points(shape, lines.points, radius, random);
     auto [mesh, on_lines] = delaunay_refinement(lines, points, radius, options.min_angle, 10 * (points.size() + lines.points.size()) + 10000);
+    relax_worst(mesh, fixed_vertices(mesh, on_lines), SizeField(options, 1), {.min_angle = options.min_angle + 2});
     const std::vector<Index> number = order_along_curve(mesh);
     for (LineEdge& edge : on_lines) {
         edge.from = number[edge.from];
