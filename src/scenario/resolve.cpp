@@ -96,7 +96,7 @@ private:
         const auto rows = keys_below(pattern);
         std::vector<std::string> known;
         for (const Key* key : rows)
-            if (applies(*key, table)) known.emplace_back(key->name());
+            if (applies(*key, table) != Applies::no) known.emplace_back(key->name());
         for (const Node& child : table.children) {
             const auto same = [&](const Key* key) { return key->name() == child.name; };
             if (std::any_of(rows.begin(), rows.end(), same)) continue;
@@ -119,32 +119,30 @@ private:
         return "";
     }
 
-    /// `when` of a key, held against its neighbours. Without a good neighbour every key applies.
-    static bool applies(const Key& key, const Node& table) {
-        if (key.when.empty()) return true;
+    enum class Applies { no, perhaps, yes };
+
+    /// `when` of a key, held against its neighbours. Beside a missing or wrong neighbour it may apply.
+    static Applies applies(const Key& key, const Node& table) {
+        if (key.when.empty()) return Applies::yes;
         const std::size_t equals = key.when.find('=');
         const Node* neighbour = table.find(key.when.substr(0, equals));
-        if (!neighbour || neighbour->type != Node::Type::text) return true;
-        const Key* row = find_key(std::string(key.parent()) + "." + std::string(key.when.substr(0, equals)));
-        const bool known = std::find(row->words.begin(), row->words.end(), neighbour->text) != row->words.end();
-        return !known || neighbour->text == key.when.substr(equals + 1);
-    }
-
-    static bool surely_applies(const Key& key, const Node& table) {
-        return applies(key, table) && (key.when.empty() || table.find(key.when.substr(0, key.when.find('='))));
+        if (!neighbour) return Applies::perhaps;
+        const auto& words = find_key(std::string(key.parent()) + "." + std::string(key.when.substr(0, equals)))->words;
+        if (std::find(words.begin(), words.end(), neighbour->text) == words.end()) return Applies::perhaps;
+        return neighbour->text == key.when.substr(equals + 1) ? Applies::yes : Applies::no;
     }
 
     void member(const Key& key, const Node& table, const std::string& path) {
         const Node* node = table.find(key.name());
         const std::string here = below(path, key.name());
-        if (node && !applies(key, table)) {
+        if (node && applies(key, table) == Applies::no) {
             const std::string when(key.when);
             const std::size_t equals = when.find('=');
             findings_.error_at_name("exclusive-keys", "`" + here + "` belongs to " + when.substr(0, equals) + " = " + quoted(when.substr(equals + 1)), *node)
                 .note = "here " + when.substr(0, equals) + " = " + quoted(table.find(when.substr(0, equals))->text);
         } else if (node) {
             present(key, *node, table, here);
-        } else if (surely_applies(key, table) && !misspelt_.contains(here)) {
+        } else if (applies(key, table) == Applies::yes && !misspelt_.contains(here)) {
             absent(key, table, here);
         }
     }

@@ -58,18 +58,34 @@ std::string header(const std::string& path) {
     return path.ends_with(']') ? "[[" + plain + "]]" : "[" + plain + "]";
 }
 
-/// Keys that belong to `table` directly; and the tables below it, in order. Tables of which only defaults are known have no entry of
+/// Small tables are written as { a = 1, b = 2 }.
+bool is_inline(const Key& key) { return !key.shorthand.empty() || key.path == "expect.*"; }
+
+std::string inline_table(const Values& values, const std::string& table) {
+    std::string text;
+    for (const Entry& entry : values.entries())
+        if (entry.valid && parent(entry.path) == table) text += (text.empty() ? "" : ", ") + last_part(entry.path) + " = " + toml(entry.node);
+    return "{ " + text + " }";
+}
+
+/// Keys that belong to `table` directly; then the tables below it, in order. Tables of which only defaults are known have no entry of
 /// their own, so they are found by their keys.
 void write_table(const Values& values, const std::string& table, std::string& out) {
     std::string keys;
     std::vector<std::string> tables;
     for (const Entry& entry : values.entries()) {
-        if (!entry.valid || !entry.key) continue;
-        if (!is_table(entry) && parent(entry.path) == table) keys += last_part(entry.path) + " = " + toml(entry.node) + "\n";
-        const bool below = table.empty() || entry.path.starts_with(table + ".");
-        if (!below || (!is_table(entry) && parent(entry.path) == table)) continue;
-        const std::string child = entry.path.substr(0, entry.path.find('.', table.empty() ? 0 : table.size() + 1));
-        if (std::find(tables.begin(), tables.end(), child) == tables.end()) tables.push_back(child);
+        if (!entry.valid) continue;
+        const bool directly_below = parent(entry.path) == table;
+        if (directly_below && !is_table(entry)) {
+            keys += last_part(entry.path) + " = " + toml(entry.node) + "\n";
+        } else if (directly_below && is_inline(*entry.key)) {
+            keys += last_part(entry.path) + " = " + inline_table(values, entry.path) + "\n";
+        } else if (table.empty() || entry.path.starts_with(table + ".")) {
+            const std::string child = entry.path.substr(0, entry.path.find('.', table.empty() ? 0 : table.size() + 1));
+            const Entry* row = values.find(child);
+            const bool done = (row && is_inline(*row->key)) || std::find(tables.begin(), tables.end(), child) != tables.end();
+            if (!done) tables.push_back(child);
+        }
     }
     if (!table.empty() && (!keys.empty() || tables.empty())) out += "\n" + header(table) + "\n";
     out += keys;
