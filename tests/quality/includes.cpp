@@ -86,8 +86,8 @@ TEST_CASE("CGAL and toml++ are each behind one file") {
     }
 }
 
-TEST_CASE("CLI11 is in app only") {
-    for (const std::string& user : users_of({"CLI/", "CLI11"})) CHECK(user.starts_with("src/app/"));
+TEST_CASE("CLI11 and JSON are in app only") {
+    for (const std::string& user : users_of({"CLI/", "CLI11", "nlohmann/"})) CHECK(user.starts_with("src/app/"));
 }
 
 TEST_CASE("VTK and cairo are in observe only") {
