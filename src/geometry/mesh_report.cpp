@@ -118,21 +118,38 @@ std::vector<Source> sources_within(const Mesh& mesh, const VertexGraph& graph, i
     return sources;
 }
 
+/// Lengths over the reach of their source.
+struct PathSum {
+    double straight = 0, path = 0;
+    int n = 0;
+
+    void add(double straight_length, double path_length, double reach) {
+        straight += straight_length / reach;
+        path += path_length / reach;
+        ++n;
+    }
+};
+
 void judge_paths(const Mesh& mesh, const VertexGraph& graph, MeshReport& report) {
     constexpr std::size_t n_sources = 24;
     std::vector<Source> sources;
-    for (const int n_edges : {35, 25, 18, 12}) {
+    for (const int n_edges : {70, 50, 35, 25, 18, 12}) {
         sources = sources_within(mesh, graph, n_edges, n_sources);
         if (sources.size() >= n_sources / 2) break;
     }
     if (sources.empty()) return;
 
     std::array<Index, MeshReport::n_directions> n_found{};
+    PathSum half, full;
     ShortestPaths paths(mesh, graph);
     for (const Source& source : sources)
         paths.from(source.vertex, source.reach, [&](Index v, double length) {
             const Vec2 straight = mesh.vertices[v] - mesh.vertices[source.vertex];
-            if (straight.norm() < 0.8 * source.reach || straight.norm() > 0.95 * source.reach) return;
+            const double part = straight.norm() / source.reach;
+            if (part > 0.4 && part < 0.5) half.add(straight.norm(), length, source.reach);
+            if (part < 0.85 || part > 0.95) return;
+            full.add(straight.norm(), length, source.reach);
+            report.path_reach += straight.norm();
             const double turn = std::atan2(straight.y(), straight.x()) / std::numbers::pi * MeshReport::n_directions;
             const int direction = (static_cast<int>(std::lround(turn)) + MeshReport::n_directions) % MeshReport::n_directions;
             report.path_excess[direction] += length / straight.norm() - 1;
@@ -144,6 +161,8 @@ void judge_paths(const Mesh& mesh, const VertexGraph& graph, MeshReport& report)
         report.mean_path_excess += report.path_excess[d] / MeshReport::n_directions;
         report.n_paths += n_found[d];
     }
+    report.path_reach /= std::max(report.n_paths, Index{1});
+    report.far_path_excess = (full.path / full.n - half.path / half.n) / (full.straight / full.n - half.straight / half.n) - 1;
     for (const double excess : report.path_excess) sum_of_squares += std::pow(excess - report.mean_path_excess, 2);
     report.path_excess_spread = std::sqrt(sum_of_squares / MeshReport::n_directions);
 }

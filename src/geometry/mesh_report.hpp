@@ -18,12 +18,15 @@ struct MeshReport {
     std::array<double, 3> smallest_angle_percentiles{};              // [degree] 1, 10 and 50 % of the triangles lie below
     double smallest_altitude = 0;                                    // [m]
 
-    /// Shortest path along edges / straight distance - 1, mean over random pairs of vertices per direction 0, 7.5, ... 172.5 degree.
+    /// Shortest path along edges / straight distance - 1, mean over random pairs of vertices about `path_reach` apart, per direction
+    /// 0, 7.5, ... 172.5 degree. Both ends of a path cost something extra, so this falls a little with the reach.
     static constexpr int n_directions = 24;
     std::array<double, n_directions> path_excess{};  // [-]
     double mean_path_excess = 0;                     // [-] over all directions
     double path_excess_spread = 0;                   // [-] standard deviation over the directions
-    Index n_paths = 0;                               // 0 when the mesh is too small for a path ratio
+    double far_path_excess = 0;                      // [-] mean growth of the path per distance - 1, from half to full reach
+    double path_reach = 0;                           // [m] mean over the pairs
+    Index n_paths = 0;                               // pairs; 0 when the mesh is too small for a path ratio
 };
 
 MeshReport judge(const Mesh& mesh);

@@ -46,20 +46,22 @@ public:
 
     /// 1 and more is good enough.
     double quality(Index t) const {
-        const Vec2 a = mesh_.corner(t, 0), b = mesh_.corner(t, 1), c = mesh_.corner(t, 2);
-        return std::min(step_ratio(a, b, c, size_((a + b + c) / 3)) / wanted_.step_ratio, smallest_sine(a, b, c) / wanted_sine_);
+        const Quality q = both(t);
+        return std::min(q.step, q.angle);
     }
 
-    /// Pattern search for the place of one vertex where the worst triangle of its star is best.
+    /// Pattern search for the place of one vertex where the worst triangle of its star is best. No angle gets worse than wanted for it:
+    /// where the shape itself has small details the step ratio cannot be had, and angles must not pay for trying.
     void move(Index v) {
-        double best = worst_of_star(v), step = 0.1 * size_(mesh_.vertices[v]);
-        for (int n_halvings = 0; n_halvings < 4 && best < 1;) {
+        Quality best = worst_of_star(v);
+        double step = 0.1 * size_(mesh_.vertices[v]);
+        for (int n_halvings = 0; n_halvings < 4 && std::min(best.step, best.angle) < 1;) {
             const Vec2 start = mesh_.vertices[v];
             Vec2 place = start;
             for (const Vec2& direction : directions) {
                 mesh_.vertices[v] = start + step * direction;
-                const double found = worst_of_star(v);
-                if (found > best) {
+                const Quality found = worst_of_star(v);
+                if (found.angle >= std::min(1.0, best.angle) && std::min(found.step, found.angle) > std::min(best.step, best.angle)) {
                     best = found;
                     place = mesh_.vertices[v];
                 }
@@ -73,9 +75,21 @@ public:
     }
 
 private:
-    double worst_of_star(Index v) const {
-        double worst = std::numeric_limits<double>::infinity();
-        for (Index i = stars_.begin[v]; i < stars_.begin[v + 1]; ++i) worst = std::min(worst, quality(stars_.triangles[i]));
+    struct Quality {
+        double step, angle;  // each over what is wanted
+    };
+
+    Quality both(Index t) const {
+        const Vec2 a = mesh_.corner(t, 0), b = mesh_.corner(t, 1), c = mesh_.corner(t, 2);
+        return {step_ratio(a, b, c, size_((a + b + c) / 3)) / wanted_.step_ratio, smallest_sine(a, b, c) / wanted_sine_};
+    }
+
+    Quality worst_of_star(Index v) const {
+        Quality worst{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+        for (Index i = stars_.begin[v]; i < stars_.begin[v + 1]; ++i) {
+            const Quality q = both(stars_.triangles[i]);
+            worst = {std::min(worst.step, q.step), std::min(worst.angle, q.angle)};
+        }
         return worst;
     }
 

@@ -2,6 +2,7 @@
 #include "geometry/triangulate.hpp"
 
 #include "geometry/delaunay_refinement.hpp"
+#include "geometry/mesh_limits.hpp"
 #include "geometry/mesh_order.hpp"
 #include "geometry/planar_graph.hpp"
 #include "geometry/polygon.hpp"
@@ -96,7 +97,9 @@ void check_area(const Mesh& mesh, const Shape& shape) {
 
 Mesh triangulate(const Shape& shape, const MeshOptions& options) {
     check_shape(shape);
+    check_sizes(shape, area_of(shape), options);
     const PlanarGraph graph = planar_graph(shape);
+    check_details(graph, options);
     const SizeField radius(options, radius_per_size);
     Random random(options.seed, "mesh");
     const Lines lines = cut_lines(graph, radius, random);
