@@ -37,13 +37,18 @@ std::vector<File> scenarios() {
 
 }  // namespace
 
-TEST_CASE("every scenario opens with its question and says what it expects") {
+TEST_CASE("every scenario opens with its question and its source and says what it expects") {
     for (const File& scenario : scenarios()) {
         CAPTURE(scenario.path);
+        const auto has = [&](const std::string& start) {
+            return std::any_of(scenario.lines.begin(), scenario.lines.end(), [&](const std::string& l) { return l.starts_with(start); });
+        };
         REQUIRE(!scenario.lines.empty());
         CHECK(scenario.lines.front().starts_with("# "));
-        CHECK(std::any_of(scenario.lines.begin(), scenario.lines.end(), [](const std::string& l) { return l.starts_with("[expect"); }));
-        CHECK(std::any_of(scenario.lines.begin(), scenario.lines.end(), [](const std::string& l) { return l.starts_with("# Source"); }));
+        CHECK(scenario.lines.front().ends_with("?"));
+        CHECK((has("# Source:") || has("# Set-up:")));
+        CHECK(has("# Expected:"));
+        CHECK(has("[expect"));
     }
 }
 
