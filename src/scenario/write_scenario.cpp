@@ -24,19 +24,6 @@ std::string quoted(const std::string& text) {
     return out + '"';
 }
 
-std::string toml(const Node& node) {
-    switch (node.type) {
-        case Node::Type::text: return quoted(node.text);
-        case Node::Type::boolean: return node.boolean ? "true" : "false";
-        case Node::Type::integer: return std::to_string(node.integer);
-        case Node::Type::number: return node.unit.empty() ? shortest(node.number) : quoted(shortest(node.number) + " " + node.unit);
-        default: break;
-    }
-    std::string text;
-    for (const Node& child : node.children) text += (text.empty() ? "" : ", ") + toml(child);
-    return "[" + text + "]";
-}
-
 std::string last_part(const std::string& path) { return path.substr(path.rfind('.') + 1); }
 
 std::string parent(const std::string& path) {
@@ -64,7 +51,7 @@ bool is_inline(const Key& key) { return !key.shorthand.empty() || key.path == "e
 std::string inline_table(const Values& values, const std::string& table) {
     std::string text;
     for (const Entry& entry : values.entries())
-        if (entry.valid && parent(entry.path) == table) text += (text.empty() ? "" : ", ") + last_part(entry.path) + " = " + toml(entry.node);
+        if (entry.valid && parent(entry.path) == table) text += (text.empty() ? "" : ", ") + last_part(entry.path) + " = " + toml_text(entry.node);
     return "{ " + text + " }";
 }
 
@@ -77,7 +64,7 @@ void write_table(const Values& values, const std::string& table, std::string& ou
         if (!entry.valid) continue;
         const bool directly_below = parent(entry.path) == table;
         if (directly_below && !is_table(entry)) {
-            keys += last_part(entry.path) + " = " + toml(entry.node) + "\n";
+            keys += last_part(entry.path) + " = " + toml_text(entry.node) + "\n";
         } else if (directly_below && is_inline(*entry.key)) {
             keys += last_part(entry.path) + " = " + inline_table(values, entry.path) + "\n";
         } else if (table.empty() || entry.path.starts_with(table + ".")) {
@@ -104,6 +91,19 @@ std::string origin(const Entry& entry, const Source& source) {
 
 }  // namespace
 
+std::string toml_text(const Node& node) {
+    switch (node.type) {
+        case Node::Type::text: return quoted(node.text);
+        case Node::Type::boolean: return node.boolean ? "true" : "false";
+        case Node::Type::integer: return std::to_string(node.integer);
+        case Node::Type::number: return node.unit.empty() ? shortest(node.number) : quoted(shortest(node.number) + " " + node.unit);
+        default: break;
+    }
+    std::string text;
+    for (const Node& child : node.children) text += (text.empty() ? "" : ", ") + toml_text(child);
+    return "[" + text + "]";
+}
+
 std::string resolved_toml(const ReadResult& result) {
     std::string out;
     write_table(result.values, "", out);
@@ -119,7 +119,7 @@ std::string full_listing(const ReadResult& result) {
     for (const Entry& entry : result.values.entries()) {
         if (!entry.key || is_table(entry) || (!entry.valid && entry.origin != Origin::computed)) continue;
         const bool unset = !entry.valid;  // a default that is no value: "from the data"
-        std::string value = unset ? "-" : toml(entry.node);
+        std::string value = unset ? "-" : toml_text(entry.node);
         const bool has_unit = !unset && entry.key->kind == Kind::number && !entry.key->unit.empty() && entry.key->unit != "*" && entry.node.type != Node::Type::text;
         if (has_unit) value += " " + std::string(entry.key->unit);
         key_width = std::max(key_width, entry.path.size());

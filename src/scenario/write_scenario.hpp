@@ -5,6 +5,9 @@
 
 namespace knap {
 
+/// A value as TOML, numbers with the fewest digits that read back as the same double.
+std::string toml_text(const Node& value);
+
 /// The scenario with every default in place, in SI with full precision and without other files; reading it again gives the same scenario.
 std::string resolved_toml(const ReadResult& result);
 

@@ -1,0 +1,386 @@
+// Every key of the table is set once, read back, resolved and read again.
+#include "scenario/write_scenario.hpp"
+
+#include "samples.hpp"
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+using namespace knap;
+
+namespace {
+
+// Values differ from every default; what each becomes is in `expected`.
+const std::string rectangle = R"(knap = 1
+name = "all-1"
+title = "Everything \"quoted\", ü"
+seed = 7
+[domain]
+shape = "rectangle"
+size = ["100 mm", 0.04]
+origin = ["-50 mm", "1 mm"]
+model = "plane stress"
+thickness = "2 mm"
+[[domain.hole]]
+points = [["1 mm", "2 mm"], ["3 mm", "2 mm"], ["3 mm", "4 mm"]]
+name = "window"
+[[domain.hole]]
+centre = ["20 mm", "20 mm"]
+radius = "2 mm"
+[[domain.crack]]
+points = [["-50 mm", "20 mm"], ["-10 mm", "20 mm"]]
+[[domain.region]]
+box = ["0 mm", "1 mm", "50 mm", "41 mm"]
+material = "steel"
+[[domain.region]]
+centre = ["-20 mm", "10 mm"]
+radius = "3 mm"
+material = "steel"
+[[domain.region]]
+points = [["-30 mm", "30 mm"], ["-25 mm", "30 mm"], ["-25 mm", "35 mm"]]
+material = "glass"
+[mesh]
+size = "1 mm"
+min_angle = "25 deg"
+grading = 0.5
+refine = [{ inside = ["0 mm", "1 mm", "10 mm", "41 mm"], size = "0.5 mm" }]
+[material.steel]
+density = "8000 kg/m3"
+E = "190 GPa"
+nu = 0.3
+[material.glass]
+density = "2.45 g/cm3"
+E = "32 GPa"
+nu = 0.2
+[interface.default]
+breakable = false
+[interface.glass-steel]
+sigma_c = "3 MPa"
+G_c = "4 N/m"
+gamma = 2
+friction = 0.3
+restitution = 0.1
+[interface.glass-glass]
+sigma_c = "2 MPa"
+delta_c = "2 um"
+[interface.glue]
+sigma_c = "1 MPa"
+G_c = 1
+[[foundation]]
+on = { boundary = "bottom", box = ["0 mm", "0 mm", "10 mm", "2 mm"] }
+interface = "glue"
+glued = true
+gap = "1 um"
+[[load]]
+on = "top"
+traction = ["1 MPa", 2e6]
+ramp = "10 us"
+[[load]]
+on = { box = [0, 0, 1, 1] }
+velocity = ["free", "1 mm/ms"]
+table = [["0 us", 0], ["10 us", 1], ["20 us", 0.5]]
+[[load]]
+on = "window"
+displacement = ["1 um", "free"]
+[[load]]
+body_force = [0, "-3 N/m3"]
+[[load]]
+acceleration = [0, "-9.81 m/s2"]
+[[initial]]
+velocity = ["1 m/s", "2 m/s"]
+box = [0, 0, 1, 1]
+[time]
+end = "80 us"
+step = "1 ns"
+safety = 0.5
+theta = 0.75
+[output]
+every = "1 us"
+history_every = "0.1 us"
+fields = false
+[[figure]]
+file = "a.svg"
+show = "cracks"
+at = "20 us"
+colour = "beta"
+deform = 10
+box = [0, 0, 0.01, 0.02]
+range = [0, 1]
+width = 800
+title = "Cracks"
+[[figure]]
+file = "b.pdf"
+show = "stress_xy"
+at = ["20 us", "40 us"]
+range = ["-1 MPa", "1 MPa"]
+[expect]
+energy_residual = { below = 1e-3, above = -1 }
+max_tip_speed = { below = "0.65 cR" }
+first_growth_time = { at_least = "10 us", at_most = "12 us" }
+dissipated = { value = "12 mJ", within = "7 %" }
+fragments = { value = 2, within = 0 }
+)";
+
+const std::string polygon = samples::changed("shape = \"rectangle\"\nsize = [0.1, 0.04]\n", R"(shape = "polygon"
+points = [[0, 0], ["10 mm", 0], ["10 mm", "10 mm"], [0, "10 mm"]]
+sides = ["floor", "wall", "lid", "wall"]
+)");
+
+const std::string disc = samples::changed("shape = \"rectangle\"\nsize = [0.1, 0.04]\n", R"(shape = "disc"
+centre = ["1 mm", "2 mm"]
+radius = "10 mm"
+)");
+
+const std::string implicit = samples::least + "bulk = \"explicit\"\ncohesion = \"explicit\"\n";
+
+struct Case {
+    const std::string& text;
+    const char* path;
+    const char* expected;
+};
+
+const Case cases[] = {
+    {rectangle, "knap", "1"},
+    {rectangle, "name", "\"all-1\""},
+    {rectangle, "title", "\"Everything \\\"quoted\\\", ü\""},
+    {rectangle, "seed", "7"},
+    {rectangle, "domain.shape", "\"rectangle\""},
+    {rectangle, "domain.size", "[0.1, 0.04]"},
+    {rectangle, "domain.origin", "[-0.05, 0.001]"},
+    {rectangle, "domain.model", "\"plane stress\""},
+    {rectangle, "domain.thickness", "0.002"},
+    {rectangle, "domain.hole[0].points", "[[0.001, 0.002], [0.003, 0.002], [0.003, 0.004]]"},
+    {rectangle, "domain.hole[0].name", "\"window\""},
+    {rectangle, "domain.hole[1].centre", "[0.02, 0.02]"},
+    {rectangle, "domain.hole[1].radius", "0.002"},
+    {rectangle, "domain.hole[1].name", "\"hole2\""},
+    {rectangle, "domain.crack[0].points", "[[-0.05, 0.02], [-0.01, 0.02]]"},
+    {rectangle, "domain.region[0].box", "[0, 0.001, 0.05, 0.041]"},
+    {rectangle, "domain.region[0].material", "\"steel\""},
+    {rectangle, "domain.region[1].centre", "[-0.02, 0.01]"},
+    {rectangle, "domain.region[1].radius", "0.003"},
+    {rectangle, "domain.region[2].points", "[[-0.03, 0.03], [-0.025, 0.03], [-0.025, 0.035]]"},
+    {rectangle, "mesh.size", "0.001"},
+    {rectangle, "mesh.min_angle", "25"},
+    {rectangle, "mesh.grading", "0.5"},
+    {rectangle, "mesh.refine[0].inside", "[0, 0.001, 0.01, 0.041]"},
+    {rectangle, "mesh.refine[0].size", "5e-04"},
+    {rectangle, "material.steel.density", "8000"},
+    {rectangle, "material.glass.density", "2450"},
+    {rectangle, "material.glass.E", "3.2e+10"},
+    {rectangle, "material.glass.nu", "0.2"},
+    {rectangle, "interface.default.breakable", "false"},
+    {rectangle, "interface.glass-steel.sigma_c", "3e+06"},
+    {rectangle, "interface.glass-steel.G_c", "4"},
+    {rectangle, "interface.glass-steel.gamma", "2"},
+    {rectangle, "interface.glass-steel.friction", "0.3"},
+    {rectangle, "interface.glass-steel.restitution", "0.1"},
+    {rectangle, "interface.glass-glass.delta_c", "2e-06"},
+    {rectangle, "foundation[0].on.boundary", "\"bottom\""},
+    {rectangle, "foundation[0].on.box", "[0, 0, 0.01, 0.002]"},
+    {rectangle, "foundation[0].interface", "\"glue\""},
+    {rectangle, "foundation[0].glued", "true"},
+    {rectangle, "foundation[0].gap", "1e-06"},
+    {rectangle, "load[0].on.boundary", "\"top\""},
+    {rectangle, "load[0].traction", "[1e+06, 2e+06]"},
+    {rectangle, "load[0].ramp", "1e-05"},
+    {rectangle, "load[1].on.box", "[0, 0, 1, 1]"},
+    {rectangle, "load[1].velocity", "[\"free\", 1]"},
+    {rectangle, "load[1].table", "[[0, 0], [1e-05, 1], [2e-05, 0.5]]"},
+    {rectangle, "load[2].displacement", "[1e-06, \"free\"]"},
+    {rectangle, "load[3].body_force", "[0, -3]"},
+    {rectangle, "load[4].acceleration", "[0, -9.81]"},
+    {rectangle, "initial[0].velocity", "[1, 2]"},
+    {rectangle, "initial[0].box", "[0, 0, 1, 1]"},
+    {rectangle, "time.end", "8e-05"},
+    {implicit, "time.bulk", "\"explicit\""},
+    {implicit, "time.cohesion", "\"explicit\""},
+    {rectangle, "time.step", "1e-09"},
+    {rectangle, "time.safety", "0.5"},
+    {rectangle, "time.theta", "0.75"},
+    {rectangle, "output.every", "1e-06"},
+    {rectangle, "output.history_every", "1e-07"},
+    {rectangle, "output.fields", "false"},
+    {rectangle, "figure[0].file", "\"a.svg\""},
+    {rectangle, "figure[1].show", "\"stress_xy\""},
+    {rectangle, "figure[0].at", "[2e-05]"},
+    {rectangle, "figure[1].at", "[2e-05, 4e-05]"},
+    {rectangle, "figure[0].colour", "\"beta\""},
+    {rectangle, "figure[0].deform", "10"},
+    {rectangle, "figure[0].box", "[0, 0, 0.01, 0.02]"},
+    {rectangle, "figure[0].range", "[0, 1]"},
+    {rectangle, "figure[1].range", "[-1e+06, 1e+06]"},
+    {rectangle, "figure[0].width", "800"},
+    {rectangle, "figure[0].title", "\"Cracks\""},
+    {rectangle, "expect.energy_residual.below", "0.001"},
+    {rectangle, "expect.energy_residual.above", "-1"},
+    {rectangle, "expect.max_tip_speed.below", "\"0.65 cR\""},
+    {rectangle, "expect.first_growth_time.at_least", "1e-05"},
+    {rectangle, "expect.first_growth_time.at_most", "1.2e-05"},
+    {rectangle, "expect.dissipated.value", "0.012"},
+    {rectangle, "expect.dissipated.within", "\"7 %\""},
+    {polygon, "domain.points", "[[0, 0], [0.01, 0], [0.01, 0.01], [0, 0.01]]"},
+    {polygon, "domain.sides", "[\"floor\", \"wall\", \"lid\", \"wall\"]"},
+    {disc, "domain.centre", "[0.001, 0.002]"},
+    {disc, "domain.radius", "0.01"},
+};
+
+std::string value(const ReadResult& result, const std::string& path) {
+    const Entry* entry = result.values.find(path);
+    return entry && entry->valid ? toml_text(entry->node) : "(none)";
+}
+
+}  // namespace
+
+TEST_CASE("keys: each is read and survives the resolved scenario") {
+    for (const Case& c : cases) {
+        CAPTURE(c.path);
+        const ReadResult once = samples::read(c.text);
+        CHECK(value(once, c.path) == c.expected);
+        const ReadResult twice = samples::read(resolved_toml(once));
+        CHECK(value(twice, c.path) == c.expected);
+        CHECK(resolved_toml(twice) == resolved_toml(once));
+    }
+}
+
+TEST_CASE("keys: each is in the test above and is found by its pattern") {
+    std::set<std::string> tested{"load[].csv"};  // has a test of its own
+    for (const Case& c : cases) tested.insert(pattern_of(c.path));
+    std::set<std::string_view> seen;
+    for (const Key& key : keys()) {
+        CAPTURE(std::string(key.path));
+        CHECK(seen.insert(key.path).second);
+        CHECK(find_key(key.path) == &key);
+        CHECK_FALSE(key.doc.empty());
+        const bool table = key.kind == Kind::table || key.kind == Kind::list || key.kind == Kind::names;
+        if (!table) CHECK(tested.contains(std::string(key.path)));
+        if (!key.parent().empty()) CHECK(find_key(key.parent()) != nullptr);
+    }
+}
+
+TEST_CASE("scenario: the structs hold what the file says") {
+    const Scenario s = samples::read(rectangle).scenario;
+    CHECK(s.name == "all-1");
+    CHECK(s.seed == 7);
+    CHECK(s.mesh.seed == 7);
+    CHECK(s.plane == PlaneModel::stress);
+    CHECK(s.thickness == 2e-3);
+    REQUIRE(s.shape.outer.points.size() == 4);
+    CHECK(s.shape.outer.points[2] == Vec2(-0.05 + 0.1, 0.001 + 0.04));
+    CHECK(s.shape.boundary_names == std::vector<std::string>{"bottom", "right", "top", "left", "window", "hole2"});
+    CHECK(s.shape.outer.boundary == std::vector<Index>{0, 1, 2, 3});
+    REQUIRE(s.shape.holes.size() == 2);
+    CHECK(s.shape.holes[0].boundary == std::vector<Index>{4, 4, 4});
+    CHECK(s.shape.holes[1].points.size() == 13);  // 2 pi 2 mm / 1 mm
+    REQUIRE(s.shape.regions.size() == 3);
+    REQUIRE(s.materials.size() == 2);
+    CHECK(s.materials[0].name == "steel");  // the order of the file, not of the alphabet
+    CHECK(s.shape.regions[0].tag == 0);
+    CHECK(s.shape.regions[2].tag == 1);
+    CHECK(s.mesh.refine.at(0).size == 0.5e-3);
+    REQUIRE(s.laws.size() == 4);
+    CHECK(s.law_of_pair == std::vector<std::vector<Index>>{{0, 1}, {1, 2}});
+    CHECK_FALSE(s.laws[0].law.breakable());
+    CHECK(s.laws[1].law.friction == 0.3);
+    CHECK(s.laws[2].law.G_c == doctest::Approx(2).epsilon(1e-15));
+    CHECK(s.laws[2].law.delta_c() == doctest::Approx(2e-6).epsilon(1e-15));
+    REQUIRE(s.foundations.size() == 1);
+    CHECK(s.foundations[0].law == 3);
+    CHECK(s.foundations[0].glued);
+    CHECK(s.foundations[0].gap == 1e-6);
+    CHECK(s.foundations[0].on.box->high == Vec2(0.01, 0.002));
+    REQUIRE(s.loads.size() == 5);
+    CHECK(s.loads[0].kind == Load::Kind::traction);
+    CHECK(s.loads[0].on.boundary == "top");
+    CHECK(s.loads[0].history(5e-6) == doctest::Approx(0.5));
+    CHECK(s.loads[0].history(1) == 1);
+    CHECK(s.loads[1].kind == Load::Kind::velocity);
+    CHECK_FALSE(s.loads[1].value[0].has_value());
+    CHECK(s.loads[1].value[1] == 1.0);
+    CHECK(s.loads[1].history(15e-6) == doctest::Approx(0.75));
+    CHECK(s.loads[2].kind == Load::Kind::displacement);
+    CHECK(s.loads[2].history(3) == 1);
+    CHECK(s.loads[3].kind == Load::Kind::body_force);
+    CHECK(s.loads[3].on.boundary.empty());
+    CHECK(s.loads[4].kind == Load::Kind::acceleration);
+    CHECK(s.initial_velocities.at(0).value == Vec2(1, 2));
+    CHECK(s.time.step == 1e-9);
+    CHECK_FALSE(s.output.fields);
+    CHECK(s.figures.at(1).at == std::vector<double>{20e-6, 40e-6});
+    CHECK(s.figures.at(0).range == std::vector<double>{0, 1});
+    REQUIRE(s.expect.size() == 5);
+    CHECK(s.expect[1].unit == "cR");
+    CHECK(s.expect[1].below == 0.65);
+    CHECK(s.expect[3].relative);
+    CHECK(s.expect[3].within == 0.07);
+    CHECK(s.expect[3].value == 0.012);
+}
+
+TEST_CASE("scenario: defaults") {
+    const Scenario s = samples::read(samples::least).scenario;
+    CHECK(s.name == "sample");
+    CHECK(s.seed == 1);
+    CHECK(s.plane == PlaneModel::strain);
+    CHECK(s.thickness == 1);
+    CHECK(s.mesh.min_angle == 20);
+    CHECK(s.mesh.grading == 0.3);
+    CHECK(s.time.step == 0);
+    CHECK(s.time.safety == 0.8);
+    CHECK(s.output.every == 80e-6 / 40);
+    CHECK(s.output.history_every == 80e-6 / 400);
+    CHECK(s.laws.at(0).law.gamma == 1);
+    CHECK(s.laws.at(0).law.restitution == 0);
+    CHECK(s.law_of_pair == std::vector<std::vector<Index>>{{0}});
+    CHECK(samples::read(samples::least + "[[figure]]\nfile = \"a.png\"\n").scenario.figures.at(0).at == std::vector<double>{80e-6});
+}
+
+TEST_CASE("scenario: polygon and disc") {
+    const Scenario p = samples::read(polygon).scenario;
+    CHECK(p.shape.boundary_names == std::vector<std::string>{"floor", "wall", "lid"});
+    CHECK(p.shape.outer.boundary == std::vector<Index>{0, 1, 2, 1});
+    const std::string unnamed = samples::changed("sides = [\"floor\", \"wall\", \"lid\", \"wall\"]\n", "", polygon);
+    CHECK(samples::read(unnamed).scenario.shape.boundary_names == std::vector<std::string>{"side1", "side2", "side3", "side4"});
+    const Scenario d = samples::read(disc).scenario;
+    CHECK(d.shape.outer.points.size() == 63);  // 2 pi 10 mm / 1 mm
+    CHECK(d.shape.boundary_names == std::vector<std::string>{"rim"});
+    for (const Vec2& point : d.shape.outer.points) CHECK((point - Vec2(1e-3, 2e-3)).norm() == doctest::Approx(10e-3));
+}
+
+TEST_CASE("scenario: a history from a csv file is part of the resolved scenario") {
+    const std::filesystem::path directory = std::filesystem::path(KNAP_BINARY_DIR) / "test_scenario_csv";
+    std::filesystem::create_directories(directory);
+    const auto write = [&](const char* name, const std::string& text) { std::ofstream(directory / name) << text; };
+    const std::string text = samples::least + "[[load]]\non = \"top\"\ntraction = [0, 1]\ncsv = \"pulse.csv\"\n";
+    write("s.toml", text);
+    write("pulse.csv", "time, factor\n# comment\n0, 0\r\n1e-6, 1 # peak\n\n3e-6; 0.25\n");
+    const ReadResult result = read_scenario(directory / "s.toml");
+    CHECK(result.scenario.loads.at(0).history.time == std::vector<double>{0, 1e-6, 3e-6});
+    CHECK(result.scenario.loads.at(0).history.value == std::vector<double>{0, 1, 0.25});
+    const Scenario again = read_scenario_text(resolved_toml(result), "elsewhere.toml").scenario;
+    CHECK(again.loads.at(0).history.time == result.scenario.loads.at(0).history.time);
+    CHECK(again.loads.at(0).history.value == result.scenario.loads.at(0).history.value);
+
+    write("pulse.csv", "0, 0\n2, 1\n1, 1\nx, y\n");
+    try {
+        read_scenario(directory / "s.toml");
+        FAIL("read");
+    } catch (const UserError& error) {
+        REQUIRE(error.diagnostics.size() == 2);
+        CHECK(error.diagnostics[0].code == "bad-csv");
+        CHECK(error.diagnostics[0].line == 3);
+        CHECK(error.diagnostics[0].file.ends_with("pulse.csv"));
+        CHECK(error.diagnostics[1].line == 4);
+    }
+    std::filesystem::remove(directory / "pulse.csv");
+    try {
+        read_scenario(directory / "s.toml");
+        FAIL("read");
+    } catch (const UserError& error) {
+        REQUIRE(error.diagnostics.size() == 1);
+        CHECK(error.diagnostics[0].code == "missing-file");
+        CHECK(error.diagnostics[0].line == 19);
+    }
+}
