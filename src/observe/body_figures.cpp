@@ -15,8 +15,8 @@ namespace knap {
 
 namespace {
 
-constexpr Colour body_colour{0.90, 0.90, 0.89}, outline_colour{0.35, 0.35, 0.35}, damaged_colour{0.45, 0.62, 0.78};
-constexpr double outline_width = 0.5, broken_width = 1, damaged_width = 0.6, precrack_width = 1, path_width = 0.6;  // [unit]
+constexpr Colour body_colour{0.90, 0.90, 0.89}, outline_colour{0.35, 0.35, 0.35}, damaged_colour{0.25, 0.52, 0.78};
+constexpr double outline_width = 0.5, broken_width = 1.1, damaged_width = 0.5, precrack_width = 1, path_width = 0.6;  // [unit]
 
 template <class Values>
 Vec2 corner_mean(const Values& values, Index t) {
@@ -123,6 +123,18 @@ void set_range(ColourScale& scale, const FigureOptions& options, const std::vect
     }
 }
 
+/// The paler the less damaged: a process zone is a haze and not a net.
+void draw_damaged(BodyPage& page, const Frame& frame, const std::vector<Index>& damaged) {
+    constexpr int n_shades = 12;
+    std::vector<std::vector<Index>> of_shade(n_shades);
+    for (const Index i : damaged) of_shade[std::clamp(static_cast<int>((1 - mean_cohesion(frame, i)) * n_shades), 0, n_shades - 1)].push_back(i);
+    for (int shade = 0; shade < n_shades; ++shade) {
+        Colour colour = damaged_colour;
+        colour.alpha = (shade + 0.5) / n_shades;
+        page.draw_interfaces(of_shade[shade], colour, damaged_width);
+    }
+}
+
 }  // namespace
 
 const std::vector<BodyField>& body_fields() {
@@ -160,7 +172,7 @@ DrawnFigure draw_cracks(const FigureOptions& options, const Frame& frame, const 
     page.fill_triangles([](Index) { return body_colour; });
     page.inside_plot([&] {
         page.draw_outline();
-        if (!by_cohesion) page.draw_interfaces(damaged, damaged_colour, damaged_width);
+        if (!by_cohesion) draw_damaged(page, frame, damaged);
         page.draw_interfaces(precracks, black, precrack_width);
         for (const Index i : coloured) page.draw_interfaces({i}, scale(value(i)), broken_width);
     });

@@ -135,9 +135,15 @@ DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, in
     if (y_range.high == y_range.low) y_range.high = 1;
     const DisplayUnit x_unit = display_unit(x_range.largest(), chart.x_unit), y_unit = display_unit(y_range.largest(), chart.y_unit);
 
+    // a last step that ends just before a round number still gets the number
+    const double x_low = x_range.low * x_unit.factor;
+    double x_high = x_range.high * x_unit.factor;
+    const double rounded = round_range(x_low, x_high, 9)[1];
+    if (rounded - x_high < 0.02 * (x_high - x_low)) x_high = rounded;
+
     vtkNew<vtkChartXY> plot;
-    set_axis(plot->GetAxis(vtkAxis::BOTTOM), with_unit(chart.x_quantity, x_unit.unit), x_range.low * x_unit.factor, x_range.high * x_unit.factor, 9);
-    const auto y_limits = round_range(y_range.low * y_unit.factor, y_range.high * y_unit.factor, 7);
+    set_axis(plot->GetAxis(vtkAxis::BOTTOM), with_unit(chart.x_quantity, x_unit.unit), x_low, x_high, 9);
+    const auto y_limits = round_range(y_range.low * y_unit.factor, y_range.high * y_unit.factor, 8);
     set_axis(plot->GetAxis(vtkAxis::LEFT), with_unit(chart.y_quantity, y_unit.unit), y_limits[0], y_limits[1], 8);
     for (const Curve& curve : chart.curves) add_curve(plot, curve, x_unit.factor, y_unit.factor);
 

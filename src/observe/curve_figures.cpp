@@ -17,7 +17,11 @@ Column column_or_zero(const History& history, const std::string& name) {
     return history.has(name) ? history.column(name) : Column(history.rows.size(), 0.0);
 }
 
-bool all_zero(const Column& values) { return std::all_of(values.begin(), values.end(), [](double v) { return v == 0; }); }
+double largest(const Column& values) {
+    double found = 0;
+    for (const double v : values) found = std::max(found, std::abs(v));
+    return found;
+}
 
 Column negated(Column values) {
     for (double& v : values) v = -v;
@@ -44,8 +48,10 @@ Chart energy_chart(const History& energy) {
     chart.curves.push_back({"kinetic", time, kinetic, blue});
     chart.curves.push_back({"strain", time, strain, orange});
     chart.curves.push_back({"surface", time, surface, vermilion});
-    if (!all_zero(friction)) chart.curves.push_back({"lost in friction", time, friction, purple});
-    if (!all_zero(impact)) chart.curves.push_back({"lost in impact", time, impact, sky});
+    // what would lie on the axis is left out
+    const double visible = 1e-3 * largest(external);
+    if (largest(friction) > visible) chart.curves.push_back({"lost in friction", time, friction, purple});
+    if (largest(impact) > visible) chart.curves.push_back({"lost in impact", time, impact, sky});
     return chart;
 }
 
@@ -58,7 +64,6 @@ Chart crack_length_chart(const History& cracks) {
     add("main crack", "length", black);
     add("all branches", "crack_length", blue);
     add("broken edges", "broken_length", vermilion);
-    add("damaged edges", "damaged_length", sky);
     return chart;
 }
 

@@ -5,7 +5,7 @@
 
 namespace knap {
 
-/// Columns of energy.csv that are missing or zero throughout are left out.
+/// Losses too small to be seen are left out.
 Chart energy_chart(const History& energy);
 Chart crack_length_chart(const History& cracks);
 Chart crack_speed_chart(const History& cracks, double rayleigh_speed);

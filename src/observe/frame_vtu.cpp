@@ -2,7 +2,6 @@
 
 #include "base/error.hpp"
 
-#include <vtkCallbackCommand.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkDoubleArray.h>
@@ -56,22 +55,25 @@ void set_geometry(vtkUnstructuredGrid* grid, const std::vector<Vec2>& position, 
     grid->SetCells(cell_type, cells);
 }
 
-void ignore(vtkObject*, unsigned long, void*, void*) {}
+/// VTK prints its errors, each several times; ours are thrown.
+class Quiet {
+public:
+    Quiet() { vtkObject::GlobalWarningDisplayOff(); }
+    ~Quiet() { vtkObject::SetGlobalWarningDisplay(before_); }
+    Quiet(const Quiet&) = delete;
+    Quiet& operator=(const Quiet&) = delete;
 
-/// VTK prints its errors; ours are thrown.
-void keep_quiet(vtkObject* object) {
-    vtkNew<vtkCallbackCommand> silence;
-    silence->SetCallback(ignore);
-    object->AddObserver(vtkCommand::ErrorEvent, silence);
-}
+private:
+    int before_ = vtkObject::GetGlobalWarningDisplay();
+};
 
 void write(vtkUnstructuredGrid* grid, double time, const path& file) {
     vtkNew<vtkDoubleArray> time_value;  // the name that ParaView looks for
     time_value->SetName("TimeValue");
     time_value->InsertNextValue(time);
     grid->GetFieldData()->AddArray(time_value);
+    const Quiet quiet;
     vtkNew<vtkXMLUnstructuredGridWriter> writer;
-    keep_quiet(writer);
     writer->SetFileName(file.string().c_str());
     writer->SetInputData(grid);
     writer->SetDataModeToAppended();
@@ -82,9 +84,9 @@ void write(vtkUnstructuredGrid* grid, double time, const path& file) {
 }
 
 vtkNew<vtkXMLUnstructuredGridReader> opened(const path& file) {
+    const Quiet quiet;
     vtkNew<vtkXMLUnstructuredGridReader> reader;
     if (!std::filesystem::is_regular_file(file)) throw SimulationError("cannot read " + file.string());
-    keep_quiet(reader);
     reader->SetFileName(file.string().c_str());
     reader->Update();
     if (reader->GetErrorCode() != vtkErrorCode::NoError) throw SimulationError("cannot read " + file.string());
@@ -136,6 +138,17 @@ Vec2 mean_displacement(const Frame& frame, Index point) {
     return 0.5 * (u_a + u_b);
 }
 
+/// Both points of each interface that is worth its place on the disk.
+std::vector<Index> kept_points(const Frame& frame) {
+    std::vector<Index> kept;
+    for (Index i = 0; i < frame.n_interfaces(); ++i) {
+        const bool intact = frame.status[2 * i] == PointStatus::intact && frame.status[2 * i + 1] == PointStatus::intact;
+        const bool on_foundation = frame.side_a[i][0] < 0 || frame.side_b[i][0] < 0;
+        if (!intact || on_foundation) kept.insert(kept.end(), {2 * i, 2 * i + 1});
+    }
+    return kept;
+}
+
 }  // namespace
 
 void write_bulk(const Frame& frame, const path& file) {
@@ -155,17 +168,26 @@ void write_bulk(const Frame& frame, const path& file) {
 }
 
 void write_interfaces(const Frame& frame, const path& file) {
-    const Index n = 2 * frame.n_interfaces();
+    const std::vector<Index> kept = kept_points(frame);
+    const auto n = static_cast<Index>(kept.size());
+    std::vector<Vec2> ends;
+    for (const Index p : kept) ends.push_back(frame.end_position[p]);
     vtkNew<vtkUnstructuredGrid> grid;
-    set_geometry(grid, frame.end_position, VTK_LINE, 2);
+    set_geometry(grid, ends, VTK_LINE, 2);
     vtkPointData* data = grid->GetPointData();
-    data->AddArray(filled<vtkFloatArray>("beta", n, 1, [&](Index p, int) { return frame.cohesion[p]; }));
-    data->AddArray(filled<vtkFloatArray>("opening", n, 1, [&](Index p, int) { return frame.opening[p]; }));
-    data->AddArray(filled<vtkFloatArray>("slip", n, 1, [&](Index p, int) { return frame.slip[p]; }));
-    data->AddArray(filled<vtkFloatArray>("traction", n, 2, [&](Index p, int j) { return frame.traction[p][j]; }));
-    data->AddArray(filled<vtkUnsignedCharArray>("status", n, 1, [&](Index p, int) { return frame.status[p]; }));
-    data->AddArray(filled<vtkTypeInt32Array>("sides", n, 2, [&](Index p, int j) { return (j == 0 ? frame.side_a : frame.side_b)[p / 2][p % 2]; }));
-    data->AddArray(filled<vtkFloatArray>("displacement", n, 3, [&](Index p, int j) { return j < 2 ? mean_displacement(frame, p)[j] : 0.0; }));
+    const auto add_float = [&](const char* name, int n_components, auto value) {
+        data->AddArray(filled<vtkFloatArray>(name, n, n_components, [&](Index i, int j) { return value(kept[i], j); }));
+    };
+    add_float("beta", 1, [&](Index p, int) { return frame.cohesion[p]; });
+    add_float("opening", 1, [&](Index p, int) { return frame.opening[p]; });
+    add_float("slip", 1, [&](Index p, int) { return frame.slip[p]; });
+    add_float("traction", 2, [&](Index p, int j) { return frame.traction[p][j]; });
+    add_float("displacement", 3, [&](Index p, int j) { return j < 2 ? mean_displacement(frame, p)[j] : 0.0; });
+    data->AddArray(filled<vtkUnsignedCharArray>("status", n, 1, [&](Index i, int) { return frame.status[kept[i]]; }));
+    data->AddArray(filled<vtkTypeInt32Array>("sides", n, 2, [&](Index i, int j) {
+        const Index p = kept[i];
+        return (j == 0 ? frame.side_a : frame.side_b)[p / 2][p % 2];
+    }));
     write(grid, frame.time, file);
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 // A Frame as two VTK files: the triangles (corner-owned points) and the interfaces (line cells), and back.
+// Intact interfaces inside the body are left out (they would double the size of a run): they are closed, and their traction is that of
+// the stress on either side. A frame that is read back has the others only, which is all that a figure needs.
 #include "observe/frame.hpp"
 
 #include <filesystem>
@@ -9,6 +11,7 @@ namespace knap {
 /// Appended raw data with LZ4; what is computed with is float64 (positions), what is looked at is float32.
 /// Throws SimulationError naming the path.
 void write_bulk(const Frame& frame, const std::filesystem::path& path);
+/// Those that are damaged, broken, pre-cracked or on a foundation.
 void write_interfaces(const Frame& frame, const std::filesystem::path& path);
 
 /// Throws SimulationError naming the path.

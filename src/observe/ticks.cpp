@@ -47,7 +47,7 @@ std::string label(double value, int decimals) {
 DisplayUnit display_unit(double largest, const std::string& unit) {
     if (unit.empty() || !(largest > 0)) return {1, unit};
     for (const Prefix& prefix : prefixes) {
-        if (unit == "m/s" && prefix.value > 1) continue;
+        if ((unit == "m/s" || unit == "s") && prefix.value > 1) continue;
         if (largest >= 0.9999 * prefix.value) return {1 / prefix.value, prefix.symbol + unit};
     }
     return {1 / prefixes.back().value, prefixes.back().symbol + unit};
@@ -73,6 +73,7 @@ Ticks round_ticks(double low, double high, int n_most) {
 }
 
 std::vector<double> round_range(double low, double high, int n_most) {
+    n_most = std::max(n_most, 3);
     // widening can ask for a larger step, which can ask for more widening
     for (double step = 0, next = round_ticks(low, high, n_most).step; next > step;) {
         step = next;
@@ -86,8 +87,10 @@ std::vector<double> round_range(double low, double high, int n_most) {
 std::string time_text(double seconds, bool plain) {
     const DisplayUnit shown = display_unit(std::abs(seconds), "s");
     const double value = seconds * shown.factor;
-    const int decimals = value == 0 ? 0 : std::clamp(3 - static_cast<int>(std::floor(std::log10(std::abs(value)))), 0, 6);
-    std::string number = fixed(value, decimals);
+    const int before = value == 0 ? 3 : 1 + static_cast<int>(std::floor(std::log10(std::abs(value))));  // digits before the point
+    const double hundreds = std::pow(10, before - 3), three = std::round(value / hundreds) * hundreds;
+    const int n_digits = std::abs(three - value) <= 1e-3 * std::abs(value) ? 3 : 4;
+    std::string number = fixed(value, std::max(n_digits - before, 0));
     if (number.find('.') != std::string::npos) {
         number.erase(number.find_last_not_of('0') + 1);
         if (number.back() == '.') number.pop_back();

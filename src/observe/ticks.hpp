@@ -11,7 +11,7 @@ struct DisplayUnit {
     std::string unit;
 };
 
-/// The prefix that brings `largest` to 1 .. 1000. Speeds stay in m/s where it would be km/s; a number without unit stays as it is.
+/// The prefix that brings `largest` to 1 .. 1000. There is no km/s and no ks; a number without unit stays as it is.
 DisplayUnit display_unit(double largest, const std::string& unit);
 
 /// "crack length [mm]"
@@ -26,10 +26,10 @@ struct Ticks {
 /// At most `n_most` (at least 2) ticks; low < high.
 Ticks round_ticks(double low, double high, int n_most);
 
-/// [low, high] widened until it begins and ends with one of its own round_ticks.
+/// [low, high] widened until it begins and ends with one of its own round_ticks; at least 3 (two never fit round zero).
 std::vector<double> round_range(double low, double high, int n_most);
 
-/// "40 µs", "12.5 µs": four digits at most, with a prefix. `plain` writes ASCII without a blank, for file names: "12.5us".
+/// "40 µs", "117.5 µs": three digits, or four where the fourth matters (by 0.1 %), with a prefix. `plain` writes ASCII without a blank, for file names: "12.5us".
 std::string time_text(double seconds, bool plain = false);
 
 }  // namespace knap
