@@ -1,11 +1,13 @@
 #include "app/cli.hpp"
 #include "app/run.hpp"
+#include "app/threads.hpp"
 #include "base/error.hpp"
 
 #include <cstdio>
 
-// Exceptions become exit codes; nothing else happens here.
+// Exceptions become exit codes.
 int main(int argc, char** argv) {
+    knap::let_waiting_threads_sleep(argv);
     try {
         return knap::run_command_line(argc, argv);
     } catch (const knap::UserError& error) {

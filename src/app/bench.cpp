@@ -1,10 +1,9 @@
 // knap bench: the edge-cracked block as fixed work. Prints triangle-steps per core-second, all interface work included, and ratios of one run.
 #include "app/commands.hpp"
 #include "app/setup.hpp"
+#include "app/threads.hpp"
 #include "base/stopwatch.hpp"
 #include "stepper/moreau_jean.hpp"
-
-#include <omp.h>
 
 #include <cmath>
 #include <cstdio>

@@ -3,13 +3,12 @@
 #include "app/run_directory.hpp"
 #include "app/run_json.hpp"
 #include "app/setup.hpp"
+#include "app/threads.hpp"
 #include "base/stopwatch.hpp"
 #include "observe/fragments.hpp"
 #include "observe/progress.hpp"
 #include "scenario/write_scenario.hpp"
 #include "stepper/moreau_jean.hpp"
-
-#include <omp.h>
 
 #include <algorithm>
 #include <csignal>
@@ -75,12 +74,6 @@ ExitCode exit_code(const RunRecord& record) {
 }
 
 }  // namespace
-
-int use_threads(int wanted) {
-    const int n = wanted > 0 ? wanted : omp_get_num_procs();
-    omp_set_num_threads(n);
-    return n;
-}
 
 Model model_of(const ReadResult& read) {
     try {

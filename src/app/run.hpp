@@ -29,7 +29,4 @@ Model model_of(const ReadResult& read);
 /// Warnings about the resolution of the process zone.
 std::vector<Diagnostic> resolution_warnings(const ReadResult& read, double mean_edge);
 
-/// Sets the number of threads of all loops; 0 = one for each processor of the machine.
-int use_threads(int wanted);
-
 }  // namespace knap

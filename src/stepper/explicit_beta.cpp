@@ -55,13 +55,48 @@ StepReport ExplicitBeta::advance_bound(const State& begin, const FreeMotion& fre
                 for (int k = 0; k < 2; ++k)
                     if (motion.component[k]) velocity[k] = given[k];
             }
-            if (free.fan_is_hot[f] && !stays_bound(fan, begin, free, work, report)) {
+            if (free.fan_is_hot[f] && !surely_bound(fan, free, force) && !stays_bound(fan, begin, free, work, report)) {
                 comes_apart_[f] = 1;
                 continue;
             }
             move_bound(fan, begin, free, velocity, force, end, report);
         }
     });
+}
+
+bool ExplicitBeta::surely_bound(Index f, const FreeMotion& free, const Vec2& force) const {
+    // forces between the corners of a fan in one piece, walked along the chain; round a closed one with the circulation of least norm.
+    // If these are admissible the fan is bound; if not, others may be, and the exact test decides.
+    const Fan& fan = model_.fans[f];
+    if (prescribed_of_fan_[f] >= 0 || fan.split_at_start) return false;
+    const FanPoint* point = &model_.fan_points[fan.first_point];
+    const Index* corner = &model_.fan_corners[fan.first_corner];
+    const Vec2 acceleration = force / fan.mass;
+    const auto taken = [&](Index i) -> Vec2 { return model_.corner_mass[corner[i]] * acceleration - free.corner_force[corner[i]]; };
+
+    Vec2 circulation = Vec2::Zero();
+    if (fan.closed) {
+        Vec2 walked = Vec2::Zero(), sum = Vec2::Zero();
+        double weight = 0;
+        for (Index j = 0; j < fan.n_points; ++j) {
+            sum += walked / point[j].area;
+            weight += 1 / point[j].area;
+            walked -= taken(j);
+        }
+        circulation = -sum / weight;
+    }
+    Vec2 walked = circulation;
+    for (Index j = 0; j < fan.n_points; ++j) {
+        if (!fan.closed) walked -= taken(j);
+        const CohesiveLaw& law = model_.laws[point[j].law];
+        if (law.breakable()) {
+            const double strength = law.sigma_c * point[j].area, pressure = walked.dot(point[j].normal) + strength;
+            const double shear = std::abs(walked.dot(turned_left(point[j].normal)));
+            if (pressure < 0 || shear > law.gamma * strength + law.friction * pressure) return false;
+        }
+        if (fan.closed) walked -= taken(j);
+    }
+    return true;
 }
 
 bool ExplicitBeta::stays_bound(Index fan, const State& begin, const FreeMotion& free, Workspace& work, StepReport& report) const {

@@ -21,6 +21,7 @@ private:
     };
 
     StepReport advance_bound(const State& begin, const FreeMotion& free, State& end);
+    bool surely_bound(Index fan, const FreeMotion& free, const Vec2& force) const;
     bool stays_bound(Index fan, const State& begin, const FreeMotion& free, Workspace& work, StepReport& report) const;
     void move_bound(Index fan, const State& begin, const FreeMotion& free, const Vec2& velocity, const Vec2& force, State& end,
                     StepReport& report) const;
