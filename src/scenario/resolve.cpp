@@ -1,6 +1,7 @@
 #include "scenario/resolve.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <set>
 
@@ -58,6 +59,11 @@ std::string describe(const Key& key, std::string_view unit) {
             return "a list of pairs [[a, b], ...], each " + each;
     }
     return each;
+}
+
+void forget_places(Node& node) {
+    node.place = node.name_place = {};
+    for (Node& child : node.children) forget_places(child);
 }
 
 Node value_of_text(std::string_view toml) {
@@ -156,7 +162,9 @@ private:
             members(Node{}, key.path, path);
         } else if (!key.standard.empty()) {
             std::optional<Node> value = checked(key, value_of_text(key.standard), path, key.unit);
-            values.add({path, &key, value ? *value : Node{}, Origin::standard, value.has_value()});
+            assert(value);  // a default that the table itself refuses
+            forget_places(*value);
+            values.add({path, &key, std::move(*value), Origin::standard});
         } else if (!key.otherwise.empty()) {
             values.add({path, &key, {}, Origin::computed, false});
         }
@@ -279,7 +287,8 @@ private:
                 if (array && n == 4) return box(key, node, path, unit);
                 break;
             case Form::points:
-                if (array && n > 0) return points(key, node, path, unit);
+                if (array && std::any_of(node.children.begin(), node.children.end(), [](const Node& child) { return child.type == Node::Type::array; }))
+                    return points(key, node, path, unit);
                 break;
         }
         wrong_type(key, node, path, unit);

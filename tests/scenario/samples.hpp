@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "scenario/read_scenario.hpp"
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 

@@ -1,0 +1,221 @@
+// Every kind of mistake, with the exact place of the marks.
+#include "samples.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+using namespace knap;
+using samples::changed;
+using samples::least;
+using samples::mistakes;
+
+namespace {
+
+struct Case {
+    const char* name;
+    std::string text;
+    const char* code;
+    int line, column, length;
+    const char* says;  // in message, hint or note
+};
+
+std::string with(const std::string& more) { return least + more; }  // `more` begins in line 16
+
+const std::string load = "[[load]]\non = \"top\"\n";  // lines 16, 17
+
+const Case cases[] = {
+    {"misspelt key", changed("sigma_c", "sigmac"), "unknown-key", 12, 1, 6, "did you mean `sigma_c`?"},
+    {"misspelt table", changed("[mesh]", "[mehs]"), "unknown-key", 5, 2, 4, "did you mean `mesh`?"},
+    {"key of another table", changed("size = 0.001", "size = 0.001\nsafety = 0.5"), "unknown-key", 7, 1, 6, "there is `time.safety`"},
+    {"key of nothing", with("zzzzzzzz = 1\n"), "unknown-key", 16, 1, 8, "known here: end, bulk"},
+    {"key of a list", with(load + "traktion = [0, 1]\n"), "unknown-key", 18, 1, 8, "did you mean `traction`?"},
+    {"unknown quantity in expect", with("[expect]\nbranch = { below = 1 }\n"), "unknown-key", 17, 1, 6, "did you mean `branches`?"},
+    {"boolean for a number", changed("32e9", "true"), "wrong-type", 9, 5, 4, "must be a pressure [Pa], not true"},
+    {"number for a text", changed("\"rectangle\"", "3"), "wrong-type", 3, 9, 1, "one of rectangle, polygon, disc"},
+    {"number for a whole number", changed("knap = 1", "knap = 1.5"), "wrong-type", 1, 8, 3, "a whole number"},
+    {"text for a boolean", with("[output]\nfields = \"yes\"\n"), "wrong-type", 17, 10, 5, "true or false"},
+    {"one number for two", changed("[0.1, 0.04]", "0.1"), "wrong-type", 4, 8, 3, "two values"},
+    {"three numbers for two", changed("[0.1, 0.04]", "[0.1, 0.04, 1]"), "wrong-type", 4, 8, 14, "a list of 3"},
+    {"empty list", with("[[figure]]\nfile = \"a.png\"\nat = []\n"), "wrong-type", 18, 6, 2, "a list of 0"},
+    {"a date", changed("80e-6", "2020-01-01"), "wrong-type", 15, 7, 10, "a date"},
+    {"a table for a list of tables", with("[load]\non = \"top\"\n"), "wrong-type", 16, 1, 6, "write [[load]]"},
+    {"a value for a table", changed("[mesh]\nsize = 0.001\n", "", changed("knap = 1", "knap = 1\nmesh = 3")), "wrong-type", 2, 8, 1, "must be a table"},
+    {"flat points", with("[[domain.crack]]\npoints = [0, 1]\n"), "wrong-type", 17, 10, 6, "a list of pairs"},
+    {"one flat point", with("[[domain.crack]]\npoints = [[0, 0], 1]\n"), "wrong-type", 17, 19, 1, "a list of pairs"},
+    {"wrong unit", changed("32e9", "\"32 mm\""), "wrong-unit", 9, 5, 7, "must be a pressure [Pa], and \"32 mm\" is a length"},
+    {"wrong unit in a list", changed("0.04]", "\"3 J/m2\"]"), "wrong-unit", 4, 14, 8, "must be a length [m], and \"3 J/m2\" is an energy per area"},
+    {"no unit", changed("0.001", "\"0.001\""), "wrong-unit", 6, 8, 7, "has no unit"},
+    {"unknown unit", changed("0.001", "\"1 inch\""), "wrong-unit", 6, 8, 8, "unknown unit `inch`"},
+    {"decimal comma", changed("0.001", "\"0,5 mm\""), "wrong-unit", 6, 8, 8, "comma"},
+    {"cR where it has no place", changed("80e-6", "\"1 cR\""), "wrong-unit", 15, 7, 6, "multiple of the Rayleigh speed"},
+    {"cR for a work", with("[expect]\ndissipated = { below = \"1 cR\" }\n"), "wrong-unit", 17, 24, 6, "an energy"},
+    {"cR and SI", with("[expect]\nmax_tip_speed = { below = \"1 cR\", above = 1 }\n"), "wrong-unit", 17, 17, 29, "mixes"},
+    {"stress range of a velocity", with("[[figure]]\nfile = \"a.png\"\nshow = \"speed\"\nrange = [0, \"1 Pa\"]\n"), "wrong-unit", 19, 13, 6, "a speed"},
+    {"not positive", changed("0.001", "0"), "out-of-range", 6, 8, 1, "greater than 0, not 0 m"},
+    {"not negative", changed("2450", "-2450"), "out-of-range", 8, 11, 5, "greater than 0"},
+    {"above the range", changed("0.2", "0.5"), "out-of-range", 10, 6, 3, "less than 0.5, not 0.5"},
+    {"not a number", changed("32e9", "nan"), "out-of-range", 9, 5, 3, "finite"},
+    {"infinite", changed("32e9", "inf"), "out-of-range", 9, 5, 3, "finite"},
+    {"box without area", with("[[initial]]\nvelocity = [0, 0]\nbox = [1, 0, 0, 1]\n"), "out-of-range", 18, 7, 12, "no area"},
+    {"times descend", with(load + "traction = [0, 1]\ntable = [[1, 0], [0, 1]]\n"), "out-of-range", 19, 9, 16, "do not ascend"},
+    {"range descends", with("[[figure]]\nfile = \"a.png\"\nrange = [1, 0]\n"), "out-of-range", 18, 9, 6, "does not ascend"},
+    {"polygon with two corners", changed("shape = \"rectangle\"\nsize = [0.1, 0.04]", "shape = \"polygon\"\npoints = [[0, 0], [1, 0]]"), "out-of-range", 4, 10,
+     16, "at least 3 points"},
+    {"names for other sides", changed("shape = \"rectangle\"\nsize = [0.1, 0.04]", "shape = \"polygon\"\npoints = [[0, 0], [1, 0], [1, 1]]\nsides = [\"a\"]"),
+     "out-of-range", 5, 9, 5, "1 names for 3 sides"},
+    {"crack with one point", with("[[domain.crack]]\npoints = [[0, 1]]\n"), "out-of-range", 17, 10, 8, "at least 2 points"},
+    {"a hole of a million sides", with("[[domain.hole]]\ncentre = [0, 0]\nradius = 1e9\n"), "out-of-range", 18, 10, 3, "too large"},
+    {"missing key", changed("nu = 0.2\n", ""), "missing-key", 7, 1, 16, "`material.glass.nu` is missing"},
+    {"missing key in a list", with("[[figure]]\nshow = \"energy\"\n"), "missing-key", 16, 1, 10, "`figure[0].file` is missing"},
+    {"missing table", changed("[time]\nend = 80e-6\n", ""), "missing-key", 0, 0, 0, "`time` is missing"},
+    {"missing version", changed("knap = 1\n", ""), "missing-key", 0, 0, 0, "`knap` is missing"},
+    {"missing strength", changed("sigma_c = 3.08e6\nG_c = 3\n", ""), "missing-key", 11, 1, 19, "breakable = false"},
+    {"missing fracture energy", changed("G_c = 3\n", ""), "missing-key", 11, 1, 19, "exactly one of: G_c, delta_c"},
+    {"missing law", changed("interface.default", "interface.glass-glas"), "unknown-name", 11, 12, 10, "did you mean `glass-glass`?"},
+    {"no kind of load", with(load), "missing-key", 16, 1, 8, "none of traction"},
+    {"load without a place", with("[[load]]\ntraction = [0, 1]\n"), "missing-key", 16, 1, 8, "boundaries: bottom, right, top, left"},
+    {"centre without radius", with("[[domain.hole]]\npoints = [[0, 0], [1, 0], [0, 1]]\ncentre = [0, 0]\n"), "missing-key", 18, 10, 6, "belong together"},
+    {"value without within", with("[expect]\nfragments = { value = 1 }\n"), "missing-key", 17, 13, 13, "value and within"},
+    {"expects nothing", with("[expect]\nfragments = {}\n"), "missing-key", 17, 13, 2, "expects nothing"},
+    {"both of two keys", changed("G_c = 3", "G_c = 3\ndelta_c = 1e-6"), "exclusive-keys", 14, 1, 7, "G_c and delta_c"},
+    {"two kinds of load", with(load + "traction = [0, 1]\nvelocity = [0, 1]\n"), "exclusive-keys", 19, 1, 8, "traction and velocity"},
+    {"two histories", with(load + "traction = [0, 1]\nramp = 1\ntable = [[0, 1]]\n"), "exclusive-keys", 20, 1, 5, "ramp and table"},
+    {"key of another shape", changed("size = [0.1, 0.04]", "size = [0.1, 0.04]\nradius = 1"), "exclusive-keys", 5, 1, 6, "belongs to shape = \"disc\""},
+    {"gravity on a boundary", with(load + "acceleration = [0, 1]\n"), "exclusive-keys", 17, 6, 5, "acts in the body"},
+    {"both components free", with(load + "velocity = [\"free\", \"free\"]\n"), "exclusive-keys", 18, 12, 16, "prescribes nothing"},
+    {"energy without strength", changed("3.08e6", "0"), "exclusive-keys", 13, 1, 3, "no strength"},
+    {"glued by nothing", with("[interface.floor]\nsigma_c = 0\n[[foundation]]\non = \"bottom\"\ninterface = \"floor\"\nglued = true\n"), "exclusive-keys", 21, 9, 4,
+     "no strength"},
+    {"unknown word", changed("rectangle", "rectangl"), "unknown-word", 3, 9, 10, "did you mean `rectangle`?"},
+    {"unknown word for a number", changed("[time]", "[time]\nstep = \"atuo\""), "wrong-unit", 15, 8, 6, "did you mean `auto`?"},
+    {"unknown component", with(load + "velocity = [0, \"fre\"]\n"), "wrong-unit", 18, 16, 5, "did you mean `free`?"},
+    {"unknown figure", with("[[figure]]\nfile = \"a.png\"\nshow = \"craks\"\n"), "unknown-word", 18, 8, 7, "did you mean `cracks`?"},
+    {"unknown boundary", with("[[load]]\non = \"topp\"\ntraction = [0, 1]\n"), "unknown-name", 17, 6, 6, "known: bottom, right, top, left"},
+    {"unknown boundary in a table", with("[[load]]\non = { boundary = \"topp\", box = [0, 0, 1, 1] }\ntraction = [0, 1]\n"), "unknown-name", 17, 19, 6,
+     "did you mean `top`?"},
+    {"unknown material", with("[[domain.region]]\nbox = [0, 0, 1, 1]\nmaterial = \"glas\"\n"), "unknown-name", 18, 12, 6, "did you mean `glass`?"},
+    {"unknown law", with("[[foundation]]\non = \"bottom\"\ninterface = \"flor\"\n"), "unknown-name", 18, 13, 6, "known: default"},
+    {"law of nobody", with("[interface.floor]\nsigma_c = 0\n"), "unknown-name", 16, 12, 5, "no pair of materials and no foundation"},
+    {"two laws of a pair", with("[material.b]\ndensity = 1\nE = 1\nnu = 0\n[interface.glass-b]\nsigma_c = 0\n[interface.b-glass]\nsigma_c = 0\n"),
+     "duplicate-name", 22, 12, 7, "second law"},
+    {"two figures of a name", with("[[figure]]\nfile = \"a.png\"\n[[figure]]\nfile = \"a.png\"\n"), "duplicate-name", 19, 8, 7, "two figures"},
+    {"figure in another directory", with("[[figure]]\nfile = \"../a.png\"\n"), "bad-name", 17, 8, 10, "a plain name"},
+    {"figure of another type", with("[[figure]]\nfile = \"a.gif\"\n"), "bad-name", 17, 8, 7, "a plain name"},
+    {"material with a dash", with("[material.a-b]\ndensity = 1\nE = 1\nnu = 0\n"), "bad-name", 16, 11, 3, "use _"},
+    {"name with a slash", changed("knap = 1", "knap = 1\nname = \"a/b\""), "bad-name", 2, 8, 5, "run directory"},
+    {"name that is no word", with("[material.\"a b\"]\ndensity = 1\nE = 1\nnu = 0\n"), "bad-name", 16, 11, 5, "letters"},
+    {"not available bulk", with("bulk = \"implicit\"\n"), "not-available", 16, 8, 10, "not available yet"},
+    {"not available cohesion", with("cohesion = \"implicit\"\n"), "not-available", 16, 12, 10, "not available yet"},
+    {"csv that is not there", with(load + "traction = [0, 1]\ncsv = \"no-such.csv\"\n"), "missing-file", 19, 7, 13, "no-such.csv"},
+    {"newer format", changed("knap = 1", "knap = 2\nfuture = 3"), "newer-format", 1, 8, 1, "reads up to 1"},
+    {"unit without quotes", changed("0.001", "1 mm"), "bad-toml", 6, 10, 1, "text goes into"},
+    {"key twice", changed("G_c = 3", "G_c = 3\nG_c = 4"), "bad-toml", 14, 7, 1, "redefine"},
+    {"open text", changed("\"rectangle\"", "\"rectangle"), "bad-toml", 3, 19, 1, "string"},
+    {"open list", changed("0.04]", "0.04"), "bad-toml", 5, 1, 1, "array"},
+    {"empty", "", "empty-file", 0, 0, 0, "says nothing"},
+    {"only comments", "# a\n\n  # b\n", "empty-file", 0, 0, 0, "says nothing"},
+    {"binary", std::string("\x7f" "ELF\0\1\2", 7), "binary-file", 0, 0, 0, "not a text file"},
+    {"not UTF-8", "name = \"\xff\xfe\"\n", "bad-toml", 1, 8, 1, "utf-8"},
+    {"behind other letters", changed("knap = 1", "knap = 1\n\ttitle = \"\u00e9\u00e8\" # \u00fc\n\tnmae = 1"), "unknown-key", 3, 2, 4, "did you mean `name`?"},
+    {"windows lines", "knap = 1\r\nnmae = 1\r\n" + least.substr(9), "unknown-key", 2, 1, 4, "did you mean `name`?"},
+};
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines(1);
+    for (const char c : text)
+        if (c == '\n')
+            lines.emplace_back();
+        else if (c != '\r')
+            lines.back() += c == '\t' ? ' ' : c;
+    return lines;
+}
+
+}  // namespace
+
+TEST_CASE("mistakes: one of each kind at its place") {
+    for (const Case& c : cases) {
+        CAPTURE(c.name);
+        const std::vector<Diagnostic> found = mistakes(c.text);
+        std::string all;
+        for (const Diagnostic& d : found) all += format(d);
+        CAPTURE(all);
+        REQUIRE(found.size() >= 1);
+        const auto it = std::find_if(found.begin(), found.end(), [&](const Diagnostic& d) { return d.code == c.code; });
+        REQUIRE(it != found.end());
+        CHECK(found.size() == (std::string(c.name) == "missing law" ? 2u : 1u));  // a misnamed law leaves its pair without one
+        CHECK(it->severity == Diagnostic::Severity::error);
+        CHECK(it->file == "sample.toml");
+        CHECK(it->line == c.line);
+        CHECK(it->column == c.column);
+        CHECK(it->length == c.length);
+        CHECK((it->message + "\n" + it->hint + "\n" + it->note).find(c.says) != std::string::npos);
+        if (c.line > 0) CHECK(it->source_line == lines_of(c.text).at(c.line - 1));
+    }
+}
+
+TEST_CASE("mistakes: all at once and in the order of the file") {
+    std::string text = changed("sigma_c", "sigmac");
+    text = changed("0.001", "\"1 s\"", text);
+    text = changed("32e9", "true", text);
+    text = changed("end = 80e-6", "end = 0", text) + load + "traction = [1]\n[output]\nevery = -1\n";
+    std::vector<int> lines;
+    for (const Diagnostic& d : mistakes(text)) lines.push_back(d.line);
+    CHECK(lines == std::vector<int>{6, 9, 12, 15, 18, 20});
+}
+
+TEST_CASE("mistakes: as the user sees them") {
+    const std::vector<Diagnostic> found = mistakes(changed("sigma_c", "sigmac "));
+    REQUIRE(found.size() == 1);
+    CHECK(format(found[0]) ==
+          "error[unknown-key]: `interface.default.sigmac` is not a key of a scenario\n"
+          "   --> sample.toml:12:1\n"
+          "    |\n"
+          "12 | sigmac  = 3.08e6\n"
+          "   | ^^^^^^ did you mean `sigma_c`?\n"
+          "   = known here: breakable, sigma_c, G_c, delta_c, gamma, friction, restitution\n");
+}
+
+TEST_CASE("mistakes: about files") {
+    const std::filesystem::path directory = std::filesystem::path(KNAP_BINARY_DIR) / "test_scenario_files";
+    std::filesystem::create_directories(directory);
+    const auto code = [](const auto& call) -> std::string {
+        try {
+            call();
+        } catch (const UserError& error) {
+            return error.diagnostics.at(0).code;
+        }
+        return "";
+    };
+    CHECK(code([&] { read_scenario(directory / "none.toml"); }) == "missing-file");
+    CHECK(code([&] { read_scenario(directory); }) == "not-a-file");
+    CHECK(code([&] { open_scenario(directory.string()); }) == "not-a-file");
+    CHECK(code([&] { read_scenario("/dev/null"); }) == "not-a-file");
+    std::ofstream(directory / "good.toml") << least;
+    CHECK(code([&] { open_scenario((directory / "good.toml").string()); }) == "");
+    CHECK(read_scenario(directory / "good.toml").scenario.name == "good");
+    try {
+        open_scenario("edge_cracked_blok");
+        FAIL("read");
+    } catch (const UserError& error) {
+        CHECK(error.diagnostics.at(0).hint == "did you mean `edge_cracked_block`?");
+    }
+}
+
+TEST_CASE("warnings: a figure after the end") {
+    const ReadResult result = samples::read(least + "[[figure]]\nfile = \"a.png\"\nat = [\"40 us\", \"90 us\"]\n");
+    REQUIRE(result.warnings.size() == 1);
+    CHECK(result.warnings[0].severity == Diagnostic::Severity::warning);
+    CHECK(result.warnings[0].line == 18);
+    CHECK(result.warnings[0].column == 16);
+    CHECK(result.warnings[0].length == 7);
+}
+
+TEST_CASE("mistakes: a cut-off scenario never crashes") {
+    const std::string& text = built_in_scenario("kalthoff_winkler");
+    int n_refused = 0;
+    for (std::size_t n = 0; n < text.size(); n += 7) n_refused += !mistakes(text.substr(0, n)).empty();
+    CHECK(n_refused > 100);
+}
