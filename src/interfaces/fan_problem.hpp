@@ -34,7 +34,8 @@ struct FanLink {
     double restitution;     // [-]
     bool unbreakable;       // sticks for ever
     double contact = 0;     // [N s] result: p
-    double tangential = 0;  // [N s] result: P_T
+    double tangential = 0;  // [N s] result: P_T = cohesive part + friction
+    double friction_part = 0;     // [N s] result: what of P_T is friction
     Vec2 impulse = Vec2::Zero();  // [N s] result: P, on the body after
     bool stuck = false;     // result: no relative velocity was found necessary
 };

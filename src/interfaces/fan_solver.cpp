@@ -417,6 +417,16 @@ bool FanSolver::sweep(FanProblem& problem) {
     return true;
 }
 
+double FanSolver::friction_part(const LinkState& state, const FanLink& link) {
+    if (link.unbreakable) return 0;
+    const TangentialLaw& law = state.tangential;
+    const double friction = -law.contact * link.contact;  // of the signs that are known
+    if (!law.stick || law.contact_play == 0) return friction;
+    // at rest both may jump: cohesion takes what it can, friction the rest
+    const double lambda = link.tangential + law.at + law.contact * link.contact;
+    return friction + lambda - std::clamp(lambda, -law.play, law.play);
+}
+
 void FanSolver::store(FanProblem& problem) const {
     for (Index b = 0; b < n_bodies(problem); ++b) problem.bodies[b].end_velocity = velocity_[b];
     for (Index i = 0; i < n_links(problem); ++i) {
@@ -424,6 +434,7 @@ void FanSolver::store(FanProblem& problem) const {
         link.contact = links_[i].closed && !link.unbreakable ? std::max(0.0, link.normal.dot(links_[i].impulse) + link.cohesive) : 0;
         link.tangential = turned_left(link.normal).dot(links_[i].impulse);
         link.impulse = links_[i].impulse;
+        link.friction_part = friction_part(links_[i], link);
         link.stuck = links_[i].sticks();
     }
 }

@@ -54,6 +54,7 @@ private:
     bool settle_circulation(const FanProblem& problem);  // false: not admissible, and the mechanism's links changed state
     int correct_states(const FanProblem& problem, bool only_worst);
     bool sweep(FanProblem& problem);
+    static double friction_part(const LinkState& state, const FanLink& link);
     void store(FanProblem& problem) const;
 
     Index cluster_of(Index body) const { return body < 0 ? ground_cluster_ : cluster_[body]; }

@@ -203,21 +203,6 @@ void ExplicitBeta::pose(Index f, const State& begin, const FreeMotion& free, Fan
     }
 }
 
-namespace {
-
-/// P_T in the part that Psi stores and the part that friction takes.
-double cohesive_part(const FanLink& link, double v_T_before, double v_T_after, double h, double speed_tolerance) {
-    const double most = link.gamma * link.cohesive;
-    const double slip = link.u_T + h * v_T_after;
-    if (most == 0) return 0;
-    if (std::abs(slip) > speed_tolerance * h) return slip > 0 ? -most : most;
-    // at zero slip the cohesion takes what it can; beyond that, and never so that friction would push the motion on
-    const double friction = std::abs(link.tangential) <= most ? 0 : link.tangential - std::copysign(most, link.tangential);
-    return link.tangential - (friction * (v_T_before + v_T_after) > 0 ? 0 : friction);
-}
-
-}  // namespace
-
 void ExplicitBeta::advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work,
                                StepReport& report) const {
     const Index f = end.split_fans[rank];
@@ -245,7 +230,6 @@ void ExplicitBeta::advance_fan(Index rank, const State& begin, const FreeMotion&
                 report.external_work += 0.5 * (mass * (velocity[k] - before[k]) - free.kick_time * force[k]) * (velocity[k] + before[k]);
     }
 
-    const double speed_tolerance = 1e-12 * std::sqrt(report.largest_speed);
     for (Index i = 0; i < fan.n_points; ++i) {
         const FanLink& link = problem.links[i];
         const FanPoint& point = model_.fan_points[fan.first_point + i];
@@ -268,9 +252,8 @@ void ExplicitBeta::advance_fan(Index rank, const State& begin, const FreeMotion&
             state.cohesion = 1;
             continue;
         }
-        const double stored = cohesive_part(link, t.dot(before), t.dot(after), free.drift_time, speed_tolerance);
-        const double impact = link.contact * mean_N, friction = (link.tangential - stored) * mean_T;
-        report.cohesive_work += link.cohesive * mean_N - stored * mean_T;
+        const double impact = link.contact * mean_N, friction = link.friction_part * mean_T;
+        report.cohesive_work += link.cohesive * mean_N - (link.tangential - link.friction_part) * mean_T;
         report.impact_work += impact;
         report.friction_work += friction;
         report.worst_impact_work = std::max(report.worst_impact_work, impact);
