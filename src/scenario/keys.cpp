@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "observe/figures.hpp"
 #include "scenario/units.hpp"
 
 namespace knap {
@@ -10,15 +11,6 @@ namespace {
 
 const Range positive{.low = 0, .low_included = false};
 const Range not_negative{.low = 0};
-
-const std::vector<std::string> fields{"displacement", "velocity", "speed", "stress_xx", "stress_yy", "stress_xy", "principal_stress"};
-
-std::vector<std::string> shows() {
-    std::vector<std::string> words{"cracks"};
-    words.insert(words.end(), fields.begin(), fields.end());
-    for (const char* curve : {"energy", "crack_length", "crack_speed"}) words.emplace_back(curve);
-    return words;
-}
 
 std::vector<std::string> summary_names() {
     std::vector<std::string> names;
@@ -139,13 +131,13 @@ const std::vector<Key>& table() {
 
     {.path = "figure[]", .kind = Kind::list, .doc = "a picture that the run draws"},
     {.path = "figure[].file", .kind = Kind::text, .required = true, .doc = "file name, .png, .svg or .pdf; with several times the time is put into it"},
-    {.path = "figure[].show", .kind = Kind::text, .words = shows(), .standard = "\"cracks\"", .doc = "what it shows"},
+    {.path = "figure[].show", .kind = Kind::text, .words = figure_subjects(), .standard = "\"cracks\"", .doc = "what it shows"},
     {.path = "figure[].at", .kind = Kind::number, .form = Form::one_or_list, .unit = "s", .range = not_negative, .otherwise = "time.end", .doc = "times"},
-    {.path = "figure[].colour", .kind = Kind::text, .words = {"opening", "beta"}, .standard = "\"opening\"", .doc = "what colours the cracks"},
+    {.path = "figure[].colour", .kind = Kind::text, .words = figure_colours(), .standard = "\"opening\"", .doc = "what colours the cracks"},
     {.path = "figure[].deform", .kind = Kind::number, .range = not_negative, .standard = "1", .doc = "exaggeration of the displacement"},
     {.path = "figure[].box", .kind = Kind::number, .form = Form::box, .unit = "m", .otherwise = "the whole body", .doc = "the part that is shown"},
     {.path = "figure[].range", .kind = Kind::number, .form = Form::pair, .unit = "*", .otherwise = "from the data", .doc = "colour range, in the unit of what is shown"},
-    {.path = "figure[].width", .kind = Kind::integer, .range = {.low = 100, .high = 20000}, .standard = "1600", .doc = "width in pixels"},
+    {.path = "figure[].width", .kind = Kind::integer, .range = {.low = 200, .high = 20000}, .standard = "1600", .doc = "width in pixels"},
     {.path = "figure[].title", .kind = Kind::text, .standard = "\"\"", .doc = "title above the picture"},
 
     {.path = "expect", .kind = Kind::names, .doc = "what the run must find, by number of its summary: a bound, or value and within"},
@@ -162,17 +154,28 @@ const std::vector<Key>& table() {
 // clang-format on
 
 constexpr std::array summary{
-    SummaryKey{"energy_residual", "", "error of the energy balance, relative to the largest energy"},
+    SummaryKey{"energy_residual", "", "largest error of the energy balance, relative to the largest energy"},
+    SummaryKey{"law_lag", "", "largest lag of the cohesive law of explicit beta, relative to the largest energy"},
     SummaryKey{"external_work", "J", "work of loads and prescribed motions"},
     SummaryKey{"dissipated", "J", "surface energy of broken and damaged interfaces"},
     SummaryKey{"friction_work", "J", "work of friction, never positive"},
     SummaryKey{"impact_work", "J", "work of impacts, never positive"},
+    SummaryKey{"kinetic_energy", "J", "at the end"},
+    SummaryKey{"strain_energy", "J", "at the end"},
+    SummaryKey{"momentum_x", "kg m/s", "of the whole body at the end"},
+    SummaryKey{"momentum_y", "kg m/s", "likewise"},
+    SummaryKey{"mean_displacement_x", "m", "of the centre of mass at the end"},
+    SummaryKey{"mean_displacement_y", "m", "likewise"},
     SummaryKey{"broken_length", "m", "length of broken interfaces"},
+    SummaryKey{"crack_length", "m", "length of the cracks that count, without single broken interfaces"},
     SummaryKey{"first_growth_time", "s", "first crack growth"},
-    SummaryKey{"max_tip_speed", "m/s", "largest speed of a crack tip"},
+    SummaryKey{"max_tip_speed", "m/s", "largest speed of the main crack tip"},
     SummaryKey{"max_tip_speed_over_cR", "", "the same over the Rayleigh speed"},
-    SummaryKey{"branches", "", "number of branchings"},
+    SummaryKey{"tips", "", "number of crack tips at the end"},
+    SummaryKey{"branches", "", "number of branchings at the end"},
     SummaryKey{"first_branch_time", "s", "first branching"},
+    SummaryKey{"first_branch_x", "m", "where it was"},
+    SummaryKey{"first_branch_y", "m", "likewise"},
     SummaryKey{"fragments", "", "number of pieces at the end"},
     SummaryKey{"largest_penetration", "m", "largest overlap in contact"},
     SummaryKey{"largest_speed", "m/s", "largest speed of any corner"},
@@ -236,8 +239,8 @@ std::string pattern_of(std::string_view path) {
 std::span<const SummaryKey> summary_keys() { return summary; }
 
 std::string_view unit_of_field(std::string_view field) {
-    if (field == "displacement" || field == "cracks") return "m";
-    if (field == "velocity" || field == "speed") return "m/s";
+    if (field.starts_with("displacement") || field == "cracks") return "m";
+    if (field.starts_with("velocity") || field == "speed") return "m/s";
     if (field.starts_with("stress") || field == "principal_stress") return "Pa";
     return "";
 }
