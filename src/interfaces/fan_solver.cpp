@@ -1,5 +1,7 @@
 #include "interfaces/fan_solver.hpp"
 
+#include "interfaces/fan_lcp.hpp"
+
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -8,9 +10,8 @@
 namespace knap {
 namespace {
 
-constexpr int max_corrections = 40;     // changes of state before the sweeps take over
+constexpr int max_corrections = 40;     // changes of state before the pivots take over
 constexpr int patient_corrections = 8;  // from here on only the worst violation changes its state
-constexpr int max_sweeps = 20000;
 constexpr double relative_tolerance = 1e-12;  // of the largest impulse, or speed
 
 Index n_links(const FanProblem& p) { return static_cast<Index>(p.links.size()); }
@@ -29,22 +30,29 @@ Vec2 frame_to_plane(const FanLink& link, double normal, double tangential) {
 
 void FanSolver::set_scales(const FanProblem& problem) {
     double impulse = 0, speed = 0, mass = 0;
-    Vec2 low = Vec2::Constant(1e300), high = -low;
     for (const FanBody& body : problem.bodies) {
         const Vec2 m = mass_of(body);
         impulse = std::max(impulse, m.cwiseProduct(body.free_velocity - body.velocity).cwiseAbs().maxCoeff());
         speed = std::max({speed, body.free_velocity.cwiseAbs().maxCoeff(), body.velocity.cwiseAbs().maxCoeff()});
         mass = std::max(mass, m.maxCoeff());
-        low = low.cwiseMin(body.free_velocity);
-        high = high.cwiseMax(body.free_velocity);
     }
-    for (const FanLink& link : problem.links)
-        if (!link.unbreakable) impulse = std::max(impulse, link.cohesive);
-    impulse_scale_ = impulse;
-    speed_scale_ = speed;
-    // an impulse is a difference of momenta: below their rounding nothing can be decided
-    impulse_tolerance_ = relative_tolerance * impulse + 1e-14 * mass * speed;
-    speed_tolerance_ = relative_tolerance * speed;
+    for (const FanLink& link : problem.links) {  // what an impact can give, and how fast the cohesion can make its bodies
+        const auto inverse_mass = [&](Index body) -> Vec2 { return body < 0 ? Vec2::Zero() : problem.bodies[body].inverse_mass; };
+        const auto free_velocity = [&](Index body) -> Vec2 { return body < 0 ? Vec2::Zero() : problem.bodies[body].free_velocity; };
+        const Vec2 w = inverse_mass(link.after) + inverse_mass(link.before);
+        const Vec2 approach = (free_velocity(link.after) - free_velocity(link.before)).cwiseAbs();
+        for (int k = 0; k < 2; ++k)
+            if (w[k] > 0) impulse = std::max(impulse, approach[k] / w[k]);
+        if (link.unbreakable) continue;
+        impulse = std::max(impulse, link.cohesive);
+        speed = std::max(speed, link.cohesive * w.maxCoeff());
+    }
+    // an impulse is a difference of momenta: near their rounding nothing can be decided. All at rest and unloaded: any unit will do
+    impulse_unit_ = impulse + 0.01 * mass * speed;
+    if (impulse_unit_ == 0) impulse_unit_ = 1;
+    speed_unit_ = speed > 0 ? speed : 1;
+    impulse_tolerance_ = relative_tolerance * impulse_unit_;
+    speed_tolerance_ = relative_tolerance * speed_unit_;
 }
 
 void FanSolver::set_state(Index i, bool closed, int tangential_state) {
@@ -132,7 +140,8 @@ bool FanSolver::solve_partial(const FanProblem& problem) {
     }
     partial_.clear();
     for (Index i = 0; i < n_links(problem); ++i) {
-        if (links_[i].sticks()) continue;
+        links_[i].known = !links_[i].sticks();
+        if (!links_[i].known) continue;
         links_[i].impulse = known_impulse(i);
         momentum[cluster_of(problem.links[i].after)] += links_[i].impulse;
         momentum[cluster_of(problem.links[i].before)] -= links_[i].impulse;
@@ -143,14 +152,19 @@ bool FanSolver::solve_partial(const FanProblem& problem) {
             mass[c][k] = mass[c][k] > 0 ? 1 / mass[c][k] : 0;
             cluster_velocity_[c][k] = momentum[c][k] * mass[c][k];
         }
-    for (Index b = 0; b < n; ++b)  // a prescribed component rules its cluster, and so does the ground
-        for (int k = 0; k < 2; ++k)
-            if (problem.bodies[b].inverse_mass[k] == 0) {
-                cluster_velocity_[cluster_[b]][k] = problem.bodies[b].free_velocity[k] - offset_[b][k];
-                cluster_inverse_mass_[cluster_[b]][k] = 0;
-            }
-    cluster_velocity_[ground_cluster_] = -ground_offset_;
-    cluster_inverse_mass_[ground_cluster_] = Vec2::Zero();
+    for (int k = 0; k < 2; ++k) {  // a prescribed component rules its cluster, and so does the ground
+        const auto rule = [&](Index cluster, double velocity) {
+            const bool ruled = cluster_inverse_mass_[cluster][k] < 0;
+            if (ruled && std::abs(velocity - cluster_velocity_[cluster][k]) > 10 * speed_tolerance_) consistent_ = false;
+            cluster_velocity_[cluster][k] = velocity;
+            cluster_inverse_mass_[cluster][k] = -1;
+        };
+        rule(ground_cluster_, -ground_offset_[k]);
+        for (Index b = 0; b < n; ++b)
+            if (problem.bodies[b].inverse_mass[k] == 0) rule(cluster_[b], problem.bodies[b].free_velocity[k] - offset_[b][k]);
+        for (Vec2& w : cluster_inverse_mass_) w[k] = std::max(w[k], 0.0);
+    }
+    if (!consistent_) return false;
 
     // one multiplier for each closed sliding link (along N - s mu T, holds V_N) and each open link at its kink (along T, holds V_T)
     const int n_partial = static_cast<int>(partial_.size());
@@ -205,75 +219,82 @@ bool FanSolver::solve_partial(const FanProblem& problem) {
     return true;
 }
 
-double FanSolver::walk_chain(const FanProblem& problem) {
-    // P_right = P_left - m (v+ - v_free), body by body, from a point where P is known; the largest mismatch where it is known twice
-    const Index L = n_links(problem);
-    double mismatch = 0;
-    sticks_all_round_ = false;
-    const auto taken = [&](Index body) -> Vec2 {
-        return mass_of(problem.bodies[body]).cwiseProduct(velocity_[body] - problem.bodies[body].free_velocity);
-    };
-    const auto free_of_constraint = [&](Index body) { return (problem.bodies[body].inverse_mass.array() > 0).all(); };
-    const auto forward = [&](Index i, Index body, const Vec2& left) {  // link i lies after `body`
-        const Vec2 walked = left - taken(body);
-        if (links_[i].sticks()) links_[i].impulse = walked;
-        else if (free_of_constraint(body)) mismatch = std::max(mismatch, (walked - links_[i].impulse).cwiseAbs().maxCoeff());
-    };
-    const auto backward = [&](Index i, Index body, const Vec2& right) {  // link i lies before `body`
-        const Vec2 walked = right + taken(body);
-        if (links_[i].sticks()) links_[i].impulse = walked;
-        else if (free_of_constraint(body)) mismatch = std::max(mismatch, (walked - links_[i].impulse).cwiseAbs().maxCoeff());
-    };
+void FanSolver::find_neighbours(const FanProblem& problem) {
+    left_.assign(n_bodies(problem), -1);
+    right_.assign(n_bodies(problem), -1);
+    for (Index i = 0; i < n_links(problem); ++i) {
+        if (problem.links[i].after >= 0) left_[problem.links[i].after] = i;
+        if (problem.links[i].before >= 0) right_[problem.links[i].before] = i;
+    }
+}
 
-    if (L == 0) return 0;
-    if (!problem.closed && problem.links[0].before >= 0) {  // free left end
-        Vec2 left = Vec2::Zero();
-        for (Index i = 0; i < L; ++i) forward(i, problem.links[i].before, left), left = links_[i].impulse;
-        return mismatch;
+double FanSolver::walk_chain(const FanProblem& problem) {
+    // P_right = P_left - m (v+ - v_free), body by body, from the links where P is known, each component by itself: where the motion is
+    // prescribed, its constraint takes the difference and nothing is passed on. Returns the largest mismatch of what is known twice.
+    const Index n = n_bodies(problem), L = n_links(problem);
+    double mismatch = 0;
+    for (LinkState& link : links_) link.loose = Vec2::Zero();
+    for (int k = 0; k < 2; ++k) {
+        reached_.assign(L, 0);
+        for (Index i = 0; i < L; ++i) reached_[i] = links_[i].known;
+        const auto impulse = [&](Index i) { return i < 0 ? 0 : links_[i].impulse[k]; };
+        const auto is_reached = [&](Index i) { return i < 0 || reached_[i]; };
+        const auto passes = [&](Index b) { return problem.bodies[b].inverse_mass[k] > 0; };
+        const auto taken = [&](Index b) { return (velocity_[b][k] - problem.bodies[b].free_velocity[k]) / problem.bodies[b].inverse_mass[k]; };
+        bool loose = false;
+        const auto reach = [&](Index i, double value) {
+            links_[i].impulse[k] = value;
+            links_[i].loose[k] = loose;
+            reached_[i] = 1;
+        };
+        const auto walk = [&] {
+            for (int round = 0; round < (problem.closed ? 2 : 1); ++round) {
+                for (Index b = 0; b < n; ++b)
+                    if (passes(b) && is_reached(left_[b]) && !is_reached(right_[b])) reach(right_[b], impulse(left_[b]) - taken(b));
+                for (Index b = n - 1; b >= 0; --b)
+                    if (passes(b) && is_reached(right_[b]) && !is_reached(left_[b])) reach(left_[b], impulse(right_[b]) + taken(b));
+            }
+        };
+        walk();
+        loose = true;  // what no walk reached is free by one constant: round a loop, or between two constraints
+        for (Index i = 0; i < L; ++i) {
+            if (reached_[i]) continue;
+            reach(i, 0);
+            walk();
+        }
+        for (Index b = 0; b < n; ++b)
+            if (passes(b)) mismatch = std::max(mismatch, std::abs(impulse(left_[b]) - taken(b) - impulse(right_[b])));
     }
-    if (!problem.closed && problem.links[L - 1].after >= 0) {  // free right end
-        Vec2 right = Vec2::Zero();
-        for (Index i = L - 1; i >= 0; --i) backward(i, problem.links[i].after, right), right = links_[i].impulse;
-        return mismatch;
-    }
-    Index known = 0;
-    while (known < L && links_[known].sticks()) ++known;
-    if (known == L) {
-        sticks_all_round_ = true;
-        links_[0].impulse = Vec2::Zero();
-        known = 0;
-    }
-    for (Index i = known + 1; i < L; ++i) forward(i, problem.links[i].before, links_[i - 1].impulse);
-    if (problem.closed)
-        for (Index i = 0; i < known; ++i) forward(i, problem.links[i].before, links_[(i + L - 1) % L].impulse);
-    else
-        for (Index i = known - 1; i >= 0; --i) backward(i, problem.links[i].after, links_[i + 1].impulse);
     return mismatch;
 }
 
 bool FanSolver::settle_circulation(const FanProblem& problem) {
-    // every point gets the same c on top: first the one of least traction, sum |P/S|^2 S; only if that is not admissible, the climb
+    // every loose point gets the same c on top: first the one of least traction, sum |P/S|^2 S; only if that is not admissible, the climb
     planes_.clear();
-    Vec2 sum = Vec2::Zero();
-    double weight = 0;
+    Vec2 sum = Vec2::Zero(), weight = Vec2::Zero();
     for (Index i = 0; i < n_links(problem); ++i) {
-        const double w = problem.links[i].cohesive > 0 ? 1 / problem.links[i].cohesive : 1 / (impulse_scale_ + impulse_tolerance_);
-        sum += w * links_[i].impulse;
-        weight += w;
+        const double w = problem.links[i].cohesive > 0 ? 1 / problem.links[i].cohesive : 1 / impulse_unit_;
+        sum += w * links_[i].loose.cwiseProduct(links_[i].impulse);
+        weight += w * links_[i].loose;
     }
+    if (weight.isZero(0)) return true;
     for (Index i = 0; i < n_links(problem); ++i) {
         const FanLink& link = problem.links[i];
-        if (link.unbreakable) continue;
+        const Vec2& loose = links_[i].loose;
+        if (link.unbreakable || loose.isZero(0)) continue;
         const Vec2 n = link.normal, t = turned_left(n);
         const TangentialLaw& law = links_[i].tangential;
         const double p = n.dot(links_[i].impulse) + link.cohesive, q = t.dot(links_[i].impulse) + law.at + law.contact * p;
         const Vec2 slope = t + law.contact * n;
-        planes_.push_back({p, n, i, 0});
-        planes_.push_back({law.play + law.contact_play * p - q, law.contact_play * n - slope, i, +1});
-        planes_.push_back({law.play + law.contact_play * p + q, law.contact_play * n + slope, i, -1});
+        planes_.push_back({p, loose.cwiseProduct(n), i, 0});
+        planes_.push_back({law.play + law.contact_play * p - q, loose.cwiseProduct(law.contact_play * n - slope), i, +1});
+        planes_.push_back({law.play + law.contact_play * p + q, loose.cwiseProduct(law.contact_play * n + slope), i, -1});
     }
-    const Circulation found = find_circulation(planes_, -sum / weight);
-    for (LinkState& link : links_) link.impulse += found.c;
+    Vec2 start = Vec2::Zero();
+    for (int k = 0; k < 2; ++k)
+        if (weight[k] > 0) start[k] = -sum[k] / weight[k];
+    const Circulation found = find_circulation(planes_, start);
+    for (LinkState& link : links_) link.impulse += link.loose.cwiseProduct(found.c);
     if (found.slack >= -impulse_tolerance_) return true;
     for (int k = 0; k < found.n_binding; ++k) {  // the half planes that bind are the mechanism
         const HalfPlane& plane = planes_[found.binding[k]];
@@ -297,7 +318,6 @@ int FanSolver::correct_states(const FanProblem& problem, bool only_worst) {
         int state = 0;
     } worst;
     int n_changes = 0;
-    const double impulse_unit = impulse_scale_ + impulse_tolerance_, speed_unit = speed_scale_ + speed_tolerance_;
     for (Index i = 0; i < n_links(problem); ++i) {
         const FanLink& link = problem.links[i];
         if (link.unbreakable || links_[i].imposed) continue;
@@ -315,23 +335,28 @@ int FanSolver::correct_states(const FanProblem& problem, bool only_worst) {
             const TangentialLaw& law = here.tangential;
             const double q = turned_left(link.normal).dot(here.impulse) + law.at + law.contact * p;
             const double most = law.play + law.contact_play * std::max(p, 0.0);
-            if (violates(std::abs(q) - most, impulse_tolerance_, impulse_unit)) change.state += q > 0 ? -1 : 1;
-        } else if (violates(here.tangential.low - v_T, speed_tolerance_, speed_unit)) {
+            if (violates(std::abs(q) - most, impulse_tolerance_, impulse_unit_)) change.state += q > 0 ? -1 : 1;
+            // what its cluster holds already may hold it elsewhere than at the kink
+            if (!here.closed && violates(std::abs(v_T - law.velocity), 10 * speed_tolerance_, speed_unit_)) change.state = here.law.state_of(false, v_T, 0);
+        } else if (violates(here.tangential.low - v_T, speed_tolerance_, speed_unit_)) {
             --change.state;
-        } else if (violates(v_T - here.tangential.high, speed_tolerance_, speed_unit)) {
+        } else if (violates(v_T - here.tangential.high, speed_tolerance_, speed_unit_)) {
             ++change.state;
         }
-        if (here.closed && violates(-p, impulse_tolerance_, impulse_unit)) {
+        if (here.closed && violates(-p, impulse_tolerance_, impulse_unit_)) {
             change.closed = false;
             const bool was_stick = here.tangential.stick && change.state == here.tangential_state;
             const double nudge = (change.state - here.tangential_state) * 2 * speed_tolerance_;
             const double at = here.tangential.stick ? here.tangential.velocity + nudge : v_T;
             change.state = here.law.state_of(false, at, was_stick ? speed_tolerance_ : 0);
-        } else if (!here.closed && here.law.may_touch() && violates(here.law.bound() - v_N, speed_tolerance_, speed_unit)) {
+        } else if (!here.closed && here.law.may_touch() && violates(here.law.bound() - v_N, speed_tolerance_, speed_unit_)) {
             change.closed = true;
             change.state = here.law.state_of(true, v_T, speed_tolerance_);
+        } else if (here.closed && violates(v_N - here.law.bound(), 10 * speed_tolerance_, speed_unit_)) {
+            change.closed = false;
+            change.state = here.law.state_of(false, v_T, speed_tolerance_);
         } else if (here.closed) {
-            violation_ = std::max(violation_, std::abs(v_N - here.law.bound()) / speed_unit);  // must hold; no state mends it
+            violation_ = std::max(violation_, (here.law.bound() - v_N) / speed_unit_);  // must hold; no state mends it
         }
         if (change.amount == 0) continue;
         ++n_changes;
@@ -348,73 +373,27 @@ bool FanSolver::solve_states(FanProblem& problem) {
     if (!consistent_) return false;
     if (!solve_partial(problem)) return false;
     const double mismatch = walk_chain(problem);
-    violation_ = mismatch / (impulse_scale_ + impulse_tolerance_);
+    violation_ = mismatch / impulse_unit_;
     return true;
 }
 
-bool FanSolver::sweep(FanProblem& problem) {
-    // Gauss-Seidel over the links: normal, then tangential impulse of one link with all others as they are
-    for (LinkState& link : links_) link.impulse = Vec2::Zero();
-    for (Index b = 0; b < n_bodies(problem); ++b) velocity_[b] = problem.bodies[b].free_velocity;
-    const auto push = [&](Index i, const Vec2& added) {
-        const FanLink& link = problem.links[i];
-        links_[i].impulse += added;
-        if (link.after >= 0) velocity_[link.after] += problem.bodies[link.after].inverse_mass.cwiseProduct(added);
-        if (link.before >= 0) velocity_[link.before] -= problem.bodies[link.before].inverse_mass.cwiseProduct(added);
-    };
-    for (int count = 0; count < max_sweeps; ++count) {
-        double change = 0;
-        for (Index i = 0; i < n_links(problem); ++i) {
-            const FanLink& link = problem.links[i];
-            LinkState& here = links_[i];
-            Vec2 W = Vec2::Zero();
-            if (link.after >= 0) W += problem.bodies[link.after].inverse_mass;
-            if (link.before >= 0) W += problem.bodies[link.before].inverse_mass;
-            const Vec2 n = link.normal, t = turned_left(n);
-            const double w_N = n.cwiseProduct(n).dot(W), w_T = t.cwiseProduct(t).dot(W);
-            const auto relative = [&]() -> Vec2 { return velocity_of(link.after) - velocity_of(link.before); };
-            if (link.unbreakable) {
-                const Vec2 added(W.x() > 0 ? -relative().x() / W.x() : 0, W.y() > 0 ? -relative().y() / W.y() : 0);
-                push(i, added);
-                change = std::max(change, added.cwiseAbs().maxCoeff());
-                continue;
-            }
-            double p = n.dot(here.impulse) + link.cohesive;
-            const double wanted_p = !here.law.may_touch() || w_N == 0 ? 0 : std::max(0.0, p + (here.law.bound() - n.dot(relative())) / w_N);
-            change = std::max(change, std::abs(wanted_p - p));
-            push(i, (wanted_p - p) * n);
-            p = wanted_p;
-            const bool closed = p > 0;
-            if (w_T == 0) continue;
-            // V_T without this link's tangential impulse; the staircase is monotone, so its state is found by going up
-            const double P_T = t.dot(here.impulse), v_free = t.dot(relative()) - w_T * P_T;
-            double wanted_T = 0;
-            for (int state = 0; state < here.law.n_states(closed); ++state) {
-                const TangentialLaw law = here.law.tangential(closed, state);
-                const double between = -(law.at + law.contact * p);
-                if (law.stick) {
-                    const double needed = (law.velocity - v_free) / w_T, play = law.play + law.contact_play * p;
-                    wanted_T = std::clamp(needed, between - play, between + play);
-                    if (needed >= between - play) break;
-                } else {
-                    wanted_T = between;
-                    if (v_free + w_T * between <= law.high) break;
-                }
-            }
-            change = std::max(change, std::abs(wanted_T - P_T));
-            push(i, (wanted_T - P_T) * t);
-        }
-        if (change <= 1e-14 * (impulse_scale_ + impulse_tolerance_)) break;
-    }
-    violation_ = 0;
+bool FanSolver::solve_by_pivots(const FanProblem& problem) {
+    std::vector<LinkLaw> laws;
+    for (const LinkState& link : links_) laws.push_back(link.law);
+    const FanLcpSolution found = solve_fan_lcp(problem, laws, speed_unit_);
+    if (!found.solved) return false;
+    velocity_ = found.velocity;
     for (Index i = 0; i < n_links(problem); ++i) {
         const FanLink& link = problem.links[i];
+        links_[i].known = !link.unbreakable;
         if (link.unbreakable) continue;
-        const Vec2 relative = velocity_of(link.after) - velocity_of(link.before);
+        links_[i].impulse = found.impulse[i];
+        const double v_T = turned_left(link.normal).dot(velocity_of(link.after) - velocity_of(link.before));
         const bool closed = link.normal.dot(links_[i].impulse) + link.cohesive > impulse_tolerance_;
-        set_state(i, closed, links_[i].law.state_of(closed, turned_left(link.normal).dot(relative), 1e-9 * speed_scale_));
+        set_state(i, closed, links_[i].law.state_of(closed, v_T, 1e-9 * speed_unit_));
     }
-    return true;
+    violation_ = std::max(found.residual, walk_chain(problem) / impulse_unit_);
+    return violation_ <= 1e-8;
 }
 
 double FanSolver::friction_part(const LinkState& state, const FanLink& link) {
@@ -435,8 +414,20 @@ void FanSolver::store(FanProblem& problem) const {
         link.tangential = turned_left(link.normal).dot(links_[i].impulse);
         link.impulse = links_[i].impulse;
         link.friction_part = friction_part(links_[i], link);
-        link.stuck = links_[i].sticks();
+        link.stuck = links_[i].holds();
     }
+}
+
+bool FanSolver::settle_states(FanProblem& problem, int most_corrections, int& n_solves) {
+    for (int correction = 0; correction < most_corrections; ++correction) {
+        ++n_solves;
+        violation_ = 0;
+        if (!solve_states(problem)) return false;
+        if (!settle_circulation(problem)) continue;
+        if (correct_states(problem, correction >= patient_corrections) > 0) continue;
+        return violation_ <= 1e-9;  // else a law or the balance is violated and no state mends it
+    }
+    return false;
 }
 
 FanSolution FanSolver::solve(FanProblem& problem) {
@@ -444,25 +435,24 @@ FanSolution FanSolver::solve(FanProblem& problem) {
     FanSolution solution;
     set_scales(problem);
     guess(problem);
-    for (int round = 0; round < 2; ++round) {
-        for (int correction = 0; correction < max_corrections; ++correction) {
-            ++solution.iterations;
-            violation_ = 0;
-            if (!solve_states(problem)) break;
-            if (sticks_all_round_ && !settle_circulation(problem)) continue;
-            if (correct_states(problem, correction >= patient_corrections) > 0) continue;
-            if (violation_ > 1e-9) break;  // no state to change, yet a law or the balance is violated
-            solution.bound = std::all_of(links_.begin(), links_.end(), [](const LinkState& l) { return l.sticks(); });
-            solution.residual = violation_;
-            solution.status = FanSolution::Status::exact;
-            store(problem);
-            return solution;
+    find_neighbours(problem);
+    if (!settle_states(problem, max_corrections, solution.iterations)) {
+        solution.status = FanSolution::Status::pivoted;
+        if (!solve_by_pivots(problem)) {
+            solution.status = FanSolution::Status::plastic;
+            for (LinkState& link : links_) link.law.forget_rebound();
+            if (!solve_by_pivots(problem)) solution.status = FanSolution::Status::failed;
         }
-        if (round == 0) sweep(problem);
+        const std::vector<LinkState> found = links_;
+        const std::vector<Vec2> velocity = velocity_;
+        const double violation = violation_;
+        if (!settle_states(problem, patient_corrections, solution.iterations)) {
+            links_ = found;
+            velocity_ = velocity;
+            violation_ = violation;
+        }
     }
-    sweep(problem);
-    correct_states(problem, true);
-    solution.status = violation_ <= 1e-8 ? FanSolution::Status::iterated : FanSolution::Status::failed;
+    solution.bound = std::all_of(links_.begin(), links_.end(), [](const LinkState& l) { return l.holds(); });
     solution.residual = violation_;
     store(problem);
     return solution;

@@ -1,5 +1,6 @@
 #include "interfaces/link_law.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -28,14 +29,14 @@ LinkLaw::LinkLaw(const FanLink& link, const Vec2& velocity_before, double drift_
     closed_.add({.velocity = -v_T, .cohesive = 0, .contact = 0.5 * link.friction}, tolerance);
     closed_.add(zero_crossing, tolerance);
 
-    // touching: Newton's law against an approach; what already separates may at most be thrown back, so that its work stays <= 0.
-    // apart: without restitution the end of the step is the wall (no penetration); with it, it must touch first.
+    // touching: Newton's law against an approach. apart: without restitution the end of the step is the wall (no penetration); with it,
+    // it must touch first. Either way what separates may at most be thrown back at its own speed, so that its work stays <= 0.
     if (link.u_N <= tolerance * drift_time) {
         may_touch_ = true;
         bound_ = v_N <= 0 ? -link.restitution * v_N : -v_N;
     } else {
         may_touch_ = link.restitution == 0;
-        bound_ = -link.u_N / drift_time;
+        bound_ = -std::max(link.u_N / drift_time, v_N);
     }
 }
 
