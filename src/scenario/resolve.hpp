@@ -8,7 +8,4 @@ namespace knap {
 /// Everything that is wrong goes to `findings`; what is right is in the values, so that later checks can go on.
 Values resolve(const Node& root, Findings& findings);
 
-/// What a key's value looks like: "a length [m]", "two numbers [a, b], each a pressure [Pa]".
-std::string describe(const Key& key);
-
 }  // namespace knap

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "scenario/check_value.hpp"
 #include "scenario/findings.hpp"
 #include "scenario/keys.hpp"
-#include "scenario/resolve.hpp"
 #include "scenario/units.hpp"
 
 namespace knap {
