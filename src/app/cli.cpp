@@ -106,10 +106,13 @@ int run_command_line(int argc, char** argv) {
     render_command->add_option("-o,--output", output, "directory for the pictures; default <run>/figures");
 
     std::vector<std::filesystem::path> runs;
-    bool json = false;
-    CLI::App* info_command = add("info", "what runs were and what they found", [&] { return show_runs(runs, json); });
+    bool json = false, csv = false;
+    CLI::App* info_command = add("info", "what runs were and what they found", [&] {
+        return show_runs(runs, csv ? RunFormat::csv : json ? RunFormat::json : RunFormat::text);
+    });
     info_command->add_option("runs", runs, "run directories")->required();
     info_command->add_flag("--json", json, "as JSON");
+    info_command->add_flag("--csv", csv, "as a table, one line a run");
 
     std::string name;
     CLI::App* new_command = add("new", "write a scenario to start from", [&] { return write_new_scenario(name, force); });

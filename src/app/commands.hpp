@@ -16,8 +16,9 @@ ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& outp
 /// Draws the figures of a finished or interrupted run again, or one that is described by `figure` where it names something to show.
 ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figure, const std::filesystem::path& output);
 
-/// One line a run, or all of run.json.
-ExitCode show_runs(const std::vector<std::filesystem::path>& runs, bool json);
+enum class RunFormat { text, json, csv };
+/// What runs were and found: for reading, all of run.json, or a table with a line a run.
+ExitCode show_runs(const std::vector<std::filesystem::path>& runs, RunFormat format);
 
 /// Writes a scenario to start from to <name>.toml.
 ExitCode write_new_scenario(const std::string& name, bool force);

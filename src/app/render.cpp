@@ -57,14 +57,39 @@ ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figur
     return exit_done;
 }
 
-ExitCode show_runs(const std::vector<std::filesystem::path>& runs, bool json) {
+namespace {
+
+void print_table(const Json& all) {
+    // one line a run, every number of the summary a column; empty for what never happened
+    if (all.empty()) return;
+    std::string header = "run,name,status,seed,triangles,steps,cpu_s";
+    for (const auto& item : all[0]["summary"].items()) header += "," + item.key();
+    std::printf("%s\n", header.c_str());
+    for (const Json& record : all) {
+        std::string line = record["directory"].get<std::string>() + "," + record.value("name", "") + "," + record.value("status", "");
+        for (const char* key : {"seed", "triangles", "steps", "cpu_s"}) line += "," + record[key].dump();
+        for (const auto& item : all[0]["summary"].items()) {
+            const Json value = record["summary"].value(item.key(), Json(nullptr));
+            line += "," + (value.is_null() ? std::string() : value.dump());
+        }
+        std::printf("%s\n", line.c_str());
+    }
+}
+
+}  // namespace
+
+ExitCode show_runs(const std::vector<std::filesystem::path>& runs, RunFormat format) {
     Json all = Json::array();
     for (const auto& run : runs) {
         Json record = read_run_json(run);
         record["directory"] = run.string();
         all.push_back(record);
     }
-    if (json) {
+    if (format == RunFormat::csv) {
+        print_table(all);
+        return exit_done;
+    }
+    if (format == RunFormat::json) {
         std::printf("%s\n", (runs.size() == 1 ? all[0] : all).dump(2).c_str());
         return exit_done;
     }

@@ -9,7 +9,7 @@
 namespace knap {
 
 CrackOptions crack_options(double mean_edge) {
-    return {.pruning_length = 10 * mean_edge, .chord_length = 5 * mean_edge, .speed_window = 15 * mean_edge};
+    return {.pruning_length = 10 * mean_edge, .chord_length = 10 * mean_edge, .speed_window = 20 * mean_edge};
 }
 
 Index CrackPattern::n_branches() const {
