@@ -38,13 +38,12 @@ struct InterfaceGraph {
 
 struct CrackOptions {
     double pruning_length = 0;  // [m] shorter arms are twigs
-    double chord_length =
-        0;  // [m] the main path is measured along chords of about this length, not along the zigzag of the edges; 0: edges
+    double chord_length = 0;    // [m] the main path is measured along chords of about this length, not along the zigzag; 0: edges
     double speed_window = 0;  // [m] growth over which a tip speed is fitted
 };
 
-/// Multiples of the mean edge length that suit a random mesh: 10 to prune, 5 for a chord, 15 for a speed. Broken stretches of two or three
-/// edges ahead of a tip join it at once; with 10 edges such a jump still shows in the largest speed, from 15 on that hardly changes.
+/// Multiples of the mean edge length that suit a random mesh: 10 to prune, 10 for a chord, 20 for a speed. Broken stretches of two or
+/// three edges ahead of a tip join it at once; with a window of 10 edges such a jump still shows in the largest speed, of 20 hardly.
 CrackOptions crack_options(double mean_edge);
 
 enum class CrackStart : std::uint8_t { none, precrack, boundary, inside };
