@@ -27,7 +27,8 @@ enum class Kind { intact, damaged, broken, precrack };
 
 Kind kind_of(const Frame& frame, Index i) {
     const PointStatus a = frame.status[2 * i], b = frame.status[2 * i + 1];
-    if (a == PointStatus::precrack) return Kind::precrack;
+    const bool on_foundation = frame.side_a[i][0] < 0 || frame.side_b[i][0] < 0;  // resting on it is no crack
+    if (a == PointStatus::precrack) return on_foundation ? Kind::intact : Kind::precrack;
     if (a == PointStatus::broken && b == PointStatus::broken) return Kind::broken;
     return a == PointStatus::intact && b == PointStatus::intact ? Kind::intact : Kind::damaged;
 }
@@ -96,7 +97,7 @@ public:
     DrawnFigure finished(const std::string& title) {
         view_.draw_axes(canvas_);
         std::string moment = "t = " + time_text(frame_.time);
-        if (options_.deform != 1) moment += ", displacements × " + round_ticks(0, options_.deform, 2).labels.back();
+        if (options_.deform != 1) moment += ", displacements × " + short_number(options_.deform);
         view_.draw_title(canvas_, title, moment);
         canvas_.finish();
         return {file_, canvas_.height(), canvas_.texts()};
@@ -180,7 +181,10 @@ DrawnFigure draw_cracks(const FigureOptions& options, const Frame& frame, const 
     if (!precracks.empty()) key.push_back({"pre-crack", black, precrack_width});
     if (!damaged.empty() && !by_cohesion) key.push_back({"damaged, not broken", damaged_colour, damaged_width});
     const Area below = page.view().below();
-    draw_colour_bar(page.canvas(), scale, {below.left, below.bottom, 0.58 * below.width, below.height});
+    if (coloured.empty())
+        page.canvas().text({below.left, below.top() - 5}, "no broken interface", {.size = type_size, .along = Along::middle});
+    else
+        draw_colour_bar(page.canvas(), scale, {below.left, below.bottom, 0.58 * below.width, below.height});
     draw_key(page.canvas(), key, {below.left + 0.66 * below.width, below.bottom, 0.34 * below.width, below.height});
     return page.finished(title);
 }
@@ -189,14 +193,21 @@ DrawnFigure draw_field(const FigureOptions& options, const Frame& frame, const s
     const auto field = std::find_if(body_fields().begin(), body_fields().end(), [&](const BodyField& f) { return f.name == options.show; });
     std::vector<double> values;
     for (Index t = 0; t < frame.n_triangles(); ++t) values.push_back(field->value(frame, t));
-    ColourScale scale{.map = field->is_signed ? ColourMap::diverging() : ColourMap::viridis(), .quantity = field->quantity, .unit = field->unit};
+    ColourScale scale{.map = field->is_signed ? ColourMap::diverging() : ColourMap::viridis(),
+                      .quantity = field->quantity,
+                      .unit = field->unit,
+                      .about_zero = field->is_signed};
     set_range(scale, options, values, robust_range(values, 0.005, field->is_signed));
 
     BodyPage page(options, frame, file);
     page.fill_triangles([&](Index t) { return scale(values[t]); });
     page.inside_plot([&] {
         page.draw_outline();
-        for (const Kind kind : {Kind::broken, Kind::precrack}) page.draw_interfaces(interfaces_of(frame, kind), black, path_width);
+        // black on white, to be seen on dark colours too
+        std::vector<Index> paths = interfaces_of(frame, Kind::broken);
+        for (const Index i : interfaces_of(frame, Kind::precrack)) paths.push_back(i);
+        page.draw_interfaces(paths, {1, 1, 1, 0.75}, 3 * path_width);
+        page.draw_interfaces(paths, black, path_width);
     });
     const Area below = page.view().below();
     draw_colour_bar(page.canvas(), scale, {below.left + 0.15 * below.width, below.bottom, 0.7 * below.width, below.height});

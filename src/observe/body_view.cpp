@@ -11,7 +11,7 @@ namespace {
 
 constexpr double room_left = 52, room_right = 16, room_above = 28;   // [unit] round the plot
 constexpr double room_for_axis = 36, room_below = 46;                // [unit] x axis; colour bar and key
-constexpr double widest = page_width - room_left - room_right, highest = 620, lowest = 60;
+constexpr double widest = page_width - room_left - room_right, highest = 620, narrowest = 60;
 constexpr double tick = 3.5, frame_width = 0.7;
 
 /// The deformed body and a margin of 2 % round it.
@@ -31,13 +31,12 @@ Box bounds(const Frame& frame, double exaggeration) {
 
 BodyView::BodyView(const Frame& frame, const FigureOptions& options) : seen_(options.box ? *options.box : bounds(frame, options.deform)) {
     Vec2 size = seen_.high - seen_.low;
-    // a slender body gets some white above and below, so that the axis has room for its labels
-    const double missing = size.x() * lowest / widest - size.y();
-    if (missing > 0) {
-        seen_.low.y() -= 0.5 * missing;
-        seen_.high.y() += 0.5 * missing;
-        size.y() += missing;
-    }
+    // a slender body gets some white on both sides, so that the axis has room for its labels
+    const Vec2 least(size.y() * narrowest / highest, size.x() * narrowest / widest);
+    const Vec2 missing = (least - size).cwiseMax(0);
+    seen_.low -= 0.5 * missing;
+    seen_.high += 0.5 * missing;
+    size += missing;
     scale_ = std::min(widest / size.x(), highest / size.y());
     plot_.width = scale_ * size.x();
     plot_.height = scale_ * size.y();
@@ -46,7 +45,7 @@ BodyView::BodyView(const Frame& frame, const FigureOptions& options) : seen_(opt
     page_height_ = plot_.top() + room_above;
 
     unit_ = display_unit(std::max(seen_.high.cwiseAbs().maxCoeff(), seen_.low.cwiseAbs().maxCoeff()), "m");
-    const auto n_ticks = [](double length, double each) { return std::clamp(static_cast<int>(length / each), 2, 11); };
+    const auto n_ticks = [](double length, double each) { return std::clamp(static_cast<int>(length / each), 3, 11); };
     x_ticks_ = round_ticks(seen_.low.x() * unit_.factor, seen_.high.x() * unit_.factor, n_ticks(plot_.width, 45));
     y_ticks_ = round_ticks(seen_.low.y() * unit_.factor, seen_.high.y() * unit_.factor, n_ticks(plot_.height, 28));
 }

@@ -76,6 +76,11 @@ void add_curve(vtkChartXY* chart, const Curve& curve, double x_factor, double y_
         x->InsertNextValue(curve.x[i] * x_factor);
         y->InsertNextValue(curve.y[i] * y_factor);
     }
+    // VTK draws no axes without a curve, and no curve of less than two points: a point of no length then
+    while (x->GetNumberOfTuples() < 2) {
+        x->InsertNextValue(x->GetNumberOfTuples() > 0 ? x->GetValue(0) : 0);
+        y->InsertNextValue(y->GetNumberOfTuples() > 0 ? y->GetValue(0) : 0);
+    }
     vtkNew<vtkTable> table;
     table->AddColumn(x);
     table->AddColumn(y);

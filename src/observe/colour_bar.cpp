@@ -13,6 +13,11 @@ constexpr int n_ticks = 7;
 constexpr double bar_height = 9, tick = 3, point = 8;  // [unit]
 }
 
+Colour ColourScale::operator()(double value) const {
+    const double shown = std::clamp(value, low, high);
+    return map(about_zero ? 0.5 + 0.5 * shown / std::max(std::abs(low), std::abs(high)) : (shown - low) / (high - low));
+}
+
 ColourRange robust_range(std::vector<double> values, double outside, bool symmetric) {
     std::erase_if(values, [](double v) { return !std::isfinite(v); });
     if (values.empty()) return {};
@@ -38,18 +43,18 @@ void draw_colour_bar(Canvas& canvas, const ColourScale& scale, const Area& area)
     for (int i = 0; i < n; ++i) {
         // each cell reaches under the next one: no seams
         const double left = bar.left + i * cell, right = std::min(left + 2 * cell, bar.right());
-        canvas.fill({{left, bar.bottom}, {right, bar.bottom}, {right, bar.top()}, {left, bar.top()}}, scale.map((i + 0.5) / n));
+        canvas.fill({{left, bar.bottom}, {right, bar.bottom}, {right, bar.top()}, {left, bar.top()}}, scale(scale.low + (scale.high - scale.low) * (i + 0.5) / n));
     }
     const double middle = bar.bottom + 0.5 * bar.height;
     std::vector<Vec2> outline{{bar.left, bar.top()}, {bar.right(), bar.top()}};
     if (scale.more_above) {
-        canvas.fill({{bar.right() - 0.3, bar.bottom}, {bar.right() + point, middle}, {bar.right() - 0.3, bar.top()}}, scale.map(1));
+        canvas.fill({{bar.right() - 0.3, bar.bottom}, {bar.right() + point, middle}, {bar.right() - 0.3, bar.top()}}, scale(scale.high));
         outline.push_back({bar.right() + point, middle});
     }
     outline.push_back({bar.right(), bar.bottom});
     outline.push_back({bar.left, bar.bottom});
     if (scale.more_below) {
-        canvas.fill({{bar.left + 0.3, bar.bottom}, {bar.left - point, middle}, {bar.left + 0.3, bar.top()}}, scale.map(0));
+        canvas.fill({{bar.left + 0.3, bar.bottom}, {bar.left - point, middle}, {bar.left + 0.3, bar.top()}}, scale(scale.low));
         outline.push_back({bar.left - point, middle});
     }
     outline.push_back(outline.front());

@@ -12,8 +12,9 @@ struct ColourScale {
     double low = 0, high = 1;             // SI
     bool more_below = false, more_above = false;  // there are values beyond the ends
     std::string quantity, unit;           // "opening", "m"; the prefix is found from the range
+    bool about_zero = false;              // zero is the middle of the map, whatever the limits
 
-    Colour operator()(double value) const { return map((value - low) / (high - low)); }
+    Colour operator()(double value) const;
 };
 
 struct ColourRange {

@@ -84,6 +84,12 @@ std::vector<double> round_range(double low, double high, int n_most) {
     return {low, high};
 }
 
+std::string short_number(double value) {
+    char text[64];
+    const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 4).ptr;
+    return {text, end};
+}
+
 std::string time_text(double seconds, bool plain) {
     const DisplayUnit shown = display_unit(std::abs(seconds), "s");
     const double value = seconds * shown.factor;

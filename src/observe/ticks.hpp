@@ -29,6 +29,9 @@ Ticks round_ticks(double low, double high, int n_most);
 /// [low, high] widened until it begins and ends with one of its own round_ticks; at least 3 (two never fit round zero).
 std::vector<double> round_range(double low, double high, int n_most);
 
+/// "20", "0.5": four digits at most.
+std::string short_number(double value);
+
 /// "40 µs", "117.5 µs": three digits, or four where the fourth matters (by 0.1 %), with a prefix. `plain` writes ASCII without a blank, for file names: "12.5us".
 std::string time_text(double seconds, bool plain = false);
 

@@ -101,3 +101,95 @@ TEST_CASE("figures: no text leaves the page or touches another") {
     for (const Chart& chart : {energy_chart(synthetic::energy()), crack_length_chart(synthetic::cracks()), crack_speed_chart(synthetic::cracks(), 2125)})
         check_type(draw_chart(chart, pictures() / "type.png", 600));
 }
+
+TEST_CASE("figures: bodies of all shapes and without cracks keep their type apart") {
+    const auto with_shape = [](double a, double b) {
+        Frame frame = synthetic::frame(30);
+        for (Vec2& x : frame.position) x = Vec2(a * x.x(), b * x.y());
+        return frame;
+    };
+    for (const auto& [a, b] : {std::pair(1.0, 0.02), std::pair(0.01, 1.0), std::pair(0.3, 3.0), std::pair(1e3, 1e3), std::pair(1e-4, 1e-4)}) {
+        const Frame frame = with_shape(a, b);
+        check_type(draw_field({.show = "stress_yy", .deform = 0, .width = 400}, frame, "A plate", pictures() / "shape.png"));
+        check_type(draw_cracks({.deform = 0, .width = 400}, frame, "A plate", pictures() / "shape.png"));
+    }
+    check_type(draw_cracks({.box = Box{{0.0512, 0.0171}, {0.0533, 0.0187}}, .width = 400}, plate(), "A part", pictures() / "part.png"));
+    Frame intact = synthetic::frame(10);
+    for (PointStatus& status : intact.status) status = PointStatus::intact;
+    check_type(draw_cracks({.width = 400}, intact, "Intact", pictures() / "intact.png"));
+    const History none{synthetic::energy().columns, {}}, no_cracks{synthetic::cracks().columns, {}};
+    check_type(draw_chart(energy_chart(none), pictures() / "none.png", 400));
+    check_type(draw_chart(crack_speed_chart(no_cracks, 2125), pictures() / "none.png", 400));
+}
+
+TEST_CASE("figures: a uniform field shows no seams between its triangles") {
+    Frame frame = synthetic::frame(80);
+    for (Eigen::Vector3d& s : frame.stress) s = Eigen::Vector3d(2e6, 0, 0);
+    for (PointStatus& status : frame.status) status = PointStatus::intact;
+    const FigureOptions options{.show = "stress_xx", .deform = 0, .box = Box{{0.02, 0.01}, {0.08, 0.03}}, .range = {-4e6, 4e6}, .width = 700};
+    const DrawnFigure figure = draw_field(options, frame, "", pictures() / "seams.png");
+    cairo_surface_t* image = cairo_image_surface_create_from_png(figure.file.string().c_str());
+    const unsigned char* data = cairo_image_surface_get_data(image);
+    const auto pixel = [&](int x, int y) { return reinterpret_cast<const std::uint32_t*>(data + y * cairo_image_surface_get_stride(image))[x]; };
+    std::set<std::uint32_t> colours;
+    for (int y = 60; y < 180; ++y)
+        for (int x = 100; x < 600; ++x) colours.insert(pixel(x, y));
+    cairo_surface_destroy(image);
+    CHECK(colours.size() == 1);
+}
+
+TEST_CASE("figures: a crack is where it is and as dark as its opening says") {
+    const FigureOptions options{.range = {0, 20e-6}, .width = 1120};
+    const DrawnFigure figure = draw_cracks(options, plate(), "", pictures() / "place.png");
+    cairo_surface_t* image = cairo_image_surface_create_from_png(figure.file.string().c_str());
+    const unsigned char* data = cairo_image_surface_get_data(image);
+    const int height = cairo_image_surface_get_height(image), stride = cairo_image_surface_get_stride(image);
+    // the plot is 104 mm wide between 52 and 544 units, two pixels a unit
+    int n_black = 0, n_coloured = 0;
+    for (int y = 0; y < height / 2; ++y) {
+        const auto* row = reinterpret_cast<const std::uint32_t*>(data + y * stride);
+        const auto at = [&](double x) { return row[static_cast<int>(2 * (52 + 492 * (x + 2) / 104))] & 0xFFFFFF; };
+        n_black += at(25) == 0;
+        const std::uint32_t colour = at(80);  // opening of a few micrometres: the dark blue end
+        n_coloured += (colour & 0xFF) > 100 && ((colour >> 16) & 0xFF) < 140 && ((colour >> 8) & 0xFF) < 60;
+    }
+    cairo_surface_destroy(image);
+    CHECK(n_black >= 1);
+    CHECK(n_black <= 12);
+    CHECK(n_coloured >= 1);
+    CHECK(n_coloured <= 30);
+}
+
+TEST_CASE("figures: vector files and names with the time") {
+    const FigureContext context{.title = "Plate"};
+    const History none;
+    const auto starts_with = [](const std::filesystem::path& file, const std::string& wanted) {
+        std::ifstream in(file, std::ios::binary);
+        std::string head(wanted.size(), ' ');
+        in.read(head.data(), static_cast<std::streamsize>(head.size()));
+        return head == wanted;
+    };
+    FigureOptions options{.file = "cracks.svg", .at = {20e-6, 40e-6, 80e-6}};
+    auto files = draw_figure(options, plate(), none, none, context, pictures());
+    CHECK(files == std::vector{pictures() / "cracks_40us.svg"});
+    CHECK(starts_with(files[0], "<?xml"));
+    options.file = "cracks.pdf";
+    options.at = {};
+    files = draw_figure(options, plate(), none, none, context, pictures());
+    CHECK(files == std::vector{pictures() / "cracks.pdf"});
+    CHECK(starts_with(files[0], "%PDF"));
+    CHECK(std::filesystem::file_size(files[0]) > 5000);
+}
+
+TEST_CASE("figures: what cannot be drawn is refused") {
+    const auto draw = [](const FigureOptions& options, const std::filesystem::path& directory) {
+        draw_figure(options, synthetic::frame(5), synthetic::energy(5), synthetic::cracks(5), {}, directory);
+    };
+    CHECK_THROWS_AS(draw({.file = "a.png", .show = "strss_xx"}, pictures()), UserError);
+    CHECK_THROWS_AS(draw({.file = "a.png", .colour = "red"}, pictures()), UserError);
+    CHECK_THROWS_AS(draw({.file = "a.gif"}, pictures()), UserError);
+    CHECK_THROWS_AS(draw({.file = "a.png", .width = 0}, pictures()), UserError);
+    for (const char* file : {"a.png", "a.svg", "a.pdf"}) CHECK_THROWS_AS(draw({.file = file, .width = 300}, pictures() / "missing"), SimulationError);
+    for (const std::string& subject : figure_fields()) CHECK(shows_body(subject));
+    CHECK_FALSE(shows_body("energy"));
+}
