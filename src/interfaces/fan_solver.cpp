@@ -418,6 +418,13 @@ void FanSolver::store(FanProblem& problem) const {
     }
 }
 
+bool FanSolver::solve_relaxed(const FanProblem& problem) {
+    for (LinkState& link : links_) link.law.forget_rebound();
+    if (solve_by_pivots(problem)) return true;
+    for (LinkState& link : links_) link.law.forget_friction();
+    return solve_by_pivots(problem);
+}
+
 bool FanSolver::settle_states(FanProblem& problem, int most_corrections, int& n_solves) {
     for (int correction = 0; correction < most_corrections; ++correction) {
         ++n_solves;
@@ -439,9 +446,7 @@ FanSolution FanSolver::solve(FanProblem& problem) {
     if (!settle_states(problem, max_corrections, solution.iterations)) {
         solution.status = FanSolution::Status::pivoted;
         if (!solve_by_pivots(problem)) {
-            solution.status = FanSolution::Status::plastic;
-            for (LinkState& link : links_) link.law.forget_rebound();
-            if (!solve_by_pivots(problem)) solution.status = FanSolution::Status::failed;
+            solution.status = solve_relaxed(problem) ? FanSolution::Status::relaxed : FanSolution::Status::failed;
         }
         const std::vector<LinkState> found = links_;
         const std::vector<Vec2> velocity = velocity_;
@@ -453,7 +458,8 @@ FanSolution FanSolver::solve(FanProblem& problem) {
         }
     }
     solution.bound = std::all_of(links_.begin(), links_.end(), [](const LinkState& l) { return l.holds(); });
-    solution.residual = violation_;
+    const bool lawful = solution.status == FanSolution::Status::exact || solution.status == FanSolution::Status::pivoted;
+    solution.residual = lawful ? violation_ : std::max(violation_, 1.0);
     store(problem);
     return solution;
 }

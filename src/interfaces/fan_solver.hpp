@@ -19,13 +19,13 @@ struct FanSolution {
     enum class Status {
         exact,    // by the active set
         pivoted,  // the active set cycled; by Lemke's pivots
-        plastic,  // no solution with restitution (large friction can wedge a rebound); this is the one without
+        relaxed,  // the laws have no solution (large friction can wedge): solved without restitution, or else without friction
         failed    // no solution found
     };
     Status status = Status::exact;
     bool bound = false;    // every link sticks: the fan moves as one
     int iterations = 0;    // linear solves
-    double residual = 0;   // largest violation, relative to the largest impulse (velocities: to the largest speed)
+    double residual = 0;   // largest violation, relative to the largest impulse (velocities: to the largest speed); at least 1 if relaxed
 };
 
 /// Keeps its workspace between solves; one a thread. Writes end velocities into the bodies, impulses into the links.
@@ -60,6 +60,7 @@ private:
     bool settle_circulation(const FanProblem& problem);  // false: not admissible, and the mechanism's links changed state
     int correct_states(const FanProblem& problem, bool only_worst);
     bool solve_by_pivots(const FanProblem& problem);
+    bool solve_relaxed(const FanProblem& problem);
     bool settle_states(FanProblem& problem, int most_corrections, int& n_solves);  // the active set
     static double friction_part(const LinkState& state, const FanLink& link);
     void store(FanProblem& problem) const;

@@ -30,6 +30,7 @@ public:
     bool may_touch() const { return may_touch_; }
     double bound() const { return bound_; }  // [m/s] b
     void forget_rebound() { bound_ = std::min(bound_, 0.0); }
+    void forget_friction() { closed_ = open_; }
 
     /// States of a closed or open link are numbered 0 .. 2 n_kinks: even between kinks, odd at kink state/2.
     int n_states(bool closed) const { return 2 * side(closed).n_kinks + 1; }

@@ -47,6 +47,16 @@ public:
         return worst;
     }
 
+    /// Do the velocities alone meet the bounds, the unbreakable links and the driven motion?
+    bool admissible() const {
+        for (const FanLink& link : problem_.links)
+            if (link.unbreakable ? !after(link).isZero(0) : normal_part(link, after(link)) < bound(link)) return false;
+        for (const FanBody& body : problem_.bodies)
+            for (int k = 0; k < 2; ++k)
+                if (body.inverse_mass[k] == 0 && body.end_velocity[k] != body.free_velocity[k]) return false;
+        return true;
+    }
+
     double speed_scale() const { return speed_; }
     double impulse_scale() const { return impulse_; }
 

@@ -1,0 +1,205 @@
+// The fan solver against an independent judge on random fans, and where the answer is known.
+#include "interfaces/fan_lcp.hpp"
+#include "interfaces/fan_solver.hpp"
+#include "support/fan_judge.hpp"
+#include "support/random_fans.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+/// A body on the ground at one point whose frame is turned by 45 degrees: W = [[1, .8], [.8, 1]] in (N, T).
+FanProblem coupled_contact(double friction, double q_N, double q_T) {
+    FanLink link{.before = -1, .after = 0, .normal = Vec2(M_SQRT1_2, M_SQRT1_2), .u_N = 0, .u_T = 0, .cohesive = 0, .gamma = 0,
+                 .friction = friction, .restitution = 0, .unbreakable = false};
+    FanProblem fan;
+    fan.drift_time = 1;
+    fan.bodies = {{.velocity = Vec2::Zero(),
+                   .free_velocity = q_N * link.normal + q_T * turned_left(link.normal),
+                   .inverse_mass = Vec2(0.2, 1.8),
+                   .end_velocity = Vec2::Zero()}};
+    fan.links = {link};
+    return fan;
+}
+
+/// How many of {open, stick, slip forward, slip backward} solve that contact.
+int n_solutions(double mu, double q_N, double q_T) {
+    const double W_NN = 1, W_NT = 0.8, W_TT = 1;
+    int count = q_N > 0;
+    const double determinant = W_NN * W_TT - W_NT * W_NT;
+    const double p = (-W_TT * q_N + W_NT * q_T) / determinant, P_T = (W_NT * q_N - W_NN * q_T) / determinant;
+    count += p > 0 && std::abs(P_T) < mu * p;
+    for (const double sign : {1.0, -1.0}) {
+        const double p_slip = -q_N / (W_NN - sign * mu * W_NT);
+        count += p_slip > 0 && sign * (q_T + W_NT * p_slip - sign * mu * W_TT * p_slip) > 0;
+    }
+    return count;
+}
+
+/// 1/2 sum m |v - v_free|^2 + sum C (V_N + gamma |V_T + u_T/h|), the convex function that the end velocities minimise without friction.
+double convex_energy(const FanProblem& fan, const std::vector<Vec2>& velocity) {
+    double energy = 0;
+    for (std::size_t b = 0; b < fan.bodies.size(); ++b)
+        energy += 0.5 * (velocity[b] - fan.bodies[b].free_velocity).squaredNorm() / fan.bodies[b].inverse_mass.x();
+    for (const FanLink& link : fan.links) {
+        const Vec2 V = (link.after < 0 ? Vec2(Vec2::Zero()) : velocity[link.after]) - (link.before < 0 ? Vec2(Vec2::Zero()) : velocity[link.before]);
+        energy += link.cohesive * (link.normal.dot(V) + link.gamma * std::abs(turned_left(link.normal).dot(V) + link.u_T / fan.drift_time));
+    }
+    return energy;
+}
+
+}  // namespace
+
+TEST_CASE("random fans meet every law and no impact or friction gives energy") {
+    FanSolver solver;
+    for (const bool prescribed : {false, true})
+        for (const bool friction : {false, true}) {
+            const int n = 6000;
+            int n_fallback = 0, n_relaxed = 0;
+            double worst = 0;
+            std::uint64_t worst_seed = 0;
+            for (int seed = 0; seed < n; ++seed) {
+                FanProblem fan = RandomFan(seed, {.friction = friction, .prescribed = prescribed}).problem();
+                const FanSolution solution = solver.solve(fan);
+                REQUIRE_MESSAGE(solution.status != FanSolution::Status::failed, "seed ", seed, ", friction ", friction, ", prescribed ", prescribed);
+                if (solution.status == FanSolution::Status::relaxed) {
+                    ++n_relaxed;
+                    continue;
+                }
+                n_fallback += solution.status == FanSolution::Status::pivoted;
+                const double violation = FanJudge(fan).verdict().worst();
+                if (violation > worst) worst = violation, worst_seed = seed;
+            }
+            CHECK_MESSAGE(worst <= 1e-10, "seed ", worst_seed, ", friction ", friction, ", prescribed ", prescribed);
+            MESSAGE("friction ", friction, ", prescribed ", prescribed, ": ", n_fallback, " of ", n, " needed pivots, worst violation ", worst, " at seed ", worst_seed);
+            CHECK(n_fallback < (friction ? 0.12 : 0.04) * n);
+            // no solution: only where large friction wedges a driven body
+            CHECK(n_relaxed <= (friction && prescribed ? 0.005 * n : 0));
+        }
+}
+
+TEST_CASE("the active set and Lemke's pivots find the same velocities where they are unique") {
+    FanSolver solver;
+    int n_compared = 0;
+    for (int seed = 0; seed < 3000; ++seed) {
+        FanProblem fan = RandomFan(seed, {.friction = false, .prescribed = true}).problem();
+        if (solver.solve(fan).status != FanSolution::Status::exact) continue;
+        const FanJudge judge(fan);
+        std::vector<LinkLaw> laws;
+        for (const FanLink& link : fan.links)
+            laws.emplace_back(link, fan.velocity_before(link.after) - fan.velocity_before(link.before), fan.drift_time, 1e-12 * judge.speed_scale());
+        const FanLcpSolution other = solve_fan_lcp(fan, laws, judge.speed_scale());
+        REQUIRE(other.solved);
+        double difference = 0;
+        for (std::size_t b = 0; b < fan.bodies.size(); ++b)
+            difference = std::max(difference, (other.velocity[b] - fan.bodies[b].end_velocity).cwiseAbs().maxCoeff());
+        CHECK_MESSAGE(difference <= 1e-10 * judge.speed_scale(), "seed ", seed);
+        ++n_compared;
+    }
+    CHECK(n_compared > 2800);
+}
+
+TEST_CASE("without friction no other admissible velocities have less energy") {
+    FanSolver solver;
+    Random random(1, "perturbation");
+    int n_tried = 0;
+    for (int seed = 0; seed < 1000; ++seed) {
+        FanProblem fan = RandomFan(seed, {.friction = false, .prescribed = false, .units = false}).problem();
+        solver.solve(fan);
+        const FanJudge judge(fan);
+        std::vector<Vec2> found;
+        for (const FanBody& body : fan.bodies) found.push_back(body.end_velocity);
+        const double least = convex_energy(fan, found), scale = judge.impulse_scale() * judge.speed_scale();
+        for (int k = 0; k < 20; ++k) {
+            std::vector<Vec2> other = found;
+            const double size = judge.speed_scale() * std::pow(10, random.uniform(-6, 0));
+            for (Vec2& v : other)
+                if (random.uniform() < 0.5) v += size * Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
+            FanProblem moved = fan;
+            for (std::size_t b = 0; b < other.size(); ++b) moved.bodies[b].end_velocity = other[b];
+            if (!FanJudge(moved).admissible()) continue;
+            CHECK_MESSAGE(convex_energy(fan, other) >= least - 1e-13 * scale, "seed ", seed);
+            ++n_tried;
+        }
+    }
+    CHECK(n_tried > 3000);
+}
+
+TEST_CASE("velocities do not depend on where the numbering of a closed chain begins") {
+    FanSolver solver;
+    int n_closed = 0;
+    for (int seed = 0; seed < 2000; ++seed) {
+        FanProblem fan = RandomFan(seed, {.friction = false}).problem();
+        if (!fan.closed) continue;
+        ++n_closed;
+        const Index n = static_cast<Index>(fan.bodies.size()), shift = 1 + seed % (n - 1);
+        FanProblem turned = fan;
+        std::rotate(turned.bodies.begin(), turned.bodies.begin() + shift, turned.bodies.end());
+        std::rotate(turned.links.begin(), turned.links.begin() + shift, turned.links.end());
+        for (FanLink& link : turned.links) link.before = (link.before + n - shift) % n, link.after = (link.after + n - shift) % n;
+        solver.solve(fan);
+        solver.solve(turned);
+        double difference = 0;
+        for (Index b = 0; b < n; ++b)
+            difference = std::max(difference, (turned.bodies[b].end_velocity - fan.bodies[(b + shift) % n].end_velocity).cwiseAbs().maxCoeff());
+        CHECK_MESSAGE(difference <= 1e-10 * FanJudge(fan).speed_scale(), "seed ", seed);
+    }
+    CHECK(n_closed > 500);
+}
+
+TEST_CASE("E4 one contact with coupled normal and tangential motion") {
+    // q = (.3, 1), mu = 2 has three solutions: free, sliding, sticking. The solver returns one of them and always the same
+    const std::vector<Vec2> solutions = {{0, 0}, {0.5, -1}, {25.0 / 18, -38.0 / 18}};
+    CHECK(n_solutions(2, 0.3, 1) == 3);
+    FanProblem first = coupled_contact(2, 0.3, 1);
+    CHECK(FanSolver().solve(first).status == FanSolution::Status::exact);
+    double nearest = INFINITY;
+    for (const Vec2& P : solutions) nearest = std::min(nearest, (Vec2(first.links[0].contact, first.links[0].tangential) - P).norm());
+    CHECK(nearest <= 1e-14);
+    for (int i = 0; i < 10; ++i) {
+        FanProblem again = coupled_contact(2, 0.3, 1);
+        FanSolver().solve(again);
+        CHECK(again.bodies[0].end_velocity == first.bodies[0].end_velocity);
+    }
+    // what separates already is guessed to go on: exactly p = 0
+    FanProblem separating = coupled_contact(2, 0.3, 1);
+    separating.bodies[0].velocity = separating.bodies[0].free_velocity;
+    FanSolver().solve(separating);
+    CHECK(separating.links[0].impulse == Vec2(0, 0));
+    CHECK((separating.bodies[0].end_velocity - separating.bodies[0].free_velocity).norm() <= 1e-15);
+    for (const double mu : {0.5, 1.2, 1.3, 2.0}) {
+        int n_several = 0;
+        for (int i = 0; i < 360; ++i) {
+            const double angle = (i + 0.5) * M_PI / 180, q_N = std::cos(angle), q_T = std::sin(angle);
+            n_several += n_solutions(mu, q_N, q_T) > 1;
+            FanProblem fan = coupled_contact(mu, q_N, q_T);
+            FanSolver().solve(fan);
+            CHECK_MESSAGE(FanJudge(fan).verdict().worst() <= 1e-12, "mu ", mu, ", angle ", angle);
+        }
+        CHECK((n_several > 0) == (mu > 1.25));  // unique if and only if mu |W_NT| < W_NN
+    }
+}
+
+TEST_CASE("where friction wedges a driven body the laws are relaxed and nothing gains energy") {
+    // the body is driven along x against an inclined ground; friction lifts it into the ground more than the contact pushes it off
+    FanLink link{.before = -1, .after = 0, .normal = Vec2(-0.6, -0.8), .u_N = 0, .u_T = 0, .cohesive = 0, .gamma = 0, .friction = 100,
+                 .restitution = 1, .unbreakable = false};
+    FanProblem fan;
+    fan.drift_time = 1;
+    fan.bodies = {{.velocity = Vec2(1, 1), .free_velocity = Vec2(0, 1), .inverse_mass = Vec2(0, 1), .end_velocity = Vec2::Zero()}};
+    fan.links = {link};
+    CHECK(FanSolver().solve(fan).status == FanSolution::Status::relaxed);
+    CHECK(fan.bodies[0].end_velocity.norm() <= 1e-14);  // it cannot rebound, but it can stop
+    FanProblem driven = fan;
+    driven.bodies[0].free_velocity.x() = 1;
+    CHECK(FanSolver().solve(driven).status == FanSolution::Status::relaxed);
+    CHECK(driven.bodies[0].end_velocity.y() == doctest::Approx(-0.75));  // it cannot stop either: it slides off without friction
+    for (const FanProblem& solved : {fan, driven}) {
+        CHECK(FanJudge(solved).verdict().balance <= 1e-14);
+        CHECK(FanJudge(solved).verdict().impact_work <= 0);
+        CHECK(FanJudge(solved).verdict().friction_work <= 0);
+    }
+}
