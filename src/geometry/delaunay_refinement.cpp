@@ -20,7 +20,10 @@ namespace knap {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<Index, Kernel>;
+struct Number {
+    Index value = -1;  // also of the infinite vertex
+};
+using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<Number, Kernel>;
 using FaceBase = CGAL::Delaunay_mesh_face_base_2<Kernel>;
 using Structure = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
 using Delaunay = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::Exact_predicates_tag>;
@@ -71,7 +74,7 @@ std::vector<Point> insert_lines(Delaunay& delaunay, const Lines& lines, std::vec
     for (const Vec2& p : lines.points) {
         vertices.push_back(delaunay.insert(Point(p.x(), p.y()), near));
         near = vertices.back()->face();
-        vertices.back()->info() = static_cast<Index>(vertices.size()) - 1;
+        vertices.back()->info().value = static_cast<Index>(vertices.size()) - 1;
     }
     std::set<VertexPair> on_ring;
     for (const Piece& piece : lines.pieces) {
@@ -90,7 +93,7 @@ std::vector<Point> insert_lines(Delaunay& delaunay, const Lines& lines, std::vec
         for (int i = 0; i < 3; ++i) {
             const Delaunay::Face_handle next = face->neighbor(i);
             if (!seen.insert(next).second) continue;
-            const VertexPair edge = ordered(face->vertex(face->cw(i))->info(), face->vertex(face->ccw(i))->info());
+            const VertexPair edge = ordered(face->vertex(face->cw(i))->info().value, face->vertex(face->ccw(i))->info().value);
             front.emplace_back(next, inside != on_ring.contains(edge));
         }
     }
@@ -123,12 +126,12 @@ void refine(Delaunay& delaunay, const std::vector<Point>& outside, Criteria& cri
 /// The triangles of the body; from here on `info` of a vertex is its number in the mesh.
 Mesh triangles_of_body(const Delaunay& delaunay) {
     Mesh mesh;
-    for (auto v = delaunay.finite_vertices_begin(); v != delaunay.finite_vertices_end(); ++v) v->info() = -1;
+    for (auto v = delaunay.finite_vertices_begin(); v != delaunay.finite_vertices_end(); ++v) v->info().value = -1;
     for (auto face = delaunay.finite_faces_begin(); face != delaunay.finite_faces_end(); ++face) {
         if (!face->is_in_domain()) continue;
         std::array<Index, 3> corners;
         for (int k = 0; k < 3; ++k) {
-            Index& number = face->vertex(k)->info();
+            Index& number = face->vertex(k)->info().value;
             if (number < 0) {
                 number = mesh.n_vertices();
                 mesh.vertices.push_back(position(face->vertex(k)));
@@ -146,8 +149,8 @@ std::vector<LineEdge> edges_on_lines(const Delaunay& delaunay, const Lines& line
     for (auto edge = delaunay.finite_edges_begin(); edge != delaunay.finite_edges_end(); ++edge) {
         if (!delaunay.is_constrained(*edge)) continue;
         const auto a = edge->first->vertex(Delaunay::cw(edge->second)), b = edge->first->vertex(Delaunay::ccw(edge->second));
-        neighbours[a->info()].push_back(b);
-        neighbours[b->info()].push_back(a);
+        neighbours[a->info().value].push_back(b);
+        neighbours[b->info().value].push_back(a);
     }
     std::vector<LineEdge> found;
     for (std::size_t i = 0; i < lines.pieces.size(); ++i) {
@@ -157,17 +160,18 @@ std::vector<LineEdge> edges_on_lines(const Delaunay& delaunay, const Lines& line
             const Vec2 ahead = position(end) - position(here);
             Delaunay::Vertex_handle next;
             double best = -2;
-            for (const auto& candidate : neighbours.at(here->info())) {
+            for (const auto& candidate : neighbours.at(here->info().value)) {
                 const double straightness = ahead.dot(position(candidate) - position(here)) / (position(candidate) - position(here)).norm();
                 if (straightness > best * ahead.norm()) {
                     best = straightness / ahead.norm();
                     next = candidate;
                 }
             }
-            found.push_back({here->info(), next->info(), lines.pieces[i].segment});
+            found.push_back({here->info().value, next->info().value, lines.pieces[i].segment});
             here = next;
             if (found.size() > delaunay.number_of_vertices() + lines.pieces.size())
-                throw ShapeError("outer", "the mesh does not follow the lines of the shape: two of them are too near or too nearly parallel");
+                throw ShapeError("outer",
+                                 "the mesh does not follow the lines of the shape: two of them are too near or too nearly parallel");
         }
     }
     return found;

@@ -8,7 +8,7 @@ namespace {
 
 /// Sides of triangles, listed under the smaller vertex of each (counting sort).
 struct SidesByVertex {
-    std::vector<Index> begin;                           // per vertex, and one more
+    std::vector<Index> begin;                            // per vertex, and one more
     std::vector<std::pair<Index, Index>> triangle_side;  // in the order of the triangles
 
     explicit SidesByVertex(const Mesh& mesh) : begin(mesh.vertices.size() + 1, 0), triangle_side(3 * mesh.triangles.size()) {

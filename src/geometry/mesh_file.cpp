@@ -13,8 +13,7 @@ public:
     Text& operator<<(const char* words) { return text += words, *this; }
     Text& operator<<(const std::string& words) { return text += words, *this; }
     template <class Number>
-        requires std::is_arithmetic_v<Number>
-    Text& operator<<(Number number) {
+    requires std::is_arithmetic_v<Number> Text& operator<<(Number number) {
         char digits[32];
         text.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
         return *this;
@@ -27,7 +26,8 @@ std::string gmsh(const Mesh& mesh) {
     Text out;
     const Index n_boundaries = static_cast<Index>(mesh.boundary_names.size());
     const Index n_regions = mesh.region.empty() ? 0 : 1 + *std::max_element(mesh.region.begin(), mesh.region.end());
-    const auto cracked = std::count_if(mesh.interior_edges.begin(), mesh.interior_edges.end(), [](const InteriorEdge& e) { return e.cracked; });
+    const auto cracked =
+        std::count_if(mesh.interior_edges.begin(), mesh.interior_edges.end(), [](const InteriorEdge& e) { return e.cracked; });
     out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n" << n_boundaries + n_regions + (cracked > 0 ? 1 : 0) << "\n";
     for (Index i = 0; i < n_boundaries; ++i) out << "1 " << i + 1 << " \"" << mesh.boundary_names[i] << "\"\n";
     if (cracked > 0) out << "1 " << n_boundaries + 1 << " \"crack\"\n";
@@ -78,7 +78,8 @@ std::string svg(const Mesh& mesh) {
     const double pixels = 1600 / size.x(), margin = 10;
     const auto at = [&](const Vec2& x) -> Vec2 { return {margin + pixels * (x.x() - low.x()), margin + pixels * (high.y() - x.y())}; };
     Text out;
-    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << 1600 + 2 * margin << "\" height=\"" << pixels * size.y() + 2 * margin << "\">\n";
+    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << 1600 + 2 * margin << "\" height=\"" << pixels * size.y() + 2 * margin
+        << "\">\n";
     const auto edge = [&](Index triangle, Index side) {
         const Vec2 a = at(mesh.corner(triangle, side)), b = at(mesh.corner(triangle, (side + 1) % 3));
         out << "M" << a.x() << " " << a.y() << "L" << b.x() << " " << b.y();

@@ -31,8 +31,9 @@ void check_lengths(const PlanarGraph& graph, const SizeField& least) {
     for (const GraphSegment& s : graph.segments) {
         const Vec2 a = graph.nodes[s.from], b = graph.nodes[s.to];
         if ((b - a).norm() < least(0.5 * (a + b)))
-            throw ShapeError(part_name(s), "has a piece of only " + number((b - a).norm()) + " m at " + place(a) +
-                                               ", below a twentieth of the mesh size: drop the detail, move what crosses there, or refine the mesh");
+            throw ShapeError(part_name(s),
+                             "has a piece of only " + number((b - a).norm()) + " m at " + place(a) +
+                                 ", below a twentieth of the mesh size: drop the detail, move what crosses there, or refine the mesh");
     }
 }
 
@@ -76,8 +77,9 @@ void check_corners(const PlanarGraph& graph) {
             double angle = next.direction - arm.direction;
             if (angle < 0) angle += 2 * std::numbers::pi;
             if (angle < least)
-                throw ShapeError(part_name(likelier(*arm.segment, *next.segment)),
-                                 "has a corner of less than 1 degree at " + place(graph.nodes[n]) + ": make it blunt or let the lines coincide");
+                throw ShapeError(
+                    part_name(likelier(*arm.segment, *next.segment)),
+                    "has a corner of less than 1 degree at " + place(graph.nodes[n]) + ": make it blunt or let the lines coincide");
         }
     }
 }
@@ -106,9 +108,11 @@ void check_sizes(const Shape& shape, double area, const MeshOptions& options) {
     }
     const Vec2 extent = bounding_box(shape.outer.points).high - bounding_box(shape.outer.points).low;
     if (options.size > extent.maxCoeff() || area_of_unit_triangle * options.size * options.size > area)
-        fail("the mesh size " + number(options.size) + " m is larger than the body (" + number(extent.x()) + " m x " + number(extent.y()) + " m)");
+        fail("the mesh size " + number(options.size) + " m is larger than the body (" + number(extent.x()) + " m x " + number(extent.y()) +
+             " m)");
     const double n = expected_triangles(area, options);
-    if (n > most_triangles) fail("the mesh would have about " + number(n) + " triangles, more than " + number(most_triangles) + ": choose larger sizes");
+    if (n > most_triangles)
+        fail("the mesh would have about " + number(n) + " triangles, more than " + number(most_triangles) + ": choose larger sizes");
 }
 
 void check_details(const PlanarGraph& graph, const MeshOptions& options) {

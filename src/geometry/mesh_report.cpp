@@ -40,7 +40,8 @@ void judge_triangles(const Mesh& mesh, MeshReport& report) {
         report.smallest_altitude = std::min(report.smallest_altitude, 2 * mesh.area(t) / longest_edge);
     }
     report.smallest_angle = *std::min_element(smallest_angles.begin(), smallest_angles.end());
-    report.smallest_angle_percentiles = {percentile(smallest_angles, 0.01), percentile(smallest_angles, 0.1), percentile(smallest_angles, 0.5)};
+    report.smallest_angle_percentiles = {percentile(smallest_angles, 0.01), percentile(smallest_angles, 0.1),
+                                         percentile(smallest_angles, 0.5)};
 }
 
 void judge_edges(const Mesh& mesh, const VertexGraph& graph, MeshReport& report) {

@@ -12,11 +12,11 @@ struct MeshReport {
     Index n_triangles = 0, n_vertices = 0;
     Index n_interior_edges = 0, n_boundary_edges = 0, n_cracked_edges = 0;
 
-    double area = 0;                                                 // [m2]
-    double smallest_edge = 0, mean_edge = 0, largest_edge = 0;       // [m]
+    double area = 0;                                                        // [m2]
+    double smallest_edge = 0, mean_edge = 0, largest_edge = 0;              // [m]
     double smallest_angle = 0, mean_smallest_angle = 0, largest_angle = 0;  // [degree]; the mean is over the smallest of each triangle
-    std::array<double, 3> smallest_angle_percentiles{};              // [degree] 1, 10 and 50 % of the triangles lie below
-    double smallest_altitude = 0;                                    // [m]
+    std::array<double, 3> smallest_angle_percentiles{};                     // [degree] 1, 10 and 50 % of the triangles lie below
+    double smallest_altitude = 0;                                           // [m]
 
     /// Shortest path along edges / straight distance - 1, mean over random pairs of vertices about `path_reach` apart, per direction
     /// 0, 7.5, ... 172.5 degree. Both ends of a path cost something extra, so this falls a little with the reach.

@@ -35,14 +35,13 @@ double nearest_parameter(const Vec2& a, const Vec2& b, const Vec2& p) {
     return length2 > 0 ? std::clamp((p - a).dot(b - a) / length2, 0.0, 1.0) : 0.0;
 }
 
-double distance_to_segment(const Vec2& a, const Vec2& b, const Vec2& p) {
-    return (p - (a + nearest_parameter(a, b, p) * (b - a))).norm();
-}
+double distance_to_segment(const Vec2& a, const Vec2& b, const Vec2& p) { return (p - (a + nearest_parameter(a, b, p) * (b - a))).norm(); }
 
 double distance_between_segments(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
     double t;
     if (segments_cross(a, b, c, d, t)) return 0;
-    return std::min({distance_to_segment(a, b, c), distance_to_segment(a, b, d), distance_to_segment(c, d, a), distance_to_segment(c, d, b)});
+    return std::min(
+        {distance_to_segment(a, b, c), distance_to_segment(a, b, d), distance_to_segment(c, d, a), distance_to_segment(c, d, b)});
 }
 
 bool segments_cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, double& t) {

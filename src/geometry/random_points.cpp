@@ -46,7 +46,8 @@ constexpr double spread = 0.15;
 /// A block that the body does not reach is one cell.
 class CellGrid {
 public:
-    CellGrid(const Shape& shape, const std::vector<Vec2>& on_lines, const SizeField& radius) : n_on_lines_(static_cast<Index>(on_lines.size())) {
+    CellGrid(const Shape& shape, const std::vector<Vec2>& on_lines, const SizeField& radius)
+        : n_on_lines_(static_cast<Index>(on_lines.size())) {
         const Box box = bounding_box(shape.outer.points);
         const Vec2 extent = box.high - box.low;
         low_ = box.low;
@@ -95,7 +96,8 @@ public:
                 const Index block = y * n_x_ + x, n = n_cells_[block];
                 const Vec2 local = p - block_low(block);
                 const double per_length = n / width_;
-                const Index i_end = clamped((local.x() + distance) * per_length, n), j_end = clamped((local.y() + distance) * per_length, n);
+                const Index i_end = clamped((local.x() + distance) * per_length, n),
+                            j_end = clamped((local.y() + distance) * per_length, n);
                 const Index i_begin = clamped((local.x() - distance) * per_length, n);
                 for (Index j = clamped((local.y() - distance) * per_length, n); j <= j_end; ++j)
                     for (Index i = i_begin; i <= i_end; ++i)

@@ -38,7 +38,8 @@ void check_points(const std::string& part, const std::vector<Vec2>& points, bool
         if (!p.allFinite()) throw ShapeError(part, "has a point that is not a finite number");
     for (std::size_t i = closed ? 0 : 1; i < points.size(); ++i) {
         const Vec2 &from = points[i == 0 ? points.size() - 1 : i - 1], &to = points[i];
-        if (!((to - from).norm() > tolerance)) throw ShapeError(part, "has a segment of zero length at " + text(to) + ": remove one of its two points");
+        if (!((to - from).norm() > tolerance))
+            throw ShapeError(part, "has a segment of zero length at " + text(to) + ": remove one of its two points");
     }
 }
 
@@ -74,13 +75,15 @@ void append_sides(std::vector<Side>& sides, const std::vector<Vec2>& points, std
 void check_sides(const std::string& part, const Side& s, const Side& t, std::size_t n, double tolerance) {
     const bool s_then_t = (s.number + 1) % n == t.number, t_then_s = (t.number + 1) % n == s.number;
     const auto folds = [&](const Side& first, const Side& second) {
-        return distance_to_segment(first.a, first.b, second.b) <= tolerance || distance_to_segment(second.a, second.b, first.a) <= tolerance;
+        return distance_to_segment(first.a, first.b, second.b) <= tolerance ||
+               distance_to_segment(second.a, second.b, first.a) <= tolerance;
     };
     if (s_then_t || t_then_s) {
         if (s_then_t ? folds(s, t) : folds(t, s)) throw ShapeError(part, "turns back on itself at " + text(s_then_t ? t.a : s.a));
     } else if (distance_between_segments(s.a, s.b, t.a, t.b) <= tolerance) {
-        throw ShapeError(part, "crosses or touches itself near " + text(0.5 * (t.a + t.b)) + " (sides " + std::to_string(std::min(s.number, t.number)) +
-                                   " and " + std::to_string(std::max(s.number, t.number)) + ")");
+        throw ShapeError(part, "crosses or touches itself near " + text(0.5 * (t.a + t.b)) + " (sides " +
+                                   std::to_string(std::min(s.number, t.number)) + " and " + std::to_string(std::max(s.number, t.number)) +
+                                   ")");
     }
 }
 
@@ -106,8 +109,9 @@ void check_rings_apart(const std::vector<const Ring*>& rings, double tolerance) 
     for (std::size_t r = 0; r < rings.size(); ++r) append_sides(sides, rings[r]->points, r);
     near_sides(sides, tolerance, [&](const Side& s, const Side& t) {
         if (s.polygon == t.polygon || distance_between_segments(s.a, s.b, t.a, t.b) > tolerance) return;
-        throw ShapeError(ring_name(std::max(s.polygon, t.polygon)), "crosses or touches " + ring_name(std::min(s.polygon, t.polygon)) + " near " +
-                                                                        text(0.5 * (s.a + s.b)) + ": make it part of that ring or move it away");
+        throw ShapeError(ring_name(std::max(s.polygon, t.polygon)), "crosses or touches " + ring_name(std::min(s.polygon, t.polygon)) +
+                                                                        " near " + text(0.5 * (s.a + s.b)) +
+                                                                        ": make it part of that ring or move it away");
     });
     for (std::size_t r = 1; r < rings.size(); ++r) {
         const Vec2& p = rings[r]->points.front();
@@ -140,7 +144,8 @@ void check_shape(const Shape& shape) {
     for (std::size_t i = 0; i < shape.cracks.size(); ++i) {
         const auto& of_crack = graph.segments;
         if (std::none_of(of_crack.begin(), of_crack.end(), [&](const auto& s) { return s.crack == static_cast<Index>(i); }))
-            throw ShapeError(part_name("cracks", i), "has no length inside the body (it lies outside, along the border or along another crack)");
+            throw ShapeError(part_name("cracks", i),
+                             "has no length inside the body (it lies outside, along the border or along another crack)");
     }
 }
 

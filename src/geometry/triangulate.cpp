@@ -104,7 +104,8 @@ Mesh triangulate(const Shape& shape, const MeshOptions& options) {
     Random random(options.seed, "mesh");
     const Lines lines = cut_lines(graph, radius, random);
     const std::vector<Vec2> points = poisson_points(shape, lines.points, radius, random);
-    auto [mesh, on_lines] = delaunay_refinement(lines, points, radius, options.min_angle, 10 * (points.size() + lines.points.size()) + 10000);
+    auto [mesh, on_lines] =
+        delaunay_refinement(lines, points, radius, options.min_angle, 10 * (points.size() + lines.points.size()) + 10000);
     relax_worst(mesh, fixed_vertices(mesh, on_lines), SizeField(options, 1), {.min_angle = options.min_angle + 2});
     const std::vector<Index> number = order_along_curve(mesh);
     for (LineEdge& edge : on_lines) {

@@ -13,7 +13,7 @@ public:
     const Index* end(Index vertex) const { return neighbours_.data() + begin_[vertex + 1]; }
 
 private:
-    std::vector<Index> begin_;       // per vertex, and one more
+    std::vector<Index> begin_;  // per vertex, and one more
     std::vector<Index> neighbours_;
 };
 
