@@ -9,6 +9,7 @@
 #include <vtkTextProperty.h>
 #include <vtkUnicodeString.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
