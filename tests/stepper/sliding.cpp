@@ -1,0 +1,140 @@
+// Coulomb friction: a sliding block stops and stays (B14), a stuck point does not creep (E8).
+#include "support/bodies.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+/// Point masses of 1 on points of area 1: a triangle without stiffness whose first edge lies on the ground.
+ModelInput points_on_ground(const CohesiveLaw& law, bool glued) {
+    ModelInput input;
+    input.mesh.vertices = {{0, 0}, {2, 0}, {1, 1}};
+    input.mesh.triangles = {{0, 1, 2}};
+    input.mesh.region = {0};
+    input.mesh.boundary_names = {"base", "free"};
+    find_edges(input.mesh);
+    for (BoundaryEdge& edge : input.mesh.boundary_edges) edge.boundary = edge.side == 0 ? 0 : 1;
+    input.materials = {{.density = 3, .E = 0, .nu = 0}};
+    input.laws = {law};
+    input.law_of_pair = {{0}};
+    input.foundations = {{.on = {.boundary = "base", .box = {}}, .law = 0, .glued = glued}};
+    return input;
+}
+
+/// An elastic block of 1 x 1 on the ground.
+ModelInput block_on_ground(const CohesiveLaw& law) {
+    ModelInput input;
+    input.mesh = bar_mesh(4, 4, 1, 1);
+    input.materials = {{.density = 1000, .E = 1e7, .nu = 0.3}};
+    input.laws = {law, CohesiveLaw::unbreakable()};
+    input.law_of_pair = {{1}};
+    input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = false}};
+    return input;
+}
+
+/// n periods of a sine or cosine of period 1.
+TimeFunction wave(int n, double phase) {
+    TimeFunction made;
+    for (int i = 0; i <= 100 * n; ++i) {
+        made.time.push_back(0.01 * i);
+        made.value.push_back(std::sin(2 * M_PI * 0.01 * i + phase));
+    }
+    return made;
+}
+
+void check_books(const Run& run) {
+    CHECK(run.ledger.largest_residual() <= 1e-12 * run.ledger.largest_energy());
+    CHECK(run.ledger.worst().worst_friction_work <= 1e-14 * run.ledger.largest_energy());
+    CHECK(run.ledger.worst().worst_impact_work <= 1e-14 * run.ledger.largest_energy());
+    CHECK(run.ledger.worst().residual <= 1e-10);
+}
+
+}  // namespace
+
+TEST_CASE("B14 a sliding point stops at v0 over mu g and then rests exactly") {
+    const double mu = 0.3, g = 9.81, v0 = 2;
+    for (const double h : {1e-3, 3.7e-4}) {
+        ModelInput input = points_on_ground({.sigma_c = 0, .friction = mu}, false);
+        input.loads = {load(Load::Kind::acceleration, "", 0.0, -g)};
+        input.initial_velocities = {{.on = {}, .value = {v0, 0}}};
+        Run run(input);
+        while (run.v(0, 0).x() > 0) {
+            run.step(h);
+            // velocities live at the middle of the steps
+            if (run.v(0, 0).x() > 0) CHECK(run.v(0, 0).x() == doctest::Approx(v0 - mu * g * (run.now.time - 0.5 * h)).epsilon(1e-12));
+            REQUIRE(run.now.time < 1);
+        }
+        CHECK(run.now.time == doctest::Approx(v0 / (mu * g)).epsilon(2 * h));
+        const Vec2 place = run.u(0, 0);
+        CHECK(place.x() == doctest::Approx(0.5 * v0 * v0 / (mu * g)).epsilon(2 * h));
+        for (int i = 0; i < 5000; ++i) run.step(h);
+        CHECK(run.v(0, 0) == Vec2(0, 0));
+        CHECK(run.u(0, 0) == place);
+        CHECK(run.ledger.row().friction_work == doctest::Approx(-2 * 0.5 * v0 * v0).epsilon(1e-12));  // two points of mass 1
+        check_books(run);
+    }
+}
+
+TEST_CASE("B14 an elastic block stops when friction has taken its momentum") {
+    // the bottom sticks and slides in waves, but the ground's impulse is mu times the weight while the whole bottom slides
+    const double mu = 0.3, g = 9.81, v0 = 1;
+    ModelInput input = block_on_ground({.sigma_c = 0, .friction = mu});
+    input.loads = {load(Load::Kind::acceleration, "", 0.0, -g)};
+    input.initial_velocities = {{.on = {}, .value = {v0, 0}}};
+    Run run(input);
+    const double h = 0.9 * run.stepper.stable_step();
+    const auto all = [](Index) { return true; };
+    while (run.now.time < 0.5 * v0 / (mu * g)) run.step(h);
+    CHECK(run.mean_velocity(all).x() == doctest::Approx(0.5 * v0).epsilon(0.05));
+    while (run.now.time < 1.2 * v0 / (mu * g)) run.step(h);
+    CHECK(std::abs(run.mean_velocity(all).x()) < 0.05 * v0);
+    check_books(run);
+    CHECK(run.ledger.row().friction_work < -0.9 * 0.5 * 1000 * v0 * v0);
+}
+
+TEST_CASE("E8 a stuck point under a rotating load does not drift") {
+    // inside the strength at every angle: in contact alone, glued, and glued again after damage
+    const int periods = 100;
+    const double h = 0.01, sigma_c = 2, delta = 1e-3;
+    const CohesiveLaw law{.sigma_c = sigma_c, .G_c = 0.5 * sigma_c * delta, .gamma = 0.7, .friction = 0.4};
+    for (const bool glued : {false, true}) {
+        ModelInput input = points_on_ground(law, glued);
+        // contact: pressure 3 +- 1, shear up to .99 mu (3 - 1); glued: 0.99 of the inner circle of the strength polygon
+        const double shear = (law.gamma + law.friction) * sigma_c / std::sqrt(1 + law.friction * law.friction);
+        const double normal = glued ? 0.99 * std::min(sigma_c, shear) : 1, tangential = glued ? normal : 0.99 * law.friction * 2;
+        input.loads = {load(Load::Kind::body_force, "", 3 * tangential, std::nullopt, wave(periods, 0)),
+                       load(Load::Kind::body_force, "", std::nullopt, 3 * normal, wave(periods, M_PI / 2)),
+                       load(Load::Kind::body_force, "", 0.0, glued ? 0.0 : -9.0)};
+        Run run(input);
+        for (int i = 0; i < 100 * periods; ++i) run.step(h);
+        CHECK(run.u(0, 0).norm() <= 1e-12 * delta);
+        CHECK(run.u(0, 1).norm() <= 1e-12 * delta);
+        if (glued) CHECK(cohesion(run.model, run.now, 0) == 1);
+        check_books(run);
+    }
+}
+
+TEST_CASE("E8 a damaged point that has closed sticks again with what strength is left") {
+    const double h = 0.01, sigma_c = 2, delta = 1;
+    const CohesiveLaw law{.sigma_c = sigma_c, .G_c = 0.5 * sigma_c * delta, .gamma = 0.7, .friction = 0.4};
+    ModelInput input = points_on_ground(law, true);
+    // a pull opens it by part, a pressure closes it; then a shear within what is left pushes for 10 000 steps
+    input.loads = {load(Load::Kind::body_force, "", 0.0, 3.0, {{0, 0.1, 0.5, 0.6, 3, 3.1}, {3, 3, 3, -20, -20, 0}}),
+                   load(Load::Kind::body_force, "", 1.0, std::nullopt, {{3.0, 3.1}, {0, 1}})};
+    Run run(input);
+    while (run.now.time < 4) run.step(h);
+    const double beta = cohesion(run.model, run.now, 0);
+    CHECK(beta < 0.95);
+    CHECK(beta > 0.3);
+    const Vec2 place = run.u(0, 0);
+    CHECK(run.v(0, 0).norm() <= 1e-14);
+    for (int i = 0; i < 10000; ++i) run.step(h);
+    CHECK((run.u(0, 0) - place).norm() <= 1e-12 * delta);
+    CHECK(cohesion(run.model, run.now, 0) == beta);
+    check_books(run);
+}

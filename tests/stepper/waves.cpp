@@ -1,0 +1,256 @@
+// Waves in bars and what they do at one interface (B6, B7, B8), at a rigid wall (B10, B11) and at another bar (B12).
+//
+// The bars have E = rho = 1, so that c = 1 and the impedance rho c = 1, no Poisson effect, and a mirror-symmetric mesh.
+#include "support/bodies.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+constexpr double sigma_c = 1, delta = 0.1, tau = 0.5 * delta / sigma_c;  // tau = rho c delta_c/(2 sigma_c)
+constexpr double arrival = 0.5;                                          // the interface is in the middle of a bar of length 1
+
+ModelInput bar(int n, const std::vector<CohesiveLaw>& laws = {CohesiveLaw::unbreakable()}, double length = 1, double E = 1,
+               int first_of_right = 0) {
+    ModelInput input;
+    input.plane = PlaneModel::stress;
+    input.mesh = symmetric_bar_mesh(n, length, length / n, [&](int i) { return i < first_of_right ? 0 : 1; });
+    input.materials.assign(2, {.density = 1, .E = E, .nu = 0});
+    input.laws = laws;
+    input.law_of_pair = {{0, 0}, {0, 0}};
+    return input;
+}
+
+/// A bar pulled at its left end with one breakable interface in its middle.
+class PulledBar {
+public:
+    PulledBar(int n, const TimeFunction& tension) : run(input(n, tension)) {
+        for (std::size_t i = 0; i < run.model.interfaces.size(); ++i)
+            if (run.model.interfaces[i].law == 1) point_ = 2 * static_cast<Index>(i);
+        h_ = 0.5 * run.stepper.stable_step();
+    }
+
+    void step() { run.step(h_); }
+    double since_arrival() const { return run.now.time - arrival; }
+    double beta() const { return cohesion(run.model, run.now, point_); }
+    double opened() const { return opening(run.model, run.now, point_).x(); }
+    double skewness() const { return std::abs(opening(run.model, run.now, point_ + 1).x() - opened()); }
+    double h() const { return h_; }
+
+    Run run;
+
+private:
+    static ModelInput input(int n, const TimeFunction& tension) {
+        ModelInput input = bar(n, {CohesiveLaw::unbreakable(), {.sigma_c = sigma_c, .G_c = 0.5 * sigma_c * delta}}, 1, 1, n / 2);
+        input.law_of_pair = {{0, 1}, {1, 0}};
+        input.loads = {load(Load::Kind::traction, "left", -1.0, std::nullopt, tension)};
+        return input;
+    }
+
+    Index point_ = 0;
+    double h_;
+};
+
+/// Left end of the bar on a rigid wall, or in front of it.
+ModelInput bar_at_wall(int n, double length, double E, double gap) {
+    ModelInput input = bar(n, {CohesiveLaw::unbreakable(), {.sigma_c = 0}}, length, E);
+    input.foundations = {{.on = {.boundary = "left", .box = {}}, .law = 1, .glued = false, .gap = gap}};
+    return input;
+}
+
+Vec2 mean_velocity(const Run& run) {
+    return run.mean_velocity([](Index) { return true; });
+}
+
+}  // namespace
+
+TEST_CASE("B6 a step wave opens an interface exponentially") {
+    // u' = 2 (sigma_inc - sigma_c (1 - u/delta))/(rho c):  u = delta (X - 1)(exp(t/tau) - 1). The front of a step is smeared over some
+    // elements and rings, so the opening comes late by them: first order in the element size
+    const double X = 1.5, breaks = tau * std::log(X / (X - 1));
+    double previous = 0;
+    for (const int n : {200, 400, 800}) {
+        PulledBar bar(n, {{0}, {X}});
+        double worst = 0;
+        while (bar.beta() > 0) {
+            bar.step();
+            const double exact = bar.since_arrival() > 0 ? delta * (X - 1) * (std::exp(bar.since_arrival() / tau) - 1) : 0;
+            worst = std::max(worst, std::abs(bar.opened() - exact) / delta);
+            CHECK(bar.skewness() <= 1e-13);
+            REQUIRE(bar.since_arrival() < 0.4);
+        }
+        CHECK(bar.since_arrival() == doctest::Approx(breaks).scale(1).epsilon(1.5 / n));
+        CHECK(worst < 40.0 / n);
+        if (previous > 0) CHECK(previous / worst > 1.4);
+        previous = worst;
+        CHECK(bar.run.ledger.largest_residual() <= 1e-12 * bar.run.ledger.largest_energy());
+    }
+}
+
+TEST_CASE("B7 a ramp wave opens an interface and breaks it on time") {
+    // s = t - .1 after the arrival of sigma = 10 t:  u' = 2 (10 s + u/delta)  ->  u = (exp(20 s) - 1)/20 - s, broken at s = .07526207
+    std::vector<double> errors;
+    for (const int n : {200, 400, 800}) {
+        PulledBar bar(n, {{0, 1}, {0, 10}});
+        double worst = 0, onset = 0, last = 0, rate = 0;
+        while (bar.beta() > 0) {
+            const double beta = bar.beta();
+            bar.step();
+            if (beta == 1 && bar.beta() < 1) onset = bar.since_arrival();
+            const double s = bar.since_arrival() - 0.1, exact = s > 0 ? (std::exp(20 * s) - 1) / 20 - s : 0;
+            if (bar.beta() > 0) worst = std::max(worst, std::abs(bar.opened() - exact) / delta);
+            rate = (bar.opened() - last) / bar.h();
+            last = bar.opened();
+            REQUIRE(bar.since_arrival() < 0.4);
+        }
+        errors.push_back(worst);
+        CHECK(onset == doctest::Approx(0.1).scale(1).epsilon(1.0 / n));
+        CHECK(bar.since_arrival() == doctest::Approx(0.17526207).scale(1).epsilon(1.0 / n));
+        CHECK(rate == doctest::Approx(3.505241).epsilon(10.0 / n));
+        CHECK(bar.run.ledger.largest_residual() <= 1e-12 * bar.run.ledger.largest_energy());
+        CHECK(bar.run.ledger.row().surface == doctest::Approx(0.5 * sigma_c * delta / n).epsilon(1e-12));
+    }
+    CHECK(errors[0] < 1e-2);
+    CHECK(errors[2] < 1e-3);
+    const double order = std::log2(errors[0] / errors[2]) / 2;
+    MESSAGE("order of the opening in the element size ", order, ", errors ", errors[0], " ", errors[1], " ", errors[2]);
+    CHECK(order > 1.7);
+}
+
+TEST_CASE("B8 a smooth pulse opens an interface by part and closes it for good") {
+    TimeFunction pulse;
+    for (int i = 0; i <= 2000; ++i) {
+        pulse.time.push_back(1e-4 * i);
+        pulse.value.push_back(1.2 * std::pow(std::sin(M_PI * i / 2000), 2));
+    }
+    const int n = 200;
+    PulledBar bar(n, pulse);
+    double onset = 0, peak = 0, peak_time = 0, closes = 0;
+    while (bar.since_arrival() < 0.45) {
+        bar.step();
+        if (onset == 0 && bar.beta() < 1) onset = bar.since_arrival();
+        if (bar.opened() > peak) peak = bar.opened(), peak_time = bar.since_arrival();
+        if (onset > 0 && closes == 0 && bar.opened() <= 1e-12) closes = bar.since_arrival();
+        if (closes > 0) CHECK(std::abs(bar.opened()) <= 1e-12);
+    }
+    CHECK(onset == doctest::Approx(0.07322795).scale(1).epsilon(0.5 / n));
+    CHECK(peak_time == doctest::Approx(0.14449425).scale(1).epsilon(0.5 / n));
+    CHECK(closes == doctest::Approx(0.18579686).scale(1).epsilon(0.5 / n));
+    CHECK(bar.beta() == doctest::Approx(0.70326424).scale(1).epsilon(1e-3));
+    CHECK(bar.run.ledger.row().surface * n / (0.5 * sigma_c * delta) == doctest::Approx(0.08805211).scale(1).epsilon(1e-3));
+    CHECK(bar.run.ledger.largest_residual() <= 1e-12 * bar.run.ledger.largest_energy());
+}
+
+TEST_CASE("B10 a bar hits a rigid wall and rebounds") {
+    double previous = 0;
+    for (const int n : {50, 200, 800}) {
+        ModelInput input = bar_at_wall(n, 1, 1, 0);
+        input.initial_velocities = {{.on = {}, .value = {-1, 0}}};
+        Run run(input);
+        const double h = 0.9 * run.stepper.stable_step(), thickness = 1.0 / n;  // the mass of the bar
+        double release = 0, momentum = -1, plateau = 0, plateau_time = 0;
+        while (run.now.time < 2.5) {
+            run.step(h);
+            double now = 0;
+            for (Index c = 0; c < run.model.mesh.n_corners(); ++c) now += run.model.corner_mass[c] * run.now.velocity[run.now.node_of_corner[c]].x();
+            now /= thickness;
+            if (now > momentum + 1e-12) release = run.now.time;
+            if (run.now.time > 0.2 && run.now.time < 1.8) plateau += now - momentum, plateau_time += h;
+            momentum = now;
+        }
+        // the front of the wave is some elements wide, however small the step
+        CHECK(release == doctest::Approx(2).scale(1).epsilon(2.5 / n));
+        CHECK(plateau / plateau_time == doctest::Approx(1).epsilon(1e-3));
+        const double rebound = mean_velocity(run).x();
+        CHECK(rebound > (n == 50 ? 0.973 : n == 200 ? 0.989 : 0.996));
+        CHECK(rebound < 1);
+        CHECK(rebound > previous);
+        previous = rebound;
+        CHECK(run.ledger.largest_residual() <= 1e-12 * run.ledger.largest_energy());
+        CHECK(run.ledger.worst().worst_impact_work <= 1e-14 * run.ledger.largest_energy());
+        CHECK(run.ledger.worst().penetration <= 1e-15);
+    }
+}
+
+TEST_CASE("B11 a bar falls and bounces on the ground and comes back to its height") {
+    // E = 900, rho = 1, L = 10, g = 10, gap 5: contact on [1, 5/3] with 300 -> 500 and on [11/3, 13/3] with 500 -> 300, apex 5 at 16/3
+    const int n = 200;
+    ModelInput input = bar_at_wall(n, 10, 900, 5);
+    input.loads = {load(Load::Kind::acceleration, "", -10.0, 0.0)};
+    Run run(input);
+    const double h = 0.9 * run.stepper.stable_step(), area = 10.0 / n;
+    std::vector<std::pair<double, double>> contacts;  // begin, end
+    const double element = 10.0 / n / 30;             // [s] of the wave through one
+    const auto pressure = [&](double from, double to) {  // mean
+        while (run.now.time < from) run.step(h);
+        const double begin = run.now.time, v = mean_velocity(run).x();
+        while (run.now.time < to) run.step(h);
+        return 10 * ((mean_velocity(run).x() - v) / (run.now.time - begin) + 10);  // mass per area 10
+    };
+    while (run.u(3, 1).x() > -5) {  // triangle 3 has its edge on the ground
+        run.step(h);
+        REQUIRE(run.now.time < 1.1);
+    }
+    CHECK(run.now.time == doctest::Approx(1).epsilon(2 * h));
+    CHECK(pressure(1.1, 1.2) == doctest::Approx(300 + 300 * 0.15).epsilon(5e-3));
+    CHECK(pressure(1.5, 1.6) == doctest::Approx(300 + 300 * 0.55).epsilon(5e-3));
+    CHECK(pressure(1.7, 3.6) == doctest::Approx(0).scale(1));
+    CHECK(mean_velocity(run).x() == doctest::Approx(10 - 10 * (3.6 - 5.0 / 3)).epsilon(0.02));
+    CHECK(pressure(11.0 / 3 + 0.1, 11.0 / 3 + 0.2) == doctest::Approx(500 - 300 * 0.15).epsilon(0.02));
+    CHECK(pressure(13.0 / 3 + 10 * element, 16.0 / 3) == doctest::Approx(0).scale(1));
+    CHECK(mean_velocity(run).x() == doctest::Approx(0).scale(10).epsilon(0.02));
+    Vec2 mean = Vec2::Zero();
+    for (Index c = 0; c < run.model.mesh.n_corners(); ++c) mean += run.model.corner_mass[c] * run.now.displacement[run.now.node_of_corner[c]];
+    CHECK(mean.x() / (10 * area) == doctest::Approx(0).scale(5).epsilon(0.02));
+    CHECK(run.ledger.largest_residual() <= 1e-12 * run.ledger.largest_energy());
+    CHECK(run.ledger.worst().worst_impact_work <= 1e-14 * run.ledger.largest_energy());
+}
+
+TEST_CASE("B12 two bars exchange their velocities or graze each other") {
+    const int n = 400;  // elements of both
+    for (const bool equal : {true, false}) {
+        // the left bar has the length L1 = 1/2 or 1/3, moves with 1 and touches the right bar, at rest
+        const int left = equal ? n / 2 : n / 3;
+        const double L1 = static_cast<double>(left) / n;
+        ModelInput input = bar(n, {CohesiveLaw::unbreakable(), {.sigma_c = 0}}, 1, 1, left);
+        input.law_of_pair = {{0, 1}, {1, 0}};
+        input.initial_velocities = {{.on = {.boundary = "", .box = Box{{-1, -1}, {L1, 1}}}, .value = {1, 0}}};
+        Run run(input);
+        Index contact = -1;
+        for (std::size_t i = 0; i < run.model.interfaces.size(); ++i)
+            if (run.model.interfaces[i].law == 1) contact = 2 * static_cast<Index>(i);
+        const double h = 0.9 * run.stepper.stable_step();
+        const auto in_left = [&](Index t) { return t / 4 < left; };
+        const auto in_right = [&](Index t) { return t / 4 >= left; };
+        const auto gap = [&] { return opening(run.model, run.now, contact).x(); };
+        const auto go_to = [&](double time) {
+            while (run.now.time < time) run.step(h);
+        };
+        go_to(L1);
+        CHECK(run.mean_velocity(in_left).x() == doctest::Approx(0.5).epsilon(0.01));  // rho c v/2 acts
+        CHECK(std::abs(gap()) <= 1e-15);
+        go_to(2 * L1 + 0.05);
+        CHECK(run.mean_velocity(in_left).x() == doctest::Approx(0).scale(1).epsilon(0.01));
+        CHECK(run.mean_velocity(in_right).x() == doctest::Approx(equal ? 1 : 0.5).epsilon(0.01));
+        if (!equal) {
+            // the end of the longer bar stands still beside the shorter one until its own wave comes back: no force, no gap
+            const double before = run.mean_velocity(in_left).x();
+            go_to(4 * L1 - 0.03);
+            CHECK(run.mean_velocity(in_left).x() == doctest::Approx(before).scale(1).epsilon(0.01));
+            CHECK(gap() >= -1e-15);
+            CHECK(gap() < 0.02 * L1);
+        }
+        const double last = equal ? 2 * L1 + 0.05 : 4 * L1 + 0.03;
+        go_to(last);
+        const double from = gap();
+        go_to(last + 0.05);
+        CHECK((gap() - from) / 0.05 == doctest::Approx(1).epsilon(0.1));  // it leaves with the velocity of impact
+        CHECK(run.ledger.largest_residual() <= 1e-12 * run.ledger.largest_energy());
+        CHECK(run.ledger.worst().worst_impact_work <= 1e-14 * run.ledger.largest_energy());
+    }
+}
