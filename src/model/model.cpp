@@ -34,7 +34,7 @@ Vec2 centroid(const Mesh& mesh, Index t) { return (mesh.corner(t, 0) + mesh.corn
 
 class LoadMaker {
 public:
-    explicit LoadMaker(Model& model) : model_(model), prescribed_of_fan_(model.fans.size(), -1) {}
+    explicit LoadMaker(Model& model) : model_(model) { model_.prescribed_of_corner.assign(model.mesh.n_corners(), -1); }
 
     void add(const Load& load) {
         const Index history = static_cast<Index>(model_.histories.size());
@@ -80,31 +80,43 @@ private:
 
     void add_motion(const Load& load, Index history) {
         const Mesh& mesh = model_.mesh;
-        std::vector<char> chosen(mesh.n_vertices(), 0);
+        std::vector<char> held(mesh.n_corners(), 0);
         if (load.on.boundary.empty()) {
-            for (Index v = 0; v < mesh.n_vertices(); ++v) chosen[v] = !load.on.box || load.on.box->contains(mesh.vertices[v]);
+            for (Index c = 0; c < mesh.n_corners(); ++c) held[c] = !load.on.box || load.on.box->contains(mesh.corner(c / 3, c % 3));
         } else {
             for (const std::size_t i : selected_edges(mesh, load.on)) {
                 const auto& [triangle, side, boundary] = mesh.boundary_edges[i];
-                chosen[mesh.triangles[triangle][side]] = chosen[mesh.triangles[triangle][(side + 1) % 3]] = 1;
+                held[3 * triangle + side] = held[3 * triangle + (side + 1) % 3] = 1;
             }
         }
-        bool any = false;
+        if (std::find(held.begin(), held.end(), 1) == held.end()) selects_nothing("a prescribed motion", load.on);
         for (std::size_t f = 0; f < model_.fans.size(); ++f) {
-            if (!chosen[model_.fans[f].vertex]) continue;
-            any = true;
-            prescribe(static_cast<Index>(f), load, history);
+            spread_over_bonds(model_.fans[f], held);
+            for (Index i = 0; i < model_.fans[f].n_corners; ++i) {
+                const Index corner = model_.fan_corners[model_.fans[f].first_corner + i];
+                if (held[corner]) prescribe(corner, static_cast<Index>(f), load, history);
+            }
         }
-        if (!any) selects_nothing("a prescribed motion", load.on);
+    }
+
+    /// What holds one corner holds all that are bonded to it round the vertex; a crack ends it.
+    void spread_over_bonds(const Fan& fan, std::vector<char>& held) const {
+        for (int pass = 0; pass < 2; ++pass)  // forth and back; a second time round for closed fans
+            for (Index step = 0; step < 2 * fan.n_points; ++step) {
+                const Index j = pass == 0 ? step % fan.n_points : fan.n_points - 1 - step % fan.n_points;
+                const FanPoint& point = model_.fan_points[fan.first_point + j];
+                if (point.cracked || point.before == ground || point.after == ground) continue;
+                if (held[point.before] || held[point.after]) held[point.before] = held[point.after] = 1;
+            }
     }
 
     /// Later loads win component by component.
-    void prescribe(Index fan, const Load& load, Index history) {
-        if (prescribed_of_fan_[fan] < 0) {
-            prescribed_of_fan_[fan] = static_cast<Index>(model_.prescribed.size());
+    void prescribe(Index corner, Index fan, const Load& load, Index history) {
+        if (model_.prescribed_of_corner[corner] < 0) {
+            model_.prescribed_of_corner[corner] = static_cast<Index>(model_.prescribed.size());
             model_.prescribed.push_back({fan, {false, false}, {0, 0}, Vec2::Zero(), {false, false}});
         }
-        PrescribedMotion& motion = model_.prescribed[prescribed_of_fan_[fan]];
+        PrescribedMotion& motion = model_.prescribed[model_.prescribed_of_corner[corner]];
         for (int i = 0; i < 2; ++i) {
             if (!load.value[i]) continue;
             motion.component[i] = true;
@@ -115,7 +127,6 @@ private:
     }
 
     Model& model_;
-    std::vector<Index> prescribed_of_fan_;
 };
 
 FoundationOfEdge foundations_of(const Mesh& mesh, const std::vector<Foundation>& foundations) {

@@ -53,7 +53,7 @@ struct CornerLoad {
     Vec2 force;     // [N]
 };
 
-/// Prescribed motion of a fan's corners in x and/or y.
+/// Prescribed motion in x and/or y of the corners of a fan, or of those of its parts between cracked points that a load takes hold of.
 struct PrescribedMotion {
     Index fan;
     std::array<bool, 2> component;
@@ -92,6 +92,7 @@ struct Model {
     std::vector<TimeFunction> histories;
     std::vector<CornerLoad> corner_loads;
     std::vector<PrescribedMotion> prescribed;
+    std::vector<Index> prescribed_of_corner;  // per corner: into `prescribed`, or -1
     std::vector<Vec2> initial_velocity;  // [m/s] per corner; equal round a fan in one piece
 
     Index n_points() const { return 2 * static_cast<Index>(interfaces.size()); }

@@ -15,8 +15,6 @@ constexpr std::size_t fans_in_a_block = 512, split_fans_in_a_block = 32;
 }  // namespace
 
 ExplicitBeta::ExplicitBeta(const Model& model) : model_(model) {
-    prescribed_of_fan_.assign(model.fans.size(), -1);
-    for (std::size_t i = 0; i < model.prescribed.size(); ++i) prescribed_of_fan_[model.prescribed[i].fan] = static_cast<Index>(i);
     workspaces_.resize(omp_get_max_threads());
 }
 
@@ -49,11 +47,10 @@ StepReport ExplicitBeta::advance_bound(const State& begin, const FreeMotion& fre
             Vec2 force = Vec2::Zero();
             for (Index i = 0; i < model_.fans[f].n_corners; ++i) force += free.corner_force[corner[i]];
             Vec2 velocity = begin.velocity[f] + free.kick_time / model_.fans[f].mass * force;
-            if (prescribed_of_fan_[f] >= 0) {
-                const PrescribedMotion& motion = model_.prescribed[prescribed_of_fan_[f]];
-                const Vec2 given = prescribed_velocity(motion, begin.displacement[f], begin, free.drift_time);
+            if (const PrescribedMotion* motion = prescribed_motion(*corner)) {
+                const Vec2 given = prescribed_velocity(*motion, begin.displacement[f], begin, free.drift_time);
                 for (int k = 0; k < 2; ++k)
-                    if (motion.component[k]) velocity[k] = given[k];
+                    if (motion->component[k]) velocity[k] = given[k];
             }
             if (free.fan_is_hot[f] && !surely_bound(fan, free, force) && !stays_bound(fan, begin, free, work, report)) {
                 comes_apart_[f] = 1;
@@ -68,7 +65,7 @@ bool ExplicitBeta::surely_bound(Index f, const FreeMotion& free, const Vec2& for
     // forces between the corners of a fan in one piece, walked along the chain; round a closed one with the circulation of least norm.
     // If these are admissible the fan is bound; if not, others may be, and the exact test decides.
     const Fan& fan = model_.fans[f];
-    if (prescribed_of_fan_[f] >= 0 || fan.split_at_start) return false;
+    if (fan.split_at_start || prescribed_motion(model_.fan_corners[fan.first_corner])) return false;
     const FanPoint* point = &model_.fan_points[fan.first_point];
     const Index* corner = &model_.fan_corners[fan.first_corner];
     const Vec2 acceleration = force / fan.mass;
@@ -116,11 +113,11 @@ void ExplicitBeta::move_bound(Index fan, const State& begin, const FreeMotion& f
     report.strain -= 0.5 * force.dot(end.displacement[fan]);
     report.step_change_work -= 0.25 * (free.drift_time - begin.last_step) * force.dot(change);
     report.largest_speed = std::max(report.largest_speed, velocity.squaredNorm());
-    if (prescribed_of_fan_[fan] < 0) return;
+    const PrescribedMotion* motion = prescribed_motion(model_.fan_corners[model_.fans[fan].first_corner]);
+    if (!motion) return;
     const Vec2 reaction = mass * change - free.kick_time * force;
-    const PrescribedMotion& motion = model_.prescribed[prescribed_of_fan_[fan]];
     for (int k = 0; k < 2; ++k)
-        if (motion.component[k]) report.external_work += 0.5 * reaction[k] * (velocity[k] + before[k]);
+        if (motion->component[k]) report.external_work += 0.5 * reaction[k] * (velocity[k] + before[k]);
 }
 
 void ExplicitBeta::release(const State& begin, State& end, StepReport& report) {
@@ -172,11 +169,11 @@ void ExplicitBeta::pose(Index f, const State& begin, const FreeMotion& free, Fan
         body.velocity = begin.velocity[node];
         body.free_velocity = body.velocity + free.kick_time * inverse_mass * free.corner_force[corner];
         body.inverse_mass = Vec2::Constant(inverse_mass);
-        if (prescribed_of_fan_[f] < 0) continue;
-        const PrescribedMotion& motion = model_.prescribed[prescribed_of_fan_[f]];
-        const Vec2 given = prescribed_velocity(motion, begin.displacement[node], begin, free.drift_time);
+        const PrescribedMotion* motion = prescribed_motion(corner);
+        if (!motion) continue;
+        const Vec2 given = prescribed_velocity(*motion, begin.displacement[node], begin, free.drift_time);
         for (int k = 0; k < 2; ++k)
-            if (motion.component[k]) body.free_velocity[k] = given[k], body.inverse_mass[k] = 0;
+            if (motion->component[k]) body.free_velocity[k] = given[k], body.inverse_mass[k] = 0;
     }
     // links in counterclockwise order; bodies are numbered in the same order
     const auto body_of = [&](Index corner, Index guess) { return corner == ground ? ground : (guess + fan.n_corners) % fan.n_corners; };

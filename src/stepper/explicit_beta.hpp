@@ -17,7 +17,6 @@ private:
     struct Workspace {
         FanProblem problem;
         FanSolver solver;
-        std::vector<std::array<bool, 2>> driven;
     };
 
     StepReport advance_bound(const State& begin, const FreeMotion& free, State& end);
@@ -30,15 +29,17 @@ private:
     void advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report) const;
 
     void pose(Index fan, const State& begin, const FreeMotion& free, FanProblem& problem) const;
+    /// Null where nothing is prescribed. In a fan in one piece all corners have the same.
+    const PrescribedMotion* prescribed_motion(Index corner) const {
+        return model_.prescribed.empty() || model_.prescribed_of_corner[corner] < 0 ? nullptr : &model_.prescribed[model_.prescribed_of_corner[corner]];
+    }
     Vec2 prescribed_velocity(const PrescribedMotion& motion, const Vec2& displacement, const State& begin, double h) const;
     double cohesion_before(Index fan, Index point, const State& begin) const;
 
     const Model& model_;
-    std::vector<Index> prescribed_of_fan_;   // into Model::prescribed, or -1
     std::vector<std::uint8_t> comes_apart_;  // per fan, in this step
     std::vector<Workspace> workspaces_;      // one a thread
     std::vector<StepReport> partial_;
-    double worst_status_ = 0;
 };
 
 }  // namespace knap
