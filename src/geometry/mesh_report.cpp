@@ -163,7 +163,8 @@ void judge_paths(const Mesh& mesh, const VertexGraph& graph, MeshReport& report)
         report.n_paths += n_found[d];
     }
     report.path_reach /= std::max(report.n_paths, Index{1});
-    report.far_path_excess = (full.path / full.n - half.path / half.n) / (full.straight / full.n - half.straight / half.n) - 1;
+    if (half.n > 0 && full.n > 0)
+        report.far_path_excess = (full.path / full.n - half.path / half.n) / (full.straight / full.n - half.straight / half.n) - 1;
     for (const double excess : report.path_excess) sum_of_squares += std::pow(excess - report.mean_path_excess, 2);
     report.path_excess_spread = std::sqrt(sum_of_squares / MeshReport::n_directions);
 }

@@ -12,21 +12,13 @@ namespace {
 /// Inserts one straight piece after the other; what came before keeps its place, what comes later is bent onto it.
 class GraphBuilder {
 public:
-    GraphBuilder(PlanarGraph& graph, double tolerance) : graph_(graph), tolerance_(tolerance) {}
+    explicit GraphBuilder(PlanarGraph& graph) : graph_(graph) {}
 
-    void insert(const Vec2& a, const Vec2& b, const GraphSegment& labels) {
+    /// Points of the piece nearer than the tolerance to what is there count as being there.
+    void insert(const Vec2& a, const Vec2& b, double tolerance, const GraphSegment& labels) {
+        tolerance_ = tolerance;
         const Index from = node_at(a), to = node_at(b);
-        std::vector<Stop> stops{{0.0, from}, {1.0, to}};
-        const Vec2 p = graph_.nodes[from], q = graph_.nodes[to];
-        split_what_crosses(p, q);
-        const Vec2 low = p.cwiseMin(q).array() - tolerance_, high = p.cwiseMax(q).array() + tolerance_;
-        for (Index n = 0; n < n_nodes(); ++n) {
-            const Vec2& r = graph_.nodes[n];
-            if (n == from || n == to || (r.array() < low.array()).any() || (r.array() > high.array()).any()) continue;
-            if (distance_to_segment(p, q, r) <= tolerance_) stops.push_back({nearest_parameter(p, q, r), n});
-        }
-        std::stable_sort(stops.begin(), stops.end(), [](const Stop& s, const Stop& t) { return s.position < t.position; });
-        for (std::size_t i = 0; i + 1 < stops.size(); ++i) connect(stops[i].node, stops[i + 1].node, labels);
+        connect_through(from, to, labels, 0);
     }
 
 private:
@@ -34,6 +26,30 @@ private:
         double position;  // on the piece, 0..1
         Index node;
     };
+
+    /// Connects two nodes through all nodes that lie on the way; a piece that was bent onto one may then come across others.
+    void connect_through(Index from, Index to, const GraphSegment& labels, int n_bends) {
+        if (from == to) return;
+        const Vec2 p = graph_.nodes[from], q = graph_.nodes[to];
+        split_what_crosses(p, q);
+        const Vec2 low = p.cwiseMin(q).array() - tolerance_, high = p.cwiseMax(q).array() + tolerance_;
+        std::vector<Stop> stops{{0.0, from}};
+        for (Index n = 0; n < n_nodes(); ++n) {
+            const Vec2& r = graph_.nodes[n];
+            if (n == from || n == to || (r.array() < low.array()).any() || (r.array() > high.array()).any()) continue;
+            const double t = nearest_parameter(p, q, r);
+            if (t > 0 && t < 1 && distance_to_segment(p, q, r) <= tolerance_) stops.push_back({t, n});
+        }
+        std::stable_sort(stops.begin(), stops.end(), [](const Stop& s, const Stop& t) { return s.position < t.position; });
+        stops.push_back({1.0, to});
+        constexpr int most_bends = 6;
+        for (std::size_t i = 0; i + 1 < stops.size(); ++i) {
+            if (stops.size() == 2 || n_bends == most_bends)
+                connect(stops[i].node, stops[i + 1].node, labels);
+            else
+                connect_through(stops[i].node, stops[i + 1].node, labels, n_bends + 1);
+        }
+    }
 
     Index n_nodes() const { return static_cast<Index>(graph_.nodes.size()); }
 
@@ -80,7 +96,7 @@ private:
         for (GraphSegment& old : graph_.segments) {
             if (!((old.from == from && old.to == to) || (old.from == to && old.to == from))) continue;
             if (old.crack < 0) old.crack = labels.crack;
-            if (old.region < 0) old.region = labels.region;
+            old.region = std::max(old.region, labels.region);
             return;
         }
         GraphSegment fresh = labels;
@@ -90,7 +106,7 @@ private:
     }
 
     PlanarGraph& graph_;
-    double tolerance_;
+    double tolerance_ = 0;  // [m]
 };
 
 /// The last region that covers p, -1 for none.
@@ -113,7 +129,8 @@ void cut_off(PlanarGraph& graph, const Shape& shape, double tolerance) {
         if (!in_body(shape, middle)) return true;
         if (s.region < 0) return false;
         const Vec2 aside = 4 * tolerance * turned_left(b - a).normalized();
-        if (region_at(shape.regions, boxes, middle + aside) == region_at(shape.regions, boxes, middle - aside)) s.region = -1;
+        const Index left = region_at(shape.regions, boxes, middle + aside), right = region_at(shape.regions, boxes, middle - aside);
+        if (left == right && left > s.region) s.region = -1;
         return s.crack < 0 && s.region < 0;
     });
 }
@@ -137,24 +154,27 @@ void drop_unused_nodes(PlanarGraph& graph) {
 
 }  // namespace
 
-PlanarGraph planar_graph(const Shape& shape) {
+PlanarGraph planar_graph(const Shape& shape, double region_tolerance) {
     PlanarGraph graph;
     const double tolerance = shape_tolerance(shape);
-    GraphBuilder builder(graph, tolerance);
+    GraphBuilder builder(graph);
     const auto insert_ring = [&](const Ring& ring, Index number) {
         for (std::size_t i = 0; i < ring.points.size(); ++i)
-            builder.insert(ring.points[i], ring.points[(i + 1) % ring.points.size()], {.ring = number, .boundary = ring.boundary[i]});
+            builder.insert(ring.points[i], ring.points[(i + 1) % ring.points.size()], tolerance,
+                           {.ring = number, .boundary = ring.boundary[i]});
     };
     insert_ring(shape.outer, 0);
     for (std::size_t i = 0; i < shape.holes.size(); ++i) insert_ring(shape.holes[i], static_cast<Index>(i) + 1);
     for (std::size_t i = 0; i < shape.cracks.size(); ++i) {
         const std::vector<Vec2>& points = shape.cracks[i].points;
-        for (std::size_t k = 0; k + 1 < points.size(); ++k) builder.insert(points[k], points[k + 1], {.crack = static_cast<Index>(i)});
+        for (std::size_t k = 0; k + 1 < points.size(); ++k)
+            builder.insert(points[k], points[k + 1], tolerance, {.crack = static_cast<Index>(i)});
     }
     for (std::size_t i = 0; i < shape.regions.size(); ++i) {
         const std::vector<Vec2>& points = shape.regions[i].points;
         for (std::size_t k = 0; k < points.size(); ++k)
-            builder.insert(points[k], points[(k + 1) % points.size()], {.region = static_cast<Index>(i)});
+            builder.insert(points[k], points[(k + 1) % points.size()], std::max(tolerance, region_tolerance),
+                           {.region = static_cast<Index>(i)});
     }
     cut_off(graph, shape, tolerance);
     drop_unused_nodes(graph);

@@ -11,7 +11,7 @@ struct GraphSegment {
     Index ring = -1;      // 0 the outer ring, 1 + i hole i, -1 no ring
     Index boundary = -1;  // index into Shape::boundary_names, on rings only
     Index crack = -1;     // first crack that runs along it, -1 none
-    Index region = -1;    // first region whose border it is, -1 none
+    Index region = -1;    // last region whose border it is, -1 none
 };
 
 struct PlanarGraph {
@@ -22,9 +22,10 @@ struct PlanarGraph {
 /// Points of a shape nearer than this are the same point [m].
 double shape_tolerance(const Shape& shape);
 
-/// For a shape whose rings were checked. The end of a crack or region border within the tolerance of a ring, or of a crack or border
-/// before it, is moved onto it.
-PlanarGraph planar_graph(const Shape& shape);
+/// For a shape whose rings were checked. The end of a crack within the shape tolerance of a ring or a crack before it is moved onto it.
+/// Region borders yield more: within `region_tolerance` [m] they are moved onto rings, cracks and each other, and their shorter sides
+/// collapse, so that a border cannot force triangles far below the mesh size.
+PlanarGraph planar_graph(const Shape& shape, double region_tolerance = 0);
 
 /// The name of the last-declared part that a segment belongs to: "cracks[1]", "regions[0]", "holes[2]" or "outer".
 std::string part_name(const GraphSegment& segment);

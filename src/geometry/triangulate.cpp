@@ -98,7 +98,7 @@ void check_area(const Mesh& mesh, const Shape& shape) {
 Mesh triangulate(const Shape& shape, const MeshOptions& options) {
     check_shape(shape);
     check_sizes(shape, area_of(shape), options);
-    const PlanarGraph graph = planar_graph(shape);
+    const PlanarGraph graph = planar_graph(shape, 0.15 * SizeField(options, 1).smallest());
     check_details(graph, options);
     const SizeField radius(options, radius_per_size);
     Random random(options.seed, "mesh");

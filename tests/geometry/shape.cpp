@@ -10,6 +10,7 @@
 using namespace knap;
 using knap::testing::add_hole;
 using knap::testing::block;
+using knap::testing::relative;
 
 namespace {
 
@@ -39,7 +40,7 @@ TEST_CASE("a circle is a counterclockwise polygon on its radius") {
     const auto points = circle({1, 2}, 3, 7);
     REQUIRE(points.size() == 7);
     for (std::size_t i = 0; i < 7; ++i) {
-        CHECK((points[i] - Vec2(1, 2)).norm() == doctest::Approx(3));
+        CHECK((points[i] - Vec2(1, 2)).norm() == relative(3, 1e-12));
         CHECK(cross(points[i] - Vec2(1, 2), points[(i + 1) % 7] - Vec2(1, 2)) > 0);
     }
 }
@@ -135,11 +136,6 @@ TEST_CASE("details far below the mesh size are refused") {
     SUBCASE("a crack that ends just behind another one") {
         shape.cracks = {{{{0, 0.02}, {0.05, 0.02}}}, {{{0.03, 0.01999}, {0.03, 0.03}}}};
         CHECK(blamed(shape, options) == "cracks[1]");
-    }
-    SUBCASE("a crack just beside a region border") {
-        shape.regions = {{{{0.03, -0.01}, {0.2, -0.01}, {0.2, 0.05}, {0.03, 0.05}}, 1}};
-        shape.cracks = {{{{0, 0.02}, {0.02999, 0.02}}}};
-        CHECK(blamed(shape, options) == "cracks[0]");
     }
     SUBCASE("a crack nearly along the border") {
         shape.cracks = {{{{0, 0}, {0.05, 4e-4}}}};
