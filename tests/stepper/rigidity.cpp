@@ -1,0 +1,146 @@
+// Interfaces that hold are rigid: the body with all its edges cohesive moves as the body without (E1, E12), and a preload below the
+// strength does nothing at all (E14).
+#include "support/bodies.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+const Elastic glass{.density = 2450, .E = 32e9, .nu = 0.2};
+
+ModelInput plate(Mesh mesh, const CohesiveLaw& law, PlaneModel plane = PlaneModel::strain) {
+    ModelInput input;
+    input.plane = plane;
+    input.mesh = std::move(mesh);
+    input.materials = {glass};
+    input.laws = {law};
+    input.law_of_pair = {{0}};
+    return input;
+}
+
+/// Every vertex with a point of its own between all its corners, so that each is solved by the solver of fans.
+Model all_split(ModelInput input) {
+    Model model = make_model(std::move(input));
+    for (Fan& fan : model.fans) fan.split_at_start = true;
+    return model;
+}
+
+CohesiveLaw strong() { return {.sigma_c = 1e12, .G_c = 1e9, .gamma = 1, .friction = 0.5}; }
+
+/// A bar_mesh of n x n cells, with one vertex moved so near to an edge that a triangle of half a degree remains.
+Mesh mesh_with_sliver(int n) {
+    Mesh mesh = bar_mesh(n, n, 1, 1);
+    const Index vertex = (n / 2) * (n + 1) + n / 2;
+    // triangle (i, j), (i+1, j), (i+1, j+1) to the lower left of the vertex: onto the middle of its edge from (i, j) to (i+1, j)
+    mesh.vertices[vertex].y() -= (1 - 4e-3) / n;
+    mesh.vertices[vertex].x() -= 0.4 / n;
+    find_edges(mesh);
+    for (BoundaryEdge& edge : mesh.boundary_edges) edge.boundary = 0;
+    mesh.boundary_names = {"left"};
+    for (BoundaryEdge& edge : mesh.boundary_edges) {
+        const Vec2 middle = 0.5 * (mesh.corner(edge.triangle, edge.side) + mesh.corner(edge.triangle, (edge.side + 1) % 3));
+        if (middle.x() > 1e-9) edge.boundary = 1;
+    }
+    mesh.boundary_names = {"left", "other"};
+    return mesh;
+}
+
+/// Largest difference of the displacements of two runs over the largest displacement, at the same corners.
+double difference(const Run& a, const Run& b) {
+    double worst = 0, largest = 0;
+    for (Index c = 0; c < a.model.mesh.n_corners(); ++c) {
+        worst = std::max(worst, (a.u(c / 3, c % 3) - b.u(c / 3, c % 3)).norm());
+        largest = std::max(largest, a.u(c / 3, c % 3).norm());
+    }
+    return worst / largest;
+}
+
+double smallest_area(const Mesh& mesh) {
+    double area = INFINITY;
+    for (Index t = 0; t < mesh.n_triangles(); ++t) area = std::min(area, mesh.area(t));
+    return area;
+}
+
+void set_displacement(Run& run, const Eigen::Matrix2d& gradient) {
+    for (Index c = 0; c < run.model.mesh.n_corners(); ++c)
+        run.now.displacement[run.now.node_of_corner[c]] = gradient * run.model.mesh.corner(c / 3, c % 3);
+}
+
+}  // namespace
+
+TEST_CASE("E1 with all edges cohesive a wave runs as in the body without edges") {
+    const std::vector<Load> push = {load(Load::Kind::traction, "left", 1e6, 3e5)};
+    for (const bool sliver : {false, true}) {
+        const Mesh mesh = sliver ? mesh_with_sliver(6) : bar_mesh(16, 16, 1, 1);
+        if (sliver) CHECK(smallest_area(mesh) < 1e-2 * 0.5 / 36);
+        ModelInput whole = plate(mesh, CohesiveLaw::unbreakable()), cohesive = plate(mesh, strong());
+        whole.loads = cohesive.loads = push;
+        Run reference(whole), bound(cohesive), split(all_split(cohesive));
+        CHECK(static_cast<Index>(split.now.displacement.size()) == mesh.n_corners());
+        const double h = 0.5 * reference.stepper.stable_step();
+        for (int i = 0; i < (sliver ? 3000 : 300); ++i) {
+            reference.step(h);
+            bound.step(h);
+            split.step(h);
+        }
+        CHECK(reference.ledger.row().external_work > 0);
+        CHECK(bound.now.split_fans.empty());
+        CHECK(difference(reference, bound) == 0);
+        CHECK(difference(reference, split) <= (sliver ? 1e-8 : 1e-11));
+        CHECK(split.ledger.worst().fan_fallbacks == 0);
+        CHECK(split.ledger.worst().penetration == 0);
+        CHECK(split.ledger.largest_residual() <= 1e-11 * split.ledger.largest_energy());
+    }
+}
+
+TEST_CASE("E1 patch test: a uniform strain is at rest with all edges cohesive") {
+    const Eigen::Matrix2d gradient = (Eigen::Matrix2d() << 1e-4, 3e-5, -2e-5, 7e-5).finished();
+    for (const bool sliver : {false, true}) {
+        const Mesh mesh = sliver ? mesh_with_sliver(6) : bar_mesh(8, 8, 1, 1);
+        ModelInput input = plate(mesh, strong());
+        for (const std::string& side : mesh.boundary_names) input.loads.push_back(load(Load::Kind::velocity, side, 0.0, 0.0));
+        Run run(all_split(input));
+        set_displacement(run, gradient);
+        const double h = 0.5 * run.stepper.stable_step();
+        for (int i = 0; i < 1000; ++i) run.step(h);
+        double worst = 0;
+        for (Index c = 0; c < mesh.n_corners(); ++c) worst = std::max(worst, (run.u(c / 3, c % 3) - gradient * mesh.corner(c / 3, c % 3)).norm());
+        CHECK(worst <= 1e-10 * gradient.norm());
+        CHECK(run.ledger.row().surface == 0);
+    }
+}
+
+TEST_CASE("E14 a bar at .99 of its strength rests for ten thousand steps and at 1.01 it breaks") {
+    const double sigma_c = 1e6;
+    const CohesiveLaw law{.sigma_c = sigma_c, .G_c = 3, .gamma = 1, .friction = 0.5};
+    for (const double level : {0.99, 1.01}) {
+        // uniaxial stress along x: the ends are held, the sides free
+        ModelInput input = plate(bar_mesh(10, 3, 1, 0.3), law, PlaneModel::stress);
+        input.loads = {load(Load::Kind::velocity, "left", 0.0, std::nullopt), load(Load::Kind::velocity, "right", 0.0, std::nullopt)};
+        Run run(input);
+        const double strain = level * sigma_c / glass.E;
+        set_displacement(run, Eigen::Vector2d(strain, -glass.nu * strain).asDiagonal());
+        const double h = 0.5 * run.stepper.stable_step();
+        const std::vector<Vec2> start = run.now.displacement;
+        for (int i = 0; i < 10000 && run.now.split_fans.empty(); ++i) run.step(h);
+        if (level < 1) {
+            CHECK(run.now.n_steps == 10000);
+            CHECK(run.ledger.worst().bound_tests + run.ledger.worst().fan_solves > 0);  // it was put to the test
+            double worst = 0;
+            for (std::size_t i = 0; i < start.size(); ++i) worst = std::max(worst, (run.now.displacement[i] - start[i]).norm());
+            CHECK(worst <= 1e-10 * strain);
+            CHECK(run.ledger.worst().largest_speed <= 1e-9 * strain * glass.dilatational_speed(PlaneModel::stress));
+        } else {
+            for (int i = 0; i < 2000; ++i) run.step(h);
+            double weakest = 1;
+            for (Index p = 0; p < run.model.n_points(); ++p) weakest = std::min(weakest, cohesion(run.model, run.now, p));
+            CHECK(weakest == 0);
+            CHECK(run.ledger.worst().residual <= 1e-10);
+        }
+    }
+}
