@@ -54,7 +54,12 @@ public:
             count_arms(longest, extent(longest), false);
         }
         close_loops();
-        for (const Tree& tree : trees_) collect_ends(tree);
+        Index main_node = -1;
+        for (const Tree& tree : trees_) collect_ends(tree, main_node);
+        if (main_node >= 0) {
+            pattern_.main_path = path_along_chords(main_node);
+            pattern_.main_length = pattern_.main_path.back().position;
+        }
         return std::move(pattern_);
     }
 
@@ -189,7 +194,7 @@ private:
 
     // ---- ends ----
 
-    void collect_ends(const Tree& tree) {
+    void collect_ends(const Tree& tree, Index& main_node) {
         for (const Index n : tree.order) {
             const BrokenNode& node = broken_.node(n);
             if (!counted_[n] || onward_[n] >= 0 || node.parent < 0) continue;
@@ -199,29 +204,39 @@ private:
             if (pattern_.main_end && end.path_length <= pattern_.main_end->path_length) continue;
             pattern_.main_end = end;
             pattern_.main_start = tree.start;
-            pattern_.main_length = length_along_chords(n);
+            main_node = n;
         }
     }
 
-    double length_along_chords(Index end) const {
-        std::vector<std::array<Index, 2>> path;  // vertices of each link, from the end to the start
+    /// The path from the start of the crack to node `end`; between knots about a chord apart the edges share the chord's length.
+    std::vector<PathStep> path_along_chords(Index end) const {
+        struct Link {
+            Index from, to;  // vertices
+            Index interface;
+        };
+        std::vector<Link> links;  // from the end to the start
         for (Index n = end; broken_.node(n).parent >= 0; n = before(n)) {
             const BrokenLink& link = broken_.link(broken_.node(n).parent);
-            path.push_back({link.far_vertex(n), link.vertex_at(n)});
+            links.push_back({link.far_vertex(n), link.vertex_at(n), link.interface});
         }
+        std::reverse(links.begin(), links.end());
         const auto distance = [&](Index a, Index b) { return (graph_.vertices[b] - graph_.vertices[a]).norm(); };
-        double length = 0, since_knot = 0;
-        Index knot = path.back()[0];
-        for (std::size_t k = path.size(); k-- > 0;) {
-            const auto [from, to] = path[k];
-            since_knot += distance(from, to);
-            const bool goes_on = k > 0 && path[k - 1][0] == to;  // neither the end nor a pre-crack that the path passes through
+
+        std::vector<PathStep> path;
+        double at_knot = 0, since_knot = 0;
+        std::size_t knot = 0;  // link that begins at the last knot
+        for (std::size_t k = 0; k < links.size(); ++k) {
+            since_knot += distance(links[k].from, links[k].to);
+            path.push_back({links[k].interface, since_knot});
+            const bool goes_on = k + 1 < links.size() && links[k + 1].from == links[k].to;  // neither the end nor a pre-crack on the way
             if (goes_on && since_knot < options_.chord_length) continue;
-            length += distance(knot, to);
-            if (k > 0) knot = path[k - 1][0];
+            const double chord = distance(links[knot].from, links[k].to);
+            for (std::size_t i = knot; i <= k; ++i) path[i].position = at_knot + path[i].position * chord / since_knot;
+            at_knot += chord;
             since_knot = 0;
+            knot = k + 1;
         }
-        return length;
+        return path;
     }
 
     const InterfaceGraph& graph_;

@@ -64,12 +64,19 @@ struct Branching {
     Index first_interface;  // of that arm
 };
 
+/// One interface of the main path.
+struct PathStep {
+    Index interface;
+    double position;  // [m] of its far end, from the start of the crack along chords
+};
+
 struct CrackPattern {
     double broken_length = 0;   // [m] of all new broken interfaces, twigs and isolated ones included
     double damaged_length = 0;  // [m] of all interfaces damaged but not broken
     Index n_broken = 0, n_damaged = 0;
     double crack_length = 0;  // [m] of all counted arms, along edges
     double main_length = 0;   // [m] from the start of the main crack to its main end, along chords
+    std::vector<PathStep> main_path;  // from the start to the main end
     Index n_cracks = 0;       // places where a counted crack starts
     CrackStart main_start = CrackStart::none;
     std::optional<CrackEnd> main_end;  // the counted end with the longest path; none before anything broke
