@@ -82,7 +82,7 @@ TEST_CASE("a gap that closes late behind the tip is no jump of the tip") {
     const std::size_t first = d.status.size();
     d.row(0, 0, 1, 0, 60, InterfaceStatus::intact);
     CrackHistory history(d.graph, options());
-    for (int k = 0; k <= 340; ++k) {
+    for (int k = 0; k <= 300; ++k) {
         const double t = k * 0.2e-6;
         for (std::size_t i = 0; i < 60; ++i) {
             const double breaks = static_cast<double>(i + 1) * 1e-6 + (i >= 8 && i < 12 ? 20e-6 : 0);
