@@ -27,8 +27,6 @@ ModelInput point_masses(const CohesiveLaw& law, bool glued) {
     return input;
 }
 
-/// u_N or u_T of cases A1 and A3: +t/2 to 1, -t/2 to 2, ... in the published cycle.
-TimeFunction cycle() { return {{0, 1, 2, 6}, {0, 0.5, 0, 2}}; }
 
 }  // namespace
 

@@ -1,0 +1,200 @@
+// Who meets whom round a vertex: closed and open fans, cracks, foundations, a vertex where two bodies touch.
+#include "support/bodies.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+ModelInput input_of(Mesh mesh) {
+    ModelInput input;
+    input.mesh = std::move(mesh);
+    input.thickness = 0.5;
+    input.materials = {{.density = 3, .E = 1, .nu = 0}};
+    input.laws = {{.sigma_c = 1, .G_c = 1}, {.sigma_c = 2, .G_c = 1}};
+    input.law_of_pair = {{0}};
+    return input;
+}
+
+Vec2 centroid(const Mesh& mesh, Index t) { return (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3; }
+
+/// What must hold in every model.
+void check_fans(const Model& model) {
+    std::vector<int> seen_corner(model.mesh.n_corners(), 0), seen_point(model.n_points(), 0);
+    for (std::size_t f = 0; f < model.fans.size(); ++f) {
+        const Fan& fan = model.fans[f];
+        const Vec2 centre = model.mesh.vertices[fan.vertex];
+        double mass = 0;
+        int n_grounds = 0;
+        for (Index i = 0; i < fan.n_corners; ++i) {
+            const Index c = model.fan_corners[fan.first_corner + i];
+            ++seen_corner[c];
+            mass += model.corner_mass[c];
+            CHECK(model.mesh.triangles[c / 3][c % 3] == fan.vertex);
+            CHECK(model.fan_of_corner[c] == static_cast<Index>(f));
+        }
+        CHECK(fan.mass == doctest::Approx(mass));
+        for (Index i = 0; i < fan.n_points; ++i) {
+            const FanPoint& point = model.fan_points[fan.first_point + i];
+            const Interface& edge = model.interfaces[point.point / 2];
+            ++seen_point[point.point];
+            CHECK(model.fan_point_of[point.point] == fan.first_point + i);
+            CHECK(edge.vertex[point.point % 2] == fan.vertex);
+            CHECK(point.area == doctest::Approx(0.5 * edge.length * model.thickness));
+            CHECK(point.normal.norm() == doctest::Approx(1));
+            // the normal is across the edge, counterclockwise round the vertex: from `before` to `after`
+            const Vec2 ray = model.mesh.vertices[edge.vertex[1 - point.point % 2]] - centre;
+            CHECK(point.normal.dot(ray) == doctest::Approx(0).scale(1));
+            CHECK(cross(ray, point.normal) > 0);
+            if (point.before != ground) CHECK((centroid(model.mesh, point.before / 3) - centre).dot(point.normal) < 0);
+            if (point.after != ground) CHECK((centroid(model.mesh, point.after / 3) - centre).dot(point.normal) > 0);
+            n_grounds += point.before == ground || point.after == ground;
+            if (fan.closed) CHECK(point.after == model.fan_corners[fan.first_corner + i]);
+            if (fan.closed) CHECK(point.before == model.fan_corners[fan.first_corner + (i + fan.n_corners - 1) % fan.n_corners]);
+            // in the frame of its interface, up to a turn by 180 degrees
+            CHECK(std::abs(point.normal.dot(edge.normal)) == doctest::Approx(1));
+        }
+        CHECK(fan.n_points == (fan.closed ? fan.n_corners : fan.n_corners - 1 + n_grounds));
+    }
+    CHECK(std::all_of(seen_corner.begin(), seen_corner.end(), [](int n) { return n == 1; }));
+    CHECK(std::all_of(seen_point.begin(), seen_point.end(), [](int n) { return n == 1; }));
+    for (const Interface& edge : model.interfaces) {
+        const Vec2 middle = 0.5 * (model.mesh.vertices[edge.vertex[0]] + model.mesh.vertices[edge.vertex[1]]);
+        if (edge.triangle[0] != ground) CHECK((centroid(model.mesh, edge.triangle[0]) - middle).dot(edge.normal) < 0);
+        CHECK((centroid(model.mesh, edge.triangle[1]) - middle).dot(edge.normal) > 0);
+    }
+}
+
+const Fan& fan_at(const Model& model, Index vertex) {
+    return *std::find_if(model.fans.begin(), model.fans.end(), [&](const Fan& fan) { return fan.vertex == vertex; });
+}
+
+}  // namespace
+
+TEST_CASE("closed fans inside and open fans at the boundary") {
+    const Model model = make_model(input_of(bar_mesh(3, 3, 3, 2)));
+    check_fans(model);
+    CHECK(model.fans.size() == 16);
+    CHECK(std::count_if(model.fans.begin(), model.fans.end(), [](const Fan& fan) { return fan.closed; }) == 4);
+    CHECK(std::none_of(model.fans.begin(), model.fans.end(), [](const Fan& fan) { return fan.split_at_start; }));
+    CHECK(fan_at(model, 5).n_corners == 6);
+    CHECK(fan_at(model, 0).n_corners == 2);
+    CHECK(fan_at(model, 3).n_corners == 1);
+    CHECK(fan_at(model, 3).n_points == 0);
+}
+
+TEST_CASE("a crack line splits the fans along it and cuts none of its own") {
+    Mesh mesh = bar_mesh(4, 2, 4, 2);
+    for (InteriorEdge& edge : mesh.interior_edges) {
+        const Vec2 a = mesh.corner(edge.triangle[0], edge.side[0]), b = mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
+        edge.cracked = a.y() == 1 && b.y() == 1 && std::max(a.x(), b.x()) <= 2;
+    }
+    const Model model = make_model(input_of(mesh));
+    check_fans(model);
+    CHECK(model.fans.size() == 15);
+    const auto split = [&](Index i, Index j) { return fan_at(model, 5 * j + i).split_at_start; };
+    CHECK(split(0, 1));
+    CHECK(split(1, 1));
+    CHECK(split(2, 1));  // the tip
+    CHECK(!split(3, 1));
+    CHECK(!split(1, 0));
+    CHECK(!split(1, 2));
+    const State state = initial_state(model);
+    CHECK(state.split_fans.size() == 3);
+    CHECK(state.displacement.size() == 15 + 2 + 5 + 5);  // a corner each instead of one for all: fans of 3, 6 and 6 corners
+    for (Index p = 0; p < model.n_points(); ++p) CHECK(cohesion(model, state, p) == (model.interfaces[p / 2].cracked ? 0 : 1));
+}
+
+TEST_CASE("foundations at one side and round a corner") {
+    ModelInput input = input_of(bar_mesh(2, 1, 2, 1));
+    input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 1, .glued = true},
+                         {.on = {.boundary = "left", .box = {}}, .law = 0, .glued = false, .gap = 0.25}};
+    const Model model = make_model(input);
+    check_fans(model);
+    CHECK(model.interfaces.size() == 3 + 3);
+    const Fan& corner = fan_at(model, 0);  // ground, two corners, ground
+    CHECK(!corner.closed);
+    CHECK(corner.n_corners == 2);
+    REQUIRE(corner.n_points == 3);
+    CHECK(model.fan_points[corner.first_point].before == ground);
+    CHECK(model.fan_points[corner.first_point + 2].after == ground);
+    CHECK(model.fan_points[corner.first_point].law == 1);
+    CHECK(!model.fan_points[corner.first_point].cracked);
+    CHECK(model.fan_points[corner.first_point + 2].cracked);
+    CHECK(model.fan_points[corner.first_point + 2].gap == 0.25);
+    CHECK(corner.split_at_start);
+    const State state = initial_state(model);
+    for (Index p = 0; p < model.n_points(); ++p) {
+        const Interface& edge = model.interfaces[p / 2];
+        CHECK(opening(model, state, p).x() == edge.gap);
+        // from the foundation into the body
+        if (edge.triangle[0] == ground) CHECK(edge.normal == (edge.gap > 0 ? Vec2(1, 0) : Vec2(0, 1)));
+    }
+    const Fan& right = fan_at(model, 2);  // one corner on the ground
+    CHECK(right.n_corners == 1);
+    CHECK(right.n_points == 1);
+}
+
+TEST_CASE("a vertex where two bodies only touch has a fan for each") {
+    Mesh mesh;
+    mesh.vertices = {{-1, -1}, {0, 0}, {-1, 1}, {1, -1}, {1, 1}};
+    mesh.triangles = {{0, 1, 2}, {1, 3, 4}};
+    mesh.region = {0, 0};
+    mesh.boundary_names = {"all"};
+    find_edges(mesh);
+    const Model model = make_model(input_of(mesh));
+    check_fans(model);
+    CHECK(model.fans.size() == 6);
+    CHECK(std::count_if(model.fans.begin(), model.fans.end(), [](const Fan& fan) { return fan.vertex == 1; }) == 2);
+}
+
+TEST_CASE("openings are seen in the frame of the interface whichever end") {
+    Model model = make_model(input_of(bar_mesh(3, 2, 3, 2)));
+    for (Fan& fan : model.fans) fan.split_at_start = true;
+    State state = initial_state(model);
+    // triangle t moves by (t, t^2)
+    const auto moved = [](Index t) { return Vec2(t, t * t); };
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) state.displacement[state.node_of_corner[c]] = moved(c / 3);
+    for (Index p = 0; p < model.n_points(); ++p) {
+        const Interface& edge = model.interfaces[p / 2];
+        const Vec2 jump = moved(edge.triangle[1]) - moved(edge.triangle[0]);
+        CHECK(opening(model, state, p).x() == doctest::Approx(edge.normal.dot(jump)).scale(1));
+        CHECK(opening(model, state, p).y() == doctest::Approx(turned_left(edge.normal).dot(jump)).scale(1));
+    }
+}
+
+TEST_CASE("masses and loads add up") {
+    ModelInput input = input_of(bar_mesh(3, 2, 3, 2));
+    input.loads = {load(Load::Kind::traction, "right", 4.0, -1.0), load(Load::Kind::body_force, "", 2.0, std::nullopt),
+                   load(Load::Kind::acceleration, "", 0.0, -10.0)};
+    input.loads.push_back({.kind = Load::Kind::traction, .on = {.boundary = "top", .box = Box{{0.9, 1.9}, {2.1, 2.1}}}, .value = {0.0, 5.0}, .history = {}});
+    input.initial_velocities = {{.on = {}, .value = {1, 2}}, {.on = {.boundary = "", .box = Box{{0, 0}, {1, 2}}}, .value = {-3, 0}}};
+    const Model model = make_model(input);
+    const double mass = std::accumulate(model.corner_mass.begin(), model.corner_mass.end(), 0.0);
+    CHECK(mass == doctest::Approx(3 * 6 * 0.5));
+    std::vector<Vec2> total(4, Vec2::Zero());
+    for (const CornerLoad& corner : model.corner_loads) total[corner.history] += corner.force;
+    CHECK((total[0] - Vec2(4, -1) * 2 * 0.5).norm() <= 1e-14);  // traction x length x thickness
+    CHECK((total[1] - Vec2(2, 0) * 6 * 0.5).norm() <= 1e-14);   // force density x volume
+    CHECK((total[2] - Vec2(0, -10) * mass).norm() <= 1e-13);
+    CHECK((total[3] - Vec2(0, 5) * 1 * 0.5).norm() <= 1e-14);   // only the edge whose middle lies in the box
+    Vec2 momentum = Vec2::Zero();
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) momentum += model.corner_mass[c] * model.initial_velocity[c];
+    CHECK((momentum - mass / 3 * (Vec2(-3, 0) + 2 * Vec2(1, 2))).norm() <= 1e-13);
+}
+
+TEST_CASE("a time function is linear between its points and constant outside") {
+    const TimeFunction ramp{{1, 2, 4}, {10, 20, 0}};
+    CHECK(ramp(0) == 10);
+    CHECK(ramp(1.5) == doctest::Approx(15));
+    CHECK(ramp(2) == doctest::Approx(20));
+    CHECK(ramp(3) == doctest::Approx(10));
+    CHECK(ramp(9) == 0);
+    CHECK(TimeFunction{}(3) == 1);
+}
