@@ -34,13 +34,15 @@ public:
 };
 
 RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const std::filesystem::path& directory) {
-    const double end = scenario.time.end;
+    const double end = scenario.time.end, edge = mean_edge(model.mesh);
+    double process_zone = 0;
+    for (const Resolution& r : judge_resolution(scenario, edge)) process_zone = std::max(process_zone, r.process_zone);
     return {.directory = directory,
             .end = end,
             .frame_every = !scenario.output.fields ? 0 : scenario.output.every > 0 ? scenario.output.every : end / 40,
             .history_every = scenario.output.history_every > 0 ? scenario.output.history_every : end / 400,
             .rayleigh_speed = rayleigh_speed(scenario),
-            .cracks = crack_options(mean_edge(model.mesh)),
+            .cracks = crack_options(edge, process_zone),
             .figures = scenario.figures,
             .title = scenario.title.empty() ? scenario.name : scenario.title};
 }

@@ -8,8 +8,8 @@
 
 namespace knap {
 
-CrackOptions crack_options(double mean_edge) {
-    return {.pruning_length = 10 * mean_edge, .chord_length = 10 * mean_edge, .speed_window = 20 * mean_edge};
+CrackOptions crack_options(double mean_edge, double process_zone) {
+    return {.pruning_length = 10 * mean_edge, .chord_length = 10 * mean_edge, .speed_window = std::max(20 * mean_edge, 1.5 * process_zone)};
 }
 
 Index CrackPattern::n_branches() const {

@@ -42,9 +42,9 @@ struct CrackOptions {
     double speed_window = 0;  // [m] growth over which a tip speed is fitted
 };
 
-/// Multiples of the mean edge length that suit a random mesh: 10 to prune, 10 for a chord, 20 for a speed. Broken stretches of two or
-/// three edges ahead of a tip join it at once; with a window of 10 edges such a jump still shows in the largest speed, of 20 hardly.
-CrackOptions crack_options(double mean_edge);
+/// What suits a random mesh: 10 mean edges to prune, 10 for a chord; for a speed 20, since broken stretches of two or three edges ahead of
+/// a tip join it at once, and 1.5 process zones [m], within which interfaces break in bursts.
+CrackOptions crack_options(double mean_edge, double process_zone = 0);
 
 enum class CrackStart : std::uint8_t { none, precrack, boundary, inside };
 
