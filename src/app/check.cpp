@@ -22,8 +22,8 @@ void print_mesh(const MeshReport& mesh) {
     std::printf("  angles: smallest %.1f, 1 %% of the triangles below %.1f, largest %.1f degree\n", mesh.smallest_angle,
                 mesh.smallest_angle_percentiles[0], mesh.largest_angle);
     if (mesh.n_paths > 0)
-        std::printf("  path ratio: edges are %.2f %% longer than straight lines, spread over directions %.2f %% (%d paths)\n",
-                    100 * mesh.mean_path_excess, 100 * mesh.path_excess_spread, mesh.n_paths);
+        std::printf("  paths along edges are %.1f %% longer than straight lines (%.1f %% far from their ends), spread over directions %.1f %%\n",
+                    100 * mesh.mean_path_excess, 100 * mesh.far_path_excess, 100 * mesh.path_excess_spread);
 }
 
 void print_materials(const Scenario& scenario) {

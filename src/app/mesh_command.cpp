@@ -26,14 +26,18 @@ ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& outp
     for (const Resolution& r : judge_resolution(read.scenario, report.mean_edge))
         std::printf("%-28s %.1f (%s, %.3g m)\n", "edges per process zone", r.n_edges, r.material.c_str(), r.process_zone);
     if (report.n_paths > 0) {
-        std::printf("%-28s %.4f, spread over directions %.4f\n", "path excess", report.mean_path_excess, report.path_excess_spread);
+        std::printf("%-28s %.4f, spread over directions %.4f; without the ends of the paths %.4f\n", "path excess", report.mean_path_excess,
+                    report.path_excess_spread, report.far_path_excess);
         for (int i = 0; i < MeshReport::n_directions; ++i)
             std::printf("  %5.1f degree  %.4f\n", 180.0 * i / MeshReport::n_directions, report.path_excess[i]);
     }
     if (output.empty()) return exit_done;
+    const std::string ending = output.extension().string();
+    if (ending != ".msh" && ending != ".vtu" && ending != ".svg")
+        throw UserError("mesh-format", "a mesh is not written as `" + ending + "`", "known: .msh, .vtu, .svg");
     if (std::filesystem::exists(output) && !force)
         throw UserError("file-exists", "`" + output.string() + "` exists already", "choose another name, or replace it with --force");
-    write_whole_file(output, mesh_as_text(model.mesh, output.extension().string()));
+    write_whole_file(output, mesh_as_text(model.mesh, ending));
     std::printf("mesh:    %s\n", output.string().c_str());
     return exit_done;
 }

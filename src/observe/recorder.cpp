@@ -114,7 +114,8 @@ void Recorder::draw_due(const State& now, bool at_end) {
     std::optional<Frame> frame;
     for (std::size_t i = 0; i < options_.figures.size(); ++i) {
         const FigureOptions& figure = options_.figures[i];
-        const bool due = figure.at.empty() ? at_end : next_at_[i] < figure.at.size() && now.time * (1 + 1e-9) >= figure.at[next_at_[i]];
+        const bool reached = next_at_[i] < figure.at.size() && now.time * (1 + 1e-9) >= figure.at[next_at_[i]];
+        const bool due = figure.at.empty() || !shows_body(figure.show) ? at_end : reached;
         if (!due) continue;
         if (!frame) frame = make_frame(model_, now);
         draw(figure, *frame);

@@ -1,0 +1,67 @@
+// The other commands.
+#include "program.hpp"
+
+#include "app/setup.hpp"
+#include "scenario/read_scenario.hpp"
+
+using namespace program;
+
+TEST_CASE("check says what would happen") {
+    const Answer check = command("check edge_cracked_block -s 'mesh.size=1 mm'");
+    CHECK(check.code == 0);
+    for (const char* words : {"triangles", "c_R 2125.2", "process zone", "Assumption 1", "stable step", "MB of memory", "friction no"}) CHECK_MESSAGE(check.has(words), words);
+    const Answer coarse = command("check edge_cracked_block -s 'mesh.size=2.5 mm'");
+    CHECK(coarse.code == 0);
+    CHECK(coarse.has("warning[resolution]"));
+    CHECK(coarse.has("--set"));
+    CHECK(command("check edge_cracked_block --strict -s 'mesh.size=2.5 mm'").code == 2);
+    const Answer full = command("check edge_cracked_block --full -s 'mesh.size=2 mm'");
+    for (const char* key : {"mesh.size", "interface.default.friction", "time.theta"}) CHECK_MESSAGE(full.has(key), key);
+    CHECK(command("check edge_cracked_block --time -s 'mesh.size=2 mm'").has("measured now"));
+}
+
+TEST_CASE("new writes a scenario that checks and is not overwritten") {
+    const Folder folder("new");
+    CHECK(command("new " + folder.in_shell("plate")).code == 0);
+    CHECK(command("new " + folder.in_shell("plate")).code == 2);
+    const Answer check = command("check " + folder.in_shell("plate.toml"));
+    CAPTURE(check.text);
+    CHECK(check.code == 0);
+}
+
+TEST_CASE("mesh reports and writes") {
+    const Folder folder("mesh");
+    const std::string scenario = "mesh edge_cracked_block -s 'mesh.size=1 mm' ";
+    const Answer report = command(scenario);
+    for (const char* words : {"triangles", "smallest angle", "stable step", "edges per process zone", "path excess"}) CHECK_MESSAGE(report.has(words), words);
+    for (const char* file : {"m.msh", "m.vtu", "m.svg"}) {
+        CHECK(command(scenario + "-o " + folder.in_shell(file)).code == 0);
+        CHECK(fs::file_size(folder.path / file) > 1000);
+        CHECK(command(scenario + "-o " + folder.in_shell(file)).code == 2);
+    }
+    CHECK(text_of(folder.path / "m.msh").find("1 1 \"bottom\"") != std::string::npos);
+    CHECK(command(scenario + "-o " + folder.in_shell("m.stl")).code == 2);
+}
+
+TEST_CASE("help and version answer") {
+    for (const char* name : {"run", "check", "mesh", "render", "info", "new", "schema", "bench"}) CHECK_MESSAGE(command("--help").has(name), name);
+    CHECK(command("--help").code == 0);
+    CHECK(command("--version").has("CGAL 5.5"));
+    CHECK(command("list").has("kalthoff_winkler"));
+    CHECK(command("schema").has("sigma_c"));
+    CHECK(command("").code == 2);
+}
+
+TEST_CASE("the step plan covers the time and keeps within the stable step") {
+    knap::Scenario scenario;
+    scenario.time.end = 1;
+    scenario.time.safety = 0.8;
+    const double forever = 1e300;
+    const knap::StepPlan plan = knap::plan_steps(scenario, 0.013, forever);
+    CHECK(plan.step <= 0.8 * 0.013 * (1 + 1e-12));
+    CHECK(plan.step * static_cast<double>(plan.n_steps) == doctest::Approx(1).epsilon(1e-12));
+    CHECK(knap::plan_steps(scenario, 0.013, 0.5).step == plan.step);
+    CHECK(knap::plan_steps(scenario, 0.013, 0.5).n_steps == (plan.n_steps + 1) / 2);
+    scenario.time.step = 0.02;
+    CHECK_THROWS(knap::plan_steps(scenario, 0.013, forever));
+}

@@ -1,0 +1,54 @@
+#pragma once
+// The program as a person runs it: arguments in, text and exit code out.
+#include <doctest/doctest.h>
+
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+namespace program {
+
+namespace fs = std::filesystem;
+
+struct Answer {
+    int code;
+    std::string text;  // standard output and standard error
+    bool has(const std::string& words) const { return text.find(words) != std::string::npos; }
+};
+
+/// `arguments` as typed in a shell.
+inline Answer command(const std::string& arguments) {
+    FILE* pipe = popen(("'" KNAP_PROGRAM "' " + arguments + " 2>&1").c_str(), "r");
+    REQUIRE(pipe != nullptr);
+    Answer answer{0, {}};
+    char buffer[4096];
+    for (std::size_t n; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) answer.text.append(buffer, n);
+    const int status = pclose(pipe);
+    answer.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return answer;
+}
+
+inline std::string text_of(const fs::path& path) {
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// A folder of its own for one test, empty at the start.
+class Folder {
+public:
+    explicit Folder(const std::string& name) : path(fs::path(KNAP_BINARY_DIR) / "app tests" / name) {  // the space is on purpose
+        fs::remove_all(path);
+        fs::create_directories(path);
+    }
+    std::string in_shell(const std::string& file) const { return "'" + (path / file).string() + "'"; }
+    fs::path path;
+};
+
+/// A small block that breaks within a second.
+inline std::string small_block() { return "edge_cracked_block -q -j 1 -s 'mesh.size=2 mm' -s 'time.end=40 us' -s 'expect={}' "; }
+
+}  // namespace program

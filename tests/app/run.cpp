@@ -1,0 +1,129 @@
+// knap run: its directory, what it refuses, how it ends.
+#include "program.hpp"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+using namespace program;
+
+TEST_CASE("a run directory is complete") {
+    const Folder folder("complete");
+    const Answer run = command("run " + small_block() + "-o " + folder.in_shell("run") + " -s 'figure[0].at=[\"20 us\", \"40 us\"]'");
+    CAPTURE(run.text);
+    REQUIRE(run.code == 0);
+    for (const char* file : {"scenario.toml", "resolved.toml", "run.json", "log.txt", "energy.csv", "cracks.csv", "fragments.csv", "run.pvd",
+                             "fields/bulk_0000.vtu", "fields/interfaces_0000.vtu", "figures/cracks_20us.png", "figures/energy.png"})
+        CHECK_MESSAGE(fs::file_size(folder.path / "run" / file) > 0, file);
+    CHECK(text_of(folder.path / "run/scenario.toml").find("Does a crack in a glass plate run") != std::string::npos);  // verbatim
+    const std::string json = text_of(folder.path / "run/run.json");
+    for (const char* key : {"\"status\": \"done\"", "version", "git", "command", "seed", "threads", "wall_s", "cpu_s", "peak_memory_bytes", "triangles",
+                            "interfaces", "steps", "triangle_steps_per_core_second", "energy_residual", "external_work", "dissipated", "friction_work",
+                            "impact_work", "broken_length", "first_growth_time", "max_tip_speed", "max_tip_speed_over_cR", "branches",
+                            "first_branch_time", "fragments", "largest_penetration", "largest_speed", "gates", "expect"})
+        CHECK_MESSAGE(json.find(key) != std::string::npos, key);
+    CHECK(run.has("gate   energy_residual"));
+    CHECK(run.has("figures/energy.png"));
+
+    SUBCASE("the resolved scenario runs again to the same numbers") {
+        const Answer again = command("run " + folder.in_shell("run/resolved.toml") + " -q -j 2 -o " + folder.in_shell("again"));
+        CHECK(again.code == 0);
+        CHECK(text_of(folder.path / "again/energy.csv") == text_of(folder.path / "run/energy.csv"));
+        CHECK(text_of(folder.path / "again/cracks.csv") == text_of(folder.path / "run/cracks.csv"));
+    }
+    SUBCASE("it is not overwritten unless told to") {
+        const std::string before = text_of(folder.path / "run/run.json");
+        const Answer again = command("run " + small_block() + "-o " + folder.in_shell("run"));
+        CHECK(again.code == 2);
+        CHECK(again.has("run-exists"));
+        CHECK(text_of(folder.path / "run/run.json") == before);
+        CHECK(command("run " + small_block() + "--force -o " + folder.in_shell("run")).code == 0);
+    }
+    SUBCASE("other pictures are drawn from it") {
+        const Answer render = command("render " + folder.in_shell("run") + " --show stress_yy --at 20us --file s.svg --range -1MPa 3MPa --box 40mm 10mm 70mm 30mm");
+        CHECK(render.code == 0);
+        CHECK(fs::file_size(folder.path / "run/figures/s.svg") > 1000);
+        CHECK(command("render " + folder.in_shell("run")).code == 0);
+        CHECK(command("render " + folder.in_shell("run") + " --show nothing").code == 2);
+        CHECK(command("render " + folder.in_shell("run") + " --show speed --at 20mm").has("a length"));
+    }
+    SUBCASE("info tells of it") {
+        CHECK(command("info " + folder.in_shell("run")).has("edge_cracked_block"));
+        CHECK(command("info --json " + folder.in_shell("run")).has("\"summary\""));
+        const Answer table = command("info --csv " + folder.in_shell("run") + " " + folder.in_shell("run"));
+        CHECK(std::count(table.text.begin(), table.text.end(), '\n') == 3);
+        CHECK(command("info " + folder.in_shell("nowhere")).code == 2);
+    }
+}
+
+TEST_CASE("a shorter run is the begin of the longer one") {
+    const Folder folder("until");
+    CHECK(command("run " + small_block() + "-o " + folder.in_shell("long")).code == 0);
+    CHECK(command("run " + small_block() + "--until 20us -o " + folder.in_shell("short")).code == 0);
+    const std::string whole = text_of(folder.path / "long/energy.csv"), part = text_of(folder.path / "short/energy.csv");
+    const std::string head = part.substr(0, part.rfind('\n', part.size() - 2));  // its last line is at its own end
+    CHECK(head.size() > 1000);
+    CHECK(whole.starts_with(head));
+}
+
+TEST_CASE("force does not clear what knap did not make") {
+    const Folder folder("foreign");
+    std::ofstream(folder.path / "thesis.tex") << "years of work";
+    const Answer run = command("run " + small_block() + "--force -o " + folder.in_shell(""));
+    CHECK(run.code == 2);
+    CHECK(text_of(folder.path / "thesis.tex") == "years of work");
+}
+
+TEST_CASE("a run that misses an expectation ends with 4") {
+    const Folder folder("expectation");
+    const Answer run = command("run " + small_block() + "-s 'expect={ broken_length = { above = \"1 m\" } }' -o " + folder.in_shell("run"));
+    CAPTURE(run.text);
+    CHECK(run.code == 4);
+    CHECK(run.has("FAILED"));
+}
+
+TEST_CASE("bad input ends with 2 and leaves nothing behind") {
+    const Folder folder("bad");
+    std::ofstream(folder.path / "bad.toml") << "knap = 1\nname = \"bad\"\n[mesh]\nsise = \"1 mm\"\n";
+    const Answer run = command("run " + folder.in_shell("bad.toml") + " -o " + folder.in_shell("run"));
+    CHECK(run.code == 2);
+    CHECK(run.has("bad.toml:4:1"));
+    CHECK(run.has("did you mean `size`?"));
+    CHECK_FALSE(fs::exists(folder.path / "run"));
+    CHECK(command("run nowhere.toml").code == 2);
+    CHECK(command("run").code == 2);
+    CHECK(command("rum edge_cracked_block").has("did you mean `run`?"));
+    const Answer step = command("run " + small_block() + "-s 'time.step=1 us' -o " + folder.in_shell("run"));
+    CHECK(step.code == 2);
+    CHECK(step.has("stable step"));
+    const Answer shape = command("check " + small_block().substr(0, small_block().find(" -q")) + " -s 'mesh.size=1 m'");
+    CHECK(shape.code == 2);
+    CHECK(shape.has("mesh.size"));
+}
+
+TEST_CASE("Ctrl-C ends a run with its outputs complete") {
+    const Folder folder("interrupt");
+    const fs::path run = folder.path / "run";
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        (void)!freopen("/dev/null", "w", stdout);
+        execl(KNAP_PROGRAM, KNAP_PROGRAM, "run", "edge_cracked_block", "-q", "-j", "1", "-o", run.c_str(), nullptr);
+        _exit(127);
+    }
+    for (int i = 0; i < 600 && !fs::exists(run / "fields/bulk_0001.vtu"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    kill(child, SIGINT);
+    int status = 0;
+    waitpid(child, &status, 0);
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == 130);
+    const std::string json = text_of(run / "run.json"), pvd = text_of(run / "run.pvd");
+    CHECK(json.find("\"status\": \"interrupted\"") != std::string::npos);
+    CHECK(json.find("energy_residual") != std::string::npos);
+    CHECK(pvd.find("</VTKFile>") != std::string::npos);
+    CHECK(fs::file_size(run / "figures/energy.png") > 0);
+    CHECK(text_of(run / "energy.csv").back() == '\n');
+}
