@@ -242,22 +242,25 @@ double FanSolver::walk_chain(const FanProblem& problem) {
         const auto passes = [&](Index b) { return problem.bodies[b].inverse_mass[k] > 0; };
         const auto taken = [&](Index b) { return (velocity_[b][k] - problem.bodies[b].free_velocity[k]) / problem.bodies[b].inverse_mass[k]; };
         bool loose = false;
+        Index n_missing = L - static_cast<Index>(std::count(reached_.begin(), reached_.end(), 1));
         const auto reach = [&](Index i, double value) {
             links_[i].impulse[k] = value;
             links_[i].loose[k] = loose;
             reached_[i] = 1;
+            --n_missing;
         };
         const auto walk = [&] {
-            for (int round = 0; round < (problem.closed ? 2 : 1); ++round) {
+            for (Index before = n_missing + 1; n_missing > 0 && n_missing < before;) {
+                before = n_missing;
                 for (Index b = 0; b < n; ++b)
                     if (passes(b) && is_reached(left_[b]) && !is_reached(right_[b])) reach(right_[b], impulse(left_[b]) - taken(b));
-                for (Index b = n - 1; b >= 0; --b)
+                for (Index b = n - 1; b >= 0 && n_missing > 0; --b)
                     if (passes(b) && is_reached(right_[b]) && !is_reached(left_[b])) reach(left_[b], impulse(right_[b]) + taken(b));
             }
         };
         walk();
         loose = true;  // what no walk reached is free by one constant: round a loop, or between two constraints
-        for (Index i = 0; i < L; ++i) {
+        for (Index i = 0; i < L && n_missing > 0; ++i) {
             if (reached_[i]) continue;
             reach(i, 0);
             walk();
