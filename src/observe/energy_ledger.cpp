@@ -1,16 +1,34 @@
 #include "observe/energy_ledger.hpp"
 
+#include "bulk/elastic_forces.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 namespace knap {
 
+namespace {
+
+/// 1/2 u' K u of a state at rest [J].
+double strain_energy(const Model& model, const State& state) {
+    const ElasticForces elastic(model.mesh, model.materials, model.plane, model.thickness);
+    std::vector<Vec2> force(model.mesh.n_corners());
+    std::vector<std::uint8_t> unused;
+    elastic.evaluate(state.displacement, state.node_of_corner, force, unused);
+    double energy = 0;
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) energy -= 0.5 * force[c].dot(state.displacement[state.node_of_corner[c]]);
+    return energy;
+}
+
+}  // namespace
+
 EnergyLedger::EnergyLedger(const Model& model, const State& start) {
     for (Index c = 0; c < model.mesh.n_corners(); ++c)
         row_.kinetic += 0.5 * model.corner_mass[c] * start.velocity[start.node_of_corner[c]].squaredNorm();
+    row_.strain = strain_energy(model, start);
     row_.time = start.time;
-    start_energy_ = largest_energy_ = row_.kinetic;
+    start_energy_ = largest_energy_ = row_.kinetic + row_.strain;
     mass_ = std::accumulate(model.corner_mass.begin(), model.corner_mass.end(), 0.0);
 }
 
@@ -26,7 +44,8 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.step_change_work += report.step_change_work;
     const double given = row_.external_work - row_.cohesive_work + row_.friction_work + row_.impact_work + row_.step_change_work;
     row_.residual = row_.kinetic + row_.strain - start_energy_ - given;
-    row_.law_lag = row_.cohesive_work - row_.surface;
+    row_.crossing_loss += report.crossing_loss;
+    row_.law_lag = row_.cohesive_work - row_.crossing_loss - row_.surface;
     largest_energy_ = std::max({largest_energy_, row_.kinetic, row_.strain, std::abs(row_.external_work), row_.surface});
     largest_residual_ = std::max(largest_residual_, std::abs(row_.residual));
     largest_law_lag_ = std::max(largest_law_lag_, std::abs(row_.law_lag));

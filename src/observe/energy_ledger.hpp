@@ -2,7 +2,9 @@
 // The energy books of a run and the gates it must pass (formulation: energy ledger).
 //
 //     kinetic + strain - (start) = external - cohesive + impact + friction      to rounding: the identity of the discrete scheme
-//     law lag = cohesive work - (Psi of the state)                              what the explicit cohesion costs; falls with h
+//     law lag = cohesive work - crossing loss - (Psi of the state)              what freezing beta costs; falls with h
+//     crossing loss: a slip that crosses zero is caught by the implicit sign of the tangential cohesion, which takes a little of its
+//     kinetic energy; high-frequency slips die by it
 //
 // Kinetic and strain energy are those of the leapfrog: 1/2 v' M v at the middle of the step, 1/2 u_n' K u_{n+1}.
 #include "model/state.hpp"
@@ -19,6 +21,7 @@ struct EnergyRow {
     double kinetic = 0, strain = 0, surface = 0;
     double external_work = 0, cohesive_work = 0, friction_work = 0, impact_work = 0, step_change_work = 0;
     double residual = 0;  // of the identity
+    double crossing_loss = 0;  // of the cohesive work, where slips cross zero
     double law_lag = 0;
 };
 

@@ -15,7 +15,7 @@ constexpr double never = std::numeric_limits<double>::infinity();
 
 std::vector<double> energy_line(const EnergyRow& row) {
     return {row.time,          row.kinetic,     row.strain,   row.surface,  row.external_work, row.cohesive_work,
-            row.friction_work, row.impact_work, row.residual, row.law_lag};
+            row.friction_work, row.impact_work, row.residual, row.law_lag, row.crossing_loss};
 }
 
 std::vector<double> crack_line(double time, const CrackHistory& history, double rayleigh_speed) {
@@ -54,7 +54,7 @@ void add_line(const std::vector<double>& row, History& history, std::ofstream& f
 
 std::vector<std::string> energy_columns() {
     return {"time",          "kinetic",       "strain",      "surface",  "external_work",
-            "cohesive_work", "friction_work", "impact_work", "residual", "law_lag"};
+            "cohesive_work", "friction_work", "impact_work", "residual", "law_lag",  "crossing_loss"};
 }
 
 std::vector<std::string> crack_columns() {

@@ -33,6 +33,7 @@ Summary summarise(const Model& model, const State& end, const Recorder& recorder
     return {{
         {"energy_residual", ledger.largest_residual() / scale},
         {"law_lag", ledger.largest_law_lag() / scale},
+        {"crossing_loss", energy.crossing_loss / scale},
         {"external_work", energy.external_work},
         {"dissipated", energy.surface},
         {"friction_work", energy.friction_work},

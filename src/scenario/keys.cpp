@@ -156,6 +156,7 @@ const std::vector<Key>& table() {
 constexpr std::array summary{
     SummaryKey{"energy_residual", "", "largest error of the energy balance, relative to the largest energy"},
     SummaryKey{"law_lag", "", "largest lag of the cohesive law of explicit beta, relative to the largest energy"},
+    SummaryKey{"crossing_loss", "", "energy lost where slips cross zero, relative to the largest energy"},
     SummaryKey{"external_work", "J", "work of loads and prescribed motions"},
     SummaryKey{"dissipated", "J", "surface energy of broken and damaged interfaces"},
     SummaryKey{"friction_work", "J", "work of friction, never positive"},

@@ -200,6 +200,20 @@ void ExplicitBeta::pose(Index f, const State& begin, const FreeMotion& free, Fan
     }
 }
 
+namespace {
+
+/// What the implicit sign of the tangential cohesion costs where the slip changes its sign: the work of its force minus the change of
+/// gamma beta sigma_c |u_T| S, both between the middles of the steps, which is what the mean velocity of an impulse covers.
+double crossing_loss(const FanLink& link, double v_T_before, double v_T_after, double last_step, const FreeMotion& free) {
+    const double from = link.u_T - 0.5 * last_step * v_T_before, to = link.u_T + 0.5 * free.drift_time * v_T_after;
+    const double end = link.u_T + free.drift_time * v_T_after;
+    if (link.cohesive == 0 || (from >= 0 && to >= 0 && end > 0) || (from <= 0 && to <= 0 && end < 0)) return 0;
+    const double work = -(link.tangential - link.friction_part) * 0.5 * (v_T_before + v_T_after);
+    return work - link.gamma * link.cohesive / free.kick_time * (std::abs(to) - std::abs(from));
+}
+
+}  // namespace
+
 void ExplicitBeta::advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work,
                                StepReport& report) const {
     const Index f = end.split_fans[rank];
@@ -251,6 +265,7 @@ void ExplicitBeta::advance_fan(Index rank, const State& begin, const FreeMotion&
         }
         const double impact = link.contact * mean_N, friction = link.friction_part * mean_T;
         report.cohesive_work += link.cohesive * mean_N - (link.tangential - link.friction_part) * mean_T;
+        report.crossing_loss += crossing_loss(link, t.dot(before), t.dot(after), begin.last_step, free);
         report.impact_work += impact;
         report.friction_work += friction;
         report.worst_impact_work = std::max(report.worst_impact_work, impact);

@@ -10,6 +10,7 @@ StepReport& StepReport::operator+=(const StepReport& other) {
     surface += other.surface;
     external_work += other.external_work;
     cohesive_work += other.cohesive_work;
+    crossing_loss += other.crossing_loss;
     impact_work += other.impact_work;
     friction_work += other.friction_work;
     step_change_work += other.step_change_work;

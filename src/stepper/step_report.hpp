@@ -11,6 +11,7 @@ struct StepReport {
     double surface = 0;          // sum of S Psi over all points, after the step
     double external_work = 0;    // of loads and prescribed motions
     double cohesive_work = 0;    // spent against the interface forces that Psi belongs to (positive: taken from the body)
+    double crossing_loss = 0;    // part of the cohesive work that no energy stores: lost where a slip crosses zero within a step
     double impact_work = 0;      // <= 0
     double friction_work = 0;    // <= 0
     double step_change_work = 0; // what a change of the step size does to the leapfrog energy; 0 at constant step
