@@ -1,5 +1,6 @@
 #include "observe/progress.hpp"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,6 +23,13 @@ std::string scaled(double value, const char* unit) {
     return formatted("%.3g ", value) + unit;
 }
 
+/// A line longer than the terminal is wide would wrap, and could not be rewritten.
+std::string fitted(std::string line, std::FILE* terminal) {
+    winsize size{};
+    if (ioctl(fileno(terminal), TIOCGWINSZ, &size) == 0 && size.ws_col > 1 && line.size() >= size.ws_col) line.resize(size.ws_col - 1);
+    return line;
+}
+
 }  // namespace
 
 Progress::Progress(std::FILE* file, double end, Index n_triangles)
@@ -31,13 +39,13 @@ std::string Progress::line(const State& now, const Recorder& recorder) const {
     const CrackPattern& cracks = recorder.cracks().pattern();
     const EnergyLedger& ledger = recorder.ledger();
     const double part = now.time / end_, wall = watch_.wall();
-    std::string text = formatted("%3.0f %%", 100 * part) + "  t = " + scaled(now.time, "s");
-    text += "  crack " + scaled(cracks.main_length, "m") + ", tips " + std::to_string(cracks.tips.size()) + ", branches " +
-            std::to_string(cracks.n_branches());
-    if (!recorder.crack_history().rows.empty()) text += formatted(", v/cR %.2f", recorder.crack_history().rows.back()[10]);
+    std::string text = formatted("%3.0f %%", 100 * part) + "  t " + scaled(now.time, "s");
+    if (part < 1 && part > 0) text += formatted("  %.0f s left", wall * (1 - part) / part);
+    text += "  crack " + scaled(cracks.main_length, "m");
+    if (!recorder.crack_history().rows.empty()) text += formatted("  v/cR %.2f", recorder.crack_history().rows.back()[10]);
+    text += "  tips " + std::to_string(cracks.tips.size()) + "  branches " + std::to_string(cracks.n_branches());
     text += formatted("  residual %.1e", ledger.largest_residual() / std::max(ledger.largest_energy(), 1e-300));
     text += formatted("  %.2e triangle-steps/s", static_cast<double>(now.n_steps) * n_triangles_ / std::max(wall, 1e-9));
-    if (part < 1 && part > 0) text += formatted("  %.0f s left", wall * (1 - part) / part);
     return text;
 }
 
@@ -47,7 +55,7 @@ void Progress::after_step(const State& now, const Recorder& recorder) {
         const double wall = watch_.wall();
         if (wall < next_wall_) return;
         next_wall_ = wall + 0.2;
-        std::fprintf(file_, "\r\033[K%s", line(now, recorder).c_str());
+        std::fprintf(file_, "\r\033[K%s", fitted(line(now, recorder), file_).c_str());
     } else {
         if (now.time < end_ * next_part_ / 20 * (1 - 1e-12)) return;
         while (next_part_ <= 20 && now.time >= end_ * next_part_ / 20 * (1 - 1e-12)) ++next_part_;
@@ -58,7 +66,7 @@ void Progress::after_step(const State& now, const Recorder& recorder) {
 
 void Progress::finish(const State& now, const Recorder& recorder) {
     if (file_ == nullptr || !terminal_) return;
-    std::fprintf(file_, "\r\033[K%s\n", line(now, recorder).c_str());
+    std::fprintf(file_, "\r\033[K%s\n", fitted(line(now, recorder), file_).c_str());
 }
 
 }  // namespace knap
