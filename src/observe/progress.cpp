@@ -44,7 +44,7 @@ std::string Progress::line(const State& now, const Recorder& recorder) const {
     text += "  crack " + scaled(cracks.main_length, "m");
     if (!recorder.crack_history().rows.empty()) text += formatted("  v/cR %.2f", recorder.crack_history().rows.back()[10]);
     text += "  tips " + std::to_string(cracks.tips.size()) + "  branches " + std::to_string(cracks.n_branches());
-    text += formatted("  residual %.1e", ledger.largest_residual() / std::max(ledger.largest_energy(), 1e-300));
+    text += formatted("  dE %.0e", ledger.largest_residual() / std::max(ledger.largest_energy(), 1e-300));
     text += formatted("  %.2e triangle-steps/s", static_cast<double>(now.n_steps) * n_triangles_ / std::max(wall, 1e-9));
     return text;
 }
