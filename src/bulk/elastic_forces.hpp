@@ -24,11 +24,16 @@ public:
 private:
     struct Triangle {
         Vec2 gradient1, gradient2;     // [1/m] of the shape functions of corners 1 and 2; corner 0 has minus their sum
-        double lame, twice_shear;      // [Pa] lambda of the plane law, 2 mu
         double volume;                 // [m3]
-        double threshold;              // [Pa^2] smallest of the three fans'
+        float threshold;               // [Pa^2] smallest of the three fans', rounded down
+        Index material;
+    };
+    static_assert(sizeof(Triangle) == 48);  // on large meshes memory sets the pace
+    struct Stiffness {
+        double lame, twice_shear;  // [Pa] lambda of the plane law, 2 mu
     };
     std::vector<Triangle> triangles_;
+    std::vector<Stiffness> stiffness_;  // per material
     std::vector<double> threshold_of_fan_;
     std::vector<Index> fan_of_corner_;
 };

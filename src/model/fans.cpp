@@ -121,11 +121,11 @@ private:
         model_.fan_points.push_back({.before = before,
                                      .after = after,
                                      .point = 2 * interface + end,
+                                     .law = edge.law,
+                                     .cracked = edge.cracked,
                                      .normal = turned_left(ray),
                                      .area = 0.5 * edge.length * model_.thickness,
-                                     .gap = edge.gap,
-                                     .law = edge.law,
-                                     .cracked = edge.cracked});
+                                     .gap = edge.gap});
         ++fan.n_points;
         fan.split_at_start = fan.split_at_start || edge.cracked || before == ground || after == ground;
     }
