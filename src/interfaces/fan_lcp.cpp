@@ -1,6 +1,6 @@
 #include "interfaces/fan_lcp.hpp"
 
-#include "interfaces/lemke.hpp"
+#include "lcp/lemke.hpp"
 
 #include <algorithm>
 #include <cmath>

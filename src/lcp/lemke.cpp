@@ -1,4 +1,4 @@
-#include "interfaces/lemke.hpp"
+#include "lcp/lemke.hpp"
 
 #include <Eigen/LU>
 

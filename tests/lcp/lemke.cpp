@@ -1,5 +1,5 @@
 #include "base/random.hpp"
-#include "interfaces/lemke.hpp"
+#include "lcp/lemke.hpp"
 
 #include <doctest/doctest.h>
 
