@@ -21,6 +21,9 @@ struct FanBody {
     Vec2 free_velocity;  // [m/s] after the step if no interface acted
     Vec2 inverse_mass;   // [1/kg] per component
     Vec2 end_velocity;   // [m/s] result
+
+    /// [kg] per component; 0 where the motion is prescribed: the constraint takes what acts there.
+    Vec2 mass() const { return {inverse_mass.x() > 0 ? 1 / inverse_mass.x() : 0, inverse_mass.y() > 0 ? 1 / inverse_mass.y() : 0}; }
 };
 
 /// An interface point of the chain. Bodies are numbered along the chain; link i joins `before` and `after` = neighbours, or ground.
@@ -38,6 +41,9 @@ struct FanLink {
     double friction_part = 0;     // [N s] result: what of P_T is friction
     Vec2 impulse = Vec2::Zero();  // [N s] result: P, on the body after
     bool stuck = false;     // result: no relative velocity was found necessary
+
+    Vec2 tangent() const { return turned_left(normal); }
+    Vec2 vector(double along_normal, double along_tangent) const { return along_normal * normal + along_tangent * tangent(); }
 };
 
 struct FanProblem {
@@ -46,7 +52,10 @@ struct FanProblem {
     bool closed = false;
     double drift_time = 0;       // [s] h
 
+    // per body, the ground included
+    Vec2 inverse_mass(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].inverse_mass; }
     Vec2 velocity_before(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].velocity; }
+    Vec2 free_velocity(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].free_velocity; }
     Vec2 velocity_after(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].end_velocity; }
 };
 

@@ -1,0 +1,16 @@
+#pragma once
+// What is large and what is rounding in the problem of one fan: the units of its impulses and velocities, and its tolerances.
+#include "interfaces/fan_problem.hpp"
+
+namespace knap {
+
+struct FanScales {
+    double impulse = 1;            // [N s] the largest that can occur
+    double speed = 1;              // [m/s]
+    double impulse_tolerance = 0;  // [N s]
+    double speed_tolerance = 0;    // [m/s]
+};
+
+FanScales scales_of(const FanProblem& problem);
+
+}  // namespace knap

@@ -1,0 +1,97 @@
+#include "interfaces/link_state.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+
+void LinkState::set(bool to_closed, int to_tangential_state) {
+    closed = to_closed;
+    tangential_state = to_tangential_state;
+    tangential = law.tangential(closed, tangential_state);
+}
+
+void LinkState::guess(const FanProblem& problem, const FanLink& link, const FanScales& scales) {
+    imposed = false;
+    if (link.unbreakable) {
+        closed = true;
+        tangential = {.stick = true, .velocity = 0, .low = 0, .high = 0};
+        return;
+    }
+    const Vec2 relative = problem.velocity_before(link.after) - problem.velocity_before(link.before);
+    law = LinkLaw(link, relative, problem.drift_time, scales.speed_tolerance);
+    // what is prescribed on both sides is known beforehand, all else is guessed to go on as before
+    const auto prescribed = [&](Index body, int k) { return body < 0 || problem.bodies[body].inverse_mass[k] == 0; };
+    Vec2 expected = relative;
+    int n_imposed = 0;
+    for (int k = 0; k < 2; ++k) {
+        if (!prescribed(link.before, k) || !prescribed(link.after, k)) continue;
+        expected[k] = problem.free_velocity(link.after)[k] - problem.free_velocity(link.before)[k];
+        ++n_imposed;
+    }
+    imposed = n_imposed == 2;
+    const bool touches = law.may_touch() && link.normal.dot(expected) <= law.bound() + scales.speed_tolerance;
+    set(touches, law.state_of(touches, link.tangent().dot(expected), scales.speed_tolerance));
+}
+
+Vec2 LinkState::target(const FanLink& link) const {
+    if (link.unbreakable) return Vec2::Zero();
+    return link.vector(law.bound(), tangential.velocity);
+}
+
+Vec2 LinkState::known_impulse(const FanLink& link) const { return link.vector(-link.cohesive, -tangential.at); }
+
+double LinkState::friction_part(const FanLink& link) const {
+    if (link.unbreakable) return 0;
+    const double friction = -tangential.contact * link.contact;  // of the signs that are known
+    if (!tangential.stick || tangential.contact_play == 0) return friction;
+    // at rest both may jump: cohesion takes what it can, friction the rest
+    const double lambda = link.tangential + tangential.at + tangential.contact * link.contact;
+    return friction + lambda - std::clamp(lambda, -tangential.play, tangential.play);
+}
+
+StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& velocity, const Vec2& impulse, const FanScales& scales) {
+    const LinkLaw& law = state.law;
+    const TangentialLaw& tangential = state.tangential;
+    const double v_N = link.normal.dot(velocity), v_T = link.tangent().dot(velocity);
+    const double p = state.closed ? link.normal.dot(impulse) + link.cohesive : 0;
+    StateChange change{.closed = state.closed, .tangential_state = state.tangential_state};
+    const auto violates = [&](double amount, double tolerance, double unit) {
+        if (amount <= tolerance) return false;
+        change.violation = std::max(change.violation, amount / unit);
+        return true;
+    };
+    const auto too_fast = [&](double excess, int slack = 1) { return violates(excess, slack * scales.speed_tolerance, scales.speed); };
+    const auto too_strong = [&](double excess) { return violates(excess, scales.impulse_tolerance, scales.impulse); };
+
+    if (tangential.stick) {
+        const double q = link.tangent().dot(impulse) + tangential.at + tangential.contact * p;
+        const double most = tangential.play + tangential.contact_play * std::max(p, 0.0);
+        if (too_strong(std::abs(q) - most)) change.tangential_state += q > 0 ? -1 : 1;
+        // what its cluster holds already may hold it elsewhere than at the kink
+        if (!state.closed && too_fast(std::abs(v_T - tangential.velocity), 10)) change.tangential_state = law.state_of(false, v_T, 0);
+    } else if (too_fast(tangential.low - v_T)) {
+        --change.tangential_state;
+    } else if (too_fast(v_T - tangential.high)) {
+        ++change.tangential_state;
+    }
+
+    if (state.closed && too_strong(-p)) {  // pulled apart
+        const int step = change.tangential_state - state.tangential_state;
+        const bool stays_at_kink = tangential.stick && step == 0;
+        const double at = tangential.stick ? tangential.velocity + step * 2 * scales.speed_tolerance : v_T;
+        change.closed = false;
+        change.tangential_state = law.state_of(false, at, stays_at_kink ? scales.speed_tolerance : 0);
+    } else if (!state.closed && law.may_touch() && too_fast(law.bound() - v_N)) {
+        change.closed = true;
+        change.tangential_state = law.state_of(true, v_T, scales.speed_tolerance);
+    } else if (state.closed && too_fast(v_N - law.bound(), 10)) {
+        change.closed = false;
+        change.tangential_state = law.state_of(false, v_T, scales.speed_tolerance);
+    } else if (state.closed) {
+        change.unmended = (law.bound() - v_N) / scales.speed;
+    }
+    return change;
+}
+
+}  // namespace knap
