@@ -78,7 +78,7 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     const Scenario& scenario = read.scenario;
     const Model model = model_of(read);
     MoreauJean stepper(model);
-    const StepPlan plan = plan_steps(scenario, stepper.stable_step(), scenario.time.end);
+    const StepPlan plan = plan_of(read, stepper.stable_step(), scenario.time.end);
     const double edge = mean_edge(model.mesh);
     double finest = edge;
     for (const RefineBox& box : scenario.mesh.refine) finest = std::min(finest, box.size);
@@ -98,7 +98,7 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
                 static_cast<long long>(plan.n_steps), work);
     std::printf("  about %.0f s of one core (at %.1e triangle-steps/s, %s), %.0f MB of memory, %.0f MB of disk for %.0f frames\n", work / speed,
                 speed, time ? "measured now" : "usual; --time measures", 60 + 1.8e-3 * model.mesh.n_triangles(),
-                frames * 190e-6 * model.mesh.n_triangles(), frames);
+                frames * 85e-6 * model.mesh.n_triangles(), frames);
 
     std::vector<Diagnostic> warnings = read.warnings;
     for (const Diagnostic& warning : resolution_warnings(read, edge)) warnings.push_back(warning);

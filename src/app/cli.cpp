@@ -103,7 +103,7 @@ int run_command_line(int argc, char** argv) {
     render_command->add_option("--range", range, "colour range, two values with units")->expected(2);
     render_command->add_option("--box", box, "part of the body: xmin ymin xmax ymax")->expected(4);
     render_command->add_option("--width", figure.width, "pixels")->check(CLI::Range(200, 20000));
-    render_command->add_option("-o,--output", output, "directory for the pictures; default <run>/figures");
+    render_command->add_option("-o,--output", output, "directory for the pictures; default <run>/rendered");
 
     std::vector<std::filesystem::path> runs;
     bool json = false, csv = false;

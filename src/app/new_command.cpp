@@ -12,7 +12,9 @@ ExitCode write_new_scenario(const std::string& name, bool force) {
     const std::filesystem::path given(name), file = given.extension() == ".toml" ? given : std::filesystem::path(name + ".toml");
     if (std::filesystem::exists(file) && !force)
         throw UserError("file-exists", "`" + file.string() + "` exists already", "choose another name, or replace it with --force");
-    write_whole_file(file, new_scenario(file.stem().string()));
+    const std::string text = new_scenario(file.stem().string());
+    read_scenario_text(text, file.string());  // a name that a scenario cannot have is refused here
+    write_whole_file(file, text);
     std::printf("wrote %s; next: knap check %s, knap run %s\n", file.string().c_str(), file.string().c_str(), file.string().c_str());
     return exit_done;
 }

@@ -36,7 +36,7 @@ ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figur
     const FigureContext context{.title = title.empty() ? record.value("name", "") : title,
                                 .rayleigh_speed = record.value("rayleigh_speed_m_per_s", 0.0)};
     const History energy = read_csv(run / "energy.csv"), cracks = read_csv(run / "cracks.csv");
-    const std::filesystem::path directory = output.empty() ? run / "figures" : output;
+    const std::filesystem::path directory = output.empty() ? run / "rendered" : output;
     std::filesystem::create_directories(directory);
     for (const FigureOptions& wanted : figures) {
         std::vector<double> at = wanted.at;
@@ -51,7 +51,9 @@ ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figur
             const Frame frame = read_frame(run, nearest_frame(times, time));
             if (std::abs(frame.time - time) > 1e-6 * times.back())
                 std::fprintf(stderr, "note: no frame at %.6g s; the nearest is at %.6g s\n", time, frame.time);
-            for (const auto& path : draw_figure(wanted, frame, energy, cracks, context, directory)) std::printf("figure:  %s\n", path.string().c_str());
+            FigureOptions one = wanted;  // named by the time that is drawn, not by the one that was asked for
+            if (at.size() > 1) one.at.assign(2, frame.time);
+            for (const auto& path : draw_figure(one, frame, energy, cracks, context, directory)) std::printf("figure:  %s\n", path.string().c_str());
         }
     }
     return exit_done;

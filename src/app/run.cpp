@@ -54,18 +54,28 @@ double largest_critical_opening(const Scenario& scenario) {
     return largest;
 }
 
-void print_end(const RunRecord& record, const std::filesystem::path& directory) {
-    std::printf("%s: %s at t = %.6g s after %lld steps of %.4g s; %d triangles, %d interfaces; %.1f s (%.1f s of processor time)\n",
-                record.name.c_str(), record.status.c_str(), record.time, static_cast<long long>(record.steps), record.step, record.triangles,
-                record.interfaces, record.wall, record.cpu);
-    if (!record.reason.empty()) std::printf("  reason: %s\n", record.reason.c_str());
-    for (const auto& [name, value] : record.summary.values) std::printf("  %-24s %.6g\n", name.c_str(), value);
+template <class... Values>
+void add_line(std::string& text, const char* format, Values... values) {
+    char line[512];
+    std::snprintf(line, sizeof line, format, values...);
+    text += line;
+}
+
+/// What a run found, for people.
+std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory) {
+    std::string text;
+    add_line(text, "%s: %s at t = %.6g s after %lld steps of %.4g s; %d triangles, %d interfaces; %.1f s (%.1f s of processor time)\n",
+             record.name.c_str(), record.status.c_str(), record.time, static_cast<long long>(record.steps), record.step, record.triangles,
+             record.interfaces, record.wall, record.cpu);
+    if (!record.reason.empty()) text += "  reason: " + record.reason + "\n";
+    for (const auto& [name, value] : record.summary.values) add_line(text, "  %-24s %.6g\n", name.c_str(), value);
     for (const Gate& gate : record.gates)
-        std::printf("  gate   %-20s %-12.4g limit %-12.4g %s\n", gate.name.c_str(), gate.value, gate.limit, gate.pass ? "ok" : "VIOLATED");
+        add_line(text, "  gate   %-20s %-12.4g limit %-12.4g %s\n", gate.name.c_str(), gate.value, gate.limit, gate.pass ? "ok" : "VIOLATED");
     for (const ExpectResult& result : record.expect)
-        std::printf("  expect %-20s %-12.6g %-24s %s\n", result.name.c_str(), result.value, result.limit.c_str(), result.pass ? "ok" : "FAILED");
-    std::printf("run:     %s\n", directory.string().c_str());
-    for (const auto& figure : record.figures) std::printf("figure:  %s\n", figure.string().c_str());
+        add_line(text, "  expect %-20s %-12.6g %-24s %s\n", result.name.c_str(), result.value, result.limit.c_str(), result.pass ? "ok" : "FAILED");
+    text += "run:     " + directory.string() + "\n";
+    for (const auto& figure : record.figures) text += "figure:  " + figure.string() + "\n";
+    return text;
 }
 
 ExitCode exit_code(const RunRecord& record) {
@@ -82,6 +92,18 @@ Model model_of(const ReadResult& read) {
         return build_model(read.scenario);
     } catch (const ShapeError& error) {
         throw UserError({locate(read, error)});
+    }
+}
+
+StepPlan plan_of(const ReadResult& read, double stable_step, double until) {
+    try {
+        return plan_steps(read.scenario, stable_step, until);
+    } catch (const UserError& error) {
+        Diagnostic placed = locate(read, "time.step");
+        placed.code = error.diagnostics.front().code;
+        placed.message = error.diagnostics.front().message;
+        placed.note = error.diagnostics.front().note;
+        throw UserError({placed});
     }
 }
 
@@ -115,7 +137,7 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
     // mesh and model; nothing is written before they are known to be possible
     const Model model = model_of(read);
     MoreauJean stepper(model);
-    const StepPlan plan = plan_steps(scenario, stepper.stable_step(), options.until);
+    const StepPlan plan = plan_of(read, stepper.stable_step(), options.until);
     record.cpu_model = whole.cpu();
     record.triangles = model.mesh.n_triangles();
     record.interfaces = static_cast<Index>(model.interfaces.size());
@@ -174,7 +196,10 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
     record.wall = whole.wall();
     record.cpu = whole.cpu();
     write_whole_file(directory / "run.json", run_json(record));
-    print_end(record, directory);
+    const std::string end = end_of_run(record, directory);
+    log << end;
+    write_whole_file(directory / "log.txt", log.str());
+    std::fputs(end.c_str(), stdout);
     return exit_code(record);
 }
 

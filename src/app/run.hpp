@@ -1,5 +1,6 @@
 #pragma once
 // One run of a scenario, from its text to its figures: the whole program on one screen.
+#include "app/setup.hpp"
 #include "scenario/read_scenario.hpp"
 
 #include <filesystem>
@@ -25,6 +26,9 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options);
 
 /// The mesh and model of a scenario; what geometry refuses becomes a UserError at the right line of the scenario.
 Model model_of(const ReadResult& read);
+
+/// plan_steps; a step that is too large is an error at its line of the scenario.
+StepPlan plan_of(const ReadResult& read, double stable_step, double until);
 
 /// Warnings about the resolution of the process zone.
 std::vector<Diagnostic> resolution_warnings(const ReadResult& read, double mean_edge);

@@ -19,7 +19,7 @@ struct RunRecord {
     std::uint64_t seed = 0;
     int threads = 1;
     double wall = 0, cpu = 0;                                                   // [s] the whole command
-    double cpu_mesh = 0, cpu_model = 0, cpu_steps = 0, cpu_output = 0;          // [s] parts of it
+    double cpu_model = 0, cpu_steps = 0, cpu_output = 0;  // [s] parts of it: mesh and model, steps, output
     Index triangles = 0, interfaces = 0;
     std::int64_t steps = 0;
     double step = 0, time = 0;       // [s] h, and the time reached

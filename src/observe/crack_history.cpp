@@ -1,17 +1,19 @@
 #include "observe/crack_history.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace knap {
 
 double speed_over_window(std::span<const std::pair<double, double>> samples, double window) {
-    if (samples.empty()) return 0;
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    if (samples.empty()) return unknown;
     std::size_t first = samples.size();
     while (first > 0 && samples.back().second - samples[first - 1].second < window) --first;
-    if (first == 0) return 0;
+    if (first == 0) return unknown;
     const auto used = samples.subspan(first - 1);
-    if (used.size() < 3) return 0;
+    if (used.size() < 3) return unknown;
     double mean_time = 0, mean_position = 0;
     for (const auto& [t, s] : used) mean_time += t, mean_position += s;
     mean_time /= static_cast<double>(used.size());
@@ -50,7 +52,7 @@ const CrackPattern& CrackHistory::snapshot(double time, std::span<const Interfac
     times_.push_back(time);
     pattern_ = find_cracks(graph_, status, options_);
     speed_ = speed_over_window(front(), options_.speed_window);
-    max_speed_ = std::max(max_speed_, speed_);
+    max_speed_ = std::fmax(max_speed_, speed_);  // ignores what is not known
 
     if (!first_growth_ && !pattern_.counted.empty()) first_growth_ = time;
     if (!first_branching_ && !pattern_.branchings.empty()) {

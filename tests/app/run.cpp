@@ -45,7 +45,7 @@ TEST_CASE("a run directory is complete") {
     SUBCASE("other pictures are drawn from it") {
         const Answer render = command("render " + folder.in_shell("run") + " --show stress_yy --at 20us --file s.svg --range -1MPa 3MPa --box 40mm 10mm 70mm 30mm");
         CHECK(render.code == 0);
-        CHECK(fs::file_size(folder.path / "run/figures/s.svg") > 1000);
+        CHECK(fs::file_size(folder.path / "run/rendered/s.svg") > 1000);
         CHECK(command("render " + folder.in_shell("run")).code == 0);
         CHECK(command("render " + folder.in_shell("run") + " --show nothing").code == 2);
         CHECK(command("render " + folder.in_shell("run") + " --show speed --at 20mm").has("a length"));
