@@ -1,13 +1,11 @@
 #pragma once
 // Shapes that the tests share.
 #include "geometry/shape.hpp"
-
-#include <doctest/doctest.h>
+#include "support/relative.hpp"
 
 namespace knap::testing {
 
-/// Equal within a relative tolerance (doctest's own scale of 1 would make every length in metres equal).
-inline doctest::Approx relative(double value, double tolerance) { return doctest::Approx(value).epsilon(tolerance).scale(0); }
+using tests::relative;
 
 /// 0.1 m x 0.04 m, sides named bottom, right, top, left.
 inline Shape block() {

@@ -11,9 +11,9 @@ const Elastic glass{.density = 2450, .E = 32e9, .nu = 0.2};
 }
 
 TEST_CASE("C10 wave speeds of glass in plane strain") {
-    CHECK(glass.dilatational_speed(PlaneModel::strain) == doctest::Approx(3809.5).scale(1).epsilon(0.1));
-    CHECK(glass.shear_speed() == doctest::Approx(2332.8).scale(1).epsilon(0.1));
-    CHECK(glass.rayleigh_speed(PlaneModel::strain) == doctest::Approx(2125.2).scale(1).epsilon(0.1));
+    CHECK(std::abs(glass.dilatational_speed(PlaneModel::strain) - 3809.5) < 0.1);
+    CHECK(std::abs(glass.shear_speed() - 2332.8) < 0.1);
+    CHECK(std::abs(glass.rayleigh_speed(PlaneModel::strain) - 2125.2) < 0.1);
 }
 
 TEST_CASE("the Rayleigh speed is the root of its polynomial for every Poisson ratio") {

@@ -1,11 +1,12 @@
 // Cracks drawn by hand: the graph is known, so every number is.
 #include "crack_drawing.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
 using namespace knap;
 using namespace crack_drawing;
-using doctest::Approx;
+using knap::tests::relative;
 
 namespace {
 CrackPattern cracks(const Drawing& d, const CrackOptions& o = options()) { return find_cracks(d.graph, d.status, o); }
@@ -19,7 +20,7 @@ TEST_CASE("nothing broken: no crack") {
     const CrackPattern p = cracks(d);
     CHECK(p.crack_length == 0);
     CHECK(p.broken_length == 0);
-    CHECK(p.damaged_length == Approx(6 * mm));
+    CHECK(p.damaged_length == relative(6 * mm));
     CHECK(p.n_damaged == 6);
     CHECK(p.n_cracks == 0);
     CHECK_FALSE(p.main_end);
@@ -33,14 +34,14 @@ TEST_CASE("straight crack ahead of a pre-crack") {
     d.row(12, 0, 1, 0, 3, InterfaceStatus::damaged);
     const CrackPattern p = cracks(d);
     CHECK(p.n_broken == 12);
-    CHECK(p.broken_length == Approx(12 * mm));
-    CHECK(p.crack_length == Approx(12 * mm));
-    CHECK(p.main_length == Approx(12 * mm));
+    CHECK(p.broken_length == relative(12 * mm));
+    CHECK(p.crack_length == relative(12 * mm));
+    CHECK(p.main_length == relative(12 * mm));
     CHECK(p.n_cracks == 1);
     CHECK(p.n_branches() == 0);
     REQUIRE(p.tips.size() == 1);
     CHECK((p.tips[0].position - Vec2(12 * mm, 0)).norm() < 1e-12);
-    CHECK(p.main_end->path_length == Approx(12 * mm));
+    CHECK(p.main_end->path_length == relative(12 * mm));
     CHECK(p.main_start == CrackStart::precrack);
 }
 
@@ -50,10 +51,10 @@ TEST_CASE("a crack counts from its first edge at the end of a pre-crack") {
     d.row(0, 0, 1, 0, 1);
     d.row(-2, 0, 0, 1, 2);  // a longer stub at the side of the notch
     const CrackPattern p = cracks(d);
-    CHECK(p.crack_length == Approx(1 * mm));
-    CHECK(p.broken_length == Approx(3 * mm));
+    CHECK(p.crack_length == relative(1 * mm));
+    CHECK(p.broken_length == relative(3 * mm));
     REQUIRE(p.tips.size() == 1);
-    CHECK(p.tips[0].position.x() == Approx(1 * mm));
+    CHECK(p.tips[0].position.x() == relative(1 * mm));
 }
 
 TEST_CASE("kinked crack: length along edges and along chords") {
@@ -61,14 +62,14 @@ TEST_CASE("kinked crack: length along edges and along chords") {
     d.notch();
     d.row(0, 0, 1, 0, 6);
     d.row(6, 0, 3, 4, 2);  // two edges of 5 mm
-    CHECK(cracks(d).main_length == Approx(16 * mm));
-    CHECK(cracks(d).crack_length == Approx(16 * mm));
+    CHECK(cracks(d).main_length == relative(16 * mm));
+    CHECK(cracks(d).crack_length == relative(16 * mm));
     CHECK((cracks(d).main_end->position - mm * Vec2(12, 8)).norm() < 1e-12);
     // chords of 8 mm: (0,0) to (9,4) and on to (12,8)
     CrackOptions o = options();
     o.chord_length = 8 * mm;
-    CHECK(cracks(d, o).main_length == Approx((std::hypot(9, 4) + 5) * mm));
-    CHECK(cracks(d, o).crack_length == Approx(16 * mm));
+    CHECK(cracks(d, o).main_length == relative((std::hypot(9, 4) + 5) * mm));
+    CHECK(cracks(d, o).crack_length == relative(16 * mm));
 }
 
 TEST_CASE("chords take the zigzag out of a path") {
@@ -79,9 +80,9 @@ TEST_CASE("chords take the zigzag out of a path") {
         d.edge(k + 1, 1, k + 2, 0, InterfaceStatus::broken);
     }
     CrackOptions o = options();
-    CHECK(cracks(d, o).main_length == Approx(40 * std::sqrt(2.0) * mm));
+    CHECK(cracks(d, o).main_length == relative(40 * std::sqrt(2.0) * mm));
     o.chord_length = 5 * mm;  // four edges: from (0,0) to (4,0)
-    CHECK(cracks(d, o).main_length == Approx(40 * mm));
+    CHECK(cracks(d, o).main_length == relative(40 * mm));
 }
 
 TEST_CASE("one branching") {
@@ -95,11 +96,11 @@ TEST_CASE("one branching") {
     REQUIRE(p.branchings.size() == 1);
     CHECK((p.branchings[0].position - mm * Vec2(8, 0)).norm() < 1e-12);
     CHECK(p.branchings[0].n_arms == 2);
-    CHECK(p.branchings[0].shorter_arm == Approx(5 * std::sqrt(2.0) * mm));
+    CHECK(p.branchings[0].shorter_arm == relative(5 * std::sqrt(2.0) * mm));
     CHECK(p.branchings[0].first_interface == d.graph.ends.size() - 11);
     CHECK(p.tips.size() == 2);
-    CHECK(p.crack_length == Approx((8 + 11 * std::sqrt(2.0)) * mm));
-    CHECK(p.main_length == Approx((8 + 6 * std::sqrt(2.0)) * mm));
+    CHECK(p.crack_length == relative((8 + 11 * std::sqrt(2.0)) * mm));
+    CHECK(p.main_length == relative((8 + 6 * std::sqrt(2.0)) * mm));
     CHECK((p.main_end->position - mm * Vec2(14, -6)).norm() < 1e-12);
 }
 
@@ -137,12 +138,12 @@ TEST_CASE("twig below the pruning length is no branch and no length") {
     d.row(3, 0, 0, 1, 3);
     CHECK(cracks(d).n_branches() == 0);
     CHECK(cracks(d).tips.size() == 1);
-    CHECK(cracks(d).crack_length == Approx(8 * mm));
-    CHECK(cracks(d).broken_length == Approx(11 * mm));
+    CHECK(cracks(d).crack_length == relative(8 * mm));
+    CHECK(cracks(d).broken_length == relative(11 * mm));
     d.row(3, 3, 0, 1, 1);  // now it is 4 mm long
     CHECK(cracks(d).n_branches() == 1);
     CHECK(cracks(d).tips.size() == 2);
-    CHECK(cracks(d).crack_length == Approx(12 * mm));
+    CHECK(cracks(d).crack_length == relative(12 * mm));
 }
 
 TEST_CASE("a crack that kinks right behind its tip is not a branch of both") {
@@ -154,7 +155,7 @@ TEST_CASE("a crack that kinks right behind its tip is not a branch of both") {
     const CrackPattern p = cracks(d);
     CHECK(p.n_branches() == 0);
     CHECK(p.tips.size() == 1);
-    CHECK(p.crack_length == Approx((8 + 2 * std::sqrt(2.0)) * mm));
+    CHECK(p.crack_length == relative((8 + 2 * std::sqrt(2.0)) * mm));
 }
 
 TEST_CASE("small loop on the path leaves one crack and one tip") {
@@ -165,7 +166,7 @@ TEST_CASE("small loop on the path leaves one crack and one tip") {
     d.edge(4, 1, 5, 1, InterfaceStatus::broken);
     d.edge(5, 1, 5, 0, InterfaceStatus::broken);
     const CrackPattern p = cracks(d);
-    CHECK(p.crack_length == Approx(10 * mm));
+    CHECK(p.crack_length == relative(10 * mm));
     CHECK(p.tips.size() == 1);
     CHECK(p.n_branches() == 0);
 }
@@ -179,7 +180,7 @@ TEST_CASE("loop at the tip keeps its tip") {
     d.edge(6, 1, 5, 0, InterfaceStatus::broken);
     const CrackPattern p = cracks(d);
     CHECK(p.tips.size() == 1);
-    CHECK(p.crack_length == Approx((5 + std::sqrt(2.0)) * mm));  // the longest of the shortest ways
+    CHECK(p.crack_length == relative((5 + std::sqrt(2.0)) * mm));  // the longest of the shortest ways
 }
 
 TEST_CASE("large loop: a branching whose arms met has no tips") {
@@ -195,8 +196,8 @@ TEST_CASE("large loop: a branching whose arms met has no tips") {
     const CrackPattern p = cracks(d);
     CHECK(p.n_branches() == 1);
     CHECK(p.tips.empty());
-    CHECK(p.crack_length == Approx((4 + 20 * std::sqrt(2.0)) * mm));
-    CHECK(p.crack_length == Approx(p.broken_length));
+    CHECK(p.crack_length == relative((4 + 20 * std::sqrt(2.0)) * mm));
+    CHECK(p.crack_length == relative(p.broken_length));
 }
 
 TEST_CASE("two separate cracks") {
@@ -209,8 +210,8 @@ TEST_CASE("two separate cracks") {
     CHECK(p.n_cracks == 2);
     CHECK(p.n_branches() == 0);
     CHECK(p.tips.size() == 2);
-    CHECK(p.crack_length == Approx(16 * mm));
-    CHECK(p.main_length == Approx(9 * mm));
+    CHECK(p.crack_length == relative(16 * mm));
+    CHECK(p.main_length == relative(9 * mm));
     CHECK(p.main_start == CrackStart::boundary);
 }
 
@@ -223,8 +224,8 @@ TEST_CASE("isolated broken edges ahead of the tip do not count") {
     const CrackPattern p = cracks(d);
     CHECK(p.n_cracks == 1);
     CHECK(p.tips.size() == 1);
-    CHECK(p.crack_length == Approx(7 * mm));
-    CHECK(p.broken_length == Approx((9 + std::sqrt(2.0)) * mm));
+    CHECK(p.crack_length == relative(7 * mm));
+    CHECK(p.broken_length == relative((9 + std::sqrt(2.0)) * mm));
 }
 
 TEST_CASE("both ends of a pre-crack inside the body") {
@@ -236,8 +237,8 @@ TEST_CASE("both ends of a pre-crack inside the body") {
     CHECK(p.n_cracks == 2);
     CHECK(p.n_branches() == 0);
     CHECK(p.tips.size() == 2);
-    CHECK(p.crack_length == Approx(5 * mm));
-    CHECK(p.main_length == Approx(3 * mm));
+    CHECK(p.crack_length == relative(5 * mm));
+    CHECK(p.main_length == relative(3 * mm));
 }
 
 TEST_CASE("crack through a second pre-crack: its length does not count and it is no branching") {
@@ -249,7 +250,7 @@ TEST_CASE("crack through a second pre-crack: its length does not count and it is
         const CrackPattern p = cracks(d);
         CHECK(p.tips.empty());
         CHECK(p.main_end->arrived);
-        CHECK(p.main_length == Approx(5 * mm));
+        CHECK(p.main_length == relative(5 * mm));
     }
     SUBCASE("and on at its other end") {
         d.row(15, 0, 1, 0, 3);
@@ -260,9 +261,9 @@ TEST_CASE("crack through a second pre-crack: its length does not count and it is
             CHECK(p.n_cracks == 1);
             CHECK(p.n_branches() == 0);
             REQUIRE(p.tips.size() == 1);
-            CHECK(p.tips[0].position.x() == Approx(18 * mm));
-            CHECK(p.crack_length == Approx(8 * mm));
-            CHECK(p.main_length == Approx(8 * mm));
+            CHECK(p.tips[0].position.x() == relative(18 * mm));
+            CHECK(p.crack_length == relative(8 * mm));
+            CHECK(p.main_length == relative(8 * mm));
         }
     }
     SUBCASE("and branching at its other end") {
@@ -281,8 +282,8 @@ TEST_CASE("crack that began inside the body: two tips that both move away from t
     CHECK(p.n_cracks == 1);
     CHECK(p.n_branches() == 0);
     CHECK(p.tips.size() == 2);
-    CHECK(p.crack_length == Approx(10 * mm));
-    CHECK(p.main_length == Approx(5 * mm));
+    CHECK(p.crack_length == relative(10 * mm));
+    CHECK(p.main_length == relative(5 * mm));
     CHECK(p.main_start == CrackStart::inside);
 }
 
@@ -294,7 +295,7 @@ TEST_CASE("fully cut body: the crack has arrived and keeps its length") {
     const CrackPattern p = cracks(d);
     CHECK(p.n_cracks == 1);
     CHECK(p.tips.empty());
-    CHECK(p.crack_length == Approx(3 * mm));
+    CHECK(p.crack_length == relative(3 * mm));
     CHECK(p.main_end->arrived);
     CHECK(p.main_start == CrackStart::boundary);
 }
@@ -310,7 +311,7 @@ TEST_CASE("branched crack that cut the body into three") {
     const CrackPattern p = cracks(d);
     CHECK(p.tips.empty());
     CHECK(p.n_branches() == 1);
-    CHECK(p.crack_length == Approx((8 + 12 * std::sqrt(2.0)) * mm));
+    CHECK(p.crack_length == relative((8 + 12 * std::sqrt(2.0)) * mm));
 }
 
 TEST_CASE("equal stubs in a body without a crack are no branching") {
@@ -332,8 +333,8 @@ TEST_CASE("the numbering of interfaces does not matter") {
     std::reverse(r.graph.ends.begin(), r.graph.ends.end());
     std::reverse(r.graph.length.begin(), r.graph.length.end());
     std::reverse(r.status.begin(), r.status.end());
-    CHECK(cracks(r).crack_length == Approx(cracks(d).crack_length));
-    CHECK(cracks(r).main_length == Approx(cracks(d).main_length));
+    CHECK(cracks(r).crack_length == relative(cracks(d).crack_length));
+    CHECK(cracks(r).main_length == relative(cracks(d).main_length));
     CHECK(cracks(r).main_end->vertex == cracks(d).main_end->vertex);
     CHECK(cracks(r).n_branches() == cracks(d).n_branches());
 }

@@ -2,6 +2,7 @@
 #include "scenario/write_scenario.hpp"
 
 #include "samples.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -285,8 +286,8 @@ TEST_CASE("scenario: the structs hold what the file says") {
     CHECK(s.law_of_pair == std::vector<std::vector<Index>>{{0, 1}, {1, 2}});
     CHECK_FALSE(s.laws[0].law.breakable());
     CHECK(s.laws[1].law.friction == 0.3);
-    CHECK(s.laws[2].law.G_c == doctest::Approx(2).epsilon(1e-15));
-    CHECK(s.laws[2].law.delta_c() == doctest::Approx(2e-6).epsilon(1e-15));
+    CHECK(s.laws[2].law.G_c == tests::relative(2, 1e-15));
+    CHECK(s.laws[2].law.delta_c() == tests::relative(2e-6, 1e-15));
     REQUIRE(s.foundations.size() == 1);
     CHECK(s.foundations[0].law == 3);
     CHECK(s.foundations[0].glued);
@@ -346,7 +347,7 @@ TEST_CASE("scenario: polygon and disc") {
     const Scenario d = samples::read(disc).scenario;
     CHECK(d.shape.outer.points.size() == 63);  // 2 pi 10 mm / 1 mm
     CHECK(d.shape.boundary_names == std::vector<std::string>{"rim"});
-    for (const Vec2& point : d.shape.outer.points) CHECK((point - Vec2(1e-3, 2e-3)).norm() == doctest::Approx(10e-3));
+    for (const Vec2& point : d.shape.outer.points) CHECK((point - Vec2(1e-3, 2e-3)).norm() == tests::relative(10e-3));
 }
 
 TEST_CASE("scenario: a history from a csv file is part of the resolved scenario") {
