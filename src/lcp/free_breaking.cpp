@@ -67,6 +67,7 @@ FreeBreaking free_breaking(const LcpProblem& problem, const Eigen::VectorXd& z, 
     const Eigen::VectorXd bond = scaled.problem.M * lowered + scaled.problem.q;
     for (const int i : loose)
         if (bond[layout.first_beta() + i] < -tolerance) ++found.n_free;
+    found.tightened = loose.empty() ? z : scaled.original_z(lowered);
     return found;
 }
 

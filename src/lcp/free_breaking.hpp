@@ -22,6 +22,7 @@ std::optional<CohesiveLayout> cohesive_layout(const LcpProblem& problem);
 struct FreeBreaking {
     int n_loose = 0;             // points with chi > |u_T|
     int n_free = 0;              // of these, points whose bond would not have vanished with chi = |u_T|
+    Eigen::VectorXd tightened;   // z with chi = |u_T| everywhere; a solution as good as z where n_free is 0
     double largest_excess = 0;   // of chi over |u_T|, in the equilibrated problem
 };
 

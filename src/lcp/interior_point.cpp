@@ -1,6 +1,7 @@
 #include "lcp/interior_point.hpp"
 
 #include "lcp/linear_system.hpp"
+#include "lcp/newton.hpp"
 #include "lcp/scaling.hpp"
 
 #include <algorithm>
@@ -78,26 +79,43 @@ private:
     LinearSystem system_;
 };
 
+/// Until the tolerance holds or the systems are too ill-conditioned to go on. Leaves the best z.
+LcpStatus follow_central_path(const LcpProblem& problem, const InteriorPointOptions& options, Eigen::VectorXd& best, int& count) {
+    InteriorPoint point(problem);
+    best = point.z;
+    double least = point.residual();
+    for (count = 0; count < options.max_iterations; ++count) {
+        if (least <= options.tolerance) return LcpStatus::solved;
+        if (!point.factorise()) return LcpStatus::singular;
+        if (!point.advance()) return LcpStatus::stalled;
+        if (point.residual() < least) {
+            least = point.residual();
+            best = point.z;
+        }
+    }
+    return least <= options.tolerance ? LcpStatus::solved : LcpStatus::iteration_limit;
+}
+
 }  // namespace
 
 LcpSolution solve_by_interior_point(const LcpProblem& problem, const InteriorPointOptions& options) {
     const int n = problem.size();
     if (n == 0 || problem.q.minCoeff() >= 0) return lcp_solution(problem, LcpStatus::solved, Eigen::VectorXd::Zero(n), 0);
     const ScaledLcp scaled = equilibrated(problem);
-    InteriorPoint point(scaled.problem);
-    Eigen::VectorXd best = point.z;
-    double least = point.residual();
-    const auto result = [&](LcpStatus status, int count) { return lcp_solution(problem, status, scaled.original_z(best), count); };
-    for (int count = 0; count < options.max_iterations; ++count) {
-        if (least <= options.tolerance) return result(LcpStatus::solved, count);
-        if (!point.factorise()) return result(LcpStatus::singular, count);
-        if (!point.advance()) return result(LcpStatus::stalled, count);
-        if (point.residual() < least) {
-            least = point.residual();
-            best = point.z;
+    Eigen::VectorXd z;
+    int count = 0;
+    LcpStatus status = follow_central_path(scaled.problem, options, z, count);
+    const double reached = (scaled.problem.M * z + scaled.problem.q).cwiseMin(z).cwiseAbs().maxCoeff();
+    if (status != LcpStatus::solved && reached <= options.crossover) {
+        const NewtonOptions last{.tolerance = options.tolerance, .max_iterations = options.max_crossover_steps, .n_starts = 1, .start = z};
+        const LcpSolution polished = solve_by_newton(scaled.problem, last);
+        count += polished.iterations;
+        if (polished.status == LcpStatus::solved) {
+            z = polished.z;
+            status = LcpStatus::solved;
         }
     }
-    return result(least <= options.tolerance ? LcpStatus::solved : LcpStatus::iteration_limit, options.max_iterations);
+    return lcp_solution(problem, status, scaled.original_z(z), count);
 }
 
 }  // namespace knap

@@ -10,6 +10,8 @@ namespace knap {
 struct InteriorPointOptions {
     double tolerance = 1e-11;  // natural residual of the equilibrated problem
     int max_iterations = 150;
+    double crossover = 1e-6;       // residual from which a few active-set steps may finish what the central path cannot
+    int max_crossover_steps = 10;
 };
 
 LcpSolution solve_by_interior_point(const LcpProblem& problem, const InteriorPointOptions& options = {});

@@ -4,7 +4,7 @@
 
 namespace knap {
 
-/// max |min(z, M z + q)| of the equilibrated problem, whose q has the largest entry one; 0 for the empty problem and infinite where z is
+/// max |min(z, M z + q)| of the equilibrated problem, whose M and q are of order one; 0 for the empty problem and infinite where z is
 /// not finite or of the wrong size. Without the equilibration the figure would depend on the units.
 double scaled_residual(const LcpProblem& problem, const Eigen::VectorXd& z);
 
