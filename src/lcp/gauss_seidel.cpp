@@ -3,6 +3,8 @@
 #include "lcp/lemke.hpp"
 #include "lcp/scaling.hpp"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -12,10 +14,40 @@ namespace {
 
 constexpr int largest_block = 200;        // beyond that the blocks are no blocks
 constexpr int sweeps_between_checks = 5;
+constexpr double rounding = 1e-14;        // of w in an equilibrated problem
+constexpr double least_condition = 1e-8;  // reciprocal, of an active set worth remembering
 
 struct Block {
     std::vector<int> rows;
     Eigen::MatrixXd M;  // [rows, rows]
+    // the last active set: mostly it is the next one too, and then the block costs one product
+    std::vector<int> active;
+    Eigen::MatrixXd inverse;  // of M on the active set; empty: not to be used
+
+    void remember(const Eigen::VectorXd& z) {
+        active.clear();
+        for (int i = 0; i < z.size(); ++i)
+            if (z[i] > 0) active.push_back(i);
+        const Eigen::FullPivLU<Eigen::MatrixXd> lu(M(active, active));
+        if (!active.empty() && lu.rcond() > least_condition) inverse = lu.inverse();
+        else inverse.resize(0, 0);
+    }
+
+    /// z by the last active set; false where that is not the solution.
+    bool solved_as_before(const Eigen::VectorXd& q, Eigen::VectorXd& z) const {
+        if (inverse.size() == 0) return false;
+        const int size = static_cast<int>(active.size());
+        z.setZero();
+        for (int i = 0; i < size; ++i) {
+            double sum = 0;
+            for (int k = 0; k < size; ++k) sum -= inverse(i, k) * q[active[k]];
+            if (sum < 0) return false;
+            z[active[i]] = sum;
+        }
+        for (int i = 0; i < q.size(); ++i)
+            if (z[i] == 0 && q[i] + M.row(i).dot(z) < -rounding) return false;
+        return true;
+    }
 };
 
 int root(std::vector<int>& parent, int i) {
@@ -40,7 +72,7 @@ std::vector<Block> prepared(const LcpMatrix& M, const std::vector<std::vector<in
 }
 
 /// z of the block with all the others frozen; false where the block has no solution.
-bool relax(const ScaledLcp& scaled, const Block& block, Eigen::VectorXd& z) {
+bool relax(const ScaledLcp& scaled, Block& block, Eigen::VectorXd& z) {
     const int size = static_cast<int>(block.rows.size());
     Eigen::VectorXd q(size), old(size);
     for (int i = 0; i < size; ++i) {
@@ -55,8 +87,12 @@ bool relax(const ScaledLcp& scaled, const Block& block, Eigen::VectorXd& z) {
         z[block.rows[0]] = q[0] < 0 ? -q[0] / block.M(0, 0) : 0.0;
         return true;
     }
-    const Eigen::VectorXd found = solve_lcp_by_lemke(block.M, q);
-    if (found.size() != size) return false;
+    Eigen::VectorXd found(size);
+    if (!block.solved_as_before(q, found)) {
+        found = solve_lcp_by_lemke(block.M, q);
+        if (found.size() != size) return false;
+        block.remember(found);
+    }
     for (int i = 0; i < size; ++i) z[block.rows[i]] = found[i];
     return true;
 }
@@ -83,7 +119,7 @@ LcpSolution solve_by_gauss_seidel(const LcpProblem& problem, const GaussSeidelOp
     const ScaledLcp scaled = equilibrated(problem);
     Eigen::VectorXd z = options.start.size() == n ? scaled.scaled_z(options.start) : Eigen::VectorXd::Zero(n);
     const auto result = [&](LcpStatus status, int sweeps) { return lcp_solution(problem, status, scaled.original_z(z), sweeps); };
-    const std::vector<Block> blocks =
+    std::vector<Block> blocks =
         prepared(scaled.problem.M, options.blocks.empty() ? blocks_of_zero_diagonal(scaled.problem.M) : options.blocks);
     for (const Block& block : blocks)
         if (block.rows.size() > largest_block) return result(LcpStatus::not_applicable, 0);
@@ -93,7 +129,7 @@ LcpSolution solve_by_gauss_seidel(const LcpProblem& problem, const GaussSeidelOp
             if (residual <= options.tolerance) return result(LcpStatus::solved, sweep);
             if (!std::isfinite(residual)) return result(LcpStatus::stalled, sweep);
         }
-        for (const Block& block : blocks)
+        for (Block& block : blocks)
             if (!relax(scaled, block, z)) return result(LcpStatus::not_applicable, sweep);
     }
     return result(LcpStatus::iteration_limit, options.max_sweeps);
