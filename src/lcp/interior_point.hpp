@@ -1,7 +1,7 @@
 #pragma once
 // Infeasible primal-dual interior point method with predictor and corrector (Mehrotra 1992; S. Wright, Primal-Dual Interior-Point Methods,
-// SIAM 1997, 8). It has a theory for positive semidefinite M only; elsewhere it is a heuristic and may say `stalled`. It ends near the middle
-// of a set of solutions, so of two solutions it does not choose a vertex, as the pivoting methods do. No warm start: it would begin
+// SIAM 1997, 8). It has a theory for positive semidefinite M only; elsewhere it is a heuristic and may say `stalled`. It ends near the
+// middle of a set of solutions, so of two solutions it does not choose a vertex, as the pivoting methods do. No warm start: it would begin
 // at the boundary.
 #include "lcp/problem.hpp"
 

@@ -16,8 +16,8 @@ struct LemkeOptions {
 
 LcpSolution solve_by_lemke(const LcpProblem& problem, const LemkeOptions& options = {});
 
-/// For small problems: z alone, without equilibration, so M and q should be of order one. Empty when every path ends on a ray: then there is
-/// hardly a solution.
+/// For small problems: z alone, without equilibration, so M and q should be of order one. Empty when every path ends on a ray: then
+/// there is hardly a solution.
 Eigen::VectorXd solve_lcp_by_lemke(const Eigen::MatrixXd& M, const Eigen::VectorXd& q);
 
 }  // namespace knap

@@ -125,7 +125,8 @@ private:
     void add(const Header& header, long row, long column, double value) {
         if (value == 0) return;
         entries_.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
-        if (header.mirrored && row != column) entries_.emplace_back(static_cast<int>(column), static_cast<int>(row), header.mirror_sign * value);
+        if (header.mirrored && row != column)
+            entries_.emplace_back(static_cast<int>(column), static_cast<int>(row), header.mirror_sign * value);
     }
 
     std::istream& text_;

@@ -1,7 +1,8 @@
 #pragma once
-// Semismooth Newton on the natural map min(z, M z + q), which is the primal-dual active set method (Hintermueller, Ito, Kunisch 2002; Facchinei,
-// Pang, Finite-Dimensional Variational Inequalities, 9). Three safeguards: a proximal term for rank-deficient matrices, a nonmonotone line
-// search on the Fischer-Burmeister merit (De Luca, Facchinei, Kanzow 1996), and a start from a few block Gauss-Seidel sweeps.
+// Semismooth Newton on the natural map min(z, M z + q), which is the primal-dual active set method (Hintermueller, Ito, Kunisch 2002;
+// Facchinei, Pang, Finite-Dimensional Variational Inequalities, 9). Three safeguards: a proximal term for rank-deficient matrices, a
+// nonmonotone line search on the Fischer-Burmeister merit (De Luca, Facchinei, Kanzow 1996), and a start from a few block Gauss-Seidel
+// sweeps.
 #include "lcp/problem.hpp"
 
 namespace knap {

@@ -1,6 +1,6 @@
 #pragma once
-// Symmetric equilibration: D M D has entries of order one, q / unit too. With z = unit D z', w = unit D^-1 w' the scaled problem is the same
-// complementarity problem, z' . w' is z . w up to one factor, and a semidefinite M stays so. (Ruiz, A scaling algorithm to equilibrate
+// Symmetric equilibration: D M D has entries of order one, q / unit too. With z = unit D z', w = unit D^-1 w' the scaled problem is the
+// same complementarity problem, z' . w' is z . w up to one factor, and a semidefinite M stays so. (Ruiz, A scaling algorithm to equilibrate
 // both rows and columns norms in matrices, RAL-TR-2001-034.)
 #include "lcp/problem.hpp"
 

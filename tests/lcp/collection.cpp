@@ -1,5 +1,5 @@
-// Every solver on every problem of the collection: it solves the problem, judged by a residual that it did not compute, or the pair stands in
-// the list of exceptions with its reason and must then really not be solved.
+// Every solver on every problem of the collection: it solves the problem, judged by a residual that it did not compute, or the pair
+// stands in the list of exceptions with its reason and must then really not be solved.
 #include "lcp/free_breaking.hpp"
 #include "lcp/gauss_seidel.hpp"
 #include "lcp/matrix_market.hpp"
