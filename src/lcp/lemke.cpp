@@ -1,80 +1,97 @@
 #include "lcp/lemke.hpp"
 
+#include "lcp/scaling.hpp"
+
 #include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <vector>
 
 namespace knap {
 namespace {
 
-constexpr double pivot_tolerance = 1e-11;  // of the largest entry of the entering column
-constexpr double tie_tolerance = 1e-12;
-constexpr int most_pivots = 50;  // per unknown
-constexpr int n_attempts = 30;   // from a ray another covering vector often leads to a solution
 constexpr double golden_ratio = 0.6180339887498949;
 
-/// [ w | z | z0 | right-hand side ], one row a basic variable; variable i + n is z_i, 2n is z0.
+/// basic + T nonbasic = value. Variable i is w_i, i + n is z_i, 2n is z0. Only the columns of the nonbasic variables are stored.
 class Tableau {
 public:
-    Tableau(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const Eigen::VectorXd& cover)
-        : n_(static_cast<int>(q.size())), rows_(n_, 2 * n_ + 2), basic_(n_) {
-        rows_.leftCols(n_).setIdentity();
-        rows_.middleCols(n_, n_) = -M;
-        rows_.col(2 * n_) = -cover;
-        rows_.col(2 * n_ + 1) = q;
-        for (int i = 0; i < n_; ++i) basic_[i] = i;
+    Tableau(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const Eigen::VectorXd& cover, const LemkeOptions& options)
+        : n_(static_cast<int>(q.size())), options_(options), rows_(n_, n_ + 2), basic_(n_), nonbasic_(n_ + 1), place_(2 * n_ + 1) {
+        rows_.leftCols(n_) = -M;
+        rows_.col(n_) = -cover;
+        rows_.col(n_ + 1) = q;
+        std::iota(basic_.begin(), basic_.end(), 0);
+        std::iota(nonbasic_.begin(), nonbasic_.end(), n_);
+        for (int i = 0; i < n_; ++i) place_[i] = -1 - i;
+        for (int k = 0; k <= n_; ++k) place_[n_ + k] = k;
     }
 
     int z0() const { return 2 * n_; }
     int complement(int variable) const { return variable < n_ ? variable + n_ : variable - n_; }
     const std::vector<int>& basic() const { return basic_; }
-    double value(int row) const { return rows_(row, 2 * n_ + 1); }
-
-    /// The row that limits the entering variable first, or -1: none does.
-    int leaving_row(int entering) const {
-        const double least = pivot_tolerance * std::max(1.0, rows_.col(entering).cwiseAbs().maxCoeff());
-        int best = -1;
-        for (int i = 0; i < n_; ++i)
-            if (rows_(i, entering) > least && (best < 0 || comes_before(i, best, entering))) best = i;
-        return best;
-    }
+    double value(int row) const { return rows_(row, n_ + 1); }
 
     /// Where z0 enters, so large that nothing stays negative.
     int first_row() const {
         int row = 0;
         for (int i = 1; i < n_; ++i)
-            if (value(i) / rows_(i, z0()) > value(row) / rows_(row, z0())) row = i;
+            if (value(i) / rows_(i, n_) > value(row) / rows_(row, n_)) row = i;
         return row;
     }
 
-    int pivot(int row, int entering) {
-        rows_.row(row) /= rows_(row, entering);
+    /// The row that limits the entering variable first, or -1: none does.
+    int leaving_row(int entering) const {
+        const Eigen::VectorXd column = rows_.col(place_[entering]);
+        const double least = options_.pivot_tolerance * std::max(1.0, column.cwiseAbs().maxCoeff());
+        int best = -1;
         for (int i = 0; i < n_; ++i)
-            if (i != row && rows_(i, entering) != 0) rows_.row(i) -= rows_(i, entering) * rows_.row(row);
-        const int left = basic_[row];
+            if (column[i] > least && (best < 0 || comes_before(i, best, column))) best = i;
+        return best;
+    }
+
+    /// Exchanges the entering variable and the basic one of the row, which is returned.
+    int pivot(int row, int entering) {
+        const int column = place_[entering], leaving = basic_[row];
+        const double pivot = rows_(row, column);
+        rows_.row(row) /= pivot;
+        rows_(row, column) = 1 / pivot;
+        for (int i = 0; i < n_; ++i) {
+            const double factor = rows_(i, column);
+            if (i == row || factor == 0) continue;
+            rows_(i, column) = 0;
+            rows_.row(i) -= factor * rows_.row(row);
+        }
         basic_[row] = entering;
-        return left;
+        nonbasic_[column] = leaving;
+        place_[entering] = -1 - row;
+        place_[leaving] = column;
+        return leaving;
     }
 
 private:
     /// Lexicographic ratio test over the right-hand side and then the columns of the inverse basis; z0 leaves whenever it can.
-    bool comes_before(int a, int b, int entering) const {
-        const double pa = rows_(a, entering), pb = rows_(b, entering);
-        const double difference = value(a) / pa - value(b) / pb;
-        if (std::abs(difference) > tie_tolerance) return difference < 0;
+    bool comes_before(int a, int b, const Eigen::VectorXd& column) const {
+        const double difference = value(a) / column[a] - value(b) / column[b];
+        if (std::abs(difference) > options_.tie_tolerance) return difference < 0;
         if (basic_[a] == z0() || basic_[b] == z0()) return basic_[a] == z0();
         for (int k = 0; k < n_; ++k) {
-            const double next = rows_(a, k) / pa - rows_(b, k) / pb;
-            if (std::abs(next) > tie_tolerance) return next < 0;
+            const double next = of_inverse(a, k) / column[a] - of_inverse(b, k) / column[b];
+            if (std::abs(next) > options_.tie_tolerance) return next < 0;
         }
         return false;
     }
 
+    /// Entry of the inverse basis: the column of w_k, a unit vector where w_k is basic.
+    double of_inverse(int row, int k) const { return place_[k] >= 0 ? rows_(row, place_[k]) : (place_[k] == -1 - row ? 1.0 : 0.0); }
+
     int n_;
+    LemkeOptions options_;
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows_;
-    std::vector<int> basic_;
+    std::vector<int> basic_, nonbasic_;
+    std::vector<int> place_;  // column of a nonbasic variable; -1 - row of a basic one
 };
 
 /// z of the basis that the pivots found, from M and q themselves: without the rounding of the pivots.
@@ -86,12 +103,16 @@ Eigen::VectorXd solved_anew(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, 
     Eigen::VectorXd z = Eigen::VectorXd::Zero(n);
     if (active.empty()) return z;
     const Eigen::MatrixXd A = M(active, active);
-    z(active) = A.fullPivLu().solve(-q(active));
+    const Eigen::VectorXd b = -q(active);
+    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(A);
+    Eigen::VectorXd x = lu.solve(b);
+    x += lu.solve(b - A * x);
+    z(active) = x;
     return z;
 }
 
 double residual(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const Eigen::VectorXd& z) {
-    return (M * z + q).cwiseMin(z).cwiseAbs().maxCoeff();
+    return z.allFinite() ? (M * z + q).cwiseMin(z).cwiseAbs().maxCoeff() : std::numeric_limits<double>::infinity();
 }
 
 /// Covering vector of an attempt: ones, then other numbers of the same order.
@@ -101,37 +122,56 @@ Eigen::VectorXd covering_vector(int n, int attempt) {
     return cover;
 }
 
-/// z, or empty where the pivots end on a ray.
-Eigen::VectorXd follow_path(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const Eigen::VectorXd& cover) {
+struct Path {
+    LcpStatus status;
+    Eigen::VectorXd z;
+    int n_pivots;
+};
+
+Path follow_path(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const Eigen::VectorXd& cover, const LemkeOptions& options) {
     const int n = static_cast<int>(q.size());
-    Tableau tableau(M, q, cover);
+    Tableau tableau(M, q, cover, options);
     int entering = tableau.complement(tableau.pivot(tableau.first_row(), tableau.z0()));
-    for (int count = 0; count < most_pivots * n; ++count) {
+    for (int count = 1; count <= options.max_pivots_per_unknown * n; ++count) {
         const int row = tableau.leaving_row(entering);
-        if (row < 0) return {};
+        if (row < 0) return {LcpStatus::ray, {}, count};
         const int left = tableau.pivot(row, entering);
         if (left == tableau.z0()) {
             Eigen::VectorXd z = Eigen::VectorXd::Zero(n);
             for (int i = 0; i < n; ++i)
                 if (tableau.basic()[i] >= n) z[tableau.basic()[i] - n] = std::max(0.0, tableau.value(i));
             const Eigen::VectorXd anew = solved_anew(M, q, tableau.basic());
-            return residual(M, q, anew) < residual(M, q, z) ? anew : z;
+            return {LcpStatus::solved, residual(M, q, anew) < residual(M, q, z) ? anew : z, count};
         }
         entering = tableau.complement(left);
     }
-    return {};
+    return {LcpStatus::iteration_limit, {}, options.max_pivots_per_unknown * n};
+}
+
+/// One path after the other, until one ends at a solution. M and q are of order one.
+Path first_path_that_leads(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const LemkeOptions& options) {
+    const int n = static_cast<int>(q.size());
+    if (n == 0 || q.minCoeff() >= 0) return {LcpStatus::solved, Eigen::VectorXd::Zero(n), 0};
+    Path path{LcpStatus::ray, Eigen::VectorXd::Zero(n), 0};
+    for (int attempt = 0; attempt < options.n_covering_vectors; ++attempt) {
+        const Path next = follow_path(M, q, covering_vector(n, attempt), options);
+        path = {next.status, next.status == LcpStatus::solved ? next.z : path.z, path.n_pivots + next.n_pivots};
+        if (next.status == LcpStatus::solved) break;
+    }
+    return path;
 }
 
 }  // namespace
 
+LcpSolution solve_by_lemke(const LcpProblem& problem, const LemkeOptions& options) {
+    const ScaledLcp scaled = equilibrated(problem);
+    const Path path = first_path_that_leads(scaled.problem.M, scaled.problem.q, options);
+    return lcp_solution(problem, path.status, scaled.original_z(path.z), path.n_pivots);
+}
+
 Eigen::VectorXd solve_lcp_by_lemke(const Eigen::MatrixXd& M, const Eigen::VectorXd& q) {
-    const int n = static_cast<int>(q.size());
-    if (n == 0 || q.minCoeff() >= 0) return Eigen::VectorXd::Zero(n);
-    for (int attempt = 0; attempt < n_attempts; ++attempt) {
-        const Eigen::VectorXd z = follow_path(M, q, covering_vector(n, attempt));
-        if (z.size() == n) return z;
-    }
-    return {};
+    const Path path = first_path_that_leads(M, q, {});
+    return path.status == LcpStatus::solved ? path.z : Eigen::VectorXd();
 }
 
 }  // namespace knap

@@ -1,12 +1,23 @@
 #pragma once
-// The linear complementarity problem  w = M z + q,  0 <= w  perp  z >= 0,  by Lemke's pivots on a dense tableau (C. E. Lemke 1965; Cottle,
-// Pang, Stone, The Linear Complementarity Problem, 4.4). Ties are broken lexicographically, so that it cannot cycle. Where the path
-// of the pivots ends on a ray, paths from other covering vectors are tried. Small problems only: a tableau of n (2n + 2) numbers.
-#include <Eigen/Core>
+// Lemke's pivots on a condensed tableau of n (n + 2) numbers (C. E. Lemke 1965; Cottle, Pang, Stone, The Linear Complementarity Problem,
+// 4.4 and 4.9). Ties are broken lexicographically, so that it cannot cycle. Two tolerances make it reliable on degenerate and redundant
+// problems: a pivot must not be small beside its column, and ratios closer than rounding are a tie. Where the path ends on a ray,
+// paths from other covering vectors are tried. The reference solver: dense, about n pivots of n^2 operations.
+#include "lcp/problem.hpp"
 
 namespace knap {
 
-/// M and q should be of order one. Empty when every path ends on a ray: then there is hardly a solution.
+struct LemkeOptions {
+    double pivot_tolerance = 1e-11;  // of the largest entry of the entering column
+    double tie_tolerance = 1e-12;    // of ratios, in the equilibrated problem
+    int max_pivots_per_unknown = 50;
+    int n_covering_vectors = 30;
+};
+
+LcpSolution solve_by_lemke(const LcpProblem& problem, const LemkeOptions& options = {});
+
+/// For small problems: z alone, without equilibration, so M and q should be of order one. Empty when every path ends on a ray: then
+/// there is hardly a solution.
 Eigen::VectorXd solve_lcp_by_lemke(const Eigen::MatrixXd& M, const Eigen::VectorXd& q);
 
 }  // namespace knap

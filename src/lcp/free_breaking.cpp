@@ -1,0 +1,74 @@
+#include "lcp/free_breaking.hpp"
+
+#include "lcp/scaling.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace knap {
+namespace {
+
+/// The row has no entry but, perhaps, a zero on the diagonal and something in column `only`.
+bool couples_only_to(const LcpMatrix& M, int row, int only) {
+    bool coupled = false;
+    for (LcpMatrix::InnerIterator entry(M, row); entry; ++entry) {
+        if (entry.value() == 0) continue;
+        if (entry.col() != only) return false;
+        coupled = true;
+    }
+    return coupled;
+}
+
+bool has_zero_diagonal(const LcpMatrix& M, int first, int count) {
+    for (int i = first; i < first + count; ++i)
+        if (M.coeff(i, i) != 0) return false;
+    return true;
+}
+
+bool fits(const LcpMatrix& M, const CohesiveLayout& layout) {
+    const int m = layout.n_cohesive;
+    for (int i = 0; i < m; ++i) {
+        if (!couples_only_to(M, i, m + i)) return false;
+        const int chi = layout.first_chi() + i, plus = layout.first_tangential() + 2 * i;
+        if (M.coeff(plus, chi) <= 0 || M.coeff(plus + 1, chi) <= 0 || M.coeff(chi, plus) >= 0 || M.coeff(chi, plus + 1) >= 0) return false;
+    }
+    return has_zero_diagonal(M, layout.first_chi(), m);
+}
+
+}  // namespace
+
+std::optional<CohesiveLayout> cohesive_layout(const LcpProblem& problem) {
+    const int n = problem.size();
+    for (int m = n / 5; m >= 1; --m) {
+        const CohesiveLayout layout{.n_cohesive = m, .n_contacts = (n - 5 * m) / 4};
+        if ((n - 5 * m) % 4 == 0 && fits(problem.M, layout)) return layout;
+    }
+    return std::nullopt;
+}
+
+FreeBreaking free_breaking(const LcpProblem& problem, const Eigen::VectorXd& z, const CohesiveLayout& layout, double tolerance) {
+    const ScaledLcp scaled = equilibrated(problem);
+    const Eigen::VectorXd given = scaled.scaled_z(z);
+    const Eigen::VectorXd w = scaled.problem.M * given + scaled.problem.q;
+    FreeBreaking found;
+    Eigen::VectorXd lowered = given;
+    std::vector<int> loose;
+    for (int i = 0; i < layout.n_cohesive; ++i) {
+        const int plus = layout.first_tangential() + 2 * i, chi = layout.first_chi() + i;
+        // rows of r_T+ and r_T-: chi + u_T and chi - u_T, in units of their factor
+        const double a = scaled.problem.M.coeff(plus, chi), b = scaled.problem.M.coeff(plus + 1, chi);
+        const double excess = std::min(w[plus] / a, w[plus + 1] / b);
+        if (excess <= tolerance * std::max(1.0, given[chi])) continue;
+        loose.push_back(i);
+        lowered[chi] -= excess;
+        found.largest_excess = std::max(found.largest_excess, excess);
+    }
+    found.n_loose = static_cast<int>(loose.size());
+    const Eigen::VectorXd bond = scaled.problem.M * lowered + scaled.problem.q;
+    for (const int i : loose)
+        if (bond[layout.first_beta() + i] < -tolerance) ++found.n_free;
+    found.tightened = loose.empty() ? z : scaled.original_z(lowered);
+    return found;
+}
+
+}  // namespace knap

@@ -1,0 +1,138 @@
+#include "lcp/gauss_seidel.hpp"
+
+#include "lcp/lemke.hpp"
+#include "lcp/scaling.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace knap {
+namespace {
+
+constexpr int largest_block = 200;        // beyond that the blocks are no blocks
+constexpr int sweeps_between_checks = 5;
+constexpr double rounding = 1e-14;        // of w in an equilibrated problem
+constexpr double least_condition = 1e-8;  // reciprocal, of an active set worth remembering
+
+struct Block {
+    std::vector<int> rows;
+    Eigen::MatrixXd M;  // [rows, rows]
+    // the last active set: mostly it is the next one too, and then the block costs one product
+    std::vector<int> active;
+    Eigen::MatrixXd inverse;  // of M on the active set; empty: not to be used
+
+    void remember(const Eigen::VectorXd& z) {
+        active.clear();
+        for (int i = 0; i < z.size(); ++i)
+            if (z[i] > 0) active.push_back(i);
+        const Eigen::FullPivLU<Eigen::MatrixXd> lu(M(active, active));
+        if (!active.empty() && lu.rcond() > least_condition) inverse = lu.inverse();
+        else inverse.resize(0, 0);
+    }
+
+    /// z by the last active set; false where that is not the solution.
+    bool solved_as_before(const Eigen::VectorXd& q, Eigen::VectorXd& z) const {
+        if (inverse.size() == 0) return false;
+        const int size = static_cast<int>(active.size());
+        z.setZero();
+        for (int i = 0; i < size; ++i) {
+            double sum = 0;
+            for (int k = 0; k < size; ++k) sum -= inverse(i, k) * q[active[k]];
+            if (sum < 0) return false;
+            z[active[i]] = sum;
+        }
+        for (int i = 0; i < q.size(); ++i)
+            if (z[i] == 0 && q[i] + M.row(i).dot(z) < -rounding) return false;
+        return true;
+    }
+};
+
+int root(std::vector<int>& parent, int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+}
+
+std::vector<Block> prepared(const LcpMatrix& M, const std::vector<std::vector<int>>& partition) {
+    std::vector<Block> blocks;
+    std::vector<int> place(M.rows(), -1);
+    for (const std::vector<int>& rows : partition) {
+        const int size = static_cast<int>(rows.size());
+        Block block{.rows = rows, .M = Eigen::MatrixXd::Zero(size, size)};
+        for (int i = 0; i < size; ++i) place[rows[i]] = i;
+        for (int i = 0; i < size; ++i)
+            for (LcpMatrix::InnerIterator entry(M, rows[i]); entry; ++entry)
+                if (place[entry.col()] >= 0) block.M(i, place[entry.col()]) = entry.value();
+        for (const int row : rows) place[row] = -1;
+        blocks.push_back(std::move(block));
+    }
+    return blocks;
+}
+
+/// z of the block with all the others frozen; false where the block has no solution.
+bool relax(const ScaledLcp& scaled, Block& block, Eigen::VectorXd& z) {
+    const int size = static_cast<int>(block.rows.size());
+    Eigen::VectorXd q(size), old(size);
+    for (int i = 0; i < size; ++i) {
+        const int row = block.rows[i];
+        old[i] = z[row];
+        q[i] = scaled.problem.q[row];
+        for (LcpMatrix::InnerIterator entry(scaled.problem.M, row); entry; ++entry) q[i] += entry.value() * z[entry.col()];
+    }
+    q -= block.M * old;
+    if (size == 1) {
+        if (q[0] < 0 && block.M(0, 0) <= 0) return false;
+        z[block.rows[0]] = q[0] < 0 ? -q[0] / block.M(0, 0) : 0.0;
+        return true;
+    }
+    Eigen::VectorXd found(size);
+    if (!block.solved_as_before(q, found)) {
+        found = solve_lcp_by_lemke(block.M, q);
+        if (found.size() != size) return false;
+        block.remember(found);
+    }
+    for (int i = 0; i < size; ++i) z[block.rows[i]] = found[i];
+    return true;
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> blocks_of_zero_diagonal(const LcpMatrix& M) {
+    const int n = static_cast<int>(M.rows());
+    std::vector<int> parent(n);
+    std::iota(parent.begin(), parent.end(), 0);
+    for (int i = 0; i < n; ++i)
+        if (M.coeff(i, i) == 0)
+            for (LcpMatrix::InnerIterator entry(M, i); entry; ++entry)
+                if (entry.value() != 0) parent[root(parent, i)] = root(parent, static_cast<int>(entry.col()));
+    std::vector<std::vector<int>> by_root(n), blocks;
+    for (int i = 0; i < n; ++i) by_root[root(parent, i)].push_back(i);
+    for (std::vector<int>& block : by_root)
+        if (!block.empty()) blocks.push_back(std::move(block));
+    return blocks;
+}
+
+LcpSolution solve_by_gauss_seidel(const LcpProblem& problem, const GaussSeidelOptions& options) {
+    const int n = problem.size();
+    const ScaledLcp scaled = equilibrated(problem);
+    Eigen::VectorXd z = options.start.size() == n ? scaled.scaled_z(options.start) : Eigen::VectorXd::Zero(n);
+    const auto result = [&](LcpStatus status, int sweeps) { return lcp_solution(problem, status, scaled.original_z(z), sweeps); };
+    std::vector<Block> blocks =
+        prepared(scaled.problem.M, options.blocks.empty() ? blocks_of_zero_diagonal(scaled.problem.M) : options.blocks);
+    for (const Block& block : blocks)
+        if (block.rows.size() > largest_block) return result(LcpStatus::not_applicable, 0);
+    for (int sweep = 0; sweep < options.max_sweeps; ++sweep) {
+        if (sweep % sweeps_between_checks == 0) {
+            const double residual = n == 0 ? 0 : (scaled.problem.M * z + scaled.problem.q).cwiseMin(z).cwiseAbs().maxCoeff();
+            if (residual <= options.tolerance) return result(LcpStatus::solved, sweep);
+            if (!std::isfinite(residual)) return result(LcpStatus::stalled, sweep);
+        }
+        for (Block& block : blocks)
+            if (!relax(scaled, block, z)) return result(LcpStatus::not_applicable, sweep);
+    }
+    return result(LcpStatus::iteration_limit, options.max_sweeps);
+}
+
+}  // namespace knap

@@ -1,0 +1,18 @@
+#pragma once
+// Matrix Market text files (Boisvert, Pozo, Remington, NISTIR 5935): real or integer, coordinate or array, general, symmetric or
+// skew-symmetric. A stored problem is a pair of them, NAME.L.mtx and NAME.q.mtx.
+#include "lcp/problem.hpp"
+
+#include <filesystem>
+#include <istream>
+
+namespace knap {
+
+/// `source` names the text in messages. Throws UserError with the line where the text is not what it says.
+LcpMatrix read_matrix_market(std::istream& text, const std::string& source);
+LcpMatrix read_matrix_market(const std::filesystem::path& file);
+
+/// `stem` is the path without .L.mtx and .q.mtx; either of the two files may be given as well.
+LcpProblem read_lcp(const std::filesystem::path& stem);
+
+}  // namespace knap

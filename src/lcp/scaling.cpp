@@ -1,0 +1,51 @@
+#include "lcp/scaling.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+namespace {
+
+constexpr int most_sweeps = 12;  // each takes the square root of what is left: 12 bring any range of a double to order one
+constexpr double near_one = 2;   // largest entries between its inverse and itself are good enough
+
+/// Largest size of an entry in each row and column of D M D, 1 where there is none.
+Eigen::VectorXd largest_entries(const LcpMatrix& M, const Eigen::VectorXd& factor) {
+    Eigen::VectorXd largest = Eigen::VectorXd::Zero(M.rows());
+    for (int i = 0; i < M.outerSize(); ++i)
+        for (LcpMatrix::InnerIterator entry(M, i); entry; ++entry) {
+            const double size = std::abs(entry.value()) * factor[i] * factor[entry.col()];
+            largest[i] = std::max(largest[i], size);
+            largest[entry.col()] = std::max(largest[entry.col()], size);
+        }
+    return largest.unaryExpr([](double size) { return size > 0 ? size : 1.0; });
+}
+
+double power_of_two(double x) { return std::exp2(std::round(std::log2(x))); }
+
+/// Powers of two, so that the scaling itself rounds nothing.
+Eigen::VectorXd factors(const LcpMatrix& M) {
+    Eigen::VectorXd factor = Eigen::VectorXd::Ones(M.rows());
+    for (int sweep = 0; sweep < most_sweeps && M.rows() > 0; ++sweep) {
+        const Eigen::VectorXd largest = largest_entries(M, factor);
+        if (largest.maxCoeff() <= near_one && largest.minCoeff() >= 1 / near_one) break;
+        factor = factor.cwiseQuotient(largest.cwiseSqrt());
+    }
+    return factor.unaryExpr(&power_of_two);
+}
+
+}  // namespace
+
+ScaledLcp equilibrated(const LcpProblem& problem) {
+    ScaledLcp scaled{.problem = problem, .factor = factors(problem.M), .unit = 1};
+    for (int i = 0; i < problem.M.outerSize(); ++i)
+        for (LcpMatrix::InnerIterator entry(scaled.problem.M, i); entry; ++entry)
+            entry.valueRef() *= scaled.factor[i] * scaled.factor[entry.col()];
+    scaled.problem.q = scaled.factor.cwiseProduct(problem.q);
+    const double largest = problem.size() > 0 ? scaled.problem.q.cwiseAbs().maxCoeff() : 0.0;
+    if (largest > 0) scaled.unit = power_of_two(largest);
+    scaled.problem.q /= scaled.unit;
+    return scaled;
+}
+
+}  // namespace knap

@@ -1,0 +1,204 @@
+// Every solver on every problem of the collection: it solves the problem, judged by a residual that it did not compute, or the pair
+// stands in the list of exceptions with its reason and must then really not be solved.
+#include "lcp/free_breaking.hpp"
+#include "lcp/gauss_seidel.hpp"
+#include "lcp/matrix_market.hpp"
+#include "lcp/newton.hpp"
+#include "lcp/residual.hpp"
+#include "lcp/scaling.hpp"
+#include "lcp/solvers.hpp"
+
+#include "base/random.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+using namespace knap;
+
+namespace {
+
+constexpr double required = 1e-10;
+
+struct Named {
+    std::string name;
+    LcpProblem problem;
+};
+
+LcpProblem stored(const std::string& name) { return read_lcp(std::string(KNAP_SOURCE_DIR) + "/tests/lcp/data/" + name); }
+
+/// One contact with friction mu, rows p_N, p_T+, p_T-, slip speed: three solutions where mu > 1.25.
+LcpProblem one_contact(double mu) {
+    Eigen::MatrixXd M(4, 4);
+    M << 1, .8, -.8, 0, .8, 1, -1, 1, -.8, -1, 1, 1, mu, -1, -1, 0;
+    return lcp_problem(M, Eigen::Vector4d(.3, 1, -1, 0));
+}
+
+/// Impulses at more points than there are velocities: M = H H' of half the rank.
+LcpProblem redundant() {
+    Random random(7, "redundant lcp");
+    const int n = 24, rank = 12;
+    const Eigen::MatrixXd H = Eigen::MatrixXd::NullaryExpr(n, rank, [&] { return random.uniform(-1, 1); });
+    const Eigen::VectorXd velocity = Eigen::VectorXd::NullaryExpr(rank, [&] { return random.uniform(-1, 1); });
+    return lcp_problem(H * H.transpose(), H * velocity);
+}
+
+/// Equal bodies resting on each other many times: all ratios tie and only the sum of z is determined.
+LcpProblem ties() { return lcp_problem(Eigen::MatrixXd::Ones(8, 8), -Eigen::VectorXd::Ones(8)); }
+
+/// Pivots by the least index, Gauss-Seidel and full Newton steps may cycle here; the solution is (1, 1, 1) / 3 (Cottle, Pang, Stone).
+LcpProblem cyclic() {
+    Eigen::Matrix3d M;
+    M << 1, 2, 0, 0, 1, 2, 2, 0, 1;
+    return lcp_problem(M, -Eigen::Vector3d::Ones());
+}
+
+std::vector<Named> collection() {
+    std::vector<Named> all{{"empty", lcp_problem(Eigen::MatrixXd(0, 0), Eigen::VectorXd(0))},
+                           {"one_contact", one_contact(2)},
+                           {"redundant", redundant()},
+                           {"ties", ties()},
+                           {"cyclic", cyclic()}};
+    for (const char* name : {"line_2", "line_4", "all_2", "line_16_si", "trajH_s020"}) all.push_back({name, stored(name)});
+    return all;
+}
+
+struct Exception {
+    std::string solver, problem, reason;
+};
+
+const std::vector<Exception> not_solved = {
+    {"gauss_seidel", "cyclic", "the sweeps diverge: neither symmetric nor diagonally dominant, and every block is one unknown"},
+};
+
+/// Pairs whose residual is small and whose answer is all the same not physical.
+const std::vector<Exception> breaks_freely = {
+    {"interior_point", "line_16_si", "goes to the middle of the solutions and chi is not bounded where a bond breaks"},
+    {"interior_point", "trajH_s020", "goes to the middle of the solutions and chi is not bounded where a bond breaks"},
+};
+
+bool listed(const std::vector<Exception>& list, std::string_view solver, const std::string& problem) {
+    return std::any_of(list.begin(), list.end(), [&](const Exception& e) { return e.solver == solver && e.problem == problem; });
+}
+
+}  // namespace
+
+TEST_CASE("every solver solves the collection or stands in a list with a reason") {
+    for (const Named& named : collection())
+        for (const LcpSolver& solver : lcp_solvers()) {
+            CAPTURE(named.name);
+            CAPTURE(std::string(solver.name));
+            const LcpSolution solution = solver.solve(named.problem);
+            const double residual = scaled_residual(named.problem, solution.z);
+            const bool solved = solution.status == LcpStatus::solved;
+            CHECK(solved == (residual <= required));  // no solver claims what the judge denies, nor the other way round
+            CHECK(solved != listed(not_solved, solver.name, named.name));
+            if (const auto layout = cohesive_layout(named.problem); layout && solved) {
+                const FreeBreaking found = free_breaking(named.problem, solution.z, *layout);
+                CHECK((found.n_free > 0) == listed(breaks_freely, solver.name, named.name));
+                if (found.n_free == 0) CHECK(scaled_residual(named.problem, found.tightened) <= 2 * required);
+            }
+        }
+}
+
+TEST_CASE("one contact with large friction gets one of its three solutions") {
+    const std::vector<Eigen::Vector2d> known{{0, 0}, {.5, -1}, {.3 / .36 / .6, -1.9 / .9}};
+    const LcpProblem problem = one_contact(2);
+    for (const LcpSolver& solver : lcp_solvers()) {
+        CAPTURE(std::string(solver.name));
+        const Eigen::VectorXd z = solver.solve(problem).z;
+        const Eigen::Vector2d p(z[0], z[1] - z[2]);
+        CHECK(std::any_of(known.begin(), known.end(), [&](const Eigen::Vector2d& k) { return (p - k).norm() < 1e-8; }));
+        CHECK(solver.solve(problem).z == z);  // the same in every run
+    }
+}
+
+TEST_CASE("velocities of a redundant problem are unique even where its impulses are not") {
+    const LcpProblem problem = redundant();
+    const Eigen::VectorXd w = lcp_solvers()[0].solve(problem).w;
+    for (const LcpSolver& solver : lcp_solvers()) CHECK((solver.solve(problem).w - w).cwiseAbs().maxCoeff() < 1e-7);
+}
+
+TEST_CASE("solvers refuse a problem without solution") {
+    const LcpProblem problem = lcp_problem(-Eigen::MatrixXd::Identity(2, 2), -Eigen::VectorXd::Ones(2));
+    for (const LcpSolver& solver : lcp_solvers()) {
+        CAPTURE(std::string(solver.name));
+        CHECK(solver.solve(problem).status != LcpStatus::solved);
+    }
+}
+
+TEST_CASE("the judge does not depend on units and sees errors of every kind") {
+    const LcpProblem problem = stored("line_4");
+    const LcpSolution solution = lcp_solvers()[0].solve(problem);
+    Eigen::VectorXd z = solution.z;
+    CHECK(scaled_residual(problem, z) <= 1e-13);
+    LcpProblem other = problem;  // stresses in other units
+    other.M *= 1e-12;
+    other.q *= 1e-6;
+    CHECK(scaled_residual(other, 1e6 * z) <= 1e-13);
+    int largest = 0;
+    z.maxCoeff(&largest);
+    z[largest] *= 1 + 1e-6;
+    CHECK(scaled_residual(problem, z) > 1e-9);
+    CHECK(scaled_residual(other, 1e6 * z) > 1e-9);
+    z[largest] = -1;
+    CHECK(scaled_residual(problem, z) > 1e-3);
+    z[largest] = std::nan("");
+    CHECK(!(scaled_residual(problem, z) < 1e300));
+    CHECK(!(scaled_residual(problem, Eigen::VectorXd::Zero(3)) < 1e300));
+}
+
+TEST_CASE("free bond breaking is told from breaking under load") {
+    // one point with S A, S beta, r_T+, r_T- and chi; at rest without load the bond is intact: S A = S beta = 1
+    Eigen::MatrixXd M(5, 5);
+    M << 0, -1, 0, 0, 0, 1, .2, 0, 0, .5, 0, 0, 1, -1, 1, 0, 0, -1, 1, 1, 0, .5, -1, -1, 0;
+    Eigen::VectorXd q(5), intact(5), broken(5);
+    q << 1, -1.2, 0, 0, 0;
+    intact << 1, 1, 0, 0, 0;
+    broken << 0, 0, 0, 0, 4;
+    const LcpProblem rest = lcp_problem(M, q);
+    const auto layout = cohesive_layout(rest);
+    REQUIRE(layout);
+    CHECK(scaled_residual(rest, intact) == 0);
+    CHECK(free_breaking(rest, intact, *layout).n_loose == 0);
+    CHECK(scaled_residual(rest, broken) == 0);  // the residual sees nothing
+    CHECK(free_breaking(rest, broken, *layout).n_free == 1);
+    q[1] = .3;
+    const LcpProblem loaded = lcp_problem(M, q);
+    const FreeBreaking found = free_breaking(loaded, broken, *layout);
+    CHECK(found.n_loose == 1);
+    CHECK(found.n_free == 0);
+    CHECK(found.tightened.isZero());
+}
+
+TEST_CASE("the layout of a cohesive problem is read from its zeros") {
+    const auto layout = cohesive_layout(stored("line_4"));
+    REQUIRE(layout);
+    CHECK(layout->n_cohesive == 5);
+    CHECK(layout->n_contacts == 5);
+    CHECK(!cohesive_layout(redundant()));
+    CHECK(!cohesive_layout(one_contact(.5)));
+}
+
+TEST_CASE("a warm start at the solution costs nothing") {
+    const LcpProblem problem = stored("line_16_si");
+    const Eigen::VectorXd z = lcp_solvers()[0].solve(problem).z;
+    CHECK(solve_by_newton(problem, {.start = z}).iterations == 0);
+    CHECK(solve_by_gauss_seidel(problem, {.start = z}).iterations == 0);
+}
+
+TEST_CASE("equilibration brings entries to order one and keeps the solution") {
+    const LcpProblem problem = stored("line_16_si");
+    const ScaledLcp scaled = equilibrated(problem);
+    for (int i = 0; i < problem.size(); ++i) {
+        const double largest = Eigen::VectorXd(scaled.problem.M.row(i).transpose()).cwiseAbs().maxCoeff();
+        CHECK(largest <= 8);
+    }
+    const Eigen::VectorXd z = Eigen::VectorXd::LinSpaced(problem.size(), 1, 2);
+    CHECK((scaled.original_z(scaled.scaled_z(z)) - z).norm() <= 1e-14 * z.norm());
+    const Eigen::VectorXd w = problem.M * z + problem.q, scaled_w = scaled.problem.M * scaled.scaled_z(z) + scaled.problem.q;
+    CHECK((scaled.scaled_w(w) - scaled_w).norm() <= 1e-12 * scaled_w.norm());
+}

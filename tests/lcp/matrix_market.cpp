@@ -1,0 +1,61 @@
+#include "lcp/matrix_market.hpp"
+
+#include "base/error.hpp"
+
+#include <doctest/doctest.h>
+
+#include <sstream>
+#include <string>
+
+using namespace knap;
+
+namespace {
+
+Eigen::MatrixXd read(const std::string& text) {
+    std::istringstream stream(text);
+    return read_matrix_market(stream, "text");
+}
+
+/// Line that the message is about; 0 where the text is read without complaint.
+int line_of_error(const std::string& text) {
+    try {
+        read(text);
+    } catch (const UserError& error) {
+        CHECK(!error.diagnostics.at(0).message.empty());
+        CHECK(error.diagnostics.at(0).file == "text");
+        return error.diagnostics.at(0).line;
+    }
+    return 0;
+}
+
+}  // namespace
+
+TEST_CASE("Matrix Market texts of every supported kind") {
+    Eigen::MatrixXd expected(2, 2);
+    expected << 1, 3, 2, 4;
+    CHECK(read("%%MatrixMarket matrix array real general\n% comment\n2 2\n1\n2\n3\n4\n") == expected);
+    CHECK(read("%%MatrixMarket MATRIX Coordinate integer General\n\n2 2 4\n1 1 1\n2 1 2\n1 2 3\n2 2 4\n") == expected);
+    expected << 1, 2, 2, 0;
+    CHECK(read("%%MatrixMarket matrix coordinate real symmetric\r\n2 2 2\r\n1 1 1\r\n2 1 2\r\n") == expected);
+    CHECK(read("%%MatrixMarket matrix array real symmetric\n2 2\n1\n2\n0\n") == expected);
+    expected << 0, -2e-3, 2e-3, 0;
+    CHECK(read("%%MatrixMarket matrix array real skew-symmetric\n2 2\n2e-3\n") == expected);
+    CHECK(read("%%MatrixMarket matrix coordinate real general\n0 0 0\n").size() == 0);
+}
+
+TEST_CASE("Matrix Market errors name their line") {
+    const std::string general = "%%MatrixMarket matrix coordinate real general\n";
+    CHECK(line_of_error("1 2 3\n") == 1);
+    CHECK(line_of_error("%%MatrixMarket matrix coordinate complex general\n") == 1);
+    CHECK(line_of_error(general + "2 2\n") == 2);
+    CHECK(line_of_error(general + "-2 2 0\n") == 2);
+    CHECK(line_of_error(general + "2 2 1\n3 1 1\n") == 3);
+    CHECK(line_of_error(general + "2 2 1\n0 1 1\n") == 3);
+    CHECK(line_of_error(general + "2 2 1\n1 1 abc\n") == 3);
+    CHECK(line_of_error(general + "2 2 1\n1 1 nan\n") == 3);
+    CHECK(line_of_error(general + "2 2 1\n1 1 1 1\n") == 3);
+    CHECK(line_of_error(general + "2 2 2\n1 1 1\n") == 3);
+    CHECK(line_of_error(general + "2 2 1\n1 1 1\n2 2 1\n") == 4);
+    CHECK(line_of_error("%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 2 1\n") == 3);
+    CHECK_THROWS_AS(read_lcp("there_is_no_such_file"), UserError);
+}
