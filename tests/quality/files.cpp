@@ -70,6 +70,7 @@ TEST_CASE("no path of a machine") {
         "/"
         "Users/"};
     for (const File& file : source_tree::all_files()) {
+        if (file.path == ".git") continue;  // in a linked worktree a file that names its repository
         for (std::size_t i = 0; i < file.lines.size(); ++i) {
             for (const std::string& start : starts) {
                 CHECK_MESSAGE(file.lines[i].find(start) == std::string::npos, file.path, ":", i + 1, " names ", start);
