@@ -80,8 +80,7 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     MoreauJean stepper(model);
     const StepPlan plan = plan_of(read, stepper.stable_step(), scenario.time.end);
     const double edge = mean_edge(model.mesh);
-    double finest = edge;
-    for (const RefineBox& box : scenario.mesh.refine) finest = std::min(finest, box.size);
+    const double finest = finest_edge(scenario, edge);
 
     if (full) std::fputs(full_listing(read).c_str(), stdout);
     std::printf("%s: %s\n", scenario.name.c_str(), scenario.title.c_str());

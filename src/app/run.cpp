@@ -109,9 +109,7 @@ StepPlan plan_of(const ReadResult& read, double stable_step, double until) {
 
 std::vector<Diagnostic> resolution_warnings(const ReadResult& read, double mean_edge) {
     std::vector<Diagnostic> warnings;
-    double finest = mean_edge;
-    for (const RefineBox& box : read.scenario.mesh.refine) finest = std::min(finest, box.size);
-    for (const Resolution& r : judge_resolution(read.scenario, finest)) {
+    for (const Resolution& r : judge_resolution(read.scenario, finest_edge(read.scenario, mean_edge))) {
         if (r.n_edges >= 5) continue;
         Diagnostic warning = locate(read, "mesh.size");
         warning.severity = Diagnostic::Severity::warning;

@@ -60,6 +60,11 @@ double mean_edge(const Mesh& mesh) {
     return mesh.interior_edges.empty() ? 0 : sum / static_cast<double>(mesh.interior_edges.size());
 }
 
+double finest_edge(const Scenario& scenario, double mean_edge) {
+    for (const RefineBox& box : scenario.mesh.refine) mean_edge = std::min(mean_edge, box.size);
+    return mean_edge;
+}
+
 double rayleigh_speed(const Scenario& scenario) { return scenario.materials.front().elastic.rayleigh_speed(scenario.plane); }
 
 }  // namespace knap

@@ -31,6 +31,9 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_e
 /// Mean length [m] of the interior edges.
 double mean_edge(const Mesh& mesh);
 
+/// The smallest edge length [m] that is wanted anywhere: where cracks are to run.
+double finest_edge(const Scenario& scenario, double mean_edge);
+
 /// [m/s] of the domain's first material.
 double rayleigh_speed(const Scenario& scenario);
 

@@ -10,27 +10,6 @@
 using namespace knap;
 using namespace knap::tests;
 
-namespace {
-
-/// One triangle with its first edge, along x, on a foundation: corners 0 and 1 have a point each, of area 1; every corner has mass 1.
-ModelInput point_masses(const CohesiveLaw& law, bool glued) {
-    ModelInput input;
-    input.mesh.vertices = {{0, 0}, {2, 0}, {1, 1}};  // the edge has length 2: each of its points has area 1
-    input.mesh.triangles = {{0, 1, 2}};
-    input.mesh.region = {0};
-    input.mesh.boundary_names = {"base", "free"};
-    find_edges(input.mesh);
-    for (BoundaryEdge& edge : input.mesh.boundary_edges) edge.boundary = edge.side == 0 ? 0 : 1;
-    input.materials = {{.density = 3, .E = 0, .nu = 0}};
-    input.laws = {law};
-    input.law_of_pair = {{0}};
-    input.foundations = {{.on = {.boundary = "base", .box = {}}, .law = 0, .glued = glued}};
-    return input;
-}
-
-
-}  // namespace
-
 TEST_CASE("A1 mode I cycle under imposed opening") {
     const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1};
     ModelInput input = point_masses(law, true);

@@ -10,22 +10,6 @@ using namespace knap::tests;
 
 namespace {
 
-/// Point masses of 1 on points of area 1: a triangle without stiffness whose first edge lies on the ground.
-ModelInput points_on_ground(const CohesiveLaw& law, bool glued) {
-    ModelInput input;
-    input.mesh.vertices = {{0, 0}, {2, 0}, {1, 1}};
-    input.mesh.triangles = {{0, 1, 2}};
-    input.mesh.region = {0};
-    input.mesh.boundary_names = {"base", "free"};
-    find_edges(input.mesh);
-    for (BoundaryEdge& edge : input.mesh.boundary_edges) edge.boundary = edge.side == 0 ? 0 : 1;
-    input.materials = {{.density = 3, .E = 0, .nu = 0}};
-    input.laws = {law};
-    input.law_of_pair = {{0}};
-    input.foundations = {{.on = {.boundary = "base", .box = {}}, .law = 0, .glued = glued}};
-    return input;
-}
-
 /// An elastic block of 1 x 1 on the ground.
 ModelInput block_on_ground(const CohesiveLaw& law) {
     ModelInput input;
@@ -59,7 +43,7 @@ void check_books(const Run& run) {
 TEST_CASE("B14 a sliding point stops at v0 over mu g and then rests exactly") {
     const double mu = 0.3, g = 9.81, v0 = 2;
     for (const double h : {1e-3, 3.7e-4}) {
-        ModelInput input = points_on_ground({.sigma_c = 0, .friction = mu}, false);
+        ModelInput input = point_masses({.sigma_c = 0, .friction = mu}, false);
         input.loads = {load(Load::Kind::acceleration, "", 0.0, -g)};
         input.initial_velocities = {{.on = {}, .value = {v0, 0}}};
         Run run(input);
@@ -103,7 +87,7 @@ TEST_CASE("E8 a stuck point under a rotating load does not drift") {
     const double h = 0.01, sigma_c = 2, delta = 1e-3;
     const CohesiveLaw law{.sigma_c = sigma_c, .G_c = 0.5 * sigma_c * delta, .gamma = 0.7, .friction = 0.4};
     for (const bool glued : {false, true}) {
-        ModelInput input = points_on_ground(law, glued);
+        ModelInput input = point_masses(law, glued);
         // contact: pressure 3 +- 1, shear up to .99 mu (3 - 1); glued: 0.99 of the inner circle of the strength polygon
         const double shear = (law.gamma + law.friction) * sigma_c / std::sqrt(1 + law.friction * law.friction);
         const double normal = glued ? 0.99 * std::min(sigma_c, shear) : 1, tangential = glued ? normal : 0.99 * law.friction * 2;
@@ -122,7 +106,7 @@ TEST_CASE("E8 a stuck point under a rotating load does not drift") {
 TEST_CASE("E8 a damaged point that has closed sticks again with what strength is left") {
     const double h = 0.01, sigma_c = 2, delta = 1;
     const CohesiveLaw law{.sigma_c = sigma_c, .G_c = 0.5 * sigma_c * delta, .gamma = 0.7, .friction = 0.4};
-    ModelInput input = points_on_ground(law, true);
+    ModelInput input = point_masses(law, true);
     // a pull opens it by part, a pressure closes it; then a shear within what is left pushes for 10 000 steps
     input.loads = {load(Load::Kind::body_force, "", 0.0, 3.0, {{0, 0.1, 0.5, 0.6, 3, 3.1}, {3, 3, 3, -20, -20, 0}}),
                    load(Load::Kind::body_force, "", 1.0, std::nullopt, {{3.0, 3.1}, {0, 1}})};
