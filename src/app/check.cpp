@@ -41,7 +41,7 @@ void print_resolution(const Scenario& scenario, double finest, double step) {
     // Assumption 1 on a fully split mesh: h <= (0.43/theta) sqrt(l_coh/l) l/c; explicit beta does not need it, implicit does
     for (const Resolution& r : judge_resolution(scenario, finest)) {
         const double c = scenario.materials.front().elastic.dilatational_speed(scenario.plane);
-        const double limit = 0.43 / scenario.time.theta * std::sqrt(r.cohesive_length / finest) * finest / c;
+        const double limit = 0.43 / scenario.time.scheme.theta * std::sqrt(r.cohesive_length / finest) * finest / c;
         std::printf("  %-12s Assumption 1 margin %.1f (an implicit cohesion may take steps up to %.3g s; explicit beta has no such limit)\n",
                     r.material.c_str(), limit / step, limit);
     }

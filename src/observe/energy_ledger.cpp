@@ -42,7 +42,8 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.friction_work += report.friction_work;
     row_.impact_work += report.impact_work;
     row_.step_change_work += report.step_change_work;
-    const double given = row_.external_work - row_.cohesive_work + row_.friction_work + row_.impact_work + row_.step_change_work;
+    row_.scheme_dissipation += report.scheme_dissipation;
+    const double given = row_.external_work - row_.cohesive_work + row_.friction_work + row_.impact_work + row_.step_change_work - row_.scheme_dissipation;
     row_.residual = row_.kinetic + row_.strain - start_energy_ - given;
     row_.crossing_loss += report.crossing_loss;
     row_.law_lag = row_.cohesive_work - row_.crossing_loss - row_.surface;

@@ -1,7 +1,7 @@
 #pragma once
 // The energy books of a run and the gates it must pass (formulation: energy ledger).
 //
-//     kinetic + strain - (start) = external - cohesive + impact + friction      to rounding: the identity of the discrete scheme
+//     kinetic + strain - (start) = external - cohesive + impact + friction - (dissipation of theta > 1/2)      to rounding: the identity of the discrete scheme
 //     law lag = cohesive work - crossing loss - (Psi of the state)              what freezing beta costs; falls with h
 //     crossing loss: a slip that crosses zero is caught by the implicit sign of the tangential cohesion, which takes a little of its
 //     kinetic energy; high-frequency slips die by it
@@ -20,6 +20,7 @@ struct EnergyRow {
     double time = 0;
     double kinetic = 0, strain = 0, surface = 0;
     double external_work = 0, cohesive_work = 0, friction_work = 0, impact_work = 0, step_change_work = 0;
+    double scheme_dissipation = 0;  // by theta > 1/2
     double residual = 0;  // of the identity
     double crossing_loss = 0;  // of the cohesive work, where slips cross zero
     double law_lag = 0;

@@ -83,7 +83,7 @@ void assemble_time(Assembly& assembly) {
     time.end = values.number("time.end").value_or(0);
     time.step = values.number("time.step").value_or(0);  // "auto": 0
     time.safety = values.number("time.safety").value_or(time.safety);
-    time.theta = values.number("time.theta").value_or(time.theta);
+    time.scheme.theta = values.number("time.theta").value_or(time.scheme.theta);
     if (values.text("time.bulk") == "implicit") not_available(assembly, "time.bulk");
     if (values.text("time.cohesion") == "implicit") not_available(assembly, "time.cohesion");
 }

@@ -6,6 +6,7 @@
 #include "material/elastic.hpp"
 #include "model/loads.hpp"
 #include "observe/figures.hpp"
+#include "stepper/scheme_options.hpp"
 
 #include <cstdint>
 #include <map>
@@ -26,16 +27,11 @@ struct NamedLaw {
     CohesiveLaw law;
 };
 
-enum class BulkScheme { explicit_lumped, implicit_theta };
-enum class CohesionScheme { explicit_beta, implicit_lcp };
-
 struct TimeOptions {
     double end = 0;                                            // [s]
-    BulkScheme bulk = BulkScheme::explicit_lumped;
-    CohesionScheme cohesion = CohesionScheme::explicit_beta;
+    SchemeOptions scheme;
     double step = 0;                                           // [s] 0 = auto
     double safety = 0.8;                                       // [-] fraction of the stable step that "auto" takes
-    double theta = 0.5;                                        // [-] implicit bulk
 };
 
 struct OutputOptions {

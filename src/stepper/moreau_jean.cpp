@@ -8,7 +8,7 @@
 
 namespace knap {
 
-MoreauJean::MoreauJean(const Model& model) : bulk_(model), interfaces_(std::make_unique<ExplicitBeta>(model)) {}
+MoreauJean::MoreauJean(const Model& model, const SchemeOptions&) : bulk_(model), interfaces_(std::make_unique<ExplicitBeta>(model)) {}
 
 StepReport MoreauJean::step(const State& begin, double h, State& end) {
     bulk_.free_motion(begin, h, free_);                             // as if no interface acted

@@ -7,6 +7,7 @@
 // The bulk (here explicit and lumped) and the scheme of the interfaces (here explicit beta) are its two strategies.
 #include "stepper/explicit_bulk.hpp"
 #include "stepper/interface_scheme.hpp"
+#include "stepper/scheme_options.hpp"
 
 #include <memory>
 
@@ -14,7 +15,7 @@ namespace knap {
 
 class MoreauJean {
 public:
-    explicit MoreauJean(const Model& model);
+    explicit MoreauJean(const Model& model, const SchemeOptions& options = {});
 
     /// One step of size h [s] from `begin` to `end`; `begin` is left alone. `end` may be any earlier state of the same run (its memory
     /// is reused). Throws SimulationError where the motion is no longer finite.

@@ -14,6 +14,7 @@ StepReport& StepReport::operator+=(const StepReport& other) {
     impact_work += other.impact_work;
     friction_work += other.friction_work;
     step_change_work += other.step_change_work;
+    scheme_dissipation += other.scheme_dissipation;
     worst_impact_work = std::max(worst_impact_work, other.worst_impact_work);
     worst_friction_work = std::max(worst_friction_work, other.worst_friction_work);
     residual = std::max(residual, other.residual);
@@ -25,6 +26,10 @@ StepReport& StepReport::operator+=(const StepReport& other) {
     fan_fallbacks += other.fan_fallbacks;
     bound_tests += other.bound_tests;
     released += other.released;
+    softened += other.softened;
+    linear_solves += other.linear_solves;
+    factorisations += other.factorisations;
+    if (refusal == Refusal::none) refusal = other.refusal, where = other.where;
     return *this;
 }
 

@@ -1,8 +1,17 @@
 #pragma once
 // What one step says of itself; the ledger adds it up.
+#include "base/vec.hpp"
+
 #include <cstdint>
 
 namespace knap {
+
+/// Why a step was not taken; its end state is void and must not be used.
+enum class Refusal {
+    none,
+    assumption_1,   // softening outweighs inertia and stiffness: the step has several solutions; a smaller one has one
+    not_converged,  // the solver of the interfaces did not reach its tolerance
+};
 
 /// Works are those of this step [J]; of impulses with the mean of the velocities before and after (formulation: energy ledger).
 struct StepReport {
@@ -15,6 +24,7 @@ struct StepReport {
     double impact_work = 0;      // <= 0
     double friction_work = 0;    // <= 0
     double step_change_work = 0; // what a change of the step size does to the leapfrog energy; 0 at constant step
+    double scheme_dissipation = 0;  // >= 0: what theta > 1/2 takes away, (theta - 1/2) (|dv|_M^2 + |du|_K^2); 0 for the explicit bulk
     double worst_impact_work = 0;    // the largest single term, should be <= 0 up to rounding
     double worst_friction_work = 0;
     double residual = 0;             // worst residual of the interface laws, scaled
@@ -26,6 +36,11 @@ struct StepReport {
     std::int64_t fan_fallbacks = 0;
     std::int64_t bound_tests = 0;    // exact tests of fans in one piece
     std::int64_t released = 0;       // fans that came apart in this step
+    std::int64_t softened = 0;       // points that lost cohesion in this step
+    std::int64_t linear_solves = 0;  // of the implicit bulk
+    std::int64_t factorisations = 0;
+    Refusal refusal = Refusal::none;
+    Vec2 where = Vec2::Zero();       // [m] of the refusal
 
     /// Adds the share of another part of the body (or of another step).
     StepReport& operator+=(const StepReport& other);

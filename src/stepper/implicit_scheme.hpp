@@ -1,0 +1,18 @@
+#pragma once
+// The implicit theta scheme (Acary, Collins-Craft, Bourrier; J. J. Moreau, M. Jean): all interfaces of the body and its stiffness together.
+//
+// Unknown is the rate of displacement over the step, w = v_theta = theta v+ + (1 - theta) v, of every corner:
+//
+//     u+ = u + h w,     v+ = (w - (1 - theta) v)/theta
+//     M (v+ - v) + h K (u + theta h w) = h F_theta + H' P           F_theta = theta F(t + h) + (1 - theta) F(t)
+//     P_N = -h S sigma_c beta_theta + p,     0 <= p  perp  w_N - c >= 0
+//    -P_T in h S gamma sigma_c beta_theta sgn(u_T + h w_T) + mu p sgn(w_T)
+//     beta+ = min(beta, max(0, 1 - (max(u_N + h w_N, 0) + gamma |u_T + h w_T|)/delta_c))
+//     beta_theta = theta beta+ + (1 - theta) beta      (implicit beta; explicit beta: beta_theta = beta)
+//
+// The contact bound, V = rate at the begin of the step:
+//     touching (u_N <= 0):   c = -(1 - theta (1 + e)) max(-V_N, 0)       Newton's law v_N+ = -e v_N- against an approach; else no approach
+//     apart, e = 0:          c = min(-u_N/h, -(1 - theta) max(-V_N, 0))  lands on the wall, or stops at it within (1 - theta) h |V_N|
+//     apart, e > 0:          no contact in this step: it must touch first
+// The work of an impulse is P . w; since c <= 0 and the friction opposes w_T, every single contact and friction work is <= 0.
+// Prescribed components: a velocity is reached at t + h (w is the mean), a displacement at t + h (v+ is the slope of its history there).
