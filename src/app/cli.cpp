@@ -3,6 +3,7 @@
 #include "app/commands.hpp"
 #include "app/version.hpp"
 #include "base/error.hpp"
+#include "lcp/solvers.hpp"
 #include "scenario/findings.hpp"
 #include "scenario/keys.hpp"
 #include "scenario/schema.hpp"
@@ -131,6 +132,15 @@ int run_command_line(int argc, char** argv) {
         for (const std::string& built_in : built_in_scenarios()) std::printf("%s\n", built_in.c_str());
         return exit_done;
     });
+
+    std::filesystem::path problem;
+    std::string solver = std::string(lcp_solvers().front().name);
+    std::vector<std::string> solver_names{"all"};
+    for (const LcpSolver& known : lcp_solvers()) solver_names.emplace_back(known.name);
+    CLI::App* lcp_command = add("lcp", "solve a stored complementarity problem", [&] { return solve_stored_lcp(problem, solver, json); });
+    lcp_command->add_option("file", problem, "NAME.L.mtx, NAME.q.mtx (Matrix Market) or NAME alone")->required();
+    lcp_command->add_option("--solver", solver, "default " + solver)->check(CLI::IsMember(solver_names));
+    lcp_command->add_flag("--json", json, "as JSON");
 
     BenchOptions bench_options;
     CLI::App* bench_command = add("bench", "fixed work: triangle-steps per core-second and ratios of one run", [&] { return bench(bench_options); });

@@ -23,6 +23,9 @@ ExitCode show_runs(const std::vector<std::filesystem::path>& runs, RunFormat for
 /// Writes a scenario to start from to <name>.toml.
 ExitCode write_new_scenario(const std::string& name, bool force);
 
+/// Solves a stored complementarity problem with one solver, or `all`, and prints how well and how fast.
+ExitCode solve_stored_lcp(const std::filesystem::path& file, const std::string& solver, bool json);
+
 struct BenchOptions {
     double until = 20e-6;  // [s] of the edge-cracked block
     bool full = false;     // all 80 us, and 148 000 triangles too

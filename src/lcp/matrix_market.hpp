@@ -15,4 +15,8 @@ LcpMatrix read_matrix_market(const std::filesystem::path& file);
 /// `stem` is the path without .L.mtx and .q.mtx; either of the two files may be given as well.
 LcpProblem read_lcp(const std::filesystem::path& stem);
 
+/// Writes stem.L.mtx and stem.q.mtx with the shortest numbers that read back to the same bits. Throws UserError where one of the files
+/// exists already or cannot be written: nothing is overwritten.
+void write_lcp(const std::filesystem::path& stem, const LcpProblem& problem);
+
 }  // namespace knap

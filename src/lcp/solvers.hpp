@@ -1,5 +1,5 @@
 #pragma once
-// All solvers of this floor by name, each with its own default options.
+// All solvers of this floor by name, each with its own default options. The first one is the one to use.
 #include "lcp/problem.hpp"
 
 #include <functional>
@@ -9,9 +9,16 @@ namespace knap {
 
 struct LcpSolver {
     std::string_view name;
-    std::function<LcpSolution(const LcpProblem&)> solve;
+    bool uses_start;  // whether a warm start changes anything
+    std::function<LcpSolution(const LcpProblem&, const Eigen::VectorXd& start)> run;
+
+    /// `start`: z of a similar problem; empty: none.
+    LcpSolution solve(const LcpProblem& problem, const Eigen::VectorXd& start = {}) const { return run(problem, start); }
 };
 
 std::span<const LcpSolver> lcp_solvers();
+
+/// nullptr where no solver has that name.
+const LcpSolver* find_lcp_solver(std::string_view name);
 
 }  // namespace knap

@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <string>
 
@@ -58,4 +60,25 @@ TEST_CASE("Matrix Market errors name their line") {
     CHECK(line_of_error(general + "2 2 1\n1 1 1\n2 2 1\n") == 4);
     CHECK(line_of_error("%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 2 1\n") == 3);
     CHECK_THROWS_AS(read_lcp("there_is_no_such_file"), UserError);
+}
+
+TEST_CASE("a written problem reads back to the same bits and is never overwritten") {
+    const std::filesystem::path folder = std::filesystem::path(KNAP_BINARY_DIR) / "lcp tests";
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
+    Eigen::MatrixXd M(2, 2);
+    M << 1.0 / 3, 0, -1e-300, 0.1;
+    const Eigen::Vector2d q(-1e17 / 7, 5e-324);
+    const std::filesystem::path stem = folder / "some.step";
+    write_lcp(stem, lcp_problem(M, q));
+    const LcpProblem back = read_lcp(folder / "some.step.q.mtx");
+    CHECK(Eigen::MatrixXd(back.M) == M);
+    CHECK(back.q == q);
+    CHECK_THROWS_AS(write_lcp(stem, lcp_problem(M, q)), UserError);
+    std::filesystem::remove(folder / "some.step.L.mtx");
+    CHECK_THROWS_AS(write_lcp(stem, lcp_problem(M, q)), UserError);  // the other half is there
+    CHECK(!std::filesystem::exists(folder / "some.step.L.mtx"));
+    CHECK_THROWS_AS(write_lcp(folder / "no such folder" / "x", lcp_problem(M, q)), UserError);
+    write_lcp(folder / "empty", lcp_problem(Eigen::MatrixXd(0, 0), Eigen::VectorXd(0)));
+    CHECK(read_lcp(folder / "empty").size() == 0);
 }

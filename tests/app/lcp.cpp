@@ -1,0 +1,47 @@
+// knap lcp as a person runs it.
+#include "program.hpp"
+
+#include "lcp/matrix_market.hpp"
+
+using namespace program;
+
+namespace {
+
+std::string stored(const std::string& name) { return "'" KNAP_SOURCE_DIR "/tests/lcp/data/" + name + "'"; }
+
+}  // namespace
+
+TEST_CASE("lcp solves a stored problem by either file or the stem") {
+    for (const char* file : {"line_4", "line_4.L.mtx", "line_4.q.mtx"}) {
+        const Answer answer = command("lcp " + stored(file));
+        CAPTURE(answer.text);
+        CHECK(answer.code == 0);
+        CHECK(answer.has("45 unknowns"));
+        CHECK(answer.has("solved"));
+    }
+}
+
+TEST_CASE("lcp compares the solvers and tells free bond breaking from a solution") {
+    const Answer answer = command("lcp --solver all --json " + stored("line_16_si"));
+    CAPTURE(answer.text);
+    CHECK(answer.code == 0);
+    for (const char* words : {"lemke", "gauss_seidel", "newton", "interior_point", "scaled_residual", "cpu_s", "\"bonds_freely_broken\": 0"})
+        CHECK_MESSAGE(answer.has(words), words);
+    const Answer middle = command("lcp --solver interior_point " + stored("line_16_si"));
+    CHECK(middle.code == 3);
+    CHECK(middle.has("breaks_freely"));
+}
+
+TEST_CASE("lcp refuses what it cannot read and says when nothing solves a problem") {
+    const Folder folder("lcp");
+    CHECK(command("lcp no_such_problem").code == 2);
+    CHECK(command("lcp").code == 2);
+    CHECK(command("lcp --solver simplex " + stored("line_4")).code == 2);
+    std::ofstream(folder.path / "bad.L.mtx") << "%%MatrixMarket matrix array real general\n1 1\nx\n";
+    std::ofstream(folder.path / "bad.q.mtx") << "%%MatrixMarket matrix array real general\n1 1\n1\n";
+    const Answer bad = command("lcp " + folder.in_shell("bad"));
+    CHECK(bad.code == 2);
+    CHECK(bad.has("bad.L.mtx:3"));
+    knap::write_lcp(folder.path / "infeasible", knap::lcp_problem(-Eigen::MatrixXd::Identity(1, 1), -Eigen::VectorXd::Ones(1)));
+    CHECK(command("lcp --solver all " + folder.in_shell("infeasible")).code == 3);
+}
