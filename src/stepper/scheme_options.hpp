@@ -12,6 +12,7 @@ struct SchemeOptions {
     CohesionScheme cohesion = CohesionScheme::explicit_beta;
     double theta = 0.5;                     // [-] in [1/2, 1/(1 + e)], of the implicit bulk and of the implicit cohesion
     MassMatrix mass = MassMatrix::lumped;   // consistent: implicit bulk only
+    bool respect_assumption_1 = true;       // refuse steps beyond it; else go on with one of their solutions
 };
 
 }  // namespace knap

@@ -1,0 +1,90 @@
+#include "stepper/step_control.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace knap {
+namespace {
+
+constexpr int steps_until_growth = 10;
+constexpr double growth = 1.5;
+
+/// [s] What a time that was added up step by step may be wrong by.
+double rounding(const State& state, double time) { return static_cast<double>(state.n_steps + 1) * std::numeric_limits<double>::epsilon() * time; }
+
+}  // namespace
+
+std::string_view name_of(CutReason reason) {
+    constexpr std::array<std::string_view, cut_reasons.size()> names{"softening", "release", "assumption_1", "not_converged"};
+    return names[static_cast<std::size_t>(reason)];
+}
+
+std::string_view describe(CutReason reason) {
+    constexpr std::array<std::string_view, cut_reasons.size()> texts{
+        "cohesion begins to fall", "a fan comes apart", "Assumption 1 does not hold, so the step has several solutions",
+        "the interface problem was not solved to its tolerance"};
+    return texts[static_cast<std::size_t>(reason)];
+}
+
+StepControl::StepControl(const StepLimits& limits) : limits_(limits), step_(limits.largest), largest_(limits.largest) {}
+
+bool StepControl::has_reached(const State& state, double time) { return state.time >= time - rounding(state, time); }
+
+double StepControl::next(const State& begin) const {
+    const double left = limits_.end - begin.time, tolerance = std::min(rounding(begin, limits_.end), 0.25 * step_);
+    if (left >= 2 * step_ - tolerance || std::abs(left - step_) <= tolerance) return step_;
+    return left < step_ ? left : 0.5 * left;
+}
+
+std::optional<CutReason> StepControl::objection(double h, const StepReport& report) const {
+    if (report.refusal == Refusal::assumption_1) return CutReason::assumption_1;
+    if (report.refusal == Refusal::not_converged) return CutReason::not_converged;
+    if (h <= limits_.cracking * (1 + 1e-12)) return std::nullopt;
+    if (report.softened > 0) return CutReason::softening;
+    return report.released > 0 ? std::optional(CutReason::release) : std::nullopt;
+}
+
+std::optional<StepCut> StepControl::judge(const State& begin, double h, const StepReport& report) {
+    const std::optional<CutReason> reason = objection(h, report);
+    const bool refused = report.refusal != Refusal::none, breaks = !refused && (report.softened > 0 || report.released > 0);
+    if (breaks || reason == CutReason::assumption_1) largest_ = std::min(largest_, limits_.cracking);
+    if (!reason) {
+        smallest_taken_ = largest_taken_ == 0 ? h : std::min(smallest_taken_, h);
+        largest_taken_ = std::max(largest_taken_, h);
+        step_ = std::min(step_, largest_);
+        if (++n_good_ >= steps_until_growth) grow();
+        return std::nullopt;
+    }
+    ++n_cuts_[static_cast<std::size_t>(*reason)];
+    thrown_away_ += report;
+    const bool to_cracking = !refused || (reason == CutReason::assumption_1 && h > limits_.cracking * (1 + 1e-12));
+    step_ = to_cracking ? limits_.cracking : 0.5 * h;
+    n_good_ = 0;
+    stuck_ = step_ < limits_.smallest;
+    return StepCut{.reason = *reason, .time = begin.time, .from = h, .to = step_};
+}
+
+void StepControl::grow() {
+    step_ = std::min(growth * step_, largest_);
+    n_good_ = 0;
+}
+
+Vec2 place_of_damage(const Model& model, const State& begin, const State& end) {
+    Index worst = -1;
+    double largest_loss = 0;
+    for (std::size_t rank = 0; rank < end.split_fans.size(); ++rank) {
+        const Index fan = end.split_fans[rank];
+        const Index before = begin.split_rank[fan];
+        double loss = 0;
+        for (Index i = 0; i < model.fans[fan].n_points; ++i) {
+            const double had = before >= 0 ? begin.points[begin.first_point[before] + i].cohesion : 1;
+            const FanPoint& point = model.fan_points[model.fans[fan].first_point + i];
+            if (before < 0 && (point.cracked || model.laws[point.law].sigma_c <= 0)) continue;
+            loss = std::max(loss, had - end.points[end.first_point[rank] + i].cohesion);
+        }
+        if (loss > largest_loss || (worst < 0 && before < 0)) worst = fan, largest_loss = loss;
+    }
+    return worst < 0 ? Vec2::Zero() : model.mesh.vertices[model.fans[worst].vertex];
+}
+
+}  // namespace knap

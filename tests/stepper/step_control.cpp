@@ -1,0 +1,179 @@
+// The step-size policy against scripted reports: no stepper, no body.
+#include "stepper/step_control.hpp"
+#include "support/bodies.hpp"
+
+#include <doctest/doctest.h>
+
+#include <vector>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+/// Answers a step of size h that begins at `time`.
+using Script = std::function<StepReport(double time, double h)>;
+
+StepReport good(double, double) { return {}; }
+StepReport refused(Refusal why) {
+    StepReport report;
+    report.refusal = why;
+    return report;
+}
+StepReport softens() {
+    StepReport report;
+    report.softened = 1;
+    return report;
+}
+
+struct Trace {
+    std::vector<double> steps;  // [s] that counted
+    std::vector<StepCut> cuts;
+    double end;
+    bool stuck;
+};
+
+/// Runs until `until`, or until stuck.
+Trace run(const StepLimits& limits, const Script& script, double until) {
+    StepControl control(limits);
+    State now;
+    Trace trace{};
+    while (!StepControl::has_reached(now, until) && !control.is_stuck()) {
+        REQUIRE(trace.steps.size() + trace.cuts.size() < 100000);
+        const double h = control.next(now);
+        if (const auto cut = control.judge(now, h, script(now.time, h))) {
+            trace.cuts.push_back(*cut);
+        } else {
+            trace.steps.push_back(h);
+            now.time += h;
+            now.last_step = h;
+            ++now.n_steps;
+        }
+    }
+    trace.end = now.time;
+    trace.stuck = control.is_stuck();
+    if (!trace.steps.empty()) {
+        CHECK(control.smallest_taken() == *std::min_element(trace.steps.begin(), trace.steps.end()));
+        CHECK(control.largest_taken() == *std::max_element(trace.steps.begin(), trace.steps.end()));
+    }
+    std::int64_t n = 0;
+    for (const std::int64_t of_reason : control.n_cuts()) n += of_reason;
+    CHECK(n == static_cast<std::int64_t>(trace.cuts.size()));
+    return trace;
+}
+
+Trace run(const StepLimits& limits, const Script& script) { return run(limits, script, limits.end); }
+
+StepLimits constant(double step, double end) { return {.largest = step, .cracking = step, .smallest = 1e-6 * step, .end = end}; }
+
+}  // namespace
+
+TEST_CASE("step control: a constant step keeps its bits and its count") {
+    for (const int n : {1, 2, 3, 7, 400, 100003}) {
+        if (n > 90000) continue;
+        const double end = 0.6e-3, step = end / n;
+        const Trace trace = run(constant(step, end), [](double, double) { return softens(); });
+        CAPTURE(n);
+        CHECK(trace.steps.size() == static_cast<std::size_t>(n));
+        for (const double h : trace.steps) REQUIRE(h == step);
+        CHECK(trace.end == doctest::Approx(end).epsilon(1e-12));
+        CHECK(trace.cuts.empty());
+    }
+}
+
+TEST_CASE("step control: steps land on the end and none is a sliver") {
+    for (const double end : {10.0, 10.001, 10.3, 10.5, 10.999, 0.2, 1.0001}) {
+        CAPTURE(end);
+        const Trace trace = run(constant(1, end), good);
+        CHECK(trace.end == doctest::Approx(end).epsilon(1e-14));
+        for (const double h : trace.steps) CHECK(h >= std::min(0.5, end) * (1 - 1e-12));
+        for (const double h : trace.steps) CHECK(h <= 1);
+    }
+}
+
+TEST_CASE("step control: the first loss of cohesion brings the cracking step for good") {
+    const StepLimits limits{.largest = 1.5, .cracking = 0.25, .smallest = 1e-3, .end = 60};
+    const Trace trace = run(limits, [](double time, double h) { return time + h > 20 && time < 25 ? softens() : StepReport{}; });
+    REQUIRE(trace.cuts.size() == 1);
+    CHECK(trace.cuts[0].reason == CutReason::softening);
+    CHECK(trace.cuts[0].time == 19.5);
+    CHECK(trace.cuts[0].from == 1.5);
+    CHECK(trace.cuts[0].to == 0.25);
+    for (std::size_t i = 0; i < trace.steps.size(); ++i) REQUIRE(trace.steps[i] == (i < 13 ? 1.5 : 0.25));
+    CHECK(trace.end == 60);
+
+    const Trace release = run(limits, [](double, double) {
+        StepReport report;
+        report.released = 1;
+        return report;
+    });
+    REQUIRE(release.cuts.size() == 1);
+    CHECK(release.cuts[0].reason == CutReason::release);
+    CHECK(release.steps[0] == 0.25);
+}
+
+TEST_CASE("step control: a refused step is halved and grows again after ten good ones") {
+    // refused at any size above 0.3 between times 5 and 6
+    const Trace trace = run(constant(1, 40), [](double time, double h) { return time >= 5 && time < 6 && h > 0.3 ? refused(Refusal::not_converged) : StepReport{}; });
+    REQUIRE(trace.cuts.size() >= 2);
+    CHECK(trace.cuts[0].to == 0.5);
+    CHECK(trace.cuts[1].from == 0.5);
+    CHECK(trace.cuts[1].to == 0.25);
+    for (const StepCut& cut : trace.cuts) CHECK(cut.reason == CutReason::not_converged);
+    CHECK(trace.cuts.size() == 2);
+    for (std::size_t i = 0; i < 5; ++i) CHECK(trace.steps[i] == 1);
+    double expected = 0.25;
+    for (std::size_t block = 0; block < 4; ++block) {
+        for (std::size_t i = 0; i < 10; ++i) CHECK(trace.steps[5 + 10 * block + i] == expected);
+        expected = std::min(1.0, 1.5 * expected);
+    }
+    CHECK(expected == 1);
+}
+
+TEST_CASE("step control: Assumption 1 takes the cracking step first and halves from there") {
+    const StepLimits limits{.largest = 8, .cracking = 1, .smallest = 1e-3, .end = 100};
+    const Trace trace = run(limits, [](double time, double h) { return time < 4 && h > 0.6 ? refused(Refusal::assumption_1) : StepReport{}; });
+    REQUIRE(trace.cuts.size() >= 2);
+    CHECK(trace.cuts[0].to == 1);
+    CHECK(trace.cuts[1].to == 0.5);
+    CHECK(*std::max_element(trace.steps.begin(), trace.steps.end()) == 1);  // cracking has begun: never larger again
+
+    // what does not come from cracking does not end the large steps
+    const Trace contact = run(limits, [](double time, double h) { return time < 4 && h > 0.6 ? refused(Refusal::not_converged) : StepReport{}; });
+    CHECK(*std::max_element(contact.steps.begin(), contact.steps.end()) > 4);
+}
+
+TEST_CASE("step control: below the smallest step it is stuck") {
+    const Trace trace = run(constant(1, 10), [](double time, double) { return time < 3 ? StepReport{} : refused(Refusal::assumption_1); });
+    CHECK(trace.stuck);
+    CHECK(trace.end == 3);
+    CHECK(trace.cuts.size() == 20);  // 2^-20 < 1e-6 < 2^-19
+    CHECK(trace.cuts.back().from >= 1e-6);
+    CHECK(trace.cuts.back().to < 1e-6);
+}
+
+TEST_CASE("step control: a run that is stopped early is the begin of the longer one") {
+    const StepLimits limits{.largest = 1.1, .cracking = 0.3, .smallest = 1e-6, .end = 30};
+    const Script script = [](double time, double h) {
+        if (time > 12 && h > 0.2 && std::fmod(time, 3) < 1) return refused(Refusal::not_converged);
+        return time + h > 8 ? softens() : StepReport{};
+    };
+    const Trace whole = run(limits, script);
+    for (const double until : {0.1, 1.1, 8.0, 12.5, 29.9}) {
+        const Trace part = run(limits, script, until);
+        CAPTURE(until);
+        CHECK(part.end >= until * (1 - 1e-12));
+        CHECK(part.end < until + 1.1);
+        REQUIRE(part.steps.size() <= whole.steps.size());
+        CHECK(std::equal(part.steps.begin(), part.steps.end(), whole.steps.begin()));
+    }
+}
+
+TEST_CASE("step control: the place of damage is the vertex that lost most cohesion") {
+    const Model model = make_model(point_masses({.sigma_c = 1, .G_c = 0.5, .gamma = 0}, true));
+    const State begin = initial_state(model);
+    State end = begin;
+    for (std::size_t rank = 0; rank < end.split_fans.size(); ++rank)
+        if (model.fans[end.split_fans[rank]].vertex == 1) end.points[end.first_point[rank]].cohesion = 0.5;
+    CHECK(place_of_damage(model, begin, end) == model.mesh.vertices[1]);
+}
