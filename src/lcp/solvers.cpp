@@ -1,5 +1,6 @@
 #include "lcp/solvers.hpp"
 
+#include "lcp/default_solver.hpp"
 #include "lcp/gauss_seidel.hpp"
 #include "lcp/interior_point.hpp"
 #include "lcp/lemke.hpp"
@@ -17,6 +18,7 @@ using Start = Eigen::VectorXd;
 
 std::span<const LcpSolver> lcp_solvers() {
     static const std::array solvers{
+        LcpSolver{"default", true, [](const LcpProblem& p, const Start& start) { return solve_by_default(p, {.start = start}); }},
         LcpSolver{"lemke", false, [](const LcpProblem& p, const Start&) { return solve_by_lemke(p); }},
         LcpSolver{"gauss_seidel", true, [](const LcpProblem& p, const Start& start) { return solve_by_gauss_seidel(p, {.start = start}); }},
         LcpSolver{"newton", true, [](const LcpProblem& p, const Start& start) { return solve_by_newton(p, {.start = start}); }},

@@ -1,0 +1,264 @@
+#include "lcp/fold.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace knap {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double rounding = 1e-13;  // relative, between numbers that should be opposites
+
+struct Entry {
+    int index;
+    double value;
+};
+
+bool opposite(double a, double b, double scale) { return std::abs(a + b) <= rounding * scale; }
+bool equal(double a, double b) { return std::abs(a - b) <= rounding * std::abs(a); }
+
+/// Finds the patterns; what it is not sure of stays as it is.
+class Folder {
+public:
+    explicit Folder(const LcpProblem& problem) : problem_(problem), n_(problem.size()), role_(n_, plain), unknown_of_(n_) {
+        for (int i = 0; i < n_; ++i) unknown_of_[i] = {.row = i, .upper = infinity};
+    }
+
+    std::vector<FoldedUnknown> unknowns() {
+        find_candidates();
+        for (const int k : candidates_) recognise(k);
+        unfold_pairs_with_other_columns();
+        unfold_chains();
+        std::vector<FoldedUnknown> kept;
+        for (int i = 0; i < n_; ++i)
+            if (role_[i] == plain || role_[i] == first) kept.push_back(unknown_of_[i]);
+        return kept;
+    }
+
+private:
+    enum Role : char { plain, first, second, slack };  // first: capped, or i of a pair
+
+    /// Rows without diagonal and with at most three entries, and what their columns hold.
+    void find_candidates() {
+        std::vector<int> place(n_, -1);
+        for (int k = 0; k < n_; ++k) {
+            const int size = problem_.M.outerIndexPtr()[k + 1] - problem_.M.outerIndexPtr()[k];
+            if (size == 0 || size > 3 || problem_.q[k] < 0) continue;
+            bool has_diagonal = false;
+            for (LcpMatrix::InnerIterator entry(problem_.M, k); entry; ++entry) has_diagonal |= entry.col() == k;
+            if (has_diagonal) continue;
+            place[k] = static_cast<int>(candidates_.size());
+            candidates_.push_back(k);
+        }
+        columns_.resize(candidates_.size());
+        if (candidates_.empty()) return;
+        for (int i = 0; i < n_; ++i)
+            for (LcpMatrix::InnerIterator entry(problem_.M, i); entry; ++entry)
+                if (place[entry.col()] >= 0 && columns_[place[entry.col()]].size() < 4)
+                    columns_[place[entry.col()]].push_back({i, entry.value()});
+    }
+
+    void recognise(int k) {
+        std::vector<Entry> down, up;  // entries of row k
+        for (LcpMatrix::InnerIterator entry(problem_.M, k); entry; ++entry)
+            (entry.value() < 0 ? down : up).push_back({static_cast<int>(entry.col()), entry.value()});
+        const std::vector<Entry>& column = columns_[std::lower_bound(candidates_.begin(), candidates_.end(), k) - candidates_.begin()];
+        if (down.size() == 1 && up.empty()) recognise_cap(k, down[0], column);
+        if (down.size() == 2 && up.size() <= 1) recognise_pair(k, down[0], down[1], up, column);
+    }
+
+    void recognise_cap(int k, const Entry& down, const std::vector<Entry>& column) {
+        const int i = down.index;
+        if (column.size() != 1 || column[0].index != i || column[0].value <= 0 || role_[i] != plain || role_[k] != plain) return;
+        if (unknown_of_[i].upper < infinity) return;
+        unknown_of_[i] = {.row = i, .slack = k, .upper = -problem_.q[k] / down.value, .slack_factor = column[0].value};
+        role_[i] = first;
+        role_[k] = slack;
+    }
+
+    void recognise_pair(int k, const Entry& a, const Entry& b, const std::vector<Entry>& up, const std::vector<Entry>& column) {
+        const int i = a.index, j = b.index;
+        if (role_[i] != plain || role_[j] != plain || role_[k] != plain || !equal(a.value, b.value)) return;
+        double c = 0, other_c = 0;
+        std::vector<Entry> fed;
+        for (const Entry& entry : column)
+            if (entry.index == i) c = entry.value;
+            else if (entry.index == j) other_c = entry.value;
+            else fed.push_back(entry);
+        if (!(c > 0) || !equal(c, other_c) || fed.size() > 1 || !opposite_rows(i, j, k)) return;
+        FoldedUnknown u{.row = i, .opposite = j, .slack = k, .two_sided = true, .upper = -problem_.q[k] / a.value, .slack_factor = c};
+        if (!up.empty()) u.bound_by = up[0].index, u.bound_factor = -up[0].value / a.value;
+        if (!fed.empty()) u.feeds = fed[0].index, u.feed_factor = fed[0].value / c;
+        unknown_of_[i] = u;
+        role_[i] = first;
+        role_[j] = second;
+        role_[k] = slack;
+    }
+
+    /// Rows i and j are opposite but for column k.
+    bool opposite_rows(int i, int j, int k) const {
+        const LcpMatrix& M = problem_.M;
+        double scale = 0;
+        for (LcpMatrix::InnerIterator entry(M, i); entry; ++entry) scale = std::max(scale, std::abs(entry.value()));
+        LcpMatrix::InnerIterator a(M, i), b(M, j);
+        for (; a && b; ++a, ++b)
+            if (a.col() != b.col() || (a.col() != k && !opposite(a.value(), b.value(), scale))) return false;
+        return !a && !b && opposite(problem_.q[i], problem_.q[j], std::abs(problem_.q[i]));
+    }
+
+    void unfold(int i) {
+        const FoldedUnknown u = unknown_of_[i];
+        for (const int row : {i, u.opposite, u.slack}) {
+            if (row < 0) continue;
+            role_[row] = plain;
+            unknown_of_[row] = {.row = row, .upper = infinity};
+        }
+    }
+
+    /// Columns i and j must be opposite in every row but k.
+    void unfold_pairs_with_other_columns() {
+        std::vector<int> mate(n_, -1);
+        std::vector<double> value(n_, 0.0);
+        for (int i = 0; i < n_; ++i)
+            if (role_[i] == first && unknown_of_[i].two_sided) mate[i] = unknown_of_[i].opposite, mate[unknown_of_[i].opposite] = i;
+        std::vector<int> broken;
+        for (int row = 0; row < n_; ++row) {
+            if (role_[row] == slack || role_[row] == second) continue;  // second rows are the opposites of first ones
+            for (LcpMatrix::InnerIterator entry(problem_.M, row); entry; ++entry) value[entry.col()] = entry.value();
+            for (LcpMatrix::InnerIterator entry(problem_.M, row); entry; ++entry) {
+                const int column = static_cast<int>(entry.col()), other = mate[column];
+                if (other >= 0 && !opposite(entry.value(), value[other], std::abs(entry.value()))) broken.push_back(std::min(column, other));
+            }
+            for (LcpMatrix::InnerIterator entry(problem_.M, row); entry; ++entry) value[entry.col()] = 0;
+        }
+        for (const int i : broken) {
+            const int leader = role_[i] == first ? i : mate[i];
+            if (leader >= 0 && role_[leader] == first) unfold(leader);
+        }
+    }
+
+    /// A bound may depend on, and a slack may feed, only unknowns that are themselves no pair.
+    void unfold_chains() {
+        const auto simple = [&](int i) { return i < 0 || role_[i] == plain || (role_[i] == first && !unknown_of_[i].two_sided); };
+        for (bool changed = true; changed;) {
+            changed = false;
+            for (int i = 0; i < n_; ++i)
+                if (role_[i] == first && unknown_of_[i].two_sided && !(simple(unknown_of_[i].bound_by) && simple(unknown_of_[i].feeds))) {
+                    unfold(i);
+                    changed = true;
+                }
+        }
+    }
+
+    const LcpProblem& problem_;
+    int n_;
+    std::vector<Role> role_;
+    std::vector<FoldedUnknown> unknown_of_;
+    std::vector<int> candidates_;
+    std::vector<std::vector<Entry>> columns_;
+};
+
+/// D such that D M D has ones on the diagonal, or of the largest entry where there is none. Powers of two, which round nothing.
+Eigen::VectorXd scaling(const LcpMatrix& M) {
+    Eigen::VectorXd factor = Eigen::VectorXd::Zero(M.rows());
+    const auto root = [](double x) { return std::exp2(-std::round(0.5 * std::log2(x))); };
+    for (int i = 0; i < M.rows(); ++i)
+        if (const double diagonal = M.coeff(i, i); diagonal > 0) factor[i] = root(diagonal);
+    for (int i = 0; i < M.rows(); ++i) {
+        if (factor[i] > 0) continue;
+        double largest = 0;
+        for (LcpMatrix::InnerIterator entry(M, i); entry; ++entry)
+            largest = std::max(largest, std::abs(entry.value()) * (factor[entry.col()] > 0 ? factor[entry.col()] : 1.0));
+        factor[i] = largest > 0 ? std::exp2(-std::round(std::log2(largest))) : 1.0;
+    }
+    return factor;
+}
+
+}  // namespace
+
+Eigen::VectorXd FoldedLcp::value(const Eigen::VectorXd& x) const {
+    Eigen::VectorXd F = linear_part(x);
+    for (int i = 0; i < size(); ++i)
+        if (unknowns[i].feeds >= 0) F[unknowns[i].feeds] += unknowns[i].feed_factor * std::abs(F[i]);
+    return F;
+}
+
+Eigen::VectorXd FoldedLcp::natural_map(const Eigen::VectorXd& x, const Eigen::VectorXd& F) const {
+    Eigen::VectorXd map(size());
+    for (int i = 0; i < size(); ++i) {
+        const double b = upper(i, x);
+        map[i] = x[i] - std::clamp(x[i] - F[i], lower(i, b), b);
+    }
+    return map;
+}
+
+Eigen::VectorXd FoldedLcp::folded(const Eigen::VectorXd& z) const {
+    Eigen::VectorXd x(size());
+    for (int i = 0; i < size(); ++i) {
+        const FoldedUnknown& u = unknowns[i];
+        x[i] = (z[u.row] - (u.two_sided ? z[u.opposite] : 0.0)) / (unit * factor[i]);
+    }
+    return x;
+}
+
+Eigen::VectorXd FoldedLcp::unfolded(const Eigen::VectorXd& x) const {
+    const Eigen::VectorXd F = value(x);
+    Eigen::VectorXd z = Eigen::VectorXd::Zero(n_original);
+    for (int i = 0; i < size(); ++i) {
+        const FoldedUnknown& u = unknowns[i];
+        const double b = upper(i, x), kept = unit * factor[i] * std::clamp(x[i], lower(i, b), b), rate = unit * F[i] / factor[i];
+        z[u.row] = std::max(0.0, kept);
+        if (u.two_sided) z[u.opposite] = std::max(0.0, -kept);
+        if (u.two_sided) z[u.slack] = std::abs(rate) / u.slack_factor;
+        else if (u.slack >= 0) z[u.slack] = x[i] - F[i] > b ? std::max(0.0, -rate) / u.slack_factor : 0.0;
+    }
+    return z;
+}
+
+FoldedLcp fold(const LcpProblem& problem) {
+    FoldedLcp result;
+    result.n_original = problem.size();
+    result.unknowns = Folder(problem).unknowns();
+    const int n = static_cast<int>(result.unknowns.size());
+    std::vector<int> place(problem.size(), -1);
+    for (int i = 0; i < n; ++i) place[result.unknowns[i].row] = i;
+    int n_entries = 0;
+    for (const FoldedUnknown& u : result.unknowns)
+        for (LcpMatrix::InnerIterator entry(problem.M, u.row); entry; ++entry) n_entries += place[entry.col()] >= 0;
+    result.M.resize(n, n);
+    result.M.reserve(n_entries);
+    result.q.resize(n);
+    for (int i = 0; i < n; ++i) {
+        const int row = result.unknowns[i].row;
+        result.q[i] = problem.q[row];
+        result.M.startVec(i);
+        for (LcpMatrix::InnerIterator entry(problem.M, row); entry; ++entry)
+            if (place[entry.col()] >= 0) result.M.insertBack(i, place[entry.col()]) = entry.value();
+    }
+    result.M.finalize();
+    result.factor = scaling(result.M);
+    for (int i = 0; i < n; ++i)
+        for (LcpMatrix::InnerIterator entry(result.M, i); entry; ++entry) entry.valueRef() *= result.factor[i] * result.factor[entry.col()];
+    result.q = result.q.cwiseProduct(result.factor);
+    const double largest = n > 0 ? result.q.cwiseAbs().maxCoeff() : 0.0;
+    if (largest > 0) result.unit = std::exp2(std::round(std::log2(largest)));
+    result.q /= result.unit;
+    result.fed_by.resize(n);
+    for (int i = 0; i < n; ++i) {
+        FoldedUnknown& u = result.unknowns[i];
+        u.upper /= result.unit * result.factor[i];
+        if (u.bound_by >= 0) {
+            u.bound_by = place[u.bound_by];
+            u.bound_factor *= result.factor[u.bound_by] / result.factor[i];
+        }
+        if (u.feeds >= 0) {
+            u.feeds = place[u.feeds];
+            u.feed_factor *= result.factor[u.feeds] / result.factor[i];
+            result.fed_by[u.feeds].push_back(i);
+        }
+    }
+    return result;
+}
+
+}  // namespace knap
