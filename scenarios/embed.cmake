@@ -1,22 +1,38 @@
-# Writes scenarios/*.toml into one C++ file, so that the program knows them by name from any directory.
-function(knap_embed_scenarios output)
-  file(GLOB files CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/scenarios/*.toml)
+# Writes scenarios/*.toml and the files that they name (*.msh) into one C++ file, so that the program knows them by name from any directory.
+function(knap_embed_table pattern with_ending result)
+  file(GLOB files CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/scenarios/${pattern})
   set(table "")
   foreach(file IN LISTS files)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
-    get_filename_component(name ${file} NAME_WE)
+    if(with_ending)
+      get_filename_component(name ${file} NAME)
+    else()
+      get_filename_component(name ${file} NAME_WE)
+    endif()
     file(READ ${file} text)
-    string(APPEND table "        {\"${name}\", R\"toml(${text})toml\"},\n")
+    string(APPEND table "        {\"${name}\", R\"knap_file(${text})knap_file\"},\n")
   endforeach()
+  set(${result} "${table}" PARENT_SCOPE)
+endfunction()
+
+function(knap_embed_scenarios output)
+  knap_embed_table(*.toml FALSE scenarios)
+  knap_embed_table(*.msh TRUE files)
   file(CONFIGURE OUTPUT ${output} @ONLY CONTENT
-"// Generated from scenarios/*.toml.
+"// Generated from scenarios/*.toml and scenarios/*.msh.
 #include \"scenario/built_in.hpp\"
 
 namespace knap {
 
 const std::vector<BuiltIn>& built_ins() {
     static const std::vector<BuiltIn> all{
-@table@    };
+@scenarios@    };
+    return all;
+}
+
+const std::vector<BuiltIn>& built_in_files() {
+    static const std::vector<BuiltIn> all{
+@files@    };
     return all;
 }
 

@@ -11,7 +11,7 @@ namespace knap {
 
 Model build_model(const Scenario& scenario) {
     ModelInput input;
-    input.mesh = triangulate(scenario.shape, scenario.mesh);
+    input.mesh = scenario.given ? scenario.given->mesh : triangulate(scenario.shape, scenario.mesh);
     input.plane = scenario.plane;
     input.thickness = scenario.thickness;
     for (const NamedMaterial& material : scenario.materials) input.materials.push_back(material.elastic);

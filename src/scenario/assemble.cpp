@@ -1,8 +1,25 @@
 #include "scenario/assemble.hpp"
 
 #include <algorithm>
+#include <fstream>
+
+#include "scenario/built_in.hpp"
 
 namespace knap {
+
+std::optional<std::string> Beside::bytes_of(const std::string& file) const {
+    if (in_binary)
+        for (const BuiltIn& built_in : built_in_files())
+            if (built_in.name == file) return built_in.text;
+    std::error_code code;
+    const std::filesystem::path path = directory / file;
+    std::ifstream in(path, std::ios::binary);
+    if (!std::filesystem::is_regular_file(path, code) || !in) return std::nullopt;
+    std::string bytes(std::filesystem::file_size(path, code), '\0');
+    in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    if (!in) return std::nullopt;
+    return bytes;
+}
 
 const Node& Assembly::at(std::string path) const {
     static const Node nowhere;

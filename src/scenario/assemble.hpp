@@ -11,11 +11,20 @@
 
 namespace knap {
 
+/// Where the files are that a scenario names.
+struct Beside {
+    std::filesystem::path directory;
+    bool in_binary = false;  // the scenario is a built-in one
+
+    /// Nothing when it cannot be read.
+    std::optional<std::string> bytes_of(const std::string& file) const;
+};
+
 struct Assembly {
     Values& values;
     Findings& findings;
     Scenario& scenario;
-    std::filesystem::path directory;  // what file names in the scenario are relative to
+    Beside beside;
 
     /// Where a message about `path` belongs: there, or at the nearest table above it.
     const Node& at(std::string path) const;
@@ -27,6 +36,7 @@ struct Assembly {
 void assemble_materials(Assembly& assembly);  // before shape and laws
 void assemble_mesh_options(Assembly& assembly);
 void assemble_shape(Assembly& assembly);       // before loads
+void assemble_mesh_file(Assembly& assembly);   // instead of a shape: the mesh that mesh.file names
 void assemble_foundations(Assembly& assembly); // before laws: a law may have the name that a foundation uses
 void assemble_laws(Assembly& assembly);
 void assemble_loads(Assembly& assembly);

@@ -14,7 +14,8 @@ Selection selection(const Assembly& assembly, const std::string& path) {
     on.boundary = assembly.values.text(path + ".boundary").value_or("");
     on.box = assembly.values.box(path + ".box");
     const auto& known = assembly.scenario.shape.boundary_names;
-    if (!on.boundary.empty() && !known.empty() && std::find(known.begin(), known.end(), on.boundary) == known.end())
+    const bool known_all = !known.empty() || assembly.scenario.given;  // else the shape is wrong, and that is said elsewhere
+    if (!on.boundary.empty() && known_all && std::find(known.begin(), known.end(), on.boundary) == known.end())
         assembly.unknown_name(path + ".boundary", "boundary", on.boundary, known);
     return on;
 }
@@ -71,7 +72,7 @@ TimeFunction history(Assembly& assembly, const std::string& load) {
     } else if (which == "csv") {
         const std::string path = load + ".csv";
         if (const auto file = assembly.values.text(path)) {
-            history = read_factor_table(assembly.directory / *file, assembly.at(path), assembly.findings);
+            history = read_factor_table(assembly.beside.directory / *file, assembly.at(path), assembly.findings);
             // the resolved scenario needs no other file
             if (!history.time.empty()) assembly.values.replace(path, load + ".table", points_of(history));
         }

@@ -52,6 +52,18 @@ std::vector<Vec2> curve(const Assembly& assembly, const std::string& table, bool
     return {};
 }
 
+void check_shape_is_given(const Assembly& assembly) {
+    const Values& values = assembly.values;
+    const bool domain = values.given("domain"), known_wrong = domain && !values.has("domain");
+    if (!values.given("domain.shape") && !known_wrong)
+        assembly.findings.error("missing-key", domain ? "`domain.shape` is missing" : "`domain` is missing", assembly.at("domain")).note =
+            "shape: rectangle, polygon, disc; or a mesh of your own, mesh.file";
+    for (const char* key : {"mesh.unit", "mesh.cracks"})
+        if (values.given(key))
+            assembly.findings.error_at_name("exclusive-keys", "`" + std::string(key) + "` belongs to mesh.file", assembly.at(key)).note =
+                "cracks of a shape: [[domain.crack]]";
+}
+
 void assemble_outer(Assembly& assembly) {
     const Values& values = assembly.values;
     Shape& shape = assembly.scenario.shape;
@@ -110,6 +122,7 @@ void assemble_regions(Assembly& assembly) {
 void assemble_mesh_options(Assembly& assembly) {
     const Values& values = assembly.values;
     MeshOptions& mesh = assembly.scenario.mesh;
+    if (values.has("mesh")) assembly.the_one("mesh", {"size", "file"}, true);
     mesh.size = values.number("mesh.size").value_or(0);
     mesh.min_angle = values.number("mesh.min_angle").value_or(mesh.min_angle);
     mesh.grading = values.number("mesh.grading").value_or(mesh.grading);
@@ -123,11 +136,16 @@ void assemble_mesh_options(Assembly& assembly) {
 }
 
 void assemble_shape(Assembly& assembly) {
-    assemble_outer(assembly);
-    assemble_holes(assembly);
-    for (std::size_t i = 0; i < assembly.values.count("domain.crack"); ++i)
-        assembly.scenario.shape.cracks.push_back({.points = points(assembly, item("domain.crack", i) + ".points", 2)});
-    assemble_regions(assembly);
+    if (assembly.values.given("mesh.file")) {
+        assemble_mesh_file(assembly);
+    } else {
+        check_shape_is_given(assembly);
+        assemble_outer(assembly);
+        assemble_holes(assembly);
+        for (std::size_t i = 0; i < assembly.values.count("domain.crack"); ++i)
+            assembly.scenario.shape.cracks.push_back({.points = points(assembly, item("domain.crack", i) + ".points", 2)});
+        assemble_regions(assembly);
+    }
     assembly.scenario.plane = assembly.values.text("domain.model") == "plane stress" ? PlaneModel::stress : PlaneModel::strain;
     assembly.scenario.thickness = assembly.values.number("domain.thickness").value_or(1);
 }

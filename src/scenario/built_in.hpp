@@ -11,4 +11,7 @@ struct BuiltIn {
 };
 const std::vector<BuiltIn>& built_ins();
 
+/// Files that they name: "hopkinson_bar.msh".
+const std::vector<BuiltIn>& built_in_files();
+
 }  // namespace knap

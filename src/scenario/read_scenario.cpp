@@ -85,10 +85,7 @@ std::string key_of_shape(const Values& values, const std::string& table) {
     return table;
 }
 
-}  // namespace
-
-ReadResult read_scenario_text(const std::string& text, const std::string& name, const std::vector<std::string>& overrides,
-                              const std::filesystem::path& directory) {
+ReadResult read_text(const std::string& text, const std::string& name, const std::vector<std::string>& overrides, const Beside& beside) {
     ReadResult result{.source = Source(name, text)};
     Findings findings(result.source);
     Node root = parsed(result.source, findings);
@@ -96,11 +93,18 @@ ReadResult read_scenario_text(const std::string& text, const std::string& name, 
     apply_overrides(root, overrides, findings);
     result.values = resolve(root, findings);
     result.values.compute("name", Node::of_text(name_from(name)));
-    Assembly assembly{result.values, findings, result.scenario, directory};
+    Assembly assembly{result.values, findings, result.scenario, beside};
     assemble(assembly);
     if (findings.has_errors()) give_up(findings);
     result.warnings = findings.sorted(Diagnostic::Severity::warning);
     return result;
+}
+
+}  // namespace
+
+ReadResult read_scenario_text(const std::string& text, const std::string& name, const std::vector<std::string>& overrides,
+                              const std::filesystem::path& directory) {
+    return read_text(text, name, overrides, {directory});
 }
 
 ReadResult read_scenario(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
@@ -117,7 +121,7 @@ ReadResult open_scenario(const std::string& file_or_name, const std::vector<std:
         d.note = "built in: " + joined(names);
         throw UserError({d});
     }
-    return read_scenario_text(built_in_scenario(file_or_name), file_or_name, overrides);
+    return read_text(built_in_scenario(file_or_name), file_or_name, overrides, {.directory = {}, .in_binary = true});
 }
 
 std::vector<std::string> built_in_scenarios() {

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,9 +51,16 @@ struct Expectation {
 };
 
 struct Scenario {
+/// A mesh that was read instead of made.
+struct MeshFile {
+    std::string bytes;  // of the file
+    Mesh mesh;          // regions are the scenario's materials
+};
+
     std::string name, title;
     std::uint64_t seed = 1;
-    Shape shape;
+    Shape shape;                            // with a mesh file: only its boundary names
+    std::shared_ptr<const MeshFile> given;  // null: the shape is meshed
     PlaneModel plane = PlaneModel::strain;
     double thickness = 1;  // [m]
     MeshOptions mesh;

@@ -93,6 +93,11 @@ void Values::compute(const std::string& path, Node node) {
     entries_[found->second].valid = true;
 }
 
+void Values::leave_out(const std::string& path) {
+    if (const auto found = index_.find(path); found != index_.end() && entries_[found->second].origin == Origin::standard)
+        entries_[found->second].valid = false;
+}
+
 void Values::replace(const std::string& path, const std::string& new_path, Node node) {
     const auto found = index_.find(path);
     if (found == index_.end()) return;

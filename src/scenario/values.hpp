@@ -44,6 +44,8 @@ public:
     void add(Entry entry);
     /// Gives a key that was not set its value.
     void compute(const std::string& path, Node node);
+    /// Forgets the default of a key that has no meaning in this scenario.
+    void leave_out(const std::string& path);
     /// Puts another key in the place of one.
     void replace(const std::string& path, const std::string& new_path, Node node);
 

@@ -123,7 +123,7 @@ TEST_CASE("built-in: each reads without a warning and resolves to itself") {
         CHECK(once.scenario.name == name);
         CHECK_FALSE(once.scenario.expect.empty());
         CHECK(once.source.text().starts_with("# "));
-        const ReadResult twice = read_scenario_text(resolved_toml(once), "resolved.toml");
+        const ReadResult twice = read_scenario_text(resolved_toml(once), "resolved.toml", {}, KNAP_SOURCE_DIR "/scenarios");
         check_same(once.scenario, twice.scenario);
         CHECK(resolved_toml(twice) == resolved_toml(once));
     }

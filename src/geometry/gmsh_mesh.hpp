@@ -1,0 +1,35 @@
+#pragma once
+// A mesh from a Gmsh file, with the names of its physical groups; what they stand for is the scenario's business.
+#include "geometry/mesh.hpp"
+
+#include <string>
+#include <vector>
+
+namespace knap {
+
+/// A physical group of triangles or lines.
+struct GmshGroup {
+    std::string name;    // its number where the file names it not; empty: no group
+    bool named = false;  // in $PhysicalNames
+    Index n = 0;         // triangles, or edges inside the body
+};
+
+struct InnerLine {
+    Index edge;   // of interior_edges
+    Index group;  // into inner_groups
+};
+
+struct GmshMesh {
+    Mesh mesh;                            // vertices in the file's own unit; region: into surface_groups; no edge is cracked
+                                          // boundary_names: groups of lines; the last one is "" when there are edges without a group
+    std::vector<GmshGroup> surface_groups;
+    std::vector<GmshGroup> inner_groups;  // groups of lines with edges inside the body
+    std::vector<InnerLine> inner_lines;
+    std::vector<std::string> warnings;
+};
+
+/// `bytes` of a file of format 2.2 or 4.1, ASCII or binary; `name` is the file in messages. Clockwise triangles are turned round, nodes
+/// without triangles dropped. Throws UserError for what cannot be read or is no mesh of triangles in a plane.
+GmshMesh read_gmsh(const std::string& bytes, const std::string& name);
+
+}  // namespace knap
