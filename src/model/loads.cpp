@@ -13,4 +13,10 @@ double TimeFunction::operator()(double t) const {
     return value[after - 1] + part * (value[after] - value[after - 1]);
 }
 
+double TimeFunction::slope_before(double t) const {
+    if (time.empty() || t <= time.front() || t > time.back()) return 0;
+    const std::size_t after = std::lower_bound(time.begin(), time.end(), t) - time.begin();
+    return (value[after] - value[after - 1]) / (time[after] - time[after - 1]);
+}
+
 }  // namespace knap

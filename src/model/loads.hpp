@@ -14,6 +14,7 @@ struct TimeFunction {
     std::vector<double> time;   // [s], ascending
     std::vector<double> value;  // same length
     double operator()(double t) const;
+    double slope_before(double t) const;  // [1/s] derivative from the left
 };
 
 struct Box {

@@ -29,10 +29,12 @@ StepReport ExplicitBeta::advance(const State& begin, const FreeMotion& free, Sta
     end.displacement.resize(begin.displacement.size());
     end.velocity.resize(begin.velocity.size());
     end.points.resize(begin.points.size());
+    end.reaction.assign(model_.prescribed.size(), Vec2::Zero());
 
     StepReport report = advance_bound(begin, free, end);
     release(begin, end, report);
     report += advance_split(begin, free, end);
+    report.largest_speed = std::sqrt(report.largest_speed);  // squares until here
     return report;
 }
 
@@ -115,9 +117,13 @@ void ExplicitBeta::move_bound(Index fan, const State& begin, const FreeMotion& f
     report.largest_speed = std::max(report.largest_speed, velocity.squaredNorm());
     const PrescribedMotion* motion = prescribed_motion(model_.fan_corners[model_.fans[fan].first_corner]);
     if (!motion) return;
-    const Vec2 reaction = mass * change - free.kick_time * force;
-    for (int k = 0; k < 2; ++k)
-        if (motion->component[k]) report.external_work += 0.5 * reaction[k] * (velocity[k] + before[k]);
+    const Vec2 impulse = mass * change - free.kick_time * force;
+    Vec2& reaction = end.reaction[motion - model_.prescribed.data()];
+    for (int k = 0; k < 2; ++k) {
+        if (!motion->component[k]) continue;
+        report.external_work += 0.5 * impulse[k] * (velocity[k] + before[k]);
+        reaction[k] = impulse[k] / free.kick_time;
+    }
 }
 
 void ExplicitBeta::release(const State& begin, State& end, StepReport& report) {
@@ -236,11 +242,17 @@ void ExplicitBeta::advance_fan(Index rank, const State& begin, const FreeMotion&
         report.strain -= 0.5 * force.dot(end.displacement[to]);
         report.step_change_work -= 0.25 * (free.drift_time - begin.last_step) * force.dot(velocity - before);
         report.largest_speed = std::max(report.largest_speed, velocity.squaredNorm());
-        for (int k = 0; k < 2; ++k)  // the reaction of a prescribed motion works; the impulses of the links are taken off below
-            if (problem.bodies[i].inverse_mass[k] == 0)
-                report.external_work += 0.5 * (mass * (velocity[k] - before[k]) - free.kick_time * force[k]) * (velocity[k] + before[k]);
+        for (int k = 0; k < 2; ++k) {  // the reaction of a prescribed motion works; the impulses of the links are taken off below
+            if (problem.bodies[i].inverse_mass[k] != 0) continue;
+            const double impulse = mass * (velocity[k] - before[k]) - free.kick_time * force[k];
+            report.external_work += 0.5 * impulse * (velocity[k] + before[k]);
+            end.reaction[model_.prescribed_of_corner[corner]][k] = impulse / free.kick_time;
+        }
     }
 
+    const auto reaction_at = [&](Index body) -> Vec2& {
+        return end.reaction[model_.prescribed_of_corner[model_.fan_corners[fan.first_corner + body]]];
+    };
     for (Index i = 0; i < fan.n_points; ++i) {
         const FanLink& link = problem.links[i];
         const FanPoint& point = model_.fan_points[fan.first_point + i];
@@ -252,8 +264,8 @@ void ExplicitBeta::advance_fan(Index rank, const State& begin, const FreeMotion&
             const auto driven = [&](Index body) { return body >= 0 && problem.bodies[body].inverse_mass[k] == 0; };
             const double mean_after = 0.5 * (problem.velocity_before(link.after)[k] + problem.velocity_after(link.after)[k]);
             const double mean_before = 0.5 * (problem.velocity_before(link.before)[k] + problem.velocity_after(link.before)[k]);
-            if (driven(link.after)) report.external_work -= link.impulse[k] * mean_after;
-            if (driven(link.before)) report.external_work += link.impulse[k] * mean_before;
+            if (driven(link.after)) report.external_work -= link.impulse[k] * mean_after, reaction_at(link.after)[k] -= link.impulse[k] / free.kick_time;
+            if (driven(link.before)) report.external_work += link.impulse[k] * mean_before, reaction_at(link.before)[k] += link.impulse[k] / free.kick_time;
         }
         const double mean_N = 0.5 * n.dot(before + after), mean_T = 0.5 * t.dot(before + after);
         PointState& state = end.points[end.first_point[rank] + i];

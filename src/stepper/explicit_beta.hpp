@@ -2,16 +2,20 @@
 // Explicit beta: the cohesion is frozen over the step, each fan is solved by itself and exactly (interfaces/fan_solver.hpp), and the
 // cohesion follows from the openings at the end. Needs the explicit lumped bulk, whose mass couples nothing beyond a fan.
 #include "interfaces/fan_solver.hpp"
-#include "stepper/interface_scheme.hpp"
+#include "model/state.hpp"
+#include "stepper/free_motion.hpp"
+#include "stepper/step_report.hpp"
 
 #include <memory>
 
 namespace knap {
 
-class ExplicitBeta : public InterfaceScheme {
+class ExplicitBeta {
 public:
     explicit ExplicitBeta(const Model& model);
-    StepReport advance(const State& begin, const FreeMotion& free, State& end) override;
+    /// From the state at the begin of the step and the free motion: velocities, displacements, cohesion and the partition at its end.
+    /// `end` may be any earlier state of the same run; its time is not touched. Loads on corners are accounted by the bulk.
+    StepReport advance(const State& begin, const FreeMotion& free, State& end);
 
 private:
     struct Workspace {

@@ -16,3 +16,52 @@
 //     apart, e > 0:          no contact in this step: it must touch first
 // The work of an impulse is P . w; since c <= 0 and the friction opposes w_T, every single contact and friction work is <= 0.
 // Prescribed components: a velocity is reached at t + h (w is the mean), a displacement at t + h (v+ is the slope of its history there).
+#include "stepper/augmented_lagrangian.hpp"
+#include "stepper/bound_test.hpp"
+#include "stepper/step_scheme.hpp"
+
+#include <limits>
+
+namespace knap {
+
+class ImplicitScheme : public StepScheme {
+public:
+    ImplicitScheme(const Model& model, const SchemeOptions& options);
+
+    StepReport step(const State& begin, double h, State& end) override;
+    double stable_step() const override { return std::numeric_limits<double>::infinity(); }
+
+private:
+    void choose_partition(const State& begin, double h);
+    void make_points(const State& begin, double h);
+    void guess_multipliers(const State& begin, double h);
+    bool loosen_what_opens(double h, StepReport& report);  // fans in one piece that cannot stay so
+    void join_what_holds(std::vector<Vec2>& rate) const;
+    bool holds(Index fan) const;
+    void judge(StepReport& report) const;
+    void account_points(double h, StepReport& report) const;
+    void store(const State& begin, double h, State& end, StepReport& report) const;
+    Vec2 place_of(Index fan_point) const;
+
+    const Model& model_;
+    SchemeOptions options_;
+    std::vector<Index> order_;                // of the fans, for elimination
+    ImplicitBulk bulk_;
+    ThetaMatrix matrix_;
+    AugmentedLagrangian solver_;
+    BoundTest bound_test_;
+
+    std::vector<std::uint8_t> loose_;         // per fan
+    std::vector<std::uint8_t> matrix_loose_;  // for which the matrix stands, and the step
+    double matrix_step_ = 0;
+    CornerPartition partition_;
+    std::vector<LoosePoint> points_;
+    std::vector<Index> loose_point_of_;       // per fan point: into points_, or -1
+    std::vector<Vec2> guess_;                 // per fan point: contact and tangential impulse [N s]
+    std::vector<std::uint8_t> has_guess_;
+    std::vector<Vec2> rate_;                  // per node
+    std::vector<Vec2> corner_rate_, corner_taken_;
+    double scale_ = 0;                        // [N s]
+};
+
+}  // namespace knap

@@ -1,20 +1,27 @@
 #include "stepper/moreau_jean.hpp"
 
 #include "base/error.hpp"
-#include "stepper/explicit_beta.hpp"
+#include "stepper/explicit_scheme.hpp"
+#include "stepper/implicit_scheme.hpp"
 
 #include <cmath>
 #include <string>
 
 namespace knap {
+namespace {
 
-MoreauJean::MoreauJean(const Model& model, const SchemeOptions&) : bulk_(model), interfaces_(std::make_unique<ExplicitBeta>(model)) {}
+std::unique_ptr<StepScheme> make_scheme(const Model& model, const SchemeOptions& options) {
+    if (options.bulk == BulkScheme::implicit_theta) return std::make_unique<ImplicitScheme>(model, options);
+    return std::make_unique<ExplicitScheme>(model);
+}
+
+}  // namespace
+
+MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options) : scheme_(make_scheme(model, options)) {}
 
 StepReport MoreauJean::step(const State& begin, double h, State& end) {
-    bulk_.free_motion(begin, h, free_);                             // as if no interface acted
-    StepReport report = interfaces_->advance(begin, free_, end);    // who is bound, who touches, who slides; velocities, openings, cohesion
-    bulk_.account_loads(begin, end, free_, report);
-    report.largest_speed = std::sqrt(report.largest_speed);
+    StepReport report = scheme_->step(begin, h, end);
+    if (report.refusal != Refusal::none) return report;
     end.time = begin.time + h;
     end.last_step = h;
     end.n_steps = begin.n_steps + 1;

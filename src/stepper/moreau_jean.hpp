@@ -2,12 +2,12 @@
 // One step of the Moreau-Jean time stepping scheme for nonsmooth dynamics with extrinsic cohesive interfaces
 // (Acary, Collins-Craft, Bourrier; J. J. Moreau 1988, M. Jean 1999):
 //
-//     M (v+ - v) = k (F - K u) + H' P,     u+ = u + h v+,     the interface laws at the end of the step, impulses P unknown
+//     M (v+ - v) = h (F - K u)_theta + H' P,     u+ = u + h v_theta,     the interface laws at the end of the step, impulses P unknown
 //
-// The bulk (here explicit and lumped) and the scheme of the interfaces (here explicit beta) are its two strategies.
-#include "stepper/explicit_bulk.hpp"
-#include "stepper/interface_scheme.hpp"
+// Two schemes do it: explicit_scheme.hpp (lumped mass, forces at the begin of the step: each vertex by itself) and implicit_scheme.hpp (all
+// interfaces and the stiffness together); each with the cohesion frozen over the step or implicit.
 #include "stepper/scheme_options.hpp"
+#include "stepper/step_scheme.hpp"
 
 #include <memory>
 
@@ -18,15 +18,13 @@ public:
     explicit MoreauJean(const Model& model, const SchemeOptions& options = {});
 
     /// One step of size h [s] from `begin` to `end`; `begin` is left alone. `end` may be any earlier state of the same run (its memory
-    /// is reused). Throws SimulationError where the motion is no longer finite.
+    /// is reused). A refused step (report.refusal) leaves `end` void. Throws SimulationError where the motion is no longer finite.
     StepReport step(const State& begin, double h, State& end);
 
-    double stable_step() const { return bulk_.stable_step(); }  // [s]
+    double stable_step() const { return scheme_->stable_step(); }  // [s]; infinite for the implicit bulk
 
 private:
-    ExplicitBulk bulk_;
-    std::unique_ptr<InterfaceScheme> interfaces_;
-    FreeMotion free_;
+    std::unique_ptr<StepScheme> scheme_;
 };
 
 }  // namespace knap

@@ -1,0 +1,54 @@
+#pragma once
+// One interface point over one implicit step (stepper/implicit_scheme.hpp has the law): impulses as a function of its rate w = (w_N, w_T),
+// in augmented form, and the derivative. What is set-valued in the law (contact, and the signs at their kinks) is a resolvent here,
+//
+//     p = max(0, p^ - rho (w_N - c)),        q_T = t^ - rho (w_T - omega)   with   -q_T in F sgn(omega) + G sgn(omega + u_T/h),
+//
+// with multipliers p^, t^ from the iterate before: at a fixed point it is the law itself, whatever rho > 0 (method of multipliers: Hestenes,
+// Powell, Rockafellar; for contact P. Alart, A. Curnier 1991). Redundant points do no harm, and the derivative is definite.
+#include "base/vec.hpp"
+#include "material/cohesive_law.hpp"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+
+namespace knap {
+
+/// Impulses are those of the law times theta, as they stand in the equation of w [N s].
+struct PointLaw {
+    // over the step
+    double u_N, u_T;         // [m] at its begin
+    double strength;         // [N s] C = theta h S sigma_c; 0: no cohesion left
+    double cohesion;         // [-] beta at its begin
+    double delta_c;          // [m]
+    double gamma, friction;  // [-]
+    double bound;            // [m/s] c, of a point that may touch
+    bool may_touch;
+    bool implicit_beta;
+    double h, theta;
+
+    // augmentation
+    double rho_N, rho_T;               // [kg]; infinite rho_T: the rate itself decides (imposed)
+    double contact_guess = 0;          // [N s] p^ >= 0
+    double tangential_guess = 0;       // [N s] t^
+};
+
+struct PointResponse {
+    double contact = 0;       // [N s] p >= 0
+    double tangential = 0;    // [N s] q_T
+    double friction_part = 0; // [N s] what of q_T is friction
+    double cohesion_theta = 0, end_cohesion = 0;  // [-] beta_theta, beta+
+    std::uint32_t state = 0;  // which smooth piece of the law this is
+    bool closed = false, sticks = false, softens = false;
+    double kink = 0;          // [m/s] where it sticks
+
+    double normal(const PointLaw& law) const { return contact - law.strength * cohesion_theta; }  // [N s] q_N
+};
+
+PointResponse respond(const PointLaw& law, double w_N, double w_T);
+
+/// -dq/dw in (N, T) of the piece that `response` is on; `softening`: with the loss of cohesion (may be indefinite) or without.
+Eigen::Matrix2d tangent(const PointLaw& law, const PointResponse& response, bool softening);
+
+}  // namespace knap

@@ -1,0 +1,75 @@
+#pragma once
+// All loose interface points of the body at once: the equations of implicit_scheme.hpp by the method of multipliers with a semismooth
+// Newton method inside.
+//
+//     taken(w) = H' q(w; multipliers),        multipliers <- q(w)        until they stand still
+//
+// For given multipliers the points are piecewise linear springs (interfaces/point_law.hpp), so every Newton step is one linear system
+// M_hat + H' D H with a definite D, also where points are redundant round a vertex. Without friction and inside Assumption 1 the equations
+// are the gradient of a convex function: a step length that zeroes the slope along the step makes Newton's method converge from anywhere.
+// The loss of cohesion enters D with its sign. Where that makes the matrix indefinite (Assumption 1 is violated), it is left out: then the
+// iteration majorises, beta falls only as far as the openings ask for, starting from the beta of the begin; it never breaks what holds.
+// (D. Bertsekas, Constrained Optimization and Lagrange Multiplier Methods, 1982; B. Hermans, A. Themelis, P. Patrinos, QPALM, Math. Prog.
+// Comp. 2022, for the exact line search and the proximal Newton step.)
+#include "interfaces/point_law.hpp"
+#include "stepper/implicit_bulk.hpp"
+#include "stepper/theta_matrix.hpp"
+
+#include <vector>
+
+namespace knap {
+
+/// A point of a loose fan in the equations of a step.
+struct LoosePoint {
+    Index fan_point;      // into Model::fan_points
+    Index before, after;  // nodes, or -1: ground
+    Vec2 normal;
+    PointLaw law;
+    PointResponse response;
+    Vec2 rate = Vec2::Zero();  // [m/s] (w_N, w_T)
+    double mass;               // [kg] what an impulse between the two sides moves: the scale between impulses and rates
+
+    Vec2 in_frame(const Vec2& a) const { return {normal.dot(a), turned_left(normal).dot(a)}; }
+    Vec2 impulse() const { return response.normal(law) * normal + response.tangential * turned_left(normal); }  // [N s] q
+};
+
+struct SolverCounts {
+    int factorisations = 0, linear_solves = 0, outer = 0;
+};
+
+class AugmentedLagrangian {
+public:
+    enum class Status { solved, not_converged };
+
+    explicit AugmentedLagrangian(ThetaMatrix& matrix) : matrix_(matrix) {}
+
+    /// The pattern or the values of the matrix without points have changed.
+    void forget_factor() { factored_states_.clear(); }
+
+    /// From a guess of the rates and of the multipliers to the solution. `scale` [N s]: impulses that matter.
+    Status solve(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double scale);
+
+    const SolverCounts& counts() const { return counts_; }
+    double violation() const { return violation_; }  // of the laws and of the balance, relative to the scale
+    /// The softening of the solution outweighs inertia and stiffness: Assumption 1 does not hold there.
+    bool indefinite() const { return indefinite_; }
+    const std::vector<Vec2>& unbalanced() const { return residual_; }  // [N s] per node: reactions of what is prescribed
+
+private:
+    bool find_rates(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double tolerance);
+    void evaluate(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, const std::vector<Vec2>& rate);
+    double residual_norm() const;
+    bool prepare_matrix(const std::vector<LoosePoint>& points);
+    double step_length(const std::vector<LoosePoint>& points, const std::vector<Vec2>& direction, const std::vector<Vec2>& changed) const;
+    double move_multipliers(std::vector<LoosePoint>& points) const;
+
+    ThetaMatrix& matrix_;
+    std::vector<std::uint32_t> factored_states_;  // the pieces of the points for which the matrix is factorised
+    bool indefinite_ = false;
+    std::vector<PointTangent> tangents_;
+    std::vector<Vec2> corner_taken_, taken_, residual_, direction_, changed_;
+    SolverCounts counts_;
+    double violation_ = 0;
+};
+
+}  // namespace knap

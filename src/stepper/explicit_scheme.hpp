@@ -1,0 +1,29 @@
+#pragma once
+// The explicit lumped bulk with a problem of its own for every vertex: central differences, velocities at the middle of the steps.
+//
+//     M (v+ - v) = k (F - K u) + H' P,     u+ = u + h v+,     k = (previous h + h)/2
+#include "stepper/explicit_beta.hpp"
+#include "stepper/explicit_bulk.hpp"
+#include "stepper/step_scheme.hpp"
+
+namespace knap {
+
+class ExplicitScheme : public StepScheme {
+public:
+    explicit ExplicitScheme(const Model& model) : bulk_(model), interfaces_(model) {}
+
+    StepReport step(const State& begin, double h, State& end) override {
+        bulk_.free_motion(begin, h, free_);                           // as if no interface acted
+        StepReport report = interfaces_.advance(begin, free_, end);   // who is bound, who touches, who slides; velocities, openings, cohesion
+        bulk_.account_loads(begin, end, free_, report);
+        return report;
+    }
+    double stable_step() const override { return bulk_.stable_step(); }
+
+private:
+    ExplicitBulk bulk_;
+    ExplicitBeta interfaces_;
+    FreeMotion free_;
+};
+
+}  // namespace knap

@@ -1,0 +1,169 @@
+#include "stepper/implicit_bulk.hpp"
+
+#include "bulk/triangle_matrices.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+
+ImplicitBulk::ImplicitBulk(const Model& model, const SchemeOptions& options)
+    : model_(model), options_(options), forces_(model.mesh, model.materials, model.plane, model.thickness) {
+    corner_stiffness_.resize(model.mesh.n_corners());
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
+        const Matrix6 K = stiffness_matrix(model.mesh, t, model.materials[model.mesh.region[t]], model.plane, model.thickness);
+        for (int k = 0; k < 3; ++k) corner_stiffness_[3 * t + k] = 0.5 * (K(2 * k, 2 * k) + K(2 * k + 1, 2 * k + 1));
+    }
+    force_.resize(model.mesh.n_corners());
+}
+
+double ImplicitBulk::corner_mass(Index corner) const {
+    return (options_.mass == MassMatrix::consistent ? 0.5 : 1) * model_.corner_mass[corner];
+}
+
+void ImplicitBulk::begin_step(const State& begin, double h) {
+    begin_ = &begin;
+    h_ = h;
+    load_.assign(model_.mesh.n_corners(), Vec2::Zero());
+    std::vector<double> amplitude;
+    for (const TimeFunction& history : model_.histories)
+        amplitude.push_back(options_.theta * history(begin.time + h) + (1 - options_.theta) * history(begin.time));
+    for (const CornerLoad& load : model_.corner_loads) load_[load.corner] += amplitude[load.history] * load.force;
+}
+
+void ImplicitBulk::set_partition(const CornerPartition& partition, std::vector<Vec2>& rate) {
+    partition_ = partition;
+    const Index n = partition.n_nodes();
+    displacement_.resize(n);
+    velocity_.resize(n);
+    rate.resize(n);
+    prescribed_.assign(n, {false, false});
+    prescribed_rate_.assign(n, Vec2::Zero());
+    prescribed_end_.assign(n, Vec2::Zero());
+    const double t = begin_->time, theta = options_.theta;
+    for (Index i = 0; i < n; ++i) {
+        const Index corner = partition.corner_of_node[i], node = begin_->node_of_corner[corner];
+        displacement_[i] = begin_->displacement[node];
+        velocity_[i] = rate[i] = begin_->velocity[node];
+        const Index which = model_.prescribed_of_corner[corner];
+        if (which < 0) continue;
+        const PrescribedMotion& motion = model_.prescribed[which];
+        for (int k = 0; k < 2; ++k) {
+            if (!motion.component[k]) continue;
+            const TimeFunction& history = model_.histories[motion.history[k]];
+            prescribed_[i][k] = true;
+            if (motion.is_displacement[k]) {
+                prescribed_rate_[i][k] = (motion.value[k] * history(t + h_) - displacement_[i][k]) / h_;
+                prescribed_end_[i][k] = motion.value[k] * history.slope_before(t + h_);
+            } else {
+                prescribed_rate_[i][k] = motion.value[k] * (theta * history(t + h_) + (1 - theta) * history(t));
+                prescribed_end_[i][k] = motion.value[k] * history(t + h_);
+            }
+            rate[i][k] = prescribed_rate_[i][k];
+        }
+    }
+    // what the parts of the balance are made of: differences below their rounding mean nothing
+    largest_impulse_ = 0;
+    elastic(displacement_, force_);
+    for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
+        const double momentum = model_.corner_mass[c] * velocity_[partition.node_of_corner[c]].norm();
+        largest_impulse_ = std::max({largest_impulse_, momentum, theta * h_ * force_[c].norm(), theta * h_ * load_[c].norm()});
+    }
+    for (Index i = 0; i < n; ++i) {
+        const double moved = prescribed_[i][0] || prescribed_[i][1] ? prescribed_rate_[i].norm() : 0;
+        const Index c = partition.corner_of_node[i];
+        largest_impulse_ = std::max(largest_impulse_, moved * (model_.corner_mass[c] + theta * theta * h_ * h_ * corner_stiffness_[c]));
+    }
+}
+
+Vec2 ImplicitBulk::end_velocity(Index node, const Vec2& rate) const {
+    Vec2 end = (rate - (1 - options_.theta) * velocity_[node]) / options_.theta;
+    for (int k = 0; k < 2; ++k)
+        if (prescribed_[node][k]) end[k] = prescribed_end_[node][k];
+    return end;
+}
+
+void ImplicitBulk::elastic(const std::vector<Vec2>& displacement, std::vector<Vec2>& force) const {
+    forces_.evaluate(displacement, partition_.node_of_corner, force, unused_);
+}
+
+void ImplicitBulk::add_mass_times(const std::vector<Vec2>& of_node, double factor, std::vector<Vec2>& of_corner) const {
+    const Index* node = partition_.node_of_corner.data();
+    for (Index t = 0; t < model_.mesh.n_triangles(); ++t) {
+        const double m = factor * model_.corner_mass[3 * t];
+        if (options_.mass == MassMatrix::lumped) {
+            for (int k = 0; k < 3; ++k) of_corner[3 * t + k] += m * of_node[node[3 * t + k]];
+        } else {
+            const Vec2 sum = of_node[node[3 * t]] + of_node[node[3 * t + 1]] + of_node[node[3 * t + 2]];
+            for (int k = 0; k < 3; ++k) of_corner[3 * t + k] += 0.25 * m * (sum + of_node[node[3 * t + k]]);
+        }
+    }
+}
+
+void ImplicitBulk::taken(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const {
+    const double theta = options_.theta;
+    moved_.resize(rate.size());
+    for (std::size_t i = 0; i < rate.size(); ++i) moved_[i] = displacement_[i] + theta * h_ * rate[i];
+    elastic(moved_, force_);
+    of_corner.resize(force_.size());
+    for (std::size_t c = 0; c < force_.size(); ++c) of_corner[c] = -theta * h_ * (force_[c] + load_[c]);
+    for (std::size_t i = 0; i < rate.size(); ++i)
+        moved_[i] = prescribed_[i][0] || prescribed_[i][1] ? Vec2(theta * (end_velocity(static_cast<Index>(i), rate[i]) - velocity_[i]))
+                                                           : Vec2(rate[i] - velocity_[i]);
+    add_mass_times(moved_, 1, of_corner);
+}
+
+void ImplicitBulk::sum_to_nodes(const std::vector<Vec2>& of_corner, std::vector<Vec2>& of_node) const {
+    of_node.assign(partition_.n_nodes(), Vec2::Zero());
+    for (std::size_t c = 0; c < of_corner.size(); ++c) of_node[partition_.node_of_corner[c]] += of_corner[c];
+}
+
+void ImplicitBulk::apply_matrix(const std::vector<Vec2>& direction, std::vector<Vec2>& of_node) const {
+    elastic(direction, force_);
+    for (Vec2& f : force_) f *= -options_.theta * options_.theta * h_ * h_;
+    add_mass_times(direction, 1, force_);
+    sum_to_nodes(force_, of_node);
+}
+
+void ImplicitBulk::account(const std::vector<Vec2>& rate, const std::vector<Vec2>& unbalanced, StepReport& report) const {
+    const double theta = options_.theta;
+    const Index n = partition_.n_nodes();
+    const auto half_product = [&](const std::vector<Vec2>& of_corner, const std::vector<Vec2>& of_node) {
+        double sum = 0;
+        for (std::size_t c = 0; c < of_corner.size(); ++c) sum += 0.5 * of_corner[c].dot(of_node[partition_.node_of_corner[c]]);
+        return sum;
+    };
+    std::vector<Vec2> end(n), change(n), momentum(force_.size(), Vec2::Zero());
+    for (Index i = 0; i < n; ++i) {
+        end[i] = end_velocity(i, rate[i]);
+        change[i] = end[i] - velocity_[i];
+        moved_[i] = displacement_[i] + h_ * rate[i];
+        report.largest_speed = std::max(report.largest_speed, end[i].norm());
+    }
+    add_mass_times(end, 1, momentum);
+    report.kinetic += half_product(momentum, end);
+    elastic(moved_, force_);
+    report.strain -= half_product(force_, moved_);
+
+    momentum.assign(force_.size(), Vec2::Zero());
+    add_mass_times(change, 1, momentum);
+    if (theta > 0.5) {
+        report.scheme_dissipation += 2 * (theta - 0.5) * half_product(momentum, change);
+        for (Index i = 0; i < n; ++i) moved_[i] = h_ * rate[i];
+        elastic(moved_, force_);
+        report.scheme_dissipation -= 2 * (theta - 0.5) * half_product(force_, moved_);
+    }
+    for (std::size_t c = 0; c < load_.size(); ++c) report.external_work += h_ * load_[c].dot(rate[partition_.node_of_corner[c]]);
+
+    // what is prescribed works with its reaction; where its end velocity is not the theta scheme's, it also does the work on the mass
+    std::vector<Vec2> gained;
+    sum_to_nodes(momentum, gained);
+    for (Index i = 0; i < n; ++i)
+        for (int k = 0; k < 2; ++k) {
+            if (!prescribed_[i][k]) continue;
+            const double beside = rate[i][k] - 0.5 * (end[i][k] + velocity_[i][k]) - (theta - 0.5) * change[i][k];
+            report.external_work += unbalanced[i][k] / theta * rate[i][k] - beside * gained[i][k];
+        }
+}
+
+}  // namespace knap

@@ -1,0 +1,337 @@
+#include "stepper/implicit_scheme.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace knap {
+namespace {
+
+constexpr int most_passes = 40;
+constexpr double augmentation = 1e3;  // of the inertia and stiffness of a point's corners: each move of the multipliers gains three digits
+
+}  // namespace
+
+ImplicitScheme::ImplicitScheme(const Model& model, const SchemeOptions& options)
+    : model_(model),
+      options_(options),
+      order_(elimination_order(model)),
+      bulk_(model, options),
+      matrix_(model),
+      solver_(matrix_),
+      bound_test_(model) {
+    loose_point_of_.assign(model.fan_points.size(), -1);
+}
+
+StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
+    StepReport report;
+    bulk_.begin_step(begin, h);
+    loose_.assign(model_.fans.size(), 0);
+    for (const Index f : begin.split_fans) loose_[f] = 1;
+    has_guess_.assign(model_.fan_points.size(), 0);
+    guess_.assign(model_.fan_points.size(), Vec2::Zero());
+    corner_rate_.clear();
+
+    for (int pass = 0;; ++pass) {
+        choose_partition(begin, h);  // bound fans are one node
+        guess_multipliers(begin, h);
+        const auto status = solver_.solve(bulk_, points_, rate_, scale_);
+        report.linear_solves += solver_.counts().linear_solves;
+        report.factorisations += solver_.counts().factorisations;
+        if (status != AugmentedLagrangian::Status::solved || pass == most_passes) {
+            report.refusal = Refusal::not_converged;
+            break;
+        }
+        if (!loosen_what_opens(h, report)) break;
+    }
+    if (report.refusal == Refusal::none && solver_.indefinite() && options_.respect_assumption_1) report.refusal = Refusal::assumption_1;
+    if (report.refusal != Refusal::none) {
+        for (const LoosePoint& point : points_)
+            if (point.response.softens) report.where = place_of(point.fan_point);
+        return report;
+    }
+    join_what_holds(rate_);
+    judge(report);
+    account_points(h, report);
+    bulk_.account(rate_, solver_.unbalanced(), report);
+    store(begin, h, end, report);
+    return report;
+}
+
+void ImplicitScheme::choose_partition(const State& begin, double h) {
+    const bool same = matrix_loose_ == loose_;
+    if (!same) partition_ = partition_corners(model_, loose_, order_);
+    bulk_.set_partition(partition_, rate_);
+    for (Index i = 0; i < partition_.n_nodes() && !corner_rate_.empty(); ++i)
+        for (int k = 0; k < 2; ++k)
+            if (!bulk_.prescribed()[i][k]) rate_[i][k] = corner_rate_[partition_.corner_of_node[i]][k];
+    make_points(begin, h);
+    if (!same) {
+        std::vector<PointTangent> couplings;
+        for (const LoosePoint& point : points_) couplings.push_back({point.before, point.after, Eigen::Matrix2d::Zero()});
+        matrix_.set_pattern(partition_, bulk_.prescribed(), couplings);
+    }
+    if (!same || matrix_step_ != h) {
+        matrix_.set_bulk(options_.theta * options_.theta * h * h, options_.mass);
+        solver_.forget_factor();
+    }
+    matrix_loose_ = loose_;
+    matrix_step_ = h;
+}
+
+void ImplicitScheme::make_points(const State& begin, double h) {
+    points_.clear();
+    std::fill(loose_point_of_.begin(), loose_point_of_.end(), -1);
+    std::vector<double> node_inertia(partition_.n_nodes(), 0);  // [kg]
+    const double stiffness_factor = options_.theta * options_.theta * h * h;
+    for (Index c = 0; c < model_.mesh.n_corners(); ++c)
+        node_inertia[partition_.node_of_corner[c]] += bulk_.corner_mass(c) + stiffness_factor * bulk_.corner_stiffness(c);
+
+    const auto node_of = [&](Index corner) { return corner == ground ? -1 : partition_.node_of_corner[corner]; };
+    const auto at_begin = [&](const std::vector<Vec2>& of_node, Index corner) -> Vec2 {
+        return corner == ground ? Vec2::Zero() : of_node[begin.node_of_corner[corner]];
+    };
+    const auto prescribed = [&](Index node, int k) { return node < 0 || bulk_.prescribed()[node][k]; };
+    const double infinite = std::numeric_limits<double>::infinity();
+    const auto compliance = [&](Index node) {
+        return node < 0 || (prescribed(node, 0) && prescribed(node, 1)) ? 0 : 1 / node_inertia[node];
+    };
+    const auto add_point = [&](Index f, Index i) {
+        const FanPoint& point = model_.fan_points[i];
+        const CohesiveLaw& law = model_.laws[point.law];
+        if (unbreakable(model_, point)) return;
+        LoosePoint made{.fan_point = i, .before = node_of(point.before), .after = node_of(point.after), .normal = point.normal};
+        const Vec2 jump = made.in_frame(at_begin(begin.displacement, point.after) - at_begin(begin.displacement, point.before));
+        const Vec2 speed = made.in_frame(at_begin(begin.velocity, point.after) - at_begin(begin.velocity, point.before));
+        const Index rank = begin.split_rank[f];
+        const double beta = point.cracked || law.sigma_c == 0 ? 0
+                            : rank < 0 ? 1 : begin.points[begin.first_point[rank] + i - model_.fans[f].first_point].cohesion;
+        const double u_N = point.gap + jump.x();
+        const double whole = compliance(made.before) + compliance(made.after);
+        made.mass = whole > 0 ? 1 / whole : node_inertia[std::max(made.before, made.after)];
+
+        // the contact bound, and what is imposed on both sides and leaves nothing to decide
+        const double approach = std::max(-speed.x(), 0.0);
+        const bool touching = u_N <= 0;
+        const double newton = -(1 - options_.theta * (1 + law.restitution)) * approach;
+        bool imposed_N = false, imposed_T = false;
+        for (int k = 0; k < 2; ++k) {
+            if (!prescribed(made.before, k) || !prescribed(made.after, k)) continue;
+            imposed_N = imposed_N || whole == 0 || std::abs(point.normal[k]) > 1 - 1e-9;
+            imposed_T = imposed_T || whole == 0 || std::abs(point.normal[k]) < 1e-9;
+        }
+        made.law = {.u_N = u_N,
+                    .u_T = jump.y(),
+                    .strength = beta > 0 ? options_.theta * h * point.area * law.sigma_c : 0,
+                    .cohesion = beta,
+                    .delta_c = law.delta_c(),
+                    .gamma = law.gamma,
+                    .friction = law.friction,
+                    .bound = touching ? newton : std::min(-u_N / h, newton),
+                    .may_touch = !imposed_N && (touching || law.restitution == 0),
+                    .implicit_beta = options_.cohesion == CohesionScheme::implicit_beta,
+                    .h = h,
+                    .theta = options_.theta,
+                    .rho_N = augmentation * made.mass,
+                    .rho_T = imposed_T ? infinite : augmentation * made.mass};
+        loose_point_of_[i] = static_cast<Index>(points_.size());
+        points_.push_back(made);
+    };
+    for (const Index f : order_) {
+        if (!loose_[f]) continue;
+        const Fan& fan = model_.fans[f];
+        for (Index i = 0; i < fan.n_points; ++i) add_point(f, fan.first_point + i);
+    }
+}
+
+void ImplicitScheme::guess_multipliers(const State& begin, double h) {
+    scale_ = 1e-3 * bulk_.largest_impulse();
+    for (LoosePoint& point : points_) {
+        const Index i = point.fan_point;
+        if (!has_guess_[i]) {  // of a fan that was loose before: its tractions go on
+            const FanPoint& at = model_.fan_points[i];
+            const Index f = model_.fan_of_corner[at.after == ground ? at.before : at.after], rank = begin.split_rank[f];
+            const double impulse = options_.theta * h * at.area;
+            if (rank >= 0) {
+                const PointState& known = begin.points[begin.first_point[rank] + i - model_.fans[f].first_point];
+                guess_[i] = {impulse * known.traction.x() + point.law.strength * point.law.cohesion, impulse * known.traction.y()};
+            }
+            has_guess_[i] = 1;
+        }
+        point.law.contact_guess = point.law.may_touch ? std::max(0.0, guess_[i].x()) : 0;
+        point.law.tangential_guess = std::isinf(point.law.rho_T) ? 0 : guess_[i].y();
+        scale_ = std::max({scale_, point.law.strength, point.law.contact_guess});
+    }
+}
+
+bool ImplicitScheme::loosen_what_opens(double h, StepReport& report) {
+    for (const LoosePoint& point : points_) guess_[point.fan_point] = {point.law.contact_guess, point.law.tangential_guess};
+    bulk_.taken(rate_, corner_taken_);
+    corner_rate_.resize(corner_taken_.size());
+    for (std::size_t c = 0; c < corner_rate_.size(); ++c) corner_rate_[c] = rate_[partition_.node_of_corner[c]];
+    bool any = false;
+    std::vector<Vec2> taken;
+    for (std::size_t f = 0; f < model_.fans.size(); ++f) {
+        const Fan& fan = model_.fans[f];
+        if (loose_[f] || fan.n_points == 0) continue;
+        const Index* corner = &model_.fan_corners[fan.first_corner];
+        const auto& prescribed = bulk_.prescribed()[partition_.node_of_corner[corner[0]]];
+        taken.resize(fan.n_corners);
+        for (Index i = 0; i < fan.n_corners; ++i) {
+            taken[i] = corner_taken_[corner[i]];
+            for (int k = 0; k < 2; ++k)
+                if (prescribed[k]) taken[i][k] = 0;  // what moves a corner takes its reaction too
+        }
+        ++report.bound_tests;
+        if (bound_test_.holds(static_cast<Index>(f), taken, options_.theta * h)) continue;
+        loose_[f] = any = true;
+        for (Index j = 0; j < fan.n_points; ++j) {
+            const FanPoint& point = model_.fan_points[fan.first_point + j];
+            const Vec2 impulse = bound_test_.impulses()[j];
+            const double strength = model_.laws[point.law].breakable() ? options_.theta * h * point.area * model_.laws[point.law].sigma_c : 0;
+            guess_[fan.first_point + j] = {impulse.dot(point.normal) + strength, impulse.dot(turned_left(point.normal))};
+            has_guess_[fan.first_point + j] = 1;
+        }
+    }
+    return any;
+}
+
+bool ImplicitScheme::holds(Index f) const {
+    const Fan& fan = model_.fans[f];
+    for (Index j = 0; j < fan.n_points; ++j) {
+        const Index i = loose_point_of_[fan.first_point + j];
+        if (i < 0) continue;
+        const LoosePoint& point = points_[i];
+        if (!point.response.closed || !point.response.sticks || point.response.softens || point.law.bound != 0 || point.response.kink != 0)
+            return false;
+    }
+    return true;
+}
+
+void ImplicitScheme::join_what_holds(std::vector<Vec2>& rate) const {
+    // sides that stick without a jump move as one to the last bit: the mean of what the solver left of 1e-13 or so
+    for (std::size_t f = 0; f < model_.fans.size(); ++f) {
+        if (!loose_[f]) continue;
+        const Fan& fan = model_.fans[f];
+        std::vector<std::vector<Index>> clusters;  // of nodes; -1 is the ground
+        const auto cluster_of = [&](Index node) -> std::vector<Index>& {
+            for (auto& cluster : clusters)
+                if (std::find(cluster.begin(), cluster.end(), node) != cluster.end()) return cluster;
+            return clusters.emplace_back(1, node);
+        };
+        for (Index j = 0; j < fan.n_points; ++j) {
+            const Index i = loose_point_of_[fan.first_point + j];
+            if (i < 0) continue;
+            const LoosePoint& point = points_[i];
+            const bool together = point.response.closed && point.response.sticks && point.law.bound == 0 && point.response.kink == 0;
+            if (!together || point.before == point.after) continue;
+            std::vector<Index> other = cluster_of(point.before);
+            if (std::find(other.begin(), other.end(), point.after) != other.end()) continue;
+            cluster_of(point.before).clear();
+            auto& whole = cluster_of(point.after);
+            whole.insert(whole.end(), other.begin(), other.end());
+        }
+        for (const auto& cluster : clusters)
+            for (int k = 0; k < 2 && cluster.size() > 1; ++k) {
+                double sum = 0, given = 0;
+                bool is_given = false;
+                for (const Index node : cluster) {
+                    if (node < 0) is_given = true, given = 0;
+                    else if (bulk_.prescribed()[node][k] && !is_given) is_given = true, given = rate[node][k];
+                    else sum += rate[node][k];
+                }
+                for (const Index node : cluster)
+                    if (node >= 0 && !bulk_.prescribed()[node][k]) rate[node][k] = is_given ? given : sum / static_cast<double>(cluster.size());
+            }
+    }
+}
+
+void ImplicitScheme::judge(StepReport& report) const {
+    // the laws once more at the joined rates, with one unit of augmentation: the natural residual, as impulses of the scale of the strengths
+    const double unit = scale_ > 0 ? scale_ : 1;
+    const auto rate_of = [&](Index node) -> Vec2 { return node < 0 ? Vec2::Zero() : rate_[node]; };
+    for (const LoosePoint& point : points_) {
+        const Vec2 w = point.in_frame(rate_of(point.after) - rate_of(point.before));
+        PointLaw law = point.law;
+        law.contact_guess = point.response.contact;
+        law.tangential_guess = point.response.tangential;
+        law.rho_N = point.mass;
+        if (!std::isinf(law.rho_T)) law.rho_T = point.mass;
+        const PointResponse again = respond(law, w.x(), w.y());
+        report.residual = std::max({report.residual, std::abs(again.normal(law) - point.response.normal(point.law)) / unit,
+                                    std::abs(again.tangential - point.response.tangential) / unit});
+    }
+    for (Index i = 0; i < partition_.n_nodes(); ++i)
+        for (int k = 0; k < 2; ++k)
+            if (!bulk_.prescribed()[i][k]) report.residual = std::max(report.residual, std::abs(solver_.unbalanced()[i][k]) / unit);
+}
+
+void ImplicitScheme::account_points(double h, StepReport& report) const {
+    const double theta = options_.theta;
+    const auto rate_of = [&](Index node) -> Vec2 { return node < 0 ? Vec2::Zero() : rate_[node]; };
+    for (const LoosePoint& point : points_) {
+        const FanPoint& at = model_.fan_points[point.fan_point];
+        const CohesiveLaw& material = model_.laws[at.law];
+        const PointLaw& law = point.law;
+        const Vec2 w = point.in_frame(rate_of(point.after) - rate_of(point.before));
+        const double cohesive_N = law.strength * point.response.cohesion_theta;
+        const double cohesive_T = -(point.response.tangential - point.response.friction_part);  // resists
+        const double impact = point.response.contact * w.x() / theta, friction = point.response.friction_part * w.y() / theta;
+        report.cohesive_work += (cohesive_N * w.x() + cohesive_T * w.y()) / theta;
+        report.impact_work += impact;
+        report.friction_work += friction;
+        report.worst_impact_work = std::max(report.worst_impact_work, impact);
+        report.worst_friction_work = std::max(report.worst_friction_work, friction);
+
+        const double u_N = law.u_N + h * w.x(), u_T = law.u_T + h * w.y();
+        report.crossing_loss += (cohesive_T * w.y() - law.gamma * cohesive_N * (std::abs(u_T) - std::abs(law.u_T)) / h) / theta;
+        const double cohesion = at.cracked ? 0 : material.next_cohesion(law.cohesion, u_N, u_T);
+        report.softened += cohesion < law.cohesion;
+        report.largest_beta_growth = std::max(report.largest_beta_growth, cohesion - law.cohesion);
+        if (!at.cracked && material.sigma_c > 0) report.surface += at.area * material.surface_energy(cohesion, u_N, u_T);
+        report.penetration = std::max(report.penetration, -u_N);
+    }
+}
+
+void ImplicitScheme::store(const State& begin, double h, State& end, StepReport& report) const {
+    end = begin;
+    for (std::size_t f = 0; f < model_.fans.size(); ++f) {
+        if (!loose_[f] || end.split_rank[f] >= 0 || holds(static_cast<Index>(f))) continue;
+        split(model_, static_cast<Index>(f), end);
+        ++report.released;
+    }
+    for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
+        const Index node = partition_.node_of_corner[c], to = end.node_of_corner[c];
+        end.displacement[to] = begin.displacement[begin.node_of_corner[c]] + h * rate_[node];
+        end.velocity[to] = bulk_.end_velocity(node, rate_[node]);
+    }
+    end.reaction.assign(model_.prescribed.size(), Vec2::Zero());
+    for (Index i = 0; i < partition_.n_nodes(); ++i)
+        for (int k = 0; k < 2; ++k)
+            if (bulk_.prescribed()[i][k])
+                end.reaction[model_.prescribed_of_corner[partition_.corner_of_node[i]]][k] = solver_.unbalanced()[i][k] / (options_.theta * h);
+    for (std::size_t rank = 0; rank < end.split_fans.size(); ++rank) {
+        const Fan& fan = model_.fans[end.split_fans[rank]];
+        for (Index j = 0; j < fan.n_points; ++j) {
+            const Index i = fan.first_point + j, loose = loose_point_of_[i];
+            const FanPoint& at = model_.fan_points[i];
+            PointState& state = end.points[end.first_point[rank] + j];
+            if (loose < 0) continue;
+            const LoosePoint& point = points_[loose];
+            state.traction = Vec2(point.response.normal(point.law), point.response.tangential) / (options_.theta * h * at.area);
+            const auto displacement = [&](Index corner) -> Vec2 {
+                return corner == ground ? Vec2::Zero() : end.displacement[end.node_of_corner[corner]];
+            };
+            const Vec2 u = point.in_frame(displacement(at.after) - displacement(at.before));
+            state.cohesion = at.cracked ? 0 : model_.laws[at.law].next_cohesion(point.law.cohesion, at.gap + u.x(), u.y());
+        }
+    }
+}
+
+Vec2 ImplicitScheme::place_of(Index fan_point) const {
+    const FanPoint& point = model_.fan_points[fan_point];
+    const Index corner = point.after == ground ? point.before : point.after;
+    return model_.mesh.corner(corner / 3, corner % 3);
+}
+
+}  // namespace knap

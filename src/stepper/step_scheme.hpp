@@ -1,0 +1,17 @@
+#pragma once
+// The seam between the stepper and its schemes.
+#include "model/state.hpp"
+#include "stepper/step_report.hpp"
+
+namespace knap {
+
+class StepScheme {
+public:
+    virtual ~StepScheme() = default;
+
+    /// From `begin` over h [s] to everything in `end` but its times; or a refusal, and `end` is void.
+    virtual StepReport step(const State& begin, double h, State& end) = 0;
+    virtual double stable_step() const = 0;  // [s]
+};
+
+}  // namespace knap
