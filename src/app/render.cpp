@@ -35,13 +35,17 @@ ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figur
     const std::string title = record.value("title", "");
     const FigureContext context{.title = title.empty() ? record.value("name", "") : title,
                                 .rayleigh_speed = record.value("rayleigh_speed_m_per_s", 0.0)};
-    const History energy = read_csv(run / "energy.csv"), cracks = read_csv(run / "cracks.csv");
+    const auto read_if_there = [&](const char* name) { return std::filesystem::exists(run / name) ? read_csv(run / name) : History{}; };
+    const Histories histories{.energy = read_csv(run / "energy.csv"),
+                              .cracks = read_csv(run / "cracks.csv"),
+                              .reactions = read_if_there("reactions.csv"),
+                              .probes = read_if_there("probes.csv")};
     const std::filesystem::path directory = output.empty() ? run / "rendered" : output;
     std::filesystem::create_directories(directory);
     for (const FigureOptions& wanted : figures) {
         std::vector<double> at = wanted.at;
         if (!shows_body(wanted.show)) {
-            for (const auto& path : draw_figure(wanted, Frame{}, energy, cracks, context, directory)) std::printf("figure:  %s\n", path.string().c_str());
+            for (const auto& path : draw_figure(wanted, Frame{}, histories, context, directory)) std::printf("figure:  %s\n", path.string().c_str());
             continue;
         }
         const std::vector<double> times = frame_times(run);
@@ -53,7 +57,7 @@ ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figur
                 std::fprintf(stderr, "note: no frame at %.6g s; the nearest is at %.6g s\n", time, frame.time);
             FigureOptions one = wanted;  // named by the time that is drawn, not by the one that was asked for
             if (at.size() > 1) one.at.assign(2, frame.time);
-            for (const auto& path : draw_figure(one, frame, energy, cracks, context, directory)) std::printf("figure:  %s\n", path.string().c_str());
+            for (const auto& path : draw_figure(one, frame, histories, context, directory)) std::printf("figure:  %s\n", path.string().c_str());
         }
     }
     return exit_done;

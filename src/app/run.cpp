@@ -44,6 +44,7 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .rayleigh_speed = rayleigh_speed(scenario),
             .cracks = crack_options(edge, process_zone),
             .figures = scenario.figures,
+            .probes = scenario.probes,
             .title = scenario.title.empty() ? scenario.name : scenario.title};
 }
 
@@ -76,6 +77,14 @@ std::string end_of_run(const RunRecord& record, const std::filesystem::path& dir
     text += "run:     " + directory.string() + "\n";
     for (const auto& figure : record.figures) text += "figure:  " + figure.string() + "\n";
     return text;
+}
+
+/// The resolved scenario as it stands in a run directory, where a mesh that was read is `mesh.msh`.
+std::string resolved_beside_mesh(const ReadResult& read) {
+    if (!read.scenario.given) return resolved_toml(read);
+    ReadResult there = read;
+    there.values.replace("mesh.file", "mesh.file", Node::of_text("mesh.msh"));
+    return resolved_toml(there);
 }
 
 ExitCode exit_code(const RunRecord& record) {
@@ -145,7 +154,8 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
 
     make_run_directory(directory, options.force);
     write_whole_file(directory / "scenario.toml", read.source.text());
-    write_whole_file(directory / "resolved.toml", resolved_toml(read));
+    write_whole_file(directory / "resolved.toml", resolved_beside_mesh(read));
+    if (scenario.given) write_whole_file(directory / "mesh.msh", scenario.given->bytes);
     std::ostringstream log;
     for (const Diagnostic& warning : resolution_warnings(read, record.mean_edge)) log << format(warning), record.warnings.push_back(warning.message);
     for (const Diagnostic& warning : read.warnings) log << format(warning), record.warnings.push_back(warning.message);

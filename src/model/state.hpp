@@ -26,6 +26,7 @@ struct State {
     std::vector<Index> first_point;     // per split fan, in that order: into `points`
     std::vector<PointState> points;     // of the split fans, in that order
     std::vector<Index> split_rank;      // per fan: its place in split_fans, or -1
+    std::vector<Vec2> reaction;         // [N] per prescribed motion: what drives it, mean over the last step; 0 in free components
 };
 
 State initial_state(const Model& model);

@@ -2,6 +2,7 @@
 #include "observe/curve_figures.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace knap {
@@ -33,6 +34,26 @@ Column sum(const std::vector<Column>& parts) {
     for (const Column& part : parts)
         for (std::size_t i = 0; i < total.size(); ++i) total[i] += part[i];
     return total;
+}
+
+double range(const Column& values) {
+    if (values.empty()) return 0;
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    return *high - *low;
+}
+
+/// Names in front of `ending` among the columns.
+std::vector<std::string> names_before(const History& history, const std::string& ending) {
+    std::vector<std::string> names;
+    for (const std::string& column : history.columns)
+        if (column.ends_with(ending)) names.push_back(column.substr(0, column.size() - ending.size()));
+    return names;
+}
+
+constexpr std::array palette{blue, vermilion, green, orange, purple, sky};
+
+void add_curve(Chart& chart, const std::string& label, const Column& x, const Column& y) {
+    chart.curves.push_back({label, x, y, palette[chart.curves.size() % palette.size()]});
 }
 
 }  // namespace
@@ -71,6 +92,33 @@ Chart crack_speed_chart(const History& cracks, double rayleigh_speed) {
     Chart chart{.title = "Crack speed", .x_quantity = "time", .x_unit = "s", .y_quantity = "speed of the main tip", .y_unit = "m/s"};
     chart.curves.push_back({"speed", cracks.column("time"), cracks.column("speed"), blue, 1.4});
     if (rayleigh_speed > 0) chart.levels = {{"0.65 c_{R}", 0.65 * rayleigh_speed}, {"c_{R}", rayleigh_speed}};
+    return chart;
+}
+
+Chart reaction_chart(const History& reactions) {
+    Chart chart{.title = "Force and displacement", .x_quantity = "displacement", .x_unit = "m", .y_quantity = "force", .y_unit = "N"};
+    const std::vector<std::string> loads = names_before(reactions, "_force_x");
+    const auto moves = [&](const std::string& load) { return range(reactions.column(load + "_u_x")) > 0 || range(reactions.column(load + "_u_y")) > 0; };
+    const bool any_moves = std::any_of(loads.begin(), loads.end(), moves);
+    for (const std::string& load : loads) {
+        if (any_moves && !moves(load)) continue;
+        const std::string axis = range(reactions.column(load + "_u_y")) > range(reactions.column(load + "_u_x")) ? "_y" : "_x";
+        add_curve(chart, load + axis, reactions.column(load + "_u" + axis), reactions.column(load + "_force" + axis));
+    }
+    return chart;
+}
+
+Chart probe_chart(const History& probes) {
+    Chart chart{.title = "Displacement", .x_quantity = "time", .x_unit = "s", .y_quantity = "displacement", .y_unit = "m"};
+    std::vector<std::string> shown;
+    double visible = 0;
+    for (const char* ending : {"_u_x", "_u_y"})
+        for (const std::string& name : names_before(probes, ending)) {
+            shown.push_back(name + ending);
+            visible = std::max(visible, 1e-3 * largest(probes.column(shown.back())));
+        }
+    for (const std::string& name : shown)
+        if (largest(probes.column(name)) >= visible) add_curve(chart, name, probes.column("time"), probes.column(name));
     return chart;
 }
 

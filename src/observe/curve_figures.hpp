@@ -1,5 +1,5 @@
 #pragma once
-// What is plotted over time: the energies, the crack length, the crack speed.
+// Curves: energies, crack length and speed and probes over time; force over displacement of what is driven.
 #include "observe/chart.hpp"
 #include "observe/figures.hpp"
 
@@ -9,5 +9,9 @@ namespace knap {
 Chart energy_chart(const History& energy);
 Chart crack_length_chart(const History& cracks);
 Chart crack_speed_chart(const History& cracks, double rayleigh_speed);
+/// Of every load that moves (of all when none does), in the component that moves most.
+Chart reaction_chart(const History& reactions);
+/// Displacements that can be seen beside the largest.
+Chart probe_chart(const History& probes);
 
 }  // namespace knap

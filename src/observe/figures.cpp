@@ -38,10 +38,12 @@ std::filesystem::path file_name(const FigureOptions& options, double time) {
     return file.replace_filename(file.stem().string() + "_" + time_text(asked, true) + file.extension().string());
 }
 
-Chart chart_of(const FigureOptions& options, const History& energy, const History& cracks, const FigureContext& context) {
-    if (options.show == "energy") return energy_chart(energy);
-    if (options.show == "crack_length") return crack_length_chart(cracks);
-    return crack_speed_chart(cracks, context.rayleigh_speed);
+Chart chart_of(const FigureOptions& options, const Histories& histories, const FigureContext& context) {
+    if (options.show == "energy") return energy_chart(histories.energy);
+    if (options.show == "crack_length") return crack_length_chart(histories.cracks);
+    if (options.show == "reactions") return reaction_chart(histories.reactions);
+    if (options.show == "probes") return probe_chart(histories.probes);
+    return crack_speed_chart(histories.cracks, context.rayleigh_speed);
 }
 
 }  // namespace
@@ -55,7 +57,7 @@ std::vector<std::string> figure_fields() {
 std::vector<std::string> figure_subjects() {
     std::vector<std::string> names{"cracks"};
     for (const std::string& field : figure_fields()) names.push_back(field);
-    names.insert(names.end(), {"energy", "crack_length", "crack_speed"});
+    names.insert(names.end(), {"energy", "crack_length", "crack_speed", "reactions", "probes"});
     return names;
 }
 
@@ -63,7 +65,7 @@ std::vector<std::string> figure_colours() { return {"opening", "beta"}; }
 
 bool shows_body(const std::string& subject) { return subject == "cracks" || among(figure_fields(), subject); }
 
-std::vector<std::filesystem::path> draw_figure(const FigureOptions& options, const Frame& frame, const History& energy, const History& cracks,
+std::vector<std::filesystem::path> draw_figure(const FigureOptions& options, const Frame& frame, const Histories& histories,
                                                const FigureContext& context, const std::filesystem::path& directory) {
     check(options);
     const std::string title = options.title.empty() ? context.title : options.title;
@@ -71,7 +73,7 @@ std::vector<std::filesystem::path> draw_figure(const FigureOptions& options, con
         const std::filesystem::path file = directory / file_name(options, frame.time);
         return {(options.show == "cracks" ? draw_cracks : draw_field)(options, frame, title, file).file};
     }
-    Chart chart = chart_of(options, energy, cracks, context);
+    Chart chart = chart_of(options, histories, context);
     if (!title.empty()) chart.title = title;
     return {draw_chart(chart, directory / options.file, options.width).file};
 }

@@ -37,10 +37,10 @@ std::vector<std::string> figure_colours();
 /// Whether the subject is drawn from a frame (and so once for each time in `at`), not from the histories.
 bool shows_body(const std::string& subject);
 
-/// Draws one figure into `directory` and returns the files written. A body is drawn from `frame`, curves from the histories
-/// `energy` (energy.csv) and `cracks` (cracks.csv). With several times in `at` the name gets the one nearest to the frame: "cracks_40us.png".
+/// Draws one figure into `directory` and returns the files written. A body is drawn from `frame`, curves from the histories.
+/// With several times in `at` the name gets the one nearest to the frame: "cracks_40us.png".
 /// Throws UserError for a subject, colour or file ending that does not exist, SimulationError for a file that cannot be written.
-std::vector<std::filesystem::path> draw_figure(const FigureOptions& options, const Frame& frame, const History& energy, const History& cracks,
+std::vector<std::filesystem::path> draw_figure(const FigureOptions& options, const Frame& frame, const Histories& histories,
                                                const FigureContext& context, const std::filesystem::path& directory);
 
 }  // namespace knap

@@ -59,4 +59,11 @@ struct History {
     bool has(const std::string& name) const;
 };
 
+/// All of a run; those that it does not have are empty.
+struct Histories {
+    History energy, cracks;  // energy.csv, cracks.csv
+    History reactions;       // reactions.csv: where motion is prescribed
+    History probes;          // probes.csv: where the scenario has probes
+};
+
 }  // namespace knap

@@ -42,7 +42,7 @@ std::string Progress::line(const State& now, const Recorder& recorder) const {
     std::string text = formatted("%3.0f %%", 100 * part) + "  t " + scaled(now.time, "s");
     if (part < 1 && part > 0) text += formatted("  %.0f s left", wall * (1 - part) / part);
     text += "  crack " + scaled(cracks.main_length, "m");
-    const double speed = recorder.crack_history().rows.empty() ? std::nan("") : recorder.crack_history().rows.back()[10];
+    const double speed = recorder.histories().cracks.rows.empty() ? std::nan("") : recorder.histories().cracks.rows.back()[10];
     if (std::isfinite(speed)) text += formatted("  v/cR %.2f", speed);
     text += "  tips " + std::to_string(cracks.tips.size()) + "  branches " + std::to_string(cracks.n_branches());
     text += formatted("  dE %.0e", ledger.largest_residual() / std::max(ledger.largest_energy(), 1e-300));

@@ -63,13 +63,22 @@ std::vector<std::string> crack_columns() {
 }
 
 Recorder::Recorder(const Model& model, const State& start, RecorderOptions options)
-    : model_(model), options_(std::move(options)), ledger_(model, start), cracks_(interface_graph(model), options_.cracks) {
-    energy_.columns = energy_columns();
-    crack_.columns = crack_columns();
+    : model_(model),
+      options_(std::move(options)),
+      ledger_(model, start),
+      cracks_(interface_graph(model), options_.cracks),
+      reactions_(model),
+      probes_(model, options_.probes) {
+    histories_.energy.columns = energy_columns();
+    histories_.cracks.columns = crack_columns();
+    if (!reactions_.empty()) histories_.reactions.columns = reactions_.columns();
+    if (!probes_.empty()) histories_.probes.columns = probes_.columns();
     next_at_.assign(options_.figures.size(), 0);
     if (!options_.directory.empty()) {
-        energy_file_ = opened(options_.directory / "energy.csv", energy_.columns);
-        crack_file_ = opened(options_.directory / "cracks.csv", crack_.columns);
+        energy_file_ = opened(options_.directory / "energy.csv", histories_.energy.columns);
+        crack_file_ = opened(options_.directory / "cracks.csv", histories_.cracks.columns);
+        if (!reactions_.empty()) reaction_file_ = opened(options_.directory / "reactions.csv", histories_.reactions.columns);
+        if (!probes_.empty()) probe_file_ = opened(options_.directory / "probes.csv", histories_.probes.columns);
         if (options_.frame_every > 0) series_.emplace(options_.directory);
     }
     write_lines(start);
@@ -105,8 +114,10 @@ void Recorder::finish(const State& now) {
 void Recorder::write_lines(const State& now) {
     last_line_ = now.time;
     cracks_.snapshot(now.time, interface_status(model_, now));
-    add_line(energy_line(ledger_.row()), energy_, energy_file_, options_.directory / "energy.csv");
-    add_line(crack_line(now.time, cracks_, options_.rayleigh_speed), crack_, crack_file_, options_.directory / "cracks.csv");
+    add_line(energy_line(ledger_.row()), histories_.energy, energy_file_, options_.directory / "energy.csv");
+    add_line(crack_line(now.time, cracks_, options_.rayleigh_speed), histories_.cracks, crack_file_, options_.directory / "cracks.csv");
+    if (!reactions_.empty()) add_line(reactions_.line(now), histories_.reactions, reaction_file_, options_.directory / "reactions.csv");
+    if (!probes_.empty()) add_line(probes_.line(now), histories_.probes, probe_file_, options_.directory / "probes.csv");
 }
 
 void Recorder::draw_due(const State& now, bool at_end) {
@@ -125,7 +136,7 @@ void Recorder::draw_due(const State& now, bool at_end) {
 
 void Recorder::draw(const FigureOptions& figure, const Frame& frame) {
     const FigureContext context{.title = options_.title, .rayleigh_speed = options_.rayleigh_speed};
-    for (const auto& path : draw_figure(figure, frame, energy_, crack_, context, options_.directory / "figures")) drawn_.push_back(path);
+    for (const auto& path : draw_figure(figure, frame, histories_, context, options_.directory / "figures")) drawn_.push_back(path);
 }
 
 }  // namespace knap

@@ -4,6 +4,8 @@
 #include "observe/energy_ledger.hpp"
 #include "observe/figures.hpp"
 #include "observe/frame.hpp"
+#include "observe/probes.hpp"
+#include "observe/reactions.hpp"
 #include "observe/vtk_series.hpp"
 
 #include <filesystem>
@@ -21,6 +23,7 @@ struct RecorderOptions {
     double rayleigh_speed = 0;        // [m/s]
     CrackOptions cracks;
     std::vector<FigureOptions> figures;
+    std::vector<ProbeOptions> probes;
     std::string title;
 };
 
@@ -35,8 +38,8 @@ public:
 
     const EnergyLedger& ledger() const { return ledger_; }
     const CrackHistory& cracks() const { return cracks_; }
-    const History& energy_history() const { return energy_; }
-    const History& crack_history() const { return crack_; }
+    const Reactions& reactions() const { return reactions_; }
+    const Histories& histories() const { return histories_; }
     const std::vector<std::filesystem::path>& figures() const { return drawn_; }
     double output_seconds() const { return output_seconds_; }  // [s] processor time spent here
 
@@ -49,8 +52,10 @@ private:
     RecorderOptions options_;
     EnergyLedger ledger_;
     CrackHistory cracks_;
-    History energy_, crack_;
-    std::ofstream energy_file_, crack_file_;
+    Reactions reactions_;
+    Probes probes_;
+    Histories histories_;
+    std::ofstream energy_file_, crack_file_, reaction_file_, probe_file_;
     std::optional<VtkSeries> series_;
     double next_frame_ = 0, next_history_ = 0;
     double last_line_ = -1;             // [s] time of the last line

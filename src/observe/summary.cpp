@@ -14,6 +14,27 @@ double Summary::operator[](const std::string& name) const {
     return std::nan("");
 }
 
+namespace {
+
+/// The reaction of the first load that moves anything, or else of the first that holds anything.
+struct Driver {
+    Vec2 force = Vec2::Constant(std::nan(""));  // [N] at the end
+    double largest = std::nan("");              // [N] over the lines of reactions.csv
+};
+
+Driver driver(const Recorder& recorder, const State& end) {
+    if (recorder.reactions().empty()) return {};
+    const std::vector<Reaction> all = recorder.reactions().at(end);
+    const auto moves = [](const Reaction& reaction) { return !reaction.displacement.isZero(0); };
+    const std::size_t found = std::find_if(all.begin(), all.end(), moves) - all.begin(), load = found < all.size() ? found : 0;
+    Driver driver{.force = all[load].force, .largest = all[load].force.norm()};
+    for (const std::vector<double>& row : recorder.histories().reactions.rows)
+        driver.largest = std::max(driver.largest, std::hypot(row[1 + 4 * load], row[2 + 4 * load]));
+    return driver;
+}
+
+}  // namespace
+
 Summary summarise(const Model& model, const State& end, const Recorder& recorder, double rayleigh_speed) {
     const EnergyLedger& ledger = recorder.ledger();
     const EnergyRow& energy = ledger.row();
@@ -23,6 +44,7 @@ Summary summarise(const Model& model, const State& end, const Recorder& recorder
     constexpr double never = std::numeric_limits<double>::quiet_NaN();
     const auto branching = cracks.first_branching();
 
+    const Driver driven = driver(recorder, end);
     Vec2 momentum = Vec2::Zero(), moment = Vec2::Zero();
     double mass = 0;
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
@@ -44,6 +66,9 @@ Summary summarise(const Model& model, const State& end, const Recorder& recorder
         {"momentum_y", momentum.y()},
         {"mean_displacement_x", moment.x() / mass},
         {"mean_displacement_y", moment.y() / mass},
+        {"reaction_x", driven.force.x()},
+        {"reaction_y", driven.force.y()},
+        {"largest_reaction", driven.largest},
         {"broken_length", pattern.broken_length},
         {"crack_length", pattern.crack_length},
         {"first_growth_time", cracks.first_growth_time().value_or(never)},

@@ -74,6 +74,7 @@ void assemble(Assembly& assembly) {
     assemble_loads(assembly);
     assemble_time(assembly);
     assemble_output(assembly);
+    assemble_probes(assembly);
     assemble_figures(assembly);
     assemble_expectations(assembly);
 }

@@ -42,6 +42,7 @@ void assemble_laws(Assembly& assembly);
 void assemble_loads(Assembly& assembly);
 void assemble_time(Assembly& assembly);
 void assemble_output(Assembly& assembly);
+void assemble_probes(Assembly& assembly);
 void assemble_figures(Assembly& assembly);
 void assemble_expectations(Assembly& assembly);
 

@@ -134,6 +134,10 @@ const std::vector<Key>& table() {
      .doc = "between two lines of energy.csv and cracks.csv"},
     {.path = "output.fields", .kind = Kind::boolean, .standard = "true", .doc = "write .vtu frames"},
 
+    {.path = "probe[]", .kind = Kind::list, .doc = "a place whose displacement and velocity go to probes.csv"},
+    {.path = "probe[].at", .kind = Kind::number, .form = Form::pair, .unit = "m", .required = true, .doc = "the vertex nearest to it is watched"},
+    {.path = "probe[].name", .kind = Kind::text, .otherwise = "probe1, probe2, ...", .doc = "name of its columns"},
+
     {.path = "figure[]", .kind = Kind::list, .doc = "a picture that the run draws"},
     {.path = "figure[].file", .kind = Kind::text, .required = true, .doc = "file name, .png, .svg or .pdf; with several times the time is put into it"},
     {.path = "figure[].show", .kind = Kind::text, .words = figure_subjects(), .standard = "\"cracks\"", .doc = "what it shows"},
@@ -172,6 +176,9 @@ constexpr std::array summary{
     SummaryKey{"momentum_y", "kg m/s", "likewise"},
     SummaryKey{"mean_displacement_x", "m", "of the centre of mass at the end"},
     SummaryKey{"mean_displacement_y", "m", "likewise"},
+    SummaryKey{"reaction_x", "N", "force of the first load that moves a part of the body, at the end"},
+    SummaryKey{"reaction_y", "N", "likewise"},
+    SummaryKey{"largest_reaction", "N", "its largest size over the run"},
     SummaryKey{"broken_length", "m", "length of broken interfaces"},
     SummaryKey{"crack_length", "m", "length of the cracks that count, without single broken interfaces"},
     SummaryKey{"first_growth_time", "s", "first crack growth"},

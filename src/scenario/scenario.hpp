@@ -6,12 +6,13 @@
 #include "material/elastic.hpp"
 #include "model/loads.hpp"
 #include "observe/figures.hpp"
+#include "observe/probes.hpp"
 #include "stepper/scheme_options.hpp"
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,13 +51,13 @@ struct Expectation {
     std::string unit;         // "" = SI; "cR" = multiples of the Rayleigh speed
 };
 
-struct Scenario {
 /// A mesh that was read instead of made.
 struct MeshFile {
     std::string bytes;  // of the file
     Mesh mesh;          // regions are the scenario's materials
 };
 
+struct Scenario {
     std::string name, title;
     std::uint64_t seed = 1;
     Shape shape;                            // with a mesh file: only its boundary names
@@ -72,6 +73,7 @@ struct MeshFile {
     std::vector<InitialVelocity> initial_velocities;
     TimeOptions time;
     OutputOptions output;
+    std::vector<ProbeOptions> probes;
     std::vector<FigureOptions> figures;
     std::vector<Expectation> expect;
 };

@@ -78,7 +78,7 @@ TEST_CASE("figures: every subject is drawn without a display at the asked width"
     const FigureContext context{.title = "Edge-cracked block in tension", .rayleigh_speed = 2125};
     for (const std::string& subject : figure_subjects()) {
         const FigureOptions options{.file = subject + ".png", .show = subject, .at = {40e-6}, .width = 1200};
-        const auto files = draw_figure(options, plate(), synthetic::energy(), synthetic::cracks(), context, pictures());
+        const auto files = draw_figure(options, plate(), synthetic::histories(), context, pictures());
         REQUIRE(files.size() == 1);
         CHECK(files[0] == pictures() / (subject + ".png"));
         const Picture picture = read_png(files[0]);
@@ -98,7 +98,8 @@ TEST_CASE("figures: no text leaves the page or touches another") {
     }
     check_type(draw_cracks({.width = 600}, plate(), "A title that is far too long for one line and goes on beyond what anyone would read at the top of a figure", pictures() / "type.png"));
     check_type(draw_cracks({.colour = "beta", .deform = 200, .width = 600}, plate(), "Edge-cracked block", pictures() / "cracks_beta.png"));
-    for (const Chart& chart : {energy_chart(synthetic::energy()), crack_length_chart(synthetic::cracks()), crack_speed_chart(synthetic::cracks(), 2125)})
+    for (const Chart& chart : {energy_chart(synthetic::energy()), crack_length_chart(synthetic::cracks()), crack_speed_chart(synthetic::cracks(), 2125),
+                               reaction_chart(synthetic::reactions()), probe_chart(synthetic::probes())})
         check_type(draw_chart(chart, pictures() / "type.png", 600));
 }
 
@@ -160,6 +161,15 @@ TEST_CASE("figures: a crack is where it is and as dark as its opening says") {
     CHECK(n_coloured <= 30);
 }
 
+TEST_CASE("figures: a load that does not move has no curve of force over displacement") {
+    const Chart chart = reaction_chart(synthetic::reactions());
+    REQUIRE(chart.curves.size() == 1);
+    CHECK(chart.curves[0].label == "load0_y");
+    CHECK(chart.curves[0].x.back() == 1e-6);
+    History at_rest{synthetic::reactions().columns, {{0, 1, 2, 0, 0, 3, 4, 0, 0}, {1, 1, 2, 0, 0, 3, 4, 0, 0}}};
+    CHECK(reaction_chart(at_rest).curves.size() == 2);
+}
+
 TEST_CASE("figures: vector files and names with the time") {
     const FigureContext context{.title = "Plate"};
     const History none;
@@ -170,12 +180,12 @@ TEST_CASE("figures: vector files and names with the time") {
         return head == wanted;
     };
     FigureOptions options{.file = "cracks.svg", .at = {20e-6, 40e-6, 80e-6}};
-    auto files = draw_figure(options, plate(), none, none, context, pictures());
+    auto files = draw_figure(options, plate(), {.energy = none, .cracks = none}, context, pictures());
     CHECK(files == std::vector{pictures() / "cracks_40us.svg"});
     CHECK(starts_with(files[0], "<?xml"));
     options.file = "cracks.pdf";
     options.at = {};
-    files = draw_figure(options, plate(), none, none, context, pictures());
+    files = draw_figure(options, plate(), {.energy = none, .cracks = none}, context, pictures());
     CHECK(files == std::vector{pictures() / "cracks.pdf"});
     CHECK(starts_with(files[0], "%PDF"));
     CHECK(std::filesystem::file_size(files[0]) > 5000);
@@ -183,7 +193,7 @@ TEST_CASE("figures: vector files and names with the time") {
 
 TEST_CASE("figures: what cannot be drawn is refused") {
     const auto draw = [](const FigureOptions& options, const std::filesystem::path& directory) {
-        draw_figure(options, synthetic::frame(5), synthetic::energy(5), synthetic::cracks(5), {}, directory);
+        draw_figure(options, synthetic::frame(5), synthetic::histories(5), {}, directory);
     };
     CHECK_THROWS_AS(draw({.file = "a.png", .show = "strss_xx"}, pictures()), UserError);
     CHECK_THROWS_AS(draw({.file = "a.png", .colour = "red"}, pictures()), UserError);

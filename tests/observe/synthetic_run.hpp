@@ -126,4 +126,25 @@ inline History cracks(int n = 400) {
     return h;
 }
 
+inline History reactions(int n = 400) {
+    History h{{"time", "load0_force_x", "load0_force_y", "load0_u_x", "load0_u_y", "load2_force_x", "load2_force_y", "load2_u_x", "load2_u_y"}, {}};
+    for (int i = 0; i <= n; ++i) {
+        const double s = static_cast<double>(i) / n, force = 1e3 * (s < 0.6 ? s : 0.6 * std::exp(-(s - 0.6) / 0.1));
+        h.rows.push_back({80e-6 * s, 10 * s, force, 0, 1e-6 * s, -10 * s, -force, 0, 0});
+    }
+    return h;
+}
+
+inline History probes(int n = 400) {
+    History h{{"time", "end_u_x", "end_u_y", "end_v_x", "end_v_y"}, {}};
+    for (int i = 0; i <= n; ++i) {
+        const double s = static_cast<double>(i) / n;
+        h.rows.push_back({80e-6 * s, 1e-6 * s * s, -2e-6 * std::sin(9 * s), 0.025 * s, -0.225 * std::cos(9 * s)});
+    }
+    return h;
+}
+
+/// All of them.
+inline Histories histories(int n = 400) { return {.energy = energy(n), .cracks = cracks(n), .reactions = reactions(n), .probes = probes(n)}; }
+
 }  // namespace synthetic

@@ -102,6 +102,9 @@ theta = 0.75
 every = "1 us"
 history_every = "0.1 us"
 fields = false
+[[probe]]
+at = ["5 mm", "5 mm"]
+name = "middle"
 [[figure]]
 file = "a.svg"
 show = "cracks"
@@ -209,6 +212,8 @@ const Case cases[] = {
     {rectangle, "output.every", "1e-06"},
     {rectangle, "output.history_every", "1e-07"},
     {rectangle, "output.fields", "false"},
+    {rectangle, "probe[0].at", "[0.005, 0.005]"},
+    {rectangle, "probe[0].name", "\"middle\""},
     {rectangle, "figure[0].file", "\"a.svg\""},
     {rectangle, "figure[1].show", "\"stress_xy\""},
     {rectangle, "figure[0].at", "[2e-05]"},

@@ -37,8 +37,8 @@ inline ModelInput point_masses(const CohesiveLaw& law, bool glued) {
 /// A model with its stepper, its state and its books.
 class Run {
 public:
-    explicit Run(ModelInput input) : Run(make_model(std::move(input))) {}
-    explicit Run(Model made) : model(std::move(made)), stepper(model), now(initial_state(model)), ledger(model, now) {}
+    explicit Run(ModelInput input, const SchemeOptions& scheme = {}) : Run(make_model(std::move(input)), scheme) {}
+    explicit Run(Model made, const SchemeOptions& scheme = {}) : model(std::move(made)), stepper(model, scheme), now(initial_state(model)), ledger(model, now) {}
     Run(const Run&) = delete;  // the stepper refers to the model
 
     const StepReport& step(double h) {

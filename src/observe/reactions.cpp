@@ -1,0 +1,56 @@
+#include "observe/reactions.hpp"
+
+#include <algorithm>
+
+namespace knap {
+
+Reactions::Reactions(const Model& model) : model_(model) {
+    // every load has a history of its own, so the history tells the load
+    for (const PrescribedMotion& motion : model.prescribed)
+        for (int k = 0; k < 2; ++k)
+            if (motion.component[k]) loads_.push_back(motion.history[k]);
+    std::sort(loads_.begin(), loads_.end());
+    loads_.erase(std::unique(loads_.begin(), loads_.end()), loads_.end());
+    n_held_.assign(loads_.size(), Eigen::Vector2i::Zero());
+    for (Index corner = 0; corner < model.mesh.n_corners(); ++corner) {
+        const Index i = model.prescribed_of_corner[corner];
+        if (i < 0) continue;
+        for (int k = 0; k < 2; ++k) {
+            if (!model.prescribed[i].component[k]) continue;
+            const auto at = std::lower_bound(loads_.begin(), loads_.end(), model.prescribed[i].history[k]);
+            const Index place = static_cast<Index>(at - loads_.begin());
+            held_.push_back({place, corner, k});
+            ++n_held_[place][k];
+        }
+    }
+}
+
+std::vector<Reaction> Reactions::at(const State& state) const {
+    std::vector<Reaction> found(loads_.size(), {Vec2::Zero(), Vec2::Zero()});
+    for (const Held& held : held_) {
+        found[held.place].force[held.component] += state.reaction[model_.prescribed_of_corner[held.corner]][held.component];
+        found[held.place].displacement[held.component] += state.displacement[state.node_of_corner[held.corner]][held.component];
+    }
+    for (std::size_t i = 0; i < found.size(); ++i)
+        for (int k = 0; k < 2; ++k)
+            if (n_held_[i][k] > 0) found[i].displacement[k] /= n_held_[i][k];
+    return found;
+}
+
+std::vector<std::string> Reactions::columns() const {
+    std::vector<std::string> names{"time"};
+    for (const Index load : loads_)
+        for (const char* quantity : {"_force_x", "_force_y", "_u_x", "_u_y"}) names.push_back("load" + std::to_string(load) + quantity);
+    return names;
+}
+
+std::vector<double> Reactions::line(const State& state) const {
+    std::vector<double> row{state.time};
+    for (const Reaction& reaction : at(state)) {
+        row.insert(row.end(), {reaction.force.x(), reaction.force.y()});
+        row.insert(row.end(), {reaction.displacement.x(), reaction.displacement.y()});
+    }
+    return row;
+}
+
+}  // namespace knap

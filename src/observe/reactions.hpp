@@ -1,0 +1,45 @@
+#pragma once
+// What it takes to drive a body: resultant force and mean displacement of every load that prescribes a motion.
+#include "model/state.hpp"
+
+#include <string>
+#include <vector>
+
+namespace knap {
+
+/// What one load drives.
+struct Reaction {
+    Vec2 force;         // [N] resultant on the body, mean over the last step; 0 in components that this load leaves free
+    Vec2 displacement;  // [m] mean over the corners that it holds
+};
+
+class Reactions {
+public:
+    explicit Reactions(const Model& model);
+
+    bool empty() const { return loads_.empty(); }
+    /// Which loads of the scenario prescribe the motion of anything; one that later ones replace everywhere does not.
+    const std::vector<Index>& loads() const { return loads_; }
+
+    /// In the order of loads().
+    std::vector<Reaction> at(const State& state) const;
+
+    /// Columns and line of reactions.csv: time, then force and displacement of each load.
+    std::vector<std::string> columns() const;
+    std::vector<double> line(const State& state) const;
+
+private:
+    /// A component of the motion of a corner.
+    struct Held {
+        Index place;   // into loads_
+        Index corner;
+        int component;
+    };
+
+    const Model& model_;
+    std::vector<Index> loads_;
+    std::vector<Held> held_;
+    std::vector<Eigen::Vector2i> n_held_;  // per load and component: corners held
+};
+
+}  // namespace knap
