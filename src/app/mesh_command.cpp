@@ -37,7 +37,9 @@ ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& outp
         throw UserError("mesh-format", "a mesh is not written as `" + ending + "`", "known: .msh, .vtu, .svg");
     if (std::filesystem::exists(output) && !force)
         throw UserError("file-exists", "`" + output.string() + "` exists already", "choose another name, or replace it with --force");
-    write_whole_file(output, mesh_as_text(model.mesh, ending));
+    std::vector<std::string> materials;
+    for (const NamedMaterial& material : read.scenario.materials) materials.push_back(material.name);
+    write_whole_file(output, mesh_as_text(model.mesh, ending, materials));
     std::printf("mesh:    %s\n", output.string().c_str());
     return exit_done;
 }

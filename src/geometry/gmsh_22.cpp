@@ -4,9 +4,8 @@
 namespace knap {
 
 void read_nodes_22(GmshSource& source, GmshFile& file) {
-    const std::int64_t announced = source.text_integer("the number of nodes");
+    file.nodes.resize(source.checked_count(source.text_integer("the number of nodes"), source.binary ? 28 : 8, "nodes"));
     source.end_of_line();
-    file.nodes.resize(source.checked_count(announced, source.binary ? 28 : 8, "nodes"));
     for (GmshNode& node : file.nodes) {
         node.tag = source.integer("the tag of a node");
         for (double& x : node.position) x = source.real("a coordinate");
@@ -56,9 +55,8 @@ std::size_t read_element_block(GmshSource& source, std::size_t most, GmshFile& f
 }  // namespace
 
 void read_elements_22(GmshSource& source, GmshFile& file) {
-    const std::int64_t announced = source.text_integer("the number of elements");
+    const std::size_t n = source.checked_count(source.text_integer("the number of elements"), 8, "elements");
     source.end_of_line();
-    const std::size_t n = source.checked_count(announced, 8, "elements");
     for (std::size_t i = 0; i < n;) {
         if (source.binary) {
             i += read_element_block(source, n - i, file);

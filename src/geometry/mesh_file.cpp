@@ -22,16 +22,21 @@ public:
 };
 
 /// Gmsh file format 2.2: physical groups are the boundaries (lines), the regions (triangles) and the pre-cracks (lines).
-std::string gmsh(const Mesh& mesh) {
+std::string gmsh(const Mesh& mesh, const std::vector<std::string>& region_names) {
     Text out;
     const Index n_boundaries = static_cast<Index>(mesh.boundary_names.size());
     const Index n_regions = mesh.region.empty() ? 0 : 1 + *std::max_element(mesh.region.begin(), mesh.region.end());
     const auto cracked =
         std::count_if(mesh.interior_edges.begin(), mesh.interior_edges.end(), [](const InteriorEdge& e) { return e.cracked; });
-    out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n" << n_boundaries + n_regions + (cracked > 0 ? 1 : 0) << "\n";
-    for (Index i = 0; i < n_boundaries; ++i) out << "1 " << i + 1 << " \"" << mesh.boundary_names[i] << "\"\n";
+    const auto unnamed = std::count(mesh.boundary_names.begin(), mesh.boundary_names.end(), "");
+    out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n" << n_boundaries - unnamed + n_regions + (cracked > 0 ? 1 : 0) << "\n";
+    for (Index i = 0; i < n_boundaries; ++i)
+        if (!mesh.boundary_names[i].empty()) out << "1 " << i + 1 << " \"" << mesh.boundary_names[i] << "\"\n";
     if (cracked > 0) out << "1 " << n_boundaries + 1 << " \"crack\"\n";
-    for (Index i = 0; i < n_regions; ++i) out << "2 " << n_boundaries + 2 + i << " \"region" << i << "\"\n";
+    for (Index i = 0; i < n_regions; ++i) {
+        const bool has_name = i < static_cast<Index>(region_names.size());
+        out << "2 " << n_boundaries + 2 + i << " \"" << (has_name ? region_names[i] : "region" + std::to_string(i)) << "\"\n";
+    }
     out << "$EndPhysicalNames\n$Nodes\n" << mesh.n_vertices() << "\n";
     for (Index v = 0; v < mesh.n_vertices(); ++v) out << v + 1 << " " << mesh.vertices[v].x() << " " << mesh.vertices[v].y() << " 0\n";
     out << "$EndNodes\n$Elements\n" << static_cast<Index>(mesh.boundary_edges.size() + cracked) + mesh.n_triangles() << "\n";
@@ -40,7 +45,8 @@ std::string gmsh(const Mesh& mesh) {
         out << ++n << " 1 2 " << group << " " << group << " " << mesh.triangles[triangle][side] + 1 << " "
             << mesh.triangles[triangle][(side + 1) % 3] + 1 << "\n";
     };
-    for (const BoundaryEdge& edge : mesh.boundary_edges) line(edge.triangle, edge.side, edge.boundary + 1);
+    for (const BoundaryEdge& edge : mesh.boundary_edges)
+        line(edge.triangle, edge.side, mesh.boundary_names[edge.boundary].empty() ? 0 : edge.boundary + 1);
     for (const InteriorEdge& edge : mesh.interior_edges)
         if (edge.cracked) line(edge.triangle[0], edge.side[0], n_boundaries + 1);
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
@@ -106,8 +112,8 @@ std::string svg(const Mesh& mesh) {
 
 }  // namespace
 
-std::string mesh_as_text(const Mesh& mesh, const std::string& ending) {
-    if (ending == ".msh") return gmsh(mesh);
+std::string mesh_as_text(const Mesh& mesh, const std::string& ending, const std::vector<std::string>& region_names) {
+    if (ending == ".msh") return gmsh(mesh, region_names);
     if (ending == ".vtu") return vtu(mesh);
     if (ending == ".svg") return svg(mesh);
     throw std::invalid_argument("a mesh is written as .msh, .vtu or .svg, not as `" + ending + "`");
