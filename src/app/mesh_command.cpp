@@ -3,8 +3,8 @@
 #include "app/run_directory.hpp"
 #include "app/setup.hpp"
 #include "base/error.hpp"
+#include "bulk/elastic_forces.hpp"
 #include "geometry/mesh_file.hpp"
-#include "stepper/moreau_jean.hpp"
 
 #include <algorithm>
 #include <cstdio>
