@@ -61,7 +61,7 @@ void check_shape_is_given(const Assembly& assembly) {
     for (const char* key : {"mesh.unit", "mesh.cracks"})
         if (values.given(key))
             assembly.findings.error_at_name("exclusive-keys", "`" + std::string(key) + "` belongs to mesh.file", assembly.at(key)).note =
-                "cracks of a shape: [[domain.crack]]";
+                "a shape has [[domain.crack]] and units of its own";
 }
 
 void assemble_outer(Assembly& assembly) {
