@@ -1,9 +1,12 @@
 #include "stepper/step_lcp.hpp"
 
+#include "stepper/contact_bound.hpp"
+#include "stepper/corner_partition.hpp"
 #include "stepper/step_lcp_body.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace knap {
 namespace {
@@ -12,9 +15,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
 constexpr double bond_is_gone = 1e-12;  // [-] cohesion below it is none
-constexpr double rounding = 1e-12;      // of a length that the point has to do with: what is called touching
-
-bool unbreakable(const Model& model, const FanPoint& point) { return !point.cracked && !model.laws[point.law].breakable(); }
+constexpr double rounding = 1e-12;      // relative
 
 /// A point that can come apart, at the begin of the step.
 struct Point {
@@ -22,8 +23,7 @@ struct Point {
     const CohesiveLaw* law;
     Vec2 opening, rate;  // [m], [m/s] (N, T)
     double cohesion;     // [-]
-    bool may_touch;
-    double bound;        // [m/s] c
+    std::optional<double> bound;  // [m/s] c, of a point that may touch
 };
 
 class StepLcpMaker {
@@ -32,8 +32,8 @@ public:
         : model_(model), begin_(begin), h_(h), theta_(options.theta), implicit_beta_(options.cohesion == CohesionScheme::implicit_beta) {
         step_.body = std::make_shared<PartedBody>(model, begin, h, options);
         find_points();
-        lay_out();
         make_jumps();
+        lay_out();
     }
 
     StepLcp made() {
@@ -75,20 +75,16 @@ private:
                      .opening = opening(model_, begin_, at.point),
                      .rate = {at.normal.dot(jump), turned_left(at.normal).dot(jump)},
                      .cohesion = cohesion(model_, begin_, at.point),
-                     .may_touch = false,
-                     .bound = 0};
+                     .bound = std::nullopt};
             if (at.cracked || point.law->sigma_c == 0 || point.cohesion < bond_is_gone) point.cohesion = 0;
-            set_bound(point);
+            point.bound = bound(point);
         }
     }
 
-    void set_bound(Point& point) const {
+    std::optional<double> bound(const Point& point) const {
         const auto size = [&](Index corner) { return corner == ground ? 0 : begin_.displacement[begin_.node_of_corner[corner]].norm(); };
-        const double length = size(point.at->before) + size(point.at->after) + point.at->gap;
-        const double u = point.opening.x(), approach = std::max(-point.rate.x(), 0.0), e = point.law->restitution;
-        const bool touches = u <= rounding * length;
-        point.may_touch = touches || e == 0;
-        point.bound = touches ? -(1 - theta_ * (1 + e)) * approach : std::min(-u / h_, -(1 - theta_) * approach);
+        const double length = size(point.at->before) + size(point.at->after) + point.at->gap + point.law->delta_c();
+        return contact_bound(point.opening.x(), point.rate.x(), length, point.law->restitution, h_, theta_);
     }
 
     void lay_out() {
@@ -100,13 +96,15 @@ private:
             layout.friction = layout.friction || law.friction > 0;
             layout.tangential = layout.tangential || (!edge.cracked && law.sigma_c > 0 && law.gamma > 0);
         }
-        for (const Point& point : points_) {
+        const Eigen::VectorXd freedom = step_.body->freedom(step_.jump);
+        for (Point& point : points_) {
             if (unbreakable(model_, *point.at)) continue;
-            if (point.may_touch) layout.contacts.push_back(point.at->point);
+            if (freedom[2 * point.at->point] < rounding) point.bound.reset();  // driven on both sides: no contact stops that
+            if (point.bound) layout.contacts.push_back(point.at->point);
             if (point.cohesion == 0) continue;
             layout.cohesive.push_back(point.at->point);
-            const double lowest = point.opening.x() + h_ * point.bound;
-            if (implicit_beta_ && (!point.may_touch || lowest < -rounding * point.law->delta_c())) layout.landing.push_back(point.at->point);
+            const bool lands = !point.bound || point.opening.x() + h_ * *point.bound < -rounding * point.law->delta_c();
+            if (implicit_beta_ && lands) layout.landing.push_back(point.at->point);
         }
     }
 
@@ -169,7 +167,7 @@ private:
         for (int k = 0; k < at.c(); ++k) {
             const Index p = at.contacts[k];
             take_rate(at.normal(k), p, 0, 1);
-            known_[at.normal(k)] = -points_[p].bound;
+            known_[at.normal(k)] = -*points_[p].bound;
             give_impulse(at.normal(k), p, 0, 1);
             if (!at.friction) continue;
             couple(at.slip_rate(k), at.normal(k), points_[p].law->friction);

@@ -5,7 +5,7 @@
 //
 //     S A       theta (beta - beta+)                                       what the cohesion has lost
 //     S beta+   theta [ A - sigma_c (delta_c (1 - beta+) - s_N - gamma chi) ]   s_N = u_N+, or o below
-//     p_N       w_N - c                                                    of points that may touch
+//     p_N       w_N - c                                                    of points that may touch and are not driven on both sides
 //     p_T+-     zeta +- w_T                  zeta      mu p_N - p_T+ - p_T-
 //     r_T+-     chi +- u_T+                  chi       S gamma sigma_c beta_theta - r_T+ - r_T-
 //     o         o - u_N+                                                   so o = max(u_N+, 0)

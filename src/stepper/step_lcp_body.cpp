@@ -22,13 +22,6 @@ private:
     std::vector<Index> parent_;
 };
 
-/// The slope of the piece that ends at t (or holds it) [1/s].
-double slope(const TimeFunction& f, double t) {
-    for (std::size_t i = 1; i < f.time.size(); ++i)
-        if (f.time[i - 1] < t && t <= f.time[i]) return (f.value[i] - f.value[i - 1]) / (f.time[i] - f.time[i - 1]);
-    return 0;
-}
-
 Eigen::Matrix<double, 6, 6> stiffness(const Model& model, Index t) {
     const Mesh& mesh = model.mesh;
     Eigen::Matrix<double, 3, 6> B = Eigen::Matrix<double, 3, 6>::Zero();  // strain (xx, yy, 2 xy) of corner displacements
@@ -135,10 +128,10 @@ void PartedBody::prescribe(const Model& model, const State& begin, double h, dou
             is_known_[i] = 1;
             if (motion.is_displacement[k]) {
                 known_rate_[i] = (motion.value[k] * history(end) - begin.displacement[begin.node_of_corner[c]][k]) / h;
-                known_velocity_[i] = motion.value[k] * slope(history, end);
+                known_velocity_[i] = motion.value[k] * history.slope_before(end);
             } else {
                 known_velocity_[i] = motion.value[k] * history(end);
-                known_rate_[i] = theta * known_velocity_[i] + (1 - theta) * velocity_[i];
+                known_rate_[i] = motion.value[k] * (theta * history(end) + (1 - theta) * history(begin.time));
             }
         }
     }
@@ -179,6 +172,11 @@ void PartedBody::factorise(const Matrix& M_hat) {
     const Matrix all = expand_.transpose() * M_hat * expand_;
     for (Part& part : parts_)
         if (part.n > 0) part.factor.compute(all.block(part.first, part.first, part.n, part.n));
+}
+
+Eigen::VectorXd PartedBody::freedom(const Matrix& H) const {
+    const Matrix on_unknowns = H * expand_;
+    return (on_unknowns.cwiseProduct(on_unknowns) * Eigen::VectorXd::Ones(on_unknowns.cols())).cwiseSqrt();
 }
 
 PartedBody::Matrix PartedBody::delassus(const Matrix& H) const {

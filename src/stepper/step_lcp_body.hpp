@@ -22,6 +22,8 @@ public:
 
     /// [m/s] w if no point acted; x and y of every corner.
     const Eigen::VectorXd& free_rate() const { return free_rate_; }
+    /// Per jump: the part of its row that is not prescribed; 0: nothing that happens in the step changes this rate.
+    Eigen::VectorXd freedom(const Matrix& H) const;
     /// [1/kg] H M_hat^-1 H' on the components that are not prescribed; H [n, 2 n_corners] takes corners to jumps.
     Matrix delassus(const Matrix& H) const;
     /// [m/s] w under impulses [N s] on the corners, x and y each.

@@ -1,6 +1,7 @@
 #pragma once
 // An independent judge of one implicit step: it evaluates the equations of stepper/implicit_scheme.hpp, point by point and corner by
-// corner, and shares no code with what found the solution. Needs the impulses of all points, so no point may be unbreakable.
+// corner, and shares no code with what found the solution. Corners that unbreakable points join are judged together: nothing is known of
+// the impulses between them.
 #include "bulk/elastic_forces.hpp"
 #include "stepper/step_lcp.hpp"
 
@@ -30,7 +31,8 @@ public:
         set_scales(end);
         ImplicitVerdict found;
         found.balance = balance(end);
-        for (const FanPoint& point : model_.fan_points) judge(point, end, found);
+        for (const FanPoint& point : model_.fan_points)
+            if (!unbreakable(point)) judge(point, end, found);
         return found;
     }
 
@@ -45,12 +47,14 @@ private:
             mass = std::max(mass, model_.corner_mass[c]);
         }
         for (const FanPoint& point : model_.fan_points) {
+            if (unbreakable(point)) continue;
             impulse_ = std::max(impulse_, end.impulse[point.point].norm());
             if (cohesion_before(point) > 0) impulse_ = std::max(impulse_, h_ * point.area * model_.laws[point.law].sigma_c);
         }
         impulse_ = std::max(impulse_, mass * speed_);
     }
 
+    bool unbreakable(const FanPoint& point) const { return !point.cracked && !model_.laws[point.law].breakable(); }
     Vec2 velocity(Index corner) const { return corner == ground ? Vec2::Zero() : begin_.velocity[begin_.node_of_corner[corner]]; }
     Vec2 displacement(Index corner) const { return corner == ground ? Vec2::Zero() : begin_.displacement[begin_.node_of_corner[corner]]; }
     static Vec2 rate(const StepLcpEnd& end, Index corner) { return corner == ground ? Vec2::Zero() : end.rate[corner]; }
@@ -60,6 +64,14 @@ private:
     bool prescribed(Index corner, int k) const {
         return !model_.prescribed.empty() && model_.prescribed_of_corner[corner] >= 0 &&
                model_.prescribed[model_.prescribed_of_corner[corner]].component[k];
+    }
+
+    /// Both sides are, in the direction of the normal: no contact can stop that.
+    bool driven(const FanPoint& point) const {
+        for (int k = 0; k < 2; ++k)
+            for (const Index corner : {point.before, point.after})
+                if (std::abs(point.normal[k]) > 1e-12 && corner != ground && !prescribed(corner, k)) return false;
+        return true;
     }
 
     double balance(const StepLcpEnd& end) const {
@@ -76,23 +88,42 @@ private:
             missing[load.corner] += h_ * (theta * history(begin_.time + h_) + (1 - theta) * history(begin_.time)) * load.force;
         }
         for (const FanPoint& point : model_.fan_points) {
+            if (unbreakable(point)) continue;
             const Vec2 P = end.impulse[point.point].x() * point.normal + end.impulse[point.point].y() * turned_left(point.normal);
             if (point.after != ground) missing[point.after] += P;
             if (point.before != ground) missing[point.before] -= P;
         }
-        double worst = 0;
         for (Index c = 0; c < n; ++c) {
-            Vec2 momentum = model_.corner_mass[c] * (end.velocity[c] - velocity(c));
-            if (options_.mass == MassMatrix::consistent) {
-                momentum *= 0.5;
-                for (const int other : {1, 2}) {
-                    const Index d = c / 3 * 3 + (c + other) % 3;
-                    momentum += 0.25 * model_.corner_mass[c] * (end.velocity[d] - velocity(d));
-                }
-            }
-            for (int k = 0; k < 2; ++k)
-                if (!prescribed(c, k)) worst = std::max(worst, std::abs(momentum[k] - missing[c][k]) / impulse_);
+            const Vec2 change = end.velocity[c] - velocity(c);
+            if (options_.mass == MassMatrix::lumped) missing[c] -= model_.corner_mass[c] * change;
+            else
+                for (Index d = c / 3 * 3; d < c / 3 * 3 + 3; ++d) missing[d] -= (c == d ? 0.5 : 0.25) * model_.corner_mass[c] * change;
         }
+        return worst_sum(missing) / impulse_;
+    }
+
+    /// Of the corners that move together, where nothing is prescribed.
+    double worst_sum(const std::vector<Vec2>& of_corner) const {
+        const Index n = model_.mesh.n_corners();
+        std::vector<Index> group(n);
+        std::vector<std::array<bool, 2>> known(n);
+        for (Index c = 0; c < n; ++c) group[c] = c, known[c] = {prescribed(c, 0), prescribed(c, 1)};
+        for (const FanPoint& point : model_.fan_points) {
+            if (!unbreakable(point)) continue;
+            if (point.before == ground || point.after == ground) {
+                known[group[point.before == ground ? point.after : point.before]] = {true, true};
+                continue;
+            }
+            const Index from = group[point.before], to = group[point.after];
+            for (int k = 0; k < 2; ++k) known[to][k] = known[to][k] || known[from][k];
+            std::replace(group.begin(), group.end(), from, to);
+        }
+        std::vector<Vec2> sum(n, Vec2::Zero());
+        for (Index c = 0; c < n; ++c) sum[group[c]] += of_corner[c];
+        double worst = 0;
+        for (Index c = 0; c < n; ++c)
+            for (int k = 0; k < 2; ++k)
+                if (group[c] == c && !known[c][k]) worst = std::max(worst, std::abs(sum[c][k]));
         return worst;
     }
 
@@ -103,12 +134,12 @@ private:
         const Vec2 u = displacement(point.after) - displacement(point.before), V = velocity(point.after) - velocity(point.before),
                    w = rate(end, point.after) - rate(end, point.before);
         const double u_N = point.gap + n.dot(u), u_T = t.dot(u), w_N = n.dot(w), w_T = t.dot(w), p = end.contact[point.point];
-        const double scale = displacement(point.after).norm() + displacement(point.before).norm() + point.gap;
+        const double scale = displacement(point.after).norm() + displacement(point.before).norm() + point.gap + law.delta_c();
 
         // contact
         const double approach = std::max(-n.dot(V), 0.0);
-        const bool touches = u_N <= 1e-12 * scale;
-        if (!touches && law.restitution > 0) found.contact = std::max(found.contact, std::abs(p) / impulse_);
+        const bool touches = u_N <= 1e-11 * scale;
+        if ((!touches && law.restitution > 0) || driven(point)) found.contact = std::max(found.contact, std::abs(p) / impulse_);
         else {
             const double c = touches ? -(1 - theta * (1 + law.restitution)) * approach : std::min(-u_N / h_, -(1 - theta) * approach);
             found.contact = std::max(found.contact, std::abs(std::min(p / impulse_, (w_N - c) / speed_)));

@@ -1,0 +1,20 @@
+#pragma once
+// The contact bound of an implicit step (implicit_scheme.hpp):  w_N >= c.
+#include <algorithm>
+#include <optional>
+
+namespace knap {
+
+/// Openings are differences of displacements: what is this small beside them is rounding, and the sides touch. Without it a point with
+/// restitution that is held closed loses its contact in every step that leaves u_N = +1e-17, and its cohesion pulls the sides into each other.
+constexpr double touching_tolerance = 1e-11;
+
+/// [m/s] c, or nothing: the point cannot touch within the step. `length` [m]: what u_N is a difference of, displacements, gap and delta_c.
+inline std::optional<double> contact_bound(double u_N, double V_N, double length, double restitution, double h, double theta) {
+    const double approach = std::max(-V_N, 0.0);
+    if (u_N <= touching_tolerance * length) return -(1 - theta * (1 + restitution)) * approach;  // Newton's law against an approach
+    if (restitution > 0) return std::nullopt;                                                    // it must touch first
+    return std::min(-u_N / h, -(1 - theta) * approach);                                          // lands, or stops at the wall
+}
+
+}  // namespace knap
