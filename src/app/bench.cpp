@@ -1,6 +1,6 @@
 // knap bench: the edge-cracked block as fixed work. Prints triangle-steps per core-second, all interface work included, and ratios of one run.
 #include "app/commands.hpp"
-#include "app/setup.hpp"
+#include "app/step_plan.hpp"
 #include "app/threads.hpp"
 #include "base/stopwatch.hpp"
 #include "stepper/moreau_jean.hpp"
@@ -43,7 +43,7 @@ Measured measure(double size, double until, int threads) {
     const StepPlan plan = plan_steps(read.scenario, stepper.stable_step(), until);
     State now = initial_state(model), next = now;
     const Stopwatch watch;
-    for (std::int64_t i = 0; i < plan.n_steps; ++i) stepper.step(now, plan.step, next), std::swap(now, next);
+    for (std::int64_t i = 0; i < plan.n_steps; ++i) stepper.step(now, plan.limits.largest, next), std::swap(now, next);
     const double work = static_cast<double>(plan.n_steps) * model.mesh.n_triangles();
     const Measured measured{.per_core_second = work / watch.cpu(),
                             .wall = watch.wall(),

@@ -1,6 +1,7 @@
 // knap check: what people ask before they run.
 #include "app/commands.hpp"
 #include "app/setup.hpp"
+#include "app/step_plan.hpp"
 #include "base/stopwatch.hpp"
 #include "scenario/write_scenario.hpp"
 #include "stepper/moreau_jean.hpp"
@@ -33,17 +34,20 @@ void print_materials(const Scenario& scenario) {
                     m.elastic.shear_speed(), m.elastic.rayleigh_speed(scenario.plane));
 }
 
+/// `step`: [s] the one in which cohesion may fall.
 void print_resolution(const Scenario& scenario, double finest, double step) {
     std::printf("interfaces\n");
     for (const Resolution& r : judge_resolution(scenario, finest))
         std::printf("  %-12s law %s: process zone %.3g mm (at rest), %.1f edges; cohesive length %.3g mm\n", r.material.c_str(), r.law.c_str(),
                     1e3 * r.process_zone, r.n_edges, 1e3 * r.cohesive_length);
-    // Assumption 1 on a fully split mesh: h <= (0.43/theta) sqrt(l_coh/l) l/c; explicit beta does not need it, implicit does
+    const SchemeOptions& scheme = scenario.time.scheme;
     for (const Resolution& r : judge_resolution(scenario, finest)) {
-        const double c = scenario.materials.front().elastic.dilatational_speed(scenario.plane);
-        const double limit = 0.43 / scenario.time.scheme.theta * std::sqrt(r.cohesive_length / finest) * finest / c;
-        std::printf("  %-12s Assumption 1 margin %.1f (an implicit cohesion may take steps up to %.3g s; explicit beta has no such limit)\n",
-                    r.material.c_str(), limit / step, limit);
+        const double limit = assumption_1_step(r, finest, scheme.theta);
+        const char* what = scheme.cohesion == CohesionScheme::explicit_beta ? "of an implicit cohesion; explicit beta has no such limit"
+                           : limit >= step                                  ? "holds for every step"
+                           : scheme.respect_assumption_1                    ? "may not hold where cohesion falls: such steps are cut"
+                                                                            : "may not hold where cohesion falls: one of several solutions is taken";
+        std::printf("  %-12s Assumption 1 margin %.2f: surely holds up to h = %.3g s; %s\n", r.material.c_str(), limit / step, limit, what);
     }
 }
 
@@ -60,7 +64,16 @@ void print_parts(const Scenario& scenario, const Model& model) {
     std::printf("what this scene needs\n  cohesion %s, tangential cohesion %s, friction %s, impact %s, foundations %s, driven boundaries %s\n",
                 breakable ? "yes" : "no (elastic)", breakable && shear ? "yes" : "no", friction ? "yes" : "no",
                 restitution ? "with restitution" : "plastic", scenario.foundations.empty() ? "no" : "yes", model.prescribed.empty() ? "no" : "yes");
-    std::printf("  path: explicit lumped bulk, explicit beta; one exact problem per vertex that may open\n");
+    const SchemeOptions& scheme = scenario.time.scheme;
+    const bool implicit_bulk = scheme.bulk == BulkScheme::implicit_theta, implicit_beta = scheme.cohesion == CohesionScheme::implicit_beta;
+    std::printf("  path: ");
+    if (implicit_bulk)
+        std::printf("implicit bulk (theta %g, %s mass%s), ", scheme.theta, scheme.mass == MassMatrix::lumped ? "lumped" : "consistent",
+                    scenario.time.start_in_equilibrium ? ", from equilibrium" : "");
+    else
+        std::printf("explicit lumped bulk, ");
+    std::printf("%s; ", implicit_beta ? "implicit beta" : "explicit beta");
+    std::printf("%s\n", implicit_bulk ? "all interfaces together: active set over sparse factorisations" : "one exact problem per vertex that may open");
 }
 
 double measured_speed(const Model& model, MoreauJean& stepper, double step) {
@@ -77,8 +90,8 @@ double measured_speed(const Model& model, MoreauJean& stepper, double step) {
 ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool time) {
     const Scenario& scenario = read.scenario;
     const Model model = model_of(read);
-    MoreauJean stepper(model);
-    const StepPlan plan = plan_of(read, stepper.stable_step(), scenario.time.end);
+    const StepPlan plan = plan_of(read, model, scenario.time.end);
+    MoreauJean stepper(model, scenario.time.scheme);
     const double edge = mean_edge(model.mesh);
     const double finest = finest_edge(scenario, edge);
 
@@ -86,15 +99,18 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     std::printf("%s: %s\n", scenario.name.c_str(), scenario.title.c_str());
     print_mesh(judge(model.mesh));
     print_materials(scenario);
-    print_resolution(scenario, finest, plan.step);
+    print_resolution(scenario, finest, plan.limits.cracking);
     print_parts(scenario, model);
 
     const double work = static_cast<double>(plan.n_steps) * model.mesh.n_triangles();
-    const double speed = time ? measured_speed(model, stepper, plan.step) : usual_speed;
+    const double speed = time ? measured_speed(model, stepper, plan.limits.largest) : usual_speed;
     const double every = scenario.output.every > 0 ? scenario.output.every : scenario.time.end / 40;
     const double frames = scenario.output.fields ? std::ceil(scenario.time.end / every) + 1 : 0;
-    std::printf("run\n  stable step %.4g s, h = %.4g s, %lld steps, %.3g triangle-steps\n", plan.stable_step, plan.step,
-                static_cast<long long>(plan.n_steps), work);
+    std::printf("run\n  stable step %.4g s, h = %.4g s (%.3g CFL), %lld steps, %.3g triangle-steps\n", plan.stable_step, plan.limits.largest,
+                plan.limits.largest / plan.stable_step, static_cast<long long>(plan.n_steps), work);
+    if (plan.limits.cracking < plan.limits.largest)
+        std::printf("  from the first loss of cohesion on h = %.4g s (%.3g CFL): up to %.0f steps\n", plan.limits.cracking,
+                    plan.limits.cracking / plan.stable_step, std::ceil(scenario.time.end / plan.limits.cracking));
     std::printf("  about %.0f s of one core (at %.1e triangle-steps/s, %s), %.0f MB of memory, %.0f MB of disk for %.0f frames\n", work / speed,
                 speed, time ? "measured now" : "usual; --time measures", 60 + 1.8e-3 * model.mesh.n_triangles(),
                 frames * 85e-6 * model.mesh.n_triangles(), frames);

@@ -2,8 +2,11 @@
 
 #include "app/run_directory.hpp"
 #include "app/run_json.hpp"
+#include "app/run_text.hpp"
 #include "app/setup.hpp"
+#include "app/step_plan.hpp"
 #include "app/threads.hpp"
+#include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "observe/fragments.hpp"
 #include "observe/progress.hpp"
@@ -42,6 +45,7 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .frame_every = !scenario.output.fields ? 0 : scenario.output.every > 0 ? scenario.output.every : end / 40,
             .history_every = scenario.output.history_every > 0 ? scenario.output.history_every : end / 400,
             .rayleigh_speed = rayleigh_speed(scenario),
+            .mass = scenario.time.scheme.mass,
             .cracks = crack_options(edge, process_zone),
             .figures = scenario.figures,
             .probes = scenario.probes,
@@ -53,30 +57,6 @@ double largest_critical_opening(const Scenario& scenario) {
     for (const NamedLaw& law : scenario.laws)
         if (law.law.breakable()) largest = std::max(largest, law.law.delta_c());
     return largest;
-}
-
-template <class... Values>
-void add_line(std::string& text, const char* format, Values... values) {
-    char line[512];
-    std::snprintf(line, sizeof line, format, values...);
-    text += line;
-}
-
-/// What a run found, for people.
-std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory) {
-    std::string text;
-    add_line(text, "%s: %s at t = %.6g s after %lld steps of %.4g s; %d triangles, %d interfaces; %.1f s (%.1f s of processor time)\n",
-             record.name.c_str(), record.status.c_str(), record.time, static_cast<long long>(record.steps), record.step, record.triangles,
-             record.interfaces, record.wall, record.cpu);
-    if (!record.reason.empty()) text += "  reason: " + record.reason + "\n";
-    for (const auto& [name, value] : record.summary.values) add_line(text, "  %-24s %.6g\n", name.c_str(), value);
-    for (const Gate& gate : record.gates)
-        add_line(text, "  gate   %-20s %-12.4g limit %-12.4g %s\n", gate.name.c_str(), gate.value, gate.limit, gate.pass ? "ok" : "VIOLATED");
-    for (const ExpectResult& result : record.expect)
-        add_line(text, "  expect %-20s %-12.6g %-24s %s\n", result.name.c_str(), result.value, result.limit.c_str(), result.pass ? "ok" : "FAILED");
-    text += "run:     " + directory.string() + "\n";
-    for (const auto& figure : record.figures) text += "figure:  " + figure.string() + "\n";
-    return text;
 }
 
 /// The resolved scenario as it stands in a run directory, where a mesh that was read is `mesh.msh`.
@@ -94,6 +74,51 @@ ExitCode exit_code(const RunRecord& record) {
     return std::all_of(record.expect.begin(), record.expect.end(), [](const ExpectResult& e) { return e.pass; }) ? exit_done : exit_expectation;
 }
 
+/// The log of a run on the disk; every line is there at once.
+class RunLog {
+public:
+    explicit RunLog(std::filesystem::path path) : path_(std::move(path)), file_(path_) { add(""); }
+    void add(const std::string& text) {
+        file_ << text << std::flush;
+        if (!file_) throw SimulationError("cannot write " + path_.string());
+    }
+
+private:
+    std::filesystem::path path_;
+    std::ofstream file_;
+};
+
+/// The state at t = 0. A body that its interfaces cannot hold there has failed before it began.
+State start_of(const Model& model, const Scenario& scenario, MoreauJean& stepper, RunRecord& record) {
+    State start = initial_state(model);
+    if (!scenario.time.start_in_equilibrium) return start;
+    try {
+        throw SimulationError("the start in equilibrium is not available yet");
+    } catch (const SimulationError& error) {
+        record.status = "failed";
+        record.reason = error.what();
+        return start;
+    }
+}
+
+/// What came of a run.
+void conclude(const Scenario& scenario, const Model& model, const State& now, const Recorder& recorder, const StepControl& control, RunRecord& record) {
+    record.steps = now.n_steps;
+    record.time = now.time;
+    record.counts = recorder.ledger().worst();
+    record.counts.linear_solves += control.thrown_away().linear_solves;
+    record.counts.factorisations += control.thrown_away().factorisations;
+    record.smallest_step = control.smallest_taken();
+    record.largest_step = control.largest_taken();
+    record.n_cuts = control.n_cuts();
+    record.summary = summarise(model, now, recorder, record.rayleigh_speed);
+    record.gates = recorder.ledger().gates(largest_critical_opening(scenario), diagonal(model.mesh.vertices));
+    if (record.status == "done" && StepControl::has_reached(now, scenario.time.end))
+        record.expect = judge_expectations(scenario.expect, record.summary, record.rayleigh_speed);
+    record.figures = recorder.figures();
+    record.cpu_output = recorder.output_seconds();
+}
+
 }  // namespace
 
 Model model_of(const ReadResult& read) {
@@ -101,18 +126,6 @@ Model model_of(const ReadResult& read) {
         return build_model(read.scenario);
     } catch (const ShapeError& error) {
         throw UserError({locate(read, error)});
-    }
-}
-
-StepPlan plan_of(const ReadResult& read, double stable_step, double until) {
-    try {
-        return plan_steps(read.scenario, stable_step, until);
-    } catch (const UserError& error) {
-        Diagnostic placed = locate(read, "time.step");
-        placed.code = error.diagnostics.front().code;
-        placed.message = error.diagnostics.front().message;
-        placed.note = error.diagnostics.front().note;
-        throw UserError({placed});
     }
 }
 
@@ -143,12 +156,13 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
 
     // mesh and model; nothing is written before they are known to be possible
     const Model model = model_of(read);
-    MoreauJean stepper(model);
-    const StepPlan plan = plan_of(read, stepper.stable_step(), options.until);
+    const StepPlan plan = plan_of(read, model, options.until);
+    MoreauJean stepper(model, scenario.time.scheme);
     record.cpu_model = whole.cpu();
     record.triangles = model.mesh.n_triangles();
     record.interfaces = static_cast<Index>(model.interfaces.size());
-    record.step = plan.step;
+    record.step = plan.limits.largest;
+    record.scheme = scenario.time.scheme;
     record.mean_edge = mean_edge(model.mesh);
     record.rayleigh_speed = rayleigh_speed(scenario);
 
@@ -156,27 +170,36 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
     write_whole_file(directory / "scenario.toml", read.source.text());
     write_whole_file(directory / "resolved.toml", resolved_beside_mesh(read));
     if (scenario.given) write_whole_file(directory / "mesh.msh", scenario.given->bytes);
-    std::ostringstream log;
-    for (const Diagnostic& warning : resolution_warnings(read, record.mean_edge)) log << format(warning), record.warnings.push_back(warning.message);
-    for (const Diagnostic& warning : read.warnings) log << format(warning), record.warnings.push_back(warning.message);
-    if (!options.quiet) std::fputs(log.str().c_str(), stderr);
-    write_whole_file(directory / "log.txt", log.str());
+    std::ostringstream warnings;
+    for (const Diagnostic& warning : resolution_warnings(read, record.mean_edge)) warnings << format(warning), record.warnings.push_back(warning.message);
+    for (const Diagnostic& warning : read.warnings) warnings << format(warning), record.warnings.push_back(warning.message);
+    if (!options.quiet) std::fputs(warnings.str().c_str(), stderr);
+    RunLog log(directory / "log.txt");
+    log.add(warnings.str());
     write_whole_file(directory / "run.json", run_json(record));
 
     // the run
-    State now = initial_state(model), next = now;
+    State now = start_of(model, scenario, stepper, record), next = now;
     Recorder recorder(model, now, recorder_options(scenario, model, directory));
-    Progress progress(options.quiet ? nullptr : stderr, plan.step * static_cast<double>(plan.n_steps), record.triangles);
+    const double until = std::min(options.until, scenario.time.end);
+    Progress progress(options.quiet ? nullptr : stderr, until, record.triangles);
+    StepControl control(plan.limits);
     const InterruptGuard guard;
     const Stopwatch stepping;
-    record.status = "done";
     try {
-        while (now.n_steps < plan.n_steps) {
+        while (record.status == "running" && !StepControl::has_reached(now, until)) {
             if (interrupted) {
                 record.status = "interrupted";
                 break;
             }
-            const StepReport report = stepper.step(now, plan.step, next);
+            const double h = control.next(now);
+            const StepReport report = stepper.step(now, h, next);
+            if (const std::optional<StepCut> cut = control.judge(now, h, report)) {
+                const Vec2 where = report.refusal == Refusal::none ? place_of_damage(model, now, next) : report.where;
+                log.add(cut_text(*cut, where));
+                if (control.is_stuck()) throw SimulationError(stuck_text(*cut, where, plan.limits.smallest));
+                continue;
+            }
             std::swap(now, next);
             recorder.after_step(now, report);
             progress.after_step(now, recorder);
@@ -185,6 +208,7 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
         record.status = "failed";
         record.reason = error.what();
     }
+    if (record.status == "running") record.status = "done";
     record.cpu_steps = stepping.cpu() - recorder.output_seconds();
     progress.finish(now, recorder);
     recorder.finish(now);
@@ -192,21 +216,12 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
     // what came of it
     std::ofstream fragments(directory / "fragments.csv");
     write_fragments(fragments, find_fragments(model, now));
-    record.steps = now.n_steps;
-    record.time = now.time;
-    record.counts = recorder.ledger().worst();
-    record.summary = summarise(model, now, recorder, record.rayleigh_speed);
-    record.gates = recorder.ledger().gates(largest_critical_opening(scenario), diagonal(model.mesh.vertices));
-    if (record.status == "done" && now.time >= scenario.time.end * (1 - 1e-9))
-        record.expect = judge_expectations(scenario.expect, record.summary, record.rayleigh_speed);
-    record.figures = recorder.figures();
-    record.cpu_output = recorder.output_seconds();
+    conclude(scenario, model, now, recorder, control, record);
     record.wall = whole.wall();
     record.cpu = whole.cpu();
     write_whole_file(directory / "run.json", run_json(record));
     const std::string end = end_of_run(record, directory);
-    log << end;
-    write_whole_file(directory / "log.txt", log.str());
+    log.add(end);
     std::fputs(end.c_str(), stdout);
     return exit_code(record);
 }

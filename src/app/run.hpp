@@ -27,9 +27,6 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options);
 /// The mesh and model of a scenario; what geometry refuses becomes a UserError at the right line of the scenario.
 Model model_of(const ReadResult& read);
 
-/// plan_steps; a step that is too large is an error at its line of the scenario.
-StepPlan plan_of(const ReadResult& read, double stable_step, double until);
-
 /// Warnings about the resolution of the process zone.
 std::vector<Diagnostic> resolution_warnings(const ReadResult& read, double mean_edge);
 

@@ -21,6 +21,14 @@ std::string host() {
     return gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
+Json scheme(const SchemeOptions& options) {
+    return {{"bulk", options.bulk == BulkScheme::explicit_lumped ? "explicit" : "implicit"},
+            {"cohesion", options.cohesion == CohesionScheme::explicit_beta ? "explicit" : "implicit"},
+            {"theta", options.theta},
+            {"mass", options.mass == MassMatrix::lumped ? "lumped" : "consistent"},
+            {"assumption_1", options.respect_assumption_1 ? "respect" : "ignore"}};
+}
+
 }  // namespace
 
 std::int64_t peak_memory() {
@@ -51,6 +59,12 @@ std::string run_json(const RunRecord& record) {
     json["interfaces"] = record.interfaces;
     json["steps"] = record.steps;
     json["step_s"] = record.step;
+    json["smallest_step_s"] = record.smallest_step;
+    json["largest_step_s"] = record.largest_step;
+    for (const CutReason reason : cut_reasons) json["cuts"][std::string(name_of(reason))] = record.n_cuts[static_cast<std::size_t>(reason)];
+    json["scheme"] = scheme(record.scheme);
+    json["linear_solves"] = record.counts.linear_solves;
+    json["factorisations"] = record.counts.factorisations;
     json["time_s"] = record.time;
     json["mean_edge_m"] = record.mean_edge;
     json["rayleigh_speed_m_per_s"] = record.rayleigh_speed;

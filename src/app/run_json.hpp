@@ -3,6 +3,7 @@
 #include "app/expectations.hpp"
 #include "observe/energy_ledger.hpp"
 #include "observe/summary.hpp"
+#include "stepper/step_control.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -22,10 +23,13 @@ struct RunRecord {
     double cpu_model = 0, cpu_steps = 0, cpu_output = 0;  // [s] parts of it: mesh and model, steps, output
     Index triangles = 0, interfaces = 0;
     std::int64_t steps = 0;
-    double step = 0, time = 0;       // [s] h, and the time reached
+    double step = 0, time = 0;       // [s] h as planned, and the time reached
+    double smallest_step = 0, largest_step = 0;                 // [s] that were taken
+    std::array<std::int64_t, cut_reasons.size()> n_cuts{};      // steps that were not, in the order of cut_reasons
+    SchemeOptions scheme;
     double mean_edge = 0;            // [m]
     double rayleigh_speed = 0;       // [m/s]
-    StepReport counts;               // of the local problems
+    StepReport counts;               // of the local problems and the linear solves
     Summary summary;
     std::vector<Gate> gates;
     std::vector<ExpectResult> expect;

@@ -23,20 +23,6 @@ Model build_model(const Scenario& scenario) {
     return make_model(std::move(input));
 }
 
-StepPlan plan_steps(const Scenario& scenario, double stable_step, double until) {
-    const TimeOptions& time = scenario.time;
-    const double end = std::min(time.end, until);
-    if (time.step > stable_step) {
-        char text[160];
-        std::snprintf(text, sizeof text, "time.step = %.3g s is beyond the stable step of the explicit bulk, %.3g s", time.step, stable_step);
-        throw UserError("unstable-step", text, "use step = \"auto\", a smaller step, or a coarser mesh");
-    }
-    const double wanted = time.step > 0 ? time.step : time.safety * stable_step;
-    const std::int64_t n = std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(time.end / wanted * (1 - 1e-12))));
-    const double step = time.end / static_cast<double>(n);  // the same step whatever `until` is: a shorter run is the begin of the longer one
-    return {step, std::min(n, static_cast<std::int64_t>(std::ceil(end / step * (1 - 1e-12)))), stable_step};
-}
-
 std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_edge) {
     std::vector<Resolution> found;
     for (std::size_t a = 0; a < scenario.materials.size(); ++a)
@@ -48,9 +34,14 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_e
             const double length = modulus * law.law.G_c / (law.law.sigma_c * law.law.sigma_c);
             const double zone = 9 * std::numbers::pi / 32 * length;
             const std::string material = a == b ? scenario.materials[a].name : scenario.materials[a].name + "-" + scenario.materials[b].name;
-            found.push_back({material, law.name, length, zone, zone / mean_edge});
+            found.push_back({material, law.name, length, zone, zone / mean_edge,
+                             std::max(one.dilatational_speed(scenario.plane), other.dilatational_speed(scenario.plane))});
         }
     return found;
+}
+
+double assumption_1_step(const Resolution& resolution, double edge, double theta) {
+    return 0.43 / theta * std::sqrt(resolution.cohesive_length / edge) * edge / resolution.wave_speed;
 }
 
 double mean_edge(const Mesh& mesh) {

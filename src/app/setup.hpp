@@ -9,24 +9,20 @@ namespace knap {
 /// Throws ShapeError for a shape that cannot be meshed, UserError for selections that select nothing.
 Model build_model(const Scenario& scenario);
 
-/// Step [s] and number of steps that the scenario's [time] means for a model with this stable step.
-struct StepPlan {
-    double step;           // [s] h
-    std::int64_t n_steps;
-    double stable_step;    // [s] of the worst free triangle
-};
-/// Throws UserError when the scenario asks for a step beyond the stable one.
-StepPlan plan_steps(const Scenario& scenario, double stable_step, double until);
-
 /// How well a mesh resolves the fracture of one law in one material.
 struct Resolution {
     std::string material, law;
     double cohesive_length;  // [m] E' G_c/sigma_c^2
     double process_zone;     // [m] 9 pi/32 of it: a crack at rest (J. R. Rice 1968); shrinks as the crack gets faster
     double n_edges;          // mean edges along it
+    double wave_speed;       // [m/s] dilatational, of the faster material
 };
 /// `mean_edge` [m]: of the part of the mesh that matters (the smallest wanted size).
 std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_edge);
+
+/// Steps [s] of an implicit cohesion for which Assumption 1 surely holds on a mesh of edges `edge` [m] that can break everywhere
+/// (formulation: step size): h <= (0.43/theta) sqrt(l_coh/l) l/c. Larger ones may do too.
+double assumption_1_step(const Resolution& resolution, double edge, double theta);
 
 /// Mean length [m] of the interior edges.
 double mean_edge(const Mesh& mesh);

@@ -61,18 +61,23 @@ void add_curve(Chart& chart, const std::string& label, const Column& x, const Co
 Chart energy_chart(const History& energy) {
     const Column time = energy.column("time"), kinetic = column_or_zero(energy, "kinetic"), strain = column_or_zero(energy, "strain"),
                  surface = column_or_zero(energy, "surface"), friction = negated(column_or_zero(energy, "friction_work")),
-                 impact = negated(column_or_zero(energy, "impact_work")), external = column_or_zero(energy, "external_work");
+                 impact = negated(column_or_zero(energy, "impact_work")), damped = column_or_zero(energy, "scheme_dissipation");
+    // a body that moves or is loaded at the start has energy before any work is done
+    const double start = time.empty() ? 0 : kinetic.front() + strain.front();
+    Column given = column_or_zero(energy, "external_work");
+    for (double& work : given) work += start;
     Chart chart{.title = "Energy", .x_quantity = "time", .x_unit = "s", .y_quantity = "energy", .y_unit = "J"};
     // the sum lies broad and pale below the dashed work of the loads: one look tells whether the balance closes
-    chart.curves.push_back({"sum of all", time, sum({kinetic, strain, surface, friction, impact}), light_grey, 4});
-    chart.curves.push_back({"external work", time, external, black, 1.4, true});
+    chart.curves.push_back({"sum of all", time, sum({kinetic, strain, surface, friction, impact, damped}), light_grey, 4});
+    chart.curves.push_back({start > 0 ? "start + external work" : "external work", time, given, black, 1.4, true});
     chart.curves.push_back({"kinetic", time, kinetic, blue});
     chart.curves.push_back({"strain", time, strain, orange});
     chart.curves.push_back({"surface", time, surface, vermilion});
     // what would lie on the axis is left out
-    const double visible = 1e-3 * largest(external);
+    const double visible = 1e-3 * largest(given);
     if (largest(friction) > visible) chart.curves.push_back({"lost in friction", time, friction, purple});
     if (largest(impact) > visible) chart.curves.push_back({"lost in impact", time, impact, sky});
+    if (largest(damped) > visible) chart.curves.push_back({"damped by the scheme", time, damped, green});
     return chart;
 }
 

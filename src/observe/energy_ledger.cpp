@@ -21,11 +21,25 @@ double strain_energy(const Model& model, const State& state) {
     return energy;
 }
 
+/// 1/2 v' M v [J]; a triangle of mass m has the consistent mass m/12 (1 + delta_ij).
+double kinetic_energy(const Model& model, const State& state, MassMatrix mass) {
+    const auto velocity = [&](Index corner) -> const Vec2& { return state.velocity[state.node_of_corner[corner]]; };
+    double energy = 0;
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
+        if (mass == MassMatrix::lumped) {
+            energy += 0.5 * model.corner_mass[c] * velocity(c).squaredNorm();
+        } else {
+            const Index first = c - c % 3;
+            energy += 0.125 * model.corner_mass[c] * velocity(c).dot(velocity(c) + velocity(first) + velocity(first + 1) + velocity(first + 2));
+        }
+    }
+    return energy;
+}
+
 }  // namespace
 
-EnergyLedger::EnergyLedger(const Model& model, const State& start) {
-    for (Index c = 0; c < model.mesh.n_corners(); ++c)
-        row_.kinetic += 0.5 * model.corner_mass[c] * start.velocity[start.node_of_corner[c]].squaredNorm();
+EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix mass) {
+    row_.kinetic = kinetic_energy(model, start, mass);
     row_.strain = strain_energy(model, start);
     row_.time = start.time;
     start_energy_ = largest_energy_ = row_.kinetic + row_.strain;

@@ -6,8 +6,10 @@
 //     crossing loss: a slip that crosses zero is caught by the implicit sign of the tangential cohesion, which takes a little of its
 //     kinetic energy; high-frequency slips die by it
 //
-// Kinetic and strain energy are those of the leapfrog: 1/2 v' M v at the middle of the step, 1/2 u_n' K u_{n+1}.
+// Kinetic and strain energy of the explicit bulk are those of the leapfrog: 1/2 v' M v at the middle of the step, 1/2 u_n' K u_{n+1}; those
+// of the implicit bulk are at the end of the step. The books begin with the energy of the start, be it of motion or of a preload, and with no work.
 #include "model/state.hpp"
+#include "stepper/scheme_options.hpp"
 #include "stepper/step_report.hpp"
 
 #include <string>
@@ -35,7 +37,8 @@ struct Gate {
 
 class EnergyLedger {
 public:
-    EnergyLedger(const Model& model, const State& start);
+    /// `mass`: the one whose kinetic energy the reports have.
+    EnergyLedger(const Model& model, const State& start, MassMatrix mass = MassMatrix::lumped);
 
     void add(const State& end, const StepReport& report);
 

@@ -13,9 +13,9 @@ namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
-std::vector<double> energy_line(const EnergyRow& row) {
-    return {row.time,          row.kinetic,     row.strain,   row.surface,  row.external_work, row.cohesive_work,
-            row.friction_work, row.impact_work, row.residual, row.law_lag, row.crossing_loss};
+std::vector<double> energy_line(const EnergyRow& row, double step) {
+    return {row.time,        row.kinetic,  row.strain,  row.surface,       row.external_work,      row.cohesive_work,    row.friction_work,
+            row.impact_work, row.residual, row.law_lag, row.crossing_loss, row.scheme_dissipation, row.step_change_work, step};
 }
 
 std::vector<double> crack_line(double time, const CrackHistory& history, double rayleigh_speed) {
@@ -53,8 +53,8 @@ void add_line(const std::vector<double>& row, History& history, std::ofstream& f
 }  // namespace
 
 std::vector<std::string> energy_columns() {
-    return {"time",          "kinetic",       "strain",      "surface",  "external_work",
-            "cohesive_work", "friction_work", "impact_work", "residual", "law_lag",  "crossing_loss"};
+    return {"time",        "kinetic",  "strain",  "surface",       "external_work",      "cohesive_work",    "friction_work",
+            "impact_work", "residual", "law_lag", "crossing_loss", "scheme_dissipation", "step_change_work", "step"};
 }
 
 std::vector<std::string> crack_columns() {
@@ -65,7 +65,7 @@ std::vector<std::string> crack_columns() {
 Recorder::Recorder(const Model& model, const State& start, RecorderOptions options)
     : model_(model),
       options_(std::move(options)),
-      ledger_(model, start),
+      ledger_(model, start, options_.mass),
       cracks_(interface_graph(model), options_.cracks),
       reactions_(model),
       probes_(model, options_.probes) {
@@ -114,7 +114,7 @@ void Recorder::finish(const State& now) {
 void Recorder::write_lines(const State& now) {
     last_line_ = now.time;
     cracks_.snapshot(now.time, interface_status(model_, now));
-    add_line(energy_line(ledger_.row()), histories_.energy, energy_file_, options_.directory / "energy.csv");
+    add_line(energy_line(ledger_.row(), now.last_step), histories_.energy, energy_file_, options_.directory / "energy.csv");
     add_line(crack_line(now.time, cracks_, options_.rayleigh_speed), histories_.cracks, crack_file_, options_.directory / "cracks.csv");
     if (!reactions_.empty()) add_line(reactions_.line(now), histories_.reactions, reaction_file_, options_.directory / "reactions.csv");
     if (!probes_.empty()) add_line(probes_.line(now), histories_.probes, probe_file_, options_.directory / "probes.csv");

@@ -21,6 +21,7 @@ struct RecorderOptions {
     double frame_every = 0;           // [s] 0 = no fields
     double history_every = 0;         // [s]
     double rayleigh_speed = 0;        // [m/s]
+    MassMatrix mass = MassMatrix::lumped;
     CrackOptions cracks;
     std::vector<FigureOptions> figures;
     std::vector<ProbeOptions> probes;

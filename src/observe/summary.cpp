@@ -60,6 +60,7 @@ Summary summarise(const Model& model, const State& end, const Recorder& recorder
         {"dissipated", energy.surface},
         {"friction_work", energy.friction_work},
         {"impact_work", energy.impact_work},
+        {"scheme_dissipation", energy.scheme_dissipation},
         {"kinetic_energy", energy.kinetic},
         {"strain_energy", energy.strain},
         {"momentum_x", momentum.x()},

@@ -10,8 +10,29 @@
 namespace knap {
 namespace {
 
-void not_available(const Assembly& assembly, const std::string& path) {
-    assembly.findings.error("not-available", "`" + path + "` = \"implicit\" is not available yet", assembly.at(path)).note = "use \"explicit\"";
+StepLength step_length(const Values& values, const std::string& path) {
+    const std::optional<double> value = values.number(path);  // "auto" is none
+    if (!value) return {};
+    return {.value = *value, .of_stable_step = values.find(path)->node.unit == "CFL"};
+}
+
+void needs_implicit_bulk(const Assembly& assembly, const std::string& path, const std::string& what) {
+    assembly.findings.error("exclusive-keys", "`" + path + "`: " + what + " needs the implicit bulk", assembly.at(path)).note =
+        "add bulk = \"implicit\" to [time]";
+}
+
+/// Beyond theta = 1/(1 + e) the impact law of the theta scheme gains energy.
+void check_theta(const Assembly& assembly) {
+    const double theta = assembly.scenario.time.scheme.theta;
+    for (const NamedLaw& named : assembly.scenario.laws) {
+        const double e = named.law.restitution;
+        if (theta * (1 + e) <= 1 + 1e-12) continue;
+        assembly.findings.error("out-of-range",
+                                "`time.theta` = " + shortest(theta) + " is beyond 1/(1 + restitution) = " + shortest(1 / (1 + e)) + " of the law `" + named.name +
+                                    "`: its impacts would gain energy",
+                                assembly.at("time.theta"))
+            .note = "a smaller theta (0.5 is always good), or a smaller restitution";
+    }
 }
 
 void check_file_name(const Assembly& assembly, const std::string& path, const std::string& file, std::set<std::string>& seen) {
@@ -81,11 +102,23 @@ void assemble_time(Assembly& assembly) {
     const Values& values = assembly.values;
     TimeOptions& time = assembly.scenario.time;
     time.end = values.number("time.end").value_or(0);
-    time.step = values.number("time.step").value_or(0);  // "auto": 0
+    time.step = step_length(values, "time.step");
+    time.step_cracking = step_length(values, "time.step_cracking");
+    time.step_min = step_length(values, "time.step_min");
     time.safety = values.number("time.safety").value_or(time.safety);
-    time.scheme.theta = values.number("time.theta").value_or(time.scheme.theta);
-    if (values.text("time.bulk") == "implicit") not_available(assembly, "time.bulk");
-    if (values.text("time.cohesion") == "implicit") not_available(assembly, "time.cohesion");
+    time.start_in_equilibrium = values.text("time.start") == "equilibrium";
+    SchemeOptions& scheme = time.scheme;
+    const bool implicit_bulk = values.text("time.bulk") == "implicit", implicit_cohesion = values.text("time.cohesion") == "implicit";
+    if (implicit_bulk) scheme.bulk = BulkScheme::implicit_theta;
+    if (implicit_cohesion) scheme.cohesion = CohesionScheme::implicit_beta;
+    if (values.text("time.mass") == "consistent") scheme.mass = MassMatrix::consistent;
+    scheme.theta = values.number("time.theta").value_or(scheme.theta);
+    scheme.respect_assumption_1 = values.text("time.assumption_1") != "ignore";
+    if (implicit_bulk || implicit_cohesion) check_theta(assembly);
+    if (!values.has("time.bulk") || implicit_bulk) return;
+    if (scheme.mass == MassMatrix::consistent) needs_implicit_bulk(assembly, "time.mass", "the consistent mass");
+    if (time.start_in_equilibrium) needs_implicit_bulk(assembly, "time.start", "the start in equilibrium");
+    if (time.step_cracking.value > 0) needs_implicit_bulk(assembly, "time.step_cracking", "a step of its own while the crack runs");
 }
 
 void assemble_output(Assembly& assembly) {

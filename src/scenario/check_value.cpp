@@ -185,6 +185,8 @@ private:
             value.unit = "%";
         } else if (quantity.unit == "cR" && unit == "m/s" && key.path.starts_with("expect.")) {
             value.unit = "cR";
+        } else if (quantity.unit == "CFL" && key.path.starts_with("time.step")) {
+            value.unit = "CFL";
         } else if (quantity.dimension != dimension_of(unit)) {
             const std::string what = quantity.unit.empty() ? "has no unit" : "is " + kind_name(quantity.dimension);
             findings_.error("wrong-unit", "`" + path + "` must be " + wanted + ", and " + quoted(node.text) + " " + what, node);

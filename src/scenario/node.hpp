@@ -23,7 +23,7 @@ struct Node {
     double number = 0;            // types number and integer
     std::int64_t integer = 0;     // type integer
     bool boolean = false;         // type boolean
-    std::string unit;             // after resolving: "cR" or "%" when the number is not in SI
+    std::string unit;             // after resolving: "cR", "CFL" or "%" when the number is not in SI
     std::string set_by;           // "--set KEY=VALUE" when it came from there
     std::vector<Node> children;   // of an array, or of a table in the order of the file
 

@@ -29,11 +29,22 @@ struct NamedLaw {
     CohesiveLaw law;
 };
 
+/// A step as a scenario gives it.
+struct StepLength {
+    double value = 0;              // [s], or a multiple; 0 = not given
+    bool of_stable_step = false;   // a multiple of the stable step of the explicit bulk ("20 CFL")
+    double seconds(double stable_step) const { return of_stable_step ? value * stable_step : value; }
+    bool operator==(const StepLength&) const = default;
+};
+
 struct TimeOptions {
-    double end = 0;                                            // [s]
+    double end = 0;                   // [s]
     SchemeOptions scheme;
-    double step = 0;                                           // [s] 0 = auto
-    double safety = 0.8;                                       // [-] fraction of the stable step that "auto" takes
+    StepLength step;                  // 0 = auto
+    StepLength step_cracking;         // from the first loss of cohesion on; 0 = step
+    StepLength step_min;              // 0 = 2^-20 of the step
+    double safety = 0.8;              // [-] fraction of the stable step that "auto" takes
+    bool start_in_equilibrium = false;
 };
 
 struct OutputOptions {

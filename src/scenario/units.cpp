@@ -39,6 +39,7 @@ constexpr std::array units{
     Unit{"rad", angle, 0, 180 / std::numbers::pi, false},
     Unit{"%", {}, -2, 1, false},
     Unit{"cR", {.rayleigh = 1}, 0, 1, false},
+    Unit{"CFL", {.courant = 1}, 0, 1, false},
 };
 
 struct Prefix {
@@ -70,6 +71,7 @@ constexpr std::array kinds{
     Names{{.length = -3, .mass = 1}, "a density"},
     Names{power, "a power"},
     Names{{.rayleigh = 1}, "a multiple of the Rayleigh speed"},
+    Names{{.courant = 1}, "a multiple of the stable step"},
 };
 
 /// A unit expression such as kg/m3: what it is and what one of it is in SI.
@@ -97,6 +99,7 @@ void multiply(Scale& scale, const Scale& by, int exponent) {
     scale.dimension.time += exponent * by.dimension.time;
     scale.dimension.angle += exponent * by.dimension.angle;
     scale.dimension.rayleigh += exponent * by.dimension.rayleigh;
+    scale.dimension.courant += exponent * by.dimension.courant;
     scale.power_of_ten += exponent * by.power_of_ten;
     scale.factor *= std::pow(by.factor, exponent);
 }
@@ -229,6 +232,7 @@ std::string kind_name(const Dimension& dimension) {
     append("s", dimension.time);
     append("deg", dimension.angle);
     append("cR", dimension.rayleigh);
+    append("CFL", dimension.courant);
     return name;
 }
 

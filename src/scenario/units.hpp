@@ -5,14 +5,15 @@
 
 namespace knap {
 
-/// Powers of the base units. `rayleigh` counts the problem's own unit cR, the Rayleigh wave speed.
+/// Powers of the base units. `rayleigh` counts the problem's own unit cR, the Rayleigh wave speed; `courant` its CFL, the stable step of
+/// the explicit bulk.
 struct Dimension {
-    int length = 0, mass = 0, time = 0, angle = 0, rayleigh = 0;
+    int length = 0, mass = 0, time = 0, angle = 0, rayleigh = 0, courant = 0;
     bool operator==(const Dimension&) const = default;
 };
 
 struct Quantity {
-    double value = 0;  // in SI (degrees, multiples of cR)
+    double value = 0;  // in SI (degrees, multiples of cR or CFL)
     Dimension dimension;
     std::string unit;     // as it was written
     std::string problem;  // what is wrong with the text; empty = nothing

@@ -90,6 +90,13 @@ void check_same(const Scenario& a, const Scenario& b) {
         CHECK((same(a.initial_velocities[i].on, b.initial_velocities[i].on) && a.initial_velocities[i].value == b.initial_velocities[i].value));
     CHECK(a.time.end == b.time.end);
     CHECK(a.time.step == b.time.step);
+    CHECK(a.time.step_cracking == b.time.step_cracking);
+    CHECK(a.time.step_min == b.time.step_min);
+    CHECK(a.time.start_in_equilibrium == b.time.start_in_equilibrium);
+    CHECK(a.time.scheme.bulk == b.time.scheme.bulk);
+    CHECK(a.time.scheme.cohesion == b.time.scheme.cohesion);
+    CHECK(a.time.scheme.theta == b.time.scheme.theta);
+    CHECK(a.time.scheme.mass == b.time.scheme.mass);
     CHECK(a.time.safety == b.time.safety);
     CHECK(a.output.every == b.output.every);
     CHECK(a.output.history_every == b.output.history_every);

@@ -142,7 +142,16 @@ const std::string mesh_file = samples::changed("[domain]\nshape = \"rectangle\"\
                                                "[mesh]\nfile = \"" KNAP_SOURCE_DIR "/tests/geometry/data/block_41_ascii.msh\"\n"
                                                "unit = \"1 mm\"\ncracks = [\"crack\"]\n[material.steel]\ndensity = 8000\nE = 190e9\nnu = 0.3\n");
 
-const std::string implicit = samples::least + "bulk = \"explicit\"\ncohesion = \"explicit\"\n";
+const std::string implicit = samples::least + R"(bulk = "implicit"
+cohesion = "implicit"
+step = "20 CFL"
+step_cracking = "0.1 us"
+step_min = "1e-3 CFL"
+theta = 0.6
+mass = "consistent"
+start = "equilibrium"
+assumption_1 = "ignore"
+)";
 
 struct Case {
     const std::string& text;
@@ -204,8 +213,14 @@ const Case cases[] = {
     {rectangle, "initial[0].velocity", "[1, 2]"},
     {rectangle, "initial[0].box", "[0, 0, 1, 1]"},
     {rectangle, "time.end", "8e-05"},
-    {implicit, "time.bulk", "\"explicit\""},
-    {implicit, "time.cohesion", "\"explicit\""},
+    {implicit, "time.bulk", "\"implicit\""},
+    {implicit, "time.cohesion", "\"implicit\""},
+    {implicit, "time.step", "\"20 CFL\""},
+    {implicit, "time.step_cracking", "1e-07"},
+    {implicit, "time.step_min", "\"0.001 CFL\""},
+    {implicit, "time.mass", "\"consistent\""},
+    {implicit, "time.start", "\"equilibrium\""},
+    {implicit, "time.assumption_1", "\"ignore\""},
     {rectangle, "time.step", "1e-09"},
     {rectangle, "time.safety", "0.5"},
     {rectangle, "time.theta", "0.75"},
@@ -320,7 +335,8 @@ TEST_CASE("scenario: the structs hold what the file says") {
     CHECK(s.loads[3].on.boundary.empty());
     CHECK(s.loads[4].kind == Load::Kind::acceleration);
     CHECK(s.initial_velocities.at(0).value == Vec2(1, 2));
-    CHECK(s.time.step == 1e-9);
+    CHECK(s.time.step == StepLength{1e-9});
+    CHECK(s.time.scheme.bulk == BulkScheme::explicit_lumped);
     CHECK_FALSE(s.output.fields);
     CHECK(s.figures.at(1).at == std::vector<double>{20e-6, 40e-6});
     CHECK(s.figures.at(0).range == std::vector<double>{0, 1});
@@ -332,6 +348,20 @@ TEST_CASE("scenario: the structs hold what the file says") {
     CHECK(s.expect[3].value == 0.012);
 }
 
+TEST_CASE("scenario: the structs hold the implicit path") {
+    const TimeOptions time = samples::read(implicit).scenario.time;
+    CHECK(time.scheme.bulk == BulkScheme::implicit_theta);
+    CHECK(time.scheme.cohesion == CohesionScheme::implicit_beta);
+    CHECK(time.scheme.theta == 0.6);
+    CHECK(time.scheme.mass == MassMatrix::consistent);
+    CHECK_FALSE(time.scheme.respect_assumption_1);
+    CHECK(time.start_in_equilibrium);
+    CHECK(time.step == StepLength{20, true});
+    CHECK(time.step.seconds(2e-9) == tests::relative(40e-9, 1e-15));
+    CHECK(time.step_cracking == StepLength{1e-7});
+    CHECK(time.step_min.seconds(2e-9) == tests::relative(2e-12, 1e-15));
+}
+
 TEST_CASE("scenario: defaults") {
     const Scenario s = samples::read(samples::least).scenario;
     CHECK(s.name == "sample");
@@ -340,7 +370,11 @@ TEST_CASE("scenario: defaults") {
     CHECK(s.thickness == 1);
     CHECK(s.mesh.min_angle == 20);
     CHECK(s.mesh.grading == 0.3);
-    CHECK(s.time.step == 0);
+    CHECK(s.time.step == StepLength{});
+    CHECK(s.time.step_cracking == StepLength{});
+    CHECK_FALSE(s.time.start_in_equilibrium);
+    CHECK(s.time.scheme.respect_assumption_1);
+    CHECK(s.time.scheme.mass == MassMatrix::lumped);
     CHECK(s.time.safety == 0.8);
     CHECK(s.output.every == 80e-6 / 40);
     CHECK(s.output.history_every == 80e-6 / 400);

@@ -52,6 +52,7 @@ const Case cases[] = {
     {"12 mJ", 12e-3, "an energy"},
     {"45 deg", 45, "an angle"},
     {"0.65 cR", 0.65, "a multiple of the Rayleigh speed"},
+    {"20 CFL", 20, "a multiple of the stable step"},
     {"2 %", 0.02, "a plain number"},
     {"0.2", 0.2, "a plain number"},
     {"50 1/s", 0, nullptr},

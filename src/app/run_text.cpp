@@ -1,0 +1,80 @@
+#include "app/run_text.hpp"
+
+#include <cstdio>
+
+namespace knap {
+namespace {
+
+template <class... Values>
+void add_line(std::string& text, const char* format, Values... values) {
+    char line[512];
+    std::snprintf(line, sizeof line, format, values...);
+    text += line;
+}
+
+/// What another try could change.
+const char* advice(CutReason reason) {
+    if (reason == CutReason::assumption_1)
+        return "a smaller time.step_min; or time.assumption_1 = \"ignore\" to go on with one of the solutions; or cohesion = \"explicit\"";
+    if (reason == CutReason::not_converged)
+        return "a theta above 1/2, a smaller time.step_min, less friction where it wedges the body, or cohesion = \"explicit\"";
+    return "a smaller time.step_min";
+}
+
+/// "steps of 1e-06 s", or from the smallest to the largest.
+std::string steps_text(const RunRecord& record) {
+    std::string text;
+    if (record.largest_step > record.smallest_step * (1 + 1e-6))
+        add_line(text, "%lld steps of %.4g to %.4g s", static_cast<long long>(record.steps), record.smallest_step, record.largest_step);
+    else
+        add_line(text, "%lld steps of %.4g s", static_cast<long long>(record.steps), record.step);
+    return text;
+}
+
+/// What the implicit path did; nothing for the explicit one.
+std::string solver_text(const RunRecord& record) {
+    std::string text;
+    if (record.counts.linear_solves > 0 && record.steps > 0) {
+        const auto n = static_cast<double>(record.steps);
+        add_line(text, "  solver  %.2f linear solves and %.2f factorisations a step\n", static_cast<double>(record.counts.linear_solves) / n,
+                 static_cast<double>(record.counts.factorisations) / n);
+    }
+    for (const CutReason reason : cut_reasons)
+        if (const std::int64_t n = record.n_cuts[static_cast<std::size_t>(reason)]; n > 0)
+            add_line(text, "  cuts    %lld: %s\n", static_cast<long long>(n), std::string(describe(reason)).c_str());
+    return text;
+}
+
+}  // namespace
+
+std::string cut_text(const StepCut& cut, const Vec2& where) {
+    std::string text;
+    add_line(text, "cut: t = %.9g s, step %.4g s -> %.4g s at (%.6g, %.6g) m: %s\n", cut.time, cut.from, cut.to, where.x(), where.y(),
+             std::string(describe(cut.reason)).c_str());
+    return text;
+}
+
+std::string stuck_text(const StepCut& cut, const Vec2& where, double smallest) {
+    std::string text;
+    add_line(text, "the run cannot go on from t = %.9g s at (x, y) = (%.6g, %.6g) m: %s, even in a step of %.4g s; the smallest step allowed is %.4g s. Try %s",
+             cut.time, where.x(), where.y(), std::string(describe(cut.reason)).c_str(), cut.from, smallest, advice(cut.reason));
+    return text;
+}
+
+std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory) {
+    std::string text;
+    add_line(text, "%s: %s at t = %.6g s after %s; %d triangles, %d interfaces; %.1f s (%.1f s of processor time)\n",
+             record.name.c_str(), record.status.c_str(), record.time, steps_text(record).c_str(), record.triangles, record.interfaces, record.wall, record.cpu);
+    if (!record.reason.empty()) text += "  reason: " + record.reason + "\n";
+    text += solver_text(record);
+    for (const auto& [name, value] : record.summary.values) add_line(text, "  %-24s %.6g\n", name.c_str(), value);
+    for (const Gate& gate : record.gates)
+        add_line(text, "  gate   %-20s %-12.4g limit %-12.4g %s\n", gate.name.c_str(), gate.value, gate.limit, gate.pass ? "ok" : "VIOLATED");
+    for (const ExpectResult& result : record.expect)
+        add_line(text, "  expect %-20s %-12.6g %-24s %s\n", result.name.c_str(), result.value, result.limit.c_str(), result.pass ? "ok" : "FAILED");
+    text += "run:     " + directory.string() + "\n";
+    for (const auto& figure : record.figures) text += "figure:  " + figure.string() + "\n";
+    return text;
+}
+
+}  // namespace knap

@@ -1,0 +1,20 @@
+#pragma once
+// What a run says to people: in log.txt, on the screen at its end, and as the reason of a failure.
+#include "app/run_json.hpp"
+#include "stepper/step_control.hpp"
+
+#include <filesystem>
+#include <string>
+
+namespace knap {
+
+/// A line of the log.
+std::string cut_text(const StepCut& cut, const Vec2& where);
+
+/// Why a run cannot go on after a step that asks for a smaller one than allowed: what, where, when, and what to change.
+std::string stuck_text(const StepCut& cut, const Vec2& where, double smallest);
+
+/// What a run found.
+std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory);
+
+}  // namespace knap
