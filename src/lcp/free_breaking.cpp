@@ -65,8 +65,13 @@ FreeBreaking free_breaking(const LcpProblem& problem, const Eigen::VectorXd& z, 
     }
     found.n_loose = static_cast<int>(loose.size());
     const Eigen::VectorXd bond = scaled.problem.M * lowered + scaled.problem.q;
-    for (const int i : loose)
-        if (bond[layout.first_beta() + i] < -tolerance) ++found.n_free;
+    for (const int i : loose) {
+        const double lack = -bond[layout.first_beta() + i];
+        if (lack <= 0) continue;
+        // where there was no bond before either, its multiplier takes what chi gives back
+        if (scaled.problem.q[i] <= tolerance) lowered[i] += lack / scaled.problem.M.coeff(layout.first_beta() + i, i);
+        else if (lack > tolerance) ++found.n_free;
+    }
     found.tightened = loose.empty() ? z : scaled.original_z(lowered);
     return found;
 }

@@ -26,7 +26,8 @@ struct FreeBreaking {
     double largest_excess = 0;   // of chi over |u_T|, in the equilibrated problem
 };
 
-/// A loose point is harmless where chi can be lowered to |u_T| and all conditions still hold: then its bond broke by itself.
+/// A loose point is harmless where chi can be lowered to |u_T| and all conditions still hold: then its bond broke by itself. So is one
+/// whose bond was gone before.
 FreeBreaking free_breaking(const LcpProblem& problem, const Eigen::VectorXd& z, const CohesiveLayout& layout, double tolerance = 1e-8);
 
 }  // namespace knap

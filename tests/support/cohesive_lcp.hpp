@@ -27,10 +27,11 @@ struct CohesiveScene {
     bool every_edge = true;   // else one line of interfaces at half height
     double step = 2;          // in units of the smallest height of a triangle over the wave speed
     double theta = 1, restitution = 0, gamma = 1, friction = 0.5;
-    double stiffness = 20;    // E: half the cohesive length in units of the strength times the critical opening
+    double stiffness = 100;   // E: the cohesive length is half as many critical openings, a triangle two wide
     double stretch = 1.2;     // speed of the ends, in units of the one that reaches the strength as a plane wave
     double shear = 0.3;       // the same along the ends
     double notch = 0.4;       // part of the length that is broken at half height from the start
+    double noise = 0.2;       // random speeds of the vertices at the start, in the same units: without, much is at rest and ties
     int seed = 1;
 };
 
@@ -262,12 +263,15 @@ private:
         beta_.assign(points_.size(), 1.0);
         const double height = 2.0 * scene_.n_y, length = 2.0 * scene_.n_x, impedance = std::sqrt(1.2 * scene_.stiffness);
         Random random(scene_.seed, "cohesive state");
+        std::vector<Eigen::Vector2d> noise(vertices_.size());
+        for (Eigen::Vector2d& v : noise) v << random.uniform(-1, 1), random.uniform(-1, 1);
         for (std::size_t t = 0; t < triangles_.size(); ++t)
             for (int k = 0; k < 3; ++k) {
                 const Eigen::Vector2d x = vertices_[triangles_[t][k]];
                 const double far = (2 * x.y() - height) / height;  // -1 ... 1
                 const double growth = std::copysign(far * far, far) / impedance;
                 v_.segment<2>(2 * node_[t][k]) << scene_.shear * growth, scene_.stretch * growth;
+                v_.segment<2>(2 * node_[t][k]) += scene_.noise / impedance * noise[triangles_[t][k]];
             }
         for (int i = 0; i < n_points(); ++i)
             if (std::abs(2 * where_[i].y() - height) < 1e-9 && std::abs(points_[i].normal.x()) < 1e-9 && where_[i].x() < scene_.notch * length) beta_[i] = 0;

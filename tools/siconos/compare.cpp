@@ -115,8 +115,8 @@ void compare_along(const std::string& name, const tests::CohesiveScene& scene, i
     std::fflush(stdout);
 }
 
-tests::CohesiveScene redundant(int n_x, int n_y) { return {.n_x = n_x, .n_y = n_y}; }
-tests::CohesiveScene line(int n_x) { return {.n_x = n_x, .n_y = 4, .every_edge = false}; }
+tests::CohesiveScene redundant(int n_x, int n_y) { return {.n_x = n_x, .n_y = n_y, .notch = 0}; }
+tests::CohesiveScene line(int n_x) { return {.n_x = n_x, .n_y = 4, .every_edge = false, .notch = 0}; }
 
 /// The problem of the third step: waves have come in, bonds are breaking.
 LcpProblem third_step(const tests::CohesiveScene& scene) {

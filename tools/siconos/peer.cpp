@@ -1,7 +1,6 @@
 #include "peer.hpp"
 
 #include "base/stopwatch.hpp"
-#include "lcp/free_breaking.hpp"
 #include "lcp/gauss_seidel.hpp"
 
 #include <LCP_Solvers.h>
@@ -12,7 +11,7 @@
 #include <SparseBlockMatrix.h>
 #include <lcp_cst.h>
 
-#include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <memory>
 #include <vector>
@@ -49,24 +48,6 @@ Outcome run_dense(const knap::LcpProblem& problem, int solver, int max_iteration
     NM_clear(M);
     std::free(M);
     return outcome;
-}
-
-/// Blocks of one point each; of another problem, rows without diagonal with what they couple to.
-std::vector<std::vector<int>> blocks_of(const knap::LcpProblem& problem) {
-    const auto layout = knap::cohesive_layout(problem);
-    if (!layout) return knap::blocks_of_zero_diagonal(problem.M);
-    const int m = layout->n_cohesive, c = layout->n_contacts;
-    std::vector<std::vector<int>> blocks;
-    for (int i = 0; i < m; ++i)
-        blocks.push_back({i, m + i, layout->first_tangential() + 2 * i, layout->first_tangential() + 2 * i + 1, layout->first_chi() + i});
-    for (int k = 0; k < c; ++k) {
-        // the point of a contact is the one whose bond presses on it most
-        int point = 0;
-        for (int i = 1; i < m; ++i)
-            if (problem.M.coeff(2 * m + k, m + i) < problem.M.coeff(2 * m + k, m + point)) point = i;
-        for (const int row : {2 * m + k, 2 * m + c + 2 * k, 2 * m + c + 2 * k + 1, 2 * m + 3 * c + k}) blocks[point].push_back(row);
-    }
-    return blocks;
 }
 
 /// Their block-sparse matrix of the problem in the order of the blocks; owns the numbers that it points to.
@@ -127,12 +108,12 @@ Outcome lemke(const knap::LcpProblem& problem) { return run_dense(problem, SICON
 Outcome newton_min(const knap::LcpProblem& problem) { return run_dense(problem, SICONOS_LCP_NEWTON_MIN_FBLSA, 200); }
 
 Outcome block_gauss_seidel(const knap::LcpProblem& problem, const Eigen::VectorXd& start) {
-    const std::vector<std::vector<int>> blocks = blocks_of(problem);
+    const std::vector<std::vector<int>> blocks = knap::blocks_of_zero_diagonal(problem.M);
     std::vector<int> order;
     for (const std::vector<int>& block : blocks) order.insert(order.end(), block.begin(), block.end());
     const BlockMatrix blocked(problem, blocks);
     NumericsMatrix* M = NM_create_from_data(NM_SPARSE_BLOCK, problem.size(), problem.size(), blocked.matrix);
-    const Options options = options_of(SICONOS_LCP_NSGS_SBM, 20000);
+    const Options options = options_of(SICONOS_LCP_NSGS_SBM, problem.size() < 1000 ? 20000 : 2000);  // a sweep of the largest takes 4 ms
     solver_options_update_internal(options.get(), 0, SICONOS_LCP_LEMKE);
     const Eigen::VectorXd q = problem.q(order);
     const Eigen::VectorXd begin = start.size() == problem.size() ? Eigen::VectorXd(start(order)) : Eigen::VectorXd::Zero(problem.size());
