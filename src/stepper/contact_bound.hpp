@@ -6,7 +6,8 @@
 namespace knap {
 
 /// Openings are differences of displacements: what is this small beside them is rounding, and the sides touch. Without it a point with
-/// restitution that is held closed loses its contact in every step that leaves u_N = +1e-17, and its cohesion pulls the sides into each other.
+/// restitution that is held closed loses its contact in every step that leaves u_N = +1e-17, and its cohesion pulls the sides into each
+/// other.
 constexpr double touching_tolerance = 1e-11;
 
 /// [m/s] c, or nothing: the point cannot touch within the step. `length` [m]: what u_N is a difference of, displacements, gap and delta_c.

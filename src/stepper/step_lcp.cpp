@@ -21,8 +21,8 @@ constexpr double rounding = 1e-12;      // relative
 struct Point {
     const FanPoint* at;
     const CohesiveLaw* law;
-    Vec2 opening, rate;  // [m], [m/s] (N, T)
-    double cohesion;     // [-]
+    Vec2 opening, rate;           // [m], [m/s] (N, T)
+    double cohesion;              // [-]
     std::optional<double> bound;  // [m/s] c, of a point that may touch
 };
 
@@ -40,8 +40,10 @@ public:
         const int n = step_.layout.size();
         known_ = Eigen::VectorXd::Zero(n);
         step_.known_impulse = Eigen::VectorXd::Zero(2 * model_.n_points());
-        if (implicit_beta_) add_cohesion();
-        else add_frozen_cohesion();
+        if (implicit_beta_)
+            add_cohesion();
+        else
+            add_frozen_cohesion();
         add_contacts();
         if (step_.layout.tangential) add_tangential_cohesion();
 
@@ -232,9 +234,12 @@ StepLcpEnd recover(const StepLcp& step, const Model& model, const State& begin, 
         end.opening.push_back(opening(model, begin, p) + h * jump.segment<2>(2 * p));
         end.impulse.push_back(P.segment<2>(2 * p));
         const double before = cohesion(model, begin, p);
-        if (unbreakable(model, point)) end.cohesion.push_back(1);
-        else if (point.cracked || law.sigma_c == 0 || before < bond_is_gone) end.cohesion.push_back(0);
-        else end.cohesion.push_back(law.next_cohesion(before, end.opening[p].x(), end.opening[p].y()));
+        if (unbreakable(model, point))
+            end.cohesion.push_back(1);
+        else if (point.cracked || law.sigma_c == 0 || before < bond_is_gone)
+            end.cohesion.push_back(0);
+        else
+            end.cohesion.push_back(law.next_cohesion(before, end.opening[p].x(), end.opening[p].y()));
     }
     end.contact.assign(model.n_points(), 0);
     for (int k = 0; k < at.c(); ++k) end.contact[at.contacts[k]] = z[at.normal(k)];

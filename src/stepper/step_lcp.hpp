@@ -35,11 +35,11 @@ struct StepLcpLayout {
     int bond(int i) const { return i; }  // A
     int beta(int i) const { return m() + i; }
     int normal(int k) const { return (implicit_beta ? 2 * m() : 0) + k; }
-    int slip(int k) const { return normal(c()) + 2 * k; }                    // p_T+, then p_T-
-    int slip_rate(int k) const { return slip(friction ? c() : 0) + k; }      // zeta
+    int slip(int k) const { return normal(c()) + 2 * k; }                       // p_T+, then p_T-
+    int slip_rate(int k) const { return slip(friction ? c() : 0) + k; }         // zeta
     int tangent(int i) const { return slip_rate(friction ? c() : 0) + 2 * i; }  // r_T+, then r_T-
-    int offset(int i) const { return tangent(tangential ? m() : 0) + i; }    // chi
-    int opening(int j) const { return offset(tangential ? m() : 0) + j; }    // o
+    int offset(int i) const { return tangent(tangential ? m() : 0) + i; }       // chi
+    int opening(int j) const { return offset(tangential ? m() : 0) + j; }       // o
     int size() const { return opening(static_cast<int>(landing.size())); }
 };
 

@@ -38,17 +38,17 @@ private:
     void factorise(const Matrix& M_hat);
     Eigen::VectorXd response(const Eigen::VectorXd& impulse) const;  // M_hat^-1
 
-    struct Part {  // triangles that nothing can part
+    struct Part {               // triangles that nothing can part
         Eigen::Index first, n;  // its unknowns
         Eigen::SimplicialLDLT<Matrix> factor;
     };
     double theta_;
-    std::vector<Index> leader_;                   // per corner: the lowest that it moves with for ever, or ground
-    std::vector<Index> part_of_triangle_;         // its lowest triangle
-    std::vector<char> is_known_;                  // per component of a corner
+    std::vector<Index> leader_;                    // per corner: the lowest that it moves with for ever, or ground
+    std::vector<Index> part_of_triangle_;          // its lowest triangle
+    std::vector<char> is_known_;                   // per component of a corner
     Eigen::VectorXd known_rate_, known_velocity_;  // [m/s] w and v+ where known, else 0
-    Eigen::VectorXd velocity_;                    // [m/s] v
-    Matrix expand_;                               // [2 n_corners, unknowns]
+    Eigen::VectorXd velocity_;                     // [m/s] v
+    Matrix expand_;                                // [2 n_corners, unknowns]
     std::deque<Part> parts_;
     Eigen::VectorXd free_rate_;
 };

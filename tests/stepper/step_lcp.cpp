@@ -32,7 +32,8 @@ ModelInput square(const CohesiveLaw& law, int n_cells = 1) {
 ModelInput hexagon(const CohesiveLaw& law) {
     ModelInput input;
     input.mesh.vertices = {{0, 0}};
-    for (int i = 0; i < 6; ++i) input.mesh.vertices.push_back({std::cos(i * M_PI / 3 + 0.1), (1 + 0.05 * i) * std::sin(i * M_PI / 3 + 0.1)});
+    for (int i = 0; i < 6; ++i)
+        input.mesh.vertices.push_back({std::cos(i * M_PI / 3 + 0.1), (1 + 0.05 * i) * std::sin(i * M_PI / 3 + 0.1)});
     for (Index i = 0; i < 6; ++i) input.mesh.triangles.push_back({0, i + 1, (i + 1) % 6 + 1});
     input.mesh.region.assign(6, 0);
     input.mesh.boundary_names = {"rim"};
@@ -111,8 +112,10 @@ TEST_CASE("step LCP: the strength of a point is the polygon of tension and frict
             REQUIRE(run.step(0.1));
             CHECK(run.verdict.worst() < 1e-12);
             CAPTURE(angle);
-            if (part < 1) CHECK(run.u(0).norm() < 1e-13);
-            else CHECK(run.u(0).norm() > 1e-7);
+            if (part < 1)
+                CHECK(run.u(0).norm() < 1e-13);
+            else
+                CHECK(run.u(0).norm() > 1e-7);
         }
     }
 }
@@ -124,8 +127,9 @@ TEST_CASE("step LCP: two triangles drawn apart or along each other follow the ex
         CohesiveLaw law;
         bool shear;
     };
-    for (const Mode& mode : {Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 0}, false}, Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 2}, false},
-                             Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 2}, true}, Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 0.5, .friction = 0.3}, true}}) {
+    for (const Mode& mode :
+         {Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 0}, false}, Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 2}, false},
+          Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 2}, true}, Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 0.5, .friction = 0.3}, true}}) {
         ModelInput input;
         input.mesh = bar_mesh(1, 1, 2, 1);
         input.materials = {{.density = 3, .E = 0, .nu = 0}};
@@ -167,7 +171,7 @@ TEST_CASE("step LCP: a bond that is not broken by the motion closes again with w
         least = run.cohesion_of(0);
     }
     CHECK(least == relative(std::sqrt(0.75), 1e-4));  // u = 1 - cosh t + V_0 sinh t
-    CHECK(std::abs(run.opening_of(0).x()) < 0.005);  // it has come back, and landed within half a step of motion
+    CHECK(std::abs(run.opening_of(0).x()) < 0.005);   // it has come back, and landed within half a step of motion
     CHECK(std::abs(run.v(0).y()) < 1e-12);
 }
 
@@ -230,7 +234,8 @@ TEST_CASE("step LCP: a strong body moves like one whose bonds cannot break") {
 }
 
 TEST_CASE("step LCP: a glued boundary that is driven") {
-    // velocity and displacement histories that mean the same motion; both points break in one step, the third corner follows by inertia alone
+    // velocity and displacement histories that mean the same motion; both points break in one step, the third corner follows by inertia
+    // alone
     const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1};
     ModelInput by_place = point_masses(law, true), by_speed = by_place;
     by_place.loads = {load(Load::Kind::displacement, "base", 0.0, 1.0, {{0, 4}, {0, 2}})};
@@ -276,7 +281,8 @@ TEST_CASE("step LCP: random motions of a closed fan obey the equations and the e
     int n_steps = 0, n_unsolved = 0, n_broken = 0;
     for (int seed = 0; seed < 20; ++seed) {
         Random random(seed, "step lcp");
-        CohesiveLaw law{.sigma_c = 1, .G_c = 0.05, .gamma = random.uniform(0, 2), .friction = random.uniform(), .restitution = random.uniform()};
+        CohesiveLaw law{
+            .sigma_c = 1, .G_c = 0.05, .gamma = random.uniform(0, 2), .friction = random.uniform(), .restitution = random.uniform()};
         if (seed % 3 == 0) law.restitution = 0;
         SchemeOptions options = implicit_scheme;
         if (seed % 2 == 1) options.cohesion = CohesionScheme::explicit_beta;

@@ -3,21 +3,23 @@
 // corner, and shares no code with what found the solution. Corners that unbreakable points join are judged together: nothing is known of
 // the impulses between them.
 #include "bulk/elastic_forces.hpp"
+#include "lcp/lemke.hpp"
 #include "stepper/step_lcp.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace knap::tests {
 
 /// Worst violations, relative to the scales of the step.
 struct ImplicitVerdict {
-    double balance = 0;        // of momentum
-    double contact = 0;        // 0 <= p perp w_N - c >= 0
-    double cohesion = 0;       // beta+ against the law
-    double normal = 0;         // P_N against p and beta_theta
-    double tangential = 0;     // P_T against the signs of u_T+ and w_T
+    double balance = 0;                         // of momentum
+    double contact = 0;                         // 0 <= p perp w_N - c >= 0
+    double cohesion = 0;                        // beta+ against the law
+    double normal = 0;                          // P_N against p and beta_theta
+    double tangential = 0;                      // P_T against the signs of u_T+ and w_T
     double impact_work = 0, friction_work = 0;  // largest of a single point; should be <= 0
     double worst() const { return std::max({balance, contact, cohesion, normal, tangential, impact_work, friction_work}); }
 };
@@ -30,15 +32,126 @@ public:
     ImplicitVerdict verdict(const StepLcpEnd& end) {
         set_scales(end);
         ImplicitVerdict found;
-        found.balance = balance(end);
+        found.balance = grouped(missing(end)).cwiseAbs().maxCoeff() / impulse_;
         for (const FanPoint& point : model_.fan_points)
             if (!unbreakable(point)) judge(point, end, found);
         return found;
     }
 
-    double speed_scale() const { return speed_; }
+    double speed_scale() const { return speed_; }  // [m/s] of the step that was judged last
+
+    /// Impulses that make the balance hold with the rates and velocities of `end`, each within what its law allows at these rates: of a
+    /// solution they exist, though round a vertex they need not be unique. Fills end.contact and end.impulse with the nearest there are.
+    void explain(StepLcpEnd& end) {
+        set_scales(end);
+        for (Vec2& P : end.impulse) P.setZero();
+        const Eigen::VectorXd needed = -grouped(missing(end)) / impulse_;  // what the points have to give
+        // unknowns >= 0 of a point: p; friction f+, f-, the rest of mu p; what of the tangential cohesion's 2 G is used from -G on, its
+        // rest
+        std::vector<std::array<int, 6>> place(model_.n_points());
+        std::vector<Eigen::Triplet<double>> entries;
+        Eigen::VectorXd b = needed;
+        int n = 0, n_rows = static_cast<int>(needed.size());
+        const auto add_row = [&](double value) {
+            b.conservativeResize(n_rows + 1);
+            b[n_rows] = value;
+            return n_rows++;
+        };
+        const double near = 1e-9 * speed_;
+        for (const FanPoint& point : model_.fan_points) {
+            auto& at = place[point.point] = {-1, -1, -1, -1, -1, -1};
+            if (unbreakable(point)) continue;
+            const Passage passage = passage_of(point, end);
+            const double sign_w = std::abs(passage.w_T) <= near ? 0 : std::copysign(1, passage.w_T);
+            const double sign_u = std::abs(passage.end_u_T) <= near * h_ ? 0 : std::copysign(1, passage.end_u_T);
+            const double mu = model_.laws[point.law].friction, G = passage.tangential_strength / impulse_;
+            const Eigen::VectorXd N = grouped(pushed(point, point.normal)), T = grouped(pushed(point, turned_left(point.normal)));
+            const auto add = [&](const Eigen::VectorXd& push) {
+                for (Eigen::Index i = 0; i < push.size(); ++i)
+                    if (push[i] != 0) entries.emplace_back(static_cast<int>(i), n, push[i]);
+                return n++;
+            };
+            b.head(needed.size()) += N * (passage.strength / impulse_);
+            if (passage.bound && passage.w_N - *passage.bound <= near) {
+                at[0] = add(N - mu * sign_w * T);
+                if (sign_w == 0 && mu > 0) {
+                    at[1] = add(T), at[2] = add(-T), at[3] = n++;
+                    const int row = add_row(0);
+                    for (const int i : {1, 2, 3}) entries.emplace_back(row, at[i], 1.0);
+                    entries.emplace_back(row, at[0], -mu);
+                }
+            }
+            if (sign_u != 0 || G == 0) {
+                b.head(needed.size()) += G * sign_u * T;
+                continue;
+            }
+            b.head(needed.size()) += G * T;
+            at[4] = add(T), at[5] = n++;
+            const int row = add_row(2 * G);
+            for (const int i : {4, 5}) entries.emplace_back(row, at[i], 1.0);
+        }
+        // least squares: min |A x - b|, x >= 0
+        Eigen::SparseMatrix<double> A(n_rows, n);
+        A.setFromTriplets(entries.begin(), entries.end());
+        const Eigen::VectorXd x = solve_by_lemke({LcpMatrix(A.transpose() * A), -(A.transpose() * b)}).z;
+        for (const FanPoint& point : model_.fan_points) {
+            if (unbreakable(point)) continue;
+            const Passage passage = passage_of(point, end);
+            const auto value = [&](int i) { return place[point.point][i] < 0 ? 0 : impulse_ * x[place[point.point][i]]; };
+            const bool sticks = place[point.point][1] >= 0, uncrossed = place[point.point][4] >= 0;
+            const double p = value(0), mu = model_.laws[point.law].friction;
+            const double friction = sticks ? value(1) - value(2) : std::abs(passage.w_T) <= near ? 0 : -std::copysign(mu * p, passage.w_T);
+            const double cohesive = uncrossed              ? value(4) - passage.tangential_strength
+                                    : passage.end_u_T == 0 ? 0
+                                                           : -std::copysign(passage.tangential_strength, passage.end_u_T);
+            end.contact[point.point] = p;
+            end.impulse[point.point] = {p - passage.strength, friction + cohesive};
+        }
+    }
 
 private:
+    /// A point over the step, at the rates of `end`.
+    struct Passage {
+        std::optional<double> bound;  // [m/s] c, of a point that may touch
+        double w_N, w_T, u_T, end_u_T;
+        double cohesion, end_cohesion;         // [-] before, and by the law
+        double strength, tangential_strength;  // [N s] h S sigma_c beta_theta, times gamma
+    };
+
+    Passage passage_of(const FanPoint& point, const StepLcpEnd& end) const {
+        const CohesiveLaw& law = model_.laws[point.law];
+        const double theta = options_.theta;
+        const Vec2 n = point.normal, t = turned_left(n);
+        const Vec2 u = displacement(point.after) - displacement(point.before), V = velocity(point.after) - velocity(point.before),
+                   w = rate(end, point.after) - rate(end, point.before);
+        const double u_N = point.gap + n.dot(u), approach = std::max(-n.dot(V), 0.0);
+        const double scale = displacement(point.after).norm() + displacement(point.before).norm() + point.gap + law.delta_c();
+        Passage made{.w_N = n.dot(w), .w_T = t.dot(w), .u_T = t.dot(u)};
+        made.end_u_T = made.u_T + h_ * made.w_T;
+        const bool touches = u_N <= 1e-11 * scale;
+        if (touches)
+            made.bound = -(1 - theta * (1 + law.restitution)) * approach;
+        else if (law.restitution == 0)
+            made.bound = std::min(-u_N / h_, -(1 - theta) * approach);
+        if (driven(point)) made.bound.reset();
+
+        made.cohesion = point.cracked || law.sigma_c == 0 ? 0 : knap::cohesion(model_, begin_, point.point);
+        made.end_cohesion = made.cohesion > 0 ? law.next_cohesion(made.cohesion, u_N + h_ * made.w_N, made.end_u_T) : 0;
+        const bool implicit = options_.cohesion == CohesionScheme::implicit_beta;
+        const double beta = implicit ? theta * made.end_cohesion + (1 - theta) * made.cohesion : made.cohesion;
+        made.strength = made.cohesion > 0 ? h_ * point.area * law.sigma_c * beta : 0;
+        made.tangential_strength = law.gamma * made.strength;
+        return made;
+    }
+
+    /// A unit impulse of the point along `direction`, per corner.
+    std::vector<Vec2> pushed(const FanPoint& point, const Vec2& direction) const {
+        std::vector<Vec2> made(model_.mesh.n_corners(), Vec2::Zero());
+        if (point.after != ground) made[point.after] += direction;
+        if (point.before != ground) made[point.before] -= direction;
+        return made;
+    }
+
     void set_scales(const StepLcpEnd& end) {
         speed_ = impulse_ = std::numeric_limits<double>::min();
         double mass = 0;
@@ -48,8 +161,9 @@ private:
         }
         for (const FanPoint& point : model_.fan_points) {
             if (unbreakable(point)) continue;
-            impulse_ = std::max(impulse_, end.impulse[point.point].norm());
-            if (cohesion_before(point) > 0) impulse_ = std::max(impulse_, h_ * point.area * model_.laws[point.law].sigma_c);
+            const double strength = h_ * point.area * (point.cracked ? 0 : model_.laws[point.law].sigma_c);
+            impulse_ = std::max({impulse_, end.impulse[point.point].norm(), strength});
+            speed_ = std::max(speed_, strength / model_.corner_mass[point.after == ground ? point.before : point.after]);
         }
         impulse_ = std::max(impulse_, mass * speed_);
     }
@@ -58,9 +172,6 @@ private:
     Vec2 velocity(Index corner) const { return corner == ground ? Vec2::Zero() : begin_.velocity[begin_.node_of_corner[corner]]; }
     Vec2 displacement(Index corner) const { return corner == ground ? Vec2::Zero() : begin_.displacement[begin_.node_of_corner[corner]]; }
     static Vec2 rate(const StepLcpEnd& end, Index corner) { return corner == ground ? Vec2::Zero() : end.rate[corner]; }
-    double cohesion_before(const FanPoint& point) const {
-        return point.cracked || model_.laws[point.law].sigma_c == 0 ? 0 : cohesion(model_, begin_, point.point);
-    }
     bool prescribed(Index corner, int k) const {
         return !model_.prescribed.empty() && model_.prescribed_of_corner[corner] >= 0 &&
                model_.prescribed[model_.prescribed_of_corner[corner]].component[k];
@@ -74,36 +185,39 @@ private:
         return true;
     }
 
-    double balance(const StepLcpEnd& end) const {
+    /// [N s] per corner: what would have to act besides.
+    std::vector<Vec2> missing(const StepLcpEnd& end) const {
         const double theta = options_.theta;
         const Index n = model_.mesh.n_corners();
-        std::vector<Vec2> at_theta(n), missing(n, Vec2::Zero());
+        std::vector<Vec2> at_theta(n), left(n, Vec2::Zero());
         std::vector<Index> itself(n);
         for (Index c = 0; c < n; ++c) at_theta[c] = displacement(c) + theta * h_ * rate(end, c), itself[c] = c;
         std::vector<std::uint8_t> hot(model_.fans.size());
-        ElasticForces(model_.mesh, model_.materials, model_.plane, model_.thickness).evaluate(at_theta, itself, missing, hot);
-        for (Vec2& force : missing) force *= h_;
+        ElasticForces(model_.mesh, model_.materials, model_.plane, model_.thickness).evaluate(at_theta, itself, left, hot);
+        for (Vec2& force : left) force *= h_;
         for (const CornerLoad& load : model_.corner_loads) {
             const TimeFunction& history = model_.histories[load.history];
-            missing[load.corner] += h_ * (theta * history(begin_.time + h_) + (1 - theta) * history(begin_.time)) * load.force;
+            left[load.corner] += h_ * (theta * history(begin_.time + h_) + (1 - theta) * history(begin_.time)) * load.force;
         }
         for (const FanPoint& point : model_.fan_points) {
             if (unbreakable(point)) continue;
             const Vec2 P = end.impulse[point.point].x() * point.normal + end.impulse[point.point].y() * turned_left(point.normal);
-            if (point.after != ground) missing[point.after] += P;
-            if (point.before != ground) missing[point.before] -= P;
+            if (point.after != ground) left[point.after] += P;
+            if (point.before != ground) left[point.before] -= P;
         }
         for (Index c = 0; c < n; ++c) {
             const Vec2 change = end.velocity[c] - velocity(c);
-            if (options_.mass == MassMatrix::lumped) missing[c] -= model_.corner_mass[c] * change;
+            if (options_.mass == MassMatrix::lumped)
+                left[c] -= model_.corner_mass[c] * change;
             else
-                for (Index d = c / 3 * 3; d < c / 3 * 3 + 3; ++d) missing[d] -= (c == d ? 0.5 : 0.25) * model_.corner_mass[c] * change;
+                for (Index d = c / 3 * 3; d < c / 3 * 3 + 3; ++d) left[d] -= (c == d ? 0.5 : 0.25) * model_.corner_mass[c] * change;
         }
-        return worst_sum(missing) / impulse_;
+        // the right side of the balance less its left side
+        return left;
     }
 
-    /// Of the corners that move together, where nothing is prescribed.
-    double worst_sum(const std::vector<Vec2>& of_corner) const {
+    /// Sums over the corners that move together, of the components that are not prescribed.
+    Eigen::VectorXd grouped(const std::vector<Vec2>& of_corner) const {
         const Index n = model_.mesh.n_corners();
         std::vector<Index> group(n);
         std::vector<std::array<bool, 2>> known(n);
@@ -118,57 +232,36 @@ private:
             for (int k = 0; k < 2; ++k) known[to][k] = known[to][k] || known[from][k];
             std::replace(group.begin(), group.end(), from, to);
         }
-        std::vector<Vec2> sum(n, Vec2::Zero());
-        for (Index c = 0; c < n; ++c) sum[group[c]] += of_corner[c];
-        double worst = 0;
+        Eigen::VectorXd sum = Eigen::VectorXd::Zero(2 * n);
         for (Index c = 0; c < n; ++c)
             for (int k = 0; k < 2; ++k)
-                if (group[c] == c && !known[c][k]) worst = std::max(worst, std::abs(sum[c][k]));
-        return worst;
+                if (!known[group[c]][k]) sum[2 * group[c] + k] += of_corner[c][k];
+        return sum;
     }
 
     void judge(const FanPoint& point, const StepLcpEnd& end, ImplicitVerdict& found) const {
         const CohesiveLaw& law = model_.laws[point.law];
-        const double theta = options_.theta, S = point.area;
-        const Vec2 n = point.normal, t = turned_left(n);
-        const Vec2 u = displacement(point.after) - displacement(point.before), V = velocity(point.after) - velocity(point.before),
-                   w = rate(end, point.after) - rate(end, point.before);
-        const double u_N = point.gap + n.dot(u), u_T = t.dot(u), w_N = n.dot(w), w_T = t.dot(w), p = end.contact[point.point];
-        const double scale = displacement(point.after).norm() + displacement(point.before).norm() + point.gap + law.delta_c();
-
-        // contact
-        const double approach = std::max(-n.dot(V), 0.0);
-        const bool touches = u_N <= 1e-11 * scale;
-        if ((!touches && law.restitution > 0) || driven(point)) found.contact = std::max(found.contact, std::abs(p) / impulse_);
-        else {
-            const double c = touches ? -(1 - theta * (1 + law.restitution)) * approach : std::min(-u_N / h_, -(1 - theta) * approach);
-            found.contact = std::max(found.contact, std::abs(std::min(p / impulse_, (w_N - c) / speed_)));
-        }
-
-        // cohesion
-        const double before = cohesion_before(point), end_u_N = u_N + h_ * w_N, end_u_T = u_T + h_ * w_T;
-        const double expected = before > 0 ? law.next_cohesion(before, end_u_N, end_u_T) : 0;
-        const double unit = before > 0 ? std::max(1.0, h_ * speed_ / law.delta_c()) : 1;
-        found.cohesion = std::max(found.cohesion, std::abs(end.cohesion[point.point] - expected) / unit);
-        const double beta = options_.cohesion == CohesionScheme::implicit_beta ? theta * expected + (1 - theta) * before : before;
-        const double strength = before > 0 ? h_ * S * law.sigma_c * beta : 0;
-        found.normal = std::max(found.normal, std::abs(end.impulse[point.point].x() - (p - strength)) / impulse_);
+        const Passage passage = passage_of(point, end);
+        const double p = end.contact[point.point], w_N = passage.w_N, w_T = passage.w_T;
+        const Vec2& P = end.impulse[point.point];
+        const double contact = passage.bound ? std::min(p / impulse_, (w_N - *passage.bound) / speed_) : p / impulse_;
+        const double unit = passage.cohesion > 0 ? std::max(1.0, h_ * speed_ / law.delta_c()) : 1;
+        found.contact = std::max(found.contact, std::abs(contact));
+        found.cohesion = std::max(found.cohesion, std::abs(end.cohesion[point.point] - passage.end_cohesion) / unit);
+        found.normal = std::max(found.normal, std::abs(P.x() - (p - passage.strength)) / impulse_);
 
         // -P_T in G sgn(u_T+) + mu p sgn(w_T): distance of (w_T, P_T) from the graph
-        const double G = law.gamma * strength, F = law.friction * std::max(p, 0.0), held = -end.impulse[point.point].y();
+        const double G = passage.tangential_strength, F = law.friction * std::max(p, 0.0), held = -P.y(), crossing = -passage.u_T / h_;
         const auto off_graph = [&](double at) {
-            const double kink = -u_T / h_;
-            const double low = (at > kink ? G : -G) + (at > 0 ? F : -F), high = (at < kink ? -G : G) + (at < 0 ? -F : F);
+            const double low = (at > crossing ? G : -G) + (at > 0 ? F : -F), high = (at < crossing ? -G : G) + (at < 0 ? -F : F);
             return std::max({low - held, held - high, 0.0}) / impulse_;
         };
         double distance = off_graph(w_T);
-        for (const double at : {0.0, -u_T / h_}) distance = std::min(distance, std::max(std::abs(w_T - at) / speed_, off_graph(at)));
+        for (const double at : {0.0, crossing}) distance = std::min(distance, std::max(std::abs(w_T - at) / speed_, off_graph(at)));
         found.tangential = std::max(found.tangential, distance);
 
         found.impact_work = std::max(found.impact_work, p * w_N / (impulse_ * speed_));
-        // friction's share is what the cohesion cannot hold
-        const double friction = std::abs(held) <= G ? 0 : std::copysign(std::abs(held) - G, held);
-        if (before == 0) found.friction_work = std::max(found.friction_work, -friction * w_T / (impulse_ * speed_));
+        if (passage.cohesion == 0) found.friction_work = std::max(found.friction_work, P.y() * w_T / (impulse_ * speed_));
     }
 
     const Model& model_;
