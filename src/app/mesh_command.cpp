@@ -14,6 +14,7 @@ namespace knap {
 ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& output, bool force) {
     const Model model = model_of(read);
     const MeshReport report = judge(model.mesh);
+    for (const Diagnostic& warning : read.warnings) std::fputs(format(warning).c_str(), stderr);
     const std::vector<double> steps = stable_steps(model.mesh, model.materials, model.plane);
     std::printf("%-28s %d\n%-28s %d\n%-28s %d\n%-28s %d\n", "triangles", report.n_triangles, "vertices", report.n_vertices, "interfaces",
                 report.n_interior_edges, "pre-cracked edges", report.n_cracked_edges);

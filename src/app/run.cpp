@@ -133,7 +133,7 @@ std::vector<Diagnostic> resolution_warnings(const ReadResult& read, double mean_
     std::vector<Diagnostic> warnings;
     for (const Resolution& r : judge_resolution(read.scenario, finest_edge(read.scenario, mean_edge))) {
         if (r.n_edges >= 5) continue;
-        Diagnostic warning = locate(read, "mesh.size");
+        Diagnostic warning = locate(read, read.scenario.given ? "mesh.file" : "mesh.size");
         warning.severity = Diagnostic::Severity::warning;
         warning.code = "resolution";
         char text[240];

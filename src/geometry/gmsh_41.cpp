@@ -49,7 +49,8 @@ void read_nodes_41(GmshSource& source, GmshFile& file) {
         const std::size_t n = read_count(source, 32, "nodes"), first = file.nodes.size();
         source.end_of_record();
         if (dimension < 0 || dimension > 3) source.fail(where, "nodes cannot have the dimension " + std::to_string(dimension));
-        if (n > n_nodes - first) source.fail(where, "the blocks hold more than the " + std::to_string(n_nodes) + " nodes that are announced");
+        if (n > n_nodes - first)
+            source.fail(where, "the blocks hold more than the " + std::to_string(n_nodes) + " nodes that are announced");
         file.nodes.resize(first + n);
         for (std::size_t i = first; i < first + n; ++i) {
             file.nodes[i].tag = source.long_integer("the tag of a node");
@@ -62,7 +63,8 @@ void read_nodes_41(GmshSource& source, GmshFile& file) {
         }
     }
     if (file.nodes.size() != n_nodes)
-        source.fail(source.at(), "the blocks hold " + std::to_string(file.nodes.size()) + " nodes, announced are " + std::to_string(n_nodes));
+        source.fail(source.at(),
+                    "the blocks hold " + std::to_string(file.nodes.size()) + " nodes, announced are " + std::to_string(n_nodes));
 }
 
 void read_elements_41(GmshSource& source, const GmshEntities& entities, GmshFile& file) {
@@ -78,7 +80,8 @@ void read_elements_41(GmshSource& source, const GmshEntities& entities, GmshFile
         const int n_nodes = nodes_of_gmsh_type(source, where, source.integer("the type of elements"));
         const std::size_t n = read_count(source, 8 * (1 + static_cast<std::size_t>(n_nodes)), "elements");
         source.end_of_record();
-        if (n > n_elements - n_read) source.fail(where, "the blocks hold more than the " + std::to_string(n_elements) + " elements that are announced");
+        if (n > n_elements - n_read)
+            source.fail(where, "the blocks hold more than the " + std::to_string(n_elements) + " elements that are announced");
         if (dimension != n_nodes - 1) source.fail(where, "elements of this type cannot have the dimension " + std::to_string(dimension));
         const auto entity = entities.groups.find({n_nodes - 1, tag});
         if (entities.given && entity == entities.groups.end())

@@ -27,7 +27,8 @@ void check_byte_order(GmshSource& source) {
     const std::size_t where = source.at();
     const std::int64_t one = source.integer("the number 1 that shows the byte order");
     if (one == 1) return;
-    if (one == 0x01000000) source.fail(where, "this file was written with the other byte order", "save it as text, or on this kind of machine");
+    if (one == 0x01000000)
+        source.fail(where, "this file was written with the other byte order", "save it as text, or on this kind of machine");
     source.fail(where, "the number 1 that shows the byte order is " + std::to_string(one));
 }
 
@@ -111,7 +112,7 @@ GmshFile read_gmsh_file(GmshSource& source) {
         read_section(name, where, version, source, entities, file);
     }
     for (const char* needed : {"Nodes", "Elements"})
-        if (!seen.contains(needed)) source.fail(source.at(), "this file has no section $" + std::string(needed));
+        if (!seen.contains(needed)) source.fail(source.at(), "this file has no section $" + std::string(needed), saved_in_groups);
     return file;
 }
 
@@ -123,15 +124,24 @@ std::string GmshFile::group_name(int dimension, std::int32_t tag) const {
 
 int nodes_of_gmsh_type(const GmshSource& source, std::size_t where, std::int64_t type) {
     switch (type) {
-        case 15: return 1;
-        case 1: return 2;
-        case 2: return 3;
-        default: break;
+        case 15:
+            return 1;
+        case 1:
+            return 2;
+        case 2:
+            return 3;
+        default:
+            break;
     }
-    static const std::map<std::int64_t, const char*> names{
-        {3, "a quadrangle"},       {4, "a tetrahedron"},      {5, "a hexahedron"},       {6, "a prism"},
-        {7, "a pyramid"},          {8, "a line of 3 nodes"},  {9, "a triangle of 6 nodes"}, {10, "a quadrangle of 9 nodes"},
-        {16, "a quadrangle of 8 nodes"}};
+    static const std::map<std::int64_t, const char*> names{{3, "a quadrangle"},
+                                                           {4, "a tetrahedron"},
+                                                           {5, "a hexahedron"},
+                                                           {6, "a prism"},
+                                                           {7, "a pyramid"},
+                                                           {8, "a line of 3 nodes"},
+                                                           {9, "a triangle of 6 nodes"},
+                                                           {10, "a quadrangle of 9 nodes"},
+                                                           {16, "a quadrangle of 8 nodes"}};
     const auto found = names.find(type);
     const std::string what = found == names.end() ? "an element of type " + std::to_string(type) : std::string(found->second);
     const char* note = "only triangles of 3 nodes (type 2), lines of 2 nodes (1) and points (15) can be read";

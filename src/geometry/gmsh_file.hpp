@@ -9,6 +9,9 @@
 
 namespace knap {
 
+/// What most often explains an empty file.
+inline const char* const saved_in_groups = "where there are physical groups, Gmsh saves only what is in one: give surfaces one, too";
+
 struct GmshNode {
     std::int64_t tag;
     std::array<double, 3> position;  // in the file's own unit

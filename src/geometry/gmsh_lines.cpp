@@ -23,14 +23,16 @@ public:
     /// Lines in a group, by the vertices that they join.
     void sort_lines(const GmshNodeNumbers& numbers, const std::vector<Index>& vertex_of_node) {
         for (const auto& line : file_.lines) {
-            const Index a = vertex_of_node[numbers.of(line.nodes[0], line.where)], b = vertex_of_node[numbers.of(line.nodes[1], line.where)];
+            const Index a = vertex_of_node[numbers.of(line.nodes[0], line.where)],
+                        b = vertex_of_node[numbers.of(line.nodes[1], line.where)];
             if (line.group == 0) continue;
             if (a < 0 || b < 0)
                 ++n_lost_[line.group];
             else
                 lines_.push_back({edge_key(a, b), line.group, line.where});
         }
-        std::sort(lines_.begin(), lines_.end(), [](const Line& a, const Line& b) { return std::tie(a.key, a.group, a.where) < std::tie(b.key, b.group, b.where); });
+        std::sort(lines_.begin(), lines_.end(),
+                  [](const Line& a, const Line& b) { return std::tie(a.key, a.group, a.where) < std::tie(b.key, b.group, b.where); });
     }
 
     void name_boundary() {
@@ -55,7 +57,8 @@ public:
             const InteriorEdge& edge = made_.mesh.interior_edges[i];
             for (Line* line = first_on(edge.triangle[0], edge.side[0]); line; line = next(line)) {
                 const Index number = number_of_name(names, file_.group_name(1, line->group));
-                if (names.size() > made_.inner_groups.size()) made_.inner_groups.push_back({names.back(), file_.group_names.contains({1, line->group}), 0});
+                if (names.size() > made_.inner_groups.size())
+                    made_.inner_groups.push_back({names.back(), file_.group_names.contains({1, line->group}), 0});
                 made_.inner_lines.push_back({static_cast<Index>(i), number});
                 ++made_.inner_groups[number].n;
             }
@@ -66,8 +69,9 @@ public:
         for (const Line& line : lines_)
             if (!line.found) ++n_lost_[line.group];
         for (const auto& [group, n] : n_lost_)
-            made_.warnings.push_back(std::to_string(n) + (n == 1 ? " line" : " lines") + " of the group `" + file_.group_name(1, group) + "` " +
-                                     (n == 1 ? "is no side of a triangle and has" : "are no sides of triangles and have") + " no effect");
+            made_.warnings.push_back(std::to_string(n) + (n == 1 ? " line" : " lines") + " of the group `" + file_.group_name(1, group) +
+                                     "` " + (n == 1 ? "is no side of a triangle and has" : "are no sides of triangles and have") +
+                                     " no effect");
     }
 
 private:
@@ -82,7 +86,8 @@ private:
     Line* first_on(Index triangle, Index side) {
         const auto& corners = made_.mesh.triangles[triangle];
         const std::uint64_t key = edge_key(corners[side], corners[(side + 1) % 3]);
-        const auto first = std::lower_bound(lines_.begin(), lines_.end(), key, [](const Line& line, std::uint64_t k) { return line.key < k; });
+        const auto first =
+            std::lower_bound(lines_.begin(), lines_.end(), key, [](const Line& line, std::uint64_t k) { return line.key < k; });
         if (first == lines_.end() || first->key != key) return nullptr;
         first->found = true;
         return &*first;
@@ -102,7 +107,8 @@ private:
         for (Line* line = next(first); line; line = next(line)) {
             const std::string other = file_.group_name(1, line->group);
             if (other != name)
-                source_.fail(line->where, "this edge of the boundary is in two physical groups, `" + name + "` and `" + other + "`, and can have one name only");
+                source_.fail(line->where, "this edge of the boundary is in two physical groups, `" + name + "` and `" + other +
+                                              "`, and can have one name only");
         }
         return first->group;
     }

@@ -36,7 +36,9 @@ public:
 
 private:
     void check_number() const {
-        if (file_.triangles.empty()) source_.fail(source_.at(), "this mesh has no triangles", "mesh in two dimensions and save the surfaces (gmsh -2)");
+        if (file_.triangles.empty())
+            source_.fail(source_.at(), "this mesh has no triangles",
+                         file_.lines.empty() ? "mesh in two dimensions: gmsh -2" : saved_in_groups);
         if (static_cast<double>(file_.triangles.size()) > most_triangles) source_.fail(source_.at(), "this mesh has too many triangles");
     }
 
@@ -51,7 +53,9 @@ private:
             const auto& triangle = file_.triangles[t];
             if (t == 0 || triangle.group != file_.triangles[t - 1].group) {
                 const auto [found, is_new] = number.try_emplace(triangle.group, static_cast<Index>(number.size()));
-                if (is_new) made_.surface_groups.push_back({file_.group_name(2, triangle.group), file_.group_names.contains({2, triangle.group}), 0});
+                if (is_new)
+                    made_.surface_groups.push_back(
+                        {file_.group_name(2, triangle.group), file_.group_names.contains({2, triangle.group}), 0});
                 made_.mesh.region.push_back(found->second);
             } else {
                 made_.mesh.region.push_back(made_.mesh.region.back());
@@ -67,14 +71,16 @@ private:
         for (int k = 0; k < 3; ++k) {
             nodes[k] = numbers_.of(triangle.nodes[k], triangle.where);
             for (const double x : file_.nodes[nodes[k]].position)
-                if (std::abs(x) > largest_coordinate) source_.fail(triangle.where, "node " + std::to_string(triangle.nodes[k]) + " is too far away");
+                if (std::abs(x) > largest_coordinate)
+                    source_.fail(triangle.where, "node " + std::to_string(triangle.nodes[k]) + " is too far away");
         }
         const Vec2 a = position(nodes[0]), b = position(nodes[1]), c = position(nodes[2]);
         const double area = cross(b - a, c - a);
         const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
         if (!(std::abs(area) > flattest * longest))
-            source_.fail(triangle.where, "the triangle of the nodes " + std::to_string(triangle.nodes[0]) + ", " + std::to_string(triangle.nodes[1]) +
-                                             " and " + std::to_string(triangle.nodes[2]) + " has no area in the x-y plane");
+            source_.fail(triangle.where, "the triangle of the nodes " + std::to_string(triangle.nodes[0]) + ", " +
+                                             std::to_string(triangle.nodes[1]) + " and " + std::to_string(triangle.nodes[2]) +
+                                             " has no area in the x-y plane");
         if (area < 0) std::swap(nodes[1], nodes[2]);
         for (Index& n : nodes) n = vertex_of(n);
         return nodes;
@@ -125,7 +131,8 @@ private:
             if (cross(x[1] - x[0], x[2] - x[0]) < 0) std::swap(tags[1], tags[2]);
             for (int k = 0; k < 3; ++k) sides.push_back({tags[k], tags[(k + 1) % 3], t});
         }
-        std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return std::tie(a.from, a.to, a.triangle) < std::tie(b.from, b.to, b.triangle); });
+        std::sort(sides.begin(), sides.end(),
+                  [](const Side& a, const Side& b) { return std::tie(a.from, a.to, a.triangle) < std::tie(b.from, b.to, b.triangle); });
         const Side* first = nullptr;  // of a pair
         for (std::size_t i = 1; i < sides.size(); ++i) {
             const bool same = sides[i].from == sides[i - 1].from && sides[i].to == sides[i - 1].to;

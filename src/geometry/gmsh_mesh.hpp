@@ -20,8 +20,8 @@ struct InnerLine {
 };
 
 struct GmshMesh {
-    Mesh mesh;                            // vertices in the file's own unit; region: into surface_groups; no edge is cracked
-                                          // boundary_names: groups of lines; the last one is "" when there are edges without a group
+    Mesh mesh;  // vertices in the file's own unit; region: into surface_groups; no edge is cracked
+                // boundary_names: groups of lines; the last one is "" when there are edges without a group
     std::vector<GmshGroup> surface_groups;
     std::vector<GmshGroup> inner_groups;  // groups of lines with edges inside the body
     std::vector<InnerLine> inner_lines;

@@ -26,7 +26,8 @@ std::int32_t gmsh_group(const GmshSource& source, std::size_t where, std::int64_
 template <bool binary_long>
 std::array<std::int64_t, 3> read_gmsh_corners(GmshSource& source, int n_nodes) {
     std::array<std::int64_t, 3> corners{};
-    for (int k = 0; k < n_nodes; ++k) corners[k] = binary_long ? source.long_integer("the tag of a node") : source.integer("the tag of a node");
+    for (int k = 0; k < n_nodes; ++k)
+        corners[k] = binary_long ? source.long_integer("the tag of a node") : source.integer("the tag of a node");
     return corners;
 }
 

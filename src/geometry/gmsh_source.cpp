@@ -30,7 +30,8 @@ void GmshSource::fail(std::size_t where, const std::string& message, const std::
     d.column = 1 + static_cast<int>(where - begin);
     if (end - begin <= longest_line_shown) {
         d.source_line = bytes_.substr(begin, end - begin);
-        std::replace_if(d.source_line.begin(), d.source_line.end(), [](unsigned char c) { return c < ' ' || c == 127; }, ' ');
+        std::replace_if(
+            d.source_line.begin(), d.source_line.end(), [](unsigned char c) { return c < ' ' || c == 127; }, ' ');
     }
     throw UserError({d});
 }

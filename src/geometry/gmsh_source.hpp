@@ -20,10 +20,10 @@ public:
     [[noreturn]] void fail(std::size_t where, const std::string& message, const std::string& note = {}) const;
 
     // text; `what` is wanted, for messages
-    std::string_view next_line();                     // skips blank ones; without blanks at its ends; empty at the end of the file
-    std::int64_t text_integer(const char* what);      // on this line
+    std::string_view next_line();                 // skips blank ones; without blanks at its ends; empty at the end of the file
+    std::int64_t text_integer(const char* what);  // on this line
     double text_real(const char* what);
-    void end_of_line();                               // there must be nothing more on this line
+    void end_of_line();  // there must be nothing more on this line
     /// Skips all up to this text; false when it does not come.
     bool skip_past(std::string_view text);
 

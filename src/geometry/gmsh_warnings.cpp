@@ -54,9 +54,11 @@ Index n_doubled_vertices(const Mesh& mesh) {
 std::vector<std::string> mesh_warnings(const Mesh& mesh) {
     std::vector<std::string> warnings;
     if (const Index n = n_pieces(mesh); n > 1)
-        warnings.push_back("the mesh falls into " + std::to_string(n) + " pieces that share no edge: they never feel each other, there is no contact between them");
+        warnings.push_back("the mesh falls into " + std::to_string(n) +
+                           " pieces that share no edge: they never feel each other, there is no contact between them");
     if (const Index n = n_doubled_vertices(mesh); n > 0)
-        warnings.push_back(std::to_string(n) + " nodes of the boundary lie on top of others: the body is open there, without cohesion and contact "
+        warnings.push_back(std::to_string(n) +
+                           " nodes of the boundary lie on top of others: the body is open there, without cohesion and contact "
                            "(`Coherence` in Gmsh joins surfaces; a crack is a group of lines inside the body)");
     return warnings;
 }

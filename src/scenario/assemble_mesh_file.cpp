@@ -14,8 +14,9 @@ void check_nothing_else(Assembly& assembly) {
         const bool of_mesh = entry.path == "mesh.min_angle" || entry.path == "mesh.grading" || entry.path.starts_with("mesh.refine[");
         const bool of_a_list = entry.path.find('.') != entry.path.rfind('.');
         if ((of_domain || of_mesh) && !of_a_list && assembly.values.given(entry.path))
-            assembly.findings.error_at_name("exclusive-keys", "`" + entry.path + "` has no meaning beside mesh.file", assembly.at(entry.path)).note =
-                "the file says what the body and its mesh are";
+            assembly.findings
+                .error_at_name("exclusive-keys", "`" + entry.path + "` has no meaning beside mesh.file", assembly.at(entry.path))
+                .note = "the file says what the body and its mesh are";
     }
     for (const char* path : {"mesh.min_angle", "mesh.grading"}) assembly.values.leave_out(path);
 }
@@ -25,7 +26,8 @@ std::optional<GmshMesh> read_mesh(Assembly& assembly, const std::string& file, s
     const std::filesystem::path path = assembly.beside.directory / file;
     std::optional<std::string> found = assembly.beside.bytes_of(file);
     if (!found) {
-        assembly.findings.error("missing-file", "cannot read `" + path.string() + "`", at).note = "file names are relative to the scenario file";
+        assembly.findings.error("missing-file", "cannot read `" + path.string() + "`", at).note =
+            "file names are relative to the scenario file";
         return std::nullopt;
     }
     bytes = std::move(*found);
@@ -50,10 +52,16 @@ std::vector<Index> materials_of_groups(const Assembly& assembly, const std::stri
         if (found != materials.end() || materials.empty() || (!group.named && materials.size() == 1)) continue;  // no material: reported
         const Node& at = assembly.at("mesh.file");
         if (group.name.empty()) {
-            assembly.findings.error("unknown-name", std::to_string(group.n) + " triangles of `" + file + "` are in no physical surface, so their material is not known", at)
-                .note = "materials: " + joined(materials);
+            assembly.findings
+                .error(
+                    "unknown-name",
+                    "`" + file + "`: " + std::to_string(group.n) + " triangles are in no physical surface, so their material is not known",
+                    at)
+                .note = "give each surface a physical group, with one of the names " + joined(materials) +
+                        " (Mesh.SaveAll leaves groups out of format 2.2)";
         } else {
-            Diagnostic& d = assembly.findings.error("unknown-name", "the physical surface `" + group.name + "` of `" + file + "` is no material", at);
+            Diagnostic& d =
+                assembly.findings.error("unknown-name", "the physical surface `" + group.name + "` of `" + file + "` is no material", at);
             d.hint = did_you_mean(group.name, materials);
             d.note = "materials: " + joined(materials);
         }
@@ -69,7 +77,8 @@ void mark_cracks(const Assembly& assembly, GmshMesh& read) {
         if (found == known.end()) {
             const auto& outside = read.mesh.boundary_names;
             const bool on_boundary = std::find(outside.begin(), outside.end(), name->text) != outside.end();
-            Diagnostic& d = assembly.findings.error("unknown-name", "there is no physical curve `" + name->text + "` inside the body", *name);
+            Diagnostic& d =
+                assembly.findings.error("unknown-name", "there is no physical curve `" + name->text + "` inside the body", *name);
             d.hint = did_you_mean(name->text, known);
             d.note = on_boundary ? "all of it lies on the boundary" : known.empty() ? "there is none" : "known: " + joined(known);
         }

@@ -21,7 +21,8 @@ TEST_CASE("a run keeps the mesh that it read and can be repeated from its own di
     CHECK(text_of(folder.path / "a" / "resolved.toml").find("file = \"mesh.msh\"") != std::string::npos);
     REQUIRE(command("run " + folder.in_shell("a/resolved.toml") + " -q -j 1 -o " + folder.in_shell("b")).code == 0);
     CHECK(text_of(folder.path / "a" / "energy.csv") == text_of(folder.path / "b" / "energy.csv"));
-    REQUIRE(command("run " + folder.in_shell("a/resolved.toml") + " -q -j 1 --force -o " + folder.in_shell("a")).code == 0);  // in its own place
+    REQUIRE(command("run " + folder.in_shell("a/resolved.toml") + " -q -j 1 --force -o " + folder.in_shell("a")).code ==
+            0);  // in its own place
     CHECK(text_of(folder.path / "a" / "mesh.msh") == text_of(folder.path / "b" / "mesh.msh"));
     CHECK(command("render " + folder.in_shell("a") + " -o " + folder.in_shell("c")).code == 0);
 }
@@ -37,7 +38,8 @@ TEST_CASE("a mesh that knap wrote takes the place of meshing and gives the same 
     const Answer read = command("mesh " + folder.in_shell("s.toml"));
     CAPTURE(read.text);
     REQUIRE(read.code == 0);
-    for (const char* word : {"triangles", "interfaces", "pre-cracked edges", "area [m2]", "edge length [m]", "smallest angle", "stable step"}) {
+    for (const char* word :
+         {"triangles", "interfaces", "pre-cracked edges", "area [m2]", "edge length [m]", "smallest angle", "stable step"}) {
         CHECK_FALSE(line_with(made.text, word).empty());
         CHECK(line_with(read.text, word) == line_with(made.text, word));
     }

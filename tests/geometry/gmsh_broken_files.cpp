@@ -23,7 +23,8 @@ bool is_sound(const GmshMesh& read) {
     for (const BoundaryEdge& edge : mesh.boundary_edges)
         if (edge.boundary < 0 || edge.boundary >= static_cast<Index>(mesh.boundary_names.size())) return false;
     for (const InnerLine& line : read.inner_lines)
-        if (line.edge >= static_cast<Index>(mesh.interior_edges.size()) || line.group >= static_cast<Index>(read.inner_groups.size())) return false;
+        if (line.edge >= static_cast<Index>(mesh.interior_edges.size()) || line.group >= static_cast<Index>(read.inner_groups.size()))
+            return false;
     return true;
 }
 

@@ -15,7 +15,9 @@ using namespace knap::testing;
 
 namespace {
 
-double length(const Mesh& mesh, Index triangle, Index side) { return (mesh.corner(triangle, (side + 1) % 3) - mesh.corner(triangle, side)).norm(); }
+double length(const Mesh& mesh, Index triangle, Index side) {
+    return (mesh.corner(triangle, (side + 1) % 3) - mesh.corner(triangle, side)).norm();
+}
 
 std::map<std::string, double> boundary_lengths(const Mesh& mesh) {
     std::map<std::string, double> sums;
@@ -76,7 +78,7 @@ TEST_CASE("gmsh: a file of every format has the areas and lengths of its drawing
         CHECK(boundary.at("Rand unten ü") == doctest::Approx(20).epsilon(1e-12));
         CHECK(boundary.at("right") == doctest::Approx(10).epsilon(1e-12));
         CHECK(boundary.at("hole") < 4 * std::numbers::pi);
-        CHECK(boundary.at("hole") > 0.85 * 4 * std::numbers::pi);  // a polygon of 6 sides or more
+        CHECK(boundary.at("hole") > 0.85 * 4 * std::numbers::pi);      // a polygon of 6 sides or more
         CHECK(boundary.at("") == doctest::Approx(20).epsilon(1e-12));  // the top has no name
         CHECK(boundary.size() == 5);
         CHECK(read.mesh.boundary_names.back().empty());
@@ -128,8 +130,26 @@ TEST_CASE("gmsh: line ends of DOS and blank lines and a plus sign do not matter"
     CHECK(read_gmsh(square_file("2\n1 2 0 1 2 3\n2 2 0 1 3 4\n", nodes), "m.msh").mesh.n_vertices() == 4);
 }
 
+TEST_CASE("gmsh: format 4.1 may have no entities and then nothing is in a group") {
+    std::string text = gmsh_bytes("block_41_ascii.msh");
+    const std::size_t begin = text.find("$Entities"), end = text.find("$Nodes");
+    const GmshMesh read = read_gmsh(text.erase(begin, end - begin), "m.msh");
+    CHECK(read.mesh.n_triangles() == 65);
+    CHECK(read.mesh.boundary_names == std::vector<std::string>{""});
+    CHECK(read.surface_groups.size() == 1);
+    CHECK(read.inner_groups.empty());
+}
+
+TEST_CASE("gmsh: partitions of format 2.2 are more tags of an element") {
+    const GmshMesh read = read_gmsh(square_file("3\n1 2 4 5 1 1 2 1 2 3\n2 2 5 5 1 2 1 -2 1 3 4\n3 1 4 6 1 1 1 1 2\n"), "m.msh");
+    CHECK(read.mesh.n_triangles() == 2);
+    CHECK(read.surface_groups.size() == 1);
+    CHECK(read.mesh.boundary_names == std::vector<std::string>{"6", ""});
+}
+
 TEST_CASE("gmsh: sections that say nothing about the mesh are passed over") {
     const std::string other = "$Comments\nby hand\n$EndComments\n$NodeData\n1\n\"a\"\n$EndNodeData\n";
-    CHECK(read_gmsh(square_file("2\n1 2 0 1 2 3\n2 2 0 1 3 4\n", "4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n", other), "m.msh").mesh.n_triangles() == 2);
+    CHECK(read_gmsh(square_file("2\n1 2 0 1 2 3\n2 2 0 1 3 4\n", "4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n", other), "m.msh")
+              .mesh.n_triangles() == 2);
     CHECK(mistake(square_file("0\n", "0\n", "$Comments\nno end\n")).message.find("has no end") != std::string::npos);
 }

@@ -38,8 +38,9 @@ end = 80e-6
 
 /// Two triangles in format 2.2; `groups` are the physical groups of the two, 0 for none.
 std::string square(const std::string& groups, const std::string& names = "") {
-    return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + names + "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n$Elements\n2\n1 2 1 " +
-           groups.substr(0, 1) + " 1 2 3\n2 2 1 " + groups.substr(2) + " 1 3 4\n$EndElements\n";
+    return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + names +
+           "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n$Elements\n2\n1 2 1 " + groups.substr(0, 1) + " 1 2 3\n2 2 1 " +
+           groups.substr(2) + " 1 3 4\n$EndElements\n";
 }
 
 std::filesystem::path folder() {
@@ -87,13 +88,17 @@ TEST_CASE("mesh file: surfaces are materials and curves boundaries and cracks in
     CHECK(area[0] < 1e-4);
     double cracked = 0;
     for (const InteriorEdge& edge : mesh.interior_edges)
-        if (edge.cracked) cracked += (mesh.corner(edge.triangle[0], edge.side[0]) - mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3)).norm();
+        if (edge.cracked)
+            cracked += (mesh.corner(edge.triangle[0], edge.side[0]) - mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3)).norm();
     CHECK(cracked == doctest::Approx(5e-3).epsilon(1e-9));
     CHECK(s.shape.boundary_names == std::vector<std::string>{"left side", "Rand unten ü", "right", "hole"});
     CHECK(s.plane == PlaneModel::strain);
     CHECK(s.given->bytes.size() == std::filesystem::file_size(data / "block_41_binary.msh"));
 
-    const Scenario other = read_scenario_text(samples::changed("unit = \"1 mm\"\n", "", two_materials) + "[domain]\nmodel = \"plane stress\"\n", "s.toml", {}, data).scenario;
+    const Scenario other =
+        read_scenario_text(samples::changed("unit = \"1 mm\"\n", "", two_materials) + "[domain]\nmodel = \"plane stress\"\n", "s.toml", {},
+                           data)
+            .scenario;
     CHECK(other.plane == PlaneModel::stress);
     CHECK(other.given->mesh.vertices[0].norm() == doctest::Approx(1e3 * mesh.vertices[0].norm()));
 }
@@ -134,11 +139,12 @@ TEST_CASE("mesh file: names that the scenario does not have are refused") {
 
 TEST_CASE("mesh file: triangles without a name have the only material") {
     const std::string names = "$PhysicalNames\n1\n2 5 \"glass\"\n$EndPhysicalNames\n";
-    for (const char* groups : {"0 0", "0 7", "7 8"}) CHECK(beside(square(groups), one_material).scenario.given->mesh.region == std::vector<Index>{0, 0});
+    for (const char* groups : {"0 0", "0 7", "7 8"})
+        CHECK(beside(square(groups), one_material).scenario.given->mesh.region == std::vector<Index>{0, 0});
     CHECK(beside(square("5 0", names), one_material).scenario.given->mesh.n_triangles() == 2);
     const auto without = mistakes_beside(square("5 0", names), two_materials);
     REQUIRE(without.size() == 1);
-    CHECK(without[0].message == "1 triangles of `m.msh` are in no physical surface, so their material is not known");
+    CHECK(without[0].message == "`m.msh`: 1 triangles are in no physical surface, so their material is not known");
     CHECK(mistakes_beside(square("5 7", names), two_materials).size() == 1);
     const std::string numbered = samples::changed("material.steel", "material.7", two_materials);  // a number may be a name
     CHECK(beside(square("5 7", names), numbered).scenario.given->mesh.region.size() == 2);
@@ -154,7 +160,8 @@ TEST_CASE("mesh file: nothing else may say what the body is") {
         CHECK(found[0].code == "exclusive-keys");
         CHECK(found[0].message.find("has no meaning beside mesh.file") != std::string::npos);
     }
-    for (const char* more : {"size = 1\n", "min_angle = 20\n"}) CHECK(mistakes(samples::changed("[mesh]\n", std::string("[mesh]\n") + more, two_materials)).size() == 1);
+    for (const char* more : {"size = 1\n", "min_angle = 20\n"})
+        CHECK(mistakes(samples::changed("[mesh]\n", std::string("[mesh]\n") + more, two_materials)).size() == 1);
     const std::string shape = samples::changed("size = 0.001\n", "size = 0.001\nunit = 1\ncracks = [\"a\"]\n");
     CHECK(samples::mistakes(shape).size() == 2);
 }
