@@ -123,16 +123,8 @@ std::string GmshFile::group_name(int dimension, std::int32_t tag) const {
 }
 
 int nodes_of_gmsh_type(const GmshSource& source, std::size_t where, std::int64_t type) {
-    switch (type) {
-        case 15:
-            return 1;
-        case 1:
-            return 2;
-        case 2:
-            return 3;
-        default:
-            break;
-    }
+    if (type == 1 || type == 2) return static_cast<int>(type) + 1;
+    if (type == 15) return 1;
     static const std::map<std::int64_t, const char*> names{{3, "a quadrangle"},
                                                            {4, "a tetrahedron"},
                                                            {5, "a hexahedron"},

@@ -27,6 +27,24 @@ TEST_CASE("a run keeps the mesh that it read and can be repeated from its own di
     CHECK(command("render " + folder.in_shell("a") + " -o " + folder.in_shell("c")).code == 0);
 }
 
+TEST_CASE("pieces that share a vertex only are warned of and run as two bodies") {
+    const Folder folder("gmsh bow tie");
+    std::ofstream(folder.path / "m.msh")
+        << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n7\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 2 1 0\n6 2 2 0\n"
+        << "7 1 2 0\n$EndNodes\n$Elements\n4\n1 2 0 1 2 3\n2 2 0 1 3 4\n3 2 0 3 5 6\n4 2 0 3 6 7\n$EndElements\n";
+    std::ofstream(folder.path / "s.toml")
+        << "knap = 1\n[mesh]\nfile = \"m.msh\"\nunit = \"1 mm\"\n"
+        << "[material.glass]\ndensity = \"2450 kg/m3\"\nE = \"32 GPa\"\nnu = 0.2\n"
+        << "[interface.default]\nbreakable = false\n[[initial]]\nvelocity = [1, 0]\nbox = [1e-3, 1e-3, 2e-3, 2e-3]\n"
+        << "[time]\nend = \"20 us\"\n[expect]\nfragments = { value = 2, within = 0 }\n"
+        << "momentum_x = { value = 2.45e-3, within = \"1e-9 %\" }\n"
+        << "mean_displacement_x = { value = 10e-6, within = \"0.1 %\" }\n";
+    CHECK(command("mesh " + folder.in_shell("s.toml")).has("2 pieces"));
+    const Answer run = command("run " + folder.in_shell("s.toml") + " -q -j 1 -o " + folder.in_shell("a"));
+    CAPTURE(run.text);
+    CHECK(run.code == 0);
+}
+
 TEST_CASE("a mesh that knap wrote takes the place of meshing and gives the same report") {
     const Folder folder("gmsh again");
     const Answer made = command("mesh edge_cracked_block -s 'mesh.size=2 mm' -o " + folder.in_shell("m.msh"));
