@@ -6,7 +6,7 @@
 namespace knap {
 
 struct DefaultSolverOptions {
-    double tolerance = 1e-12;  // natural residual of the folded problem, whose diagonal and q are of order one
+    double tolerance = 1e-11;  // natural residual of the folded problem, whose diagonal and q are of order one
     int largest_dense = 3000;  // unknowns up to which Lemke is the last resort
     Eigen::VectorXd start;     // warm start; empty: zero
 };

@@ -53,10 +53,11 @@ private:
         }
         columns_.resize(candidates_.size());
         if (candidates_.empty()) return;
+        const int* first_entry = problem_.M.outerIndexPtr();
+        const int* column = problem_.M.innerIndexPtr();
         for (int i = 0; i < n_; ++i)
-            for (LcpMatrix::InnerIterator entry(problem_.M, i); entry; ++entry)
-                if (place[entry.col()] >= 0 && columns_[place[entry.col()]].size() < 4)
-                    columns_[place[entry.col()]].push_back({i, entry.value()});
+            for (int e = first_entry[i]; e < first_entry[i + 1]; ++e)
+                if (const int k = place[column[e]]; k >= 0 && columns_[k].size() < 4) columns_[k].push_back({i, problem_.M.valuePtr()[e]});
     }
 
     void recognise(int k) {
@@ -99,12 +100,17 @@ private:
     /// Rows i and j are opposite but for column k.
     bool opposite_rows(int i, int j, int k) const {
         const LcpMatrix& M = problem_.M;
-        double scale = 0;
-        for (LcpMatrix::InnerIterator entry(M, i); entry; ++entry) scale = std::max(scale, std::abs(entry.value()));
-        LcpMatrix::InnerIterator a(M, i), b(M, j);
-        for (; a && b; ++a, ++b)
-            if (a.col() != b.col() || (a.col() != k && !opposite(a.value(), b.value(), scale))) return false;
-        return !a && !b && opposite(problem_.q[i], problem_.q[j], std::abs(problem_.q[i]));
+        const int a = M.outerIndexPtr()[i], b = M.outerIndexPtr()[j], size = M.outerIndexPtr()[i + 1] - a;
+        if (M.outerIndexPtr()[j + 1] - b != size) return false;
+        double scale = 0, largest_sum = 0;
+        for (int e = 0; e < size; ++e) {
+            const int column = M.innerIndexPtr()[a + e];
+            if (column != M.innerIndexPtr()[b + e]) return false;
+            if (column == k) continue;
+            scale = std::max(scale, std::abs(M.valuePtr()[a + e]));
+            largest_sum = std::max(largest_sum, std::abs(M.valuePtr()[a + e] + M.valuePtr()[b + e]));
+        }
+        return largest_sum <= rounding * scale && opposite(problem_.q[i], problem_.q[j], std::abs(problem_.q[i]));
     }
 
     void unfold(int i) {
@@ -119,22 +125,24 @@ private:
     /// Columns i and j must be opposite in every row but k.
     void unfold_pairs_with_other_columns() {
         std::vector<int> mate(n_, -1);
-        std::vector<double> value(n_, 0.0);
         for (int i = 0; i < n_; ++i)
             if (role_[i] == first && unknown_of_[i].two_sided) mate[i] = unknown_of_[i].opposite, mate[unknown_of_[i].opposite] = i;
         std::vector<int> broken;
+        const LcpMatrix& M = problem_.M;
         for (int row = 0; row < n_; ++row) {
             if (role_[row] == slack || role_[row] == second) continue;  // second rows are the opposites of first ones
-            for (LcpMatrix::InnerIterator entry(problem_.M, row); entry; ++entry) value[entry.col()] = entry.value();
-            for (LcpMatrix::InnerIterator entry(problem_.M, row); entry; ++entry) {
-                const int column = static_cast<int>(entry.col()), other = mate[column];
-                if (other >= 0 && !opposite(entry.value(), value[other], std::abs(entry.value()))) broken.push_back(std::min(column, other));
+            for (int e = M.outerIndexPtr()[row], end = M.outerIndexPtr()[row + 1]; e < end; ++e) {
+                const int column = M.innerIndexPtr()[e], other = mate[column];
+                if (other < 0) continue;
+                const double value = M.valuePtr()[e];
+                const bool follows = e + 1 < end && M.innerIndexPtr()[e + 1] == other;
+                if (!opposite(value, follows ? M.valuePtr()[e + 1] : M.coeff(row, other), std::abs(value))) broken.push_back(column);
+                e += follows;
             }
-            for (LcpMatrix::InnerIterator entry(problem_.M, row); entry; ++entry) value[entry.col()] = 0;
         }
         for (const int i : broken) {
             const int leader = role_[i] == first ? i : mate[i];
-            if (leader >= 0 && role_[leader] == first) unfold(leader);
+            if (role_[leader] == first) unfold(leader);
         }
     }
 
@@ -159,20 +167,36 @@ private:
     std::vector<std::vector<Entry>> columns_;
 };
 
-/// D such that D M D has ones on the diagonal, or of the largest entry where there is none. Powers of two, which round nothing.
-Eigen::VectorXd scaling(const LcpMatrix& M) {
-    Eigen::VectorXd factor = Eigen::VectorXd::Zero(M.rows());
-    const auto root = [](double x) { return std::exp2(-std::round(0.5 * std::log2(x))); };
-    for (int i = 0; i < M.rows(); ++i)
-        if (const double diagonal = M.coeff(i, i); diagonal > 0) factor[i] = root(diagonal);
-    for (int i = 0; i < M.rows(); ++i) {
+/// Rows and columns of the unknowns, scaled by a D such that D M D has ones on the diagonal, or of the largest entry where there is none.
+/// Powers of two, which round nothing. `place` is the folded index of a row of the LCP, -1 where it has none.
+void take_and_scale(const LcpProblem& problem, const std::vector<int>& place, FoldedLcp& folded) {
+    const int n = static_cast<int>(folded.unknowns.size());
+    const LcpMatrix& M = problem.M;
+    Eigen::VectorXd& factor = folded.factor = Eigen::VectorXd::Zero(n);
+    for (int i = 0; i < n; ++i)
+        if (const double diagonal = M.coeff(folded.unknowns[i].row, folded.unknowns[i].row); diagonal > 0)
+            factor[i] = std::exp2(-std::round(0.5 * std::log2(diagonal)));
+    for (int i = 0; i < n; ++i) {
         if (factor[i] > 0) continue;
         double largest = 0;
-        for (LcpMatrix::InnerIterator entry(M, i); entry; ++entry)
-            largest = std::max(largest, std::abs(entry.value()) * (factor[entry.col()] > 0 ? factor[entry.col()] : 1.0));
+        for (LcpMatrix::InnerIterator entry(M, folded.unknowns[i].row); entry; ++entry)
+            if (const int j = place[entry.col()]; j >= 0) largest = std::max(largest, std::abs(entry.value()) * (factor[j] > 0 ? factor[j] : 1.0));
         factor[i] = largest > 0 ? std::exp2(-std::round(std::log2(largest))) : 1.0;
     }
-    return factor;
+    folded.q.resize(n);
+    folded.M.resize(n, n);
+    folded.M.reserve(M.nonZeros());
+    for (int i = 0; i < n; ++i) {
+        const int row = folded.unknowns[i].row;
+        folded.q[i] = factor[i] * problem.q[row];
+        folded.M.startVec(i);
+        for (LcpMatrix::InnerIterator entry(M, row); entry; ++entry)
+            if (const int j = place[entry.col()]; j >= 0) folded.M.insertBackByOuterInnerUnordered(i, j) = factor[i] * factor[j] * entry.value();
+    }
+    folded.M.finalize();
+    const double largest = n > 0 ? folded.q.cwiseAbs().maxCoeff() : 0.0;
+    if (largest > 0) folded.unit = std::exp2(std::round(std::log2(largest)));
+    folded.q /= folded.unit;
 }
 
 }  // namespace
@@ -223,27 +247,7 @@ FoldedLcp fold(const LcpProblem& problem) {
     const int n = static_cast<int>(result.unknowns.size());
     std::vector<int> place(problem.size(), -1);
     for (int i = 0; i < n; ++i) place[result.unknowns[i].row] = i;
-    int n_entries = 0;
-    for (const FoldedUnknown& u : result.unknowns)
-        for (LcpMatrix::InnerIterator entry(problem.M, u.row); entry; ++entry) n_entries += place[entry.col()] >= 0;
-    result.M.resize(n, n);
-    result.M.reserve(n_entries);
-    result.q.resize(n);
-    for (int i = 0; i < n; ++i) {
-        const int row = result.unknowns[i].row;
-        result.q[i] = problem.q[row];
-        result.M.startVec(i);
-        for (LcpMatrix::InnerIterator entry(problem.M, row); entry; ++entry)
-            if (place[entry.col()] >= 0) result.M.insertBack(i, place[entry.col()]) = entry.value();
-    }
-    result.M.finalize();
-    result.factor = scaling(result.M);
-    for (int i = 0; i < n; ++i)
-        for (LcpMatrix::InnerIterator entry(result.M, i); entry; ++entry) entry.valueRef() *= result.factor[i] * result.factor[entry.col()];
-    result.q = result.q.cwiseProduct(result.factor);
-    const double largest = n > 0 ? result.q.cwiseAbs().maxCoeff() : 0.0;
-    if (largest > 0) result.unit = std::exp2(std::round(std::log2(largest)));
-    result.q /= result.unit;
+    take_and_scale(problem, place, result);
     result.fed_by.resize(n);
     for (int i = 0; i < n; ++i) {
         FoldedUnknown& u = result.unknowns[i];

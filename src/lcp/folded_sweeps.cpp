@@ -6,13 +6,23 @@
 namespace knap {
 namespace {
 
-double row_value(const FoldedLcp& problem, int i, const Eigen::VectorXd& x, double& diagonal) {
+/// Row i of M x + q, and its entry in the column `other`.
+double row_value(const FoldedLcp& problem, int i, const Eigen::VectorXd& x, int other, double& entry) {
+    const LcpMatrix& M = problem.M;
     double sum = problem.q[i];
-    for (LcpMatrix::InnerIterator entry(problem.M, i); entry; ++entry) {
-        sum += entry.value() * x[entry.col()];
-        if (entry.col() == i) diagonal = entry.value();
+    for (int e = M.outerIndexPtr()[i], end = M.outerIndexPtr()[i + 1]; e < end; ++e) {
+        const int column = M.innerIndexPtr()[e];
+        sum += M.valuePtr()[e] * x[column];
+        if (column == other) entry = M.valuePtr()[e];
     }
     return sum;
+}
+
+/// Moves x_i, whose row has the value F, to the zero of its row within its bounds. Returns the step.
+double relax(const FoldedLcp& problem, int i, double F, double diagonal, Eigen::VectorXd& x) {
+    const double b = problem.upper(i, x), before = x[i];
+    x[i] = std::clamp(before - F / diagonal, problem.lower(i, b), b);
+    return x[i] - before;
 }
 
 }  // namespace
@@ -24,16 +34,33 @@ bool has_positive_diagonal(const FoldedLcp& problem) {
 }
 
 double sweep(const FoldedLcp& problem, Eigen::VectorXd& x, int n_sweeps) {
+    struct Feeding {
+        int unknown;
+        double F, coupling;  // coupling: of its row to the unknown it feeds
+    };
+    std::vector<Feeding> feeding;
     double largest = 0;
     for (int count = 0; count < n_sweeps; ++count) {
         largest = 0;
         for (int i = 0; i < problem.size(); ++i) {
-            double diagonal = 1, unused = 0;
-            double F = row_value(problem, i, x, diagonal);
-            for (const int t : problem.fed_by[i]) F += problem.unknowns[t].feed_factor * std::abs(row_value(problem, t, x, unused));
-            const double b = problem.upper(i, x), next = std::clamp(x[i] - F / diagonal, problem.lower(i, b), b);
-            largest = std::max(largest, std::abs(next - x[i]) * diagonal);
-            x[i] = next;
+            if (problem.unknowns[i].feeds >= 0) continue;  // moves together with the one it feeds
+            feeding.clear();
+            double diagonal = 1;
+            double F = row_value(problem, i, x, i, diagonal);
+            for (const int t : problem.fed_by[i]) {
+                Feeding& one = feeding.emplace_back(Feeding{t, 0, 0});
+                one.F = row_value(problem, t, x, i, one.coupling);
+                F += problem.unknowns[t].feed_factor * std::abs(one.F);
+            }
+            const double step = relax(problem, i, F, diagonal, x);
+            largest = std::max(largest, std::abs(step) * diagonal);
+            for (const Feeding& one : feeding) {
+                const int t = one.unknown;
+                const double own = problem.M.coeff(t, t);
+                double unused = 0;
+                const double F_t = feeding.size() == 1 ? one.F + one.coupling * step : row_value(problem, t, x, t, unused);
+                largest = std::max(largest, std::abs(relax(problem, t, F_t, own, x)) * own);
+            }
         }
     }
     return largest;
