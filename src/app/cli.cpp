@@ -58,9 +58,10 @@ int run_command_line(int argc, char** argv) {
     const auto read = [&] { return open_scenario(scenario, overrides); };
 
     RunOptions run{.command = words(argc, argv)};
-    std::string until;
+    std::string until, dump_lcp;
     CLI::App* run_command = add("run", "simulate a scenario, figures included", [&] {
         if (!until.empty()) run.until = quantity(until, "s");
+        if (!dump_lcp.empty()) run.dump_lcp = StepSelection::parse(dump_lcp);
         return run_scenario(read(), run);
     });
     takes_scenario(run_command);
@@ -68,6 +69,7 @@ int run_command_line(int argc, char** argv) {
     run_command->add_option("-j,--threads", run.threads, "threads; default all. Results do not depend on it")->check(CLI::Range(1, 1024));
     run_command->add_option("--until", until, "end earlier, as in 20us");
     run_command->add_flag("--force", run.force, "replace an earlier run");
+    run_command->add_option("--dump-lcp", dump_lcp, "store the complementarity problems of these steps in <run>/lcp: 10,20 or 10:5:40 (every fifth)");
     run_command->add_flag("-q,--quiet", run.quiet, "no progress line");
 
     bool full = false, strict = false, time = false;

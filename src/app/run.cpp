@@ -157,6 +157,7 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
     // mesh and model; nothing is written before they are known to be possible
     const Model model = model_of(read);
     const StepPlan plan = plan_of(read, model, options.until);
+    if (!options.dump_lcp.empty()) check_dump(model, scenario.time.scheme);
     MoreauJean stepper(model, scenario.time.scheme);
     record.cpu_model = whole.cpu();
     record.triangles = model.mesh.n_triangles();
@@ -200,6 +201,7 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
                 if (control.is_stuck()) throw SimulationError(stuck_text(*cut, where, plan.limits.smallest));
                 continue;
             }
+            if (options.dump_lcp.contains(next.n_steps)) log.add(dump_lcp(model, now, h, scenario.time.scheme, directory / "lcp"));
             std::swap(now, next);
             recorder.after_step(now, report);
             progress.after_step(now, recorder);

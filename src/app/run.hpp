@@ -1,5 +1,6 @@
 #pragma once
 // One run of a scenario, from its text to its figures: the whole program on one screen.
+#include "app/dump_lcp.hpp"
 #include "app/setup.hpp"
 #include "scenario/read_scenario.hpp"
 
@@ -19,6 +20,7 @@ struct RunOptions {
     bool quiet = false;            // no progress
     int threads = 0;               // 0 = all
     double until = std::numeric_limits<double>::infinity();  // [s] end earlier
+    StepSelection dump_lcp;                                  // steps whose complementarity problems are stored
     std::vector<std::string> command;                        // as typed, for the record
 };
 

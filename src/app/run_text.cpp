@@ -27,7 +27,7 @@ std::string steps_text(const RunRecord& record) {
     if (record.largest_step > record.smallest_step * (1 + 1e-6))
         add_line(text, "%lld steps of %.4g to %.4g s", static_cast<long long>(record.steps), record.smallest_step, record.largest_step);
     else
-        add_line(text, "%lld steps of %.4g s", static_cast<long long>(record.steps), record.step);
+        add_line(text, "%lld steps of %.4g s", static_cast<long long>(record.steps), record.steps > 0 ? record.largest_step : record.step);
     return text;
 }
 

@@ -1,0 +1,31 @@
+#pragma once
+// knap run --dump-lcp: the complementarity problems of chosen steps, stored for `knap lcp` and for other programs.
+#include "model/state.hpp"
+#include "stepper/scheme_options.hpp"
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace knap {
+
+/// Numbers of steps, counted from 1.
+class StepSelection {
+public:
+    /// "10", "10,20", "10:20" (every step from the first to the last), "10:5:40" (every fifth). Throws UserError.
+    static StepSelection parse(const std::string& text);
+    bool contains(std::int64_t step) const;
+    bool empty() const { return ranges_.empty(); }
+
+private:
+    std::vector<std::array<std::int64_t, 3>> ranges_;  // first, stride, last
+};
+
+/// Throws UserError where no problem of the whole step exists (explicit bulk) or its matrix would be too large to store.
+void check_dump(const Model& model, const SchemeOptions& scheme);
+
+/// Writes <directory>/step_000010.L.mtx and .q.mtx of a step of size h [s] from `begin`. Returns a line for the log. Throws SimulationError.
+std::string dump_lcp(const Model& model, const State& begin, double h, const SchemeOptions& scheme, const std::filesystem::path& directory);
+
+}  // namespace knap

@@ -1,0 +1,152 @@
+// knap run on the implicit path: cut steps, runs that cannot go on, stored complementarity problems.
+#include "program.hpp"
+
+#include "app/dump_lcp.hpp"
+#include "app/run_text.hpp"
+#include "base/error.hpp"
+
+#include <algorithm>
+
+using namespace program;
+
+namespace {
+
+/// The bar that is pulled apart in the middle, until shortly before the line is broken.
+const std::string bar = "bar_pulled_apart -q -j 1 -s time.bulk=implicit -s time.cohesion=implicit -s 'time.end=95 us' -s 'expect={}' "
+                        "-s 'figure=[{file=\"energy.png\", show=\"energy\"}]' ";
+
+/// One triangle of point masses without stiffness, glued at two of them; pulled by 1.1 of the strength. With h theta kappa = 1.5 the step
+/// has several solutions.
+void write_point_masses(const fs::path& folder) {
+    std::ofstream(folder / "triangle.msh") << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n1 1 \"base\"\n1 2 \"free\"\n2 3 \"dust\"\n"
+                                              "$EndPhysicalNames\n$Nodes\n3\n1 0 0 0\n2 2 0 0\n3 1 1 0\n$EndNodes\n$Elements\n4\n1 1 2 1 1 1 2\n"
+                                              "2 1 2 2 2 2 3\n3 1 2 2 2 3 1\n4 2 2 3 3 1 2 3\n$EndElements\n";
+    std::ofstream(folder / "masses.toml") << "knap = 1\nname = \"masses\"\n[mesh]\nfile = \"triangle.msh\"\n[material.dust]\ndensity = 3\nE = 1e-9\nnu = 0\n"
+                                             "[interface.default]\nbreakable = false\n[interface.glue]\nsigma_c = 1\nG_c = 0.5\n[[foundation]]\non = \"base\"\n"
+                                             "interface = \"glue\"\nglued = true\n[[load]]\nbody_force = [0, 3.3]\n[time]\nend = 9\nbulk = \"implicit\"\n"
+                                             "cohesion = \"implicit\"\nstep = 3\n[output]\nfields = false\n[[figure]]\nfile = \"energy.png\"\nshow = \"energy\"\n";
+}
+
+void check_complete(const fs::path& run) {
+    for (const char* file : {"scenario.toml", "resolved.toml", "run.json", "log.txt", "energy.csv", "cracks.csv", "fragments.csv", "figures/energy.png"})
+        CHECK_MESSAGE((fs::exists(run / file) && fs::file_size(run / file) > 0), file);
+}
+
+}  // namespace
+
+TEST_CASE("an implicit run says what it did") {
+    const Folder folder("implicit");
+    const Answer run = command("run " + bar + "-o " + folder.in_shell("run"));
+    CAPTURE(run.text);
+    REQUIRE(run.code == 0);
+    CHECK(run.has("linear solves"));
+    check_complete(folder.path / "run");
+    const std::string json = text_of(folder.path / "run/run.json");
+    for (const char* words : {"\"bulk\": \"implicit\"", "\"cohesion\": \"implicit\"", "\"theta\": 0.5", "\"mass\": \"lumped\"", "\"linear_solves\": ",
+                              "\"factorisations\": ", "\"softening\": 0", "\"assumption_1\": 0", "\"smallest_step_s\": ", "\"scheme_dissipation\": 0.0,"})
+        CHECK_MESSAGE(json.find(words) != std::string::npos, words);
+    CHECK(json.find("\n  \"linear_solves\": 0,") == std::string::npos);  // not those of the fans
+    const std::string energy = text_of(folder.path / "run/energy.csv");
+    CHECK(energy.starts_with("time,kinetic,strain,surface,external_work,cohesive_work,friction_work,impact_work,residual,law_lag,crossing_loss,"
+                             "scheme_dissipation,step_change_work,step\n"));
+
+    SUBCASE("theta above a half damps and the books close") {
+        const Answer damped = command("run " + bar + "-s time.theta=0.7 -s time.mass=consistent -o " + folder.in_shell("damped"));
+        CHECK(damped.code == 0);
+        const std::string found = text_of(folder.path / "damped/run.json");
+        CHECK(found.find("\"mass\": \"consistent\"") != std::string::npos);
+        CHECK(found.find("\"scheme_dissipation\": 0.0,") == std::string::npos);
+    }
+    SUBCASE("a shorter run is the begin of the longer one") {
+        CHECK(command("run " + bar + "--until 90us -o " + folder.in_shell("short")).code == 0);
+        const std::string part = text_of(folder.path / "short/energy.csv");
+        const std::string head = part.substr(0, part.rfind('\n', part.size() - 2));
+        CHECK(head.size() > 1000);
+        CHECK(energy.starts_with(head));
+    }
+}
+
+TEST_CASE("a run cuts its steps where cohesion begins to fall and says so") {
+    const Folder folder("cuts");
+    const Answer run = command("run " + bar + "-s 'time.step=100 CFL' -s 'time.step_cracking=10 CFL' -o " + folder.in_shell("run"));
+    CAPTURE(run.text);
+    REQUIRE(run.code == 0);
+    const std::string log = text_of(folder.path / "run/log.txt"), json = text_of(folder.path / "run/run.json");
+    CHECK(log.find("cut: t = ") != std::string::npos);
+    CHECK(log.find("at (0.008, ") != std::string::npos);  // the line in the middle
+    CHECK(log.find("m: cohesion begins to fall") != std::string::npos);
+    CHECK(json.find("\"softening\": 1,") != std::string::npos);
+    CHECK(run.has("cuts    1: cohesion begins to fall"));
+    CHECK(run.has(" to 7.917e-06 s;"));
+    const std::string resolved = text_of(folder.path / "run/resolved.toml");
+    CHECK(resolved.find("step = \"100 CFL\"") != std::string::npos);
+    CHECK(resolved.find("step_cracking = \"10 CFL\"") != std::string::npos);
+
+    // what is cut is cut at the same times in a shorter run
+    CHECK(command("run " + bar + "-s 'time.step=100 CFL' -s 'time.step_cracking=10 CFL' --until 88us -o " + folder.in_shell("short")).code == 0);
+    const std::string part = text_of(folder.path / "short/energy.csv"), whole = text_of(folder.path / "run/energy.csv");
+    const std::string head = part.substr(0, part.rfind('\n', part.size() - 2));
+    CHECK(head.size() > 200);
+    CHECK(whole.starts_with(head));
+}
+
+TEST_CASE("a run that cannot go on ends with 3 and its outputs are complete") {
+    const Folder folder("stuck");
+    write_point_masses(folder.path);
+    const std::string masses = "run " + folder.in_shell("masses.toml") + " -q -j 1 ";
+    // a motion that is no number
+    const Answer infinite = command(masses + "-s 'load[0].body_force=[0, 1e200]' -s time.bulk=explicit -o " + folder.in_shell("run"));
+    CAPTURE(infinite.text);
+    CHECK(infinite.code == 3);
+    CHECK(infinite.has("reason: the motion is no longer finite"));
+    check_complete(folder.path / "run");
+    CHECK(text_of(folder.path / "run/run.json").find("\"status\": \"failed\"") != std::string::npos);
+}
+
+TEST_CASE("why a run stopped names place and time and what to change") {
+    const knap::StepCut cut{.reason = knap::CutReason::not_converged, .time = 3e-5, .from = 2e-9, .to = 1e-9};
+    const std::string text = knap::stuck_text(cut, {0.25, -0.5}, 1.5e-9);
+    for (const char* words : {"t = 3e-05 s", "(0.25, -0.5) m", "2e-09 s", "1.5e-09 s", "theta", "time.step_min"})
+        CHECK_MESSAGE(text.find(words) != std::string::npos, words);
+    CHECK(knap::cut_text(cut, {0.25, -0.5}).find("2e-09 s -> 1e-09 s at (0.25, -0.5) m: the interface problem") != std::string::npos);
+}
+
+TEST_CASE("complementarity problems of chosen steps are stored and can be solved") {
+    const Folder folder("dump");
+    const Answer run = command("run " + bar + "--dump-lcp 1,10:20:40 -o " + folder.in_shell("run"));
+    CAPTURE(run.text);
+    REQUIRE(run.code == 0);
+    std::vector<std::string> files;
+    for (const auto& file : fs::directory_iterator(folder.path / "run/lcp")) files.push_back(file.path().filename().string());
+    std::sort(files.begin(), files.end());
+    CHECK(files == std::vector<std::string>{"step_000001.L.mtx", "step_000001.q.mtx", "step_000010.L.mtx", "step_000010.q.mtx", "step_000030.L.mtx",
+                                            "step_000030.q.mtx"});
+    CHECK(text_of(folder.path / "run/log.txt").find("lcp: step_000010: ") != std::string::npos);
+    const Answer solved = command("lcp " + folder.in_shell("run/lcp/step_000030"));
+    CHECK(solved.code == 0);
+    CHECK(solved.has("solved"));
+    CHECK(command("run bar_pulled_apart --dump-lcp 1 -o " + folder.in_shell("explicit")).has("time.bulk = \"implicit\""));
+    const Answer large = command("run edge_cracked_block -s 'domain.crack=[]' -s 'interface.default.breakable=true' -s time.bulk=implicit "
+                                 "-s 'mesh.size=0.25 mm' -s time.cohesion=implicit --dump-lcp 1 -o " + folder.in_shell("large"));
+    CHECK(large.code == 2);
+    CHECK(large.has("too-large"));
+    CHECK_FALSE(fs::exists(folder.path / "large"));
+}
+
+TEST_CASE("steps to store are chosen by number or by range") {
+    const auto chosen = [](const std::string& text) {
+        std::vector<int> numbers;
+        const knap::StepSelection selection = knap::StepSelection::parse(text);
+        for (int i = 0; i < 100; ++i)
+            if (selection.contains(i)) numbers.push_back(i);
+        return numbers;
+    };
+    CHECK(chosen("10") == std::vector<int>{10});
+    CHECK(chosen("20,10") == std::vector<int>{10, 20});
+    CHECK(chosen("3:6") == std::vector<int>{3, 4, 5, 6});
+    CHECK(chosen("10,20:5:40") == std::vector<int>{10, 20, 25, 30, 35, 40});
+    for (const char* text : {",", "0", "-3", "a", "1:", "1:2:3:4", "5:1:4", "1,,2", "1.5", "1:0:3", " "}) {
+        CAPTURE(text);
+        CHECK_THROWS_AS(knap::StepSelection::parse(text), knap::UserError);
+    }
+}
