@@ -15,6 +15,7 @@ struct Tally {
     int n_steps = 0;
     int n_refused = 0, n_not_converged = 0;         // steps that the stepper did not take
     int n_unsolved = 0;                             // that Lemke's method did not solve, or not to 1e-11
+    int n_inexact = 0;                              // that the stepper solved to 1e-8 and not to 1e-10
     int n_several = 0;                              // with another solution, as good
     int n_wrong = 0;                                // with another motion that is none
     int n_damaged = 0, n_broken = 0, n_closed = 0;  // points at the ends of steps; what was tried at all
@@ -96,6 +97,7 @@ void compare(std::uint64_t seed, const RandomBodyOptions& options, int n_steps, 
         count_points(model, reference, tally);
         const double apart = difference(model, h, judge.speed_scale(), reference, found);
         if (apart <= 1e-10) continue;
+        if (apart <= 1e-8) return void(++tally.n_inexact);
         judge.explain(found);
         const double verdict = judge.verdict(found).worst();
         if (verdict < 1e-8) return void(++tally.n_several);
@@ -110,13 +112,24 @@ void compare(std::uint64_t seed, const RandomBodyOptions& options, int n_steps, 
 
 TEST_CASE("implicit stepper: without friction random small bodies move as the full complementarity problem says") {
     Tally tally;
-    for (int seed = 0; seed < 60; ++seed) compare(seed, {.friction = false, .restitution = false}, 8, tally);
-    CHECK(tally.n_several == 0);
+    for (int seed = 0; seed < 80; ++seed) compare(seed, {.friction = false, .restitution = false}, 8, tally);
     CHECK(tally.n_wrong == 0);
-    CHECK(tally.n_unsolved == 0);
-    CHECK(tally.n_not_converged + tally.n_refused <= 1);
-    CHECK(tally.n_steps > 400);
-    CHECK(tally.n_damaged > 300);
-    CHECK(tally.n_broken > 100);
-    CHECK(tally.n_closed > 20);
+    CHECK(tally.n_several == 0);  // inside Assumption 1 the motion is unique
+    CHECK(tally.n_unsolved + tally.n_not_converged + tally.n_refused + tally.n_inexact <= 2);
+    CHECK(tally.n_steps > 600);
+    CHECK(tally.n_damaged > 3000);
+    CHECK(tally.n_broken > 300);
+    CHECK(tally.n_closed > 30);
+}
+
+TEST_CASE("implicit stepper: with friction random small bodies move as the full complementarity problem says") {
+    Tally tally;
+    for (int seed = 1000; seed < 1080; ++seed) compare(seed, {.restitution = false}, 8, tally);
+    CHECK(tally.n_wrong == 0);
+    CHECK(tally.n_several <= 4);
+    CHECK(tally.n_unsolved + tally.n_not_converged + tally.n_refused + tally.n_inexact <= 4);
+    CHECK(tally.n_steps > 500);
+    CHECK(tally.n_damaged > 3000);
+    CHECK(tally.n_broken > 300);
+    CHECK(tally.n_closed > 30);
 }

@@ -12,7 +12,9 @@ namespace knap::tests {
 struct RandomBodyOptions {
     bool friction = true, tangential = true, restitution = true;
     bool driven = true, foundation = true, unbreakable = true;
-    int most_cells = 3;  // each way, of two triangles
+    bool units = true;     // any units of length, mass and time
+    int most_cells = 3;    // each way, of two triangles
+    double longest = 1.2;  // step, as a part of what Assumption 1 asks of the smallest triangle alone
 };
 
 struct RandomBody {
@@ -32,6 +34,7 @@ public:
         make_laws(made);
         make_loads(made);
         make_step(made);
+        if (options_.units) change_units(made);
         return made;
     }
 
@@ -104,13 +107,38 @@ private:
             }
             mass = std::min(mass, m);
         }
-        made.step = least * random_.uniform(0.05, 1.2) / made.scheme.theta;
+        made.step = least * random_.uniform(0.05, options_.longest) / made.scheme.theta;
         // velocities that break some of the bonds in a few steps, others not
         const double speed = one_of({0.0, 0.3, 1.0, 3.0}) * law.sigma_c * made.step;
         for (std::size_t i = 0; i < input.mesh.vertices.size(); ++i) {
             const double x = random_.uniform(-1, 1), y = random_.uniform(-1, 1);
             made.velocity.push_back(speed * Vec2(x, y) / std::sqrt(mass));
         }
+    }
+
+    void change_units(RandomBody& made) {
+        const double length = std::pow(10, random_.uniform(-3, 3)), mass = std::pow(10, random_.uniform(-3, 3));
+        const double time = std::pow(10, random_.uniform(-3, 3));
+        const double pressure = mass / (length * time * time), speed = length / time;
+        ModelInput& input = made.input;
+        for (Vec2& x : input.mesh.vertices) x *= length;
+        input.thickness *= length;
+        for (Elastic& material : input.materials) material.density *= mass / std::pow(length, 3), material.E *= pressure;
+        input.laws[0].sigma_c *= pressure;
+        input.laws[0].G_c *= pressure * length;
+        for (Foundation& foundation : input.foundations) foundation.gap *= length;
+        for (Load& each : input.loads) {
+            double unit = 1;
+            if (each.kind == Load::Kind::traction) unit = pressure;
+            if (each.kind == Load::Kind::body_force) unit = pressure / length;
+            if (each.kind == Load::Kind::velocity) unit = speed;
+            if (each.kind == Load::Kind::displacement) unit = length;
+            for (auto& value : each.value)
+                if (value) *value *= unit;
+            for (double& t : each.history.time) t *= time;
+        }
+        for (Vec2& v : made.velocity) v *= speed;
+        made.step *= time;
     }
 
     Random random_;

@@ -3,7 +3,6 @@
 // from the start, so that each corner has a node of its own.
 #include "lcp/lemke.hpp"
 #include "lcp/residual.hpp"
-#include "lcp/scaling.hpp"
 #include "support/implicit_judge.hpp"
 #include "support/meshes.hpp"
 
@@ -15,30 +14,46 @@ namespace knap::tests {
 
 inline constexpr SchemeOptions implicit_scheme{.bulk = BulkScheme::implicit_theta, .cohesion = CohesionScheme::implicit_beta};
 
+/// Scales that make the diagonal 1, and the largest coupling of rows without one. Row norms alone leave multipliers and their bounds (r_T
+/// and chi) a common factor, which hides u_T+ beside chi where the step is short.
+inline Eigen::VectorXd scales_of_diagonal(const LcpProblem& problem) {
+    const Eigen::VectorXd diagonal = problem.M.diagonal();
+    Eigen::VectorXd scale(problem.size());
+    for (int i = 0; i < problem.size(); ++i) scale[i] = diagonal[i] > 0 ? 1 / std::sqrt(diagonal[i]) : 0;
+    Eigen::VectorXd found = scale;
+    for (int i = 0; i < problem.size(); ++i) {
+        if (scale[i] > 0) continue;
+        double largest = 0;
+        for (LcpMatrix::InnerIterator entry(problem.M, i); entry; ++entry)
+            largest = std::max(largest, std::abs(entry.value()) * scale[entry.col()]);
+        found[i] = largest > 0 ? 1 / largest : 1;
+    }
+    return found;
+}
+
 /// Lemke's method, then the linear system of the basis that it found once more: pivots leave rounding behind.
 inline LcpSolution solve_step(const LcpProblem& problem) {
-    LcpSolution found = solve_by_lemke(problem);
-    if (found.status != LcpStatus::solved || problem.size() == 0) return found;
-    const ScaledLcp scaled = equilibrated(problem);
-    const Eigen::MatrixXd M = scaled.problem.M;
-    Eigen::VectorXd z = scaled.scaled_z(found.z), w = M * z + scaled.problem.q;
-    std::vector<int> basic;
-    for (int i = 0; i < problem.size(); ++i)
-        if (z[i] > w[i])
-            basic.push_back(i);
-        else
-            z[i] = 0;
-    if (basic.empty()) return found;
-    const Eigen::MatrixXd M_basic = M(basic, basic);
-    const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor(M_basic);  // redundant points: singular
-    for (int i = 0; i < 2; ++i) {
-        w = M * z + scaled.problem.q;
-        z(basic) -= factor.solve(Eigen::VectorXd(w(basic)));
+    if (problem.size() == 0) return solve_by_lemke(problem);
+    const Eigen::VectorXd scale = scales_of_diagonal(problem);
+    const LcpProblem scaled{LcpMatrix(scale.asDiagonal() * problem.M * scale.asDiagonal()), scale.cwiseProduct(problem.q)};
+    LcpSolution found = solve_by_lemke(scaled);
+    if (found.status == LcpStatus::solved) {
+        Eigen::VectorXd z = found.z;
+        std::vector<int> basic;
+        for (int i = 0; i < scaled.size(); ++i)
+            if (z[i] > found.w[i])
+                basic.push_back(i);
+            else
+                z[i] = 0;
+        if (!basic.empty()) {
+            const Eigen::MatrixXd M_basic = Eigen::MatrixXd(scaled.M)(basic, basic);
+            const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor(M_basic);  // redundant points: singular
+            for (int i = 0; i < 2; ++i) z(basic) -= factor.solve(Eigen::VectorXd((scaled.M * z + scaled.q)(basic)));
+        }
+        if (scaled_residual(scaled, z) < scaled_residual(scaled, found.z)) found.z = z;
+        if (scaled_residual(scaled, found.z) > 1e-10) found.status = LcpStatus::stalled;
     }
-    const LcpSolution polished = lcp_solution(problem, LcpStatus::solved, scaled.original_z(z), found.iterations);
-    if (scaled_residual(problem, polished.z) < scaled_residual(problem, found.z)) found = polished;
-    if (scaled_residual(problem, found.z) > 1e-10) found.status = LcpStatus::stalled;
-    return found;
+    return lcp_solution(problem, found.status, scale.cwiseProduct(found.z), found.iterations);
 }
 
 /// A state in which every fan is split.
