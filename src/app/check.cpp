@@ -13,6 +13,7 @@
 namespace knap {
 namespace {
 
+constexpr double memory_of_factor = 2e-3;  // [MB] a triangle, of an intact body
 constexpr double usual_speed = 1e7;  // triangle-steps per core-second; --time measures it instead
 
 void print_mesh(const MeshReport& mesh) {
@@ -76,13 +77,34 @@ void print_parts(const Scenario& scenario, const Model& model) {
     std::printf("%s\n", implicit_bulk ? "all interfaces together: active set over sparse factorisations" : "one exact problem per vertex that may open");
 }
 
-double measured_speed(const Model& model, MoreauJean& stepper, double step) {
+/// [s] of processor time a step takes at the begin, after the first.
+double measured_step(const Model& model, MoreauJean& stepper, double step, int least, double at_least_for) {
     State now = initial_state(model), next = now;
     stepper.step(now, step, next);
     const Stopwatch watch;
     std::int64_t n = 0;
-    for (; n < 5 || watch.cpu() < 0.5; ++n) stepper.step(now, step, next), std::swap(now, next);
-    return static_cast<double>(n) * model.mesh.n_triangles() / watch.cpu();
+    for (; n < least || watch.cpu() < at_least_for; ++n)
+        if (stepper.step(now, step, next).refusal == Refusal::none) std::swap(now, next);
+    return watch.cpu() / static_cast<double>(n);
+}
+
+void print_cost(const Scenario& scenario, const Model& model, const StepPlan& plan, bool measure) {
+    const auto n_steps = static_cast<double>(plan.n_steps);
+    const double triangles = model.mesh.n_triangles();
+    const bool implicit = scenario.time.scheme.bulk == BulkScheme::implicit_theta;
+    MoreauJean stepper(model, scenario.time.scheme);
+    if (implicit) {
+        const double intact = measured_step(model, stepper, plan.limits.largest, measure ? 5 : 1, 0);
+        std::printf("  at least %.3g s of one core (an intact step takes %.2g s now; one in which cracks run many times that)", n_steps * intact, intact);
+    } else {
+        const double speed = measure ? triangles / measured_step(model, stepper, plan.limits.largest, 5, 0.5) : usual_speed;
+        std::printf("  about %.0f s of one core (at %.1e triangle-steps/s, %s)", n_steps * triangles / speed, speed,
+                    measure ? "measured now" : "usual; --time measures");
+    }
+    const double every = scenario.output.every > 0 ? scenario.output.every : scenario.time.end / 40;
+    const double frames = scenario.output.fields ? std::ceil(scenario.time.end / every) + 1 : 0;
+    const double memory = 60 + ((implicit ? memory_of_factor : 0) + 1.8e-3) * triangles;
+    std::printf(", %.0f MB of memory, %.0f MB of disk for %.0f frames\n", memory, frames * 85e-6 * triangles, frames);
 }
 
 }  // namespace
@@ -91,7 +113,6 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     const Scenario& scenario = read.scenario;
     const Model model = model_of(read);
     const StepPlan plan = plan_of(read, model, scenario.time.end);
-    MoreauJean stepper(model, scenario.time.scheme);
     const double edge = mean_edge(model.mesh);
     const double finest = finest_edge(scenario, edge);
 
@@ -102,18 +123,13 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     print_resolution(scenario, finest, plan.limits.cracking);
     print_parts(scenario, model);
 
-    const double work = static_cast<double>(plan.n_steps) * model.mesh.n_triangles();
-    const double speed = time ? measured_speed(model, stepper, plan.limits.largest) : usual_speed;
-    const double every = scenario.output.every > 0 ? scenario.output.every : scenario.time.end / 40;
-    const double frames = scenario.output.fields ? std::ceil(scenario.time.end / every) + 1 : 0;
     std::printf("run\n  stable step %.4g s, h = %.4g s (%.3g CFL), %lld steps, %.3g triangle-steps\n", plan.stable_step, plan.limits.largest,
-                plan.limits.largest / plan.stable_step, static_cast<long long>(plan.n_steps), work);
+                plan.limits.largest / plan.stable_step, static_cast<long long>(plan.n_steps),
+                static_cast<double>(plan.n_steps) * model.mesh.n_triangles());
     if (plan.limits.cracking < plan.limits.largest)
         std::printf("  from the first loss of cohesion on h = %.4g s (%.3g CFL): up to %.0f steps\n", plan.limits.cracking,
                     plan.limits.cracking / plan.stable_step, std::ceil(scenario.time.end / plan.limits.cracking));
-    std::printf("  about %.0f s of one core (at %.1e triangle-steps/s, %s), %.0f MB of memory, %.0f MB of disk for %.0f frames\n", work / speed,
-                speed, time ? "measured now" : "usual; --time measures", 60 + 1.8e-3 * model.mesh.n_triangles(),
-                frames * 85e-6 * model.mesh.n_triangles(), frames);
+    print_cost(scenario, model, plan, time);
 
     std::vector<Diagnostic> warnings = read.warnings;
     for (const Diagnostic& warning : resolution_warnings(read, edge)) warnings.push_back(warning);

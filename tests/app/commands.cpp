@@ -20,6 +20,24 @@ TEST_CASE("check says what would happen") {
     CHECK(command("check edge_cracked_block --time -s 'mesh.size=2 mm'").has("measured now"));
 }
 
+TEST_CASE("check says what the implicit path would do") {
+    const std::string bar = "check bar_pulled_apart -s time.bulk=implicit -s time.cohesion=implicit ";
+    const Answer check = command(bar + "-s 'time.step=100 CFL' -s 'time.step_cracking=5 CFL' -s time.theta=0.7 -s time.mass=consistent");
+    CAPTURE(check.text);
+    CHECK(check.code == 0);
+    for (const char* words : {"implicit bulk (theta 0.7, consistent mass)", "implicit beta", "Assumption 1 margin 0.97", "such steps are cut",
+                              "from the first loss of cohesion on", "(5 CFL)", "an intact step takes"})
+        CHECK_MESSAGE(check.has(words), words);
+    CHECK(command(bar + "-s 'time.step=2 CFL'").has("holds for every step"));
+    CHECK(command(bar + "-s time.assumption_1=ignore").has("one of several solutions is taken"));
+    CHECK(command(bar + "-s time.cohesion=explicit").has("explicit beta has no such limit"));
+
+    const Answer order = command(bar + "-s 'time.step=5 CFL' -s 'time.step_cracking=6 CFL'");
+    CHECK(order.code == 2);
+    CHECK(order.has("step-order"));
+    CHECK(order.has("--set time.step_cracking=6 CFL"));
+}
+
 TEST_CASE("new writes a scenario that checks and is not overwritten") {
     const Folder folder("new");
     CHECK(command("new " + folder.in_shell("plate")).code == 0);

@@ -1,0 +1,76 @@
+// The energy books at their start, and the figure in which they must close.
+#include "observe/curve_figures.hpp"
+#include "observe/energy_ledger.hpp"
+
+#include "support/bodies.hpp"
+#include "support/relative.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+const CohesiveLaw glue{.sigma_c = 1, .G_c = 0.5};
+
+}  // namespace
+
+TEST_CASE("books: the energy of motion at the start is that of the mass matrix") {
+    const Model model = make_model(point_masses(glue, true));  // one triangle of mass 3
+    State start = initial_state(model);
+    start.velocity[start.node_of_corner[0]] = {1, 0};
+    CHECK(EnergyLedger(model, start).row().kinetic == relative(0.5, 1e-15));                            // 1/2 m/3 v^2
+    CHECK(EnergyLedger(model, start, MassMatrix::consistent).row().kinetic == relative(0.25, 1e-15));   // 1/2 m/6 v^2
+    for (Vec2& v : start.velocity) v = {1, 2};
+    CHECK(EnergyLedger(model, start).row().kinetic == relative(7.5, 1e-15));
+    CHECK(EnergyLedger(model, start, MassMatrix::consistent).row().kinetic == relative(7.5, 1e-15));  // moved as a whole: the same
+}
+
+TEST_CASE("books: a preload is energy of the start and no work") {
+    ModelInput input = point_masses(glue, true);
+    input.materials = {{.density = 3, .E = 8, .nu = 0}};
+    const Model model = make_model(input);
+    State start = initial_state(model);
+    start.displacement[start.node_of_corner[2]] = {0, 0.25};  // eps_yy = 1/4 over the area 1
+    EnergyLedger ledger(model, start);
+    CHECK(ledger.row().strain == relative(0.25, 1e-14));  // 1/2 E eps^2
+    CHECK(ledger.row().external_work == 0);
+    StepReport held;
+    held.strain = ledger.row().strain;
+    ledger.add(start, held);
+    CHECK(std::abs(ledger.row().residual) <= 1e-15);
+}
+
+TEST_CASE("books: what the scheme damps closes the balance") {
+    const Model model = make_model(point_masses(glue, true));
+    State now = initial_state(model);
+    EnergyLedger ledger(model, now);
+    ledger.add(now, {.kinetic = 3, .strain = 1, .external_work = 5, .scheme_dissipation = 1});
+    CHECK(ledger.row().residual == 0);
+    ledger.add(now, {.kinetic = 2, .strain = 1.5, .scheme_dissipation = 0.5});
+    CHECK(ledger.row().scheme_dissipation == 1.5);
+    CHECK(ledger.row().residual == 0);
+}
+
+TEST_CASE("figures: the energy figure closes from the energy of the start and with what the scheme damps") {
+    History energy;
+    energy.columns = {"time", "kinetic", "strain", "surface", "external_work", "friction_work", "impact_work", "scheme_dissipation"};
+    energy.rows = {{0, 2, 1, 0, 0, 0, 0, 0}, {1, 2, 2, 1, 4, -0.5, -0.25, 1.25}};
+    const Chart chart = energy_chart(energy);
+    const auto curve = [&](const std::string& label) -> const Curve* {
+        for (const Curve& c : chart.curves)
+            if (c.label == label) return &c;
+        return nullptr;
+    };
+    REQUIRE(curve("sum of all"));
+    REQUIRE(curve("start + external work"));
+    REQUIRE(curve("damped by the scheme"));
+    CHECK(curve("sum of all")->y == std::vector<double>{3, 7});
+    CHECK(curve("start + external work")->y == std::vector<double>{3, 7});
+
+    energy.rows = {{0, 0, 0, 0, 0, 0, 0, 0}, {1, 2, 2, 0, 4, 0, 0, 0}};
+    const Chart plain = energy_chart(energy);
+    for (const Curve& c : plain.curves) CHECK(c.label != "damped by the scheme");
+    CHECK(plain.curves[1].label == "external work");
+}
