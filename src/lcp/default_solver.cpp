@@ -16,10 +16,11 @@ constexpr int n_attempts = 4;          // sweeps and Newton by turns, each with 
 constexpr int n_covering_vectors = 3;  // of Lemke
 constexpr double much = 0.3;           // of the entries of a matrix that is as good as dense
 
-/// Sweeps that cost as much as a linear solve; measured on problems of 100 to 4000 unknowns, right within a factor of two.
+/// Sweeps that cost about as much as a linear solve, measured on problems of 100 to 4000 unknowns; on the large sparse ones a few times
+/// as many, since there Newton often needs tens of solves to tell the redundant impulses apart.
 double sweeps_per_solve(const FoldedLcp& folded) {
     const double n = folded.size();
-    return static_cast<double>(folded.M.nonZeros()) > much * n * n ? 10 + n / 40 : 2.5 * std::sqrt(n);
+    return static_cast<double>(folded.M.nonZeros()) > much * n * n ? 10 + n / 40 : std::max(2.5 * std::sqrt(n), n / 10);
 }
 
 /// Sweeps until x is a solution, or until linear solves promise to be cheaper. Returns whether x is one.

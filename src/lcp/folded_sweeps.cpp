@@ -9,11 +9,17 @@ namespace {
 /// Row i of M x + q, and its entry in the column `other`.
 double row_value(const FoldedLcp& problem, int i, const Eigen::VectorXd& x, int other, double& entry) {
     const LcpMatrix& M = problem.M;
+    const int begin = M.outerIndexPtr()[i], size = M.outerIndexPtr()[i + 1] - begin;
+    const int* columns = M.innerIndexPtr() + begin;
+    const double* values = M.valuePtr() + begin;
+    if (size > 0 && columns[size - 1] - columns[0] == size - 1) {  // without gaps, as in a dense matrix
+        if (const int place = other - columns[0]; place >= 0 && place < size) entry = values[place];
+        return problem.q[i] + Eigen::Map<const Eigen::VectorXd>(values, size).dot(x.segment(columns[0], size));
+    }
     double sum = problem.q[i];
-    for (int e = M.outerIndexPtr()[i], end = M.outerIndexPtr()[i + 1]; e < end; ++e) {
-        const int column = M.innerIndexPtr()[e];
-        sum += M.valuePtr()[e] * x[column];
-        if (column == other) entry = M.valuePtr()[e];
+    for (int e = 0; e < size; ++e) {
+        sum += values[e] * x[columns[e]];
+        if (columns[e] == other) entry = values[e];
     }
     return sum;
 }

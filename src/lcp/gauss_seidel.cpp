@@ -28,9 +28,10 @@ struct Block {
         active.clear();
         for (int i = 0; i < z.size(); ++i)
             if (z[i] > 0) active.push_back(i);
+        inverse.resize(0, 0);
+        if (active.empty()) return;
         const Eigen::FullPivLU<Eigen::MatrixXd> lu(M(active, active));
-        if (!active.empty() && lu.rcond() > least_condition) inverse = lu.inverse();
-        else inverse.resize(0, 0);
+        if (lu.rcond() > least_condition) inverse = lu.inverse();
     }
 
     /// z by the last active set; false where that is not the solution.

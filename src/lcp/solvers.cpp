@@ -1,5 +1,6 @@
 #include "lcp/solvers.hpp"
 
+#include "lcp/convex_qp.hpp"
 #include "lcp/default_solver.hpp"
 #include "lcp/gauss_seidel.hpp"
 #include "lcp/interior_point.hpp"
@@ -22,6 +23,7 @@ std::span<const LcpSolver> lcp_solvers() {
         LcpSolver{"lemke", false, [](const LcpProblem& p, const Start&) { return solve_by_lemke(p); }},
         LcpSolver{"gauss_seidel", true, [](const LcpProblem& p, const Start& start) { return solve_by_gauss_seidel(p, {.start = start}); }},
         LcpSolver{"newton", true, [](const LcpProblem& p, const Start& start) { return solve_by_newton(p, {.start = start}); }},
+        LcpSolver{"convex_qp", true, [](const LcpProblem& p, const Start& start) { return solve_by_convex_qp(p, {.start = start}); }},
         LcpSolver{"interior_point", false, [](const LcpProblem& p, const Start&) { return solve_by_interior_point(p); }},
     };
     return solvers;

@@ -25,7 +25,7 @@ TEST_CASE("lcp compares the solvers and tells free bond breaking from a solution
     const Answer answer = command("lcp --solver all --json " + stored("line_16_si"));
     CAPTURE(answer.text);
     CHECK(answer.code == 0);
-    for (const char* words : {"lemke", "gauss_seidel", "newton", "interior_point", "scaled_residual", "cpu_s", "\"bonds_freely_broken\": 0"})
+    for (const char* words : {"\"default\"", "lemke", "convex_qp", "gauss_seidel", "newton", "interior_point", "scaled_residual", "cpu_s", "\"bonds_freely_broken\": 0"})
         CHECK_MESSAGE(answer.has(words), words);
     const Answer middle = command("lcp --solver interior_point " + stored("line_16_si"));
     CHECK(middle.code == 3);

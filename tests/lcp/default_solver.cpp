@@ -1,0 +1,137 @@
+// The default solver: folding, warm starts, sizes that nothing dense can reach.
+#include "lcp/default_solver.hpp"
+
+#include "lcp/fold.hpp"
+#include "lcp/folded_newton.hpp"
+#include "lcp/folded_sweeps.hpp"
+#include "lcp/free_breaking.hpp"
+#include "lcp/lemke.hpp"
+#include "lcp/matrix_market.hpp"
+#include "lcp/residual.hpp"
+#include "lcp/solvers.hpp"
+#include "support/cohesive_lcp.hpp"
+
+#include <doctest/doctest.h>
+
+#include <string>
+
+using namespace knap;
+using knap::tests::CohesiveBody;
+using knap::tests::CohesiveScene;
+
+namespace {
+
+LcpProblem stored(const std::string& name) { return read_lcp(std::string(KNAP_SOURCE_DIR) + "/tests/lcp/data/" + name); }
+
+void check_solved(const LcpProblem& problem, const LcpSolution& solution) {
+    CHECK(solution.status == LcpStatus::solved);
+    CHECK(scaled_residual(problem, solution.z) <= 1e-10);
+    if (const auto layout = cohesive_layout(problem)) CHECK(free_breaking(problem, solution.z, *layout).n_free == 0);
+}
+
+}  // namespace
+
+TEST_CASE("a cohesive problem folds to two unknowns a point and two a contact") {
+    for (const char* name : {"line_4", "all_2", "line_16_si"}) {
+        const LcpProblem problem = stored(name);
+        const CohesiveLayout layout = cohesive_layout(problem).value();
+        const FoldedLcp folded = fold(problem);
+        CHECK(folded.size() == 2 * layout.n_cohesive + 2 * layout.n_contacts);
+        for (int i = 0; i < folded.size(); ++i) CHECK(folded.M.coeff(i, i) <= 2);
+    }
+}
+
+TEST_CASE("folding and unfolding keep a solution") {
+    const LcpProblem problem = stored("all_2");
+    const LcpSolution solution = solve_by_lemke(problem);
+    const FoldedLcp folded = fold(problem);
+    const Eigen::VectorXd x = folded.folded(solution.z);
+    CHECK(folded.natural_map(x, folded.value(x)).cwiseAbs().maxCoeff() <= 1e-12);
+    CHECK(scaled_residual(problem, folded.unfolded(x)) <= 1e-12);
+}
+
+TEST_CASE("what is no bound stays in the folded problem") {
+    Eigen::MatrixXd M(4, 4);  // a contact with friction; the last row is the bound of the two before it
+    M << 1, .8, -.8, 0, .8, 1, -1, 1, -.8, -1, 1, 1, .5, -1, -1, 0;
+    const Eigen::Vector4d q(.3, 1, -1, 0);
+    CHECK(fold(lcp_problem(M, q)).size() == 2);
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column) {
+            if (row == 0 && column == 0) continue;
+            Eigen::MatrixXd other = M;
+            other(row, column) += 0.25;
+            const bool still = (row == 3 && column == 0) || (row == 0 && column == 3);  // another friction, or the slack feeds the contact
+            CAPTURE(row);
+            CAPTURE(column);
+            CHECK(fold(lcp_problem(other, q)).size() == (still ? 2 : 4));
+        }
+    CHECK(fold(lcp_problem(M, Eigen::Vector4d(.3, 1, -1, -1))).size() == 4);  // a bound below zero
+    CHECK(fold(lcp_problem(M, Eigen::Vector4d(.3, 1, -.9, 0))).size() == 4);
+    CHECK(fold(lcp_problem(Eigen::MatrixXd(0, 0), Eigen::VectorXd(0))).size() == 0);
+}
+
+TEST_CASE("large redundant problems are solved without breaking bonds freely") {
+    struct Size {
+        CohesiveScene scene;
+        int least;
+    };
+    for (const Size& size : {Size{{.n_x = 8, .n_y = 8}, 3000}, Size{{.n_x = 14, .n_y = 14}, 10000}, Size{{.n_x = 8, .n_y = 8, .step = 4, .theta = 0.5}, 3000}}) {
+        CohesiveBody body(size.scene);
+        Eigen::VectorXd start;
+        for (int step = 0; step < 3; ++step) {
+            const LcpProblem problem = body.problem();
+            CHECK(problem.size() > size.least);
+            const LcpSolution solution = solve_by_default(problem, {.start = start});
+            check_solved(problem, solution);
+            body.advance(solution.z);
+            start = body.start();
+        }
+        CHECK(body.n_damaged() > body.n_points() / 20);  // something happened
+    }
+}
+
+TEST_CASE("the folded Newton ends what sweeps begin") {
+    for (const char* name : {"line_4", "all_2", "line_16_si", "trajH_s020"}) {
+        CAPTURE(std::string(name));
+        const LcpProblem problem = stored(name);
+        const FoldedLcp folded = fold(problem);
+        Eigen::VectorXd x = Eigen::VectorXd::Zero(folded.size());
+        sweep(folded, x, 5);
+        int n_solves = 0;
+        CHECK(solve_folded_by_newton(folded, {}, x, n_solves) == LcpStatus::solved);
+        CHECK(n_solves < 20);
+        check_solved(problem, {.z = folded.unfolded(x)});
+    }
+}
+
+TEST_CASE("every solver that takes a start needs less from the solution") {
+    const LcpProblem problem = stored("all_2");
+    const Eigen::VectorXd z = solve_by_lemke(problem).z;
+    for (const LcpSolver& solver : lcp_solvers()) {
+        CAPTURE(std::string(solver.name));
+        const int cold = solver.solve(problem).iterations, warm = solver.solve(problem, z).iterations;
+        if (solver.uses_start) CHECK(warm == 0);
+        else CHECK(warm == cold);
+    }
+}
+
+TEST_CASE("a warm start begins nearer to the solution along a run") {
+    CohesiveBody body({.n_x = 6, .n_y = 6});
+    double cold = 0, warm = 0;  // what is left to do after ten sweeps
+    for (int step = 0; step < 6; ++step) {
+        const LcpProblem problem = body.problem();
+        const Eigen::VectorXd start = body.start();
+        const LcpSolution solution = solve_by_default(problem, {.start = start});
+        check_solved(problem, solution);
+        if (step > 0) {
+            const FoldedLcp folded = fold(problem);
+            Eigen::VectorXd from_nothing = Eigen::VectorXd::Zero(folded.size()), from_before = folded.folded(start);
+            cold += sweep(folded, from_nothing, 10);
+            warm += sweep(folded, from_before, 10);
+        }
+        body.advance(solution.z);
+    }
+    CAPTURE(cold);
+    CAPTURE(warm);
+    CHECK(warm < 0.5 * cold);
+}
