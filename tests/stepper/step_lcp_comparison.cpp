@@ -133,3 +133,14 @@ TEST_CASE("implicit stepper: with friction random small bodies move as the full 
     CHECK(tally.n_broken > 300);
     CHECK(tally.n_closed > 30);
 }
+
+TEST_CASE("implicit stepper: two thousand random bodies move as the full complementarity problem says" * doctest::test_suite("slow")) {
+    for (const bool friction : {false, true}) {
+        Tally tally;
+        for (int seed = 2000; seed < 3000; ++seed) compare(seed, {.friction = friction, .restitution = false}, 8, tally);
+        CHECK(tally.n_wrong == 0);
+        CHECK(tally.n_several <= (friction ? 20 : 0));
+        CHECK(tally.n_unsolved + tally.n_not_converged + tally.n_refused + tally.n_inexact <= 30);
+        CHECK(tally.n_steps > 7000);
+    }
+}
