@@ -33,6 +33,18 @@ Driver driver(const Recorder& recorder, const State& end) {
     return driver;
 }
 
+/// [m/s] slope of the length of the main crack over the second half of its growth.
+double mean_tip_speed(const Recorder& recorder) {
+    const History& cracks = recorder.histories().cracks;
+    if (cracks.rows.empty()) return std::nan("");
+    const std::vector<double> time = cracks.column("time"), length = cracks.column("length");
+    std::vector<std::pair<double, double>> samples;
+    for (std::size_t i = 0; i < time.size() && (i == 0 || length[i - 1] < length.back()); ++i)
+        if (length[i] >= 0.5 * length.back()) samples.emplace_back(time[i], length[i]);
+    if (samples.size() < 2) return std::nan("");
+    return speed_over_window(samples, samples.back().second - samples.front().second);
+}
+
 }  // namespace
 
 Summary summarise(const Model& model, const State& end, const Recorder& recorder, double rayleigh_speed) {
@@ -74,6 +86,7 @@ Summary summarise(const Model& model, const State& end, const Recorder& recorder
         {"crack_length", pattern.crack_length},
         {"first_growth_time", cracks.first_growth_time().value_or(never)},
         {"max_tip_speed", cracks.max_tip_speed()},
+        {"mean_tip_speed", mean_tip_speed(recorder)},
         {"max_tip_speed_over_cR", rayleigh_speed > 0 ? cracks.max_tip_speed() / rayleigh_speed : never},
         {"tips", static_cast<double>(pattern.tips.size())},
         {"branches", static_cast<double>(pattern.n_branches())},

@@ -197,6 +197,7 @@ constexpr std::array summary{
     SummaryKey{"crack_length", "m", "length of the cracks that count, without single broken interfaces"},
     SummaryKey{"first_growth_time", "s", "first crack growth"},
     SummaryKey{"max_tip_speed", "m/s", "largest speed of the main crack tip"},
+    SummaryKey{"mean_tip_speed", "m/s", "its mean over the second half of the crack's growth"},
     SummaryKey{"max_tip_speed_over_cR", "", "the same over the Rayleigh speed"},
     SummaryKey{"tips", "", "number of crack tips at the end"},
     SummaryKey{"branches", "", "number of branchings at the end"},

@@ -1,0 +1,161 @@
+// Bodies with all their edges cohesive and implicit: ties (E3), friction of any size (E11), slivers (E12).
+#include "geometry/triangulate.hpp"
+#include "support/bodies.hpp"
+#include "support/springs.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+const Elastic glass{.density = 2450, .E = 32e9, .nu = 0.2};
+
+bool same_bits(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec2)) == 0;
+}
+
+int n_broken(const Run& run) {
+    int n = 0;
+    for (Index p = 0; p < run.model.n_points(); ++p) n += cohesion(run.model, run.now, p) == 0;
+    return n;
+}
+
+double energy_of_all_interfaces(const Model& model) {
+    double energy = 0;
+    for (const Interface& interface : model.interfaces)
+        if (!interface.cracked) energy += interface.length * model.thickness * model.laws[interface.law].G_c;
+    return energy;
+}
+
+/// To a time; a refused step is taken with half the size, and the size grows again. Number of refusals.
+int go(Run& run, double until, double h) {
+    int refusals = 0;
+    double now = h;
+    State end;
+    while (run.now.time < until * (1 - 1e-9)) {
+        const StepReport report = run.stepper.step(run.now, std::min(now, until - run.now.time), end);
+        if (report.refusal != Refusal::none) {
+            ++refusals;
+            now /= 2;
+            REQUIRE_MESSAGE(now > 1e-6 * h, "stuck at t = ", run.now.time, " after ", run.now.n_steps, " steps, ", refusals, " refusals, the last ", static_cast<int>(report.refusal));
+            continue;
+        }
+        std::swap(run.now, end);
+        run.ledger.add(run.now, report);
+        now = std::min(h, 1.5 * now);
+    }
+    return refusals;
+}
+
+void check_books(const Run& run, double residual = 0) {
+    const StepReport& worst = run.ledger.worst();
+    const double scale = run.ledger.largest_energy();
+    CHECK(std::abs(run.ledger.row().residual - residual) <= 1e-10 * scale);
+    CHECK(worst.worst_friction_work <= 1e-14 * scale);
+    CHECK(worst.worst_impact_work <= 1e-14 * scale);
+    CHECK(worst.largest_beta_growth == 0);
+    CHECK(worst.residual <= 1e-10);
+    CHECK(run.ledger.row().surface <= energy_of_all_interfaces(run.model) * (1 + 1e-12));
+}
+
+}  // namespace
+
+TEST_CASE("E3 all interfaces of a homogeneous bar reach their strength in one implicit step") {
+    ModelInput input;
+    input.plane = PlaneModel::stress;
+    input.mesh = bar_mesh(20, 4, 1, 0.2);
+    input.materials = {{.density = 1, .E = 1, .nu = 0}};
+    input.laws = {{.sigma_c = 1e-3, .G_c = 2e-5, .gamma = 1, .friction = 0.3}};
+    input.law_of_pair = {{0}};
+    input.loads = {load(Load::Kind::velocity, "left", -1e-3, std::nullopt), load(Load::Kind::velocity, "right", 1e-3, std::nullopt)};
+    const auto strain = [](Run& run) {  // a homogeneous rate of strain, from a stress a little below the strength
+        for (Index c = 0; c < run.model.mesh.n_corners(); ++c) {
+            const double x = run.model.mesh.corner(c / 3, c % 3).x();
+            run.now.displacement[run.now.node_of_corner[c]].x() = 0.999e-3 * (x - 0.5);
+            run.now.velocity[run.now.node_of_corner[c]].x() = 2e-3 * (x - 0.5);
+        }
+        run.ledger = EnergyLedger(run.model, run.now);
+    };
+    Run run(input, implicit()), again(input, implicit());
+    strain(run);
+    strain(again);
+    const double h = 0.02;  // a wave crosses .4 of a cell
+    const int refusals = go(run, 2, h);
+    CHECK(go(again, 2, h) == refusals);
+    MESSAGE("E3 ", run.now.n_steps, " steps, ", refusals, " refused, ", run.now.split_fans.size(), " vertices open, ", n_broken(run), " points broken, ",
+            static_cast<double>(run.ledger.worst().linear_solves) / static_cast<double>(run.now.n_steps), " linear solves a step");
+    CHECK(refusals == 0);
+    CHECK(same_bits(run.now.displacement, again.now.displacement));
+    CHECK(run.now.split_fans == again.now.split_fans);
+    CHECK(run.now.split_fans.size() > 0.8 * 19 * 5);  // the vertices of all columns but the ends
+    check_books(run);
+}
+
+TEST_CASE("E11 friction of 1 and 10 and 1000 with all edges implicit") {
+    Shape shape;
+    shape.outer = {.points = {{0, 0}, {0.04, 0}, {0.04, 0.02}, {0, 0.02}}, .boundary = {0, 1, 2, 3}};
+    shape.cracks = {{.points = {{0, 0.01}, {0.015, 0.01}}}};
+    shape.boundary_names = {"bottom", "right", "top", "left"};
+    for (const double friction : {1.0, 10.0, 1000.0}) {
+        CAPTURE(friction);
+        ModelInput input;
+        input.mesh = triangulate(shape, {.size = 3e-3});
+        input.thickness = 1e-3;
+        input.materials = {glass};
+        input.laws = {{.sigma_c = 4e6, .G_c = 3, .gamma = 1, .friction = friction}};
+        input.law_of_pair = {{0}};
+        input.loads = {load(Load::Kind::velocity, "left", 8.0, 0.0), load(Load::Kind::velocity, "right", -8.0, 0.0)};
+        Run run(input, implicit(0.5)), twin(input);
+        const double h = twin.stepper.stable_step();
+        const int refusals = go(run, 25e-6, h);
+        go(twin, 25e-6, 0.5 * h);
+        MESSAGE("E11 friction ", friction, ": ", run.now.n_steps, " steps, ", refusals, " refused, broken ", n_broken(run), " (explicit ", n_broken(twin), "), friction work ",
+                run.ledger.row().friction_work / run.ledger.largest_energy(), " (", twin.ledger.row().friction_work / twin.ledger.largest_energy(), ")");
+        CHECK(n_broken(run) > 0.5 * n_broken(twin));
+        CHECK(n_broken(run) < 1.5 * n_broken(twin) + 20);
+        CHECK(run.ledger.row().friction_work < 0);
+        check_books(run);
+    }
+}
+
+TEST_CASE("E12 slivers of half a degree do not disturb what is bound") {
+    // one vertex so near to an edge that a triangle of half a degree remains; all vertices solved with their points (split from the start)
+    Mesh mesh = bar_mesh(6, 6, 1, 1);
+    const Index vertex = 3 * 7 + 3;
+    mesh.vertices[vertex] -= Vec2(0.4, 1 - 4e-3) / 6;
+    name_sides(mesh, 1, 1);
+    ModelInput whole;
+    whole.mesh = mesh;
+    whole.materials = {glass};
+    whole.laws = {CohesiveLaw::unbreakable()};
+    whole.law_of_pair = {{0}};
+    whole.loads = {load(Load::Kind::traction, "left", 1e6, 3e5), load(Load::Kind::velocity, "right", 0.0, 0.0)};
+    ModelInput cohesive = whole;
+    cohesive.laws = {{.sigma_c = 5e7, .G_c = 1e4, .gamma = 1, .friction = 0.5}};
+    Model split = make_model(cohesive);
+    for (Fan& fan : split.fans) fan.split_at_start = true;
+    for (const double crossing : {0.1, 10.0}) {  // of a cell by a wave, in a step
+        const double h = crossing / 6 / glass.dilatational_speed(PlaneModel::strain);
+        Run reference(whole, implicit()), bound(cohesive, implicit()), open(split, implicit());
+        CHECK(go(reference, 40 * h, h) == 0);
+        CHECK(go(bound, 40 * h, h) == 0);
+        CHECK(go(open, 40 * h, h) == 0);
+        CHECK(bound.now.split_fans.empty());
+        double worst = 0, worst_bound = 0, largest = 0;
+        for (Index c = 0; c < mesh.n_corners(); ++c) {
+            const Vec2 u = reference.u(c / 3, c % 3);
+            worst = std::max(worst, (open.u(c / 3, c % 3) - u).norm());
+            worst_bound = std::max(worst_bound, (bound.u(c / 3, c % 3) - u).norm());
+            largest = std::max(largest, u.norm());
+        }
+        MESSAGE("E12 h of ", crossing, " cells: split differs by ", worst / largest, ", bound by ", worst_bound / largest);
+        CHECK(worst <= 1e-8 * largest);
+        CHECK(worst_bound <= 1e-12 * largest);
+        check_books(open);
+    }
+}
