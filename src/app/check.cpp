@@ -74,7 +74,7 @@ void print_parts(const Scenario& scenario, const Model& model) {
     else
         std::printf("explicit lumped bulk, ");
     std::printf("%s; ", implicit_beta ? "implicit beta" : "explicit beta");
-    std::printf("%s\n", implicit_bulk ? "all interfaces together: active set over sparse factorisations" : "one exact problem per vertex that may open");
+    std::printf("%s\n", implicit_bulk ? "all interfaces together: method of multipliers, sparse factorisations" : "one exact problem per vertex that may open");
 }
 
 /// [s] of processor time a step takes at the begin, after the first.
