@@ -103,6 +103,34 @@ TEST_CASE("a run that cannot go on ends with 3 and its outputs are complete") {
     CHECK(text_of(folder.path / "run/run.json").find("\"status\": \"failed\"") != std::string::npos);
 }
 
+TEST_CASE("a step beyond Assumption 1 ends the run or is cut or is taken as the scenario says") {
+    const Folder folder("assumption");
+    write_point_masses(folder.path);
+    const std::string masses = "run " + folder.in_shell("masses.toml") + " -q -j 1 ";
+
+    const Answer stuck = command(masses + "-s time.step_min=2 -o " + folder.in_shell("run"));
+    CAPTURE(stuck.text);
+    CHECK(stuck.code == 3);
+    CHECK(stuck.has("cannot go on from t = 0 s"));
+    CHECK(stuck.has("Assumption 1"));
+    CHECK(stuck.has("time.assumption_1 = \"ignore\""));
+    check_complete(folder.path / "run");
+    const std::string json = text_of(folder.path / "run/run.json");
+    CHECK(json.find("\"status\": \"failed\"") != std::string::npos);
+    CHECK(json.find("\"reason\": \"the run cannot go on") != std::string::npos);
+    CHECK(json.find("\"assumption_1\": 1,") != std::string::npos);
+
+    // smaller steps are allowed: cut once and done
+    const Answer cut = command(masses + "-o " + folder.in_shell("cut"));
+    CAPTURE(cut.text);
+    CHECK(cut.code == 0);
+    CHECK(cut.has("cuts    1: Assumption 1"));
+    // or one of the solutions is good enough
+    const Answer ignored = command(masses + "-s time.assumption_1=ignore -o " + folder.in_shell("ignored"));
+    CHECK(ignored.code == 0);
+    CHECK(ignored.has("3 steps of 3 s"));
+}
+
 TEST_CASE("why a run stopped names place and time and what to change") {
     const knap::StepCut cut{.reason = knap::CutReason::not_converged, .time = 3e-5, .from = 2e-9, .to = 1e-9};
     const std::string text = knap::stuck_text(cut, {0.25, -0.5}, 1.5e-9);
