@@ -40,7 +40,8 @@ struct PointResponse {
     double friction_part = 0; // [N s] what of q_T is friction
     double cohesion_theta = 0, end_cohesion = 0;  // [-] beta_theta, beta+
     std::uint32_t state = 0;  // which smooth piece of the law this is
-    bool closed = false, sticks = false, softens = false;
+    bool closed = false, sticks = false, softens = false, breaks = false, opens = false;
+    double friction_sign = 0, cohesion_sign = 0;  // of the two tangential forces, negative; 0 where they are free
     double kink = 0;          // [m/s] where it sticks
 
     double normal(const PointLaw& law) const { return contact - law.strength * cohesion_theta; }  // [N s] q_N
@@ -48,7 +49,13 @@ struct PointResponse {
 
 PointResponse respond(const PointLaw& law, double w_N, double w_T);
 
-/// -dq/dw in (N, T) of the piece that `response` is on; `softening`: with the loss of cohesion (may be indefinite) or without.
-Eigen::Matrix2d tangent(const PointLaw& law, const PointResponse& response, bool softening);
+/// -dq/dw in (N, T) of the piece that `response` is on; with the loss of cohesion it may be indefinite.
+enum class Softening {
+    none,
+    now,      // of points that are on the descending branch
+    at_all    // of points that lost all their cohesion in the step, too: the branch they came down.
+              // Without the friction that the contact carries, which has no part in the question of definiteness
+};
+Eigen::Matrix2d tangent(const PointLaw& law, const PointResponse& response, Softening softening);
 
 }  // namespace knap

@@ -30,6 +30,7 @@ void split(const Model& model, Index f, State& state) {
         state.node_of_corner[model.fan_corners[fan.first_corner + i]] = static_cast<Index>(state.displacement.size());
         state.displacement.push_back(Vec2(state.displacement[f]));
         state.velocity.push_back(Vec2(state.velocity[f]));
+        if (!state.rate.empty()) state.rate.push_back(Vec2(state.rate[f]));
     }
     state.split_rank[f] = static_cast<Index>(state.split_fans.size());
     state.split_fans.push_back(f);

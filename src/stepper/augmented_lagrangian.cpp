@@ -6,9 +6,11 @@
 namespace knap {
 namespace {
 
-constexpr int most_newton_steps = 200, most_outer_steps = 60;
-constexpr double multiplier_tolerance = 1e-10;  // of the scale: the error of the rates is this over the augmentation, see point_law.hpp
-constexpr double balance_tolerance = 1e-13;     // of the scale
+constexpr int most_newton_steps = 200, most_outer_steps = 100;
+constexpr double law_goal = 1e-13, law_tolerance = 5e-11;  // of the scale: natural residual of the laws; what rounding leaves is accepted
+constexpr double first_augmentation = 1e3;      // of the inertia and stiffness of a point's corners: a move of the multipliers gains three digits
+constexpr double boost = 100, most_augmentation = 1e7;  // where points are nearly redundant the gain is less, until augmented more
+constexpr double balance_tolerance = 1e-12;     // of the scale
 
 Vec2 rate_of(const std::vector<Vec2>& of_node, Index node) { return node < 0 ? Vec2::Zero() : of_node[node]; }
 
@@ -35,29 +37,43 @@ double AugmentedLagrangian::residual_norm() const {
     return norm;
 }
 
+bool AugmentedLagrangian::make_tangents(const std::vector<LoosePoint>& points, Softening softening) {
+    tangents_.clear();
+    bool symmetric = true;
+    for (const LoosePoint& point : points) {
+        const Eigen::Matrix2d D = tangent(point.law, point.response, softening);
+        if (D.isZero(0)) continue;
+        symmetric = symmetric && D(0, 1) == D(1, 0);
+        Eigen::Matrix2d axes;
+        axes << point.normal, turned_left(point.normal);
+        tangents_.push_back({point.before, point.after, axes * D * axes.transpose()});
+    }
+    return symmetric;
+}
+
+bool AugmentedLagrangian::has_several_solutions(const std::vector<LoosePoint>& points) {
+    if (indefinite_) return true;
+    if (std::none_of(points.begin(), points.end(), [](const LoosePoint& p) { return p.response.breaks && p.law.cohesion > 0; })) return false;
+    make_tangents(points, Softening::at_all);
+    forget_factor();
+    return !matrix_.factorise(tangents_, true);
+}
+
 bool AugmentedLagrangian::prepare_matrix(const std::vector<LoosePoint>& points) {
     bool same = factored_states_.size() == points.size() + 1;  // one more, so that no points are not the same as no factor
     for (std::size_t i = 0; same && i < points.size(); ++i) same = factored_states_[i] == points[i].response.state;
     if (same) return true;
     factored_states_.resize(points.size() + 1);
-    bool symmetric = true, softens = false;
+    bool softens = false;
     for (std::size_t i = 0; i < points.size(); ++i) {
         factored_states_[i] = points[i].response.state;
         softens = softens || points[i].response.softens;
     }
-    for (const bool softening : {true, false}) {
-        if (softening && !softens) continue;
-        tangents_.clear();
-        for (const LoosePoint& point : points) {
-            const Eigen::Matrix2d D = tangent(point.law, point.response, softening);
-            if (D.isZero(0)) continue;
-            symmetric = symmetric && D(0, 1) == D(1, 0);
-            Eigen::Matrix2d axes;
-            axes << point.normal, turned_left(point.normal);
-            tangents_.push_back({point.before, point.after, axes * D * axes.transpose()});
-        }
+    for (const Softening softening : {Softening::now, Softening::none}) {
+        if (softening == Softening::now && !softens) continue;
+        const bool symmetric = make_tangents(points, softening);
         ++counts_.factorisations;
-        indefinite_ = softens && !softening;
+        indefinite_ = softens && softening == Softening::none;
         if (matrix_.factorise(tangents_, symmetric)) return true;
     }
     factored_states_.clear();
@@ -83,8 +99,13 @@ double AugmentedLagrangian::step_length(const std::vector<LoosePoint>& points, c
         return sum;
     };
     double low = 0, slope_low = slope(0), high = 1, slope_high = slope(1);
-    if (slope_low >= 0 || slope_high <= 0.1 * std::abs(slope_low)) return 1;
-    // overshoot: the zero between, by secants that cannot stall (Illinois)
+    if (slope_low >= 0 || std::abs(slope_high) <= 0.1 * std::abs(slope_low)) return 1;
+    for (int i = 0; slope_high < 0; ++i) {  // still downhill: a majorised step was too short
+        if (i == 10) return high;
+        low = high, slope_low = slope_high;
+        high *= 2, slope_high = slope(high);
+    }
+    // the zero between, by secants that cannot stall (Illinois)
     double a = 1;
     for (int i = 0, side = 0; i < 30; ++i) {
         a = (low * slope_high - high * slope_low) / (slope_high - slope_low);
@@ -104,15 +125,15 @@ double AugmentedLagrangian::step_length(const std::vector<LoosePoint>& points, c
 }
 
 bool AugmentedLagrangian::find_rates(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double tolerance) {
-    double before = std::numeric_limits<double>::infinity();
+    double best = std::numeric_limits<double>::infinity();
     int stalled = 0;
     for (int i = 0; i < most_newton_steps; ++i) {
         evaluate(bulk, points, rate);
         const double norm = residual_norm();
         if (norm <= tolerance) return true;
-        stalled = norm > 0.5 * before ? stalled + 1 : 0;
+        stalled = norm > 0.5 * best ? stalled + 1 : 0;
         if (stalled >= 3 && norm <= 1e3 * tolerance) return true;  // rounding; the judge of the step has the last word
-        before = norm;
+        best = std::min(best, norm);
         if (!prepare_matrix(points)) return false;
         std::vector<Vec2> downhill = residual_;
         for (Vec2& r : downhill) r = -r;
@@ -139,13 +160,33 @@ double AugmentedLagrangian::move_multipliers(std::vector<LoosePoint>& points) co
 AugmentedLagrangian::Status AugmentedLagrangian::solve(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate,
                                                        double scale) {
     counts_ = {};
-    const double unit = scale > 0 ? scale : 1;
+    unit_ = scale > 0 ? scale : 1;
+    double augmentation = first_augmentation, before = std::numeric_limits<double>::infinity();
+    augment(points, augmentation);
     for (int outer = 0; outer < most_outer_steps; ++outer) {
         ++counts_.outer;
-        if (!find_rates(bulk, points, rate, balance_tolerance * unit)) return Status::not_converged;
-        if (move_multipliers(points) <= multiplier_tolerance * unit) return Status::solved;
+        const int factorisations = counts_.factorisations;
+        if (!find_rates(bulk, points, rate, std::max(balance_tolerance * unit_, 4e-18 * augmentation * bulk.largest_impulse()))) return Status::not_converged;
+        for (const LoosePoint& point : points) unit_ = std::max(unit_, point.response.contact);  // impacts give more than strengths
+        const double moved = move_multipliers(points);
+        if (moved <= law_goal * augmentation * unit_) return Status::solved;
+        const bool same_pieces = counts_.factorisations == factorisations, stalls = same_pieces && moved > 0.2 * before;
+        if (stalls && moved <= law_tolerance * augmentation * unit_) return Status::solved;
+        if (stalls && augmentation < most_augmentation) augment(points, augmentation *= boost);
+        if (!same_pieces && augmentation > first_augmentation) augment(points, augmentation = first_augmentation);
+        before = moved;
     }
     return Status::not_converged;
+}
+
+void AugmentedLagrangian::augment(std::vector<LoosePoint>& points, double augmentation) {
+    for (LoosePoint& point : points) {
+        point.law.rho_N = augmentation * point.mass;
+        if (!std::isinf(point.law.rho_T)) point.law.rho_T = augmentation * point.mass;
+    }
+    if (augmentation == augmentation_) return;
+    augmentation_ = augmentation;
+    forget_factor();
 }
 
 }  // namespace knap

@@ -50,26 +50,30 @@ public:
     Status solve(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double scale);
 
     const SolverCounts& counts() const { return counts_; }
-    double violation() const { return violation_; }  // of the laws and of the balance, relative to the scale
+    double unit() const { return unit_; }  // [N s] the scale, or the largest contact impulse
     /// The softening of the solution outweighs inertia and stiffness: Assumption 1 does not hold there.
-    bool indefinite() const { return indefinite_; }
+    /// (Judged with the descending branches of all points that lost cohesion in the step.)
+    bool has_several_solutions(const std::vector<LoosePoint>& points);
     const std::vector<Vec2>& unbalanced() const { return residual_; }  // [N s] per node: reactions of what is prescribed
 
 private:
     bool find_rates(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double tolerance);
     void evaluate(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, const std::vector<Vec2>& rate);
     double residual_norm() const;
+    bool make_tangents(const std::vector<LoosePoint>& points, Softening softening);  // false: not symmetric
     bool prepare_matrix(const std::vector<LoosePoint>& points);
     double step_length(const std::vector<LoosePoint>& points, const std::vector<Vec2>& direction, const std::vector<Vec2>& changed) const;
     double move_multipliers(std::vector<LoosePoint>& points) const;
+    void augment(std::vector<LoosePoint>& points, double augmentation);
 
     ThetaMatrix& matrix_;
     std::vector<std::uint32_t> factored_states_;  // the pieces of the points for which the matrix is factorised
+    double augmentation_ = 0;                     // with which the matrix is factorised
     bool indefinite_ = false;
     std::vector<PointTangent> tangents_;
     std::vector<Vec2> corner_taken_, taken_, residual_, direction_, changed_;
     SolverCounts counts_;
-    double violation_ = 0;
+    double unit_ = 1;
 };
 
 }  // namespace knap

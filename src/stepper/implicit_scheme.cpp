@@ -1,5 +1,7 @@
 #include "stepper/implicit_scheme.hpp"
 
+#include "stepper/contact_bound.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,7 +10,6 @@ namespace knap {
 namespace {
 
 constexpr int most_passes = 40;
-constexpr double augmentation = 1e3;  // of the inertia and stiffness of a point's corners: each move of the multipliers gains three digits
 
 }  // namespace
 
@@ -31,6 +32,8 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
     has_guess_.assign(model_.fan_points.size(), 0);
     guess_.assign(model_.fan_points.size(), Vec2::Zero());
     corner_rate_.clear();
+    if (!begin.rate.empty())  // the rate of the last step is a better guess than the velocities, which theta = 1/2 lets ring
+        for (const Index node : begin.node_of_corner) corner_rate_.push_back(begin.rate[node]);
 
     for (int pass = 0;; ++pass) {
         choose_partition(begin, h);  // bound fans are one node
@@ -44,7 +47,7 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
         }
         if (!loosen_what_opens(h, report)) break;
     }
-    if (report.refusal == Refusal::none && solver_.indefinite() && options_.respect_assumption_1) report.refusal = Refusal::assumption_1;
+    if (report.refusal == Refusal::none && options_.respect_assumption_1 && solver_.has_several_solutions(points_)) report.refusal = Refusal::assumption_1;
     if (report.refusal != Refusal::none) {
         for (const LoosePoint& point : points_)
             if (point.response.softens) report.where = place_of(point.fan_point);
@@ -111,9 +114,9 @@ void ImplicitScheme::make_points(const State& begin, double h) {
         made.mass = whole > 0 ? 1 / whole : node_inertia[std::max(made.before, made.after)];
 
         // the contact bound, and what is imposed on both sides and leaves nothing to decide
-        const double approach = std::max(-speed.x(), 0.0);
-        const bool touching = u_N <= 0;
-        const double newton = -(1 - options_.theta * (1 + law.restitution)) * approach;
+        const auto size = [&](Index corner) { return at_begin(begin.displacement, corner).norm(); };
+        const double length = size(point.before) + size(point.after) + point.gap + law.delta_c();
+        const std::optional<double> bound = contact_bound(u_N, speed.x(), length, law.restitution, h, options_.theta);
         bool imposed_N = false, imposed_T = false;
         for (int k = 0; k < 2; ++k) {
             if (!prescribed(made.before, k) || !prescribed(made.after, k)) continue;
@@ -127,13 +130,13 @@ void ImplicitScheme::make_points(const State& begin, double h) {
                     .delta_c = law.delta_c(),
                     .gamma = law.gamma,
                     .friction = law.friction,
-                    .bound = touching ? newton : std::min(-u_N / h, newton),
-                    .may_touch = !imposed_N && (touching || law.restitution == 0),
+                    .bound = bound.value_or(0),
+                    .may_touch = !imposed_N && bound,
                     .implicit_beta = options_.cohesion == CohesionScheme::implicit_beta,
                     .h = h,
                     .theta = options_.theta,
-                    .rho_N = augmentation * made.mass,
-                    .rho_T = imposed_T ? infinite : augmentation * made.mass};
+                    .rho_N = 0,
+                    .rho_T = imposed_T ? infinite : 0};
         loose_point_of_[i] = static_cast<Index>(points_.size());
         points_.push_back(made);
     };
@@ -248,7 +251,7 @@ void ImplicitScheme::join_what_holds(std::vector<Vec2>& rate) const {
 
 void ImplicitScheme::judge(StepReport& report) const {
     // the laws once more at the joined rates, with one unit of augmentation: the natural residual, as impulses of the scale of the strengths
-    const double unit = scale_ > 0 ? scale_ : 1;
+    const double unit = solver_.unit();
     const auto rate_of = [&](Index node) -> Vec2 { return node < 0 ? Vec2::Zero() : rate_[node]; };
     for (const LoosePoint& point : points_) {
         const Vec2 w = point.in_frame(rate_of(point.after) - rate_of(point.before));
@@ -300,10 +303,12 @@ void ImplicitScheme::store(const State& begin, double h, State& end, StepReport&
         split(model_, static_cast<Index>(f), end);
         ++report.released;
     }
+    end.rate.resize(end.displacement.size());
     for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
         const Index node = partition_.node_of_corner[c], to = end.node_of_corner[c];
         end.displacement[to] = begin.displacement[begin.node_of_corner[c]] + h * rate_[node];
         end.velocity[to] = bulk_.end_velocity(node, rate_[node]);
+        end.rate[to] = rate_[node];
     }
     end.reaction.assign(model_.prescribed.size(), Vec2::Zero());
     for (Index i = 0; i < partition_.n_nodes(); ++i)

@@ -11,7 +11,7 @@
 //     beta_theta = theta beta+ + (1 - theta) beta      (implicit beta; explicit beta: beta_theta = beta)
 //
 // The contact bound, V = rate at the begin of the step:
-//     touching (u_N <= 0):   c = -(1 - theta (1 + e)) max(-V_N, 0)       Newton's law v_N+ = -e v_N- against an approach; else no approach
+//     touching (u_N <= 0 up to rounding):   c = -(1 - theta (1 + e)) max(-V_N, 0)       Newton's law v_N+ = -e v_N- against an approach; else no approach
 //     apart, e = 0:          c = min(-u_N/h, -(1 - theta) max(-V_N, 0))  lands on the wall, or stops at it within (1 - theta) h |V_N|
 //     apart, e > 0:          no contact in this step: it must touch first
 // The work of an impulse is P . w; since c <= 0 and the friction opposes w_T, every single contact and friction work is <= 0.
