@@ -64,10 +64,12 @@ void ImplicitBulk::set_partition(const CornerPartition& partition, std::vector<V
     }
     // what the parts of the balance are made of: differences below their rounding mean nothing
     largest_impulse_ = 0;
-    elastic(displacement_, force_);
+    begin_force_.resize(force_.size());
+    elastic(displacement_, begin_force_);
     for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
         const double momentum = model_.corner_mass[c] * velocity_[partition.node_of_corner[c]].norm();
-        largest_impulse_ = std::max({largest_impulse_, momentum, theta * h_ * force_[c].norm(), theta * h_ * load_[c].norm()});
+        const double carried = velocity_[partition.node_of_corner[c]].norm() * theta * theta * h_ * h_ * corner_stiffness_[c];
+        largest_impulse_ = std::max({largest_impulse_, momentum, theta * h_ * begin_force_[c].norm(), theta * h_ * load_[c].norm(), 1e-2 * carried});
     }
     for (Index i = 0; i < n; ++i) {
         const double moved = prescribed_[i][0] || prescribed_[i][1] ? prescribed_rate_[i].norm() : 0;
@@ -102,11 +104,11 @@ void ImplicitBulk::add_mass_times(const std::vector<Vec2>& of_node, double facto
 
 void ImplicitBulk::taken(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const {
     const double theta = options_.theta;
-    moved_.resize(rate.size());
-    for (std::size_t i = 0; i < rate.size(); ++i) moved_[i] = displacement_[i] + theta * h_ * rate[i];
-    elastic(moved_, force_);
+    // K u and K w apart: what cancels in K u, of a body far from where it began, must not blur the equation of w
+    elastic(rate, force_);
     of_corner.resize(force_.size());
-    for (std::size_t c = 0; c < force_.size(); ++c) of_corner[c] = -theta * h_ * (force_[c] + load_[c]);
+    for (std::size_t c = 0; c < force_.size(); ++c) of_corner[c] = -theta * h_ * (begin_force_[c] + load_[c] + theta * h_ * force_[c]);
+    moved_.resize(rate.size());
     for (std::size_t i = 0; i < rate.size(); ++i)
         moved_[i] = prescribed_[i][0] || prescribed_[i][1] ? Vec2(theta * (end_velocity(static_cast<Index>(i), rate[i]) - velocity_[i]))
                                                            : Vec2(rate[i] - velocity_[i]);

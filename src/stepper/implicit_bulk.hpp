@@ -46,7 +46,7 @@ private:
     std::vector<double> corner_stiffness_;
     const State* begin_ = nullptr;
     double h_ = 0;
-    std::vector<Vec2> load_;             // [N] F_theta per corner
+    std::vector<Vec2> load_, begin_force_;  // [N] F_theta and -K u per corner
     CornerPartition partition_;
     std::vector<Vec2> displacement_, velocity_;       // per node, at the begin
     std::vector<std::array<bool, 2>> prescribed_;     // per node
