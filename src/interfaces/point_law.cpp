@@ -22,7 +22,7 @@ void lose_cohesion(const PointLaw& law, double u_N, double u_T, PointResponse& r
 
 /// The staircase -q_T in F sgn(omega) + G sgn(omega + u_T/h): where it stands, and both signs (0 at their kink).
 void find_tangential(const PointLaw& law, double w_T, PointResponse& r) {
-    const double F = law.friction * r.contact, G = law.gamma * law.strength * r.cohesion_theta;
+    const double F = law.friction * (law.friction_follows ? r.contact : law.pressed), G = law.gamma * law.strength * r.cohesion_theta;
     const double crossing = law.u_T == 0 ? 0 : -law.u_T / law.h;
     struct Kink {
         double rate, weight;
@@ -68,10 +68,10 @@ void find_tangential(const PointLaw& law, double w_T, PointResponse& r) {
         r.friction_part = r.tangential - std::clamp(r.tangential, -G, G);
 }
 
-std::uint32_t piece(const PointResponse& r) {
+std::uint32_t piece(const PointLaw& law, const PointResponse& r) {
     const auto digit = [](double sign) { return static_cast<std::uint32_t>(sign + 1); };
     std::uint32_t state = r.closed | (r.sticks << 1);
-    if (r.closed && !r.sticks) state |= digit(r.friction_sign) << 2;
+    if (r.closed && !r.sticks && law.friction_follows) state |= digit(r.friction_sign) << 2;
     if (r.softens) state |= 16u | (r.opens << 5) | (digit(r.cohesion_sign) << 6);
     return state;
 }
@@ -92,7 +92,7 @@ PointResponse respond(const PointLaw& law, double w_N, double w_T) {
         find_tangential(law, w_T, r);
         if (r.kink != kink) lose_cohesion(law, u_N, law.u_T + law.h * w_T, r);
     }
-    r.state = piece(r);
+    r.state = piece(law, r);
     return r;
 }
 
@@ -101,7 +101,7 @@ Eigen::Matrix2d tangent(const PointLaw& law, const PointResponse& r, Softening s
     if (r.closed) D(0, 0) = law.rho_N;
     if (r.sticks)
         D(1, 1) = std::isinf(law.rho_T) ? 0 : law.rho_T;
-    else if (r.closed && softening != Softening::at_all)
+    else if (r.closed && law.friction_follows && softening != Softening::at_all)
         D(1, 0) = -law.friction * r.friction_sign * law.rho_N;  // -q_T = mu p sgn + ..., dp = -rho dw_N
     if ((softening != Softening::none && r.softens) || (softening == Softening::at_all && r.breaks)) {
         // q = -C beta_theta (1, gamma sgn), d beta_theta = -theta h/delta_c (opens, gamma sgn) . dw; what is held takes no part

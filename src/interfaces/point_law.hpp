@@ -26,6 +26,8 @@ struct PointLaw {
     double bound;            // [m/s] c, of a point that may touch
     bool may_touch;
     bool implicit_beta;
+    bool friction_follows = true;   // mu p bounds the friction; else mu times `pressed` does: Tresca's law, a step towards Coulomb's
+    double pressed = 0;             // [N s]
     double h, theta;
 
     // augmentation

@@ -6,7 +6,7 @@
 namespace knap {
 namespace {
 
-constexpr int most_newton_steps = 200, most_outer_steps = 100;
+constexpr int most_newton_steps = 200, most_outer_steps = 100, most_wandering_steps = 30, most_friction_rounds = 60;
 constexpr double law_goal = 1e-13, law_tolerance = 5e-11;  // of the scale: natural residual of the laws; what rounding leaves is accepted
 constexpr double first_augmentation = 1e3;      // of the inertia and stiffness of a point's corners: a move of the multipliers gains three digits
 constexpr double boost = 100, most_augmentation = 1e7;  // where points are nearly redundant the gain is less, until augmented more
@@ -124,10 +124,11 @@ double AugmentedLagrangian::step_length(const std::vector<LoosePoint>& points, c
     return a;
 }
 
-bool AugmentedLagrangian::find_rates(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double tolerance) {
+bool AugmentedLagrangian::find_rates(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double tolerance,
+                                     int most_steps) {
     double best = std::numeric_limits<double>::infinity();
     int stalled = 0;
-    for (int i = 0; i < most_newton_steps; ++i) {
+    for (int i = 0; i < most_steps; ++i) {
         evaluate(bulk, points, rate);
         const double norm = residual_norm();
         if (norm <= tolerance) return true;
@@ -157,24 +158,60 @@ double AugmentedLagrangian::move_multipliers(std::vector<LoosePoint>& points) co
     return change;
 }
 
+bool AugmentedLagrangian::settle(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double goal,
+                                 int most_steps) {
+    double augmentation = first_augmentation, before = std::numeric_limits<double>::infinity();
+    augment(points, augmentation);
+    for (int outer = 0; outer < most_outer_steps; ++outer) {
+        const int factorisations = counts_.factorisations, solves = counts_.linear_solves;
+        const double tolerance = std::max(balance_tolerance * unit_, 4e-18 * augmentation * bulk.largest_impulse());
+        if (!find_rates(bulk, points, rate, tolerance, most_steps)) return false;
+        most_steps -= counts_.linear_solves - solves;
+        for (const LoosePoint& point : points) unit_ = std::max(unit_, point.response.contact);  // impacts give more than strengths
+        const double moved = move_multipliers(points);
+        if (moved <= goal * augmentation * unit_) return true;
+        const bool same_pieces = counts_.factorisations == factorisations, stalls = same_pieces && moved > 0.2 * before;
+        if (stalls && moved <= law_tolerance * augmentation * unit_) return true;
+        if (stalls && augmentation < most_augmentation) augment(points, augmentation *= boost);
+        if (!same_pieces && augmentation > first_augmentation) augment(points, augmentation = first_augmentation);
+        before = moved;
+    }
+    return false;
+}
+
+void AugmentedLagrangian::find_friction(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate) {
+    for (LoosePoint& point : points) point.law.friction_follows = false, point.law.pressed = point.law.contact_guess;
+    double goal = 1e-4;
+    for (int round = 0; round < most_friction_rounds; ++round) {
+        const int factorisations = counts_.factorisations;
+        if (!settle(bulk, points, rate, goal, most_newton_steps)) break;
+        double lag = 0;
+        for (LoosePoint& p : points) {
+            const double behind = p.response.contact - p.law.pressed;
+            lag = std::max(lag, p.law.friction * std::abs(behind));
+            p.law.pressed += 0.5 * behind;  // half of the way: all of it can swing for ever
+        }
+        if (counts_.factorisations == factorisations) break;  // the pieces stand: Newton's method will not wander
+        goal = std::min(goal, 1e-3 * lag / unit_);
+    }
+    for (LoosePoint& point : points) point.law.friction_follows = true;
+    forget_factor();
+}
+
 AugmentedLagrangian::Status AugmentedLagrangian::solve(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate,
                                                        double scale) {
     counts_ = {};
     unit_ = scale > 0 ? scale : 1;
-    double augmentation = first_augmentation, before = std::numeric_limits<double>::infinity();
-    augment(points, augmentation);
-    for (int outer = 0; outer < most_outer_steps; ++outer) {
-        ++counts_.outer;
-        const int factorisations = counts_.factorisations;
-        if (!find_rates(bulk, points, rate, std::max(balance_tolerance * unit_, 4e-18 * augmentation * bulk.largest_impulse()))) return Status::not_converged;
-        for (const LoosePoint& point : points) unit_ = std::max(unit_, point.response.contact);  // impacts give more than strengths
-        const double moved = move_multipliers(points);
-        if (moved <= law_goal * augmentation * unit_) return Status::solved;
-        const bool same_pieces = counts_.factorisations == factorisations, stalls = same_pieces && moved > 0.2 * before;
-        if (stalls && moved <= law_tolerance * augmentation * unit_) return Status::solved;
-        if (stalls && augmentation < most_augmentation) augment(points, augmentation *= boost);
-        if (!same_pieces && augmentation > first_augmentation) augment(points, augmentation = first_augmentation);
-        before = moved;
+    const bool rubs = std::any_of(points.begin(), points.end(), [](const LoosePoint& p) { return p.law.friction > 0; });
+    if (!rubs) return settle(bulk, points, rate, law_goal, most_newton_steps) ? Status::solved : Status::not_converged;
+
+    // Coulomb's law is no gradient: Newton's method may wander. Then friction is bounded by the contact of the round before for a while
+    for (int attempt = 0; attempt < 4; ++attempt) {
+        const std::vector<LoosePoint> points_before = points;
+        const std::vector<Vec2> rate_before = rate;
+        if (settle(bulk, points, rate, law_goal, attempt == 3 ? most_newton_steps : most_wandering_steps)) return Status::solved;
+        points = points_before, rate = rate_before;
+        find_friction(bulk, points, rate);
     }
     return Status::not_converged;
 }

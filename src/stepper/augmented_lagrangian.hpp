@@ -34,7 +34,7 @@ struct LoosePoint {
 };
 
 struct SolverCounts {
-    int factorisations = 0, linear_solves = 0, outer = 0;
+    int factorisations = 0, linear_solves = 0;
 };
 
 class AugmentedLagrangian {
@@ -57,7 +57,10 @@ public:
     const std::vector<Vec2>& unbalanced() const { return residual_; }  // [N s] per node: reactions of what is prescribed
 
 private:
-    bool find_rates(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double tolerance);
+    bool settle(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double goal, int most_steps);
+    void find_friction(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate);
+    bool find_rates(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double tolerance,
+                    int most_steps);
     void evaluate(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, const std::vector<Vec2>& rate);
     double residual_norm() const;
     bool make_tangents(const std::vector<LoosePoint>& points, Softening softening);  // false: not symmetric

@@ -2,7 +2,7 @@
 // The explicit lumped bulk with a problem of its own for every vertex: central differences, velocities at the middle of the steps.
 //
 //     M (v+ - v) = k (F - K u) + H' P,     u+ = u + h v+,     k = (previous h + h)/2
-#include "stepper/explicit_beta.hpp"
+#include "stepper/vertex_scheme.hpp"
 #include "stepper/explicit_bulk.hpp"
 #include "stepper/step_scheme.hpp"
 
@@ -10,7 +10,7 @@ namespace knap {
 
 class ExplicitScheme : public StepScheme {
 public:
-    explicit ExplicitScheme(const Model& model) : bulk_(model), interfaces_(model) {}
+    ExplicitScheme(const Model& model, const SchemeOptions& options) : bulk_(model), interfaces_(model, options) {}
 
     StepReport step(const State& begin, double h, State& end) override {
         bulk_.free_motion(begin, h, free_);                           // as if no interface acted
@@ -22,7 +22,7 @@ public:
 
 private:
     ExplicitBulk bulk_;
-    ExplicitBeta interfaces_;
+    VertexScheme interfaces_;
     FreeMotion free_;
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 std::unique_ptr<StepScheme> make_scheme(const Model& model, const SchemeOptions& options) {
     if (options.bulk == BulkScheme::implicit_theta) return std::make_unique<ImplicitScheme>(model, options);
-    return std::make_unique<ExplicitScheme>(model);
+    return std::make_unique<ExplicitScheme>(model, options);
 }
 
 }  // namespace

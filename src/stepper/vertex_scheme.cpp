@@ -1,4 +1,4 @@
-#include "stepper/explicit_beta.hpp"
+#include "stepper/vertex_scheme.hpp"
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
@@ -14,11 +14,11 @@ constexpr std::size_t fans_in_a_block = 512, split_fans_in_a_block = 32;
 
 }  // namespace
 
-ExplicitBeta::ExplicitBeta(const Model& model) : model_(model) {
+VertexScheme::VertexScheme(const Model& model, const SchemeOptions& options) : model_(model), options_(options) {
     workspaces_.resize(omp_get_max_threads());
 }
 
-StepReport ExplicitBeta::advance(const State& begin, const FreeMotion& free, State& end) {
+StepReport VertexScheme::advance(const State& begin, const FreeMotion& free, State& end) {
     // the partition of `end` is that of `begin` until fans come apart
     if (end.split_fans != begin.split_fans || end.node_of_corner.size() != begin.node_of_corner.size()) {
         end.node_of_corner = begin.node_of_corner;
@@ -38,7 +38,7 @@ StepReport ExplicitBeta::advance(const State& begin, const FreeMotion& free, Sta
     return report;
 }
 
-StepReport ExplicitBeta::advance_bound(const State& begin, const FreeMotion& free, State& end) {
+StepReport VertexScheme::advance_bound(const State& begin, const FreeMotion& free, State& end) {
     comes_apart_.assign(model_.fans.size(), 0);
     return sum_over_blocks(model_.fans.size(), fans_in_a_block, partial_, [&](std::size_t first, std::size_t last, StepReport& report) {
         Workspace& work = workspaces_[omp_get_thread_num()];
@@ -63,7 +63,7 @@ StepReport ExplicitBeta::advance_bound(const State& begin, const FreeMotion& fre
     });
 }
 
-bool ExplicitBeta::surely_bound(Index f, const FreeMotion& free, const Vec2& force) const {
+bool VertexScheme::surely_bound(Index f, const FreeMotion& free, const Vec2& force) const {
     // forces between the corners of a fan in one piece, walked along the chain; round a closed one with the circulation of least norm.
     // If these are admissible the fan is bound; if not, others may be, and the exact test decides.
     const Fan& fan = model_.fans[f];
@@ -98,14 +98,14 @@ bool ExplicitBeta::surely_bound(Index f, const FreeMotion& free, const Vec2& for
     return true;
 }
 
-bool ExplicitBeta::stays_bound(Index fan, const State& begin, const FreeMotion& free, Workspace& work, StepReport& report) const {
+bool VertexScheme::stays_bound(Index fan, const State& begin, const FreeMotion& free, Workspace& work, StepReport& report) const {
     pose(fan, begin, free, work.problem);
     const FanSolution solution = work.solver.solve(work.problem);
     ++report.bound_tests;
     return solution.bound;
 }
 
-void ExplicitBeta::move_bound(Index fan, const State& begin, const FreeMotion& free, const Vec2& velocity, const Vec2& force, State& end,
+void VertexScheme::move_bound(Index fan, const State& begin, const FreeMotion& free, const Vec2& velocity, const Vec2& force, State& end,
                               StepReport& report) const {
     const Vec2 before = begin.velocity[fan], change = velocity - before;
     const double mass = model_.fans[fan].mass;
@@ -126,7 +126,7 @@ void ExplicitBeta::move_bound(Index fan, const State& begin, const FreeMotion& f
     }
 }
 
-void ExplicitBeta::release(const State& begin, State& end, StepReport& report) {
+void VertexScheme::release(const State& begin, State& end, StepReport& report) {
     for (std::size_t f = 0; f < model_.fans.size(); ++f) {
         if (!comes_apart_[f]) continue;
         end.displacement[f] = begin.displacement[f];
@@ -135,7 +135,7 @@ void ExplicitBeta::release(const State& begin, State& end, StepReport& report) {
     }
 }
 
-StepReport ExplicitBeta::advance_split(const State& begin, const FreeMotion& free, State& end) {
+StepReport VertexScheme::advance_split(const State& begin, const FreeMotion& free, State& end) {
     return sum_over_blocks(end.split_fans.size(), split_fans_in_a_block, partial_,
                            [&](std::size_t first, std::size_t last, StepReport& report) {
                                Workspace& work = workspaces_[omp_get_thread_num()];
@@ -144,7 +144,7 @@ StepReport ExplicitBeta::advance_split(const State& begin, const FreeMotion& fre
                            });
 }
 
-Vec2 ExplicitBeta::prescribed_velocity(const PrescribedMotion& motion, const Vec2& displacement, const State& begin, double h) const {
+Vec2 VertexScheme::prescribed_velocity(const PrescribedMotion& motion, const Vec2& displacement, const State& begin, double h) const {
     Vec2 velocity = Vec2::Zero();
     for (int k = 0; k < 2; ++k) {
         if (!motion.component[k]) continue;
@@ -156,12 +156,12 @@ Vec2 ExplicitBeta::prescribed_velocity(const PrescribedMotion& motion, const Vec
     return velocity;
 }
 
-double ExplicitBeta::cohesion_before(Index fan, Index point, const State& begin) const {
+double VertexScheme::cohesion_before(Index fan, Index point, const State& begin) const {
     if (begin.split_rank[fan] >= 0) return begin.points[begin.first_point[begin.split_rank[fan]] + point].cohesion;
     return model_.laws[model_.fan_points[model_.fans[fan].first_point + point].law].sigma_c > 0 ? 1 : 0;
 }
 
-void ExplicitBeta::pose(Index f, const State& begin, const FreeMotion& free, FanProblem& problem) const {
+void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, FanProblem& problem) const {
     const Fan& fan = model_.fans[f];
     problem.closed = fan.closed;
     problem.drift_time = free.drift_time;
@@ -206,6 +206,18 @@ void ExplicitBeta::pose(Index f, const State& begin, const FreeMotion& free, Fan
     }
 }
 
+FanSolution VertexScheme::solve(Index f, const State& begin, Workspace& work) const {
+    if (options_.cohesion == CohesionScheme::explicit_beta) return work.solver.solve(work.problem);
+    const Fan& fan = model_.fans[f];
+    work.cohesion.clear();
+    for (Index i = 0; i < fan.n_points; ++i) {
+        const double strength = work.problem.links[i].cohesive;
+        if (strength == 0) continue;
+        work.cohesion.push_back({.link = i, .law = &model_.laws[model_.fan_points[fan.first_point + i].law], .begin = cohesion_before(f, i, begin), .strength = strength});
+    }
+    return solve_softening(work.problem, work.solver, work.cohesion, options_.theta);
+}
+
 namespace {
 
 /// What the implicit sign of the tangential cohesion costs where the slip changes its sign: the work of its force minus the change of
@@ -220,13 +232,13 @@ double crossing_loss(const FanLink& link, double v_T_before, double v_T_after, d
 
 }  // namespace
 
-void ExplicitBeta::advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work,
+void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work,
                                StepReport& report) const {
     const Index f = end.split_fans[rank];
     const Fan& fan = model_.fans[f];
     FanProblem& problem = work.problem;
     pose(f, begin, free, problem);
-    const FanSolution solution = work.solver.solve(problem);
+    const FanSolution solution = solve(f, begin, work);
     ++report.fan_solves;
     report.fan_iterations += solution.iterations;
     if (solution.status != FanSolution::Status::exact) ++report.fan_fallbacks;

@@ -1,18 +1,21 @@
 #pragma once
-// Explicit beta: the cohesion is frozen over the step, each fan is solved by itself and exactly (interfaces/fan_solver.hpp), and the
-// cohesion follows from the openings at the end. Needs the explicit lumped bulk, whose mass couples nothing beyond a fan.
+// The interfaces beside the explicit lumped bulk, whose mass couples nothing beyond a fan: each vertex is solved by itself and exactly
+// (interfaces/fan_solver.hpp), and the cohesion follows from the openings at the end. Explicit beta: its forces are those of the cohesion at the
+// begin. Implicit beta: of beta_theta = theta beta+ + (1 - theta) beta (interfaces/fan_cohesion.hpp).
+#include "interfaces/fan_cohesion.hpp"
 #include "interfaces/fan_solver.hpp"
 #include "model/state.hpp"
 #include "stepper/free_motion.hpp"
+#include "stepper/scheme_options.hpp"
 #include "stepper/step_report.hpp"
 
 #include <memory>
 
 namespace knap {
 
-class ExplicitBeta {
+class VertexScheme {
 public:
-    explicit ExplicitBeta(const Model& model);
+    VertexScheme(const Model& model, const SchemeOptions& options);
     /// From the state at the begin of the step and the free motion: velocities, displacements, cohesion and the partition at its end.
     /// `end` may be any earlier state of the same run; its time is not touched. Loads on corners are accounted by the bulk.
     StepReport advance(const State& begin, const FreeMotion& free, State& end);
@@ -21,6 +24,7 @@ private:
     struct Workspace {
         FanProblem problem;
         FanSolver solver;
+        std::vector<LinkCohesion> cohesion;
     };
 
     StepReport advance_bound(const State& begin, const FreeMotion& free, State& end);
@@ -32,6 +36,7 @@ private:
     StepReport advance_split(const State& begin, const FreeMotion& free, State& end);
     void advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report) const;
 
+    FanSolution solve(Index fan, const State& begin, Workspace& work) const;
     void pose(Index fan, const State& begin, const FreeMotion& free, FanProblem& problem) const;
     /// Null where nothing is prescribed. In a fan in one piece all corners have the same.
     const PrescribedMotion* prescribed_motion(Index corner) const {
@@ -41,6 +46,7 @@ private:
     double cohesion_before(Index fan, Index point, const State& begin) const;
 
     const Model& model_;
+    SchemeOptions options_;
     std::vector<std::uint8_t> comes_apart_;  // per fan, in this step
     std::vector<Workspace> workspaces_;      // one a thread
     std::vector<StepReport> partial_;
