@@ -2,9 +2,9 @@
 // The explicit lumped bulk with a problem of its own for every vertex: central differences, velocities at the middle of the steps.
 //
 //     M (v+ - v) = k (F - K u) + H' P,     u+ = u + h v+,     k = (previous h + h)/2
-#include "stepper/vertex_scheme.hpp"
 #include "stepper/explicit_bulk.hpp"
 #include "stepper/step_scheme.hpp"
+#include "stepper/vertex_scheme.hpp"
 
 namespace knap {
 
