@@ -96,6 +96,12 @@ PointResponse respond(const PointLaw& law, double w_N, double w_T) {
     return r;
 }
 
+double softening_modulus(const PointLaw& law) { return law.strength * law.theta * law.h / law.delta_c; }
+
+Vec2 loss_direction(const PointLaw& law, const PointResponse& r) {
+    return {r.opens && !r.closed ? 1.0 : 0.0, r.sticks ? 0 : law.gamma * r.cohesion_sign};
+}
+
 Eigen::Matrix2d tangent(const PointLaw& law, const PointResponse& r, Softening softening) {
     Eigen::Matrix2d D = Eigen::Matrix2d::Zero();
     if (r.closed) D(0, 0) = law.rho_N;
@@ -104,10 +110,9 @@ Eigen::Matrix2d tangent(const PointLaw& law, const PointResponse& r, Softening s
     else if (r.closed && law.friction_follows && softening != Softening::at_all)
         D(1, 0) = -law.friction * r.friction_sign * law.rho_N;  // -q_T = mu p sgn + ..., dp = -rho dw_N
     if ((softening != Softening::none && r.softens) || (softening == Softening::at_all && r.breaks)) {
-        // q = -C beta_theta (1, gamma sgn), d beta_theta = -theta h/delta_c (opens, gamma sgn) . dw; what is held takes no part
-        const double modulus = law.strength * law.theta * law.h / law.delta_c;
-        const Vec2 loss(r.opens && !r.closed, r.sticks ? 0 : law.gamma * r.cohesion_sign);
-        D -= modulus * loss * loss.transpose();
+        // q = -C beta_theta (1, gamma sgn), d beta_theta = -theta h/delta_c (opens, gamma sgn) . dw
+        const Vec2 loss = loss_direction(law, r);
+        D -= softening_modulus(law) * loss * loss.transpose();
     }
     return D;
 }

@@ -51,13 +51,18 @@ struct PointResponse {
 
 PointResponse respond(const PointLaw& law, double w_N, double w_T);
 
-/// -dq/dw in (N, T) of the piece that `response` is on; with the loss of cohesion it may be indefinite.
 enum class Softening {
     none,
     now,      // of points that are on the descending branch
     at_all    // of points that lost all their cohesion in the step, too: the branch they came down.
               // Without the friction that the contact carries, which has no part in the question of definiteness
 };
+
+/// How fast the cohesive impulse falls on the descending branch [kg], and along what; what is held takes no part.
+double softening_modulus(const PointLaw& law);
+Vec2 loss_direction(const PointLaw& law, const PointResponse& response);
+
+/// -dq/dw in (N, T) of the piece that `response` is on; with the loss of cohesion it may be indefinite.
 Eigen::Matrix2d tangent(const PointLaw& law, const PointResponse& response, Softening softening);
 
 }  // namespace knap

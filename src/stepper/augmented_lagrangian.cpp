@@ -1,5 +1,7 @@
 #include "stepper/augmented_lagrangian.hpp"
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <cmath>
 
@@ -53,10 +55,35 @@ bool AugmentedLagrangian::make_tangents(const std::vector<LoosePoint>& points, S
 
 bool AugmentedLagrangian::has_several_solutions(const std::vector<LoosePoint>& points) {
     if (indefinite_) return true;
-    if (std::none_of(points.begin(), points.end(), [](const LoosePoint& p) { return p.response.breaks && p.law.cohesion > 0; })) return false;
-    make_tangents(points, Softening::at_all);
-    forget_factor();
-    return !matrix_.factorise(tangents_, true);
+    std::vector<const LoosePoint*> broken;
+    for (const LoosePoint& point : points)
+        if (point.response.breaks && point.law.cohesion > 0) broken.push_back(&point);
+    if (broken.empty()) return false;
+    if (!matrix_.is_symmetric() || factored_states_.empty() || broken.size() > 8) {
+        make_tangents(points, Softening::at_all);
+        forget_factor();
+        return !matrix_.factorise(tangents_, true);
+    }
+    // few: A - G C G' is definite if and only if C^-1 - G' A^-1 G is (A as it is factorised is definite)
+    const Eigen::Index n = static_cast<Eigen::Index>(broken.size());
+    Eigen::MatrixXd left = Eigen::MatrixXd::Zero(n, n);
+    std::vector<Vec2> pull;
+    for (Eigen::Index j = 0; j < n; ++j) {
+        const LoosePoint& point = *broken[j];
+        pull.assign(residual_.size(), Vec2::Zero());
+        const Vec2 g = loss_direction(point.law, point.response), force = g.x() * point.normal + g.y() * turned_left(point.normal);
+        if (point.after >= 0) pull[point.after] += force;
+        if (point.before >= 0) pull[point.before] -= force;
+        matrix_.solve(pull, direction_);
+        ++counts_.linear_solves;
+        for (Eigen::Index i = 0; i < n; ++i) {
+            const LoosePoint& other = *broken[i];
+            const Vec2 across = other.in_frame(rate_of(direction_, other.after) - rate_of(direction_, other.before));
+            left(i, j) = -loss_direction(other.law, other.response).dot(across);
+        }
+        left(j, j) += 1 / softening_modulus(point.law);
+    }
+    return left.llt().info() != Eigen::Success;
 }
 
 bool AugmentedLagrangian::prepare_matrix(const std::vector<LoosePoint>& points) {

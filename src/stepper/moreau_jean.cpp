@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "stepper/explicit_scheme.hpp"
 #include "stepper/implicit_scheme.hpp"
+#include "stepper/static_preload.hpp"
 
 #include <cmath>
 #include <string>
@@ -17,7 +18,7 @@ std::unique_ptr<StepScheme> make_scheme(const Model& model, const SchemeOptions&
 
 }  // namespace
 
-MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options) : scheme_(make_scheme(model, options)) {}
+MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options) : model_(model), options_(options), scheme_(make_scheme(model, options)) {}
 
 StepReport MoreauJean::step(const State& begin, double h, State& end) {
     StepReport report = scheme_->step(begin, h, end);
@@ -29,6 +30,12 @@ StepReport MoreauJean::step(const State& begin, double h, State& end) {
         throw SimulationError("the motion is no longer finite at t = " + std::to_string(end.time) + " s (step " +
                               std::to_string(end.n_steps) + "): the step is probably too large");
     return report;
+}
+
+void MoreauJean::start_in_equilibrium(State& start) const {
+    if (options_.bulk != BulkScheme::implicit_theta)
+        throw UserError("exclusive-keys", "a start in equilibrium needs the implicit bulk", "time.bulk = \"implicit\", or start = \"rest\"");
+    load_statically(model_, options_, start);
 }
 
 }  // namespace knap

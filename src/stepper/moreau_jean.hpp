@@ -21,9 +21,15 @@ public:
     /// is reused). A refused step (report.refusal) leaves `end` void. Throws SimulationError where the motion is no longer finite.
     StepReport step(const State& begin, double h, State& end);
 
+    /// Static equilibrium under the loads at start.time, before the first step; implicit bulk only (static_preload.hpp).
+    /// Throws SimulationError where there is none that the interfaces and supports can hold.
+    void start_in_equilibrium(State& start) const;
+
     double stable_step() const { return scheme_->stable_step(); }  // [s]; infinite for the implicit bulk
 
 private:
+    const Model& model_;
+    SchemeOptions options_;
     std::unique_ptr<StepScheme> scheme_;
 };
 

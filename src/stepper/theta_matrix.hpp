@@ -37,6 +37,7 @@ public:
     void solve(const std::vector<Vec2>& right_hand_side, std::vector<Vec2>& solution) const;
 
     Index n_unknowns() const { return n_unknowns_; }
+    bool is_symmetric() const { return symmetric_; }  // as it is factorised
     Index unknown(Index node, int component) const { return unknown_[2 * node + component]; }  // or -1
 
 private:

@@ -1,0 +1,115 @@
+#include "stepper/static_preload.hpp"
+
+#include "base/error.hpp"
+#include "stepper/implicit_scheme.hpp"
+#include "stepper/step_control.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace knap {
+namespace {
+
+// The step in passages of a wave through the body. It grows, since a body that is not held moves by its square, and takes with it the digits
+// of all that the solver must settle; a slender one that is held needs a large one.
+constexpr double first_step = 10, last_step = 1e4, growth = 10;
+constexpr int most_steps = 16;
+constexpr double in_equilibrium = 1e-12;  // what inertia carries, over the loads
+constexpr double good_enough = 1e-9;      // where rounding lets it come no nearer
+constexpr double stands = 0.5;            // a step that leaves more than that of it changes nothing
+
+/// The model at one moment for ever, without impacts.
+Model frozen(const Model& model, double time) {
+    Model still = model;
+    for (TimeFunction& history : still.histories) history = {.time = {0}, .value = {history(time)}};
+    for (PrescribedMotion& motion : still.prescribed)
+        for (int k = 0; k < 2; ++k)
+            if (!motion.is_displacement[k]) motion.value[k] = 0;
+    for (CohesiveLaw& law : still.laws) law.restitution = 0;  // an impact with restitution waits a step at the wall
+    return still;
+}
+
+/// [s] that a dilatational wave needs across the body.
+double passage_time(const Model& model) {
+    Vec2 low = model.mesh.vertices.front(), high = low;
+    for (const Vec2& x : model.mesh.vertices) low = low.cwiseMin(x), high = high.cwiseMax(x);
+    double speed = 0;
+    for (const Elastic& material : model.materials) speed = std::max(speed, material.dilatational_speed(model.plane));
+    return speed > 0 ? (high - low).norm() / speed : 1;
+}
+
+struct Inertia {
+    double carried = 0;  // [N] sum over all corners
+    Index most = 0;      // the corner that carries most for its mass
+};
+
+Inertia inertia_of(const Model& model, const State& state, double h) {
+    Inertia inertia;
+    double fastest = -1;
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
+        const Index which = model.prescribed_of_corner[c];
+        Vec2 velocity = state.velocity[state.node_of_corner[c]];
+        for (int k = 0; k < 2; ++k)
+            if (which >= 0 && model.prescribed[which].component[k]) velocity[k] = 0;
+        inertia.carried += model.corner_mass[c] * velocity.norm() / h;
+        if (velocity.norm() > fastest) fastest = velocity.norm(), inertia.most = c;
+    }
+    return inertia;
+}
+
+/// [N] loads and reactions together.
+double load_of(const Model& model, const State& state) {
+    double load = 0;
+    for (const CornerLoad& at : model.corner_loads) load += std::abs(model.histories[at.history](0)) * at.force.norm();
+    for (const Vec2& reaction : state.reaction) load += reaction.norm();
+    return load;
+}
+
+constexpr const char* not_held = "nothing holds the body, it would move away";
+
+[[noreturn]] void fail(const State& start, const char* what, const Vec2& where) {
+    char text[400];
+    std::snprintf(text, sizeof text, "no equilibrium under the loads at t = %.6g s: %s, at (%.6g, %.6g) m", start.time, what, where.x(), where.y());
+    throw SimulationError(text);
+}
+
+}  // namespace
+
+void load_statically(const Model& model, const SchemeOptions& options, State& start) {
+    const Model still = frozen(model, start.time);
+    // which of several solutions a softening step has is no question here: nothing may soften
+    ImplicitScheme scheme(still, {.bulk = BulkScheme::implicit_theta, .theta = 1, .mass = options.mass, .respect_assumption_1 = false});
+    const double passage = passage_time(still);
+    State now = start, next;
+    const auto rest = [](State& state) {
+        std::fill(state.velocity.begin(), state.velocity.end(), Vec2::Zero());
+        state.rate.clear();
+    };
+    rest(now);
+    double h = first_step * passage, part = 1;  // of the loads, carried by inertia
+    bool stalled = false;
+    Vec2 where = Vec2::Zero();
+    for (int step = 0; part > in_equilibrium; ++step) {
+        const bool largest = h >= last_step * passage;
+        const StepReport report = scheme.step(now, h, next);
+        if (getenv("DBG")) fprintf(stderr, "step %d h %g refusal %d residual %g solves %d part %g\n", step, h, (int)report.refusal, report.residual, (int)report.linear_solves, part);
+        if (report.refusal != Refusal::none && stalled) fail(start, not_held, where);
+        if (report.refusal != Refusal::none) fail(start, "contact and friction do not settle", report.where);
+        if (report.softened > 0) fail(start, "the preload is more than the interfaces hold", place_of_damage(still, now, next));
+        const Inertia inertia = inertia_of(still, next, h);
+        const double load = load_of(still, next), before = part;
+        part = load > 0 ? inertia.carried / load : 0;
+        where = still.mesh.corner(inertia.most / 3, inertia.most % 3);
+        std::swap(now, next);
+        rest(now);
+        stalled = part > stands * before;
+        if (stalled && part <= good_enough) break;
+        if ((stalled && largest) || step == most_steps) fail(start, not_held, where);
+        if (!largest) h *= growth;
+    }
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) now.velocity[now.node_of_corner[c]] = start.velocity[start.node_of_corner[c]];
+    start = std::move(now);
+}
+
+}  // namespace knap
