@@ -88,22 +88,13 @@ private:
     std::ofstream file_;
 };
 
-/// Static equilibrium under the loads at t = 0; until the stepper can do that (start_in_equilibrium), the run says so.
-template <class Stepper>
-void load_statically(Stepper& stepper, State& start) {
-    if constexpr (requires { stepper.start_in_equilibrium(start); })
-        stepper.start_in_equilibrium(start);
-    else
-        throw SimulationError("time.start = \"equilibrium\" is not available yet");
-}
-
 /// The state at t = 0. A body that its interfaces cannot hold there has failed before it began.
 State start_of(const Model& model, const Scenario& scenario, MoreauJean& stepper, RunRecord& record) {
     State start = initial_state(model);
     if (!scenario.time.start_in_equilibrium) return start;
     try {
         State loaded = start;
-        load_statically(stepper, loaded);
+        stepper.start_in_equilibrium(loaded);
         return loaded;
     } catch (const SimulationError& error) {
         record.status = "failed";

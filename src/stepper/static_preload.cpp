@@ -13,7 +13,7 @@ namespace {
 
 // The step in passages of a wave through the body. It grows, since a body that is not held moves by its square, and takes with it the digits
 // of all that the solver must settle; a slender one that is held needs a large one.
-constexpr double first_step = 10, last_step = 1e4, growth = 10;
+constexpr double first_step = 1, last_step = 1e4, growth = 10;
 constexpr int most_steps = 16;
 constexpr double in_equilibrium = 1e-12;  // what inertia carries, over the loads
 constexpr double good_enough = 1e-9;      // where rounding lets it come no nearer
@@ -93,7 +93,6 @@ void load_statically(const Model& model, const SchemeOptions& options, State& st
     for (int step = 0; part > in_equilibrium; ++step) {
         const bool largest = h >= last_step * passage;
         const StepReport report = scheme.step(now, h, next);
-        if (getenv("DBG")) fprintf(stderr, "step %d h %g refusal %d residual %g solves %d part %g\n", step, h, (int)report.refusal, report.residual, (int)report.linear_solves, part);
         if (report.refusal != Refusal::none && stalled) fail(start, not_held, where);
         if (report.refusal != Refusal::none) fail(start, "contact and friction do not settle", report.where);
         if (report.softened > 0) fail(start, "the preload is more than the interfaces hold", place_of_damage(still, now, next));

@@ -1,0 +1,239 @@
+// Starts in static equilibrium: exact columns and bars, contact, supports that do not hold, a preload just below the strength (E14).
+#include "base/error.hpp"
+#include "support/bodies.hpp"
+#include "support/relative.hpp"
+#include "support/springs.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <string>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+const CohesiveLaw glue{.sigma_c = 2, .G_c = 1e-3, .gamma = 1, .friction = 0.3};
+
+/// Plane stress, thickness 1, E = 1000, density 1, nu = 0: what is pulled along y stays as wide as it is.
+ModelInput block(const Mesh& mesh, const CohesiveLaw& law = glue) {
+    ModelInput input;
+    input.plane = PlaneModel::stress;
+    input.mesh = mesh;
+    input.materials = {{.density = 1, .E = 1000, .nu = 0}};
+    input.laws = {law};
+    input.law_of_pair = {{0}};
+    return input;
+}
+
+Load gravity(double g) { return load(Load::Kind::acceleration, "", 0.0, -g); }
+
+/// A body, its stepper and its state at the start.
+struct Start {
+    explicit Start(ModelInput input, const SchemeOptions& options = implicit()) : model(make_model(std::move(input))), stepper(model, options), now(initial_state(model)) {
+        loaded = now;
+    }
+    Start(const Start&) = delete;  // the stepper refers to the model
+
+    void load() { stepper.start_in_equilibrium(loaded); }
+    /// What it says is wrong.
+    std::string complaint() {
+        try {
+            load();
+        } catch (const SimulationError& error) {
+            return error.what();
+        }
+        return "nothing";
+    }
+    Vec2 u(Index corner) const { return loaded.displacement[loaded.node_of_corner[corner]]; }
+    Vec2 x(Index corner) const { return model.mesh.corner(corner / 3, corner % 3); }
+
+    /// [N] All that the foundation does to the body.
+    Vec2 support() const {
+        Vec2 sum = Vec2::Zero();
+        for (std::size_t e = 0; e < model.interfaces.size(); ++e) {
+            const Interface& edge = model.interfaces[e];
+            if (edge.triangle[0] != ground) continue;
+            for (Index end = 0; end < 2; ++end) {
+                const Vec2 r = traction(model, loaded, 2 * static_cast<Index>(e) + end);
+                sum += 0.5 * edge.length * model.thickness * (r.x() * edge.normal + r.y() * turned_left(edge.normal));
+            }
+        }
+        return sum;
+    }
+
+    Model model;
+    MoreauJean stepper;
+    State now, loaded;
+};
+
+void check_fresh(const Start& start) {
+    CHECK(start.loaded.time == start.now.time);
+    CHECK(start.loaded.last_step == 0);
+    CHECK(start.loaded.n_steps == 0);
+    CHECK(start.loaded.rate.empty());
+    CHECK(start.loaded.split_fans == start.now.split_fans);
+    for (const Vec2& v : start.loaded.velocity) CHECK(v == Vec2(0, 0));
+    for (const PointState& point : start.loaded.points) CHECK((point.cohesion == 0 || point.cohesion == 1));
+}
+
+/// Mean over the width of u_y of the vertices at a height; the body has n columns from x = 0 to 1.
+double mean_rise(const Start& start, double y, int n) {
+    double sum = 0;
+    for (int i = 0; i <= n; ++i) {
+        const double x = static_cast<double>(i) / n;
+        for (Index c = 0; c < start.model.mesh.n_corners(); ++c) {
+            if ((start.x(c) - Vec2(x, y)).norm() > 1e-9) continue;
+            sum += (i == 0 || i == n ? 0.5 : 1) * start.u(c).y() / n;
+            break;
+        }
+    }
+    return sum;
+}
+
+}  // namespace
+
+TEST_CASE("a column hangs or stands on its foundation with exact displacements and reaction") {
+    // linear elements, a lumped mass and nu = 0: by a virtual displacement min(y, Y) the mean over every row of vertices is exact
+    for (const double g : {1.0, -0.4}) {
+        for (const MassMatrix mass : {MassMatrix::lumped, MassMatrix::consistent}) {
+            ModelInput input = block(bar_mesh(4, 12, 1, 3));
+            input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = true}};
+            input.loads = {gravity(g)};
+            SchemeOptions options = implicit(0.6);
+            options.mass = mass;
+            Start start(input, options);
+            start.load();
+            check_fresh(start);
+            for (int j = 0; j <= 12; ++j) {
+                const double y = 0.25 * j, exact = -g / 1000 * (3 * y - y * y / 2);
+                CHECK(std::abs(mean_rise(start, y, 4) - exact) <= 1e-12 * 4.5 * std::abs(g) / 1000);
+            }
+            CHECK((start.support() - Vec2(0, 3 * g)).norm() <= 1e-11 * 3 * std::abs(g));
+        }
+    }
+}
+
+TEST_CASE("a bar between two given ends starts with the displacements of its moment") {
+    // the histories go on, the equilibrium is that of t = 2; a prescribed velocity has not moved anything yet
+    ModelInput input = block(bar_mesh(8, 2, 4, 1), CohesiveLaw::unbreakable());
+    input.loads = {load(Load::Kind::velocity, "left", 1.0, std::nullopt),
+                   load(Load::Kind::displacement, "right", 1e-2, std::nullopt, {{0, 1, 3}, {0, 0, 4}}),
+                   load(Load::Kind::velocity, "bottom", std::nullopt, 0.0)};
+    Start start(input);
+    start.loaded.time = start.now.time = 2;
+    start.load();
+    check_fresh(start);
+    for (Index c = 0; c < start.model.mesh.n_corners(); ++c) CHECK((start.u(c) - Vec2(2e-2 * start.x(c).x() / 4, 0)).norm() <= 1e-14);
+}
+
+TEST_CASE("a block falls through its gap onto the foundation and stands there") {
+    for (const double restitution : {0.0, 0.5}) {
+        ModelInput input = block(bar_mesh(4, 4, 1, 1), {.sigma_c = 0, .G_c = 0, .gamma = 1, .friction = 0.3, .restitution = restitution});
+        input.law_of_pair = {{1}};
+        input.laws.push_back(CohesiveLaw::unbreakable());
+        input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = false, .gap = 1e-6}};
+        input.loads = {gravity(1)};
+        Start start(input);
+        start.load();
+        check_fresh(start);
+        CHECK((start.support() - Vec2(0, 1)).norm() <= 1e-10);
+        CHECK(std::abs(mean_rise(start, 0, 4) + 1e-6) <= 1e-13);
+        CHECK(std::abs(mean_rise(start, 1, 4) + 1e-6 + 0.5e-3) <= 1e-13);
+    }
+}
+
+TEST_CASE("a free body in balanced tension is in equilibrium and one that is pushed is not") {
+    ModelInput input = block(bar_mesh(6, 3, 2, 1));
+    input.loads = {load(Load::Kind::traction, "left", -1.0, 0.0), load(Load::Kind::traction, "right", 1.0, 0.0)};
+    Start pulled(input);
+    pulled.load();
+    check_fresh(pulled);
+    for (Index t = 0; t < pulled.model.mesh.n_triangles(); ++t)
+        CHECK((stress(pulled.model, pulled.loaded, t) - Eigen::Vector3d(1, 0, 0)).norm() <= 1e-6);  // its place is free, and large beside its strain
+
+    input.loads = {load(Load::Kind::traction, "left", 1.0, 0.0)};
+    const std::string said = Start(input).complaint();
+    CHECK_MESSAGE(said.find("nothing holds the body") != std::string::npos, said);
+    input.loads = {load(Load::Kind::traction, "left", 0.0, 1.0), load(Load::Kind::traction, "right", 0.0, -1.0)};  // it would turn
+    const std::string turned = Start(input).complaint();
+    CHECK_MESSAGE(turned.find("nothing holds the body") != std::string::npos, turned);
+    input.loads = {gravity(1)};
+    Start unloaded(input), weightless(block(bar_mesh(2, 2, 1, 1)));
+    CHECK(unloaded.complaint().find("nothing holds the body") != std::string::npos);
+    CHECK(weightless.complaint() == "nothing");
+}
+
+TEST_CASE("E14 a preload of .99 of the strength rests and 2 percent more breaks") {
+    const auto pulled = [](double load_over_strength, TimeFunction history = {}) {
+        ModelInput input = block(bar_mesh(6, 2, 3, 1));
+        input.foundations = {{.on = {.boundary = "left", .box = {}}, .law = 0, .glued = true}};
+        input.loads = {load(Load::Kind::traction, "right", load_over_strength * glue.sigma_c, 0.0, std::move(history))};
+        return input;
+    };
+    for (const double theta : {0.5, 1.0}) {
+        Start start(pulled(0.99), implicit(theta));
+        start.load();
+        check_fresh(start);
+        const double most = 3 * 0.99 * glue.sigma_c / 1000, h = 0.2, speed_of_sound = std::sqrt(1000.0);
+        for (Index t = 0; t < start.model.mesh.n_triangles(); ++t)
+            CHECK((stress(start.model, start.loaded, t) - Eigen::Vector3d(0.99 * glue.sigma_c, 0, 0)).norm() <= 1e-11 * glue.sigma_c);
+        EnergyLedger ledger(start.model, start.loaded);
+        State now = start.loaded, next;
+        double moved = 0, speed = 0;
+        for (int i = 0; i < 10000; ++i) {
+            const StepReport report = start.stepper.step(now, h, next);
+            REQUIRE(report.refusal == Refusal::none);
+            REQUIRE(report.softened + report.released == 0);
+            std::swap(now, next);
+            ledger.add(now, report);
+            for (std::size_t n = 0; n < now.displacement.size(); ++n) {
+                moved = std::max(moved, (now.displacement[n] - start.loaded.displacement[n]).norm());
+                speed = std::max(speed, now.velocity[n].norm());
+            }
+        }
+        MESSAGE("E14 theta ", theta, ": largest movement over the displacement ", moved / most, ", speed over that of sound times strain ",
+                speed / (speed_of_sound * most / 3));
+        CHECK(moved <= 1e-11 * most);
+        CHECK(speed <= 1e-10 * speed_of_sound * most / 3);
+        CHECK(ledger.largest_residual() <= 1e-11 * ledger.largest_energy());
+    }
+    // the same load in the run, then more
+    Start more(pulled(0.99, {{0, 1, 2}, {1, 1, 1.02}}), implicit());
+    more.load();
+    State now = more.loaded, next;
+    std::int64_t softened = 0;
+    double first = 0;
+    while (now.time < 3 && softened == 0) {
+        const StepReport report = more.stepper.step(now, 1e-3, next);
+        REQUIRE(report.refusal == Refusal::none);
+        std::swap(now, next);
+        softened += report.softened;
+        first = now.time;
+    }
+    CHECK(softened > 0);
+    CHECK(first == doctest::Approx(1.5).epsilon(0.1));  // .99 x 1.0101 = 1, after half of the rise
+    // and at the start
+    const std::string said = Start(pulled(0.99 * 1.02), implicit()).complaint();
+    CHECK_MESSAGE(said.find("the preload is more than the interfaces hold") != std::string::npos, said);
+    CHECK(Start(pulled(1 - 1e-6), implicit()).complaint() == "nothing");
+}
+
+TEST_CASE("a preload that its foundation does not hold says where") {
+    ModelInput input = block(bar_mesh(4, 4, 1, 1), CohesiveLaw::unbreakable());
+    input.laws.push_back({.sigma_c = 1, .G_c = 1e-3, .gamma = 1});
+    input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 1, .glued = true}};
+    input.loads = {gravity(-1.5)};
+    const std::string said = Start(input).complaint();
+    CHECK_MESSAGE(said.find("the preload is more than the interfaces hold, at (") != std::string::npos, said);
+    CHECK_MESSAGE(said.find(", 0) m") != std::string::npos, said);
+    input.loads = {gravity(-0.5)};
+    CHECK(Start(input).complaint() == "nothing");
+}
+
+TEST_CASE("a start in equilibrium needs the implicit bulk") {
+    Start start(block(bar_mesh(2, 2, 1, 1)), SchemeOptions{});
+    CHECK_THROWS_AS(start.load(), UserError);
+}
