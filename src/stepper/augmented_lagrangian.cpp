@@ -39,18 +39,17 @@ double AugmentedLagrangian::residual_norm() const {
     return norm;
 }
 
-bool AugmentedLagrangian::make_tangents(const std::vector<LoosePoint>& points, Softening softening) {
+void AugmentedLagrangian::make_tangents(const std::vector<LoosePoint>& points, Softening softening) {
     tangents_.clear();
-    bool symmetric = true;
     for (const LoosePoint& point : points) {
         const Eigen::Matrix2d D = tangent(point.law, point.response, softening);
         if (D.isZero(0)) continue;
-        symmetric = symmetric && D(0, 1) == D(1, 0);
-        Eigen::Matrix2d axes;
+        Eigen::Matrix2d axes, without_friction = D;
         axes << point.normal, turned_left(point.normal);
-        tangents_.push_back({point.before, point.after, axes * D * axes.transpose()});
+        without_friction(1, 0) = D(0, 1);
+        const Eigen::Matrix2d block = axes * D * axes.transpose();
+        tangents_.push_back({point.before, point.after, block, D(1, 0) == D(0, 1) ? block : axes * without_friction * axes.transpose()});
     }
-    return symmetric;
 }
 
 bool AugmentedLagrangian::has_several_solutions(const std::vector<LoosePoint>& points) {
@@ -59,10 +58,10 @@ bool AugmentedLagrangian::has_several_solutions(const std::vector<LoosePoint>& p
     for (const LoosePoint& point : points)
         if (point.response.breaks && point.law.cohesion > 0) broken.push_back(&point);
     if (broken.empty()) return false;
-    if (!matrix_.is_symmetric() || factored_states_.empty() || broken.size() > 8) {
+    if (factored_states_.empty() || !matrix_.is_symmetric() || broken.size() > 8) {
         make_tangents(points, Softening::at_all);
         forget_factor();
-        return !matrix_.factorise(tangents_, true);
+        return !matrix_.factorise(tangents_);
     }
     // few: A - G C G' is definite if and only if C^-1 - G' A^-1 G is (A as it is factorised is definite)
     const Eigen::Index n = static_cast<Eigen::Index>(broken.size());
@@ -98,10 +97,10 @@ bool AugmentedLagrangian::prepare_matrix(const std::vector<LoosePoint>& points) 
     }
     for (const Softening softening : {Softening::now, Softening::none}) {
         if (softening == Softening::now && !softens) continue;
-        const bool symmetric = make_tangents(points, softening);
+        make_tangents(points, softening);
         ++counts_.factorisations;
         indefinite_ = softens && softening == Softening::none;
-        if (matrix_.factorise(tangents_, symmetric)) return true;
+        if (matrix_.factorise(tangents_)) return true;
     }
     factored_states_.clear();
     return false;

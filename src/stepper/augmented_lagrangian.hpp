@@ -63,7 +63,7 @@ private:
                     int most_steps);
     void evaluate(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, const std::vector<Vec2>& rate);
     double residual_norm() const;
-    bool make_tangents(const std::vector<LoosePoint>& points, Softening softening);  // false: not symmetric
+    void make_tangents(const std::vector<LoosePoint>& points, Softening softening);
     bool prepare_matrix(const std::vector<LoosePoint>& points);
     double step_length(const std::vector<LoosePoint>& points, const std::vector<Vec2>& direction, const std::vector<Vec2>& changed) const;
     double move_multipliers(std::vector<LoosePoint>& points) const;

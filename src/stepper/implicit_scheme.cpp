@@ -71,7 +71,7 @@ void ImplicitScheme::choose_partition(const State& begin, double h) {
     make_points(begin, h);
     if (!same) {
         std::vector<PointTangent> couplings;
-        for (const LoosePoint& point : points_) couplings.push_back({point.before, point.after, Eigen::Matrix2d::Zero()});
+        for (const LoosePoint& point : points_) couplings.push_back({point.before, point.after, Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()});
         matrix_.set_pattern(partition_, bulk_.prescribed(), couplings);
     }
     if (!same || matrix_step_ != h) {

@@ -1,5 +1,7 @@
 #include "stepper/theta_matrix.hpp"
 
+#include <unsupported/Eigen/IterativeSolvers>
+
 #include <algorithm>
 
 namespace knap {
@@ -65,7 +67,7 @@ void ThetaMatrix::set_pattern(const CornerPartition& partition, const std::vecto
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j)
                 triangle_entry_[9 * t + 3 * i + j] = entry_of(partition.node_of_corner[3 * t + i], partition.node_of_corner[3 * t + j]);
-    analysed_ldlt_ = analysed_lu_ = false;
+    analysed_ldlt_ = false;
 }
 
 Index ThetaMatrix::entry_of(Index row_node, Index column_node) const {
@@ -95,44 +97,74 @@ void ThetaMatrix::set_bulk(double stiffness_factor, MassMatrix mass) {
     }
 }
 
-bool ThetaMatrix::factorise(std::span<const PointTangent> points, bool symmetric) {
-    total_ = bulk_;
+void ThetaMatrix::assemble(std::span<const PointTangent> points, Eigen::Matrix2d PointTangent::*block, Sparse& matrix) const {
+    matrix = bulk_;
     for (const PointTangent& point : points) {
         const Index a = point.after, b = point.before;
-        if (a >= 0) add_block(total_, entry_of(a, a), a, point.block, 1);
-        if (b >= 0) add_block(total_, entry_of(b, b), b, point.block, 1);
+        if (a >= 0) add_block(matrix, entry_of(a, a), a, point.*block, 1);
+        if (b >= 0) add_block(matrix, entry_of(b, b), b, point.*block, 1);
         if (a < 0 || b < 0) continue;
-        add_block(total_, entry_of(a, b), b, point.block, -1);
-        add_block(total_, entry_of(b, a), a, point.block, -1);
+        add_block(matrix, entry_of(a, b), b, point.*block, -1);
+        add_block(matrix, entry_of(b, a), a, point.*block, -1);
     }
-    symmetric_ = symmetric;
-    if (n_unknowns_ == 0) return true;
-    if (symmetric) {
-        if (!analysed_ldlt_) ldlt_.analyzePattern(total_);
-        analysed_ldlt_ = true;
-        ldlt_.factorize(total_);
-        return ldlt_.info() == Eigen::Success && (ldlt_.vectorD().array() > 0).all();
-    }
-    if (!analysed_lu_) {
-        lu_.isSymmetric(true);
-        lu_.setPivotThreshold(0.01);
-        lu_.analyzePattern(total_);
-    }
-    analysed_lu_ = true;
-    lu_.factorize(total_);
-    return lu_.info() == Eigen::Success;
 }
 
-void ThetaMatrix::solve(const std::vector<Vec2>& right_hand_side, std::vector<Vec2>& solution) const {
+bool ThetaMatrix::factorise(std::span<const PointTangent> points) {
+    symmetric_ = std::all_of(points.begin(), points.end(), [](const PointTangent& p) { return p.block == p.symmetric_block; });
+    factorised_lu_ = false;
+    if (n_unknowns_ == 0) return true;
+    assemble(points, &PointTangent::symmetric_block, without_friction_);
+    if (!symmetric_) assemble(points, &PointTangent::block, total_);
+    if (!analysed_ldlt_) ldlt_.analyzePattern(without_friction_);
+    analysed_ldlt_ = true;
+    ldlt_.factorize(without_friction_);
+    return ldlt_.info() == Eigen::Success && (ldlt_.vectorD().array() > 0).all();
+}
+
+namespace {
+
+/// What Eigen's iterative solvers ask of a preconditioner: here a factor that exists already.
+template <class Factor>
+class KnownFactor {
+public:
+    using StorageIndex = Index;
+    void use(const Factor& factor) { factor_ = &factor; }
+    template <class Matrix> KnownFactor& analyzePattern(const Matrix&) { return *this; }
+    template <class Matrix> KnownFactor& factorize(const Matrix&) { return *this; }
+    template <class Matrix> KnownFactor& compute(const Matrix&) { return *this; }
+    template <class Rhs> auto solve(const Rhs& b) const { return factor_->solve(b); }
+    Eigen::ComputationInfo info() { return Eigen::Success; }
+
+private:
+    const Factor* factor_ = nullptr;
+};
+
+}  // namespace
+
+Eigen::VectorXd ThetaMatrix::solve_unsymmetric(const Eigen::VectorXd& b) {
+    if (!factorised_lu_) {
+        Eigen::GMRES<Sparse, KnownFactor<decltype(ldlt_)>> gmres;
+        gmres.preconditioner().use(ldlt_);
+        gmres.set_restart(60);
+        gmres.setMaxIterations(60);
+        gmres.setTolerance(1e-6);
+        gmres.compute(total_);
+        Eigen::VectorXd x = gmres.solve(b);
+        if (gmres.info() == Eigen::Success && x.allFinite()) return x;
+        lu_.isSymmetric(true);
+        lu_.setPivotThreshold(0.01);
+        lu_.compute(total_);
+        factorised_lu_ = true;
+    }
+    return lu_.solve(b);
+}
+
+void ThetaMatrix::solve(const std::vector<Vec2>& right_hand_side, std::vector<Vec2>& solution) {
     Eigen::VectorXd b(n_unknowns_), x(n_unknowns_);
     for (std::size_t i = 0; i < unknown_.size(); ++i)
         if (unknown_[i] >= 0) b[unknown_[i]] = right_hand_side[i / 2][i % 2];
-    if (n_unknowns_ > 0) {
-        if (symmetric_)
-            x = ldlt_.solve(b);
-        else
-            x = lu_.solve(b);
-    }
+    if (n_unknowns_ > 0 && symmetric_) x = ldlt_.solve(b);
+    if (n_unknowns_ > 0 && !symmetric_) x = solve_unsymmetric(b);
     solution.assign(right_hand_side.size(), Vec2::Zero());
     for (std::size_t i = 0; i < unknown_.size(); ++i)
         if (unknown_[i] >= 0) solution[i / 2][i % 2] = x[unknown_[i]];

@@ -15,8 +15,9 @@ namespace knap {
 
 /// Change of the impulse on `after` (minus that on `before`) with their relative velocity: -block. Either may be -1: the ground.
 struct PointTangent {
-    Index before, after;    // nodes
-    Eigen::Matrix2d block;  // [kg]
+    Index before, after;              // nodes
+    Eigen::Matrix2d block;            // [kg]
+    Eigen::Matrix2d symmetric_block;  // [kg] the same without the friction that follows the contact
 };
 
 class ThetaMatrix {
@@ -31,16 +32,19 @@ public:
     /// M + stiffness_factor K.
     void set_bulk(double stiffness_factor, MassMatrix mass);
 
-    /// False: not positive definite (symmetric), or singular. `symmetric`: all blocks are.
-    bool factorise(std::span<const PointTangent> points, bool symmetric);
+    /// False: without the friction that follows the contact it is not positive definite.
+    bool factorise(std::span<const PointTangent> points);
     /// Per node; prescribed components of the right-hand side are not read, of the solution zero.
-    void solve(const std::vector<Vec2>& right_hand_side, std::vector<Vec2>& solution) const;
+    /// With that friction by GMRES, the factor of the rest being its preconditioner (Y. Saad, M. Schultz 1986); by LU where that fails.
+    void solve(const std::vector<Vec2>& right_hand_side, std::vector<Vec2>& solution);
 
     Index n_unknowns() const { return n_unknowns_; }
-    bool is_symmetric() const { return symmetric_; }  // as it is factorised
+    bool is_symmetric() const { return symmetric_; }  // no friction follows a contact
     Index unknown(Index node, int component) const { return unknown_[2 * node + component]; }  // or -1
 
 private:
+    void assemble(std::span<const PointTangent> points, Eigen::Matrix2d PointTangent::*block, Sparse& matrix) const;
+    Eigen::VectorXd solve_unsymmetric(const Eigen::VectorXd& b);
     void add_block(Sparse& matrix, Index entry, Index column_node, const Eigen::Ref<const Eigen::Matrix2d>& block, double sign) const;
     Index entry_of(Index row_node, Index column_node) const;  // into neighbour_
 
@@ -52,9 +56,9 @@ private:
     std::vector<Index> neighbour_;        // coupled nodes, ascending
     std::vector<Index> row_offset_;       // per neighbour: its rows begin so far down the column
     std::vector<Index> triangle_entry_;   // 9 per triangle: neighbour entry of (row corner, column corner)
-    Sparse bulk_, total_;
+    Sparse bulk_, total_, without_friction_;
     bool symmetric_ = true;
-    bool analysed_ldlt_ = false, analysed_lu_ = false;
+    bool analysed_ldlt_ = false, factorised_lu_ = false;
     Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<Index>> ldlt_;
     Eigen::SparseLU<Sparse, Eigen::NaturalOrdering<Index>> lu_;
 };
