@@ -88,7 +88,6 @@ void load_statically(const Model& model, const SchemeOptions& options, State& st
     double h = first_step * passage, largest = last_step * passage, part = 1;  // of the loads, carried by inertia
     for (int step = 0; part > in_equilibrium; ++step) {
         const StepReport report = scheme.step(now, h, next);
-        if (getenv("DBG")) fprintf(stderr, "step %d h %g refusal %d residual %g solves %d part %g\n", step, h, (int)report.refusal, report.residual, (int)report.linear_solves, part);
         if (report.refusal != Refusal::none) {
             if (h < 2 * first_step * passage) fail(start, "contact and friction do not settle", report.where);
             h = largest = h / growth;
