@@ -5,6 +5,11 @@
 #include <algorithm>
 
 namespace knap {
+namespace {
+
+constexpr Index few_unknowns = 1500;  // up to here LU is as fast
+
+}  // namespace
 
 void ThetaMatrix::set_pattern(const CornerPartition& partition, const std::vector<std::array<bool, 2>>& prescribed_of_node,
                               std::span<const PointTangent> points) {
@@ -142,15 +147,17 @@ private:
 }  // namespace
 
 Eigen::VectorXd ThetaMatrix::solve_unsymmetric(const Eigen::VectorXd& b) {
-    if (!factorised_lu_) {
+    if (!factorised_lu_ && n_unknowns_ > few_unknowns) {
         Eigen::GMRES<Sparse, KnownFactor<decltype(ldlt_)>> gmres;
         gmres.preconditioner().use(ldlt_);
         gmres.set_restart(60);
         gmres.setMaxIterations(60);
-        gmres.setTolerance(1e-6);
+        gmres.setTolerance(1e-8);
         gmres.compute(total_);
         Eigen::VectorXd x = gmres.solve(b);
         if (gmres.info() == Eigen::Success && x.allFinite()) return x;
+    }
+    if (!factorised_lu_) {
         lu_.isSymmetric(true);
         lu_.setPivotThreshold(0.01);
         lu_.compute(total_);
