@@ -9,7 +9,8 @@ namespace knap {
 namespace {
 
 constexpr int most_newton_steps = 200, most_outer_steps = 100, most_wandering_steps = 30, most_friction_rounds = 60;
-constexpr double law_goal = 1e-13, law_tolerance = 5e-11;  // of the scale: natural residual of the laws; what rounding leaves is accepted
+constexpr double law_goal = 1e-13;       // of the scale: natural residual of the laws
+constexpr double law_tolerance = 5e-11;  // likewise, where rounding leaves no more
 constexpr double first_augmentation = 1e3;      // of the inertia and stiffness of a point's corners: a move of the multipliers gains three digits
 constexpr double boost = 100, most_augmentation = 1e7;  // where points are nearly redundant the gain is less, until augmented more
 constexpr double balance_tolerance = 1e-12;     // of the scale
@@ -29,6 +30,15 @@ void AugmentedLagrangian::evaluate(const ImplicitBulk& bulk, std::vector<LoosePo
         if (point.after >= 0) residual_[point.after] -= impulse;
         if (point.before >= 0) residual_[point.before] += impulse;
     }
+}
+
+Index AugmentedLagrangian::worst_node() const {
+    Index worst = 0;
+    double norm = -1;
+    for (Index i = 0; i < static_cast<Index>(residual_.size()); ++i)
+        for (int k = 0; k < 2; ++k)
+            if (matrix_.unknown(i, k) >= 0 && std::abs(residual_[i][k]) > norm) norm = std::abs(residual_[i][k]), worst = i;
+    return worst;
 }
 
 double AugmentedLagrangian::residual_norm() const {
@@ -228,6 +238,7 @@ AugmentedLagrangian::Status AugmentedLagrangian::solve(const ImplicitBulk& bulk,
                                                        double scale) {
     counts_ = {};
     unit_ = scale > 0 ? scale : 1;
+    if (!std::isfinite(unit_ + bulk.largest_impulse())) return Status::not_converged;  // every tolerance would be met
     const bool rubs = std::any_of(points.begin(), points.end(), [](const LoosePoint& p) { return p.law.friction > 0; });
     if (!rubs) return settle(bulk, points, rate, law_goal, most_newton_steps) ? Status::solved : Status::not_converged;
 

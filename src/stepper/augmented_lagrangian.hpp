@@ -54,6 +54,7 @@ public:
     /// The softening of the solution outweighs inertia and stiffness: Assumption 1 does not hold there.
     /// (Judged with the descending branches of all points that lost cohesion in the step.)
     bool has_several_solutions(const std::vector<LoosePoint>& points);
+    Index worst_node() const;  // with the largest residual: where it did not converge
     const std::vector<Vec2>& unbalanced() const { return residual_; }  // [N s] per node: reactions of what is prescribed
 
 private:

@@ -47,10 +47,10 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
         }
         if (!loosen_what_opens(h, report)) break;
     }
-    if (report.refusal == Refusal::none && options_.respect_assumption_1 && solver_.has_several_solutions(points_)) report.refusal = Refusal::assumption_1;
+    if (report.refusal == Refusal::none && options_.respect_assumption_1 && solver_.has_several_solutions(points_))
+        report.refusal = Refusal::assumption_1;
     if (report.refusal != Refusal::none) {
-        for (const LoosePoint& point : points_)
-            if (point.response.softens) report.where = place_of(point.fan_point);
+        report.where = place_of_trouble(report.refusal);
         return report;
     }
     join_what_holds(rate_);
@@ -333,9 +333,14 @@ void ImplicitScheme::store(const State& begin, double h, State& end, StepReport&
     }
 }
 
-Vec2 ImplicitScheme::place_of(Index fan_point) const {
-    const FanPoint& point = model_.fan_points[fan_point];
-    const Index corner = point.after == ground ? point.before : point.after;
+Vec2 ImplicitScheme::place_of_trouble(Refusal refusal) const {
+    Index corner = partition_.corner_of_node[solver_.worst_node()];
+    if (refusal == Refusal::assumption_1)
+        for (const LoosePoint& point : points_) {
+            if (!point.response.softens && !point.response.breaks) continue;
+            const FanPoint& at = model_.fan_points[point.fan_point];
+            corner = at.after == ground ? at.before : at.after;
+        }
     return model_.mesh.corner(corner / 3, corner % 3);
 }
 

@@ -11,9 +11,9 @@
 //     beta_theta = theta beta+ + (1 - theta) beta      (implicit beta; explicit beta: beta_theta = beta)
 //
 // The contact bound, V = rate at the begin of the step:
-//     touching (u_N <= 0 up to rounding):   c = -(1 - theta (1 + e)) max(-V_N, 0)       Newton's law v_N+ = -e v_N- against an approach; else no approach
-//     apart, e = 0:          c = min(-u_N/h, -(1 - theta) max(-V_N, 0))  lands on the wall, or stops at it within (1 - theta) h |V_N|
-//     apart, e > 0:          no contact in this step: it must touch first
+//     touching, up to rounding:  c = -(1 - theta (1 + e)) max(-V_N, 0)   Newton's law v_N+ = -e v_N- against an approach, else w_N >= 0
+//     apart, e = 0:              c = min(-u_N/h, -(1 - theta) max(-V_N, 0))  lands on the wall, or stops at it
+//     apart, e > 0:              no contact in this step: it must touch first
 // The work of an impulse is P . w; since c <= 0 and the friction opposes w_T, every single contact and friction work is <= 0.
 // Prescribed components: a velocity is reached at t + h (w is the mean), a displacement at t + h (v+ is the slope of its history there).
 #include "stepper/augmented_lagrangian.hpp"
@@ -41,7 +41,7 @@ private:
     void judge(StepReport& report) const;
     void account_points(double h, StepReport& report) const;
     void store(const State& begin, double h, State& end, StepReport& report) const;
-    Vec2 place_of(Index fan_point) const;
+    Vec2 place_of_trouble(Refusal refusal) const;
 
     const Model& model_;
     SchemeOptions options_;
