@@ -62,6 +62,12 @@ void ImplicitBulk::set_partition(const CornerPartition& partition, std::vector<V
             rate[i][k] = prescribed_rate_[i][k];
         }
     }
+    for (const FanPoint& point : model_.fan_points) {  // glued to the ground for good
+        if ((point.before != ground && point.after != ground) || !unbreakable(model_, point)) continue;
+        const Index node = partition.node_of_corner[point.before == ground ? point.after : point.before];
+        prescribed_[node] = {true, true};
+        prescribed_rate_[node] = prescribed_end_[node] = rate[node] = Vec2::Zero();
+    }
     // what the parts of the balance are made of: differences below their rounding mean nothing
     largest_impulse_ = 0;
     begin_force_.resize(force_.size());

@@ -311,10 +311,12 @@ void ImplicitScheme::store(const State& begin, double h, State& end, StepReport&
         end.rate[to] = rate_[node];
     }
     end.reaction.assign(model_.prescribed.size(), Vec2::Zero());
-    for (Index i = 0; i < partition_.n_nodes(); ++i)
+    for (Index i = 0; i < partition_.n_nodes(); ++i) {
+        const Index motion = model_.prescribed_of_corner[partition_.corner_of_node[i]];
         for (int k = 0; k < 2; ++k)
-            if (bulk_.prescribed()[i][k])
-                end.reaction[model_.prescribed_of_corner[partition_.corner_of_node[i]]][k] = solver_.unbalanced()[i][k] / (options_.theta * h);
+            if (motion >= 0 && model_.prescribed[motion].component[k])
+                end.reaction[motion][k] = solver_.unbalanced()[i][k] / (options_.theta * h);
+    }
     for (std::size_t rank = 0; rank < end.split_fans.size(); ++rank) {
         const Fan& fan = model_.fans[end.split_fans[rank]];
         for (Index j = 0; j < fan.n_points; ++j) {
