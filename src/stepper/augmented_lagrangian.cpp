@@ -183,6 +183,27 @@ bool AugmentedLagrangian::find_rates(const ImplicitBulk& bulk, std::vector<Loose
     return false;
 }
 
+void AugmentedLagrangian::follow_ray(std::vector<LoosePoint>& points, const std::vector<Vec2>& last) {
+    // what holds contradicts itself (more is closed round a vertex than can be): the multipliers would go on like this for ever, until the
+    // first of them comes to its bound and lets go
+    double furthest = std::numeric_limits<double>::infinity();
+    const auto moved = [&](std::size_t j) { return Vec2(points[j].law.contact_guess, points[j].law.tangential_guess) - last[j]; };
+    for (std::size_t j = 0; j < points.size(); ++j) {
+        const PointLaw& law = points[j].law;
+        const Vec2 d = moved(j);
+        if (points[j].response.closed && d.x() < 0) furthest = std::min(furthest, law.contact_guess / -d.x());
+        if (!points[j].response.sticks || d.y() == 0) continue;
+        const double most = law.friction * law.contact_guess + law.gamma * law.strength * points[j].response.cohesion_theta;
+        furthest = std::min(furthest, std::max(0.0, most - std::copysign(law.tangential_guess, law.tangential_guess * d.y())) / std::abs(d.y()));
+    }
+    if (std::isinf(furthest)) return;
+    for (std::size_t j = 0; j < points.size(); ++j) {
+        const Vec2 d = furthest * moved(j);
+        points[j].law.contact_guess = std::max(0.0, points[j].law.contact_guess + d.x());
+        points[j].law.tangential_guess += d.y();
+    }
+}
+
 double AugmentedLagrangian::move_multipliers(std::vector<LoosePoint>& points) const {
     double change = 0;
     for (LoosePoint& point : points) {
@@ -204,11 +225,14 @@ bool AugmentedLagrangian::settle(const ImplicitBulk& bulk, std::vector<LoosePoin
         if (!find_rates(bulk, points, rate, tolerance, most_steps)) return false;
         most_steps -= counts_.linear_solves - solves;
         for (const LoosePoint& point : points) unit_ = std::max(unit_, point.response.contact);  // impacts give more than strengths
+        std::vector<Vec2> last;
+        for (const LoosePoint& point : points) last.emplace_back(point.law.contact_guess, point.law.tangential_guess);
         const double moved = move_multipliers(points);
         if (moved <= goal * augmentation * unit_) return true;
         const bool same_pieces = counts_.factorisations == factorisations, stalls = same_pieces && moved > 0.2 * before;
         if (stalls && moved <= law_tolerance * augmentation * unit_) return true;
-        if (stalls && augmentation < most_augmentation) augment(points, augmentation *= boost);
+        if (same_pieces && std::abs(moved - before) < 1e-3 * moved) follow_ray(points, last);
+        else if (stalls && augmentation < most_augmentation) augment(points, augmentation *= boost);
         if (!same_pieces && augmentation > first_augmentation) augment(points, augmentation = first_augmentation);
         before = moved;
     }

@@ -68,6 +68,7 @@ private:
     bool prepare_matrix(const std::vector<LoosePoint>& points);
     double step_length(const std::vector<LoosePoint>& points, const std::vector<Vec2>& direction, const std::vector<Vec2>& changed) const;
     double move_multipliers(std::vector<LoosePoint>& points) const;
+    static void follow_ray(std::vector<LoosePoint>& points, const std::vector<Vec2>& last);
     void augment(std::vector<LoosePoint>& points, double augmentation);
 
     ThetaMatrix& matrix_;
