@@ -187,7 +187,7 @@ void AugmentedLagrangian::follow_ray(std::vector<LoosePoint>& points, const std:
     // what holds contradicts itself (more is closed round a vertex than can be): the multipliers would go on like this for ever, until the
     // first of them comes to its bound and lets go
     double furthest = std::numeric_limits<double>::infinity();
-    const auto moved = [&](std::size_t j) { return Vec2(points[j].law.contact_guess, points[j].law.tangential_guess) - last[j]; };
+    const auto moved = [&](std::size_t j) -> Vec2 { return Vec2(points[j].law.contact_guess, points[j].law.tangential_guess) - last[j]; };
     for (std::size_t j = 0; j < points.size(); ++j) {
         const PointLaw& law = points[j].law;
         const Vec2 d = moved(j);
