@@ -82,7 +82,7 @@ struct Model {
     std::vector<Elastic> materials;
     std::vector<CohesiveLaw> laws;
 
-    std::vector<double> corner_mass;  // [kg] one per triangle: density * area * thickness / 3
+    std::vector<double> corner_mass;  // [kg] per corner: density * area * thickness / 3
     std::vector<Interface> interfaces;
     std::vector<Fan> fans;
     std::vector<Index> fan_corners;

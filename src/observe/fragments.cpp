@@ -71,7 +71,7 @@ Fragments find_fragments(const Model& model, const State& state) {
             velocity += state.velocity[node];
             centroid += model.mesh.corner(t, k) + state.displacement[node];
         }
-        triangles.push_back({model.mesh.area(t), 3 * model.corner_mass[t], model.corner_mass[t] * velocity, centroid / 3});
+        triangles.push_back({model.mesh.area(t), 3 * model.corner_mass[3 * t], model.corner_mass[3 * t] * velocity, centroid / 3});
     }
     const std::vector<InterfaceStatus> status = interface_status(model, state);
     std::vector<std::array<Index, 2>> joined;

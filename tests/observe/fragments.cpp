@@ -1,5 +1,8 @@
 #include "observe/fragments.hpp"
 
+#include "model/state.hpp"
+#include "support/meshes.hpp"
+
 #include <doctest/doctest.h>
 
 #include <sstream>
@@ -51,4 +54,21 @@ TEST_CASE("fragments: table") {
           "fragment,triangles,area_m2,mass_kg,centre_x_m,centre_y_m,velocity_x_m_s,velocity_y_m_s\n"
           "0,1,6,3,0,0,0,4\n"
           "1,1,2,1,0,0,4,0\n");
+}
+
+TEST_CASE("fragments: of a model each triangle has its own mass") {
+    // a heavy and a light half, an uncracked bar: one fragment with the mass and the centre of mass of both
+    ModelInput input;
+    input.mesh = tests::bar_mesh(4, 1, 4, 1, [](int column) { return column < 2 ? 0 : 1; });
+    input.thickness = 0.5;
+    input.materials = {{.density = 3, .E = 1, .nu = 0.2}, {.density = 1, .E = 1, .nu = 0.2}};
+    input.laws = {CohesiveLaw::unbreakable()};
+    input.law_of_pair = {{0, 0}, {0, 0}};
+    input.initial_velocities = {{.on = {}, .value = Vec2(2, 0)}};
+    const Model model = make_model(input);
+    const Fragments fragments = find_fragments(model, initial_state(model));
+    REQUIRE(fragments.pieces.size() == 1);
+    CHECK(fragments.pieces[0].mass == Approx(4));  // (3 x 2 + 1 x 2) x .5
+    CHECK((fragments.pieces[0].velocity - Vec2(2, 0)).norm() < 1e-12);
+    CHECK(fragments.pieces[0].centre.x() == Approx((3.0 * 1 + 1.0 * 3) / 4));
 }
