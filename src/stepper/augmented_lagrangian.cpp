@@ -15,8 +15,6 @@ constexpr double first_augmentation = 1e3;      // of the inertia and stiffness 
 constexpr double boost = 100, most_augmentation = 1e7;  // where points are nearly redundant the gain is less, until augmented more
 constexpr double balance_tolerance = 1e-12;     // of the scale
 
-Vec2 rate_of(const std::vector<Vec2>& of_node, Index node) { return node < 0 ? Vec2::Zero() : of_node[node]; }
-
 }  // namespace
 
 void AugmentedLagrangian::evaluate(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, const std::vector<Vec2>& rate) {
@@ -24,7 +22,7 @@ void AugmentedLagrangian::evaluate(const ImplicitBulk& bulk, std::vector<LoosePo
     bulk.sum_to_nodes(corner_taken_, taken_);
     residual_ = taken_;
     for (LoosePoint& point : points) {
-        point.rate = point.in_frame(rate_of(rate, point.after) - rate_of(rate, point.before));
+        point.rate = point.across(rate);
         point.response = respond(point.law, point.rate.x(), point.rate.y());
         const Vec2 impulse = point.impulse();
         if (point.after >= 0) residual_[point.after] -= impulse;
@@ -32,21 +30,18 @@ void AugmentedLagrangian::evaluate(const ImplicitBulk& bulk, std::vector<LoosePo
     }
 }
 
-Index AugmentedLagrangian::worst_node() const {
-    Index worst = 0;
-    double norm = -1;
-    for (Index i = 0; i < static_cast<Index>(residual_.size()); ++i)
-        for (int k = 0; k < 2; ++k)
-            if (matrix_.unknown(i, k) >= 0 && std::abs(residual_[i][k]) > norm) norm = std::abs(residual_[i][k]), worst = i;
-    return worst;
+double AugmentedLagrangian::residual(Index node) const {
+    double largest = 0;
+    for (int k = 0; k < 2; ++k)
+        if (matrix_.unknown(node, k) >= 0) largest = std::max(largest, std::abs(residual_[node][k]));
+    return largest;
 }
 
-double AugmentedLagrangian::residual_norm() const {
-    double norm = 0;
-    for (Index i = 0; i < static_cast<Index>(residual_.size()); ++i)
-        for (int k = 0; k < 2; ++k)
-            if (matrix_.unknown(i, k) >= 0) norm = std::max(norm, std::abs(residual_[i][k]));
-    return norm;
+Index AugmentedLagrangian::worst_node() const {
+    Index worst = 0;
+    for (Index i = 1; i < static_cast<Index>(residual_.size()); ++i)
+        if (residual(i) > residual(worst)) worst = i;
+    return worst;
 }
 
 void AugmentedLagrangian::make_tangents(const std::vector<LoosePoint>& points, Softening softening) {
@@ -87,8 +82,7 @@ bool AugmentedLagrangian::has_several_solutions(const std::vector<LoosePoint>& p
         ++counts_.linear_solves;
         for (Eigen::Index i = 0; i < n; ++i) {
             const LoosePoint& other = *broken[i];
-            const Vec2 across = other.in_frame(rate_of(direction_, other.after) - rate_of(direction_, other.before));
-            left(i, j) = -loss_direction(other.law, other.response).dot(across);
+            left(i, j) = -loss_direction(other.law, other.response).dot(other.across(direction_));
         }
         left(j, j) += 1 / softening_modulus(point.law);
     }
@@ -122,8 +116,7 @@ double AugmentedLagrangian::step_length(const std::vector<LoosePoint>& points, c
     double at_start = 0, bulk_slope = 0;
     for (std::size_t i = 0; i < direction.size(); ++i) at_start += direction[i].dot(taken_[i]), bulk_slope += direction[i].dot(changed[i]);
     std::vector<Vec2> turn(points.size());
-    for (std::size_t j = 0; j < points.size(); ++j)
-        turn[j] = points[j].in_frame(rate_of(direction, points[j].after) - rate_of(direction, points[j].before));
+    for (std::size_t j = 0; j < points.size(); ++j) turn[j] = points[j].across(direction);
     const auto slope = [&](double a) {
         double sum = at_start + a * bulk_slope;
         for (std::size_t j = 0; j < points.size(); ++j) {
@@ -134,7 +127,8 @@ double AugmentedLagrangian::step_length(const std::vector<LoosePoint>& points, c
         }
         return sum;
     };
-    double low = 0, slope_low = slope(0), high = 1, slope_high = slope(1);
+    const double slope_at_start = slope(0);
+    double low = 0, slope_low = slope_at_start, high = 1, slope_high = slope(1);
     if (slope_low >= 0 || std::abs(slope_high) <= 0.1 * std::abs(slope_low)) return 1;
     for (int i = 0; slope_high < 0; ++i) {  // still downhill: a majorised step was too short
         if (i == 10) return high;
@@ -146,7 +140,7 @@ double AugmentedLagrangian::step_length(const std::vector<LoosePoint>& points, c
     for (int i = 0, side = 0; i < 30; ++i) {
         a = (low * slope_high - high * slope_low) / (slope_high - slope_low);
         const double here = slope(a);
-        if (std::abs(here) <= 1e-3 * std::abs(slope(0))) break;
+        if (std::abs(here) <= 1e-3 * std::abs(slope_at_start)) break;
         if (here > 0) {
             high = a, slope_high = here;
             if (side == 1) slope_low /= 2;
@@ -166,7 +160,7 @@ bool AugmentedLagrangian::find_rates(const ImplicitBulk& bulk, std::vector<Loose
     int stalled = 0;
     for (int i = 0; i < most_steps; ++i) {
         evaluate(bulk, points, rate);
-        const double norm = residual_norm();
+        const double norm = residual(worst_node());
         if (norm <= tolerance) return true;
         stalled = norm > 0.5 * best ? stalled + 1 : 0;
         if (stalled >= 3 && norm <= 1e3 * tolerance) return true;  // rounding; the judge of the step has the last word

@@ -30,6 +30,13 @@ struct LoosePoint {
     double mass;               // [kg] what an impulse between the two sides moves: the scale between impulses and rates
 
     Vec2 in_frame(const Vec2& a) const { return {normal.dot(a), turned_left(normal).dot(a)}; }
+    /// (N, T) of what a field of the nodes does between the two sides.
+    Vec2 across(const std::vector<Vec2>& of_node) const {
+        const auto at = [&](Index node) -> Vec2 { return node < 0 ? Vec2::Zero() : of_node[node]; };
+        return in_frame(at(after) - at(before));
+    }
+    /// Its sides move as one.
+    bool holds_still() const { return response.closed && response.sticks && law.bound == 0 && response.kink == 0; }
     Vec2 impulse() const { return response.normal(law) * normal + response.tangential * turned_left(normal); }  // [N s] q
 };
 
@@ -55,6 +62,7 @@ public:
     /// (Judged with the descending branches of all points that lost cohesion in the step.)
     bool has_several_solutions(const std::vector<LoosePoint>& points);
     Index worst_node() const;  // with the largest residual: where it did not converge
+    const std::vector<Vec2>& corner_taken() const { return corner_taken_; }  // [N s] by the bulk, at the last rates
     const std::vector<Vec2>& unbalanced() const { return residual_; }  // [N s] per node: reactions of what is prescribed
 
 private:
@@ -63,7 +71,7 @@ private:
     bool find_rates(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double tolerance,
                     int most_steps);
     void evaluate(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, const std::vector<Vec2>& rate);
-    double residual_norm() const;
+    double residual(Index node) const;  // [N s] of its free components
     void make_tangents(const std::vector<LoosePoint>& points, Softening softening);
     bool prepare_matrix(const std::vector<LoosePoint>& points);
     double step_length(const std::vector<LoosePoint>& points, const std::vector<Vec2>& direction, const std::vector<Vec2>& changed) const;

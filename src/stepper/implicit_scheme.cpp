@@ -169,8 +169,7 @@ void ImplicitScheme::guess_multipliers(const State& begin, double h) {
 
 bool ImplicitScheme::loosen_what_opens(double h, StepReport& report) {
     for (const LoosePoint& point : points_) guess_[point.fan_point] = {point.law.contact_guess, point.law.tangential_guess};
-    bulk_.taken(rate_, corner_taken_);
-    corner_rate_.resize(corner_taken_.size());
+    corner_rate_.resize(model_.mesh.n_corners());
     for (std::size_t c = 0; c < corner_rate_.size(); ++c) corner_rate_[c] = rate_[partition_.node_of_corner[c]];
     bool any = false;
     std::vector<Vec2> taken;
@@ -181,7 +180,7 @@ bool ImplicitScheme::loosen_what_opens(double h, StepReport& report) {
         const auto& prescribed = bulk_.prescribed()[partition_.node_of_corner[corner[0]]];
         taken.resize(fan.n_corners);
         for (Index i = 0; i < fan.n_corners; ++i) {
-            taken[i] = corner_taken_[corner[i]];
+            taken[i] = solver_.corner_taken()[corner[i]];
             for (int k = 0; k < 2; ++k)
                 if (prescribed[k]) taken[i][k] = 0;  // what moves a corner takes its reaction too
         }
@@ -205,8 +204,7 @@ bool ImplicitScheme::holds(Index f) const {
         const Index i = loose_point_of_[fan.first_point + j];
         if (i < 0) continue;
         const LoosePoint& point = points_[i];
-        if (!point.response.closed || !point.response.sticks || point.response.softens || point.law.bound != 0 || point.response.kink != 0)
-            return false;
+        if (!point.holds_still() || point.response.softens) return false;
     }
     return true;
 }
@@ -226,8 +224,7 @@ void ImplicitScheme::join_what_holds(std::vector<Vec2>& rate) const {
             const Index i = loose_point_of_[fan.first_point + j];
             if (i < 0) continue;
             const LoosePoint& point = points_[i];
-            const bool together = point.response.closed && point.response.sticks && point.law.bound == 0 && point.response.kink == 0;
-            if (!together || point.before == point.after) continue;
+            if (!point.holds_still() || point.before == point.after) continue;
             std::vector<Index> other = cluster_of(point.before);
             if (std::find(other.begin(), other.end(), point.after) != other.end()) continue;
             cluster_of(point.before).clear();
@@ -252,9 +249,8 @@ void ImplicitScheme::join_what_holds(std::vector<Vec2>& rate) const {
 void ImplicitScheme::judge(StepReport& report) const {
     // the laws once more at the joined rates, with one unit of augmentation: the natural residual, as impulses of the scale of the strengths
     const double unit = solver_.unit();
-    const auto rate_of = [&](Index node) -> Vec2 { return node < 0 ? Vec2::Zero() : rate_[node]; };
     for (const LoosePoint& point : points_) {
-        const Vec2 w = point.in_frame(rate_of(point.after) - rate_of(point.before));
+        const Vec2 w = point.across(rate_);
         PointLaw law = point.law;
         law.contact_guess = point.response.contact;
         law.tangential_guess = point.response.tangential;
@@ -271,12 +267,11 @@ void ImplicitScheme::judge(StepReport& report) const {
 
 void ImplicitScheme::account_points(double h, StepReport& report) const {
     const double theta = options_.theta;
-    const auto rate_of = [&](Index node) -> Vec2 { return node < 0 ? Vec2::Zero() : rate_[node]; };
     for (const LoosePoint& point : points_) {
         const FanPoint& at = model_.fan_points[point.fan_point];
         const CohesiveLaw& material = model_.laws[at.law];
         const PointLaw& law = point.law;
-        const Vec2 w = point.in_frame(rate_of(point.after) - rate_of(point.before));
+        const Vec2 w = point.across(rate_);
         const double cohesive_N = law.strength * point.response.cohesion_theta;
         const double cohesive_T = -(point.response.tangential - point.response.friction_part);  // resists
         const double impact = point.response.contact * w.x() / theta, friction = point.response.friction_part * w.y() / theta;

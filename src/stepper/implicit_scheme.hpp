@@ -60,7 +60,7 @@ private:
     std::vector<Vec2> guess_;                 // per fan point: contact and tangential impulse [N s]
     std::vector<std::uint8_t> has_guess_;
     std::vector<Vec2> rate_;                  // per node
-    std::vector<Vec2> corner_rate_, corner_taken_;
+    std::vector<Vec2> corner_rate_;
     double scale_ = 0;                        // [N s]
 };
 

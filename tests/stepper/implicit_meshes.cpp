@@ -16,21 +16,10 @@ namespace {
 
 const Elastic glass{.density = 2450, .E = 32e9, .nu = 0.2};
 
-bool same_bits(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec2)) == 0;
-}
-
 int n_broken(const Run& run) {
     int n = 0;
     for (Index p = 0; p < run.model.n_points(); ++p) n += cohesion(run.model, run.now, p) == 0;
     return n;
-}
-
-double energy_of_all_interfaces(const Model& model) {
-    double energy = 0;
-    for (const Interface& interface : model.interfaces)
-        if (!interface.cracked) energy += interface.length * model.thickness * model.laws[interface.law].G_c;
-    return energy;
 }
 
 /// To a time; a refused step is taken with half the size, and the size grows again. Number of refusals.

@@ -57,29 +57,11 @@ ModelInput crushed_block(const Mesh& mesh, double friction) {
     return input;
 }
 
-bool same_bits(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec2)) == 0;
-}
-
-bool same_bits(const State& a, const State& b) {
-    if (!same_bits(a.displacement, b.displacement) || !same_bits(a.velocity, b.velocity) || a.split_fans != b.split_fans) return false;
-    for (std::size_t i = 0; i < a.points.size(); ++i)
-        if (a.points[i].cohesion != b.points[i].cohesion) return false;
-    return true;
-}
-
 std::set<Index> broken_points(const Run& run) {
     std::set<Index> broken;
     for (Index p = 0; p < run.model.n_points(); ++p)
         if (cohesion(run.model, run.now, p) == 0) broken.insert(p);
     return broken;
-}
-
-double energy_of_all_interfaces(const Model& model) {
-    double energy = 0;
-    for (const Interface& interface : model.interfaces)
-        if (!interface.cracked) energy += interface.length * model.thickness * model.laws[interface.law].G_c;
-    return energy;
 }
 
 void check_books(const Run& run) {

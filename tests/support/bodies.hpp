@@ -7,6 +7,7 @@
 
 #include <omp.h>
 
+#include <cstring>
 #include <functional>
 
 namespace knap::tests {
@@ -73,5 +74,24 @@ public:
 private:
     State next_;
 };
+
+inline bool same_bits(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec2)) == 0;
+}
+
+inline bool same_bits(const State& a, const State& b) {
+    if (!same_bits(a.displacement, b.displacement) || !same_bits(a.velocity, b.velocity) || a.split_fans != b.split_fans) return false;
+    for (std::size_t i = 0; i < a.points.size(); ++i)
+        if (a.points[i].cohesion != b.points[i].cohesion) return false;
+    return true;
+}
+
+/// [J] that breaking every interface takes.
+inline double energy_of_all_interfaces(const Model& model) {
+    double energy = 0;
+    for (const Interface& interface : model.interfaces)
+        if (!interface.cracked) energy += interface.length * model.thickness * model.laws[interface.law].G_c;
+    return energy;
+}
 
 }  // namespace knap::tests
