@@ -1,6 +1,7 @@
 #include "app/cli.hpp"
 
 #include "app/commands.hpp"
+#include "app/study.hpp"
 #include "app/version.hpp"
 #include "base/error.hpp"
 #include "lcp/solvers.hpp"
@@ -31,6 +32,14 @@ double quantity(const std::string& text, std::string_view unit) {
     if (!read.unit.empty() && read.dimension != dimension_of(unit))
         throw UserError("wrong-unit", "`" + text + "` is " + kind_name(read.dimension) + ", wanted is " + kind_name(dimension_of(unit)));
     return read.value;
+}
+
+/// "a,b" -> ["a", "b"]
+std::string list_of_texts(const std::string& text) {
+    if (text.empty()) return "";
+    std::string list = "[\"";
+    for (const char c : text) list += c == ',' ? std::string("\", \"") : std::string(1, c);
+    return list + "\"]";
 }
 
 std::vector<std::string> words(int argc, char** argv) { return {argv, argv + argc}; }
@@ -71,6 +80,36 @@ int run_command_line(int argc, char** argv) {
     run_command->add_flag("--force", run.force, "replace an earlier run");
     run_command->add_option("--dump-lcp", dump_lcp, "store the complementarity problems of these steps in <run>/lcp: 10,20 or 10:5:40 (every fifth)");
     run_command->add_flag("-q,--quiet", run.quiet, "no progress line");
+
+    StudyCommand study;
+    std::string refine, levels, schemes, reference;
+    int n_seeds = 0;
+    std::vector<std::string> quantities;
+    CLI::App* study_command = add("study", "refine step or mesh, change the scheme or the seed; errors, orders, cost", [&] {
+        const auto set = [&](const char* key, const std::string& value) {
+            if (!value.empty()) overrides.push_back(std::string("study.") + key + "=" + value);
+        };
+        set("refine", refine);
+        set("levels", levels.empty() ? "" : "[" + levels + "]");
+        set("seeds", n_seeds > 0 ? std::to_string(n_seeds) : "");
+        set("schemes", list_of_texts(schemes));
+        set("reference", reference);
+        std::string list;
+        for (const std::string& of : quantities) list += (list.empty() ? "{ of = \"" : ", { of = \"") + of + "\" }";
+        set("quantity", list.empty() ? "" : "[" + list + "]");
+        return study_scenario(scenario, overrides, study);
+    });
+    takes_scenario(study_command);
+    study_command->add_option("--refine", refine, "what a level divides: step, mesh or both");
+    study_command->add_option("--levels", levels, "the divisors, as in 1,2,4,8");
+    study_command->add_option("--seeds", n_seeds, "statistics over so many seeds")->check(CLI::Range(2, 10000));
+    study_command->add_option("--schemes", schemes, "pairs bulk/cohesion, as in explicit/explicit,implicit/implicit, or all");
+    study_command->add_option("--reference", reference, "auto, or finest: errors from the finest run");
+    study_command->add_option("--quantity", quantities, "number of the summary that is compared; may be repeated")->allow_extra_args(false);
+    study_command->add_option("-o,--output", study.output, "directory of the study; default studies/<name>");
+    study_command->add_option("-j,--jobs", study.n_at_once, "runs at the same time, of one thread each")->check(CLI::Range(1, 1024));
+    study_command->add_flag("--force", study.force, "repeat finished runs, replace those of another study");
+    study_command->add_flag("-q,--quiet", study.quiet, "no line for every run");
 
     bool full = false, strict = false, time = false;
     CLI::App* check_command = add("check", "read and mesh a scenario, say what would happen", [&] { return check_scenario(read(), full, strict, time); });

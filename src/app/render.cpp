@@ -1,5 +1,6 @@
 // knap render and knap info: finished runs.
 #include "app/commands.hpp"
+#include "app/read_run.hpp"
 #include "app/run_directory.hpp"
 #include "base/error.hpp"
 #include "observe/history_csv.hpp"
@@ -15,16 +16,6 @@ namespace knap {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json read_run_json(const std::filesystem::path& run) {
-    std::ifstream file(run / "run.json");
-    if (!file) throw UserError("no-run", "`" + run.string() + "` is no run directory: it has no run.json");
-    try {
-        return Json::parse(file);
-    } catch (const Json::exception& error) {
-        throw UserError("bad-run", "`" + (run / "run.json").string() + "` cannot be read: " + error.what());
-    }
-}
 
 }  // namespace
 

@@ -59,14 +59,6 @@ double largest_critical_opening(const Scenario& scenario) {
     return largest;
 }
 
-/// The resolved scenario as it stands in a run directory, where a mesh that was read is `mesh.msh`.
-std::string resolved_beside_mesh(const ReadResult& read) {
-    if (!read.scenario.given) return resolved_toml(read);
-    ReadResult there = read;
-    there.values.replace("mesh.file", "mesh.file", Node::of_text("mesh.msh"));
-    return resolved_toml(there);
-}
-
 ExitCode exit_code(const RunRecord& record) {
     if (record.status == "interrupted") return exit_interrupted;
     if (record.status == "failed") return exit_failed;
@@ -123,6 +115,13 @@ void conclude(const Scenario& scenario, const Model& model, const State& now, co
 
 }  // namespace
 
+std::string resolved_for_run(const ReadResult& read) {
+    if (!read.scenario.given) return resolved_toml(read);
+    ReadResult there = read;
+    there.values.replace("mesh.file", "mesh.file", Node::of_text("mesh.msh"));
+    return resolved_toml(there);
+}
+
 Model model_of(const ReadResult& read) {
     try {
         return build_model(read.scenario);
@@ -171,7 +170,7 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
 
     make_run_directory(directory, options.force);
     write_whole_file(directory / "scenario.toml", read.source.text());
-    write_whole_file(directory / "resolved.toml", resolved_beside_mesh(read));
+    write_whole_file(directory / "resolved.toml", resolved_for_run(read));
     if (scenario.given) write_whole_file(directory / "mesh.msh", scenario.given->bytes);
     std::ostringstream warnings;
     for (const Diagnostic& warning : resolution_warnings(read, record.mean_edge)) warnings << format(warning), record.warnings.push_back(warning.message);

@@ -29,6 +29,9 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options);
 /// The mesh and model of a scenario; what geometry refuses becomes a UserError at the right line of the scenario.
 Model model_of(const ReadResult& read);
 
+/// The resolved scenario as it stands in a run directory, where a mesh that was read is `mesh.msh`.
+std::string resolved_for_run(const ReadResult& read);
+
 /// Warnings about the resolution of the process zone.
 std::vector<Diagnostic> resolution_warnings(const ReadResult& read, double mean_edge);
 

@@ -9,8 +9,6 @@
 namespace knap {
 namespace {
 
-constexpr double automatic_multiple = 20;  // of the stable step, with the implicit bulk: a wave runs by some twenty edges in a step
-
 void check_order(const char* key, double step, const char* larger_key, double larger) {
     if (step <= larger) return;
     char text[160];

@@ -7,6 +7,9 @@
 
 namespace knap {
 
+/// What step = "auto" means with the implicit bulk, in stable steps: a wave runs by some twenty edges in a step.
+inline constexpr double automatic_multiple = 20;
+
 struct StepPlan {
     StepLimits limits;
     std::int64_t n_steps;  // if all are as large as they may be

@@ -18,6 +18,7 @@
 #include <vtkTextProperty.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace knap {
@@ -26,14 +27,36 @@ namespace {
 
 constexpr double page_height = 330, room_left = 58, room_right = 16, room_below = 42, room_above = 28, gap = 12;  // [unit]
 
+/// From SI to what VTK draws: the unit shown, or its decimal logarithm.
+struct Scale {
+    DisplayUnit unit;
+    bool logarithmic = false;
+    double low = 0, high = 1;  // of the axis, as drawn
+    double operator()(double value) const {
+        const double shown = value * unit.factor;
+        return logarithmic ? (shown > 0 ? std::log10(shown) : std::nan("")) : shown;
+    }
+    double part(double value) const { return ((*this)(value) - low) / (high - low); }  // 0 .. 1 along the axis
+};
+
+/// All values along an axis [SI]; an even axis begins at 0.
 struct Range {
-    double low = 0, high = 0;
+    explicit Range(bool logarithmic) : logarithmic(logarithmic), low(logarithmic ? INFINITY : 0), high(logarithmic ? -INFINITY : 0) {}
     void add(double value) {
-        if (!std::isfinite(value)) return;
+        if (!std::isfinite(value) || (logarithmic && value <= 0)) return;
         low = std::min(low, value);
         high = std::max(high, value);
     }
-    double largest() const { return std::max(-low, high); }
+    void add(const std::vector<double>& values) {
+        for (const double value : values) add(value);
+    }
+    Scale scale(const std::string& unit) {
+        if (logarithmic && !(low <= high)) low = high = 1;
+        if (!logarithmic && low == high) high = 1;
+        return {.unit = display_unit(std::max(-low, high), unit), .logarithmic = logarithmic};
+    }
+    bool logarithmic;
+    double low, high;
 };
 
 unsigned char byte(double channel) { return static_cast<unsigned char>(std::lround(255 * channel)); }
@@ -45,8 +68,8 @@ void set_font(vtkTextProperty* text) {
 }
 
 /// One axis: round ticks in the unit that is shown, thin lines, light grid.
-void set_axis(vtkAxis* axis, const std::string& title, double low, double high, int n_ticks) {
-    const Ticks ticks = round_ticks(low, high, n_ticks);
+void set_axis(vtkAxis* axis, const std::string& quantity, const Scale& scale, int n_ticks) {
+    const Ticks ticks = scale.logarithmic ? logarithmic_ticks(scale.low, scale.high) : round_ticks(scale.low, scale.high, n_ticks);
     vtkNew<vtkDoubleArray> positions;
     vtkNew<vtkStringArray> labels;
     for (std::size_t i = 0; i < ticks.at.size(); ++i) {
@@ -54,9 +77,9 @@ void set_axis(vtkAxis* axis, const std::string& title, double low, double high, 
         labels->InsertNextValue(ticks.labels[i]);
     }
     axis->SetBehavior(vtkAxis::FIXED);
-    axis->SetRange(low, high);
+    axis->SetRange(scale.low, scale.high);
     axis->SetCustomTickPositions(positions, labels);
-    axis->SetTitle(title);
+    axis->SetTitle(with_unit(quantity, scale.unit.unit));
     axis->SetTickLength(4);
     axis->SetLabelOffset(6);
     axis->GetPen()->SetColorF(ink.red, ink.green, ink.blue);
@@ -67,19 +90,20 @@ void set_axis(vtkAxis* axis, const std::string& title, double low, double high, 
     set_font(axis->GetLabelProperties());
 }
 
-void add_curve(vtkChartXY* chart, const Curve& curve, double x_factor, double y_factor) {
+void add_curve(vtkChartXY* chart, const Curve& curve, const Scale& x_scale, const Scale& y_scale) {
     vtkNew<vtkDoubleArray> x, y;
     x->SetName("x");
     y->SetName("y");
     for (std::size_t i = 0; i < curve.x.size(); ++i) {
-        if (!std::isfinite(curve.x[i]) || !std::isfinite(curve.y[i])) continue;
-        x->InsertNextValue(curve.x[i] * x_factor);
-        y->InsertNextValue(curve.y[i] * y_factor);
+        const double x_shown = x_scale(curve.x[i]), y_shown = y_scale(curve.y[i]);
+        if (!std::isfinite(x_shown) || !std::isfinite(y_shown)) continue;
+        x->InsertNextValue(x_shown);
+        y->InsertNextValue(y_shown);
     }
     // VTK draws no axes without a curve, and no curve of less than two points: a point of no length then
     while (x->GetNumberOfTuples() < 2) {
-        x->InsertNextValue(x->GetNumberOfTuples() > 0 ? x->GetValue(0) : 0);
-        y->InsertNextValue(y->GetNumberOfTuples() > 0 ? y->GetValue(0) : 0);
+        x->InsertNextValue(x->GetNumberOfTuples() > 0 ? x->GetValue(0) : x_scale.low);
+        y->InsertNextValue(y->GetNumberOfTuples() > 0 ? y->GetValue(0) : y_scale.low);
     }
     vtkNew<vtkTable> table;
     table->AddColumn(x);
@@ -96,7 +120,7 @@ void add_curve(vtkChartXY* chart, const Curve& curve, double x_factor, double y_
 std::vector<KeyEntry> key_of(const Chart& chart) {
     std::vector<KeyEntry> entries;
     if (chart.curves.size() > 1)
-        for (const Curve& curve : chart.curves) entries.push_back({curve.label, curve.colour, curve.width, curve.dashed});
+        for (const Curve& curve : chart.curves) entries.push_back({curve.label, curve.colour, curve.width, curve.dashed, curve.marker});
     return entries;
 }
 
@@ -116,51 +140,87 @@ void draw_plot(Canvas& canvas, vtkChartXY* plot, const Area& area) {
     context->End();
 }
 
-void draw_levels(Canvas& canvas, vtkChartXY* chart, const std::vector<Level>& levels, double y_factor) {
-    vtkAxis* x = chart->GetAxis(vtkAxis::BOTTOM);
-    vtkAxis* y = chart->GetAxis(vtkAxis::LEFT);
-    const double left = x->GetPoint1()[0], right = x->GetPoint2()[0], bottom = y->GetPoint1()[1], top = y->GetPoint2()[1];
+void draw_levels(Canvas& canvas, const Area& area, const std::vector<Level>& levels, const Scale& y_scale) {
     for (const Level& level : levels) {
-        const double at = bottom + (top - bottom) * (level.y * y_factor - y->GetMinimum()) / (y->GetMaximum() - y->GetMinimum());
-        canvas.line({{left, at}, {right, at}}, ink, 0.8, {5, 3});
-        canvas.text({left + 8, at + 4}, level.label, {.size = type_size});
+        const double at = area.bottom + area.height * y_scale.part(level.y);
+        canvas.line({{area.left, at}, {area.right(), at}}, ink, 0.8, {5, 3});
+        canvas.text({area.left + 8, at + 4}, level.label, {.size = type_size});
     }
+}
+
+/// Bars and markers, which lie over all curves.
+void draw_points(Canvas& canvas, const Area& area, const Curve& curve, const Scale& x_scale, const Scale& y_scale) {
+    const auto place = [&](double x, double y) { return Vec2(area.left + area.width * x_scale.part(x), area.bottom + area.height * y_scale.part(y)); };
+    for (std::size_t i = 0; i < curve.x.size(); ++i) {
+        if (!std::isfinite(x_scale(curve.x[i])) || !std::isfinite(y_scale(curve.y[i]))) continue;
+        if (i < curve.low.size() && std::isfinite(y_scale(curve.high[i]))) {
+            const double least = std::isfinite(y_scale(curve.low[i])) ? curve.low[i] : curve.y[i];
+            const Vec2 a = place(curve.x[i], least), b = place(curve.x[i], curve.high[i]), cap(3, 0);
+            canvas.segments({a, b, a - cap, a + cap, b - cap, b + cap}, curve.colour, 1);
+        }
+        draw_marker(canvas, curve.marker, place(curve.x[i], curve.y[i]), curve.colour);
+    }
+}
+
+/// Short ticks at 2, 3, ... 9 times the powers of ten.
+void draw_minor_ticks(Canvas& canvas, const Area& area, const Scale& scale, bool along_x) {
+    if (!scale.logarithmic) return;
+    for (double exponent = std::floor(scale.low); exponent < scale.high; ++exponent)
+        for (int digit = 2; digit <= 9; ++digit) {
+            const double part = (exponent + std::log10(digit) - scale.low) / (scale.high - scale.low);
+            if (part <= 0 || part >= 1) continue;
+            const Vec2 at = along_x ? Vec2(area.left + part * area.width, area.bottom) : Vec2(area.left, area.bottom + part * area.height);
+            canvas.line({at, at + (along_x ? Vec2(0, 3) : Vec2(3, 0))}, ink, 0.6);
+        }
+}
+
+/// Even axis: a last step that ends just before a round number still gets the number.
+void fit_x(Scale& x, const Range& range) {
+    x.low = x(range.low), x.high = x(range.high);
+    const double rounded = round_range(x.low, x.high, 9)[1];
+    if (rounded - x.high < 0.02 * (x.high - x.low)) x.high = rounded;
+}
+
+void fit(Scale& scale, const Range& range) {
+    const auto limits = scale.logarithmic ? logarithmic_range(scale(range.low), scale(range.high)) : round_range(scale(range.low), scale(range.high), 8);
+    scale.low = limits[0], scale.high = limits[1];
 }
 
 }  // namespace
 
+Colour curve_colour(std::size_t i) {
+    constexpr std::array<Colour, 6> colours{{{0, 0.447, 0.698}, {0.835, 0.369, 0}, {0, 0.62, 0.451}, {0.902, 0.624, 0}, {0.8, 0.475, 0.655}, {0.337, 0.706, 0.914}}};
+    return colours[i % colours.size()];
+}
+
 DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, int pixels) {
-    Range x_range, y_range;
+    Range x_range(chart.x_logarithmic), y_range(chart.y_logarithmic);
     for (const Curve& curve : chart.curves) {
-        for (const double x : curve.x) x_range.add(x);
-        for (const double y : curve.y) y_range.add(y);
+        x_range.add(curve.x);
+        for (const auto* values : {&curve.y, &curve.low, &curve.high}) y_range.add(*values);
     }
     for (const Level& level : chart.levels) y_range.add(1.08 * level.y);
-    if (x_range.high == x_range.low) x_range.high = 1;
-    if (y_range.high == y_range.low) y_range.high = 1;
-    const DisplayUnit x_unit = display_unit(x_range.largest(), chart.x_unit), y_unit = display_unit(y_range.largest(), chart.y_unit);
-
-    // a last step that ends just before a round number still gets the number
-    const double x_low = x_range.low * x_unit.factor;
-    double x_high = x_range.high * x_unit.factor;
-    const double rounded = round_range(x_low, x_high, 9)[1];
-    if (rounded - x_high < 0.02 * (x_high - x_low)) x_high = rounded;
+    Scale x = x_range.scale(chart.x_unit), y = y_range.scale(chart.y_unit);
+    chart.x_logarithmic ? fit(x, x_range) : fit_x(x, x_range);
+    fit(y, y_range);
 
     vtkNew<vtkChartXY> plot;
-    set_axis(plot->GetAxis(vtkAxis::BOTTOM), with_unit(chart.x_quantity, x_unit.unit), x_low, x_high, 9);
-    const auto y_limits = round_range(y_range.low * y_unit.factor, y_range.high * y_unit.factor, 8);
-    set_axis(plot->GetAxis(vtkAxis::LEFT), with_unit(chart.y_quantity, y_unit.unit), y_limits[0], y_limits[1], 8);
-    for (const Curve& curve : chart.curves) add_curve(plot, curve, x_unit.factor, y_unit.factor);
+    set_axis(plot->GetAxis(vtkAxis::BOTTOM), chart.x_quantity, x, 9);
+    set_axis(plot->GetAxis(vtkAxis::LEFT), chart.y_quantity, y, 8);
+    for (const Curve& curve : chart.curves) add_curve(plot, curve, x, y);
 
     Canvas canvas(file, page_height, pixels);
     const std::vector<KeyEntry> key = key_of(chart);
     const double beside = key.empty() ? 0 : key_width(canvas, key) + gap;
     const Area area{room_left, room_below, page_width - room_left - room_right - beside, page_height - room_below - room_above};
     draw_plot(canvas, plot, area);
+    draw_minor_ticks(canvas, area, x, true);
+    draw_minor_ticks(canvas, area, y, false);
+    for (const Curve& curve : chart.curves) draw_points(canvas, area, curve, x, y);
     draw_key(canvas, key, {area.right() + gap, area.bottom, beside, area.height});
     canvas.text({area.left, area.top() + 9}, canvas.fitted(chart.title, title_size, page_width - room_left - room_right, true),
                 {.size = title_size, .bold = true});
-    draw_levels(canvas, plot, chart.levels, y_unit.factor);
+    draw_levels(canvas, area, chart.levels, y);
     canvas.finish();
     return {file, canvas.height(), canvas.texts()};
 }

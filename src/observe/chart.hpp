@@ -1,6 +1,6 @@
 #pragma once
-// Curves over one axis, drawn by VTK's charts.
-#include "observe/canvas.hpp"
+// Curves over one axis, drawn by VTK's charts; axes even or logarithmic.
+#include "observe/marker.hpp"
 
 #include <filesystem>
 #include <string>
@@ -10,10 +10,12 @@ namespace knap {
 
 struct Curve {
     std::string label;
-    std::vector<double> x, y;  // SI; not finite = left out
+    std::vector<double> x, y;  // SI; not finite (on a logarithmic axis: or not positive) = left out
     Colour colour;
     double width = 1.6;  // [unit]
     bool dashed = false;
+    Marker marker = Marker::none;     // at every point
+    std::vector<double> low, high;    // SI; a bar from one to the other at every point, or empty
 };
 
 /// A horizontal line with its name on it.
@@ -28,7 +30,11 @@ struct Chart {
     std::string y_quantity, y_unit;
     std::vector<Curve> curves;
     std::vector<Level> levels;
+    bool x_logarithmic = false, y_logarithmic = false;
 };
+
+/// The i-th colour of curves: M. Okabe, K. Ito, "Color universal design" (2008), told apart by the colour-blind.
+Colour curve_colour(std::size_t i);
 
 /// What has been drawn, for who wants to check it.
 struct DrawnFigure {

@@ -1,16 +1,14 @@
-// Colours: M. Okabe, K. Ito, "Color universal design" (2008), told apart by the colour-blind.
 #include "observe/curve_figures.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace knap {
 
 namespace {
 
-constexpr Colour blue{0, 0.447, 0.698}, orange{0.902, 0.624, 0}, vermilion{0.835, 0.369, 0}, green{0, 0.62, 0.451}, purple{0.8, 0.475, 0.655},
-    sky{0.337, 0.706, 0.914}, light_grey{0.75, 0.75, 0.75};
+const Colour blue = curve_colour(0), vermilion = curve_colour(1), green = curve_colour(2), orange = curve_colour(3), purple = curve_colour(4), sky = curve_colour(5);
+constexpr Colour light_grey{0.75, 0.75, 0.75};
 
 using Column = std::vector<double>;
 
@@ -50,10 +48,8 @@ std::vector<std::string> names_before(const History& history, const std::string&
     return names;
 }
 
-constexpr std::array palette{blue, vermilion, green, orange, purple, sky};
-
 void add_curve(Chart& chart, const std::string& label, const Column& x, const Column& y) {
-    chart.curves.push_back({label, x, y, palette[chart.curves.size() % palette.size()]});
+    chart.curves.push_back({label, x, y, curve_colour(chart.curves.size())});
 }
 
 }  // namespace
@@ -117,7 +113,7 @@ Chart probe_chart(const History& probes) {
     Chart chart{.title = "Displacement", .x_quantity = "time", .x_unit = "s", .y_quantity = "displacement", .y_unit = "m"};
     std::vector<std::string> shown;
     double visible = 0;
-    for (const char* ending : {"_u_x", "_u_y"})
+    for (const char* ending : {"_u_x", "_u_y", "_opening", "_slip"})
         for (const std::string& name : names_before(probes, ending)) {
             shown.push_back(name + ending);
             visible = std::max(visible, 1e-3 * largest(probes.column(shown.back())));

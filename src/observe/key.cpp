@@ -19,6 +19,7 @@ void draw_key(Canvas& canvas, const std::vector<KeyEntry>& entries, const Area& 
     for (const KeyEntry& entry : entries) {
         const std::vector<double> dashes = entry.dashed ? std::vector<double>{4 * entry.width, 2.5 * entry.width} : std::vector<double>{};
         canvas.line({{area.left, y}, {area.left + symbol, y}}, entry.colour, entry.width, dashes);
+        draw_marker(canvas, entry.marker, {area.left + symbol / 2, y}, entry.colour);
         canvas.text({area.left + symbol + gap, y}, entry.label, {.size = type_size, .along = Along::middle});
         y -= leading;
     }

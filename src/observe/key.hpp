@@ -1,6 +1,6 @@
 #pragma once
 // Lines and what they stand for.
-#include "observe/canvas.hpp"
+#include "observe/marker.hpp"
 
 #include <string>
 #include <vector>
@@ -12,6 +12,7 @@ struct KeyEntry {
     Colour colour;
     double width;  // [unit]
     bool dashed = false;
+    Marker marker = Marker::none;
 };
 
 inline constexpr double type_size = 11, title_size = 12.5;  // [unit] of all figures

@@ -1,5 +1,5 @@
 #pragma once
-// Displacement and velocity of chosen places of a body over time.
+// Displacement and velocity of chosen vertices, opening and cohesion of chosen interfaces, over time.
 #include "model/state.hpp"
 
 #include <string>
@@ -9,16 +9,19 @@ namespace knap {
 
 struct ProbeOptions {
     std::string name;
-    Vec2 at;  // [m] the vertex nearest to it is watched
+    Vec2 at;                 // [m] what is nearest to it is watched
+    bool interface = false;  // an interface that can break, not a vertex
 };
 
 class Probes {
 public:
+    /// Throws SimulationError where an interface is to be watched and none can break.
     Probes(const Model& model, const std::vector<ProbeOptions>& probes);
 
     bool empty() const { return probes_.empty(); }
 
-    /// Columns and line of probes.csv: time, then u_x, u_y, v_x, v_y of each probe; means over the corners round its vertex.
+    /// Columns and line of probes.csv: time, then of each probe u_x, u_y, v_x, v_y, means over the corners round its vertex, or
+    /// opening, slip [m] and cohesion, means over the two points of its interface.
     std::vector<std::string> columns() const;
     std::vector<double> line(const State& state) const;
 
@@ -26,7 +29,9 @@ private:
     struct Probe {
         std::string name;
         std::vector<Index> corners;  // round the vertex
+        Index interface = -1;        // or this
     };
+    const Model& model_;
     std::vector<Probe> probes_;
 };
 

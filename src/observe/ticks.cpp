@@ -84,6 +84,53 @@ std::vector<double> round_range(double low, double high, int n_most) {
     return {low, high};
 }
 
+namespace {
+
+constexpr std::array<double, 3> digits{1, 2, 5};
+
+/// "0.02", "500", or with a raised exponent.
+std::string power_label(double digit, int exponent, bool raise) {
+    if (!raise) return fixed(digit * std::pow(10, exponent), std::max(-exponent, 0));
+    constexpr std::array<const char*, 10> raised{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+    std::string text = (digit == 1 ? "" : fixed(digit, 0) + "·") + "10" + (exponent < 0 ? "⁻" : "");
+    for (const char c : std::to_string(std::abs(exponent))) text += raised[c - '0'];
+    return text;
+}
+
+}  // namespace
+
+Ticks logarithmic_ticks(double low, double high) {
+    const bool powers_alone = high - low >= 2;
+    const int stride = std::max(1, static_cast<int>(std::ceil((high - low) / 8)));
+    const bool raise = low < -3 - 1e-9 || high > 4 + 1e-9;
+    Ticks ticks;
+    for (int exponent = static_cast<int>(std::floor(low)); exponent <= high + 1e-9; ++exponent) {
+        if (powers_alone && exponent % stride != 0) continue;
+        for (const double digit : digits) {
+            const double at = exponent + std::log10(digit);
+            if ((powers_alone && digit != 1) || at < low - 1e-9 || at > high + 1e-9) continue;
+            ticks.at.push_back(at);
+            ticks.labels.push_back(power_label(digit, exponent, raise));
+        }
+    }
+    return ticks;
+}
+
+std::vector<double> logarithmic_range(double low, double high) {
+    if (high - low < 0.5) {
+        const double middle = 0.5 * (low + high);
+        low = middle - 0.25, high = middle + 0.25;
+    }
+    const double power_low = std::floor(low + 1e-9), power_high = std::ceil(high - 1e-9);
+    if (high - low > 2) return {power_low, power_high};
+    double below = power_low, above = power_high;
+    for (const double digit : {2.0, 5.0})
+        if (power_low + std::log10(digit) <= low + 1e-9) below = power_low + std::log10(digit);
+    for (const double digit : {5.0, 2.0})
+        if (power_high - 1 + std::log10(digit) >= high - 1e-9) above = power_high - 1 + std::log10(digit);
+    return {below, above};
+}
+
 std::string short_number(double value) {
     char text[64];
     const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 4).ptr;

@@ -1,5 +1,5 @@
 #pragma once
-// Round numbers along an axis, and units with a prefix.
+// Round numbers along an axis, even or logarithmic, and units with a prefix.
 #include <string>
 #include <vector>
 
@@ -28,6 +28,14 @@ Ticks round_ticks(double low, double high, int n_most);
 
 /// [low, high] widened until it begins and ends with one of its own round_ticks; at least 3 (two never fit round zero).
 std::vector<double> round_range(double low, double high, int n_most);
+
+/// Ticks of a logarithmic axis over decimal exponents [low, high]: `at` are exponents. Over less than two decades 1, 2 and 5 times the
+/// powers of ten, else powers alone, at most about eight.
+Ticks logarithmic_ticks(double low, double high);
+
+/// Exponents [low, high] widened to the next 1, 2 or 5 times a power of ten, or to the next power where that is more than two decades;
+/// at least half a decade.
+std::vector<double> logarithmic_range(double low, double high);
 
 /// "20", "0.5": four digits at most.
 std::string short_number(double value);

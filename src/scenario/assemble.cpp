@@ -77,6 +77,7 @@ void assemble(Assembly& assembly) {
     assemble_probes(assembly);
     assemble_figures(assembly);
     assemble_expectations(assembly);
+    assemble_study(assembly);
 }
 
 }  // namespace knap

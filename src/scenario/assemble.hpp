@@ -45,6 +45,7 @@ void assemble_output(Assembly& assembly);
 void assemble_probes(Assembly& assembly);
 void assemble_figures(Assembly& assembly);
 void assemble_expectations(Assembly& assembly);
+void assemble_study(Assembly& assembly);       // last: it may name probes, loads and expectations
 
 /// All of them.
 void assemble(Assembly& assembly);

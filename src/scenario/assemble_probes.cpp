@@ -32,7 +32,7 @@ void assemble_probes(Assembly& assembly) {
         if (name.empty() || !std::all_of(name.begin(), name.end(), plain))
             assembly.findings.error("bad-name", "`" + name + "` cannot be the name of a probe", assembly.at(path + ".name")).note = "letters, digits, _ and -";
         if (!names.insert(name).second) assembly.findings.error("duplicate-name", "two probes are called `" + name + "`", assembly.at(path));
-        if (const auto at = values.pair(path + ".at")) assembly.scenario.probes.push_back({.name = name, .at = *at});
+        if (const auto at = values.pair(path + ".at")) assembly.scenario.probes.push_back({.name = name, .at = *at, .interface = values.text(path + ".watch") == "interface"});
     }
     for (std::size_t i = 0; i < values.count("figure"); ++i) check_figure(assembly, item("figure", i));
 }

@@ -147,8 +147,10 @@ const std::vector<Key>& table() {
      .doc = "between two lines of energy.csv and cracks.csv"},
     {.path = "output.fields", .kind = Kind::boolean, .standard = "true", .doc = "write .vtu frames"},
 
-    {.path = "probe[]", .kind = Kind::list, .doc = "a place whose displacement and velocity go to probes.csv"},
-    {.path = "probe[].at", .kind = Kind::number, .form = Form::pair, .unit = "m", .required = true, .doc = "the vertex nearest to it is watched"},
+    {.path = "probe[]", .kind = Kind::list, .doc = "a place that is watched; goes to probes.csv"},
+    {.path = "probe[].at", .kind = Kind::number, .form = Form::pair, .unit = "m", .required = true, .doc = "what is nearest to it is watched"},
+    {.path = "probe[].watch", .kind = Kind::text, .words = {"vertex", "interface"}, .standard = "\"vertex\"",
+     .doc = "vertex: displacement and velocity; interface: opening, slip and cohesion of the nearest one that can break, mean of its points"},
     {.path = "probe[].name", .kind = Kind::text, .otherwise = "probe1, probe2, ...", .doc = "name of its columns"},
 
     {.path = "figure[]", .kind = Kind::list, .doc = "a picture that the run draws"},
@@ -170,6 +172,35 @@ const std::vector<Key>& table() {
     {.path = "expect.*.at_most", .kind = Kind::number, .unit = "*", .doc = "this or less"},
     {.path = "expect.*.value", .kind = Kind::number, .unit = "*", .doc = "this, up to `within`"},
     {.path = "expect.*.within", .kind = Kind::number, .unit = "*", .range = not_negative, .doc = "allowed deviation from `value`, or relative: \"2 %\""},
+
+    {.path = "study", .kind = Kind::table, .doc = "what `knap study` varies and compares"},
+    {.path = "study.refine", .kind = Kind::text, .words = {"step", "mesh", "both"}, .otherwise = "step",
+     .doc = "what a level divides: time.step, the sizes of [mesh], or both; a step in CFL or auto follows the mesh by itself"},
+    {.path = "study.levels", .kind = Kind::number, .form = Form::list, .range = positive, .otherwise = "[1, 2, 4, 8], with seeds [1]",
+     .doc = "the divisors: 4 is a quarter of the step, 0.5 twice the step"},
+    {.path = "study.seeds", .kind = Kind::integer, .range = {.low = 2, .high = 10000},
+     .doc = "statistics: every level is run with this many seeds, from `seed` on"},
+    {.path = "study.schemes", .kind = Kind::text, .form = Form::list,
+     .words = {"all", "explicit/explicit", "explicit/implicit", "implicit/explicit", "implicit/implicit"}, .otherwise = "the scenario's own",
+     .doc = "pairs bulk/cohesion, a line of the diagram each; or line"},
+    {.path = "study.reference", .kind = Kind::text, .words = {"auto", "finest"}, .otherwise = "auto",
+     .doc = "what errors are taken from; auto: exact, else the value in [expect], else the finest run of the first line"},
+    {.path = "study.set", .kind = Kind::text, .form = Form::list, .doc = "KEY=VALUE in all runs, as with --set; \"KEY=\" leaves a key out"},
+    {.path = "study.line[]", .kind = Kind::list, .doc = "a line of the diagram: a variant of the scenario"},
+    {.path = "study.line[].name", .kind = Kind::text, .otherwise = "its scheme", .doc = "what the key says"},
+    {.path = "study.line[].set", .kind = Kind::text, .form = Form::list, .doc = "KEY=VALUE in its runs"},
+    {.path = "study.line[].levels", .kind = Kind::number, .form = Form::list, .range = positive, .otherwise = "study.levels", .doc = "its divisors"},
+    {.path = "study.quantity[]", .kind = Kind::list,
+     .doc = "a number that is compared; without one those with a value in [expect], or external_work, dissipated, strain_energy and kinetic_energy"},
+    {.path = "study.quantity[].of", .kind = Kind::text, .required = true,
+     .doc = "a number of the summary, or a column of energy.csv, cracks.csv, reactions.csv or probes.csv: its value at the end"},
+    {.path = "study.quantity[].at", .kind = Kind::number, .unit = "s", .range = not_negative, .doc = "the column's value at this time"},
+    {.path = "study.quantity[].reaches", .kind = Kind::number, .unit = "*", .doc = "the time when the column first reaches this"},
+    {.path = "study.quantity[].largest", .kind = Kind::boolean, .otherwise = "false", .doc = "the column's largest value"},
+    {.path = "study.quantity[].exact", .kind = Kind::number, .unit = "*", .doc = "what it should be"},
+    {.path = "study.quantity[].scale", .kind = Kind::number, .unit = "*", .range = positive, .otherwise = "the reference, absolute if that is 0",
+     .doc = "errors are parts of this"},
+    {.path = "study.quantity[].name", .kind = Kind::text, .otherwise = "from the rest", .doc = "title of its table and figures"},
     };
     return rows;
 }
@@ -265,6 +296,19 @@ std::string pattern_of(std::string_view path) {
 }
 
 std::span<const SummaryKey> summary_keys() { return summary; }
+
+std::string_view unit_of_column(std::string_view column) {
+    struct Ending {
+        std::string_view end, unit;
+    };
+    for (const Ending& e : {Ending{"_u_x", "m"}, {"_u_y", "m"}, {"_v_x", "m/s"}, {"_v_y", "m/s"}, {"_force_x", "N"}, {"_force_y", "N"}, {"_opening", "m"},
+                            {"_slip", "m"}, {"_cohesion", ""}, {"length", "m"}, {"tip_x", "m"}, {"tip_y", "m"}, {"speed", "m/s"}})
+        if (column.ends_with(e.end)) return e.unit;
+    for (const std::string_view energy : {"kinetic", "strain", "surface", "external_work", "cohesive_work", "friction_work", "impact_work", "residual", "law_lag",
+                                          "crossing_loss", "scheme_dissipation", "step_change_work"})
+        if (column == energy) return "J";
+    return column == "time" || column == "step" ? "s" : "";
+}
 
 std::string_view unit_of_field(std::string_view field) {
     if (field.starts_with("displacement") || field == "cracks") return "m";

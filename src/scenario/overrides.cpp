@@ -3,6 +3,7 @@
 #include <charconv>
 #include <optional>
 
+#include "scenario/keys.hpp"
 #include "scenario/toml_tree.hpp"
 
 namespace knap {
@@ -56,6 +57,28 @@ std::vector<Part> parts_of(const std::string& path) {
     return parts;
 }
 
+/// Takes a key out, so that it has its default again; a key that is not there must at least be one.
+void leave_out(Node& root, const std::string& path, const std::string& set_by, Findings& findings) {
+    const Node here{.set_by = set_by};
+    Node* table = &root;
+    const std::vector<Part> parts = parts_of(path);
+    for (std::size_t i = 0; i < parts.size() && table; ++i) {
+        Node* list = parts[i].good ? table->find(parts[i].name) : nullptr;
+        Node* child = list;
+        if (list && parts[i].index) child = *parts[i].index < list->children.size() ? &list->children[*parts[i].index] : nullptr;
+        if (child && i + 1 == parts.size()) {
+            std::vector<Node>& from = parts[i].index ? list->children : table->children;
+            from.erase(from.begin() + (child - from.data()));
+            return;
+        }
+        table = child;
+    }
+    const std::string pattern = pattern_of(path);
+    const Key* known = find_key(pattern);
+    if (!known) known = find_key(pattern + "[]");
+    if (!known) findings.error("bad-override", "`" + path + "` cannot be left out: it is not a key of a scenario", here).note = "write it like mesh.size= or figure=";
+}
+
 void set(Node& root, const std::string& path, const std::string& text, const std::string& set_by, Findings& findings) {
     const Node here{.set_by = set_by};
     Node* node = &root;
@@ -95,8 +118,10 @@ void apply_overrides(Node& root, const std::vector<std::string>& overrides, Find
         const std::size_t equals = text.find('=');
         if (equals == std::string::npos || equals == 0)
             findings.error("bad-override", "`" + text + "` is not KEY=VALUE", Node{.set_by = set_by});
+        else if (const std::string path = trimmed(text.substr(0, equals)), value = trimmed(text.substr(equals + 1)); value.empty())
+            leave_out(root, path, set_by, findings);
         else
-            set(root, trimmed(text.substr(0, equals)), trimmed(text.substr(equals + 1)), set_by, findings);
+            set(root, path, value, set_by, findings);
     }
 }
 

@@ -4,7 +4,8 @@
 
 namespace knap {
 
-/// KEY is a path such as mesh.size, material.glass.E or load[0].traction; VALUE is TOML, or a bare text ("0.25 mm", plane stress).
+/// KEY is a path such as mesh.size, material.glass.E or load[0].traction; VALUE is TOML, or a bare text ("0.25 mm", plane stress);
+/// an empty one leaves the key out.
 void apply_overrides(Node& root, const std::vector<std::string>& overrides, Findings& findings);
 
 }  // namespace knap

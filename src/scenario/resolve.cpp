@@ -197,15 +197,27 @@ private:
     /// The unit of a key's plain numbers, also where it depends on a neighbour or on a name.
     static std::string_view unit_of(const Key& key, const Node& table, const std::string& path) {
         if (key.unit != "*") return key.unit;
-        if (path.starts_with("expect.")) {
-            const std::string name = path.substr(7, path.rfind('.') - 7);
-            for (const SummaryKey& summary : summary_keys())
-                if (summary.name == name) return summary.unit;
-            return "";
-        }
+        if (path.starts_with("expect.")) return unit_of_summary(path.substr(7, path.rfind('.') - 7));
+        if (path.starts_with("study.")) return unit_of_quantity(key, table);
         const Node *show = table.find("show"), *colour = table.find("colour");
         if (colour && colour->text == "beta" && (!show || show->text == "cracks")) return "";
         return unit_of_field(show ? show->text : "cracks");
+    }
+
+    static std::string_view unit_of_summary(std::string_view name) {
+        for (const SummaryKey& summary : summary_keys())
+            if (summary.name == name) return summary.unit;
+        return "";
+    }
+
+    /// Of what a [[study.quantity]] is compared with: a time, or as what it is made of.
+    static std::string_view unit_of_quantity(const Key& key, const Node& table) {
+        if (table.find("reaches") && key.name() != "reaches") return "s";
+        const Node* of = table.find("of");
+        if (!of) return "";
+        const bool in_summary = std::any_of(summary_keys().begin(), summary_keys().end(), [&](const SummaryKey& s) { return s.name == of->text; });
+        const bool from_history = table.find("at") || table.find("reaches") || table.find("largest");
+        return in_summary && !from_history ? unit_of_summary(of->text) : unit_of_column(of->text);
     }
 
     Findings& findings_;

@@ -7,6 +7,7 @@
 #include "model/loads.hpp"
 #include "observe/figures.hpp"
 #include "observe/probes.hpp"
+#include "scenario/study_options.hpp"
 #include "stepper/scheme_options.hpp"
 
 #include <cstdint>
@@ -87,6 +88,7 @@ struct Scenario {
     std::vector<ProbeOptions> probes;
     std::vector<FigureOptions> figures;
     std::vector<Expectation> expect;
+    StudyOptions study;
 };
 
 }  // namespace knap

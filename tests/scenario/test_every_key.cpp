@@ -104,6 +104,7 @@ history_every = "0.1 us"
 fields = false
 [[probe]]
 at = ["5 mm", "5 mm"]
+watch = "interface"
 name = "middle"
 [[figure]]
 file = "a.svg"
@@ -126,6 +127,32 @@ max_tip_speed = { below = "0.65 cR" }
 first_growth_time = { at_least = "10 us", at_most = "12 us" }
 dissipated = { value = "12 mJ", within = "7 %" }
 fragments = { value = 2, within = 0 }
+[study]
+refine = "both"
+levels = [1, 2.5]
+seeds = 12
+reference = "finest"
+set = ["mesh.size=2 mm", "figure="]
+[[study.line]]
+name = "fine steps"
+set = ["time.safety=0.4"]
+levels = [3, 4]
+[[study.quantity]]
+of = "dissipated"
+exact = "12 mJ"
+scale = 2
+name = "surface"
+[[study.quantity]]
+of = "strain"
+at = "10 us"
+exact = "1 mJ"
+[[study.quantity]]
+of = "middle_opening"
+reaches = "3 um"
+exact = "20 us"
+[[study.quantity]]
+of = "load1_force_y"
+largest = true
 )";
 
 const std::string polygon = samples::changed("shape = \"rectangle\"\nsize = [0.1, 0.04]\n", R"(shape = "polygon"
@@ -141,6 +168,8 @@ radius = "10 mm"
 const std::string mesh_file = samples::changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n[mesh]\nsize = 0.001\n",
                                                "[mesh]\nfile = \"" KNAP_SOURCE_DIR "/tests/geometry/data/block_41_ascii.msh\"\n"
                                                "unit = \"1 mm\"\ncracks = [\"crack\"]\n[material.steel]\ndensity = 8000\nE = 190e9\nnu = 0.3\n");
+
+const std::string schemes = samples::least + "[study]\nschemes = [\"explicit/explicit\", \"implicit/implicit\"]\n";
 
 const std::string implicit = samples::least + R"(bulk = "implicit"
 cohesion = "implicit"
@@ -228,6 +257,7 @@ const Case cases[] = {
     {rectangle, "output.history_every", "1e-07"},
     {rectangle, "output.fields", "false"},
     {rectangle, "probe[0].at", "[0.005, 0.005]"},
+    {rectangle, "probe[0].watch", "\"interface\""},
     {rectangle, "probe[0].name", "\"middle\""},
     {rectangle, "figure[0].file", "\"a.svg\""},
     {rectangle, "figure[1].show", "\"stress_xy\""},
@@ -247,6 +277,24 @@ const Case cases[] = {
     {rectangle, "expect.first_growth_time.at_most", "1.2e-05"},
     {rectangle, "expect.dissipated.value", "0.012"},
     {rectangle, "expect.dissipated.within", "\"7 %\""},
+    {rectangle, "study.refine", "\"both\""},
+    {rectangle, "study.levels", "[1, 2.5]"},
+    {rectangle, "study.seeds", "12"},
+    {rectangle, "study.reference", "\"finest\""},
+    {rectangle, "study.set", "[\"mesh.size=2 mm\", \"figure=\"]"},
+    {rectangle, "study.line[0].name", "\"fine steps\""},
+    {rectangle, "study.line[0].set", "[\"time.safety=0.4\"]"},
+    {rectangle, "study.line[0].levels", "[3, 4]"},
+    {rectangle, "study.quantity[0].of", "\"dissipated\""},
+    {rectangle, "study.quantity[0].exact", "0.012"},
+    {rectangle, "study.quantity[0].scale", "2"},
+    {rectangle, "study.quantity[0].name", "\"surface\""},
+    {rectangle, "study.quantity[1].at", "1e-05"},
+    {rectangle, "study.quantity[1].exact", "0.001"},
+    {rectangle, "study.quantity[2].reaches", "3e-06"},
+    {rectangle, "study.quantity[2].exact", "2e-05"},
+    {rectangle, "study.quantity[3].largest", "true"},
+    {schemes, "study.schemes", "[\"explicit/explicit\", \"implicit/implicit\"]"},
     {polygon, "domain.points", "[[0, 0], [0.01, 0], [0.01, 0.01], [0, 0.01]]"},
     {polygon, "domain.sides", "[\"floor\", \"wall\", \"lid\", \"wall\"]"},
     {disc, "domain.centre", "[0.001, 0.002]"},

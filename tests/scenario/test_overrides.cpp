@@ -36,6 +36,15 @@ TEST_CASE("set: lists and tables") {
     CHECK(read(least, {"material.b={ density = 1, E = 1, nu = 0 }"}).scenario.materials.at(1).name == "b");
 }
 
+TEST_CASE("set: an empty value leaves the key out") {
+    CHECK(read(loaded, {"load="}).scenario.loads.empty());
+    CHECK(read(loaded, {"load[0]="}).scenario.loads.at(0).on.boundary == "bottom");
+    CHECK(read(least, {"seed=3", "seed="}).scenario.seed == 1);
+    CHECK(read(least, {"seed=", "time.step_cracking=", "expect=", "figure="}).scenario.seed == 1);  // were not there
+    CHECK(mistakes(least, {"mesh.size="}).at(0).code == "missing-key");
+    CHECK(mistakes(least, {"mesh.sise="}).at(0).code == "bad-override");
+}
+
 TEST_CASE("set: a later one wins and the origin is kept") {
     const ReadResult result = read(least, {"seed=3", "seed=4"});
     CHECK(result.scenario.seed == 4);

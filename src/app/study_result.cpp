@@ -1,0 +1,100 @@
+// The numbers of one finished run of a study.
+#include "app/study.hpp"
+
+#include "app/read_run.hpp"
+#include "observe/history_csv.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <fstream>
+
+namespace knap {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+double number(const Json& value) { return value.is_number() ? value.get<double>() : NAN; }
+
+/// Time and one column of the history that has it; empty where none has.
+struct Column {
+    std::vector<double> time, value;
+};
+Column column_of(const fs::path& run, const std::string& name) {
+    for (const char* file : {"energy.csv", "cracks.csv", "reactions.csv", "probes.csv"}) {
+        if (!fs::exists(run / file)) continue;
+        const History history = read_csv(run / file);
+        if (history.has(name)) return {history.column("time"), history.column(name)};
+    }
+    return {};
+}
+
+/// Linear between two lines.
+double between(double x, double x0, double y0, double x1, double y1) { return x1 > x0 ? y0 + (y1 - y0) * (x - x0) / (x1 - x0) : y1; }
+
+double value_at(const Column& column, double time) {
+    const auto& t = column.time;
+    const double slack = 1e-9 * (t.back() - t.front());
+    if (time > t.back() + slack || time < t.front() - slack) return NAN;
+    const std::size_t i = std::lower_bound(t.begin(), t.end(), time - slack) - t.begin();
+    if (i == 0 || t[i] <= time + slack) return column.value[i];
+    return between(time, t[i - 1], column.value[i - 1], t[i], column.value[i]);
+}
+
+/// First time, from whichever side it starts.
+double time_when(const Column& column, double value) {
+    const double side = column.value.front() < value ? 1 : -1;
+    for (std::size_t i = 0; i < column.value.size(); ++i) {
+        if (side * column.value[i] < side * value) continue;
+        if (i == 0) return column.time[0];
+        return between(side * value, side * column.value[i - 1], column.time[i - 1], side * column.value[i], column.time[i]);
+    }
+    return NAN;
+}
+
+double value_of(const StudyQuantity& quantity, const Json& summary, const fs::path& run) {
+    if (!quantity.from_history() && summary.contains(quantity.of)) return number(summary[quantity.of]);
+    const Column column = column_of(run, quantity.of);
+    if (column.time.empty()) return NAN;
+    if (quantity.at) return value_at(column, *quantity.at);
+    if (quantity.reaches) return time_when(column, *quantity.reaches);
+    return quantity.largest ? *std::max_element(column.value.begin(), column.value.end()) : column.value.back();
+}
+
+/// The first error of the log of a run that did not begin.
+std::string why_refused(const fs::path& log) {
+    std::ifstream file(log);
+    for (std::string line; std::getline(file, line);)
+        if (line.starts_with("error")) return line.substr(std::min(line.find(": ") + 2, line.size()));
+    return "see " + log.filename().string();
+}
+
+}  // namespace
+
+StudyResult read_result(const fs::path& run, const std::vector<StudyQuantity>& quantities) {
+    StudyResult result{.status = "refused"};
+    result.values.assign(quantities.size(), NAN);
+    if (!fs::exists(run / "run.json")) {
+        result.reason = why_refused(run.string() + ".log");
+        return result;
+    }
+    const Json record = read_run_json(run);
+    result.status = record.value("status", "");
+    result.reason = record.value("reason", "");
+    result.bulk = record["scheme"].value("bulk", "");
+    result.cohesion = record["scheme"].value("cohesion", "");
+    for (const Json& gate : record["gates"]) result.gates_hold = result.gates_hold && gate.value("pass", false);
+    result.triangles = number(record["triangles"]);
+    result.steps = number(record["steps"]);
+    for (const auto& cut : record["cuts"].items()) result.n_cuts += number(cut.value());
+    result.linear_solves = number(record["linear_solves"]);
+    result.factorisations = number(record["factorisations"]);
+    result.step = number(record["step_s"]);
+    result.cpu = number(record["cpu_s"]) - number(record["cpu_parts_s"]["output"]);
+    if (result.status != "done") return result;
+    for (std::size_t q = 0; q < quantities.size(); ++q) result.values[q] = value_of(quantities[q], record["summary"], run);
+    return result;
+}
+
+}  // namespace knap

@@ -1,0 +1,122 @@
+// The runs of a study, each a process of its own: its processor time and memory are its own, and `n_at_once` go side by side.
+#include "app/study.hpp"
+
+#include "app/read_run.hpp"
+#include "app/run_directory.hpp"
+#include "base/error.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <sstream>
+
+extern char** environ;
+
+namespace knap {
+namespace {
+
+namespace fs = std::filesystem;
+
+volatile std::sig_atomic_t interrupted = 0;
+
+/// Ctrl-C reaches the runs as well; the study waits for them and ends.
+class InterruptGuard {
+public:
+    InterruptGuard() {
+        interrupted = 0;
+        for (const int which : {SIGINT, SIGTERM}) std::signal(which, [](int) { interrupted = 1; });
+    }
+    ~InterruptGuard() {
+        for (const int which : {SIGINT, SIGTERM}) std::signal(which, SIG_DFL);
+    }
+};
+
+std::string text_of(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+enum class Found { nothing, finished, unfinished, another };
+
+/// What is in the directory of a run from an earlier study. A failure would only be repeated, so it counts as finished.
+Found found_in(const fs::path& run, const std::string& resolved) {
+    std::error_code error;
+    const bool any = fs::exists(run, error) && !fs::is_empty(run, error);
+    if (!any) return Found::nothing;
+    if (!fs::exists(run / "run.json", error)) return Found::another;
+    if (text_of(run / "resolved.toml") != resolved) return Found::another;
+    const std::string status = read_run_json(run).value("status", "");
+    return status == "done" || status == "failed" ? Found::finished : Found::unfinished;
+}
+
+/// knap run SCENARIO ... with its output in a file.
+pid_t start(const std::string& scenario, const StudyRun& run, const fs::path& directory) {
+    std::vector<std::string> words{"knap", "run", scenario, "-j", "1", "-q", "--force", "-o", (directory / run.name).string()};
+    for (const std::string& set : run.overrides) words.insert(words.end(), {"-s", set});
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    const std::string log = (directory / (run.name + ".log")).string();
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+    pid_t child = -1;
+    const int error = posix_spawn(&child, "/proc/self/exe", &actions, nullptr, arguments.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (error != 0) throw SimulationError("cannot start a run of the study");
+    return child;
+}
+
+std::string outcome(const fs::path& run) {
+    if (!fs::exists(run / "run.json")) return "refused";
+    const auto record = read_run_json(run);
+    std::ostringstream text;
+    text << record.value("status", "") << ", " << record.value("steps", 0LL) << " steps, " << record.value("cpu_s", 0.0) << " s";
+    return text.str();
+}
+
+}  // namespace
+
+std::vector<const StudyRun*> runs_to_do(const StudyPlan& plan, const fs::path& directory, bool force) {
+    std::vector<const StudyRun*> to_do;
+    for (const StudyRun& run : plan.runs) {
+        const Found found = found_in(directory / run.name, run.resolved);
+        if (found == Found::another && !force)
+            throw UserError("study-exists", "`" + (directory / run.name).string() + "` is not a run of this study as it is now, nothing was run",
+                            "choose another directory with --output, or replace the old runs with --force");
+        if (found != Found::finished || force) to_do.push_back(&run);
+    }
+    return to_do;
+}
+
+bool do_runs(const std::string& scenario, const std::vector<const StudyRun*>& to_do, const fs::path& directory, const StudyCommand& command) {
+    const InterruptGuard guard;
+    std::map<pid_t, const StudyRun*> running;
+    std::size_t next = 0, n_done = 0;
+    while (!running.empty() || (next < to_do.size() && !interrupted)) {
+        if (next < to_do.size() && !interrupted && running.size() < static_cast<std::size_t>(command.n_at_once)) {
+            running[start(scenario, *to_do[next], directory)] = to_do[next];
+            ++next;
+            continue;
+        }
+        const pid_t ended = waitpid(-1, nullptr, 0);
+        const auto found = running.find(ended);
+        if (found == running.end()) continue;
+        ++n_done;
+        const std::string& name = found->second->name;
+        if (!command.quiet) std::fprintf(stderr, "run %zu of %zu: %s: %s\n", n_done, to_do.size(), name.c_str(), outcome(directory / name).c_str());
+        running.erase(found);
+    }
+    return !interrupted;
+}
+
+}  // namespace knap
