@@ -1,7 +1,9 @@
 #include "app/run.hpp"
 
+#include "app/checkpoint.hpp"
 #include "app/run_directory.hpp"
 #include "app/run_json.hpp"
+#include "app/run_log.hpp"
 #include "app/run_text.hpp"
 #include "app/setup.hpp"
 #include "app/step_plan.hpp"
@@ -36,7 +38,7 @@ public:
     }
 };
 
-RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const std::filesystem::path& directory) {
+RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const std::filesystem::path& directory, bool goes_on) {
     const double end = scenario.time.end, edge = mean_edge(model.mesh);
     double process_zone = 0;
     for (const Resolution& r : judge_resolution(scenario, edge)) process_zone = std::max(process_zone, r.process_zone);
@@ -49,7 +51,8 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .cracks = crack_options(edge, process_zone),
             .figures = scenario.figures,
             .probes = scenario.probes,
-            .title = scenario.title.empty() ? scenario.name : scenario.title};
+            .title = scenario.title.empty() ? scenario.name : scenario.title,
+            .goes_on = goes_on};
 }
 
 double largest_critical_opening(const Scenario& scenario) {
@@ -66,19 +69,20 @@ ExitCode exit_code(const RunRecord& record) {
     return std::all_of(record.expect.begin(), record.expect.end(), [](const ExpectResult& e) { return e.pass; }) ? exit_done : exit_expectation;
 }
 
-/// The log of a run on the disk; every line is there at once.
-class RunLog {
-public:
-    explicit RunLog(std::filesystem::path path) : path_(std::move(path)), file_(path_) { add(""); }
-    void add(const std::string& text) {
-        file_ << text << std::flush;
-        if (!file_) throw SimulationError("cannot write " + path_.string());
-    }
+/// What the directory of a run begins with.
+FirstFiles first_files(const ReadResult& read, const RunRecord& record) {
+    FirstFiles files{{"scenario.toml", read.source.text()}, {"resolved.toml", resolved_for_run(read)}, {"run.json", run_json(record)}};
+    if (read.scenario.given) files.emplace_back("mesh.msh", read.scenario.given->bytes);
+    return files;
+}
 
-private:
-    std::filesystem::path path_;
-    std::ofstream file_;
-};
+/// Whether the same run stands there and did not come to its end: killed, interrupted, or out of disk.
+bool is_unfinished(const std::filesystem::path& directory, const FirstFiles& files) {
+    const bool resumable = Checkpoints::exist_in(directory);
+    if (!began_with(directory, files) || !(resumable || recorded_status(directory) == "running")) return false;
+    if (std::filesystem::exists(directory / "log.txt")) RunLog(directory / "log.txt");  // refuses where it is still running
+    return true;
+}
 
 /// The state at t = 0. A body that its interfaces cannot hold there has failed before it began.
 State start_of(const Model& model, const Scenario& scenario, MoreauJean& stepper, RunRecord& record) {
@@ -168,26 +172,45 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
     record.mean_edge = mean_edge(model.mesh);
     record.rayleigh_speed = rayleigh_speed(scenario);
 
-    make_run_directory(directory, options.force);
-    write_whole_file(directory / "scenario.toml", read.source.text());
-    write_whole_file(directory / "resolved.toml", resolved_for_run(read));
-    if (scenario.given) write_whole_file(directory / "mesh.msh", scenario.given->bytes);
     std::ostringstream warnings;
     for (const Diagnostic& warning : resolution_warnings(read, record.mean_edge)) warnings << format(warning), record.warnings.push_back(warning.message);
     for (const Diagnostic& warning : read.warnings) warnings << format(warning), record.warnings.push_back(warning.message);
     if (!options.quiet) std::fputs(warnings.str().c_str(), stderr);
-    RunLog log(directory / "log.txt");
-    log.add(warnings.str());
-    write_whole_file(directory / "run.json", run_json(record));
 
-    // the run
-    State now = start_of(model, scenario, stepper, record), next = now;
-    Recorder recorder(model, now, recorder_options(scenario, model, directory));
+    const FirstFiles files = first_files(read, record);
+    const bool unfinished = !options.force && is_unfinished(directory, files), resumes = unfinished && Checkpoints::exist_in(directory);
+    if (!resumes) make_run_directory(directory, options.force || unfinished, files);
+    RunLog log(directory / "log.txt");
+    if (!resumes) log.add(warnings.str());
+
+    // the run, or the rest of it
+    State now = resumes ? initial_state(model) : start_of(model, scenario, stepper, record);
+    Recorder recorder(model, now, recorder_options(scenario, model, directory, resumes));
+    StepControl control(plan.limits);
+    RunMemory memory{.now = now, .control = control, .recorder = recorder};
+    Checkpoints checkpoints(directory, scenario.output.checkpoint_every);
+    if (resumes) {
+        std::string said = checkpoints.read(memory);
+        said += resumed_text(now);
+        if (!options.quiet) std::fputs(said.c_str(), stderr);
+        log.cut_to(memory.log_size);
+        log.add(said);
+        recorder.open_files();
+    }
+    State next = now;
+    const RunMemory before = memory;  // its times
+    const double output_before = recorder.output_seconds();
     const double until = std::min(options.until, scenario.time.end);
     Progress progress(options.quiet ? nullptr : stderr, until, record.triangles);
-    StepControl control(plan.limits);
     const InterruptGuard guard;
     const Stopwatch stepping;
+    bool keep_checkpoints = false;  // of a failed run that could go on
+    const auto save = [&] {
+        memory.log_size = log.size();
+        memory.cpu = before.cpu + whole.cpu(), memory.wall = before.wall + whole.wall();
+        memory.cpu_steps = before.cpu_steps + stepping.cpu() - (recorder.output_seconds() - output_before);
+        checkpoints.write(memory);
+    };
     try {
         while (record.status == "running" && !StepControl::has_reached(now, until)) {
             if (interrupted) {
@@ -206,13 +229,16 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
             std::swap(now, next);
             recorder.after_step(now, report);
             progress.after_step(now, recorder);
+            if (checkpoints.due()) save();
         }
+        if (record.status == "interrupted") save();  // before the lines of an early end are written
     } catch (const SimulationError& error) {
         record.status = "failed";
         record.reason = error.what();
+        keep_checkpoints = dynamic_cast<const OutputError*>(&error) != nullptr;
     }
     if (record.status == "running") record.status = "done";
-    record.cpu_steps = stepping.cpu() - recorder.output_seconds();
+    record.cpu_steps = before.cpu_steps + stepping.cpu() - (recorder.output_seconds() - output_before);
     progress.finish(now, recorder);
     recorder.finish(now);
 
@@ -220,9 +246,10 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
     std::ofstream fragments(directory / "fragments.csv");
     write_fragments(fragments, find_fragments(model, now));
     conclude(scenario, model, now, recorder, control, record);
-    record.wall = whole.wall();
-    record.cpu = whole.cpu();
+    record.wall = before.wall + whole.wall();
+    record.cpu = before.cpu + whole.cpu();
     write_whole_file(directory / "run.json", run_json(record));
+    if (record.status != "interrupted" && !keep_checkpoints) checkpoints.remove();
     const std::string end = end_of_run(record, directory);
     log.add(end);
     std::fputs(end.c_str(), stdout);

@@ -2,28 +2,46 @@
 
 #include "base/error.hpp"
 
+#include <algorithm>
 #include <fstream>
+#include <sstream>
 
 namespace knap {
 
 namespace fs = std::filesystem;
 
-void make_run_directory(const fs::path& directory, bool force) {
+namespace {
+
+UserError cannot_write(const std::string& what, const fs::path& path, const std::error_code& error) {
+    return UserError("cannot-write", "cannot " + what + " `" + path.string() + "`: " + error.message());
+}
+
+}  // namespace
+
+void make_run_directory(const fs::path& directory, bool replace, const FirstFiles& files) {
     std::error_code error;
-    if (fs::exists(directory, error)) {
-        const bool empty = fs::is_directory(directory, error) && fs::is_empty(directory, error);
-        if (!empty && !force)
-            throw UserError("run-exists", "`" + directory.string() + "` exists already, nothing was run",
-                            "choose another directory with --output, or replace the old run with --force");
-        if (!empty && !fs::exists(directory / "run.json", error))
-            throw UserError("not-a-run", "`" + directory.string() + "` was not made by knap (no run.json), so --force does not clear it");
-        if (!empty) fs::remove_all(directory, error);
-        if (error) throw UserError("cannot-write", "cannot clear `" + directory.string() + "`: " + error.message());
-    }
-    for (const fs::path& part : {directory, directory / "fields", directory / "figures"}) {
-        fs::create_directories(part, error);
-        if (error) throw UserError("cannot-write", "cannot make `" + part.string() + "`: " + error.message());
-    }
+    const bool there = fs::exists(directory, error) && !(fs::is_directory(directory, error) && fs::is_empty(directory, error));
+    if (there && !replace)
+        throw UserError("run-exists", "`" + directory.string() + "` exists already, nothing was run",
+                        "choose another directory with --output, or replace the old run with --force");
+    if (there && !fs::exists(directory / "run.json", error))
+        throw UserError("not-a-run", "`" + directory.string() + "` was not made by knap (no run.json), so --force does not clear it");
+
+    const fs::path whole = directory.has_filename() ? directory : directory.parent_path();  // "out/" is "out"
+    const fs::path partial = whole.string() + ".part";
+    fs::remove_all(partial, error);
+    for (const fs::path& part : {partial, partial / "fields", partial / "figures"})
+        if (fs::create_directories(part, error); error) throw cannot_write("make", part, error);
+    for (const auto& [name, text] : files) write_whole_file(partial / name, text);
+    if (fs::remove_all(whole, error); error) throw cannot_write("clear", whole, error);
+    if (fs::rename(partial, whole, error); error) throw cannot_write("make", whole, error);
+}
+
+bool began_with(const fs::path& directory, const FirstFiles& files) {
+    return std::all_of(files.begin(), files.end(), [&](const auto& file) {
+        const auto& [name, text] = file;
+        return name == "run.json" || (fs::is_regular_file(directory / name) && read_whole_file(directory / name) == text);
+    });
 }
 
 void write_whole_file(const fs::path& path, const std::string& text) {
@@ -33,7 +51,15 @@ void write_whole_file(const fs::path& path, const std::string& text) {
     file.close();
     std::error_code error;
     if (file) fs::rename(temporary, path, error);
-    if (!file || error) throw SimulationError("cannot write " + path.string() + (error ? ": " + error.message() : ""));
+    if (!file || error) throw OutputError("cannot write " + path.string() + (error ? ": " + error.message() : ""));
+}
+
+std::string read_whole_file(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::ostringstream bytes;
+    bytes << in.rdbuf();
+    if (!in) throw OutputError("cannot read " + path.string());
+    return std::move(bytes).str();
 }
 
 }  // namespace knap

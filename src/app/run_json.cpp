@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <fstream>
 
 namespace knap {
 namespace {
@@ -35,6 +36,12 @@ std::int64_t peak_memory() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
+}
+
+std::string recorded_status(const std::filesystem::path& directory) {
+    std::ifstream file(directory / "run.json");
+    const Json json = Json::parse(file, nullptr, false);
+    return json.is_object() && json.contains("status") && json["status"].is_string() ? json["status"].get<std::string>() : "";
 }
 
 std::string run_json(const RunRecord& record) {

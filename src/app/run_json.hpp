@@ -39,6 +39,9 @@ struct RunRecord {
 
 std::string run_json(const RunRecord& record);
 
+/// `status` of the run.json in a directory; empty where there is none that can be read.
+std::string recorded_status(const std::filesystem::path& directory);
+
 /// Largest resident memory of this process so far [byte].
 std::int64_t peak_memory();
 

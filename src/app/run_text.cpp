@@ -61,6 +61,12 @@ std::string stuck_text(const StepCut& cut, const Vec2& where, double smallest) {
     return text;
 }
 
+std::string resumed_text(const State& now) {
+    std::string text;
+    add_line(text, "resumed: goes on from the checkpoint at t = %.9g s, step %lld\n", now.time, static_cast<long long>(now.n_steps));
+    return text;
+}
+
 std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory) {
     std::string text;
     add_line(text, "%s: %s at t = %.6g s after %s; %d triangles, %d interfaces; %.1f s (%.1f s of processor time)\n",

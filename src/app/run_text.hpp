@@ -14,6 +14,9 @@ std::string cut_text(const StepCut& cut, const Vec2& where);
 /// Why a run cannot go on after a step that asks for a smaller one than allowed: what, where, when, and what to change.
 std::string stuck_text(const StepCut& cut, const Vec2& where, double smallest);
 
+/// That a run goes on from a checkpoint.
+std::string resumed_text(const State& now);
+
 /// What a run found.
 std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory);
 

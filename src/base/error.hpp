@@ -38,4 +38,10 @@ public:
     using std::runtime_error::runtime_error;
 };
 
+/// The disk is full, or what was to be written cannot be: the run itself is sound and can go on from its last checkpoint.
+class OutputError : public SimulationError {
+public:
+    using SimulationError::SimulationError;
+};
+
 }  // namespace knap

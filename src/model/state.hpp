@@ -10,6 +10,9 @@ namespace knap {
 struct PointState {
     double cohesion;  // [-] beta
     Vec2 traction;    // [Pa] (N, T) mean over the last step, on the side `after`; for output only
+
+    template <class Archive>
+    void serialize(Archive& archive) { archive(cohesion, traction); }
 };
 
 /// A fan that has not come apart is one node, like in an ordinary finite element mesh; one that has is a node per corner, for ever
@@ -28,6 +31,11 @@ struct State {
     std::vector<PointState> points;     // of the split fans, in that order
     std::vector<Index> split_rank;      // per fan: its place in split_fans, or -1
     std::vector<Vec2> reaction;         // [N] per prescribed motion: what drives it, mean over the last step; 0 in free components
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(time, last_step, n_steps, displacement, velocity, rate, node_of_corner, split_fans, first_point, points, split_rank, reaction);
+    }
 };
 
 State initial_state(const Model& model);

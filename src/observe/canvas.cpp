@@ -211,7 +211,7 @@ void Canvas::finish() {
     if (status == CAIRO_STATUS_SUCCESS && file_.extension() == ".png") status = cairo_surface_write_to_png(surface_, file_.string().c_str());
     cairo_surface_finish(surface_);
     if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface_);
-    if (status != CAIRO_STATUS_SUCCESS) throw SimulationError("cannot write " + file_.string() + ": " + cairo_status_to_string(status));
+    if (status != CAIRO_STATUS_SUCCESS) throw OutputError("cannot write " + file_.string() + ": " + cairo_status_to_string(status));
 }
 
 }  // namespace knap

@@ -54,6 +54,9 @@ struct CrackEnd {
     Index vertex;
     double path_length;  // [m] from the start of the crack, along edges
     bool arrived;        // at the boundary, at a pre-crack or (round a loop) at another arm: not a tip any more
+
+    template <class Archive>
+    void serialize(Archive& archive) { archive(position, vertex, path_length, arrived); }
 };
 
 struct Branching {
@@ -62,12 +65,18 @@ struct Branching {
     Index n_arms;           // counted arms that leave, at least 2
     double shorter_arm;     // [m] length of the second longest of them
     Index first_interface;  // of that arm
+
+    template <class Archive>
+    void serialize(Archive& archive) { archive(position, vertex, n_arms, shorter_arm, first_interface); }
 };
 
 /// One interface of the main path.
 struct PathStep {
     Index interface;
     double position;  // [m] of its far end, from the start of the crack along chords
+
+    template <class Archive>
+    void serialize(Archive& archive) { archive(interface, position); }
 };
 
 struct CrackPattern {
@@ -85,6 +94,12 @@ struct CrackPattern {
     std::vector<Index> counted;  // interfaces of counted arms
 
     Index n_branches() const;  // one for a fork into two, two for a fork into three
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(broken_length, damaged_length, n_broken, n_damaged, crack_length, main_length, main_path, n_cracks, main_start, main_end, tips, branchings,
+                counted);
+    }
 };
 
 /// `status`: one per interface. Cost: a pass over `status`, and n log n in the broken ones.

@@ -15,6 +15,9 @@ double speed_over_window(std::span<const std::pair<double, double>> samples, dou
 struct FirstBranching {
     double time;    // [s] when the shorter arm's first interface was seen broken (not when the arm had become long enough to count)
     Vec2 position;  // [m]
+
+    template <class Archive>
+    void serialize(Archive& archive) { archive(time, position); }
 };
 
 class CrackHistory {
@@ -30,6 +33,11 @@ public:
     std::optional<double> first_growth_time() const { return first_growth_; }  // [s] first snapshot with a counted crack
     const std::optional<FirstBranching>& first_branching() const { return first_branching_; }
     const InterfaceGraph& graph() const { return graph_; }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(pattern_, times_, speed_, max_speed_, first_growth_, first_branching_, broken_since_);
+    }
 
 private:
     InterfaceGraph graph_;

@@ -26,6 +26,12 @@ struct EnergyRow {
     double residual = 0;  // of the identity
     double crossing_loss = 0;  // of the cohesive work, where slips cross zero
     double law_lag = 0;
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(time, kinetic, strain, surface, external_work, cohesive_work, friction_work, impact_work, step_change_work, scheme_dissipation, residual,
+                crossing_loss, law_lag);
+    }
 };
 
 struct Gate {
@@ -50,6 +56,9 @@ public:
 
     /// The universal gates of a run; speeds and lengths are judged by what the loads and the law can give.
     std::vector<Gate> gates(double largest_delta_c, double length) const;
+
+    template <class Archive>
+    void serialize(Archive& archive) { archive(start_energy_, largest_energy_, largest_residual_, largest_law_lag_, mass_, row_, worst_); }
 
 private:
     double start_energy_, largest_energy_, largest_residual_ = 0, largest_law_lag_ = 0, mass_;

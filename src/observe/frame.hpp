@@ -57,6 +57,9 @@ struct History {
     /// Throws std::out_of_range for an unknown name.
     std::vector<double> column(const std::string& name) const;
     bool has(const std::string& name) const;
+
+    template <class Archive>
+    void serialize(Archive& archive) { archive(columns, rows); }
 };
 
 /// All of a run; those that it does not have are empty.
@@ -64,6 +67,9 @@ struct Histories {
     History energy, cracks;  // energy.csv, cracks.csv
     History reactions;       // reactions.csv: where motion is prescribed
     History probes;          // probes.csv: where the scenario has probes
+
+    template <class Archive>
+    void serialize(Archive& archive) { archive(energy, cracks, reactions, probes); }
 };
 
 }  // namespace knap

@@ -80,7 +80,7 @@ void write(vtkUnstructuredGrid* grid, double time, const path& file) {
     writer->EncodeAppendedDataOff();
     writer->SetCompressorTypeToLZ4();
     if (writer->Write() == 0 || writer->GetErrorCode() != vtkErrorCode::NoError)
-        throw SimulationError("cannot write " + file.string() + ": " + vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
+        throw OutputError("cannot write " + file.string() + ": " + vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
 }
 
 vtkNew<vtkXMLUnstructuredGridReader> opened(const path& file) {

@@ -52,7 +52,7 @@ void write_csv(const History& history, const std::filesystem::path& path) {
     out << csv_line(history.columns) << '\n';
     for (const auto& row : history.rows) out << csv_line(row) << '\n';
     out.close();
-    if (!out) throw SimulationError("cannot write " + path.string());
+    if (!out) throw OutputError("cannot write " + path.string());
 }
 
 History read_csv(const std::filesystem::path& path) {

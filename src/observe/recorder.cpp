@@ -36,18 +36,17 @@ std::vector<double> crack_line(double time, const CrackHistory& history, double 
             static_cast<double>(cracks.n_damaged)};
 }
 
-std::ofstream opened(const std::filesystem::path& path, const std::vector<std::string>& columns) {
-    std::ofstream file(path);
-    file << csv_line(columns) << "\n" << std::flush;
-    if (!file) throw SimulationError("cannot write " + path.string());
-    return file;
+/// The file with all lines so far, open for the next ones.
+std::ofstream opened(const std::filesystem::path& path, const History& history) {
+    write_csv(history, path);
+    return std::ofstream(path, std::ios::app);
 }
 
 void add_line(const std::vector<double>& row, History& history, std::ofstream& file, const std::filesystem::path& path) {
     history.rows.push_back(row);
     if (!file.is_open()) return;
     file << csv_line(row) << "\n" << std::flush;
-    if (!file) throw SimulationError("cannot write " + path.string());
+    if (!file) throw OutputError("cannot write " + path.string());
 }
 
 }  // namespace
@@ -74,17 +73,26 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
     if (!reactions_.empty()) histories_.reactions.columns = reactions_.columns();
     if (!probes_.empty()) histories_.probes.columns = probes_.columns();
     next_at_.assign(options_.figures.size(), 0);
-    if (!options_.directory.empty()) {
-        energy_file_ = opened(options_.directory / "energy.csv", histories_.energy.columns);
-        crack_file_ = opened(options_.directory / "cracks.csv", histories_.cracks.columns);
-        if (!reactions_.empty()) reaction_file_ = opened(options_.directory / "reactions.csv", histories_.reactions.columns);
-        if (!probes_.empty()) probe_file_ = opened(options_.directory / "probes.csv", histories_.probes.columns);
-        if (options_.frame_every > 0) series_.emplace(options_.directory);
-    }
+    if (options_.goes_on) return;
+    open_files();
     write_lines(start);
     next_history_ = start.time + options_.history_every;
-    if (series_) series_->write(make_frame(model_, start));
+    if (series_) write_frame(start);
     next_frame_ = series_ ? start.time + options_.frame_every : never;
+}
+
+void Recorder::open_files() {
+    if (options_.directory.empty()) return;
+    energy_file_ = opened(options_.directory / "energy.csv", histories_.energy);
+    crack_file_ = opened(options_.directory / "cracks.csv", histories_.cracks);
+    if (!reactions_.empty()) reaction_file_ = opened(options_.directory / "reactions.csv", histories_.reactions);
+    if (!probes_.empty()) probe_file_ = opened(options_.directory / "probes.csv", histories_.probes);
+    if (options_.frame_every > 0) series_.emplace(options_.directory, last_frame_);
+}
+
+void Recorder::write_frame(const State& now) {
+    series_->write(make_frame(model_, now));
+    last_frame_ = now.time;
 }
 
 void Recorder::after_step(const State& now, const StepReport& report) {
@@ -96,7 +104,7 @@ void Recorder::after_step(const State& now, const StepReport& report) {
         next_history_ = options_.history_every * (std::floor(reached / options_.history_every) + 1);
     }
     if (reached >= next_frame_) {
-        series_->write(make_frame(model_, now));
+        write_frame(now);
         next_frame_ = options_.frame_every * (std::floor(reached / options_.frame_every) + 1);
     }
     draw_due(now, false);
@@ -106,7 +114,7 @@ void Recorder::after_step(const State& now, const StepReport& report) {
 void Recorder::finish(const State& now) {
     const Stopwatch watch;
     if (last_line_ < now.time) write_lines(now);
-    if (series_ && series_->times().back() < now.time) series_->write(make_frame(model_, now));
+    if (series_ && series_->times().back() < now.time) write_frame(now);
     draw_due(now, true);
     output_seconds_ += watch.cpu();
 }

@@ -26,11 +26,15 @@ struct RecorderOptions {
     std::vector<FigureOptions> figures;
     std::vector<ProbeOptions> probes;
     std::string title;
+    bool goes_on = false;             // an earlier part of the run wrote files: nothing is written until open_files()
 };
 
 class Recorder {
 public:
     Recorder(const Model& model, const State& start, RecorderOptions options);
+
+    /// The files with all lines so far, to go on behind them: by the constructor, and after the memory was read back from a checkpoint.
+    void open_files();
 
     void after_step(const State& now, const StepReport& report);
 
@@ -44,7 +48,13 @@ public:
     const std::vector<std::filesystem::path>& figures() const { return drawn_; }
     double output_seconds() const { return output_seconds_; }  // [s] processor time spent here
 
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(ledger_, cracks_, histories_, next_frame_, next_history_, last_line_, last_frame_, next_at_, drawn_, output_seconds_);
+    }
+
 private:
+    void write_frame(const State& now);
     void write_lines(const State& now);
     void draw_due(const State& now, bool at_end);
     void draw(const FigureOptions& figure, const Frame& frame);
@@ -60,6 +70,7 @@ private:
     std::optional<VtkSeries> series_;
     double next_frame_ = 0, next_history_ = 0;
     double last_line_ = -1;             // [s] time of the last line
+    double last_frame_ = -1;            // [s] time of the last frame
     std::vector<std::size_t> next_at_;  // per figure: which of its times comes next
     std::vector<std::filesystem::path> drawn_;
     double output_seconds_ = 0;

@@ -36,7 +36,7 @@ void write_collection(const path& run, const std::vector<double>& times) {
     out.close();
     std::error_code error;
     if (out) std::filesystem::rename(partial, whole, error);
-    if (!out || error) throw SimulationError("cannot write " + whole.string());
+    if (!out || error) throw OutputError("cannot write " + whole.string());
 }
 
 }  // namespace
@@ -44,7 +44,7 @@ void write_collection(const path& run, const std::vector<double>& times) {
 VtkSeries::VtkSeries(path run, double keep_until) : run_(std::move(run)) {
     std::error_code error;
     std::filesystem::create_directories(run_ / "fields", error);
-    if (error) throw SimulationError("cannot make " + (run_ / "fields").string() + ": " + error.message());
+    if (error) throw OutputError("cannot make " + (run_ / "fields").string() + ": " + error.message());
     if (keep_until >= 0 && std::filesystem::exists(run_ / "run.pvd")) times_ = frame_times(run_);
     while (!times_.empty() && times_.back() > keep_until) times_.pop_back();
 }

@@ -130,6 +130,7 @@ void assemble_output(Assembly& assembly) {
     OutputOptions& output = assembly.scenario.output;
     output.every = assembly.values.number("output.every").value_or(0);
     output.history_every = assembly.values.number("output.history_every").value_or(0);
+    output.checkpoint_every = assembly.values.number("output.checkpoint_every").value_or(output.checkpoint_every);
     output.fields = assembly.values.flag("output.fields").value_or(true);
 }
 

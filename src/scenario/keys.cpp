@@ -145,6 +145,8 @@ const std::vector<Key>& table() {
     {.path = "output.every", .kind = Kind::number, .unit = "s", .range = positive, .otherwise = "time.end/40", .doc = "between two field frames"},
     {.path = "output.history_every", .kind = Kind::number, .unit = "s", .range = positive, .otherwise = "time.end/400",
      .doc = "between two lines of energy.csv and cracks.csv"},
+    {.path = "output.checkpoint_every", .kind = Kind::number, .unit = "s", .range = not_negative, .standard = "60",
+     .doc = "wall time between two checkpoints; an unfinished run goes on from the last one when it is started again"},
     {.path = "output.fields", .kind = Kind::boolean, .standard = "true", .doc = "write .vtu frames"},
 
     {.path = "probe[]", .kind = Kind::list, .doc = "a place that is watched; goes to probes.csv"},

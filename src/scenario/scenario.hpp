@@ -52,6 +52,7 @@ struct OutputOptions {
     double every = 0;          // [s] between field frames; 0 = end/40
     double history_every = 0;  // [s] between lines of energy.csv and cracks.csv; 0 = end/400
     bool fields = true;        // write .vtu frames
+    double checkpoint_every = 60;  // [s] of wall time between checkpoints
 };
 
 /// A bound on a number of the run's summary (key as in run.json's `summary`).

@@ -58,6 +58,9 @@ public:
     const std::array<std::int64_t, cut_reasons.size()>& n_cuts() const { return n_cuts_; }  // in the order of cut_reasons
     const StepReport& thrown_away() const { return thrown_away_; }                          // counts of the steps that were not taken
 
+    template <class Archive>
+    void serialize(Archive& archive) { archive(step_, largest_, n_good_, smallest_taken_, largest_taken_, n_cuts_, thrown_away_); }
+
 private:
     std::optional<CutReason> objection(double h, const StepReport& report) const;
     void grow();

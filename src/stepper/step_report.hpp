@@ -42,6 +42,13 @@ struct StepReport {
     Refusal refusal = Refusal::none;
     Vec2 where = Vec2::Zero();       // [m] of the refusal
 
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(kinetic, strain, surface, external_work, cohesive_work, crossing_loss, impact_work, friction_work, step_change_work, scheme_dissipation,
+                worst_impact_work, worst_friction_work, residual, penetration, largest_speed, largest_beta_growth, fan_solves, fan_iterations,
+                fan_fallbacks, bound_tests, released, softened, linear_solves, factorisations, refusal, where);
+    }
+
     /// Adds the share of another part of the body (or of another step).
     StepReport& operator+=(const StepReport& other);
 };

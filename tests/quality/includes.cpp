@@ -90,6 +90,14 @@ TEST_CASE("CLI11 and JSON are in app only") {
     for (const std::string& user : users_of({"CLI/", "CLI11", "nlohmann/"})) CHECK(user.starts_with("src/app/"));
 }
 
+TEST_CASE("cereal and Boost are each behind one file in app") {
+    for (const auto& package : {"cereal/", "boost/"}) {
+        const std::set<std::string> users = users_of({package});
+        CHECK(users.size() == 1);
+        for (const std::string& user : users) CHECK(user.starts_with("src/app/"));
+    }
+}
+
 TEST_CASE("VTK and cairo are in observe only") {
     for (const std::string& user : users_of({"vtk", "cairo"})) CHECK(user.starts_with("src/observe/"));
 }

@@ -101,6 +101,7 @@ theta = 0.75
 [output]
 every = "1 us"
 history_every = "0.1 us"
+checkpoint_every = "5 s"
 fields = false
 [[probe]]
 at = ["5 mm", "5 mm"]
@@ -255,6 +256,7 @@ const Case cases[] = {
     {rectangle, "time.theta", "0.75"},
     {rectangle, "output.every", "1e-06"},
     {rectangle, "output.history_every", "1e-07"},
+    {rectangle, "output.checkpoint_every", "5"},
     {rectangle, "output.fields", "false"},
     {rectangle, "probe[0].at", "[0.005, 0.005]"},
     {rectangle, "probe[0].watch", "\"interface\""},

@@ -1,0 +1,52 @@
+#pragma once
+// Checkpoints: all that a run needs to go on with the same bits as if it had never stopped.
+//
+//     <run>/checkpoint            the newest
+//     <run>/checkpoint.previous   the one before; used where the newest is damaged
+//
+// One line (format, program, bytes, CRC-32), then the memory of the run. Written by a temporary name and rename, so that a killed run leaves two whole
+// ones. A finished run has none.
+#include "base/stopwatch.hpp"
+#include "observe/recorder.hpp"
+#include "stepper/step_control.hpp"
+
+#include <filesystem>
+#include <string>
+
+namespace knap {
+
+/// What is kept. The model, the figures' options and the like follow from the scenario.
+struct RunMemory {
+    State& now;
+    StepControl& control;
+    Recorder& recorder;
+    std::int64_t log_size = 0;         // [byte] of log.txt by then
+    double cpu = 0, wall = 0;          // [s] spent so far by all parts of the run
+    double cpu_steps = 0;              // [s] of it in steps
+};
+
+class Checkpoints {
+public:
+    /// `every`: [s] of wall time between two.
+    Checkpoints(std::filesystem::path directory, double every) : directory_(std::move(directory)), every_(every) {}
+
+    bool due() const { return watch_.wall() >= every_; }
+    /// Throws OutputError where it cannot be written; those before are kept then.
+    void write(RunMemory& memory);
+    /// The newest that is whole, into `memory`; returns what is to be said of it. Throws UserError where none can be used.
+    std::string read(RunMemory& memory) const;
+    void remove() const;
+
+    static bool exist_in(const std::filesystem::path& directory);
+
+private:
+    std::filesystem::path directory_;
+    double every_;
+    Stopwatch watch_;
+};
+
+/// The bytes of a checkpoint file round its memory, and back. Unpacking throws SimulationError saying what is wrong with the file.
+std::string packed_checkpoint(const std::string& memory);
+std::string unpacked_checkpoint(const std::string& file);
+
+}  // namespace knap

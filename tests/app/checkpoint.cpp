@@ -1,0 +1,138 @@
+// Endurance: a run that is killed, interrupted or damaged goes on with the same bits, and nothing is lost.
+#include "app/checkpoint.hpp"
+#include "base/error.hpp"
+#include "base/random.hpp"
+#include "program.hpp"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+#include <vector>
+
+using namespace program;
+
+namespace {
+
+const std::string explicit_block = small_block();
+const std::string implicit_block = "edge_cracked_block_implicit -q -j 1 -s 'mesh.size=5 mm' -s 'time.end=40 us' -s 'time.step=1 us' -s 'expect={}' ";
+
+ino_t inode(const fs::path& path) {
+    struct stat found {};
+    return stat(path.c_str(), &found) == 0 ? found.st_ino : 0;
+}
+
+/// Starts `knap run`, waits until it has written a checkpoint of its own and `pause` longer, and sends it `signal`. Its exit status as of wait().
+int run_and_stop(const std::string& arguments, const fs::path& run, int signal, std::chrono::microseconds pause) {
+    const ino_t before = inode(run / "checkpoint");
+    const pid_t child = fork();
+    if (child == 0) {
+        const std::string line = "exec '" KNAP_PROGRAM "' run " + arguments + "-o '" + run.string() + "' >/dev/null 2>&1";
+        execl("/bin/sh", "sh", "-c", line.c_str(), static_cast<char*>(nullptr));
+        _exit(127);
+    }
+    int status = 0;
+    bool ended = false;
+    while (!ended && (inode(run / "checkpoint") == before || inode(run / "checkpoint") == 0)) {
+        std::this_thread::sleep_for(std::chrono::microseconds(200));
+        ended = waitpid(child, &status, WNOHANG) == child;
+    }
+    if (ended) return status;
+    std::this_thread::sleep_for(pause);
+    kill(child, signal);
+    waitpid(child, &status, 0);
+    return status;
+}
+
+/// All that a run found: its histories, fragments and every field frame.
+void check_same_bits(const fs::path& a, const fs::path& b) {
+    std::vector<fs::path> files{"energy.csv", "cracks.csv", "fragments.csv", "run.pvd"};
+    for (const auto& entry : fs::directory_iterator(a / "fields")) files.push_back(fs::path("fields") / entry.path().filename());
+    CHECK(files.size() > 10);
+    for (const fs::path& file : files) CHECK_MESSAGE(text_of(a / file) == text_of(b / file), file);
+    CHECK_FALSE(knap::Checkpoints::exist_in(a));  // of a run that is done
+    CHECK_FALSE(knap::Checkpoints::exist_in(b));
+}
+
+void kill_twenty_times(const std::string& block, const Folder& folder) {
+    REQUIRE(command("run " + block + "-o " + folder.in_shell("whole")).code == 0);
+    const std::string often = block + "-s output.checkpoint_every=0 ";
+    knap::Random random(7, "kills");
+    int n_kills = 0;
+    for (int i = 0; i < 20; ++i) {
+        const int status = run_and_stop(often, folder.path / "killed", SIGKILL, std::chrono::microseconds(static_cast<int>(random.uniform(0, 10000))));
+        if (!WIFSIGNALED(status)) break;
+        ++n_kills;
+    }
+    CHECK(n_kills > 5);
+    const Answer last = command("run " + often + "-o " + folder.in_shell("killed"));
+    CAPTURE(last.text);
+    CHECK((last.code == 0 || last.has("run-exists")));  // or the last one had come to its end before it was killed
+    check_same_bits(folder.path / "whole", folder.path / "killed");
+}
+
+void flip_a_byte(const fs::path& path) {
+    std::string bytes = text_of(path);
+    bytes[bytes.size() / 2] ^= 1;
+    std::ofstream(path, std::ios::binary) << bytes;
+}
+
+}  // namespace
+
+TEST_CASE("a run killed at twenty random moments ends with the same bits") {
+    SUBCASE("explicit") { kill_twenty_times(explicit_block, Folder("killed explicit")); }
+    SUBCASE("implicit") { kill_twenty_times(implicit_block, Folder("killed implicit")); }
+}
+
+TEST_CASE("an interrupted run goes on when it is started again") {
+    const Folder folder("resumed");
+    const std::string block = explicit_block + "-s output.checkpoint_every=0 ";
+    REQUIRE(command("run " + explicit_block + "-o " + folder.in_shell("whole")).code == 0);
+    const int status = run_and_stop(block, folder.path / "run", SIGINT, std::chrono::microseconds(0));
+    REQUIRE(WIFEXITED(status));
+    REQUIRE(WEXITSTATUS(status) == 130);
+    CHECK(text_of(folder.path / "run/run.json").find("\"status\": \"interrupted\"") != std::string::npos);
+
+    SUBCASE("with the same bits") {
+        CHECK(command("run " + block + "-o " + folder.in_shell("run")).code == 0);
+        CHECK(text_of(folder.path / "run/log.txt").find("resumed: goes on from the checkpoint at t = ") != std::string::npos);
+        check_same_bits(folder.path / "whole", folder.path / "run");
+    }
+    SUBCASE("from the older checkpoint where the newest is damaged") {
+        flip_a_byte(folder.path / "run/checkpoint");
+        REQUIRE(fs::exists(folder.path / "run/checkpoint.previous"));
+        CHECK(command("run " + block + "-o " + folder.in_shell("run")).code == 0);
+        CHECK(text_of(folder.path / "run/log.txt").find("is not used: its checksum is wrong") != std::string::npos);
+        check_same_bits(folder.path / "whole", folder.path / "run");
+    }
+    SUBCASE("not where both are damaged and nothing is lost then") {
+        flip_a_byte(folder.path / "run/checkpoint");
+        fs::resize_file(folder.path / "run/checkpoint.previous", 100);
+        const std::string energy = text_of(folder.path / "run/energy.csv");
+        const Answer again = command("run " + block + "-o " + folder.in_shell("run"));
+        CHECK(again.code == 2);
+        CHECK(again.has("no-checkpoint"));
+        CHECK(again.has("--force"));
+        CHECK(text_of(folder.path / "run/energy.csv") == energy);
+    }
+    SUBCASE("not as another scenario") {
+        CHECK(command("run " + block + "-s seed=3 -o " + folder.in_shell("run")).has("run-exists"));
+        CHECK(knap::Checkpoints::exist_in(folder.path / "run"));
+    }
+}
+
+TEST_CASE("damaged checkpoints are told from whole ones") {
+    const std::string memory = "all that a run remembers\n";
+    const std::string whole = knap::packed_checkpoint(memory);
+    CHECK(knap::unpacked_checkpoint(whole) == memory);
+    CHECK(knap::unpacked_checkpoint(knap::packed_checkpoint("")) == "");
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+        CHECK_THROWS_AS(knap::unpacked_checkpoint(whole.substr(0, i)), knap::SimulationError);
+        std::string damaged = whole;
+        damaged[i] = static_cast<char>(damaged[i] ^ 4);
+        CHECK_THROWS_AS(knap::unpacked_checkpoint(damaged), knap::SimulationError);
+    }
+}
