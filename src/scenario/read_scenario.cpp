@@ -111,17 +111,35 @@ ReadResult read_scenario(const std::filesystem::path& file, const std::vector<st
     return read_scenario_text(text_of_file(file), file.string(), overrides, file.parent_path());
 }
 
+namespace {
+
+/// The built-in scenario that a name means: itself, or the shortest that begins with it where all that do begin with that one
+/// (edge-crack: edge_cracked_block, not its variants). Empty: none.
+std::string full_name(std::string begin, const std::vector<std::string>& names) {
+    std::replace(begin.begin(), begin.end(), '-', '_');
+    std::string shortest;
+    for (const std::string& name : names) {
+        if (name == begin) return name;
+        if (begin.size() >= 4 && name.starts_with(begin) && (shortest.empty() || name.size() < shortest.size())) shortest = name;
+    }
+    const bool clear = std::all_of(names.begin(), names.end(), [&](const std::string& n) { return !n.starts_with(begin) || n.starts_with(shortest); });
+    return clear ? shortest : "";
+}
+
+}  // namespace
+
 ReadResult open_scenario(const std::string& file_or_name, const std::vector<std::string>& overrides) {
     std::error_code code;
     if (std::filesystem::exists(file_or_name, code)) return read_scenario(file_or_name, overrides);
     const auto names = built_in_scenarios();
-    if (std::find(names.begin(), names.end(), file_or_name) == names.end()) {
+    const std::string name = full_name(file_or_name, names);
+    if (name.empty()) {
         Diagnostic d{.code = "missing-file", .message = "there is no file and no built-in scenario `" + file_or_name + "`"};
         d.hint = did_you_mean(file_or_name, names);
         d.note = "built in: " + joined(names);
         throw UserError({d});
     }
-    return read_text(built_in_scenario(file_or_name), file_or_name, overrides, {.directory = {}, .in_binary = true});
+    return read_text(built_in_scenario(name), name, overrides, {.directory = {}, .in_binary = true});
 }
 
 std::vector<std::string> built_in_scenarios() {

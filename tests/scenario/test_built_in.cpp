@@ -150,3 +150,10 @@ TEST_CASE("listing: every key with its value and origin") {
     CHECK(has("default, time.end/40"));
     CHECK(has("mesh.size                      0.001 m"));
 }
+
+TEST_CASE("built-in: a clear begin of a name is enough") {
+    CHECK(open_scenario("edge-crack", {}).scenario.name == "edge_cracked_block");
+    CHECK(open_scenario("edge_cracked_block_f", {}).scenario.name == "edge_cracked_block_fine");
+    CHECK_THROWS_AS(open_scenario("dcb_", {}), UserError);  // dcb_displacement, dcb_force, dcb_williams
+    CHECK_THROWS_AS(open_scenario("edg", {}), UserError);   // too short to be meant
+}
