@@ -33,7 +33,7 @@ void AugmentedLagrangian::evaluate(const ImplicitBulk& bulk, std::vector<LoosePo
 double AugmentedLagrangian::residual(Index node) const {
     double largest = 0;
     for (int k = 0; k < 2; ++k)
-        if (matrix_.unknown(node, k) >= 0) largest = std::max(largest, std::abs(residual_[node][k]));
+        if (matrix_.is_free(node, k)) largest = std::max(largest, std::abs(residual_[node][k]));
     return largest;
 }
 
@@ -53,7 +53,7 @@ void AugmentedLagrangian::make_tangents(const std::vector<LoosePoint>& points, S
         axes << point.normal, turned_left(point.normal);
         without_friction(1, 0) = D(0, 1);
         const Eigen::Matrix2d block = axes * D * axes.transpose();
-        tangents_.push_back({point.before, point.after, block, D(1, 0) == D(0, 1) ? block : axes * without_friction * axes.transpose()});
+        tangents_.push_back({point.fan_point, point.before, point.after, block, D(1, 0) == D(0, 1) ? block : axes * without_friction * axes.transpose()});
     }
 }
 
@@ -171,7 +171,8 @@ bool AugmentedLagrangian::find_rates(const ImplicitBulk& bulk, std::vector<Loose
         matrix_.solve(downhill, direction_);
         ++counts_.linear_solves;
         bulk.apply_matrix(direction_, changed_);
-        const double a = step_length(points, direction_, changed_);
+        // near the end rounding hides the slope
+        const double a = stalled > 0 && norm <= 1e3 * tolerance ? 1 : step_length(points, direction_, changed_);
         for (std::size_t n = 0; n < rate.size(); ++n) rate[n] += a * direction_[n];
     }
     return false;

@@ -1,5 +1,7 @@
 #pragma once
 // The contact bound of an implicit step (implicit_scheme.hpp):  w_N >= c.
+#include "model/state.hpp"
+
 #include <algorithm>
 #include <optional>
 
@@ -10,7 +12,13 @@ namespace knap {
 /// other.
 constexpr double touching_tolerance = 1e-11;
 
-/// [m/s] c, or nothing: the point cannot touch within the step. `length` [m]: what u_N is a difference of, displacements, gap and delta_c.
+/// [m] What u_N of a point is a difference of: displacements, gap and delta_c.
+inline double length_behind_opening(const FanPoint& point, const CohesiveLaw& law, const State& state) {
+    const auto moved = [&](Index corner) { return corner == ground ? 0 : state.displacement[state.node_of_corner[corner]].norm(); };
+    return moved(point.before) + moved(point.after) + point.gap + law.delta_c();
+}
+
+/// [m/s] c, or nothing: the point cannot touch within the step. `length` [m]: length_behind_opening.
 inline std::optional<double> contact_bound(double u_N, double V_N, double length, double restitution, double h, double theta) {
     const double approach = std::max(-V_N, 0.0);
     if (u_N <= touching_tolerance * length) return -(1 - theta * (1 + restitution)) * approach;  // Newton's law against an approach

@@ -1,18 +1,15 @@
 #include "stepper/corner_partition.hpp"
 
-#include <Eigen/OrderingMethods>
-#include <Eigen/SparseCore>
-
 namespace knap {
 
-CornerPartition partition_corners(const Model& model, const std::vector<std::uint8_t>& fan_is_loose, const std::vector<Index>& order) {
+CornerPartition partition_corners(const Model& model, const std::vector<std::uint8_t>& fan_is_loose) {
     CornerPartition partition;
     partition.node_of_corner.assign(model.mesh.n_corners(), -1);
     const auto new_node = [&](Index corner) {
         partition.corner_of_node.push_back(corner);
         return partition.n_nodes() - 1;
     };
-    for (const Index f : order) {
+    for (std::size_t f = 0; f < model.fans.size(); ++f) {
         const Fan& fan = model.fans[f];
         const Index* corner = &model.fan_corners[fan.first_corner];
         if (!fan_is_loose[f]) {
@@ -41,19 +38,6 @@ CornerPartition partition_corners(const Model& model, const std::vector<std::uin
         }
     }
     return partition;
-}
-
-std::vector<Index> elimination_order(const Model& model) {
-    const Index n = static_cast<Index>(model.fans.size());
-    std::vector<Eigen::Triplet<double, Index>> couplings;
-    for (Index t = 0; t < model.mesh.n_triangles(); ++t)
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) couplings.emplace_back(model.fan_of_corner[3 * t + i], model.fan_of_corner[3 * t + j], 1.0);
-    Eigen::SparseMatrix<double, Eigen::ColMajor, Index> graph(n, n);
-    graph.setFromTriplets(couplings.begin(), couplings.end());
-    Eigen::AMDOrdering<Index>::PermutationType permutation;
-    Eigen::AMDOrdering<Index>()(graph, permutation);  // permutation maps places to fans
-    return {permutation.indices().data(), permutation.indices().data() + n};
 }
 
 }  // namespace knap

@@ -17,10 +17,7 @@ struct CornerPartition {
 /// A point that holds for good: its law cannot break and it is no crack.
 inline bool unbreakable(const Model& model, const FanPoint& point) { return !point.cracked && !model.laws[point.law].breakable(); }
 
-/// Nodes are numbered fan by fan in `order`, those of a fan one after the other.
-CornerPartition partition_corners(const Model& model, const std::vector<std::uint8_t>& fan_is_loose, const std::vector<Index>& order);
-
-/// An order of the fans in which eliminating them fills little (approximate minimum degree on the edges of the mesh).
-std::vector<Index> elimination_order(const Model& model);
+/// Nodes are numbered fan by fan, those of a fan one after the other.
+CornerPartition partition_corners(const Model& model, const std::vector<std::uint8_t>& fan_is_loose);
 
 }  // namespace knap

@@ -16,7 +16,6 @@ constexpr int most_passes = 40;
 ImplicitScheme::ImplicitScheme(const Model& model, const SchemeOptions& options)
     : model_(model),
       options_(options),
-      order_(elimination_order(model)),
       bulk_(model, options),
       matrix_(model),
       solver_(matrix_),
@@ -63,17 +62,13 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
 
 void ImplicitScheme::choose_partition(const State& begin, double h) {
     const bool same = matrix_loose_ == loose_;
-    if (!same) partition_ = partition_corners(model_, loose_, order_);
+    if (!same) partition_ = partition_corners(model_, loose_);
     bulk_.set_partition(partition_, rate_);
     for (Index i = 0; i < partition_.n_nodes() && !corner_rate_.empty(); ++i)
         for (int k = 0; k < 2; ++k)
             if (!bulk_.prescribed()[i][k]) rate_[i][k] = corner_rate_[partition_.corner_of_node[i]][k];
     make_points(begin, h);
-    if (!same) {
-        std::vector<PointTangent> couplings;
-        for (const LoosePoint& point : points_) couplings.push_back({point.before, point.after, Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()});
-        matrix_.set_pattern(partition_, bulk_.prescribed(), couplings);
-    }
+    if (!same) matrix_.set_nodes(partition_, bulk_.prescribed());
     if (!same || matrix_step_ != h) {
         matrix_.set_bulk(options_.theta * options_.theta * h * h, options_.mass);
         solver_.forget_factor();
@@ -85,66 +80,73 @@ void ImplicitScheme::choose_partition(const State& begin, double h) {
 void ImplicitScheme::make_points(const State& begin, double h) {
     points_.clear();
     std::fill(loose_point_of_.begin(), loose_point_of_.end(), -1);
-    std::vector<double> node_inertia(partition_.n_nodes(), 0);  // [kg]
+    node_inertia_.assign(partition_.n_nodes(), 0);
     const double stiffness_factor = options_.theta * options_.theta * h * h;
     for (Index c = 0; c < model_.mesh.n_corners(); ++c)
-        node_inertia[partition_.node_of_corner[c]] += bulk_.corner_mass(c) + stiffness_factor * bulk_.corner_stiffness(c);
+        node_inertia_[partition_.node_of_corner[c]] += bulk_.corner_mass(c) + stiffness_factor * bulk_.corner_stiffness(c);
+    for (std::size_t f = 0; f < model_.fans.size(); ++f) {
+        if (!loose_[f]) continue;
+        const Fan& fan = model_.fans[f];
+        for (Index i = fan.first_point; i < fan.first_point + fan.n_points; ++i) {
+            if (unbreakable(model_, model_.fan_points[i])) continue;
+            loose_point_of_[i] = static_cast<Index>(points_.size());
+            points_.push_back(make_point(begin, h, static_cast<Index>(f), i));
+        }
+    }
+}
 
+LoosePoint ImplicitScheme::make_point(const State& begin, double h, Index f, Index i) const {
+    const FanPoint& point = model_.fan_points[i];
+    const CohesiveLaw& law = model_.laws[point.law];
     const auto node_of = [&](Index corner) { return corner == ground ? -1 : partition_.node_of_corner[corner]; };
     const auto at_begin = [&](const std::vector<Vec2>& of_node, Index corner) -> Vec2 {
         return corner == ground ? Vec2::Zero() : of_node[begin.node_of_corner[corner]];
     };
-    const auto prescribed = [&](Index node, int k) { return node < 0 || bulk_.prescribed()[node][k]; };
-    const double infinite = std::numeric_limits<double>::infinity();
-    const auto compliance = [&](Index node) {
-        return node < 0 || (prescribed(node, 0) && prescribed(node, 1)) ? 0 : 1 / node_inertia[node];
-    };
-    const auto add_point = [&](Index f, Index i) {
-        const FanPoint& point = model_.fan_points[i];
-        const CohesiveLaw& law = model_.laws[point.law];
-        if (unbreakable(model_, point)) return;
-        LoosePoint made{.fan_point = i, .before = node_of(point.before), .after = node_of(point.after), .normal = point.normal};
-        const Vec2 jump = made.in_frame(at_begin(begin.displacement, point.after) - at_begin(begin.displacement, point.before));
-        const Vec2 speed = made.in_frame(at_begin(begin.velocity, point.after) - at_begin(begin.velocity, point.before));
-        const Index rank = begin.split_rank[f];
-        const double beta = point.cracked || law.sigma_c == 0 ? 0
-                            : rank < 0 ? 1 : begin.points[begin.first_point[rank] + i - model_.fans[f].first_point].cohesion;
-        const double u_N = point.gap + jump.x();
-        const double whole = compliance(made.before) + compliance(made.after);
-        made.mass = whole > 0 ? 1 / whole : node_inertia[std::max(made.before, made.after)];
+    LoosePoint made{.fan_point = i, .before = node_of(point.before), .after = node_of(point.after), .normal = point.normal};
+    made.mass = mass_between(made.before, made.after);
+    const Vec2 jump = made.in_frame(at_begin(begin.displacement, point.after) - at_begin(begin.displacement, point.before));
+    const Vec2 speed = made.in_frame(at_begin(begin.velocity, point.after) - at_begin(begin.velocity, point.before));
+    const Index rank = begin.split_rank[f];
+    const double beta = point.cracked || law.sigma_c == 0 ? 0
+                        : rank < 0 ? 1 : begin.points[begin.first_point[rank] + i - model_.fans[f].first_point].cohesion;
+    const double u_N = point.gap + jump.x();
+    const std::optional<double> bound =
+        contact_bound(u_N, speed.x(), length_behind_opening(point, law, begin), law.restitution, h, options_.theta);
+    const auto [imposed_N, imposed_T] = imposed(made);
+    made.law = {.u_N = u_N,
+                .u_T = jump.y(),
+                .strength = beta > 0 ? options_.theta * h * point.area * law.sigma_c : 0,
+                .cohesion = beta,
+                .delta_c = law.delta_c(),
+                .gamma = law.gamma,
+                .friction = law.friction,
+                .bound = bound.value_or(0),
+                .may_touch = !imposed_N && bound,
+                .implicit_beta = options_.cohesion == CohesionScheme::implicit_beta,
+                .h = h,
+                .theta = options_.theta,
+                .rho_N = 0,
+                .rho_T = imposed_T ? std::numeric_limits<double>::infinity() : 0};
+    return made;
+}
 
-        // the contact bound, and what is imposed on both sides and leaves nothing to decide
-        const auto size = [&](Index corner) { return at_begin(begin.displacement, corner).norm(); };
-        const double length = size(point.before) + size(point.after) + point.gap + law.delta_c();
-        const std::optional<double> bound = contact_bound(u_N, speed.x(), length, law.restitution, h, options_.theta);
-        bool imposed_N = false, imposed_T = false;
-        for (int k = 0; k < 2; ++k) {
-            if (!prescribed(made.before, k) || !prescribed(made.after, k)) continue;
-            imposed_N = imposed_N || whole == 0 || std::abs(point.normal[k]) > 1 - 1e-9;
-            imposed_T = imposed_T || whole == 0 || std::abs(point.normal[k]) < 1e-9;
-        }
-        made.law = {.u_N = u_N,
-                    .u_T = jump.y(),
-                    .strength = beta > 0 ? options_.theta * h * point.area * law.sigma_c : 0,
-                    .cohesion = beta,
-                    .delta_c = law.delta_c(),
-                    .gamma = law.gamma,
-                    .friction = law.friction,
-                    .bound = bound.value_or(0),
-                    .may_touch = !imposed_N && bound,
-                    .implicit_beta = options_.cohesion == CohesionScheme::implicit_beta,
-                    .h = h,
-                    .theta = options_.theta,
-                    .rho_N = 0,
-                    .rho_T = imposed_T ? infinite : 0};
-        loose_point_of_[i] = static_cast<Index>(points_.size());
-        points_.push_back(made);
-    };
-    for (const Index f : order_) {
-        if (!loose_[f]) continue;
-        const Fan& fan = model_.fans[f];
-        for (Index i = 0; i < fan.n_points; ++i) add_point(f, fan.first_point + i);
+bool ImplicitScheme::is_given(Index node, int component) const { return node < 0 || bulk_.prescribed()[node][component]; }
+
+double ImplicitScheme::mass_between(Index before, Index after) const {
+    const auto compliance = [&](Index node) { return is_given(node, 0) && is_given(node, 1) ? 0 : 1 / node_inertia_[node]; };
+    const double whole = compliance(before) + compliance(after);
+    return whole > 0 ? 1 / whole : node_inertia_[std::max(before, after)];
+}
+
+std::array<bool, 2> ImplicitScheme::imposed(const LoosePoint& point) const {
+    std::array<bool, 2> given, along{false, false};
+    for (int k = 0; k < 2; ++k) given[k] = is_given(point.before, k) && is_given(point.after, k);
+    for (int k = 0; k < 2; ++k) {
+        if (!given[k]) continue;
+        along[0] = along[0] || given[1 - k] || std::abs(point.normal[k]) > 1 - 1e-9;
+        along[1] = along[1] || given[1 - k] || std::abs(point.normal[k]) < 1e-9;
     }
+    return along;
 }
 
 void ImplicitScheme::guess_multipliers(const State& begin, double h) {

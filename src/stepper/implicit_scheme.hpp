@@ -34,6 +34,10 @@ public:
 private:
     void choose_partition(const State& begin, double h);
     void make_points(const State& begin, double h);
+    LoosePoint make_point(const State& begin, double h, Index fan, Index fan_point) const;
+    bool is_given(Index node, int component) const;             // prescribed, or the ground
+    double mass_between(Index before, Index after) const;       // [kg] LoosePoint::mass
+    std::array<bool, 2> imposed(const LoosePoint& point) const;  // of its rate (N, T): both sides are given and leave nothing to decide
     void guess_multipliers(const State& begin, double h);
     bool loosen_what_opens(double h, StepReport& report);  // fans in one piece that cannot stay so
     void join_what_holds(std::vector<Vec2>& rate) const;
@@ -45,7 +49,6 @@ private:
 
     const Model& model_;
     SchemeOptions options_;
-    std::vector<Index> order_;                // of the fans, for elimination
     ImplicitBulk bulk_;
     ThetaMatrix matrix_;
     AugmentedLagrangian solver_;
@@ -55,6 +58,7 @@ private:
     std::vector<std::uint8_t> matrix_loose_;  // for which the matrix stands, and the step
     double matrix_step_ = 0;
     CornerPartition partition_;
+    std::vector<double> node_inertia_;        // [kg] diagonal of M_hat
     std::vector<LoosePoint> points_;
     std::vector<Index> loose_point_of_;       // per fan point: into points_, or -1
     std::vector<Vec2> guess_;                 // per fan point: contact and tangential impulse [N s]

@@ -84,8 +84,7 @@ private:
     }
 
     std::optional<double> bound(const Point& point) const {
-        const auto size = [&](Index corner) { return corner == ground ? 0 : begin_.displacement[begin_.node_of_corner[corner]].norm(); };
-        const double length = size(point.at->before) + size(point.at->after) + point.at->gap + point.law->delta_c();
+        const double length = length_behind_opening(*point.at, *point.law, begin_);
         return contact_bound(point.opening.x(), point.rate.x(), length, point.law->restitution, h_, theta_);
     }
 

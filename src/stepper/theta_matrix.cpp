@@ -1,180 +1,212 @@
 #include "stepper/theta_matrix.hpp"
 
-#include <unsupported/Eigen/IterativeSolvers>
+#include "stepper/gmres.hpp"
 
 #include <algorithm>
 
 namespace knap {
-namespace {
 
-constexpr Index few_unknowns = 1500;  // up to here LU is as fast
+ThetaMatrix::ThetaMatrix(const Model& model) : model_(model), dissection_(dissect(model)), factor_(dissection_) {
+    const Index n_points = static_cast<Index>(model.fan_points.size()), n_corners = model.mesh.n_corners();
+    node_name_.assign(n_corners, -1);
+    free_.assign(n_corners, {false, false});
+    eliminated_in_.assign(2 * n_corners, -1);
+    x_.assign(2 * n_corners, 0);
+    block_.assign(n_points, Eigen::Matrix2d::Zero());
+    held_in_.assign(n_points, 0);
 
-}  // namespace
+    first_point_of_leaf_.assign(dissection_.parts.size() + 1, 0);
+    for (Index i = 0; i < n_points; ++i) ++first_point_of_leaf_[leaf_of_point(i) + 1];
+    for (std::size_t part = 0; part < dissection_.parts.size(); ++part) first_point_of_leaf_[part + 1] += first_point_of_leaf_[part];
+    point_of_leaf_.resize(n_points);
+    std::vector<Index> place(first_point_of_leaf_.begin(), first_point_of_leaf_.end() - 1);
+    for (Index i = 0; i < n_points; ++i) point_of_leaf_[place[leaf_of_point(i)]++] = i;
+}
 
-void ThetaMatrix::set_pattern(const CornerPartition& partition, const std::vector<std::array<bool, 2>>& prescribed_of_node,
-                              std::span<const PointTangent> points) {
-    partition_ = partition;
-    const Index n_nodes = partition.n_nodes();
-    unknown_.assign(2 * n_nodes, -1);
-    n_unknowns_ = 0;
-    for (Index i = 0; i < n_nodes; ++i)
-        for (int k = 0; k < 2; ++k)
-            if (!prescribed_of_node[i][k]) unknown_[2 * i + k] = n_unknowns_++;
+Index ThetaMatrix::leaf_of_point(Index fan_point) const {
+    const FanPoint& point = model_.fan_points[fan_point];
+    return leaf_of_corner(point.before == ground ? point.after : point.before);
+}
 
-    // coupled nodes: those of a triangle, and those of a point
-    const auto each_pair = [&](const auto& visit) {
-        for (Index t = 0; t < model_.mesh.n_triangles(); ++t)
-            for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j) visit(partition.node_of_corner[3 * t + i], partition.node_of_corner[3 * t + j]);
-        for (const PointTangent& point : points) {
-            if (point.before < 0 || point.after < 0) continue;
-            visit(point.before, point.after);
-            visit(point.after, point.before);
+bool ThetaMatrix::couples(const FanPoint& point) const {
+    return point.before != ground && point.after != ground && node_name_[point.before] != node_name_[point.after];
+}
+
+void ThetaMatrix::set_nodes(const CornerPartition& partition, const std::vector<std::array<bool, 2>>& prescribed_of_node) {
+    corner_of_node_ = partition.corner_of_node;
+    for (const Fan& fan : model_.fans) {
+        bool same = true;
+        for (Index i = fan.first_corner; i < fan.first_corner + fan.n_corners; ++i) {
+            const Index corner = model_.fan_corners[i], node = partition.node_of_corner[corner];
+            const std::array<bool, 2> free{!prescribed_of_node[node][0], !prescribed_of_node[node][1]};
+            same = same && node_name_[corner] == corner_of_node_[node] && free_[corner] == free;
+            node_name_[corner] = corner_of_node_[node];
+            free_[corner] = free;
+        }
+        if (same) continue;
+        find_places(fan);
+        touch_fan(fan);
+    }
+}
+
+void ThetaMatrix::find_places(const Fan& fan) {
+    // eliminated in the smallest part that holds all elements of the node: its triangles, and its points with those of their leaf
+    const std::span corners(&model_.fan_corners[fan.first_corner], fan.n_corners);
+    const auto belongs = [&](Index corner, Index leaf) {
+        for (int k = 0; k < 2; ++k) {
+            Index& part = eliminated_in_[2 * node_name_[corner] + k];
+            part = part < 0 ? leaf : dissection_.smallest_common(part, leaf);
         }
     };
-    std::vector<Index> count(n_nodes + 1, 0), row;
-    each_pair([&](Index, Index column) { ++count[column + 1]; });
-    for (Index i = 0; i < n_nodes; ++i) count[i + 1] += count[i];
-    row.resize(count[n_nodes]);
-    std::vector<Index> place(count.begin(), count.end() - 1);
-    each_pair([&](Index r, Index column) { row[place[column]++] = r; });
-
-    first_neighbour_.assign(n_nodes + 1, 0);
-    neighbour_.clear();
-    row_offset_.clear();
-    const auto n_free = [&](Index node) { return (unknown_[2 * node] >= 0) + (unknown_[2 * node + 1] >= 0); };
-    bulk_ = Sparse(n_unknowns_, n_unknowns_);
-    std::vector<Index> outer(n_unknowns_ + 1, 0), inner;
-    for (Index column = 0; column < n_nodes; ++column) {
-        std::sort(row.begin() + count[column], row.begin() + count[column + 1]);
-        Index offset = 0;
-        for (Index i = count[column]; i < count[column + 1]; ++i) {
-            if (i > count[column] && row[i] == row[i - 1]) continue;
-            neighbour_.push_back(row[i]);
-            row_offset_.push_back(offset);
-            offset += n_free(row[i]);
-        }
-        first_neighbour_[column + 1] = static_cast<Index>(neighbour_.size());
-        for (int k = 0; k < 2; ++k) {
-            if (unknown_[2 * column + k] < 0) continue;
-            for (Index e = first_neighbour_[column]; e < first_neighbour_[column + 1]; ++e)
-                for (int r = 0; r < 2; ++r)
-                    if (const Index unknown = unknown_[2 * neighbour_[e] + r]; unknown >= 0) inner.push_back(unknown);
-            outer[unknown_[2 * column + k] + 1] = static_cast<Index>(inner.size());
-        }
+    for (const Index corner : corners)
+        for (int k = 0; k < 2; ++k) eliminated_in_[2 * node_name_[corner] + k] = -1;
+    for (const Index corner : corners) belongs(corner, leaf_of_corner(corner));
+    for (Index i = fan.first_point; i < fan.first_point + fan.n_points; ++i) {
+        const FanPoint& point = model_.fan_points[i];
+        if (couples(point)) belongs(point.before, leaf_of_point(i)), belongs(point.after, leaf_of_point(i));
     }
-    bulk_.resizeNonZeros(static_cast<Index>(inner.size()));
-    std::copy(outer.begin(), outer.end(), bulk_.outerIndexPtr());
-    std::copy(inner.begin(), inner.end(), bulk_.innerIndexPtr());
-
-    triangle_entry_.resize(9 * model_.mesh.n_triangles());
-    for (Index t = 0; t < model_.mesh.n_triangles(); ++t)
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j)
-                triangle_entry_[9 * t + 3 * i + j] = entry_of(partition.node_of_corner[3 * t + i], partition.node_of_corner[3 * t + j]);
-    analysed_ldlt_ = false;
 }
 
-Index ThetaMatrix::entry_of(Index row_node, Index column_node) const {
-    const auto begin = neighbour_.begin() + first_neighbour_[column_node], end = neighbour_.begin() + first_neighbour_[column_node + 1];
-    return static_cast<Index>(std::lower_bound(begin, end, row_node) - neighbour_.begin());
-}
-
-void ThetaMatrix::add_block(Sparse& matrix, Index e, Index column_node, const Eigen::Ref<const Eigen::Matrix2d>& block, double sign) const {
-    const Index row_node = neighbour_[e];
-    for (int k = 0; k < 2; ++k) {
-        const Index column = unknown_[2 * column_node + k];
-        if (column < 0) continue;
-        double* value = matrix.valuePtr() + matrix.outerIndexPtr()[column] + row_offset_[e];
-        for (int r = 0; r < 2; ++r)
-            if (unknown_[2 * row_node + r] >= 0) *value++ += sign * block(r, k);
-    }
+void ThetaMatrix::touch_fan(const Fan& fan) {
+    for (Index i = fan.first_corner; i < fan.first_corner + fan.n_corners; ++i) factor_.touch(leaf_of_corner(model_.fan_corners[i]));
 }
 
 void ThetaMatrix::set_bulk(double stiffness_factor, MassMatrix mass) {
-    std::fill(bulk_.valuePtr(), bulk_.valuePtr() + bulk_.nonZeros(), 0.0);
-    for (Index t = 0; t < model_.mesh.n_triangles(); ++t) {
-        const Matrix6 A = mass_matrix(model_.corner_mass[3 * t], mass == MassMatrix::consistent) +
-                          stiffness_factor * stiffness_matrix(model_.mesh, t, model_.materials[model_.mesh.region[t]], model_.plane, model_.thickness);
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j)
-                add_block(bulk_, triangle_entry_[9 * t + 3 * i + j], partition_.node_of_corner[3 * t + j], A.block<2, 2>(2 * i, 2 * j), 1);
+    if (stiffness_factor_ != stiffness_factor || mass_ != mass) factor_.touch_all();
+    stiffness_factor_ = stiffness_factor;
+    mass_ = mass;
+}
+
+void ThetaMatrix::add_elements(Index leaf, std::vector<Element>& elements) const {
+    for (const Index t : dissection_.triangles_of(dissection_.parts[leaf])) {
+        Element& made = elements.emplace_back();
+        made.n_unknowns = 6;
+        for (int i = 0; i < 6; ++i) made.unknown[i] = unknown(3 * t + i / 2, i % 2);
+        made.matrix = mass_matrix(model_.corner_mass[3 * t], mass_ == MassMatrix::consistent) +
+                      stiffness_factor_ * stiffness_matrix(model_.mesh, t, model_.materials[model_.mesh.region[t]], model_.plane, model_.thickness);
+    }
+    for (Index i = first_point_of_leaf_[leaf]; i < first_point_of_leaf_[leaf + 1]; ++i) {
+        const FanPoint& point = model_.fan_points[point_of_leaf_[i]];
+        const bool on_ground = point.before == ground || point.after == ground;
+        if (!on_ground && !couples(point)) continue;
+        Element& made = elements.emplace_back();
+        const Eigen::Matrix2d& D = block_[point_of_leaf_[i]];
+        made.n_unknowns = on_ground ? 2 : 4;
+        const Index first = point.before == ground ? point.after : point.before;
+        for (int k = 0; k < made.n_unknowns; ++k) made.unknown[k] = unknown(k < 2 ? first : point.after, k % 2);
+        made.matrix.topLeftCorner<2, 2>() = made.matrix.block<2, 2>(2, 2) = D;
+        made.matrix.block<2, 2>(0, 2) = made.matrix.block<2, 2>(2, 0) = -D;
     }
 }
 
-void ThetaMatrix::assemble(std::span<const PointTangent> points, Eigen::Matrix2d PointTangent::*block, Sparse& matrix) const {
-    matrix = bulk_;
-    for (const PointTangent& point : points) {
-        const Index a = point.after, b = point.before;
-        if (a >= 0) add_block(matrix, entry_of(a, a), a, point.*block, 1);
-        if (b >= 0) add_block(matrix, entry_of(b, b), b, point.*block, 1);
-        if (a < 0 || b < 0) continue;
-        add_block(matrix, entry_of(a, b), b, point.*block, -1);
-        add_block(matrix, entry_of(b, a), a, point.*block, -1);
-    }
+void ThetaMatrix::hold(Index i, const Eigen::Matrix2d& block) {
+    if (block_[i] == block) return;
+    block_[i] = block;
+    factor_.touch(leaf_of_point(i));
 }
 
 bool ThetaMatrix::factorise(std::span<const PointTangent> points) {
-    symmetric_ = std::all_of(points.begin(), points.end(), [](const PointTangent& p) { return p.block == p.symmetric_block; });
-    factorised_lu_ = false;
-    if (n_unknowns_ == 0) return true;
-    assemble(points, &PointTangent::symmetric_block, without_friction_);
-    if (!symmetric_) assemble(points, &PointTangent::block, total_);
-    if (!analysed_ldlt_) ldlt_.analyzePattern(without_friction_);
-    analysed_ldlt_ = true;
-    ldlt_.factorize(without_friction_);
-    return ldlt_.info() == Eigen::Success && (ldlt_.vectorD().array() > 0).all();
+    ++round_;
+    std::swap(holding_, held_before_);
+    holding_.clear();
+    friction_.clear();
+    for (const PointTangent& point : points) {
+        hold(point.fan_point, point.symmetric_block);
+        held_in_[point.fan_point] = round_;
+        holding_.push_back(point.fan_point);
+        if (point.block != point.symmetric_block) friction_.push_back(point);
+    }
+    for (const Index i : held_before_)
+        if (held_in_[i] != round_) hold(i, Eigen::Matrix2d::Zero());
+    lu_unknowns_.clear();
+    return factor_.update(eliminated_in_, [&](Index leaf, std::vector<Element>& elements) { add_elements(leaf, elements); });
 }
 
-namespace {
+bool ThetaMatrix::solve_by_gmres() {
+    // A = S + G E G' with the factor of S known, E the friction that follows the contacts, G' the relative velocities of their points:
+    //     x = S^-1 (b - G y),     y + E G' S^-1 G y = E G' S^-1 b
+    const Eigen::Index n = 2 * static_cast<Eigen::Index>(friction_.size());
+    const auto each_unknown = [&](Eigen::Index j, const auto& visit) {  // (unknown, component, sign)
+        const PointTangent& point = friction_[j];
+        for (int k = 0; k < 2; ++k)
+            for (const auto& [node, sign] : {std::pair(point.after, 1.0), std::pair(point.before, -1.0)})
+                if (node >= 0 && is_free(node, k)) visit(unknown(corner_of_node_[node], k), k, sign);
+    };
+    const auto rubbing = [&](const std::vector<double>& x) {  // E G' x
+        Eigen::VectorXd y(n);
+        for (Eigen::Index j = 0; j < n / 2; ++j) {
+            Vec2 slip = Vec2::Zero();
+            each_unknown(j, [&](Index u, int k, double sign) { slip[k] += sign * x[u]; });
+            y.segment<2>(2 * j) = (friction_[j].block - friction_[j].symmetric_block) * slip;
+        }
+        return y;
+    };
+    const auto subtract = [&](const Eigen::VectorXd& y, std::vector<double>& x) {  // x - G y
+        for (Eigen::Index j = 0; j < n / 2; ++j) each_unknown(j, [&](Index u, int k, double sign) { x[u] -= sign * y[2 * j + k]; });
+    };
+    std::vector<double> x = x_;
+    factor_.solve(x);
+    const auto product = [&](const Eigen::VectorXd& y) -> Eigen::VectorXd {
+        std::vector<double> pulled(x_.size(), 0);
+        subtract(y, pulled);
+        factor_.solve(pulled);
+        return y - rubbing(pulled);
+    };
+    const auto y = gmres(product, rubbing(x), 60, 1e-8);
+    if (!y) return false;
+    subtract(*y, x_);
+    factor_.solve(x_);
+    return true;
+}
 
-/// What Eigen's iterative solvers ask of a preconditioner: here a factor that exists already.
-template <class Factor>
-class KnownFactor {
-public:
-    using StorageIndex = Index;
-    void use(const Factor& factor) { factor_ = &factor; }
-    template <class Matrix> KnownFactor& analyzePattern(const Matrix&) { return *this; }
-    template <class Matrix> KnownFactor& factorize(const Matrix&) { return *this; }
-    template <class Matrix> KnownFactor& compute(const Matrix&) { return *this; }
-    template <class Rhs> auto solve(const Rhs& b) const { return factor_->solve(b); }
-    Eigen::ComputationInfo info() { return Eigen::Success; }
-
-private:
-    const Factor* factor_ = nullptr;
-};
-
-}  // namespace
-
-Eigen::VectorXd ThetaMatrix::solve_unsymmetric(const Eigen::VectorXd& b) {
-    if (!factorised_lu_ && n_unknowns_ > few_unknowns) {
-        Eigen::GMRES<Sparse, KnownFactor<decltype(ldlt_)>> gmres;
-        gmres.preconditioner().use(ldlt_);
-        gmres.set_restart(60);
-        gmres.setMaxIterations(60);
-        gmres.setTolerance(1e-8);
-        gmres.compute(total_);
-        Eigen::VectorXd x = gmres.solve(b);
-        if (gmres.info() == Eigen::Success && x.allFinite()) return x;
-    }
-    if (!factorised_lu_) {
+void ThetaMatrix::solve_by_lu() {
+    if (lu_unknowns_.empty()) {
+        lu_unknowns_ = factor_.unknowns();
+        std::vector<Index> place(eliminated_in_.size(), -1);
+        for (std::size_t i = 0; i < lu_unknowns_.size(); ++i) place[lu_unknowns_[i]] = static_cast<Index>(i);
+        std::vector<Element> elements;
+        for (std::size_t part = 0; part < dissection_.parts.size(); ++part)
+            if (dissection_.parts[part].is_leaf()) add_elements(static_cast<Index>(part), elements);
+        for (const PointTangent& point : friction_) {
+            Element& made = elements.emplace_back();
+            made.n_unknowns = 4;
+            for (int i = 0; i < 4; ++i) {
+                const Index node = i < 2 ? point.before : point.after;
+                made.unknown[i] = node < 0 ? -1 : unknown(corner_of_node_[node], i % 2);
+            }
+            const Eigen::Matrix2d E = point.block - point.symmetric_block;
+            made.matrix.topLeftCorner<2, 2>() = made.matrix.block<2, 2>(2, 2) = E;
+            made.matrix.block<2, 2>(0, 2) = made.matrix.block<2, 2>(2, 0) = -E;
+        }
+        std::vector<Eigen::Triplet<double, Index>> entries;
+        for (const Element& e : elements)
+            for (int i = 0; i < e.n_unknowns; ++i)
+                for (int j = 0; j < e.n_unknowns; ++j)
+                    if (e.unknown[i] >= 0 && e.unknown[j] >= 0) entries.emplace_back(place[e.unknown[i]], place[e.unknown[j]], e.matrix(i, j));
+        const Index n = static_cast<Index>(lu_unknowns_.size());
+        Eigen::SparseMatrix<double, Eigen::ColMajor, Index> whole(n, n);
+        whole.setFromTriplets(entries.begin(), entries.end());
         lu_.isSymmetric(true);
         lu_.setPivotThreshold(0.01);
-        lu_.compute(total_);
-        factorised_lu_ = true;
+        lu_.compute(whole);
     }
-    return lu_.solve(b);
+    Eigen::VectorXd b(lu_unknowns_.size());
+    for (std::size_t i = 0; i < lu_unknowns_.size(); ++i) b[static_cast<Eigen::Index>(i)] = x_[lu_unknowns_[i]];
+    const Eigen::VectorXd x = lu_.solve(b);
+    for (std::size_t i = 0; i < lu_unknowns_.size(); ++i) x_[lu_unknowns_[i]] = x[static_cast<Eigen::Index>(i)];
 }
 
 void ThetaMatrix::solve(const std::vector<Vec2>& right_hand_side, std::vector<Vec2>& solution) {
-    Eigen::VectorXd b(n_unknowns_), x(n_unknowns_);
-    for (std::size_t i = 0; i < unknown_.size(); ++i)
-        if (unknown_[i] >= 0) b[unknown_[i]] = right_hand_side[i / 2][i % 2];
-    if (n_unknowns_ > 0 && symmetric_) x = ldlt_.solve(b);
-    if (n_unknowns_ > 0 && !symmetric_) x = solve_unsymmetric(b);
+    const auto each_unknown = [&](const auto& visit) {
+        for (std::size_t node = 0; node < corner_of_node_.size(); ++node)
+            for (int k = 0; k < 2; ++k)
+                if (const Index u = unknown(corner_of_node_[node], k); u >= 0) visit(u, node, k);
+    };
+    each_unknown([&](Index u, std::size_t node, int k) { x_[u] = right_hand_side[node][k]; });
+    if (is_symmetric()) factor_.solve(x_);
+    else if (!lu_unknowns_.empty() || !solve_by_gmres()) solve_by_lu();
     solution.assign(right_hand_side.size(), Vec2::Zero());
-    for (std::size_t i = 0; i < unknown_.size(); ++i)
-        if (unknown_[i] >= 0) solution[i / 2][i % 2] = x[unknown_[i]];
+    each_unknown([&](Index u, std::size_t node, int k) { solution[node][k] = x_[u]; });
 }
 
 }  // namespace knap

@@ -1,11 +1,11 @@
 #pragma once
 // The matrix of an implicit step, M_hat = M + theta^2 h^2 K on the free components of the nodes, plus what the interface points add to it
-// in their present states: factorised and solved.
+// in their present states: factorised and solved. From one factor to the next only what changed is computed anew (frontal_factor.hpp).
 #include "bulk/triangle_matrices.hpp"
 #include "stepper/corner_partition.hpp"
+#include "stepper/frontal_factor.hpp"
 #include "stepper/scheme_options.hpp"
 
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
 
 #include <array>
@@ -15,6 +15,7 @@ namespace knap {
 
 /// Change of the impulse on `after` (minus that on `before`) with their relative velocity: -block. Either may be -1: the ground.
 struct PointTangent {
+    Index fan_point;                  // into Model::fan_points
     Index before, after;              // nodes
     Eigen::Matrix2d block;            // [kg]
     Eigen::Matrix2d symmetric_block;  // [kg] the same without the friction that follows the contact
@@ -22,45 +23,54 @@ struct PointTangent {
 
 class ThetaMatrix {
 public:
-    using Sparse = Eigen::SparseMatrix<double, Eigen::ColMajor, Index>;
+    explicit ThetaMatrix(const Model& model);
 
-    explicit ThetaMatrix(const Model& model) : model_(model) {}
-
-    /// Numbers the components that are free and finds where the triangles' and points' entries go. `points`: their nodes.
-    void set_pattern(const CornerPartition& partition, const std::vector<std::array<bool, 2>>& prescribed_of_node,
-                     std::span<const PointTangent> points);
+    /// The nodes, and which of their components are prescribed.
+    void set_nodes(const CornerPartition& partition, const std::vector<std::array<bool, 2>>& prescribed_of_node);
     /// M + stiffness_factor K.
     void set_bulk(double stiffness_factor, MassMatrix mass);
 
     /// False: without the friction that follows the contact it is not positive definite.
     bool factorise(std::span<const PointTangent> points);
     /// Per node; prescribed components of the right-hand side are not read, of the solution zero.
-    /// With that friction by GMRES, the factor of the rest being its preconditioner (Y. Saad, M. Schultz 1986); by LU where that fails.
+    /// With that friction by GMRES, the factor of the rest being its preconditioner; by LU where that fails.
     void solve(const std::vector<Vec2>& right_hand_side, std::vector<Vec2>& solution);
 
-    Index n_unknowns() const { return n_unknowns_; }
-    bool is_symmetric() const { return symmetric_; }  // no friction follows a contact
-    Index unknown(Index node, int component) const { return unknown_[2 * node + component]; }  // or -1
+    bool is_symmetric() const { return friction_.empty(); }  // no friction follows a contact
+    bool is_free(Index node, int component) const { return unknown(corner_of_node_[node], component) >= 0; }
+    std::size_t n_entries() const { return factor_.n_entries(); }
 
 private:
-    void assemble(std::span<const PointTangent> points, Eigen::Matrix2d PointTangent::*block, Sparse& matrix) const;
-    Eigen::VectorXd solve_unsymmetric(const Eigen::VectorXd& b);
-    void add_block(Sparse& matrix, Index entry, Index column_node, const Eigen::Ref<const Eigen::Matrix2d>& block, double sign) const;
-    Index entry_of(Index row_node, Index column_node) const;  // into neighbour_
+    /// Unknowns are numbered by the first corner of their node, so that they keep their numbers while other fans come apart.
+    Index unknown(Index corner, int component) const { return free_[corner][component] ? 2 * node_name_[corner] + component : -1; }
+    bool couples(const FanPoint& point) const;
+    Index leaf_of_corner(Index corner) const { return dissection_.leaf_of_triangle[corner / 3]; }
+    Index leaf_of_point(Index fan_point) const;
+    void find_places(const Fan& fan);
+    void touch_fan(const Fan& fan);
+    void hold(Index fan_point, const Eigen::Matrix2d& block);
+    void add_elements(Index leaf, std::vector<Element>& elements) const;
+    bool solve_by_gmres();
+    void solve_by_lu();
 
     const Model& model_;
-    CornerPartition partition_;
-    std::vector<Index> unknown_;          // 2 per node
-    Index n_unknowns_ = 0;
-    std::vector<Index> first_neighbour_;  // per node, into neighbour_
-    std::vector<Index> neighbour_;        // coupled nodes, ascending
-    std::vector<Index> row_offset_;       // per neighbour: its rows begin so far down the column
-    std::vector<Index> triangle_entry_;   // 9 per triangle: neighbour entry of (row corner, column corner)
-    Sparse bulk_, total_, without_friction_;
-    bool symmetric_ = true;
-    bool analysed_ldlt_ = false, factorised_lu_ = false;
-    Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<Index>> ldlt_;
-    Eigen::SparseLU<Sparse, Eigen::NaturalOrdering<Index>> lu_;
+    const Dissection dissection_;
+    FrontalFactor factor_;
+    std::vector<Index> first_point_of_leaf_, point_of_leaf_;  // fan points, by the part that they belong to
+    std::vector<Index> corner_of_node_;
+    std::vector<Index> node_name_;                 // per corner: a corner of its node, the same for all of them
+    std::vector<std::array<bool, 2>> free_;        // per corner
+    std::vector<Index> eliminated_in_;             // per unknown: part of the dissection
+    double stiffness_factor_ = 0;
+    MassMatrix mass_ = MassMatrix::lumped;
+    std::vector<Eigen::Matrix2d> block_;           // per fan point [kg]: as it is in the factor
+    std::vector<Index> holding_, held_before_;     // fan points whose block is not zero
+    std::vector<Index> held_in_;                   // per fan point: the last round in which it was given
+    Index round_ = 0;
+    std::vector<PointTangent> friction_;           // points whose blocks are not symmetric
+    std::vector<double> x_;                        // per unknown
+    std::vector<Index> lu_unknowns_;
+    Eigen::SparseLU<Eigen::SparseMatrix<double, Eigen::ColMajor, Index>, Eigen::NaturalOrdering<Index>> lu_;
 };
 
 }  // namespace knap

@@ -1,0 +1,136 @@
+#include "stepper/frontal_factor.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+
+namespace knap {
+
+FrontalFactor::FrontalFactor(const Dissection& dissection) : dissection_(dissection), fronts_(dissection.parts.size()), stale_(fronts_.size(), true) {}
+
+bool FrontalFactor::update(const std::vector<Index>& eliminated_in, const ElementsOf& elements_of) {
+    place_.resize(eliminated_in.size(), -1);
+    for (std::size_t part = 0; part < fronts_.size(); ++part) {
+        if (!stale_[part]) continue;
+        const Index above = dissection_.parts[part].parent;
+        if (above >= 0) stale_[above] = true;
+        elements_.clear();
+        if (dissection_.parts[part].is_leaf()) elements_of(static_cast<Index>(part), elements_);
+        find_unknowns(static_cast<Index>(part), eliminated_in);
+        assemble(static_cast<Index>(part));
+        for (const Index u : fronts_[part].unknown) place_[u] = -1;
+        if (!eliminate(fronts_[part])) return false;  // this front and those above it stay stale
+        stale_[part] = false;
+    }
+    return true;
+}
+
+void FrontalFactor::find_unknowns(Index part, const std::vector<Index>& eliminated_in) {
+    Front& front = fronts_[part];
+    front.unknown.clear();
+    left_.clear();
+    const auto meet = [&](Index u) {
+        if (u < 0 || place_[u] >= 0) return;
+        place_[u] = 0;
+        (eliminated_in[u] == part ? front.unknown : left_).push_back(u);
+    };
+    for (const Element& element : elements_)
+        for (int i = 0; i < element.n_unknowns; ++i) meet(element.unknown[i]);
+    for (const Index child : dissection_.parts[part].child) {
+        if (child < 0) continue;
+        const Front& half = fronts_[child];
+        for (Index i = half.n_eliminated; i < half.size(); ++i) meet(half.unknown[i]);
+    }
+    front.n_eliminated = front.size();
+    front.unknown.insert(front.unknown.end(), left_.begin(), left_.end());
+    for (Index i = 0; i < front.size(); ++i) place_[front.unknown[i]] = i;
+}
+
+double& FrontalFactor::entry(Front& front, Index row, Index column) {
+    return column < front.n_eliminated ? front.L(row, column) : front.left_over(row - front.n_eliminated, column - front.n_eliminated);
+}
+
+void FrontalFactor::assemble(Index part) {
+    Front& front = fronts_[part];
+    front.L.setZero(front.size(), front.n_eliminated);
+    front.left_over.setZero(front.n_left(), front.n_left());
+    for (const Element& element : elements_)
+        for (int j = 0; j < element.n_unknowns; ++j) {
+            if (element.unknown[j] < 0) continue;
+            const Index column = place_[element.unknown[j]];
+            for (int i = 0; i < element.n_unknowns; ++i) {
+                if (element.unknown[i] < 0) continue;
+                const Index row = place_[element.unknown[i]];
+                if (row >= column) entry(front, row, column) += element.matrix(i, j);
+            }
+        }
+    for (const Index child : dissection_.parts[part].child)
+        if (child >= 0) add_left_over(fronts_[child], front);
+}
+
+void FrontalFactor::add_left_over(const Front& half, Front& front) {
+    place_above_.clear();
+    for (Index i = half.n_eliminated; i < half.size(); ++i) place_above_.push_back(place_[half.unknown[i]]);
+    for (Index j = 0; j < half.n_left(); ++j) {
+        const double* from = half.left_over.col(j).data();
+        const Index column = place_above_[j];
+        for (Index i = j; i < half.n_left(); ++i) {
+            const Index row = place_above_[i];
+            entry(front, std::max(row, column), std::min(row, column)) += from[i];
+        }
+    }
+}
+
+bool FrontalFactor::eliminate(Front& front) {
+    const Index n = front.n_eliminated, n_left = front.n_left();
+    if (n == 0) return true;
+    auto L = front.L.topRows(n);
+    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(L);
+    if (in_place.info() != Eigen::Success || !(L.diagonal().array() > 0).all()) return false;
+    if (n_left == 0) return true;
+    auto L_B = front.L.bottomRows(n_left);
+    L.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(L_B);
+    front.left_over.selfadjointView<Eigen::Lower>().rankUpdate(L_B, -1);
+    return true;
+}
+
+void FrontalFactor::solve(std::vector<double>& x) const {
+    // column by column: most fronts are too small for anything else
+    for (const Front& front : fronts_) {
+        const Index n = front.n_eliminated, size = front.size();
+        gather(front, x);
+        for (Index k = 0; k < n; ++k) {
+            const double at = local_[k] /= front.L(k, k);
+            local_.segment(k + 1, size - k - 1) -= at * front.L.col(k).tail(size - k - 1);
+        }
+        for (Index i = 0; i < size && n > 0; ++i) x[front.unknown[i]] = local_[i];
+    }
+    for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front) {
+        const Index n = front->n_eliminated, size = front->size();
+        gather(*front, x);
+        for (Index k = n - 1; k >= 0; --k) {
+            const double below = front->L.col(k).tail(size - k - 1).dot(local_.segment(k + 1, size - k - 1));
+            x[front->unknown[k]] = local_[k] = (local_[k] - below) / front->L(k, k);
+        }
+    }
+}
+
+void FrontalFactor::gather(const Front& front, const std::vector<double>& x) const {
+    if (front.n_eliminated == 0) return;
+    if (local_.size() < front.size()) local_.resize(front.size());
+    for (Index i = 0; i < front.size(); ++i) local_[i] = x[front.unknown[i]];
+}
+
+std::vector<Index> FrontalFactor::unknowns() const {
+    std::vector<Index> all;
+    for (const Front& front : fronts_) all.insert(all.end(), front.unknown.begin(), front.unknown.begin() + front.n_eliminated);
+    return all;
+}
+
+std::size_t FrontalFactor::n_entries() const {
+    std::size_t n = 0;
+    for (const Front& front : fronts_) n += front.n_eliminated * (front.n_eliminated + 1) / 2 + front.n_eliminated * front.n_left();
+    return n;
+}
+
+}  // namespace knap

@@ -1,0 +1,72 @@
+#pragma once
+// Cholesky factor of a sparse matrix that is a sum of element matrices, by fronts (I. Duff, J. Reid, ACM Trans. Math. Softw. 9, 1983):
+// every part of a dissection has a small dense matrix, the sum of its elements or of what its two halves left over,
+//
+//     | A  B' |       A = L L',   L_B = B L^-T      unknowns that nothing outside of the part touches, eliminated here
+//     | B  C  |       C - L_B L_B'                  left over for the part above
+//
+// Every front is kept. Where elements changed, in values or in unknowns, only their leaves and the parts above these are computed anew:
+// a crack that runs changes a few of thousands. The factor depends on the present elements alone, not on how they came about.
+#include "stepper/dissection.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <functional>
+#include <vector>
+
+namespace knap {
+
+struct Element {
+    int n_unknowns;
+    std::array<Index, 6> unknown;  // any numbers below the size of `eliminated_in`; -1: not there
+    Eigen::Matrix<double, 6, 6> matrix;
+};
+
+class FrontalFactor {
+public:
+    using ElementsOf = std::function<void(Index leaf, std::vector<Element>&)>;  // adds the elements of a leaf to the list
+
+    explicit FrontalFactor(const Dissection& dissection);
+
+    /// The elements of this leaf have changed, or where an unknown of theirs is eliminated.
+    void touch(Index leaf) { stale_[leaf] = true; }
+    void touch_all() { stale_.assign(stale_.size(), true); }
+
+    /// Brings up to date what was touched. `eliminated_in`: per unknown the smallest part that holds all elements it is in.
+    /// False: the matrix is not positive definite.
+    bool update(const std::vector<Index>& eliminated_in, const ElementsOf& elements_of);
+    /// x in, A^-1 x out; per unknown, entries of numbers that are no unknowns are left alone.
+    void solve(std::vector<double>& x) const;
+
+    std::vector<Index> unknowns() const;  // in the order of their elimination
+    std::size_t n_entries() const;        // of L
+
+private:
+    struct Front {
+        std::vector<Index> unknown;  // those that are eliminated come first
+        Index n_eliminated = 0;
+        Eigen::MatrixXd L;           // lower half: L, and L_B below it
+        Eigen::MatrixXd left_over;   // lower half
+        Index size() const { return static_cast<Index>(unknown.size()); }
+        Index n_left() const { return size() - n_eliminated; }
+    };
+
+    void find_unknowns(Index part, const std::vector<Index>& eliminated_in);
+    void assemble(Index part);
+    void add_left_over(const Front& half, Front& front);
+    static double& entry(Front& front, Index row, Index column);
+    static bool eliminate(Front& front);
+    void gather(const Front& front, const std::vector<double>& x) const;  // into local_
+
+    const Dissection& dissection_;
+    std::vector<Front> fronts_;        // per part
+    std::vector<std::uint8_t> stale_;  // per part
+    std::vector<Index> place_;         // per unknown: in the front that is being made, or -1
+    std::vector<Index> place_above_;   // per unknown left over by a half: in the front that is being made
+    std::vector<Index> left_;
+    std::vector<Element> elements_;
+    mutable Eigen::VectorXd local_;
+};
+
+}  // namespace knap
