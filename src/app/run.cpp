@@ -117,6 +117,9 @@ void conclude(const Scenario& scenario, const Model& model, const State& now, co
     record.cpu_output = recorder.output_seconds();
 }
 
+/// Throws OutputError where something cannot be written.
+ExitCode simulate(const ReadResult& read, const RunOptions& options, const std::filesystem::path& directory, RunRecord& record);
+
 }  // namespace
 
 std::string resolved_for_run(const ReadResult& read) {
@@ -155,8 +158,27 @@ std::vector<Diagnostic> resolution_warnings(const ReadResult& read, double mean_
 ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
     const Scenario& scenario = read.scenario;
     const std::filesystem::path directory = options.output.empty() ? std::filesystem::path("runs") / scenario.name : options.output;
-    const Stopwatch whole;
     RunRecord record{.status = "running", .name = scenario.name, .title = scenario.title, .command = options.command, .seed = scenario.seed};
+    try {
+        return simulate(read, options, directory, record);
+    } catch (const OutputError& error) {
+        record.status = "failed";
+        record.reason = std::string(error.what()) + (Checkpoints::exist_in(directory) ? "; when that is mended, the same command goes on from the last checkpoint"
+                                                                                     : "; when that is mended, start it again with --force");
+        try {
+            write_whole_file(directory / "run.json", run_json(record));
+        } catch (const OutputError&) {
+            // as full as it is, the old one stays
+        }
+        throw OutputError(record.reason);
+    }
+}
+
+namespace {
+
+ExitCode simulate(const ReadResult& read, const RunOptions& options, const std::filesystem::path& directory, RunRecord& record) {
+    const Scenario& scenario = read.scenario;
+    const Stopwatch whole;
     record.threads = use_threads(options.threads);
 
     // mesh and model; nothing is written before they are known to be possible
@@ -204,7 +226,6 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
     Progress progress(options.quiet ? nullptr : stderr, until, record.triangles);
     const InterruptGuard guard;
     const Stopwatch stepping;
-    bool keep_checkpoints = false;  // of a failed run that could go on
     const auto save = [&] {
         memory.log_size = log.size();
         memory.cpu = before.cpu + whole.cpu(), memory.wall = before.wall + whole.wall();
@@ -232,10 +253,11 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
             if (checkpoints.due()) save();
         }
         if (record.status == "interrupted") save();  // before the lines of an early end are written
+    } catch (const OutputError&) {
+        throw;
     } catch (const SimulationError& error) {
         record.status = "failed";
         record.reason = error.what();
-        keep_checkpoints = dynamic_cast<const OutputError*>(&error) != nullptr;
     }
     if (record.status == "running") record.status = "done";
     record.cpu_steps = before.cpu_steps + stepping.cpu() - (recorder.output_seconds() - output_before);
@@ -249,11 +271,13 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
     record.wall = before.wall + whole.wall();
     record.cpu = before.cpu + whole.cpu();
     write_whole_file(directory / "run.json", run_json(record));
-    if (record.status != "interrupted" && !keep_checkpoints) checkpoints.remove();
+    if (record.status != "interrupted") checkpoints.remove();
     const std::string end = end_of_run(record, directory);
     log.add(end);
     std::fputs(end.c_str(), stdout);
     return exit_code(record);
 }
+
+}  // namespace
 
 }  // namespace knap

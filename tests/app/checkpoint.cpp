@@ -124,6 +124,26 @@ TEST_CASE("an interrupted run goes on when it is started again") {
     }
 }
 
+TEST_CASE("a run that cannot write goes on when it can") {
+    const Folder folder("cannot write");
+    const std::string block = explicit_block + "-s output.checkpoint_every=0 ";
+    REQUIRE(command("run " + explicit_block + "-o " + folder.in_shell("whole")).code == 0);
+    // its fields vanish while it runs
+    std::thread vandal([&] {
+        for (int i = 0; i < 60000 && !fs::exists(folder.path / "run/fields/bulk_0002.vtu"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        fs::rename(folder.path / "run/fields", folder.path / "fields");
+    });
+    const Answer stopped = command("run " + block + "-o " + folder.in_shell("run"));
+    vandal.join();
+    CAPTURE(stopped.text);
+    CHECK(stopped.code == 3);
+    CHECK(stopped.has("the same command goes on"));
+    CHECK(text_of(folder.path / "run/run.json").find("\"status\": \"failed\"") != std::string::npos);
+    fs::rename(folder.path / "fields", folder.path / "run/fields");
+    CHECK(command("run " + block + "-o " + folder.in_shell("run")).code == 0);
+    check_same_bits(folder.path / "whole", folder.path / "run");
+}
+
 TEST_CASE("damaged checkpoints are told from whole ones") {
     const std::string memory = "all that a run remembers\n";
     const std::string whole = knap::packed_checkpoint(memory);
