@@ -69,7 +69,7 @@ void print_parts(const Scenario& scenario, const Model& model) {
     const bool implicit_bulk = scheme.bulk == BulkScheme::implicit_theta, implicit_beta = scheme.cohesion == CohesionScheme::implicit_beta;
     std::printf("  path: ");
     if (implicit_bulk)
-        std::printf("implicit bulk (theta %g, %s mass%s), ", scheme.theta, scheme.mass == MassMatrix::lumped ? "lumped" : "consistent",
+        std::printf("implicit bulk (theta %g, %s mass%s), ", scheme.theta, name_of(scheme.mass),
                     scenario.time.start_in_equilibrium ? ", from equilibrium" : "");
     else
         std::printf("explicit lumped bulk, ");

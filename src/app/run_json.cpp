@@ -26,7 +26,7 @@ Json scheme(const SchemeOptions& options) {
     return {{"bulk", options.bulk == BulkScheme::explicit_lumped ? "explicit" : "implicit"},
             {"cohesion", options.cohesion == CohesionScheme::explicit_beta ? "explicit" : "implicit"},
             {"theta", options.theta},
-            {"mass", options.mass == MassMatrix::lumped ? "lumped" : "consistent"},
+            {"mass", name_of(options.mass)},
             {"assumption_1", options.respect_assumption_1 ? "respect" : "ignore"}};
 }
 

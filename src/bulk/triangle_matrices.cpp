@@ -15,13 +15,12 @@ Matrix6 stiffness_matrix(const Mesh& mesh, Index t, const Elastic& material, Pla
     return K;
 }
 
-Matrix6 mass_matrix(double corner_mass, bool consistent) {
+Matrix6 mass_matrix(double corner_mass, MassMatrix mass) {
+    const auto [own, shared] = shares_of(mass);
     Matrix6 M = Matrix6::Zero();
     for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-            const double m = consistent ? 0.25 * corner_mass * (i == j ? 2 : 1) : (i == j ? corner_mass : 0);
-            M.block<2, 2>(2 * i, 2 * j) = m * Eigen::Matrix2d::Identity();
-        }
+        for (int j = 0; j < 3; ++j)
+            M.block<2, 2>(2 * i, 2 * j) = corner_mass * (shared + (i == j ? own : 0)) * Eigen::Matrix2d::Identity();
     return M;
 }
 

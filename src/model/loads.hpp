@@ -33,6 +33,7 @@ struct Selection {
 struct Load {
     enum class Kind {
         traction,      // [Pa] on boundary edges
+        force,         // [N] shared equally by boundary vertices (or all vertices in a box)
         velocity,      // [m/s] of boundary vertices (or of all vertices in a box)
         displacement,  // [m] likewise
         body_force,    // [N/m3]

@@ -41,6 +41,7 @@ public:
         model_.histories.push_back(load.history);
         switch (load.kind) {
             case Load::Kind::traction: return add_traction(load, history);
+            case Load::Kind::force: return add_force(load, history);
             case Load::Kind::body_force:
             case Load::Kind::acceleration: return add_body_force(load, history);
             case Load::Kind::velocity:
@@ -78,18 +79,34 @@ private:
         if (!any) selects_nothing("a body force", load.on);
     }
 
-    void add_motion(const Load& load, Index history) {
+    /// Which corners are at the selected vertices.
+    std::vector<char> selected_corners(const std::string& what, const Load& load) const {
         const Mesh& mesh = model_.mesh;
-        std::vector<char> held(mesh.n_corners(), 0);
+        std::vector<char> selected(mesh.n_corners(), 0);
         if (load.on.boundary.empty()) {
-            for (Index c = 0; c < mesh.n_corners(); ++c) held[c] = !load.on.box || load.on.box->contains(mesh.corner(c / 3, c % 3));
+            for (Index c = 0; c < mesh.n_corners(); ++c) selected[c] = !load.on.box || load.on.box->contains(mesh.corner(c / 3, c % 3));
         } else {
             for (const std::size_t i : selected_edges(mesh, load.on)) {
                 const auto& [triangle, side, boundary] = mesh.boundary_edges[i];
-                held[3 * triangle + side] = held[3 * triangle + (side + 1) % 3] = 1;
+                selected[3 * triangle + side] = selected[3 * triangle + (side + 1) % 3] = 1;
             }
         }
-        if (std::find(held.begin(), held.end(), 1) == held.end()) selects_nothing("a prescribed motion", load.on);
+        if (std::find(selected.begin(), selected.end(), 1) == selected.end()) selects_nothing(what, load.on);
+        return selected;
+    }
+
+    void add_force(const Load& load, Index history) {
+        const std::vector<char> selected = selected_corners("a force", load);
+        std::vector<Index> n_corners(model_.mesh.vertices.size(), 0);  // selected ones, per vertex
+        const auto vertex_of = [&](Index c) { return model_.mesh.triangles[c / 3][c % 3]; };
+        for (Index c = 0; c < model_.mesh.n_corners(); ++c) n_corners[vertex_of(c)] += selected[c];
+        const auto n_vertices = n_corners.size() - std::count(n_corners.begin(), n_corners.end(), 0);
+        for (Index c = 0; c < model_.mesh.n_corners(); ++c)
+            if (selected[c]) model_.corner_loads.push_back({c, history, vector_of(load) / (static_cast<double>(n_vertices) * n_corners[vertex_of(c)])});
+    }
+
+    void add_motion(const Load& load, Index history) {
+        std::vector<char> held = selected_corners("a prescribed motion", load);
         for (std::size_t f = 0; f < model_.fans.size(); ++f) {
             spread_over_bonds(model_.fans[f], held);
             for (Index i = 0; i < model_.fans[f].n_corners; ++i) {
@@ -165,6 +182,17 @@ void set_initial_velocities(const std::vector<InitialVelocity>& given, Model& mo
     }
 }
 
+/// What is driven at a speed begins with it: there is no blow at the start, and its first reaction is not that of one.
+void start_as_driven(Model& model) {
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
+        if (model.prescribed_of_corner[c] < 0) continue;
+        const PrescribedMotion& motion = model.prescribed[model.prescribed_of_corner[c]];
+        for (int k = 0; k < 2; ++k)
+            if (motion.component[k] && !motion.is_displacement[k])
+                model.initial_velocity[c][k] = motion.value[k] * model.histories[motion.history[k]](0);
+    }
+}
+
 }  // namespace
 
 Model make_model(ModelInput input) {
@@ -183,6 +211,7 @@ Model make_model(ModelInput input) {
     LoadMaker loads(model);
     for (const Load& load : input.loads) loads.add(load);
     set_initial_velocities(input.initial_velocities, model);
+    start_as_driven(model);
     return model;
 }
 

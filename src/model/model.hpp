@@ -94,7 +94,7 @@ struct Model {
     std::vector<CornerLoad> corner_loads;
     std::vector<PrescribedMotion> prescribed;
     std::vector<Index> prescribed_of_corner;  // per corner: into `prescribed`, or -1
-    std::vector<Vec2> initial_velocity;  // [m/s] per corner; equal round a fan in one piece
+    std::vector<Vec2> initial_velocity;  // [m/s] per corner, of what is driven its own; equal round a fan in one piece
 
     Index n_points() const { return 2 * static_cast<Index>(interfaces.size()); }
 };

@@ -21,17 +21,15 @@ double strain_energy(const Model& model, const State& state) {
     return energy;
 }
 
-/// 1/2 v' M v [J]; a triangle of mass m has the consistent mass m/12 (1 + delta_ij).
+/// 1/2 v' M v [J].
 double kinetic_energy(const Model& model, const State& state, MassMatrix mass) {
     const auto velocity = [&](Index corner) -> const Vec2& { return state.velocity[state.node_of_corner[corner]]; };
+    const auto [own, shared] = shares_of(mass);
     double energy = 0;
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
-        if (mass == MassMatrix::lumped) {
-            energy += 0.5 * model.corner_mass[c] * velocity(c).squaredNorm();
-        } else {
-            const Index first = c - c % 3;
-            energy += 0.125 * model.corner_mass[c] * velocity(c).dot(velocity(c) + velocity(first) + velocity(first + 1) + velocity(first + 2));
-        }
+        const Index first = c - c % 3;
+        const Vec2 sum = velocity(first) + velocity(first + 1) + velocity(first + 2);
+        energy += 0.5 * model.corner_mass[c] * velocity(c).dot(own * velocity(c) + shared * sum);
     }
     return energy;
 }

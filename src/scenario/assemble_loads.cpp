@@ -20,9 +20,9 @@ Selection selection(const Assembly& assembly, const std::string& path) {
     return on;
 }
 
-constexpr std::array kinds{std::pair{"traction", Load::Kind::traction}, std::pair{"velocity", Load::Kind::velocity},
-                           std::pair{"displacement", Load::Kind::displacement}, std::pair{"body_force", Load::Kind::body_force},
-                           std::pair{"acceleration", Load::Kind::acceleration}};
+constexpr std::array kinds{std::pair{"traction", Load::Kind::traction},         std::pair{"force", Load::Kind::force},
+                           std::pair{"velocity", Load::Kind::velocity},         std::pair{"displacement", Load::Kind::displacement},
+                           std::pair{"body_force", Load::Kind::body_force},     std::pair{"acceleration", Load::Kind::acceleration}};
 
 bool fills_volume(Load::Kind kind) { return kind == Load::Kind::body_force || kind == Load::Kind::acceleration; }
 
@@ -96,7 +96,7 @@ void assemble_loads(Assembly& assembly) {
         const std::string path = item("load", i);
         Load load{.on = selection(assembly, path + ".on")};
         const std::optional<std::string> which =
-            assembly.the_one(path, {"traction", "velocity", "displacement", "body_force", "acceleration"}, true);
+            assembly.the_one(path, {"traction", "force", "velocity", "displacement", "body_force", "acceleration"}, true);
         for (const auto& [name, kind] : kinds)
             if (which == name) load.kind = kind;
         if (which) {

@@ -21,6 +21,18 @@ void needs_implicit_bulk(const Assembly& assembly, const std::string& path, cons
         "add bulk = \"implicit\" to [time]";
 }
 
+/// A triangle by itself would have no inertia against turning.
+void check_one_point_mass(const Assembly& assembly) {
+    const Scenario& scenario = assembly.scenario;
+    for (std::size_t a = 0; a < scenario.law_of_pair.size(); ++a) {
+        const NamedLaw& law = scenario.laws[scenario.law_of_pair[a][a]];
+        if (!law.law.breakable()) continue;
+        assembly.findings.error("exclusive-keys", "`time.mass`: the mass of one point needs a body that does not break inside", assembly.at("time.mass")).note =
+            "interface." + law.name + ".breakable = false, or mass = \"consistent\"";
+        return;
+    }
+}
+
 /// Beyond theta = 1/(1 + e) the impact law of the theta scheme gains energy.
 void check_theta(const Assembly& assembly) {
     const double theta = assembly.scenario.time.scheme.theta;
@@ -111,12 +123,14 @@ void assemble_time(Assembly& assembly) {
     const bool implicit_bulk = values.text("time.bulk") == "implicit", implicit_cohesion = values.text("time.cohesion") == "implicit";
     if (implicit_bulk) scheme.bulk = BulkScheme::implicit_theta;
     if (implicit_cohesion) scheme.cohesion = CohesionScheme::implicit_beta;
-    if (values.text("time.mass") == "consistent") scheme.mass = MassMatrix::consistent;
+    for (const MassMatrix mass : {MassMatrix::consistent, MassMatrix::one_point})
+        if (values.text("time.mass") == name_of(mass)) scheme.mass = mass;
     scheme.theta = values.number("time.theta").value_or(scheme.theta);
     scheme.respect_assumption_1 = values.text("time.assumption_1") != "ignore";
     if (implicit_bulk || implicit_cohesion) check_theta(assembly);
+    if (scheme.mass == MassMatrix::one_point) check_one_point_mass(assembly);
     if (!values.has("time.bulk") || implicit_bulk) return;
-    if (scheme.mass == MassMatrix::consistent) needs_implicit_bulk(assembly, "time.mass", "the consistent mass");
+    if (scheme.mass != MassMatrix::lumped) needs_implicit_bulk(assembly, "time.mass", "a mass that is not lumped");
     if (time.start_in_equilibrium) needs_implicit_bulk(assembly, "time.start", "the start in equilibrium");
     if (time.step_cracking.value > 0) needs_implicit_bulk(assembly, "time.step_cracking", "a step of its own while the crack runs");
 }

@@ -18,7 +18,8 @@ ImplicitBulk::ImplicitBulk(const Model& model, const SchemeOptions& options)
 }
 
 double ImplicitBulk::corner_mass(Index corner) const {
-    return (options_.mass == MassMatrix::consistent ? 0.5 : 1) * model_.corner_mass[corner];
+    const auto [own, shared] = shares_of(options_.mass);
+    return (own + shared) * model_.corner_mass[corner];
 }
 
 void ImplicitBulk::begin_step(const State& begin, double h) {
@@ -97,14 +98,11 @@ void ImplicitBulk::elastic(const std::vector<Vec2>& displacement, std::vector<Ve
 
 void ImplicitBulk::add_mass_times(const std::vector<Vec2>& of_node, double factor, std::vector<Vec2>& of_corner) const {
     const Index* node = partition_.node_of_corner.data();
+    const auto [own, shared] = shares_of(options_.mass);
     for (Index t = 0; t < model_.mesh.n_triangles(); ++t) {
         const double m = factor * model_.corner_mass[3 * t];
-        if (options_.mass == MassMatrix::lumped) {
-            for (int k = 0; k < 3; ++k) of_corner[3 * t + k] += m * of_node[node[3 * t + k]];
-        } else {
-            const Vec2 sum = of_node[node[3 * t]] + of_node[node[3 * t + 1]] + of_node[node[3 * t + 2]];
-            for (int k = 0; k < 3; ++k) of_corner[3 * t + k] += 0.25 * m * (sum + of_node[node[3 * t + k]]);
-        }
+        const Vec2 sum = of_node[node[3 * t]] + of_node[node[3 * t + 1]] + of_node[node[3 * t + 2]];
+        for (int k = 0; k < 3; ++k) of_corner[3 * t + k] += m * (own * of_node[node[3 * t + k]] + shared * sum);
     }
 }
 

@@ -46,17 +46,13 @@ PartedBody::Matrix stiffness_of_corners(const Model& model) {
 }
 
 PartedBody::Matrix mass_of_corners(const Model& model, MassMatrix kind) {
+    const auto [own, shared] = shares_of(kind);
     Triplets entries;
-    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
-        const double m = model.corner_mass[c];  // a third of its triangle's
+    for (Index c = 0; c < model.mesh.n_corners(); ++c)
         for (Index k = 0; k < 2; ++k) {
-            if (kind == MassMatrix::lumped) {
-                entries.emplace_back(2 * c + k, 2 * c + k, m);
-                continue;
-            }
-            for (Index d = c / 3 * 3; d < c / 3 * 3 + 3; ++d) entries.emplace_back(2 * c + k, 2 * d + k, (c == d ? 0.5 : 0.25) * m);
+            entries.emplace_back(2 * c + k, 2 * c + k, own * model.corner_mass[c]);
+            for (Index d = c / 3 * 3; d < c / 3 * 3 + 3 && shared > 0; ++d) entries.emplace_back(2 * c + k, 2 * d + k, shared * model.corner_mass[c]);
         }
-    }
     PartedBody::Matrix M(2 * model.mesh.n_corners(), 2 * model.mesh.n_corners());
     M.setFromTriplets(entries.begin(), entries.end());
     return M;

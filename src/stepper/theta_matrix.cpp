@@ -82,7 +82,7 @@ void ThetaMatrix::add_elements(Index leaf, std::vector<Element>& elements) const
         Element& made = elements.emplace_back();
         made.n_unknowns = 6;
         for (int i = 0; i < 6; ++i) made.unknown[i] = unknown(3 * t + i / 2, i % 2);
-        made.matrix = mass_matrix(model_.corner_mass[3 * t], mass_ == MassMatrix::consistent) +
+        made.matrix = mass_matrix(model_.corner_mass[3 * t], mass_) +
                       stiffness_factor_ * stiffness_matrix(model_.mesh, t, model_.materials[model_.mesh.region[t]], model_.plane, model_.thickness);
     }
     for (Index i = first_point_of_leaf_[leaf]; i < first_point_of_leaf_[leaf + 1]; ++i) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 using namespace knap;
@@ -175,16 +176,27 @@ TEST_CASE("masses and loads add up") {
     input.loads = {load(Load::Kind::traction, "right", 4.0, -1.0), load(Load::Kind::body_force, "", 2.0, std::nullopt),
                    load(Load::Kind::acceleration, "", 0.0, -10.0)};
     input.loads.push_back({.kind = Load::Kind::traction, .on = {.boundary = "top", .box = Box{{0.9, 1.9}, {2.1, 2.1}}}, .value = {0.0, 5.0}, .history = {}});
+    input.loads.push_back(load(Load::Kind::force, "top", 6.0, -3.0));
+    input.loads.push_back({.kind = Load::Kind::force, .on = {.boundary = "", .box = Box{{2.9, 1.9}, {3.1, 2.1}}}, .value = {0.0, 7.0}, .history = {}});
     input.initial_velocities = {{.on = {}, .value = {1, 2}}, {.on = {.boundary = "", .box = Box{{0, 0}, {1, 2}}}, .value = {-3, 0}}};
     const Model model = make_model(input);
     const double mass = std::accumulate(model.corner_mass.begin(), model.corner_mass.end(), 0.0);
     CHECK(mass == doctest::Approx(3 * 6 * 0.5));
-    std::vector<Vec2> total(4, Vec2::Zero());
-    for (const CornerLoad& corner : model.corner_loads) total[corner.history] += corner.force;
+    std::vector<Vec2> total(6, Vec2::Zero());
+    std::map<std::pair<Index, Index>, Vec2> at;  // of a history, at a vertex
+    for (const CornerLoad& corner : model.corner_loads) {
+        total[corner.history] += corner.force;
+        at.try_emplace({corner.history, model.mesh.triangles[corner.corner / 3][corner.corner % 3]}, Vec2::Zero()).first->second += corner.force;
+    }
     CHECK((total[0] - Vec2(4, -1) * 2 * 0.5).norm() <= 1e-14);  // traction x length x thickness
     CHECK((total[1] - Vec2(2, 0) * 6 * 0.5).norm() <= 1e-14);   // force density x volume
     CHECK((total[2] - Vec2(0, -10) * mass).norm() <= 1e-13);
     CHECK((total[3] - Vec2(0, 5) * 1 * 0.5).norm() <= 1e-14);   // only the edge whose middle lies in the box
+    CHECK((total[4] - Vec2(6, -3)).norm() <= 1e-14);
+    for (const auto& [where, force] : at)
+        if (where.first == 4) CHECK((force - Vec2(6, -3) / 4).norm() <= 1e-14);  // four vertices on top, also those of one triangle only
+    CHECK((total[5] - Vec2(0, 7)).norm() <= 1e-14);
+    CHECK(std::count_if(at.begin(), at.end(), [](const auto& entry) { return entry.first.first == 5; }) == 1);
     Vec2 momentum = Vec2::Zero();
     for (Index c = 0; c < model.mesh.n_corners(); ++c) momentum += model.corner_mass[c] * model.initial_velocity[c];
     CHECK((momentum - mass / 3 * (Vec2(-3, 0) + 2 * Vec2(1, 2))).norm() <= 1e-13);

@@ -22,9 +22,11 @@ TEST_CASE("books: the energy of motion at the start is that of the mass matrix")
     start.velocity[start.node_of_corner[0]] = {1, 0};
     CHECK(EnergyLedger(model, start).row().kinetic == relative(0.5, 1e-15));                            // 1/2 m/3 v^2
     CHECK(EnergyLedger(model, start, MassMatrix::consistent).row().kinetic == relative(0.25, 1e-15));   // 1/2 m/6 v^2
+    CHECK(EnergyLedger(model, start, MassMatrix::one_point).row().kinetic == relative(1.0 / 6, 1e-15));  // 1/2 m (v/3)^2
     for (Vec2& v : start.velocity) v = {1, 2};
     CHECK(EnergyLedger(model, start).row().kinetic == relative(7.5, 1e-15));
     CHECK(EnergyLedger(model, start, MassMatrix::consistent).row().kinetic == relative(7.5, 1e-15));  // moved as a whole: the same
+    CHECK(EnergyLedger(model, start, MassMatrix::one_point).row().kinetic == relative(7.5, 1e-15));
 }
 
 TEST_CASE("books: a preload is energy of the start and no work") {

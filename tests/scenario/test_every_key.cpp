@@ -90,6 +90,9 @@ displacement = ["1 um", "free"]
 body_force = [0, "-3 N/m3"]
 [[load]]
 acceleration = [0, "-9.81 m/s2"]
+[[load]]
+on = "top"
+force = [0, "1 kN"]
 [[initial]]
 velocity = ["1 m/s", "2 m/s"]
 box = [0, 0, 1, 1]
@@ -240,6 +243,7 @@ const Case cases[] = {
     {rectangle, "load[2].displacement", "[1e-06, \"free\"]"},
     {rectangle, "load[3].body_force", "[0, -3]"},
     {rectangle, "load[4].acceleration", "[0, -9.81]"},
+    {rectangle, "load[5].force", "[0, 1000]"},
     {rectangle, "initial[0].velocity", "[1, 2]"},
     {rectangle, "initial[0].box", "[0, 0, 1, 1]"},
     {rectangle, "time.end", "8e-05"},
@@ -370,7 +374,7 @@ TEST_CASE("scenario: the structs hold what the file says") {
     CHECK(s.foundations[0].glued);
     CHECK(s.foundations[0].gap == 1e-6);
     CHECK(s.foundations[0].on.box->high == Vec2(0.01, 0.002));
-    REQUIRE(s.loads.size() == 5);
+    REQUIRE(s.loads.size() == 6);
     CHECK(s.loads[0].kind == Load::Kind::traction);
     CHECK(s.loads[0].on.boundary == "top");
     CHECK(s.loads[0].history(5e-6) == doctest::Approx(0.5));
@@ -384,6 +388,8 @@ TEST_CASE("scenario: the structs hold what the file says") {
     CHECK(s.loads[3].kind == Load::Kind::body_force);
     CHECK(s.loads[3].on.boundary.empty());
     CHECK(s.loads[4].kind == Load::Kind::acceleration);
+    CHECK(s.loads[5].kind == Load::Kind::force);
+    CHECK(s.loads[5].value[1] == 1000.0);
     CHECK(s.initial_velocities.at(0).value == Vec2(1, 2));
     CHECK(s.time.step == StepLength{1e-9});
     CHECK(s.time.scheme.bulk == BulkScheme::explicit_lumped);

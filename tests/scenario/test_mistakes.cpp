@@ -111,6 +111,7 @@ const Case cases[] = {
     {"name with a slash", changed("knap = 1", "knap = 1\nname = \"a/b\""), "bad-name", 2, 8, 5, "run directory"},
     {"name that is no word", with("[material.\"a b\"]\ndensity = 1\nE = 1\nnu = 0\n"), "bad-name", 16, 11, 5, "letters"},
     {"consistent mass without implicit bulk", with("mass = \"consistent\"\n"), "exclusive-keys", 16, 8, 12, "needs the implicit bulk"},
+    {"one-point mass where every edge may break", with("bulk = \"implicit\"\nmass = \"one point\"\n"), "exclusive-keys", 17, 8, 11, "does not break inside"},
     {"equilibrium without implicit bulk", with("start = \"equilibrium\"\n"), "exclusive-keys", 16, 9, 13, "needs the implicit bulk"},
     {"cracking step without implicit bulk", with("cohesion = \"implicit\"\nstep_cracking = 1e-9\n"), "exclusive-keys", 17, 17, 4, "bulk = \"implicit\""},
     {"theta for an impact", changed("G_c = 3", "G_c = 3\nrestitution = 0.8", with("bulk = \"implicit\"\ntheta = 0.6\n")), "out-of-range", 18, 9, 3,

@@ -54,7 +54,7 @@ struct Setting {
     Eigen::MatrixXd dense() const {
         Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * partition.n_nodes(), 2 * partition.n_nodes());
         for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
-            const Matrix6 e = mass_matrix(model.corner_mass[3 * t], true) +
+            const Matrix6 e = mass_matrix(model.corner_mass[3 * t], MassMatrix::consistent) +
                               stiffness_factor * stiffness_matrix(model.mesh, t, model.materials[0], model.plane, model.thickness);
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j)

@@ -207,10 +207,9 @@ private:
         }
         for (Index c = 0; c < n; ++c) {
             const Vec2 change = end.velocity[c] - velocity(c);
-            if (options_.mass == MassMatrix::lumped)
-                left[c] -= model_.corner_mass[c] * change;
-            else
-                for (Index d = c / 3 * 3; d < c / 3 * 3 + 3; ++d) left[d] -= (c == d ? 0.5 : 0.25) * model_.corner_mass[c] * change;
+            const auto [own, shared] = shares_of(options_.mass);
+            left[c] -= own * model_.corner_mass[c] * change;
+            for (Index d = c / 3 * 3; d < c / 3 * 3 + 3; ++d) left[d] -= shared * model_.corner_mass[c] * change;
         }
         // the right side of the balance less its left side
         return left;
