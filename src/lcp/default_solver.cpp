@@ -2,16 +2,20 @@
 
 #include "lcp/fold.hpp"
 #include "lcp/folded_newton.hpp"
+#include "lcp/folded_proximal_point.hpp"
 #include "lcp/folded_sweeps.hpp"
 #include "lcp/lemke.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace knap {
 namespace {
 
-constexpr int most_sweeps_at_once = 5;
+constexpr int sweeps_between_looks = 5;  // at their rate
+constexpr double steady = 0.999;             // a change that stays so nearly the same is a drift
+constexpr int most_rays = 100;
 constexpr int n_attempts = 4;          // sweeps and Newton by turns, each with four times the sweeps of the one before
 constexpr int n_covering_vectors = 3;  // of Lemke
 constexpr double much = 0.3;           // of the entries of a matrix that is as good as dense
@@ -23,20 +27,40 @@ double sweeps_per_solve(const FoldedLcp& folded) {
     return static_cast<double>(folded.M.nonZeros()) > much * n * n ? 10 + n / 40 : std::max(2.5 * std::sqrt(n), n / 10);
 }
 
+/// Where redundant conditions contradict each other a little (contacts round a vertex that still move by a rounding), the sweeps drift along a
+/// ray, by the same step each, until one of them lets go: to the first bound at once.
+void follow_ray(const FoldedLcp& folded, Eigen::VectorXd& x, int& n_sweeps) {
+    const Eigen::VectorXd from = x;
+    sweep(folded, x, 1);
+    ++n_sweeps;
+    const Eigen::VectorXd step = x - from;
+    double length = std::numeric_limits<double>::infinity();
+    const auto meets = [&](double distance, double speed) {  // where distance >= 0 shrinks
+        if (speed > 0 && distance > 0) length = std::min(length, distance / speed);
+    };
+    for (int i = 0; i < folded.size(); ++i) {
+        const FoldedUnknown& u = folded.unknowns[i];
+        const double upper = folded.upper(i, x), growth = u.bound_by >= 0 ? u.bound_factor * step[u.bound_by] : 0.0;
+        meets(x[i] - folded.lower(i, upper), -step[i] - (u.two_sided ? growth : 0.0));
+        if (upper < std::numeric_limits<double>::infinity()) meets(upper - x[i], step[i] - growth);
+    }
+    if (std::isfinite(length)) x += length * step;
+}
+
 /// Sweeps until x is a solution, or until linear solves promise to be cheaper. Returns whether x is one.
 bool sweep_while_it_pays(const FoldedLcp& folded, double tolerance, double budget, Eigen::VectorXd& x, int& n_sweeps) {
-    double before = 0;
-    int at_once = most_sweeps_at_once;
-    for (double done = 0;;) {
-        const double change = sweep(folded, x, at_once);
-        n_sweeps += at_once;
-        done += at_once;
+    double before = 0;  // change of x at the last look
+    int n_rays = 0;
+    for (int done = 1;; ++done) {
+        const double change = sweep(folded, x, 1);
+        ++n_sweeps;
         if (!std::isfinite(change)) return false;
         if (change <= 10 * tolerance && folded.natural_map(x, folded.value(x)).cwiseAbs().maxCoeff() <= tolerance) return true;
+        if (done % sweeps_between_looks != 0) continue;
         // at the present rate, how many are left
-        const double left = change < before ? at_once * std::log(tolerance / change) / std::log(change / before) : 1e300;
-        if ((done >= budget && left > 2 * budget) || done >= 20 * budget) return false;
-        at_once = static_cast<int>(std::clamp(std::ceil(left), 1.0, static_cast<double>(most_sweeps_at_once)));
+        const double left = change < before ? sweeps_between_looks * std::log(tolerance / change) / std::log(change / before) : 1e300;
+        if (change > steady * before && change < before / steady && n_rays < most_rays) follow_ray(folded, x, n_sweeps), ++n_rays;
+        else if ((done >= budget && left > 2 * budget) || done >= 20 * budget) return false;
         before = change;
     }
 }
@@ -51,16 +75,38 @@ LcpSolution solve_by_default(const LcpProblem& problem, const DefaultSolverOptio
     int count = 0;
     const auto result = [&](LcpStatus status, const Eigen::VectorXd& at) { return lcp_solution(problem, status, folded.unfolded(at), count); };
     if (n == 0 || folded.natural_map(x, folded.value(x)).cwiseAbs().maxCoeff() <= options.tolerance) return result(LcpStatus::solved, x);
+    const Eigen::VectorXd start = x;
+    Eigen::VectorXd best = x;
+    double least = std::numeric_limits<double>::infinity();
+    const auto remember = [&](const Eigen::VectorXd& at) {
+        if (const double map = at.allFinite() ? folded.natural_map(at, folded.value(at)).cwiseAbs().maxCoeff() : least; map < least) least = map, best = at;
+    };
+    const auto newton_from = [&](Eigen::VectorXd found) {
+        const LcpStatus status = solve_folded_by_newton(folded, {.tolerance = options.tolerance}, found, count);
+        remember(found);
+        return status == LcpStatus::solved;
+    };
     const bool can_sweep = has_positive_diagonal(folded);
     for (int attempt = 0; attempt < n_attempts; ++attempt) {
         const double budget = std::ldexp(sweeps_per_solve(folded), 2 * attempt);
         if (can_sweep && sweep_while_it_pays(folded, options.tolerance, budget, x, count)) return result(LcpStatus::solved, x);
-        Eigen::VectorXd found = x.allFinite() ? x : Eigen::VectorXd::Zero(n);
-        const LcpStatus status = solve_folded_by_newton(folded, {.tolerance = options.tolerance}, found, count);
-        if (status == LcpStatus::solved) return result(status, found);
+        if (x.allFinite()) remember(x);
+        if (newton_from(x.allFinite() ? x : start)) return result(LcpStatus::solved, best);
         if (!can_sweep || !x.allFinite()) break;
+        if (attempt > 0) continue;
+        Eigen::VectorXd early = start;  // Newton may cycle near a degenerate solution and still find it from afar
+        sweep(folded, early, 1);
+        ++count;
+        if (newton_from(early)) return result(LcpStatus::solved, best);
     }
-    if (problem.size() > options.largest_dense) return result(LcpStatus::stalled, x);
+    if (softens(folded)) {
+        Eigen::VectorXd found(n);
+        if (solve_folded_by_proximal_points(folded, {.tolerance = options.tolerance}, found, count) == LcpStatus::solved)
+            return result(LcpStatus::solved, found);
+        remember(found);
+    }
+    if (least <= options.acceptable) return result(LcpStatus::solved, best);
+    if (problem.size() > options.largest_dense) return result(LcpStatus::stalled, best);
     LcpSolution last = solve_by_lemke(problem, {.n_covering_vectors = n_covering_vectors});
     last.iterations += count;
     return last;

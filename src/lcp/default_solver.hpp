@@ -1,12 +1,13 @@
 #pragma once
-// The solver to use where nothing is known of the problem. It folds the problem, lets sweeps find most of the states, Newton the rest, and
-// asks Lemke where both fail. Never forms a dense matrix of a large problem.
+// The solver to use where nothing is known of the problem. It folds the problem, lets sweeps find most of the states and Newton the rest.
+// Where both fail, as in steps beyond Assumption 1, proximal points are tried, and Lemke last. Never forms a dense matrix of a large problem.
 #include "lcp/problem.hpp"
 
 namespace knap {
 
 struct DefaultSolverOptions {
     double tolerance = 1e-11;  // natural residual of the folded problem, whose diagonal and q are of order one
+    double acceptable = 5e-11;  // of the best iterate, where all have come to a standstill at a degenerate solution
     int largest_dense = 3000;  // unknowns up to which Lemke is the last resort
     Eigen::VectorXd start;     // warm start; empty: zero
 };

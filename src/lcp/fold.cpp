@@ -9,6 +9,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double rounding = 1e-13;  // relative, between numbers that should be opposites
+constexpr std::size_t most_runs = 8;  // of neighbouring columns that are searched for one by one
 
 struct Entry {
     int index;
@@ -25,11 +26,19 @@ public:
         for (int i = 0; i < n_; ++i) unknown_of_[i] = {.row = i, .upper = infinity};
     }
 
-    std::vector<FoldedUnknown> unknowns() {
+    void find_patterns() {
         find_candidates();
         for (const int k : candidates_) recognise(k);
-        unfold_pairs_with_other_columns();
         unfold_chains();
+    }
+
+    void unfold_pairs(const std::vector<int>& columns) {
+        for (const int i : columns)
+            if (role_[i] == first) unfold(i);
+        unfold_chains();
+    }
+
+    std::vector<FoldedUnknown> unknowns() const {
         std::vector<FoldedUnknown> kept;
         for (int i = 0; i < n_; ++i)
             if (role_[i] == plain || role_[i] == first) kept.push_back(unknown_of_[i]);
@@ -53,11 +62,20 @@ private:
         }
         columns_.resize(candidates_.size());
         if (candidates_.empty()) return;
-        const int* first_entry = problem_.M.outerIndexPtr();
+        // candidates come in runs of neighbours: a row is searched for their ends, not read entry by entry
+        std::vector<std::pair<int, int>> runs;
+        for (const int k : candidates_)
+            if (runs.empty() || runs.back().second != k) runs.push_back({k, k + 1});
+            else ++runs.back().second;
+        if (runs.size() > most_runs) runs = {{candidates_.front(), candidates_.back() + 1}};
         const int* column = problem_.M.innerIndexPtr();
-        for (int i = 0; i < n_; ++i)
-            for (int e = first_entry[i]; e < first_entry[i + 1]; ++e)
-                if (const int k = place[column[e]]; k >= 0 && columns_[k].size() < 4) columns_[k].push_back({i, problem_.M.valuePtr()[e]});
+        for (int i = 0; i < n_; ++i) {
+            const int* end = column + problem_.M.outerIndexPtr()[i + 1];
+            const int* entry = column + problem_.M.outerIndexPtr()[i];
+            for (const auto& [first_of_run, end_of_run] : runs)
+                for (entry = std::lower_bound(entry, end, first_of_run); entry != end && *entry < end_of_run; ++entry)
+                    if (const int k = place[*entry]; k >= 0 && columns_[k].size() < 4) columns_[k].push_back({i, problem_.M.valuePtr()[entry - column]});
+        }
     }
 
     void recognise(int k) {
@@ -102,14 +120,18 @@ private:
         const LcpMatrix& M = problem_.M;
         const int a = M.outerIndexPtr()[i], b = M.outerIndexPtr()[j], size = M.outerIndexPtr()[i + 1] - a;
         if (M.outerIndexPtr()[j + 1] - b != size) return false;
+        const int* columns = M.innerIndexPtr() + a;
+        if (!std::equal(columns, columns + size, M.innerIndexPtr() + b)) return false;
+        const int place_of_k = static_cast<int>(std::lower_bound(columns, columns + size, k) - columns);
         double scale = 0, largest_sum = 0;
-        for (int e = 0; e < size; ++e) {
-            const int column = M.innerIndexPtr()[a + e];
-            if (column != M.innerIndexPtr()[b + e]) return false;
-            if (column == k) continue;
-            scale = std::max(scale, std::abs(M.valuePtr()[a + e]));
-            largest_sum = std::max(largest_sum, std::abs(M.valuePtr()[a + e] + M.valuePtr()[b + e]));
-        }
+        const auto take = [&](int from, int count) {
+            if (count <= 0) return;
+            const Eigen::Map<const Eigen::ArrayXd> of_i(M.valuePtr() + a + from, count), of_j(M.valuePtr() + b + from, count);
+            scale = std::max(scale, of_i.abs().maxCoeff());
+            largest_sum = std::max(largest_sum, (of_i + of_j).abs().maxCoeff());
+        };
+        take(0, place_of_k);
+        take(place_of_k + 1, size - place_of_k - 1);
         return largest_sum <= rounding * scale && opposite(problem_.q[i], problem_.q[j], std::abs(problem_.q[i]));
     }
 
@@ -119,30 +141,6 @@ private:
             if (row < 0) continue;
             role_[row] = plain;
             unknown_of_[row] = {.row = row, .upper = infinity};
-        }
-    }
-
-    /// Columns i and j must be opposite in every row but k.
-    void unfold_pairs_with_other_columns() {
-        std::vector<int> mate(n_, -1);
-        for (int i = 0; i < n_; ++i)
-            if (role_[i] == first && unknown_of_[i].two_sided) mate[i] = unknown_of_[i].opposite, mate[unknown_of_[i].opposite] = i;
-        std::vector<int> broken;
-        const LcpMatrix& M = problem_.M;
-        for (int row = 0; row < n_; ++row) {
-            if (role_[row] == slack || role_[row] == second) continue;  // second rows are the opposites of first ones
-            for (int e = M.outerIndexPtr()[row], end = M.outerIndexPtr()[row + 1]; e < end; ++e) {
-                const int column = M.innerIndexPtr()[e], other = mate[column];
-                if (other < 0) continue;
-                const double value = M.valuePtr()[e];
-                const bool follows = e + 1 < end && M.innerIndexPtr()[e + 1] == other;
-                if (!opposite(value, follows ? M.valuePtr()[e + 1] : M.coeff(row, other), std::abs(value))) broken.push_back(column);
-                e += follows;
-            }
-        }
-        for (const int i : broken) {
-            const int leader = role_[i] == first ? i : mate[i];
-            if (role_[leader] == first) unfold(leader);
         }
     }
 
@@ -168,8 +166,9 @@ private:
 };
 
 /// Rows and columns of the unknowns, scaled by a D such that D M D has ones on the diagonal, or of the largest entry where there is none.
-/// Powers of two, which round nothing. `place` is the folded index of a row of the LCP, -1 where it has none.
-void take_and_scale(const LcpProblem& problem, const std::vector<int>& place, FoldedLcp& folded) {
+/// Powers of two, which round nothing. `place` is the folded index of a row of the LCP, -1 where it has none. Returns the columns i of
+/// pairs whose columns i and j are not opposite in one of these rows: they may not be folded.
+std::vector<int> take_and_scale(const LcpProblem& problem, const std::vector<int>& place, FoldedLcp& folded) {
     const int n = static_cast<int>(folded.unknowns.size());
     const LcpMatrix& M = problem.M;
     Eigen::VectorXd& factor = folded.factor = Eigen::VectorXd::Zero(n);
@@ -183,20 +182,42 @@ void take_and_scale(const LcpProblem& problem, const std::vector<int>& place, Fo
             if (const int j = place[entry.col()]; j >= 0) largest = std::max(largest, std::abs(entry.value()) * (factor[j] > 0 ? factor[j] : 1.0));
         factor[i] = largest > 0 ? std::exp2(-std::round(std::log2(largest))) : 1.0;
     }
+    std::vector<int> mate(problem.size(), -1), leader(problem.size(), -1), not_opposite;  // of each column of a pair: the other, and i
+    for (const FoldedUnknown& u : folded.unknowns)
+        if (u.two_sided) mate[u.row] = u.opposite, mate[u.opposite] = leader[u.opposite] = leader[u.row] = u.row;
     folded.q.resize(n);
     folded.M.resize(n, n);
-    folded.M.reserve(M.nonZeros());
+    folded.M.resizeNonZeros(M.nonZeros());
+    int n_entries = 0;
+    const auto keep = [&](int i, int column, double value) {
+        folded.M.innerIndexPtr()[n_entries] = place[column];
+        folded.M.valuePtr()[n_entries++] = factor[i] * factor[place[column]] * value;
+    };
     for (int i = 0; i < n; ++i) {
         const int row = folded.unknowns[i].row;
         folded.q[i] = factor[i] * problem.q[row];
-        folded.M.startVec(i);
-        for (LcpMatrix::InnerIterator entry(M, row); entry; ++entry)
-            if (const int j = place[entry.col()]; j >= 0) folded.M.insertBackByOuterInnerUnordered(i, j) = factor[i] * factor[j] * entry.value();
+        folded.M.outerIndexPtr()[i] = n_entries;
+        for (int e = M.outerIndexPtr()[row], end = M.outerIndexPtr()[row + 1]; e < end; ++e) {
+            const int column = M.innerIndexPtr()[e], other = mate[column];
+            const double value = M.valuePtr()[e];
+            if (other < 0) {
+                if (place[column] >= 0) keep(i, column, value);
+                continue;
+            }
+            const bool follows = e + 1 < end && M.innerIndexPtr()[e + 1] == other;
+            const double of_other = follows ? M.valuePtr()[e + 1] : M.coeff(row, other);
+            if (!opposite(value, of_other, std::abs(value))) not_opposite.push_back(leader[column]);
+            if (place[column] >= 0) keep(i, column, value);
+            else if (follows) keep(i, other, of_other);
+            e += follows;
+        }
     }
-    folded.M.finalize();
+    folded.M.outerIndexPtr()[n] = n_entries;
+    folded.M.resizeNonZeros(n_entries);
     const double largest = n > 0 ? folded.q.cwiseAbs().maxCoeff() : 0.0;
     if (largest > 0) folded.unit = std::exp2(std::round(std::log2(largest)));
     folded.q /= folded.unit;
+    return not_opposite;
 }
 
 }  // namespace
@@ -243,11 +264,17 @@ Eigen::VectorXd FoldedLcp::unfolded(const Eigen::VectorXd& x) const {
 FoldedLcp fold(const LcpProblem& problem) {
     FoldedLcp result;
     result.n_original = problem.size();
-    result.unknowns = Folder(problem).unknowns();
+    Folder folder(problem);
+    folder.find_patterns();
+    std::vector<int> place;
+    for (std::vector<int> not_opposite{-1}; !not_opposite.empty();) {
+        result.unknowns = folder.unknowns();
+        place.assign(problem.size(), -1);
+        for (std::size_t i = 0; i < result.unknowns.size(); ++i) place[result.unknowns[i].row] = static_cast<int>(i);
+        not_opposite = take_and_scale(problem, place, result);
+        folder.unfold_pairs(not_opposite);
+    }
     const int n = static_cast<int>(result.unknowns.size());
-    std::vector<int> place(problem.size(), -1);
-    for (int i = 0; i < n; ++i) place[result.unknowns[i].row] = i;
-    take_and_scale(problem, place, result);
     result.fed_by.resize(n);
     for (int i = 0; i < n; ++i) {
         FoldedUnknown& u = result.unknowns[i];

@@ -49,18 +49,20 @@ std::optional<CohesiveLayout> cohesive_layout(const LcpProblem& problem) {
 FreeBreaking free_breaking(const LcpProblem& problem, const Eigen::VectorXd& z, const CohesiveLayout& layout, double tolerance) {
     const ScaledLcp scaled = equilibrated(problem);
     const Eigen::VectorXd given = scaled.scaled_z(z);
-    const Eigen::VectorXd w = scaled.problem.M * given + scaled.problem.q;
-    FreeBreaking found;
     Eigen::VectorXd lowered = given;
+    lowered.tail(layout.n_cohesive).setZero();
+    // rows of r_T+ and r_T- without chi: u_T and -u_T, in units of their factor of chi. Not chi - |u_T|: a free chi can be huge.
+    const Eigen::VectorXd w = scaled.problem.M * lowered + scaled.problem.q;
+    FreeBreaking found;
     std::vector<int> loose;
     for (int i = 0; i < layout.n_cohesive; ++i) {
         const int plus = layout.first_tangential() + 2 * i, chi = layout.first_chi() + i;
-        // rows of r_T+ and r_T-: chi + u_T and chi - u_T, in units of their factor
-        const double a = scaled.problem.M.coeff(plus, chi), b = scaled.problem.M.coeff(plus + 1, chi);
-        const double excess = std::min(w[plus] / a, w[plus + 1] / b);
+        const double slip = std::max({0.0, -w[plus] / scaled.problem.M.coeff(plus, chi), -w[plus + 1] / scaled.problem.M.coeff(plus + 1, chi)});
+        const double excess = given[chi] - slip;
+        lowered[chi] = given[chi];
         if (excess <= tolerance * std::max(1.0, given[chi])) continue;
         loose.push_back(i);
-        lowered[chi] -= excess;
+        lowered[chi] = slip;
         found.largest_excess = std::max(found.largest_excess, excess);
     }
     found.n_loose = static_cast<int>(loose.size());

@@ -141,7 +141,9 @@ Path follow_path(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const Eigen
             for (int i = 0; i < n; ++i)
                 if (tableau.basic()[i] >= n) z[tableau.basic()[i] - n] = std::max(0.0, tableau.value(i));
             const Eigen::VectorXd anew = solved_anew(M, q, tableau.basic());
-            return {LcpStatus::solved, residual(M, q, anew) < residual(M, q, z) ? anew : z, count};
+            const double before = residual(M, q, z), after = residual(M, q, anew);
+            const LcpStatus status = std::min(before, after) <= options.largest_residual ? LcpStatus::solved : LcpStatus::stalled;
+            return {status, after < before ? anew : z, count};
         }
         entering = tableau.complement(left);
     }
@@ -155,7 +157,7 @@ Path first_path_that_leads(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, c
     Path path{LcpStatus::ray, Eigen::VectorXd::Zero(n), 0};
     for (int attempt = 0; attempt < options.n_covering_vectors; ++attempt) {
         const Path next = follow_path(M, q, covering_vector(n, attempt), options);
-        path = {next.status, next.status == LcpStatus::solved ? next.z : path.z, path.n_pivots + next.n_pivots};
+        path = {next.status, next.z.size() == n ? next.z : path.z, path.n_pivots + next.n_pivots};
         if (next.status == LcpStatus::solved) break;
     }
     return path;
@@ -170,7 +172,7 @@ LcpSolution solve_by_lemke(const LcpProblem& problem, const LemkeOptions& option
 }
 
 Eigen::VectorXd solve_lcp_by_lemke(const Eigen::MatrixXd& M, const Eigen::VectorXd& q) {
-    const Path path = first_path_that_leads(M, q, {});
+    const Path path = first_path_that_leads(M, q, {.largest_residual = std::numeric_limits<double>::infinity()});
     return path.status == LcpStatus::solved ? path.z : Eigen::VectorXd();
 }
 

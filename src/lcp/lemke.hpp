@@ -10,13 +10,14 @@ namespace knap {
 struct LemkeOptions {
     double pivot_tolerance = 1e-11;  // of the largest entry of the entering column
     double tie_tolerance = 1e-12;    // of ratios, in the equilibrated problem
+    double largest_residual = 1e-10;  // of a solution, in the equilibrated problem: pivots that lost more are a path that leads nowhere
     int max_pivots_per_unknown = 50;
     int n_covering_vectors = 30;
 };
 
 LcpSolution solve_by_lemke(const LcpProblem& problem, const LemkeOptions& options = {});
 
-/// For small problems: z alone, without equilibration, so M and q should be of order one. Empty when every path ends on a ray: then
+/// For small problems: z alone, without equilibration, so M and q should be of order one; the caller judges it. Empty when every path ends on a ray: then
 /// there is hardly a solution.
 Eigen::VectorXd solve_lcp_by_lemke(const Eigen::MatrixXd& M, const Eigen::VectorXd& q);
 

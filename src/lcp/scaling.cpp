@@ -6,10 +6,10 @@
 namespace knap {
 namespace {
 
-constexpr int most_sweeps = 12;  // each takes the square root of what is left: 12 bring any range of a double to order one
-constexpr double near_one = 2;   // largest entries between its inverse and itself are good enough
+constexpr int most_sweeps = 30;   // each takes the square root of what is left
+constexpr double near_one = 1.5;  // largest entries between its inverse and itself are good enough
 
-/// Largest size of an entry in each row and column of D M D, 1 where there is none.
+/// Largest size of an entry in each row and column of D M D, 0 where there is none.
 Eigen::VectorXd largest_entries(const LcpMatrix& M, const Eigen::VectorXd& factor) {
     Eigen::VectorXd largest = Eigen::VectorXd::Zero(M.rows());
     for (int i = 0; i < M.outerSize(); ++i)
@@ -18,19 +18,28 @@ Eigen::VectorXd largest_entries(const LcpMatrix& M, const Eigen::VectorXd& facto
             largest[i] = std::max(largest[i], size);
             largest[entry.col()] = std::max(largest[entry.col()], size);
         }
-    return largest.unaryExpr([](double size) { return size > 0 ? size : 1.0; });
+    return largest;
 }
 
 double power_of_two(double x) { return std::exp2(std::round(std::log2(x))); }
 
 /// Powers of two, so that the scaling itself rounds nothing.
 Eigen::VectorXd factors(const LcpMatrix& M) {
-    Eigen::VectorXd factor = Eigen::VectorXd::Ones(M.rows());
-    for (int sweep = 0; sweep < most_sweeps && M.rows() > 0; ++sweep) {
+    const Eigen::VectorXd diagonal = M.diagonal();
+    Eigen::VectorXd factor = diagonal.unaryExpr([](double d) { return d != 0 ? 1 / std::sqrt(std::abs(d)) : 1.0; });
+    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
         const Eigen::VectorXd largest = largest_entries(M, factor);
-        if (largest.maxCoeff() <= near_one && largest.minCoeff() >= 1 / near_one) break;
-        factor = factor.cwiseQuotient(largest.cwiseSqrt());
+        bool changed = false;
+        for (int i = 0; i < M.rows(); ++i) {
+            if (diagonal[i] != 0 || largest[i] == 0 || (largest[i] <= near_one && largest[i] >= 1 / near_one)) continue;
+            factor[i] /= std::sqrt(largest[i]);
+            changed = true;
+        }
+        if (!changed) break;
     }
+    const Eigen::VectorXd largest = largest_entries(M, factor);  // an entry a of rows with largest a or more becomes 1 or less
+    for (int i = 0; i < M.rows(); ++i)
+        if (largest[i] > near_one) factor[i] /= std::sqrt(largest[i]);
     return factor.unaryExpr(&power_of_two);
 }
 

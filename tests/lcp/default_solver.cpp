@@ -104,6 +104,24 @@ TEST_CASE("the folded Newton ends what sweeps begin") {
     }
 }
 
+TEST_CASE("steps beyond Assumption 1 are solved") {
+    int n_beyond = 0;
+    for (const double stiffness : {3.0, 10.0, 30.0})
+        for (const double step : {5.0, 20.0})
+            for (const double stretch : {0.0, 2.0}) {
+                CAPTURE(stiffness);
+                CAPTURE(step);
+                CAPTURE(stretch);
+                const CohesiveBody body({.n_x = 3, .n_y = 2, .step = step, .theta = 0.5, .stiffness = stiffness, .stretch = stretch, .shear = 0, .notch = 0, .noise = 0.01});
+                const LcpProblem problem = body.problem();
+                const Eigen::VectorXd curvature = problem.M.diagonal().segment(body.n_points(), body.n_points());
+                n_beyond += curvature.minCoeff() < 0;
+                const LcpSolution solution = solve_by_default(problem);
+                check_solved(problem, solution);
+            }
+    CHECK(n_beyond >= 8);
+}
+
 TEST_CASE("every solver that takes a start needs less from the solution") {
     const LcpProblem problem = stored("all_2");
     const Eigen::VectorXd z = solve_by_lemke(problem).z;
