@@ -58,7 +58,11 @@ double value_of(const StudyQuantity& quantity, const Json& summary, const fs::pa
     const Column column = column_of(run, quantity.of);
     if (column.time.empty()) return NAN;
     if (quantity.at) return value_at(column, *quantity.at);
-    if (quantity.reaches) return time_when(column, *quantity.reaches);
+    if (quantity.reaches && quantity.since.empty()) return time_when(column, *quantity.reaches);
+    if (quantity.reaches) {
+        const Column earlier = column_of(run, quantity.since);
+        return earlier.time.empty() ? NAN : time_when(column, *quantity.reaches) - time_when(earlier, *quantity.reaches);
+    }
     return quantity.largest ? *std::max_element(column.value.begin(), column.value.end()) : column.value.back();
 }
 

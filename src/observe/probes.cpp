@@ -7,18 +7,18 @@
 namespace knap {
 namespace {
 
-/// All corners of the vertex nearest to a place.
-std::vector<Index> corners_near(const Mesh& mesh, const Vec2& place) {
-    Index nearest = -1;
-    double distance = std::numeric_limits<double>::infinity();
-    for (Index c = 0; c < mesh.n_corners(); ++c) {
-        const double d = (mesh.corner(c / 3, c % 3) - place).squaredNorm();
-        if (d < distance) distance = d, nearest = mesh.triangles[c / 3][c % 3];
-    }
-    std::vector<Index> corners;
-    for (Index c = 0; c < mesh.n_corners(); ++c)
-        if (mesh.triangles[c / 3][c % 3] == nearest) corners.push_back(c);
-    return corners;
+/// Barycentric coordinates of a place in a triangle.
+Eigen::Vector3d barycentric(const Mesh& mesh, Index t, const Vec2& place) {
+    const Vec2 a = mesh.corner(t, 0), ab = mesh.corner(t, 1) - a, ac = mesh.corner(t, 2) - a, ap = place - a;
+    const double area = cross(ab, ac), b = cross(ap, ac) / area, c = cross(ab, ap) / area;
+    return {1 - b - c, b, c};
+}
+
+Index nearest_vertex(const Mesh& mesh, const Vec2& place) {
+    Index nearest = 0;
+    for (std::size_t v = 1; v < mesh.vertices.size(); ++v)
+        if ((mesh.vertices[v] - place).squaredNorm() < (mesh.vertices[nearest] - place).squaredNorm()) nearest = static_cast<Index>(v);
+    return nearest;
 }
 
 /// The interface that can break whose middle is nearest to a place.
@@ -38,10 +38,29 @@ Index interface_near(const Model& model, const ProbeOptions& probe) {
 
 }  // namespace
 
+/// Linear in the triangle that the place lies in, so that it stays the same place on every mesh; the mean of all of them on an edge or at a
+/// vertex. Outside of the body the nearest vertex.
+std::vector<Probes::Weight> Probes::weights_at(const Mesh& mesh, const Vec2& place) {
+    const auto found_at = [&](const Vec2& point) {
+        std::vector<Weight> weights;
+        for (Index t = 0; t < mesh.n_triangles(); ++t) {
+            const Eigen::Vector3d parts = barycentric(mesh, t, point);
+            if (parts.minCoeff() < -1e-9) continue;
+            for (int k = 0; k < 3; ++k) weights.push_back({3 * t + k, parts[k]});
+        }
+        return weights;
+    };
+    std::vector<Weight> weights = found_at(place);
+    if (weights.empty()) weights = found_at(mesh.vertices[nearest_vertex(mesh, place)]);
+    const double n = static_cast<double>(weights.size()) / 3;
+    for (Weight& weight : weights) weight.part /= n;
+    return weights;
+}
+
 Probes::Probes(const Model& model, const std::vector<ProbeOptions>& probes) : model_(model) {
     for (const ProbeOptions& probe : probes) {
         if (probe.interface) probes_.push_back({.name = probe.name, .interface = interface_near(model, probe)});
-        else probes_.push_back({.name = probe.name, .corners = corners_near(model.mesh, probe.at)});
+        else probes_.push_back({.name = probe.name, .weights = weights_at(model.mesh, probe.at)});
     }
 }
 
@@ -64,12 +83,11 @@ std::vector<double> Probes::line(const State& state) const {
             continue;
         }
         Vec2 u = Vec2::Zero(), v = Vec2::Zero();
-        for (const Index c : probe.corners) {
-            u += state.displacement[state.node_of_corner[c]];
-            v += state.velocity[state.node_of_corner[c]];
+        for (const Weight& weight : probe.weights) {
+            u += weight.part * state.displacement[state.node_of_corner[weight.corner]];
+            v += weight.part * state.velocity[state.node_of_corner[weight.corner]];
         }
-        const double n = static_cast<double>(probe.corners.size());
-        row.insert(row.end(), {u.x() / n, u.y() / n, v.x() / n, v.y() / n});
+        row.insert(row.end(), {u.x(), u.y(), v.x(), v.y()});
     }
     return row;
 }

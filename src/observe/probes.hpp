@@ -1,5 +1,5 @@
 #pragma once
-// Displacement and velocity of chosen vertices, opening and cohesion of chosen interfaces, over time.
+// Displacement and velocity of chosen places, opening and cohesion of chosen interfaces, over time.
 #include "model/state.hpp"
 
 #include <string>
@@ -9,8 +9,8 @@ namespace knap {
 
 struct ProbeOptions {
     std::string name;
-    Vec2 at;                 // [m] what is nearest to it is watched
-    bool interface = false;  // an interface that can break, not a vertex
+    Vec2 at;                 // [m]
+    bool interface = false;  // an interface that can break, the one nearest to the place
 };
 
 class Probes {
@@ -20,17 +20,22 @@ public:
 
     bool empty() const { return probes_.empty(); }
 
-    /// Columns and line of probes.csv: time, then of each probe u_x, u_y, v_x, v_y, means over the corners round its vertex, or
+    /// Columns and line of probes.csv: time, then of each probe u_x, u_y, v_x, v_y, or
     /// opening, slip [m] and cohesion, means over the two points of its interface.
     std::vector<std::string> columns() const;
     std::vector<double> line(const State& state) const;
 
 private:
+    struct Weight {
+        Index corner;
+        double part;
+    };
     struct Probe {
         std::string name;
-        std::vector<Index> corners;  // round the vertex
-        Index interface = -1;        // or this
+        std::vector<Weight> weights;  // of the corners that make up the place
+        Index interface = -1;         // or this
     };
+    static std::vector<Weight> weights_at(const Mesh& mesh, const Vec2& place);
     const Model& model_;
     std::vector<Probe> probes_;
 };

@@ -30,7 +30,7 @@ std::vector<std::string> history_columns(const Scenario& scenario) {
 /// "strain at 10us", "glue_opening reaches 0.0001"
 std::string name_of(const StudyQuantity& quantity) {
     if (quantity.at) return quantity.of + " at " + shortest(*quantity.at) + " s";
-    if (quantity.reaches) return quantity.of + " reaches " + shortest(*quantity.reaches);
+    if (quantity.reaches) return quantity.of + (quantity.since.empty() ? "" : " after " + quantity.since) + " reaches " + shortest(*quantity.reaches);
     return quantity.largest ? "largest " + quantity.of : quantity.of;
 }
 
@@ -39,6 +39,10 @@ void check_quantity(const Assembly& assembly, const std::string& path, const Stu
     const bool is_column = std::find(columns.begin(), columns.end(), quantity.of) != columns.end();
     const int n = (quantity.at ? 1 : 0) + (quantity.reaches ? 1 : 0) + (quantity.largest ? 1 : 0);
     if (n > 1) assembly.findings.error("exclusive-keys", "`" + path + "` has more than one of at, reaches and largest", assembly.at(path));
+    if (!quantity.since.empty() && !quantity.reaches)
+        assembly.findings.error("missing-key", "`" + path + ".since` needs reaches", assembly.at(path + ".since")).note = "the value whose times are compared";
+    if (!quantity.since.empty() && std::find(columns.begin(), columns.end(), quantity.since) == columns.end())
+        assembly.unknown_name(path + ".since", "column of a history", quantity.since, columns);
     if (is_column || (n == 0 && in_summary(quantity.of))) return;
     std::vector<std::string> known = columns;
     if (n == 0)
@@ -51,6 +55,7 @@ StudyQuantity quantity_at(const Assembly& assembly, const std::string& path) {
     StudyQuantity quantity{.of = values.text(path + ".of").value_or(""),
                            .at = values.number(path + ".at"),
                            .reaches = values.number(path + ".reaches"),
+                           .since = values.text(path + ".since").value_or(""),
                            .largest = values.flag(path + ".largest").value_or(false),
                            .exact = values.number(path + ".exact"),
                            .scale = values.number(path + ".scale")};

@@ -152,9 +152,9 @@ const std::vector<Key>& table() {
     {.path = "output.fields", .kind = Kind::boolean, .standard = "true", .doc = "write .vtu frames"},
 
     {.path = "probe[]", .kind = Kind::list, .doc = "a place that is watched; goes to probes.csv"},
-    {.path = "probe[].at", .kind = Kind::number, .form = Form::pair, .unit = "m", .required = true, .doc = "what is nearest to it is watched"},
-    {.path = "probe[].watch", .kind = Kind::text, .words = {"vertex", "interface"}, .standard = "\"vertex\"",
-     .doc = "vertex: displacement and velocity; interface: opening, slip and cohesion of the nearest one that can break, mean of its points"},
+    {.path = "probe[].at", .kind = Kind::number, .form = Form::pair, .unit = "m", .required = true, .doc = "where; outside of the body the nearest vertex"},
+    {.path = "probe[].watch", .kind = Kind::text, .words = {"place", "interface"}, .standard = "\"place\"",
+     .doc = "place: displacement and velocity; interface: opening, slip and cohesion of the nearest one that can break, mean of its points"},
     {.path = "probe[].name", .kind = Kind::text, .otherwise = "probe1, probe2, ...", .doc = "name of its columns"},
 
     {.path = "figure[]", .kind = Kind::list, .doc = "a picture that the run draws"},
@@ -200,6 +200,8 @@ const std::vector<Key>& table() {
      .doc = "a number of the summary, or a column of energy.csv, cracks.csv, reactions.csv or probes.csv: its value at the end"},
     {.path = "study.quantity[].at", .kind = Kind::number, .unit = "s", .range = not_negative, .doc = "the column's value at this time"},
     {.path = "study.quantity[].reaches", .kind = Kind::number, .unit = "*", .doc = "the time when the column first reaches this"},
+    {.path = "study.quantity[].since", .kind = Kind::text,
+     .doc = "another column: the time since that one reached the same; between two probes it is the speed of what runs by"},
     {.path = "study.quantity[].largest", .kind = Kind::boolean, .otherwise = "false", .doc = "the column's largest value"},
     {.path = "study.quantity[].exact", .kind = Kind::number, .unit = "*", .doc = "what it should be"},
     {.path = "study.quantity[].scale", .kind = Kind::number, .unit = "*", .range = positive, .otherwise = "the reference, absolute if that is 0",

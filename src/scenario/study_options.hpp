@@ -15,6 +15,7 @@ struct StudyQuantity {
     std::string of;                  // of the summary; with `at`, `reaches` or `largest`, and otherwise if the summary has none, a column of a history
     std::optional<double> at;        // [s] its value then
     std::optional<double> reaches;   // the time [s] when it first reaches this
+    std::string since;               // with `reaches`: a column too; the time since this one reached the same
     bool largest = false;            // its largest value
     std::optional<double> exact;     // what it should be
     std::optional<double> scale;     // errors are parts of this; else of the reference, if that is not 0

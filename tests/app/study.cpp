@@ -164,6 +164,8 @@ TEST_CASE("study: mistakes are reported before anything runs") {
     fails("-s 'study.quantity=[{ of = \"strain\", at = \"1 mm\" }]'", "a time");
     fails("-s 'study.quantity=[{ of = \"strain\", at = 1e-6, largest = true }]'", "more than one of");
     fails("-s 'study.quantity=[{ of = \"strain\", reaches = \"1 J\", exact = \"1 J\" }]'", "a time");
+    fails("-s 'study.quantity=[{ of = \"strain\", since = \"kinetic\" }]'", "needs reaches");
+    fails("-s 'study.quantity=[{ of = \"strain\", reaches = 1, since = \"kinetik\" }]'", "did you mean `kinetic`?");
     fails("--levels 1,0", "greater than 0");
     fails("--levels 1,1", "duplicate-name");
     fails("--schemes explicit", "explicit/implicit");

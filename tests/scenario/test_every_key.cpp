@@ -153,6 +153,7 @@ exact = "1 mJ"
 [[study.quantity]]
 of = "middle_opening"
 reaches = "3 um"
+since = "middle_slip"
 exact = "20 us"
 [[study.quantity]]
 of = "load1_force_y"
@@ -299,6 +300,7 @@ const Case cases[] = {
     {rectangle, "study.quantity[1].exact", "0.001"},
     {rectangle, "study.quantity[2].reaches", "3e-06"},
     {rectangle, "study.quantity[2].exact", "2e-05"},
+    {rectangle, "study.quantity[2].since", "\"middle_slip\""},
     {rectangle, "study.quantity[3].largest", "true"},
     {schemes, "study.schemes", "[\"explicit/explicit\", \"implicit/implicit\"]"},
     {polygon, "domain.points", "[[0, 0], [0.01, 0], [0.01, 0.01], [0, 0.01]]"},
