@@ -17,6 +17,9 @@ std::size_t finest_run(const Study& study, std::size_t q) {
     return 0;
 }
 
+/// None between values that are the same but for rounding, as times of events in coarse steps can be.
+double difference(double a, double b) { return std::abs(a - b) > 1e-9 * std::abs(b) ? std::abs(a - b) : NAN; }
+
 /// Orders of one line. Beside the finest run errors are too small where the steps are nearly as fine, and the order would come out too
 /// large; the differences between neighbours fall with the same order and are free of that.
 void judge_line(const Study& study, std::size_t q, std::size_t line, StudyErrors& errors) {
@@ -24,7 +27,7 @@ void judge_line(const Study& study, std::size_t q, std::size_t line, StudyErrors
     const std::vector<double> h = study.h(line);
     std::vector<double> value, gap;
     for (const std::size_t run : runs) value.push_back(study.results[run].values[q]);
-    for (std::size_t i = 0; i < runs.size(); ++i) gap.push_back(errors.exact ? errors.error[runs[i]] : i + 1 < runs.size() ? std::abs(value[i] - value[i + 1]) : NAN);
+    for (std::size_t i = 0; i < runs.size(); ++i) gap.push_back(errors.exact ? errors.error[runs[i]] : i + 1 < runs.size() ? difference(value[i], value[i + 1]) : NAN);
     for (std::size_t i = 1; i < runs.size(); ++i) errors.order[runs[i]] = observed_order(h[i - 1], gap[i - 1], h[i], gap[i]);
     errors.fitted.push_back(fitted_order(h, gap));
     const auto beyond = extrapolate(h, value);

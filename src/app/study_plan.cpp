@@ -70,7 +70,7 @@ std::string plain_name(const std::string& text) {
 
 StudyPlan plan_study(const std::string& scenario, const Overrides& overrides) {
     const ReadResult read = open_scenario(scenario, overrides);
-    StudyPlan plan{.options = read.scenario.study, .name = read.scenario.name, .title = read.scenario.title};
+    StudyPlan plan{.options = read.scenario.study, .name = read.scenario.name};
     StudyOptions& options = plan.options;
     // a study of single runs needs events to the step; statistics can do with the lines that the scenario writes
     Overrides common = options.n_seeds > 0 ? Overrides{} : Overrides{"output.history_every=" + shortest(1e-9 * read.scenario.time.end)};
@@ -82,6 +82,7 @@ StudyPlan plan_study(const std::string& scenario, const Overrides& overrides) {
         append(of_line, line.set);
         append(of_line, bare);
         const ReadResult base = open_scenario(scenario, of_line);
+        if (i == 0) plan.title = base.scenario.title;
         if (line.name.empty()) line.name = scheme_name(base.scenario);
         std::sort(line.levels.begin(), line.levels.end());
         for (const double level : line.levels) {

@@ -21,11 +21,21 @@ double number(const Json& value) { return value.is_number() ? value.get<double>(
 struct Column {
     std::vector<double> time, value;
 };
-Column column_of(const fs::path& run, const std::string& name) {
+
+/// The explicit bulk has its velocities in the middle of a step, and its kinetic and strain energy and the work of the loads are those of that time.
+void shift_to_middle(const History& energy, std::vector<double>& time) {
+    const std::vector<double> step = energy.column("step");
+    for (std::size_t i = 0; i < time.size(); ++i) time[i] -= 0.5 * step[i];
+}
+
+Column column_of(const fs::path& run, const std::string& name, bool explicit_bulk) {
     for (const char* file : {"energy.csv", "cracks.csv", "reactions.csv", "probes.csv"}) {
         if (!fs::exists(run / file)) continue;
         const History history = read_csv(run / file);
-        if (history.has(name)) return {history.column("time"), history.column(name)};
+        if (!history.has(name)) continue;
+        Column column{history.column("time"), history.column(name)};
+        if (explicit_bulk && (name == "kinetic" || name == "strain" || name == "external_work")) shift_to_middle(history, column.time);
+        return column;
     }
     return {};
 }
@@ -36,7 +46,7 @@ double between(double x, double x0, double y0, double x1, double y1) { return x1
 double value_at(const Column& column, double time) {
     const auto& t = column.time;
     const double slack = 1e-9 * (t.back() - t.front());
-    if (time > t.back() + slack || time < t.front() - slack) return NAN;
+    if (time > t.back() + slack || time < t.front() - slack) return NAN;  // never reached
     const std::size_t i = std::lower_bound(t.begin(), t.end(), time - slack) - t.begin();
     if (i == 0 || t[i] <= time + slack) return column.value[i];
     return between(time, t[i - 1], column.value[i - 1], t[i], column.value[i]);
@@ -53,14 +63,14 @@ double time_when(const Column& column, double value) {
     return NAN;
 }
 
-double value_of(const StudyQuantity& quantity, const Json& summary, const fs::path& run) {
+double value_of(const StudyQuantity& quantity, const Json& summary, const fs::path& run, bool explicit_bulk) {
     if (!quantity.from_history() && summary.contains(quantity.of)) return number(summary[quantity.of]);
-    const Column column = column_of(run, quantity.of);
+    const Column column = column_of(run, quantity.of, explicit_bulk);
     if (column.time.empty()) return NAN;
     if (quantity.at) return value_at(column, *quantity.at);
     if (quantity.reaches && quantity.since.empty()) return time_when(column, *quantity.reaches);
     if (quantity.reaches) {
-        const Column earlier = column_of(run, quantity.since);
+        const Column earlier = column_of(run, quantity.since, explicit_bulk);
         return earlier.time.empty() ? NAN : time_when(column, *quantity.reaches) - time_when(earlier, *quantity.reaches);
     }
     return quantity.largest ? *std::max_element(column.value.begin(), column.value.end()) : column.value.back();
@@ -97,7 +107,7 @@ StudyResult read_result(const fs::path& run, const std::vector<StudyQuantity>& q
     result.step = number(record["step_s"]);
     result.cpu = number(record["cpu_s"]) - number(record["cpu_parts_s"]["output"]);
     if (result.status != "done") return result;
-    for (std::size_t q = 0; q < quantities.size(); ++q) result.values[q] = value_of(quantities[q], record["summary"], run);
+    for (std::size_t q = 0; q < quantities.size(); ++q) result.values[q] = value_of(quantities[q], record["summary"], run, result.bulk == "explicit");
     return result;
 }
 
