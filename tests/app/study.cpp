@@ -87,6 +87,23 @@ TEST_CASE("study: theta 1/2 and central differences are of second order in the s
         CHECK_MESSAGE(fs::exists(folder.path / "s" / file), file);
 }
 
+TEST_CASE("study: B7 the ramp wave converges to the exact opening and the exact time of breaking") {
+    const Folder folder("study ramp");
+    REQUIRE(command("study bar_ramp_wave -q --levels 0.5,1,2 -o " + folder.in_shell("s")).code == 0);
+    for (const char* name : {"opening at 16.5 us", "time of breaking"}) {
+        CAPTURE(name);
+        const std::vector<double> error = column(folder.path / "s", std::string("error of ") + name);
+        CHECK(error[2] < 1e-3);
+        CHECK(fitted_order({1, 0.5, 0.25}, error) > 1.4);  // not yet where the order is reached
+    }
+}
+
+TEST_CASE("study: B7 is of second order" * doctest::test_suite("slow")) {
+    const Folder folder("study ramp order");
+    REQUIRE(command("study bar_ramp_wave -q --levels 4,8 -o " + folder.in_shell("s")).code == 0);
+    for (const char* name : {"opening at 16.5 us", "time of breaking"}) CHECK(std::abs(column(folder.path / "s", std::string("order of ") + name)[1] - 2) <= 0.1);
+}
+
 TEST_CASE("study: finished runs are kept and nothing else is overwritten") {
     const Folder folder("study again");
     const std::string study = "study " + ringing + "-o " + folder.in_shell("s") + " --quantity strain_energy ";
