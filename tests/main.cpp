@@ -1,6 +1,8 @@
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 
+#include "support/verification_listener.hpp"
+
 #include <cstdio>
 
 namespace {

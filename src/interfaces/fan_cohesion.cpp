@@ -6,7 +6,7 @@
 namespace knap {
 namespace {
 
-constexpr int most_solves = 100;
+constexpr int most_solves = 1000;  // tens are usual
 constexpr double settled = 1e-14;      // [-] change of beta
 constexpr double worth_mixing = 0.9;   // the gap must have shrunk to this part: where softening outweighs inertia the secant points back
 

@@ -88,6 +88,9 @@ void assemble_foundations(Assembly& assembly) {
         assembly.scenario.foundations.push_back({.on = selection(assembly, path + ".on"),
                                                  .glued = assembly.values.flag(path + ".glued").value_or(false),
                                                  .gap = assembly.values.number(path + ".gap").value_or(0)});
+        const Foundation& made = assembly.scenario.foundations.back();
+        if (made.glued && made.gap > 0)
+            assembly.findings.error("exclusive-keys", "`" + path + "` is glued across a gap", assembly.at(path + ".gap")).note = "gap = 0, or glued = false";
     }
 }
 

@@ -96,7 +96,7 @@ const std::vector<Key>& table() {
     {.path = "foundation[].on.box", .kind = Kind::number, .form = Form::box, .unit = "m", .doc = "only the part inside this box"},
     {.path = "foundation[].interface", .kind = Kind::text, .standard = "\"default\"", .doc = "name of the law between body and foundation"},
     {.path = "foundation[].glued", .kind = Kind::boolean, .standard = "false", .doc = "true: held by the law's cohesion; false: contact and friction only"},
-    {.path = "foundation[].gap", .kind = Kind::number, .unit = "m", .range = not_negative, .standard = "0", .doc = "distance at the start"},
+    {.path = "foundation[].gap", .kind = Kind::number, .unit = "m", .range = not_negative, .standard = "0", .doc = "distance at the start; not of what is glued"},
 
     {.path = "load[]", .kind = Kind::list,
      .doc = "exactly one of traction, force, velocity, displacement, body_force, acceleration; at most one of ramp, table, csv (none: constant)"},

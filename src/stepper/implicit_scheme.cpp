@@ -9,6 +9,8 @@
 namespace knap {
 namespace {
 
+constexpr double most_residual = 1e-10;  // of the interface laws, scaled: the gate of every run
+constexpr double rounding = 1e-14;       // of the rates
 constexpr int most_passes = 40;
 
 }  // namespace
@@ -54,6 +56,11 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
     }
     join_what_holds(rate_);
     judge(report);
+    if (report.residual > most_residual) {
+        report.refusal = Refusal::not_converged;
+        report.where = place_of_trouble(report.refusal);
+        return report;
+    }
     account_points(h, report);
     bulk_.account(rate_, solver_.unbalanced(), report);
     store(begin, h, end, report);
@@ -280,8 +287,9 @@ void ImplicitScheme::account_points(double h, StepReport& report) const {
         report.cohesive_work += (cohesive_N * w.x() + cohesive_T * w.y()) / theta;
         report.impact_work += impact;
         report.friction_work += friction;
-        report.worst_impact_work = std::max(report.worst_impact_work, impact);
-        report.worst_friction_work = std::max(report.worst_friction_work, friction);
+        const double slack = (rounding + report.residual) * solver_.unit() / (point.mass * theta);  // [m/s] what w may be off
+        report.worst_impact_work = std::max(report.worst_impact_work, impact - slack * point.response.contact);
+        report.worst_friction_work = std::max(report.worst_friction_work, friction - slack * std::abs(point.response.friction_part));
 
         const double u_N = law.u_N + h * w.x(), u_T = law.u_T + h * w.y();
         report.crossing_loss += (cohesive_T * w.y() - law.gamma * cohesive_N * (std::abs(u_T) - std::abs(law.u_T)) / h) / theta;

@@ -25,7 +25,7 @@ struct StepReport {
     double friction_work = 0;    // <= 0
     double step_change_work = 0; // what a change of the step size does to the leapfrog energy; 0 at constant step
     double scheme_dissipation = 0;  // >= 0: what theta > 1/2 takes away, (theta - 1/2) (|dv|_M^2 + |du|_K^2); 0 for the explicit bulk
-    double worst_impact_work = 0;    // the largest single term, should be <= 0 up to rounding
+    double worst_impact_work = 0;    // the largest single term beyond what the residual and rounding explain, must be <= 0
     double worst_friction_work = 0;
     double residual = 0;             // worst residual of the interface laws, scaled
     double penetration = 0;          // [m] largest

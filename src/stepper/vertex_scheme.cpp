@@ -220,6 +220,19 @@ FanSolution VertexScheme::solve(Index f, const State& begin, Workspace& work) co
 
 namespace {
 
+constexpr double rounding = 1e-14;  // of the velocities of a fan
+
+/// [m/s] Size of what the velocities of a fan are sums of: impulses that hold a body together cancel.
+double speed_scale(const FanProblem& problem) {
+    double speed = 0, mobility = 0, impulse = 0;
+    for (const FanBody& body : problem.bodies) {
+        speed = std::max({speed, body.velocity.norm(), body.end_velocity.norm()});
+        mobility = std::max({mobility, body.inverse_mass.x(), body.inverse_mass.y()});
+    }
+    for (const FanLink& link : problem.links) impulse = std::max({impulse, link.contact, link.impulse.norm()});
+    return speed + mobility * impulse;
+}
+
 /// What the implicit sign of the tangential cohesion costs where the slip changes its sign: the work of its force minus the change of
 /// gamma beta sigma_c |u_T| S, both between the middles of the steps, which is what the mean velocity of an impulse covers.
 double crossing_loss(const FanLink& link, double v_T_before, double v_T_after, double last_step, const FreeMotion& free) {
@@ -265,6 +278,7 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
     const auto reaction_at = [&](Index body) -> Vec2& {
         return end.reaction[model_.prescribed_of_corner[model_.fan_corners[fan.first_corner + body]]];
     };
+    const double slack = (rounding + solution.residual) * speed_scale(problem);  // [m/s] what the velocities may be off
     for (Index i = 0; i < fan.n_points; ++i) {
         const FanLink& link = problem.links[i];
         const FanPoint& point = model_.fan_points[fan.first_point + i];
@@ -292,8 +306,8 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
         report.crossing_loss += crossing_loss(link, t.dot(before), t.dot(after), begin.last_step, free);
         report.impact_work += impact;
         report.friction_work += friction;
-        report.worst_impact_work = std::max(report.worst_impact_work, impact);
-        report.worst_friction_work = std::max(report.worst_friction_work, friction);
+        report.worst_impact_work = std::max(report.worst_impact_work, impact - slack * link.contact);
+        report.worst_friction_work = std::max(report.worst_friction_work, friction - slack * std::abs(link.friction_part));
 
         const double u_N = link.u_N + free.drift_time * n.dot(after), u_T = link.u_T + free.drift_time * t.dot(after);
         const double cohesion = point.cracked ? 0 : cohesion_before(f, i, begin);

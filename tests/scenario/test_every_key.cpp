@@ -74,6 +74,9 @@ G_c = 1
 on = { boundary = "bottom", box = ["0 mm", "0 mm", "10 mm", "2 mm"] }
 interface = "glue"
 glued = true
+[[foundation]]
+on = "left"
+interface = "glue"
 gap = "1 um"
 [[load]]
 on = "top"
@@ -234,7 +237,7 @@ const Case cases[] = {
     {rectangle, "foundation[0].on.box", "[0, 0, 0.01, 0.002]"},
     {rectangle, "foundation[0].interface", "\"glue\""},
     {rectangle, "foundation[0].glued", "true"},
-    {rectangle, "foundation[0].gap", "1e-06"},
+    {rectangle, "foundation[1].gap", "1e-06"},
     {rectangle, "load[0].on.boundary", "\"top\""},
     {rectangle, "load[0].traction", "[1e+06, 2e+06]"},
     {rectangle, "load[0].ramp", "1e-05"},
@@ -371,10 +374,10 @@ TEST_CASE("scenario: the structs hold what the file says") {
     CHECK(s.laws[1].law.friction == 0.3);
     CHECK(s.laws[2].law.G_c == tests::relative(2, 1e-15));
     CHECK(s.laws[2].law.delta_c() == tests::relative(2e-6, 1e-15));
-    REQUIRE(s.foundations.size() == 1);
+    REQUIRE(s.foundations.size() == 2);
     CHECK(s.foundations[0].law == 3);
     CHECK(s.foundations[0].glued);
-    CHECK(s.foundations[0].gap == 1e-6);
+    CHECK(s.foundations[1].gap == 1e-6);
     CHECK(s.foundations[0].on.box->high == Vec2(0.01, 0.002));
     REQUIRE(s.loads.size() == 6);
     CHECK(s.loads[0].kind == Load::Kind::traction);

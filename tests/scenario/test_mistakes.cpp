@@ -87,6 +87,7 @@ const Case cases[] = {
     {"gravity on a boundary", with(load + "acceleration = [0, 1]\n"), "exclusive-keys", 17, 6, 5, "acts in the body"},
     {"both components free", with(load + "velocity = [\"free\", \"free\"]\n"), "exclusive-keys", 18, 12, 16, "prescribes nothing"},
     {"energy without strength", changed("3.08e6", "0"), "exclusive-keys", 13, 1, 3, "no strength"},
+    {"glued across a gap", with("[[foundation]]\non = \"bottom\"\nglued = true\ngap = 1e-6\n"), "exclusive-keys", 19, 7, 4, "glued = false"},
     {"glued by nothing", with("[interface.floor]\nsigma_c = 0\n[[foundation]]\non = \"bottom\"\ninterface = \"floor\"\nglued = true\n"), "exclusive-keys", 21, 9, 4,
      "no strength"},
     {"unknown word", changed("rectangle", "rectangl"), "unknown-word", 3, 9, 10, "did you mean `rectangle`?"},

@@ -1,6 +1,7 @@
 // Bodies with all their edges cohesive and implicit: ties (E3), friction of any size (E11), slivers (E12).
 #include "geometry/triangulate.hpp"
 #include "support/bodies.hpp"
+#include "support/paths.hpp"
 #include "support/relative.hpp"
 #include "support/springs.hpp"
 
@@ -77,12 +78,11 @@ TEST_CASE("E3 all interfaces of a homogeneous bar reach their strength in one im
     const double h = 0.02;  // a wave crosses .4 of a cell
     const int refusals = go(run, 2, h);
     CHECK(go(again, 2, h) == refusals);
-    MESSAGE("E3 ", run.now.n_steps, " steps, ", refusals, " refused, ", run.now.split_fans.size(), " vertices open, ", n_broken(run), " points broken, ",
-            static_cast<double>(run.ledger.worst().linear_solves) / static_cast<double>(run.now.n_steps), " linear solves a step");
-    CHECK(refusals == 0);
-    CHECK(same_bits(run.now.displacement, again.now.displacement));
-    CHECK(run.now.split_fans == again.now.split_fans);
-    CHECK(run.now.split_fans.size() > 0.8 * 19 * 5);  // the vertices of all columns but the ends
+    on_path(both_implicit);
+    verify_at_most("refused steps", refusals, 0);
+    verify_that("a second run has the same bits", same_bits(run.now.displacement, again.now.displacement) && run.now.split_fans == again.now.split_fans);
+    verify_at_least("vertices that come apart (95 inside)", static_cast<double>(run.now.split_fans.size()), 0.8 * 19 * 5);
+    verify_small("residual of the interface laws", run.ledger.worst().residual, {1e-10});
     check_books(run);
 }
 
@@ -104,8 +104,13 @@ TEST_CASE("E11 friction of 1 and 10 and 1000 with all edges implicit") {
         const double h = twin.stepper.stable_step();
         const int refusals = go(run, 25e-6, h);
         go(twin, 25e-6, 0.5 * h);
-        MESSAGE("E11 friction ", friction, ": ", run.now.n_steps, " steps, ", refusals, " refused, broken ", n_broken(run), " (explicit ", n_broken(twin), "), friction work ",
-                run.ledger.row().friction_work / run.ledger.largest_energy(), " (", twin.ledger.row().friction_work / twin.ledger.largest_energy(), ")");
+        on_path(both_implicit);
+        const std::string at = ", mu = " + digits(friction);
+        const double scale = run.ledger.largest_energy();
+        verify_at_most("friction work over the energy" + at, run.ledger.row().friction_work / scale, 0);
+        verify_at_most("largest friction work of a point in a step, over the energy" + at, run.ledger.worst().worst_friction_work / scale, 1e-14);
+        verify_small("residual of the interface laws" + at, run.ledger.worst().residual, {1e-10});
+        verify_at_most("steps refused of " + std::to_string(run.now.n_steps) + at, refusals, static_cast<double>(run.now.n_steps) / 2);
         CHECK(n_broken(run) > 0.5 * n_broken(twin));
         CHECK(n_broken(run) < 1.5 * n_broken(twin) + 20);
         CHECK(run.ledger.row().friction_work < 0);
@@ -114,6 +119,7 @@ TEST_CASE("E11 friction of 1 and 10 and 1000 with all edges implicit") {
 }
 
 TEST_CASE("E12 slivers of half a degree do not disturb what is bound") {
+    describe("A plate of 6 x 6 cells with a triangle of half a degree, masses 1 to 250 apart; 40 steps without interfaces, with all edges cohesive, and with every vertex split.");
     // one vertex so near to an edge that a triangle of half a degree remains; all vertices solved with their points (split from the start)
     Mesh mesh = bar_mesh(6, 6, 1, 1);
     const Index vertex = 3 * 7 + 3;
@@ -143,9 +149,10 @@ TEST_CASE("E12 slivers of half a degree do not disturb what is bound") {
             worst_bound = std::max(worst_bound, (bound.u(c / 3, c % 3) - u).norm());
             largest = std::max(largest, u.norm());
         }
-        MESSAGE("E12 h of ", crossing, " cells: split differs by ", worst / largest, ", bound by ", worst_bound / largest);
-        CHECK(worst <= 1e-8 * largest);
-        CHECK(worst_bound <= 1e-12 * largest);
+        on_path(both_implicit);
+        const std::string at = ", a wave crosses " + digits(crossing) + " cells in a step";
+        verify_small("difference of the displacements, split" + at, worst / largest, {1e-8});
+        verify_small("difference of the displacements, bound" + at, worst_bound / largest, {1e-12});
         check_books(open);
     }
 }

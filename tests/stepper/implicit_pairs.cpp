@@ -1,11 +1,12 @@
 // The four pairs of a bulk and a cohesion scheme on the same exact problems: speed of convergence on B1, events of B3.
+#include "observe/chart.hpp"
+#include "support/paths.hpp"
 #include "support/relative.hpp"
 #include "support/springs.hpp"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 using namespace knap;
@@ -14,16 +15,15 @@ using namespace knap::tests;
 namespace {
 
 struct Pair {
-    std::string name;
     SchemeOptions options;
     double order;  // of convergence: 2 where the cohesion is taken at the moment at which the bulk takes its forces, else 1
 };
 
 const std::vector<Pair> pairs = {
-    {"explicit bulk, explicit beta", {}, 2},
-    {"explicit bulk, implicit beta", {.cohesion = CohesionScheme::implicit_beta}, 1},  // central differences want the force of the begin
-    {"implicit bulk, explicit beta", implicit(0.5, CohesionScheme::explicit_beta), 1},
-    {"implicit bulk, implicit beta", implicit(), 2},
+    {{}, 2},
+    {{.cohesion = CohesionScheme::implicit_beta}, 1},  // central differences want the force of the begin
+    {implicit(0.5, CohesionScheme::explicit_beta), 1},
+    {implicit(), 2},
 };
 
 /// u(1.5) of B1: one mass under a constant force, cosh(1.5) - 1 over 2 in the limit.
@@ -57,20 +57,24 @@ double opening_of_b3(const SchemeOptions& options, double h) {
 }  // namespace
 
 TEST_CASE("B1 the four pairs of schemes converge with their order") {
+    describe("u(1.5) at h = .1, .05, ... .00625. The order is 2 where the cohesion is taken at the moment at which the bulk takes its forces, else 1.");
     const double exact = 0.5 * (std::cosh(1.5) - 1);
+    Chart chart{.title = "B1: error of u(1.5)", .x_quantity = "log_{10} of the step", .x_unit = "1", .y_quantity = "log_{10} of the error", .y_unit = "1"};
+    const std::vector<Colour> colours{{0, 0.447, 0.698}, {0.902, 0.624, 0}, {0.835, 0.369, 0}, {0, 0.62, 0.451}};
     for (const Pair& pair : pairs) {
-        std::string line;
+        on_path(pair.options);
         double previous = 0;
+        Curve curve{.label = name_of(pair.options), .x = {}, .y = {}, .colour = colours[chart.curves.size()]};
         for (const double h : {0.1, 0.05, 0.025, 0.0125, 0.00625}) {
             const double error = opening_of_b1(pair.options, h) / exact - 1, order = previous != 0 ? std::log2(std::abs(previous / error)) : 0;
-            char text[80];
-            std::snprintf(text, sizeof text, "  %9.2e (%4.2f)", error, order);
-            line += text;
-            if (h < 0.02) CHECK(std::abs(order - pair.order) <= 0.05);
+            curve.x.push_back(std::log10(h)), curve.y.push_back(std::log10(std::abs(error)));
+            if (h < 0.02) verify_near("order of u(1.5), h = " + digits(h), order, pair.order, {0.05});
             previous = error;
         }
-        MESSAGE("B1 error of u(1.5) (order) at h = .1, .05, ..., ", pair.name, ":", line);
+        verify_small("relative error of u(1.5), h = .00625", previous, {pair.order == 2 ? 2e-4 : 4e-3});
+        chart.curves.push_back(curve);
     }
+    if (const auto file = picture("B1.png")) draw_chart(chart, *file, 640);
 }
 
 TEST_CASE("B3 the four pairs of schemes find the same motion") {
@@ -78,14 +82,8 @@ TEST_CASE("B3 the four pairs of schemes find the same motion") {
     const double reference = opening_of_b3(implicit(), 1.25e-4);
     CHECK(reference == doctest::Approx(0.585).epsilon(0.01));
     for (const Pair& pair : pairs) {
-        std::string line;
-        for (const double h : {8e-3, 4e-3, 2e-3, 1e-3}) {
-            const double error = opening_of_b3(pair.options, h) / reference - 1;
-            char text[40];
-            std::snprintf(text, sizeof text, "  %9.2e", error);
-            line += text;
-            CHECK(std::abs(error) <= 5 * h);  // events fall between steps
-        }
-        MESSAGE("B3 error of u(6) at h = 8e-3, 4e-3, 2e-3, 1e-3, ", pair.name, ":", line);
+        on_path(pair.options);
+        for (const double h : {8e-3, 4e-3, 2e-3, 1e-3})  // events fall between steps
+            verify("u_1(6) against both implicit at h = 1.25e-4, h = " + digits(h), opening_of_b3(pair.options, h), reference, {5 * h, h});
     }
 }

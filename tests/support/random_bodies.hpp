@@ -24,6 +24,30 @@ struct RandomBody {
     double step;  // [s] a part of what Assumption 1 asks of a single triangle
 };
 
+/// The same body with numbers that are larger by these factors of length, mass and time.
+inline void in_units(RandomBody& made, double length, double mass, double time) {
+    const double pressure = mass / (length * time * time), speed = length / time;
+    ModelInput& input = made.input;
+    for (Vec2& x : input.mesh.vertices) x *= length;
+    input.thickness *= length;
+    for (Elastic& material : input.materials) material.density *= mass / std::pow(length, 3), material.E *= pressure;
+    input.laws[0].sigma_c *= pressure;
+    input.laws[0].G_c *= pressure * length;
+    for (Foundation& foundation : input.foundations) foundation.gap *= length;
+    for (Load& each : input.loads) {
+        double unit = 1;
+        if (each.kind == Load::Kind::traction) unit = pressure;
+        if (each.kind == Load::Kind::body_force) unit = pressure / length;
+        if (each.kind == Load::Kind::velocity) unit = speed;
+        if (each.kind == Load::Kind::displacement) unit = length;
+        for (auto& value : each.value)
+            if (value) *value *= unit;
+        for (double& t : each.history.time) t *= time;
+    }
+    for (Vec2& v : made.velocity) v *= speed;
+    made.step *= time;
+}
+
 class RandomBodies {
 public:
     RandomBodies(std::uint64_t seed, const RandomBodyOptions& options = {}) : random_(seed, "body"), options_(options) {}
@@ -119,26 +143,7 @@ private:
     void change_units(RandomBody& made) {
         const double length = std::pow(10, random_.uniform(-3, 3)), mass = std::pow(10, random_.uniform(-3, 3));
         const double time = std::pow(10, random_.uniform(-3, 3));
-        const double pressure = mass / (length * time * time), speed = length / time;
-        ModelInput& input = made.input;
-        for (Vec2& x : input.mesh.vertices) x *= length;
-        input.thickness *= length;
-        for (Elastic& material : input.materials) material.density *= mass / std::pow(length, 3), material.E *= pressure;
-        input.laws[0].sigma_c *= pressure;
-        input.laws[0].G_c *= pressure * length;
-        for (Foundation& foundation : input.foundations) foundation.gap *= length;
-        for (Load& each : input.loads) {
-            double unit = 1;
-            if (each.kind == Load::Kind::traction) unit = pressure;
-            if (each.kind == Load::Kind::body_force) unit = pressure / length;
-            if (each.kind == Load::Kind::velocity) unit = speed;
-            if (each.kind == Load::Kind::displacement) unit = length;
-            for (auto& value : each.value)
-                if (value) *value *= unit;
-            for (double& t : each.history.time) t *= time;
-        }
-        for (Vec2& v : made.velocity) v *= speed;
-        made.step *= time;
+        in_units(made, length, mass, time);
     }
 
     Random random_;

@@ -1,0 +1,110 @@
+// Reference cases that need the whole program: a slowly opened beam (C2), an explicit debonding strip (C1), the edge-cracked block (D1).
+#include "app/program.hpp"
+#include "support/verification.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <regex>
+#include <sstream>
+#include <vector>
+
+using namespace knap::tests;
+
+namespace {
+
+/// A run that must succeed, and its numbers.
+class ReferenceRun {
+public:
+    ReferenceRun(const std::string& name, const std::string& arguments) : folder_("reference " + name) {
+        const program::Answer answer = program::command("run " + arguments + " -j 1 -q -s 'expect={}' -s output.fields=false -s 'figure=[]' -o " + folder_.in_shell("run"));
+        REQUIRE_MESSAGE(answer.code == 0, answer.text);
+        json_ = program::text_of(folder_.path / "run" / "run.json");
+    }
+
+    /// From run.json's summary; NaN for null.
+    double operator[](const std::string& name) const {
+        std::smatch found;
+        const std::string summary = json_.substr(json_.find("\"summary\""));
+        REQUIRE_MESSAGE(std::regex_search(summary, found, std::regex("\"" + name + "\": *([^,\\s}]+)")), name);
+        return found[1] == "null" ? std::nan("") : std::strtod(found[1].str().c_str(), nullptr);
+    }
+
+    /// The first column of one of its tables whose name ends so.
+    std::vector<double> column(const std::string& table, const std::string& name) const {
+        std::istringstream in(program::text_of(folder_.path / "run" / table));
+        std::string line, cell;
+        std::getline(in, line);
+        std::istringstream header(line);
+        int which = 0;
+        while (std::getline(header, cell, ',') && !cell.ends_with(name)) ++which;
+        REQUIRE_MESSAGE(cell.ends_with(name), table, " has no column ", name, ": ", line);
+        std::vector<double> values;
+        while (std::getline(in, line)) {
+            std::istringstream row(line);
+            for (int i = 0; i <= which; ++i) std::getline(row, cell, ',');
+            values.push_back(std::strtod(cell.c_str(), nullptr));
+        }
+        return values;
+    }
+
+private:
+    program::Folder folder_;
+    std::string json_;
+};
+
+struct Beam {
+    double U, length, P;  // [mm], [mm] from the right end, [N]
+};
+
+}  // namespace
+
+TEST_CASE("C2 a double cantilever beam is opened slowly" * doctest::test_suite("slow")) {
+    describe("The scenario dcb_williams to U = .4 mm: half model, E = 2700 MPa, nu = .39, arm .2 mm, glued with G_c = .14 N/mm (for the half), sigma_c = 45 MPa. References: the converged solution of this "
+             "cohesive beam, which lags a little behind Williams' crack.");
+    on_path("implicit, implicit");
+    const ReferenceRun run("beam", "dcb_williams -s time.end='\"20.5 ms\"'");
+    const std::vector<double> time = run.column("cracks.csv", "time"), broken = run.column("cracks.csv", "broken_length"), force = run.column("reactions.csv", "load1_force_y");
+    REQUIRE(time.size() == force.size());
+    for (const Beam& reference : {Beam{0.1, 0.6675, 0.8146}, Beam{0.2, 1.030, 0.5758}, Beam{0.3, 1.3075, 0.4701}, Beam{0.4, 1.540, 0.4082}}) {
+        const double t = 1e-3 * (0.5 + reference.U / 0.02);  // [s] its velocity rises over the first millisecond
+        std::size_t i = 0;
+        while (i + 1 < time.size() && time[i] < t - 1e-9) ++i;
+        const std::string at = ", U = " + digits(reference.U) + " mm";
+        verify("crack tip from the right end [mm]" + at, 0.4 + 1e3 * broken[i], reference.length, {0.02, 0.005});
+        verify("force [N]" + at, std::abs(force[i]), reference.P, {0.02, 0.005});
+    }
+}
+
+TEST_CASE("C1 a debonding strip by central differences" * doctest::test_suite("slow")) {
+    describe("The scenario debonding_strip with 10 cells in the process zone, explicit at .8 and .4 of the stable step: lumped masses and central differences slow short waves down.");
+    on_path("explicit, explicit");
+    for (const char* safety : {"0.8", "0.4"}) {
+        const ReferenceRun run(std::string("strip ") + safety,
+                               std::string("debonding_strip -s 'time={ end=\"290 us\", safety=") + safety + " }'");
+        const std::string at = std::string(", ") + safety + " of the stable step";
+        verify("speed of the tip over c in the first phase" + at, run["mean_tip_speed"] / 1000, 7.0 / 9, {0.005, 0.0005});
+        verify_small("energy residual" + at, run["energy_residual"], {1e-10});
+    }
+}
+
+TEST_CASE("D1 an edge-cracked block of glass is pulled apart" * doctest::test_suite("slow")) {
+    describe("The scenario edge_cracked_block, 100 x 40 mm under a step of 1 MPa, sigma_c = 3.08 MPa, with meshes of five seeds. Crack patterns are chaotic: what every run must keep are bounds. Freund: the "
+             "stress intensity reaches the toughness at 10.75 us.");
+    on_path("explicit, explicit");
+    double branched = 0, dissipated = 0;
+    constexpr int n_seeds = 5;
+    for (int seed = 1; seed <= n_seeds; ++seed) {
+        const ReferenceRun run("block " + std::to_string(seed), "edge_cracked_block -s seed=" + std::to_string(seed));
+        const std::string at = ", seed " + std::to_string(seed);
+        verify_at_least("first growth [us]" + at, 1e6 * run["first_growth_time"], 10.75);
+        verify_at_most("largest speed of the tip over c_R" + at, run["max_tip_speed_over_cR"], 0.65);
+        verify_at_most("|work of the interfaces less Psi of the state| over the energy" + at, std::abs(run["law_lag"]), 0.01);
+        verify_small("energy residual" + at, run["energy_residual"], {1e-10});
+        branched += run["branches"] > 0;
+        dissipated += run["dissipated"] / n_seeds;
+    }
+    verify_at_least("runs of five that branch", branched, 1);
+    verify_near("dissipated energy [J/m], mean", dissipated, 0.27, {0.06, 0.03});
+}

@@ -1,0 +1,103 @@
+// Random runs that must keep every law: properties [--first-seed N] [--cases M]. A seed that fails is printed as the command that repeats it.
+#include "properties/wild_run.hpp"
+
+#include <sys/time.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+constexpr int most_seconds = 120;  // of processor time for one case; a hundredth is usual
+const char* program = "properties";
+std::uint64_t seed = 0;  // that runs
+
+void say_how_to_repeat() { std::printf("    %s --first-seed %llu --cases 1\n", program, static_cast<unsigned long long>(seed)); }
+
+/// A run that hangs: all is lost but its seed.
+extern "C" void out_of_time(int) {
+    std::printf("FAILED: no end after %d s\n", most_seconds);
+    say_how_to_repeat();
+    std::fflush(stdout);
+    _exit(1);
+}
+
+void limit_time() {
+    itimerval limit{};
+    limit.it_value.tv_sec = most_seconds;
+    setitimer(ITIMER_PROF, &limit, nullptr);
+}
+
+std::string text_of(const SchemeOptions& scheme) {
+    return std::string(scheme.bulk == BulkScheme::explicit_lumped ? "explicit" : "implicit") + " bulk, " +
+           (scheme.cohesion == CohesionScheme::explicit_beta ? "explicit" : "implicit") + " cohesion";
+}
+
+struct Tally {
+    int n = 0, n_stopped = 0, n_failed = 0;
+    long n_steps = 0, n_cuts = 0, n_damaged = 0, n_broken = 0;
+};
+
+long long number_after(char** argv, int& i, int argc) {
+    char* end = nullptr;
+    const long long value = i + 1 < argc ? std::strtoll(argv[i + 1], &end, 10) : -1;
+    if (value < 0 || !end || *end) {
+        std::fprintf(stderr, "%s needs a whole number, 0 or more\n", argv[i]);
+        std::exit(2);
+    }
+    ++i;
+    return value;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    program = argv[0];
+    std::uint64_t first = 0;
+    long long n_cases = 200;
+    for (int i = 1; i < argc; ++i) {
+        if (!std::strcmp(argv[i], "--first-seed")) {
+            first = number_after(argv, i, argc);
+        } else if (!std::strcmp(argv[i], "--cases")) {
+            n_cases = number_after(argv, i, argc);
+        } else {
+            std::fprintf(stderr, "usage: %s [--first-seed N] [--cases M]\n", argv[0]);
+            return 2;
+        }
+    }
+    std::signal(SIGPROF, out_of_time);
+    std::map<std::string, Tally> tallies;
+    std::map<std::string, int> stops;
+    int n_failed = 0;
+    for (seed = first; seed < first + n_cases; ++seed) {
+        limit_time();
+        const WildBody wild = WildBodies(seed).body();
+        WildOutcome outcome = run_wild(wild);
+        std::string wrong = outcome.broken_law;
+        if (wrong.empty() && seed % 4 == 0) wrong = difference_in_other_units(wild, outcome);
+        Tally& tally = tallies[text_of(wild.body.scheme)];
+        ++tally.n, tally.n_stopped += !outcome.stop.empty(), tally.n_failed += !wrong.empty();
+        tally.n_steps += outcome.n_steps, tally.n_cuts += outcome.n_cuts, tally.n_damaged += outcome.n_damaged, tally.n_broken += outcome.n_broken;
+        if (!outcome.stop.empty()) ++stops[outcome.stop.substr(0, 60)];
+        if (wrong.empty()) continue;
+        ++n_failed;
+        const CohesiveLaw& law = wild.body.input.laws[0];
+        std::printf("FAILED: %s (%s, theta %g, %s mass, gamma %g, mu %g, e %g)\n", wrong.c_str(), text_of(wild.body.scheme).c_str(), wild.body.scheme.theta,
+                    wild.body.scheme.mass == MassMatrix::lumped ? "lumped" : "consistent", law.gamma, law.friction, law.restitution);
+        say_how_to_repeat();
+        std::fflush(stdout);
+    }
+    for (const auto& [scheme, tally] : tallies)
+        std::printf("%s: %d bodies, %ld steps, %ld cut, %d runs stopped, %ld points damaged, %ld broken; %d failed\n", scheme.c_str(), tally.n, tally.n_steps, tally.n_cuts,
+                    tally.n_stopped, tally.n_damaged, tally.n_broken, tally.n_failed);
+    for (const auto& [reason, n] : stops) std::printf("stopped %d times: %s\n", n, reason.c_str());
+    if (n_cases > 0 && tallies.empty()) return 1;
+    return n_failed == 0 ? 0 : 1;
+}

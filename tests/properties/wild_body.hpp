@@ -1,0 +1,102 @@
+#pragma once
+// Random bodies without mercy: laws, shapes, units, steps and loads far outside of what anybody would simulate on purpose, but legal.
+#include "support/random_bodies.hpp"
+
+#include <string>
+
+namespace knap::tests {
+
+struct WildBody {
+    RandomBody body;         // its step is that of the implicit bulk, its velocities are per vertex
+    double safety;           // [-] step over the stable one, of the explicit bulk
+    double scatter;          // [m/s] of the corners of fans that are in pieces at the start
+    double cracking;         // [-] step once cohesion falls, over the largest
+    bool from_equilibrium;   // starts at rest under its loads
+    int n_steps;             // of the largest step
+};
+
+class WildBodies {
+public:
+    explicit WildBodies(std::uint64_t seed) : seed_(seed), random_(seed, "wild") {}
+
+    WildBody body() {
+        WildBody made{.body = RandomBodies(seed_, {.units = false, .most_cells = 4}).body()};
+        stretch(made.body);
+        change_laws(made.body);
+        close_gaps(made.body.input);
+        add_cracks(made.body.input.mesh);
+        choose_scheme(made);
+        reverse_loads(made);
+        in_units(made.body, std::pow(10, random_.uniform(-9, 6)), std::pow(10, random_.uniform(-12, 9)), std::pow(10, random_.uniform(-9, 6)));
+        return made;
+    }
+
+private:
+    bool chance(double part) { return random_.uniform() < part; }
+    double one_of(std::initializer_list<double> values) {
+        return *(values.begin() + static_cast<int>(random_.uniform(0, static_cast<double>(values.size()))));
+    }
+
+    void stretch(RandomBody& body) {
+        const double flat = chance(0.3) ? std::pow(10, random_.uniform(-1.5, 0)) : 1;
+        for (Vec2& x : body.input.mesh.vertices) x.y() *= flat;
+        body.step *= flat;
+        body.input.thickness *= std::pow(10, random_.uniform(-3, 3));
+    }
+
+    void change_laws(RandomBody& body) {
+        CohesiveLaw& law = body.input.laws[0];
+        if (chance(0.1)) law.sigma_c = law.G_c = 0;  // rubble
+        law.gamma = one_of({0, 1, random_.uniform(0, 3)});
+        law.friction = one_of({0, 0.3, random_.uniform(0, 1), std::pow(10, random_.uniform(0, 3))});
+        law.restitution = one_of({0, 0, 1, random_.uniform()});
+    }
+
+    /// What is glued touches.
+    void close_gaps(ModelInput& input) {
+        for (Foundation& foundation : input.foundations)
+            if (foundation.glued) foundation.gap = 0;
+    }
+
+    void add_cracks(Mesh& mesh) {
+        const double part = one_of({0, 0, 0.2, 0.6, 1});
+        for (InteriorEdge& edge : mesh.interior_edges) edge.cracked = chance(part);
+    }
+
+    void choose_scheme(WildBody& made) {
+        SchemeOptions& scheme = made.body.scheme;
+        const double most = 1 / (1 + made.body.input.laws[0].restitution);
+        scheme.bulk = chance(0.5) ? BulkScheme::implicit_theta : BulkScheme::explicit_lumped;
+        scheme.cohesion = chance(0.5) ? CohesionScheme::implicit_beta : CohesionScheme::explicit_beta;
+        scheme.theta = one_of({0.5, 0.5, most, random_.uniform(0.5, most)});
+        if (scheme.bulk == BulkScheme::explicit_lumped) scheme.mass = MassMatrix::lumped;
+        made.safety = one_of({1, 0.8, random_.uniform(0.02, 1)});
+        made.body.step *= std::pow(10, random_.uniform(-1, 1));
+        made.cracking = one_of({1, random_.uniform(0.05, 1)});
+        made.from_equilibrium = scheme.bulk == BulkScheme::implicit_theta && chance(0.1);
+        made.scatter = one_of({0, 0, 1, 10}) * random_.uniform();
+        made.n_steps = 20 + static_cast<int>(random_.uniform(0, 60));
+    }
+
+    /// Every load turns some times within the run; displacements are so large that a good part of the bonds fails.
+    void reverse_loads(WildBody& made) {
+        const ModelInput& input = made.body.input;
+        for (Load& load : made.body.input.loads) {
+            if (!chance(0.7)) continue;
+            const bool by_place = load.kind == Load::Kind::displacement;
+            double size = random_.uniform(0, 4), t = 0;
+            if (by_place) size *= std::max(input.laws[0].delta_c(), 0.1);
+            load.history = {};
+            for (int i = 0; i < 8; ++i) {
+                load.history.time.push_back(t);
+                load.history.value.push_back(by_place && i == 0 ? 0 : size * random_.uniform(-1, 1));
+                t += made.body.step * made.n_steps * random_.uniform(0.02, 0.3);
+            }
+        }
+    }
+
+    std::uint64_t seed_;
+    Random random_;
+};
+
+}  // namespace knap::tests

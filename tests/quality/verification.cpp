@@ -1,0 +1,34 @@
+// tests/VERIFICATION.md is written by tools/verify; this sees that it was, after cases came or went.
+#include "source_tree.hpp"
+
+#include <doctest/doctest.h>
+
+#include <regex>
+
+using source_tree::File;
+
+namespace {
+
+/// What follows `before` in lines that match it: names of cases such as B3.
+std::set<std::string> case_names(const std::vector<File>& files, const std::string& before) {
+    const std::regex pattern(before + "([A-E][0-9]+)(\\s|$)");
+    std::set<std::string> names;
+    std::smatch match;
+    for (const File& file : files)
+        for (const std::string& line : file.lines)
+            if (std::regex_search(line, match, pattern)) names.insert(match[1]);
+    return names;
+}
+
+}  // namespace
+
+TEST_CASE("the verification report has the cases that the tests have") {
+    std::vector<File> tests;
+    for (const File& file : source_tree::files_below("tests"))
+        if (file.is_cpp()) tests.push_back(file);
+    const std::set<std::string> in_tests = case_names(tests, R"(^TEST_CASE\(")");
+    const std::set<std::string> in_report = case_names({source_tree::read(source_tree::root() / "tests" / "VERIFICATION.md")}, "^## ");
+    CHECK(in_tests.size() > 30);
+    for (const std::string& name : in_tests) CHECK_MESSAGE(in_report.contains(name), name, " is not in the report: tools/verify");
+    for (const std::string& name : in_report) CHECK_MESSAGE(in_tests.contains(name), name, " has no test any more: tools/verify");
+}
