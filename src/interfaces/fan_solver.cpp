@@ -10,7 +10,7 @@ namespace {
 
 constexpr int max_corrections = 40;                 // changes of state before the pivots take over
 constexpr int patient_corrections = 8;              // from here on only the worst violation changes its state
-constexpr double largest_violation = 1e-9;          // relative, of a solution of the active set
+constexpr double largest_violation = 1e-10;         // relative, of a solution of the active set: the gate of every run
 constexpr double largest_pivoted_violation = 1e-8;  // and of the pivots
 
 /// Where the impulse of a link, changed by its loose part times c, is admissible: three half planes of c.

@@ -149,7 +149,7 @@ TEST_CASE("C1 a debonding strip has the exact speed of its crack") {
                 t += (ends[i] - x) / speeds[i], x = ends[i];
                 exact_time.push_back(t), exact_place.push_back(x - strip.a_0());
             }
-            chart.curves = {{"exact", exact_time, exact_place, Colour{0.75, 0.75, 0.75}, 4}, {"knap", time, place, Colour{0, 0.447, 0.698}}};
+            chart.curves = {{"exact", exact_time, exact_place, Colour{0.75, 0.75, 0.75}, 4}, {"knap", time, place, curve_colour(0)}};
             draw_chart(chart, *file, 640);
         }
         CHECK(run.ledger.largest_residual() <= 1e-10 * run.ledger.largest_energy());

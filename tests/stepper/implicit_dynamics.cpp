@@ -172,7 +172,7 @@ TEST_CASE("B3 four openings and three impacts") {
     verify_small("energy residual", run.ledger.largest_residual() / run.ledger.largest_energy(), {1e-12});
     if (const auto file = picture("B3.png")) {
         Chart chart{.title = "B3: opening and cohesion", .x_quantity = "time", .x_unit = "s", .y_quantity = "u_{1}, beta", .y_unit = "1"};
-        chart.curves = {{"opening", time, opened, Colour{0, 0.447, 0.698}}, {"beta", time, beta, Colour{0.835, 0.369, 0}}};
+        chart.curves = {{"opening", time, opened, curve_colour(0)}, {"beta", time, beta, curve_colour(1)}};
         draw_chart(chart, *file, 640);
     }
     CHECK(point.asymmetry() <= 1e-12);

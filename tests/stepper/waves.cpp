@@ -131,7 +131,7 @@ TEST_CASE("B7 a ramp wave opens an interface and breaks it on time") {
     verify_near("order in the element size", std::log2(errors[0] / errors[2]) / 2, 2, {0.3, 0.1});
     if (const auto file = picture("B7.png")) {
         Chart chart{.title = "B7: opening of the interface, 200 elements", .x_quantity = "time after the arrival", .x_unit = "s", .y_quantity = "opening over delta_{c}", .y_unit = "1"};
-        chart.curves = {{"exact", time, exact_opening, Colour{0.75, 0.75, 0.75}, 4}, {"knap", time, opened, Colour{0, 0.447, 0.698}}};
+        chart.curves = {{"exact", time, exact_opening, Colour{0.75, 0.75, 0.75}, 4}, {"knap", time, opened, curve_colour(0)}};
         draw_chart(chart, *file, 640);
     }
 }
