@@ -68,7 +68,7 @@ using VertexPair = std::pair<Index, Index>;
 
 VertexPair ordered(Index a, Index b) { return a < b ? VertexPair{a, b} : VertexPair{b, a}; }
 
-/// Inserts the lines and nothing else; returns a point in every triangle outside the body (so in every hole).
+/// Inserts the lines and nothing else; returns points outside the body, some in every hole.
 std::vector<Point> insert_lines(Delaunay& delaunay, const Lines& lines, std::vector<Delaunay::Vertex_handle>& vertices) {
     Delaunay::Face_handle near;
     for (const Vec2& p : lines.points) {
@@ -89,7 +89,11 @@ std::vector<Point> insert_lines(Delaunay& delaunay, const Lines& lines, std::vec
     while (!front.empty()) {
         const auto [face, inside] = front.back();
         front.pop_back();
-        if (!inside && !delaunay.is_infinite(face)) outside.push_back(CGAL::centroid(delaunay.triangle(face)));
+        if (!inside && !delaunay.is_infinite(face)) {
+            // where points of a slanted border bend it by rounding, the centroid of the needle beside it lies in the body
+            const Point centre = CGAL::centroid(delaunay.triangle(face));
+            if (delaunay.triangle(face).has_on_bounded_side(centre)) outside.push_back(centre);
+        }
         for (int i = 0; i < 3; ++i) {
             const Delaunay::Face_handle next = face->neighbor(i);
             if (!seen.insert(next).second) continue;

@@ -188,6 +188,23 @@ TEST_CASE("a crack that ends a hair from the border ends on it") {
     }
 }
 
+TEST_CASE("a crack from a slanted border is meshed at every angle") {
+    for (int degrees = 0; degrees < 180; degrees += 15) {
+        CAPTURE(degrees);
+        const double c = std::cos(degrees * M_PI / 180), s = std::sin(degrees * M_PI / 180);
+        const auto turned = [&](double x, double y) { return Vec2(c * x - s * y, s * x + c * y); };
+        Shape shape;
+        shape.outer = {.points = {turned(0, 0), turned(0.04, 0), turned(0.04, 0.02), turned(0, 0.02)}, .boundary = {0, 0, 0, 0}};
+        shape.cracks = {{.points = {turned(0, 0.01), turned(0.015, 0.01)}}};
+        shape.boundary_names = {"side"};
+        const Mesh mesh = triangulate(shape, {.size = 2e-3});
+        double cracked = 0;
+        for (const InteriorEdge& edge : mesh.interior_edges)
+            if (edge.cracked) cracked += (mesh.corner(edge.triangle[0], edge.side[0]) - mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3)).norm();
+        CHECK(cracked == doctest::Approx(0.015).epsilon(1e-9));
+    }
+}
+
 TEST_CASE("a crack into a sharp corner ends and follows its line") {
     Shape shape = block();
     shape.cracks = {{{{0, 0}, {0.08, 0.005}}}};
