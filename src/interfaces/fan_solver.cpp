@@ -32,8 +32,9 @@ FanSolution FanSolver::solve(FanProblem& problem) {
     states_.resize(problem.links.size());
     for (std::size_t i = 0; i < states_.size(); ++i) states_[i].guess(problem, problem.links[i], scales_);
     linear_.begin(problem, scales_.speed_tolerance);
-    motion_.velocity.resize(problem.bodies.size());
-    motion_.impulse.resize(problem.links.size());
+    motion_.velocity.clear();  // as if no interface acted, until something better is found
+    for (const FanBody& body : problem.bodies) motion_.velocity.push_back(body.free_velocity);
+    motion_.impulse.assign(problem.links.size(), Vec2::Zero());
 
     FanSolution solution;
     if (!settle_states(max_corrections, solution.iterations)) {

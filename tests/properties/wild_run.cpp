@@ -165,7 +165,7 @@ void run(const WildBody& wild, const Model& model, WildOutcome& outcome) {
         }
     }
     if (outcome.broken_law.empty()) outcome.broken_law = watch.end();
-    if (outcome.broken_law.empty() && n_tried > most) outcome.broken_law = "more than " + std::to_string(most) + " steps tried";
+    if (n_tried > most) outcome.stop = "forty times as many steps as planned, and not at the end";
     for (const PointState& point : now.points) outcome.n_damaged += point.cohesion > 0 && point.cohesion < 1, outcome.n_broken += point.cohesion == 0;
     outcome.end = std::move(now);
 }

@@ -96,27 +96,31 @@ TEST_CASE("E13 the broken set converges with the step") {
     }
 }
 
-TEST_CASE("E15 a crack costs the same in every direction of the mesh") {
-    describe("A block of 40 x 20 mm with a crack of 15 mm is pulled apart, turned by 0, 15, 30, 45 degrees against the axes in which its random mesh is made. Energy of the surfaces at 30 us, mean of "
-             "eight seeds.");
+TEST_CASE("E15 a crack costs the same in every direction of the mesh" * doctest::test_suite("slow")) {
+    describe("A block of 40 x 20 mm with a crack of 15 mm is pulled apart, turned by 0, 15, 30, 45 degrees against the axes in which its random mesh is made. Energy of the surfaces at 30 us over G_c and "
+             "the distance by which the crack has come forward (above 1 by its zigzag, its process zone and its branches), mean of 32 seeds.");
     on_path(both_explicit);
-    std::vector<double> energy;
+    std::vector<double> cost;
     double spread = 0;
-    constexpr int n_seeds = 8;
+    constexpr int n_seeds = 32;
     for (const double degrees : {0.0, 15.0, 30.0, 45.0}) {
         const double angle = degrees * M_PI / 180;
         double sum = 0, squares = 0;
         for (std::uint64_t seed = 1; seed <= n_seeds; ++seed) {
             Run run(pulled(cracked_block({0.04, 0.02}, 0.015, 1e-3, seed, angle), 8e6, 3e6, angle));
             go(run, 30e-6, 0.8 * run.stepper.stable_step());
-            sum += run.ledger.row().surface, squares += std::pow(run.ledger.row().surface, 2);
+            double front = 0;
+            for (const Index p : broken(run)) front = std::max(front, turned(run.model.mesh.vertices[run.model.interfaces[p / 2].vertex[p % 2]], -angle).x());
+            const double one = run.ledger.row().surface / (3 * run.model.thickness * (front - 0.015));
+            sum += one, squares += one * one;
         }
-        energy.push_back(sum / n_seeds);
-        spread = std::max(spread, std::sqrt(std::max(0.0, squares / n_seeds - std::pow(sum / n_seeds, 2))) / energy.back());
+        cost.push_back(sum / n_seeds);
+        spread = std::max(spread, std::sqrt(std::max(0.0, squares / n_seeds - cost.back() * cost.back())));
+        verify_at_least("energy per length over G_c, " + digits(degrees) + " degrees", cost.back(), 1);
     }
-    const double mean = (energy[0] + energy[1] + energy[2] + energy[3]) / 4;
-    for (int i = 0; i < 4; ++i) verify("surface energy over the mean of all directions, " + std::to_string(15 * i) + " degrees", energy[i] / mean, 1, {0.05});
-    verify_at_most("largest standard deviation of a seed, over the mean", spread, 0.3);
+    const double mean = (cost[0] + cost[1] + cost[2] + cost[3]) / 4;
+    for (int i = 0; i < 4; ++i) verify("energy per length over the mean of all directions, " + std::to_string(15 * i) + " degrees", cost[i] / mean, 1, {0.05, 0.025});
+    verify_at_most("largest standard deviation of a seed", spread, 0.5);
 }
 
 TEST_CASE("E17 it does not matter from where on a point counts as broken") {
