@@ -77,7 +77,7 @@ bool FanSolver::settle_circulation() {
     for (Index i = 0; i < n_links; ++i) {
         const double w = links[i].cohesive > 0 ? 1 / links[i].cohesive : 1 / scales_.impulse;
         sum += w * linear_.loose(i).cwiseProduct(motion_.impulse[i]);
-        weight += w * linear_.loose(i);
+        weight += w * linear_.loose(i).cwiseAbs2();
     }
     if (weight.isZero(0)) return true;
     Vec2 start = Vec2::Zero();

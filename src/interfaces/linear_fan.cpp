@@ -1,6 +1,7 @@
 #include "interfaces/linear_fan.hpp"
 
 #include <Eigen/LU>
+#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -16,11 +17,22 @@ constexpr double rank_tolerance = 1e-11;
 void LinearFan::begin(const FanProblem& problem, double speed_tolerance) {
     problem_ = &problem;
     speed_tolerance_ = speed_tolerance;
-    left_.assign(n_bodies(), -1);
-    right_.assign(n_bodies(), -1);
+    list_links();
+}
+
+void LinearFan::list_links() {
+    first_end_.assign(n_bodies() + 1, 0);
+    for (const FanLink& link : problem_->links) {
+        if (link.after >= 0) ++first_end_[link.after + 1];
+        if (link.before >= 0) ++first_end_[link.before + 1];
+    }
+    for (Index b = 0; b < n_bodies(); ++b) first_end_[b + 1] += first_end_[b];
+    link_ends_.resize(first_end_.back());
+    place_.assign(first_end_.begin(), first_end_.end() - 1);
     for (Index i = 0; i < n_links(); ++i) {
-        if (problem.links[i].after >= 0) left_[problem.links[i].after] = i;
-        if (problem.links[i].before >= 0) right_[problem.links[i].before] = i;
+        const FanLink& link = problem_->links[i];
+        if (link.after >= 0) link_ends_[place_[link.after]++] = {i, 1};
+        if (link.before >= 0) link_ends_[place_[link.before]++] = {i, -1};
     }
 }
 
@@ -163,6 +175,12 @@ bool LinearFan::apply_multipliers(FanMotion& motion) {
         Eigen::FullPivLU<Matrix> lu(A);
         lu.setThreshold(rank_tolerance);
         size = lu.solve(rhs);
+        // redundant contacts (both ends of a fan on an obstacle) share what they carry: the solution of least norm
+        if (!lu.isInvertible()) {
+            Eigen::CompleteOrthogonalDecomposition<Matrix> least_norm(n, n);
+            least_norm.setThreshold(rank_tolerance);
+            size = least_norm.compute(A).solve(rhs);
+        }
     }
     for (int a = 0; a < n; ++a) {
         const Multiplier& held = multipliers_[a];
@@ -174,49 +192,95 @@ bool LinearFan::apply_multipliers(FanMotion& motion) {
     return true;
 }
 
-/// P_right = P_left - m (v+ - v_free), body by body, from the links where P is known, each component by itself: where the motion is
-/// prescribed, its constraint takes the difference and nothing is passed on. Returns the largest mismatch of what is known twice.
+/// sum of P over the links of a body = m (v+ - v_free), body by body, from the links where P is known, each component by itself: where the
+/// motion is prescribed, its constraint takes the difference and nothing is passed on. Returns the largest mismatch of what is known twice.
 double LinearFan::walk_chain(FanMotion& motion) {
+    loose_.assign(n_links(), Vec2::Zero());
+    return std::max(walk_component(0, motion), walk_component(1, motion));
+}
+
+double LinearFan::walk_component(int k, FanMotion& motion) {
     const Index n = n_bodies(), L = n_links();
-    double mismatch = 0;
-    loose_.assign(L, Vec2::Zero());
-    for (int k = 0; k < 2; ++k) {
-        reached_ = known_;
-        bool loose = false;
-        Index n_missing = L - static_cast<Index>(std::count(reached_.begin(), reached_.end(), 1));
-        const auto impulse = [&](Index i) { return i < 0 ? 0 : motion.impulse[i][k]; };
-        const auto is_reached = [&](Index i) { return i < 0 || reached_[i]; };
-        const auto passes = [&](Index b) { return problem_->bodies[b].inverse_mass[k] > 0; };
-        const auto taken = [&](Index b) {
-            const FanBody& body = problem_->bodies[b];
-            return (motion.velocity[b][k] - body.free_velocity[k]) / body.inverse_mass[k];
-        };
-        const auto reach = [&](Index i, double value) {
-            motion.impulse[i][k] = value;
-            loose_[i][k] = loose;
-            reached_[i] = 1;
-            --n_missing;
-        };
-        const auto walk = [&] {
-            for (Index before = n_missing + 1; n_missing > 0 && n_missing < before;) {
-                before = n_missing;
-                for (Index b = 0; b < n; ++b)
-                    if (passes(b) && is_reached(left_[b]) && !is_reached(right_[b])) reach(right_[b], impulse(left_[b]) - taken(b));
-                for (Index b = n - 1; b >= 0 && n_missing > 0; --b)
-                    if (passes(b) && is_reached(right_[b]) && !is_reached(left_[b])) reach(left_[b], impulse(right_[b]) + taken(b));
+    reached_ = known_;
+    Index n_missing = L - static_cast<Index>(std::count(reached_.begin(), reached_.end(), 1));
+    const auto passes = [&](Index b) { return problem_->bodies[b].inverse_mass[k] > 0; };
+    const auto taken = [&](Index b) {
+        const FanBody& body = problem_->bodies[b];
+        return (motion.velocity[b][k] - body.free_velocity[k]) / body.inverse_mass[k];
+    };
+    const auto reach_last_of = [&](Index b) {  // the only link of a body that is not reached
+        if (!passes(b)) return;
+        const LinkEnd* last = nullptr;
+        double given = 0, loose = 0;
+        for (Index e = first_end_[b]; e < first_end_[b + 1]; ++e) {
+            const LinkEnd& end = link_ends_[e];
+            if (!reached_[end.link]) {
+                if (last) return;
+                last = &end;
+                continue;
             }
-        };
-        walk();
-        loose = true;  // what no walk reached is free by one constant: round a loop, or between two constraints
-        for (Index i = 0; i < L && n_missing > 0; ++i) {
-            if (reached_[i]) continue;
-            reach(i, 0);
-            walk();
+            given += end.sign * motion.impulse[end.link][k];
+            loose += end.sign * loose_[end.link][k];
         }
-        for (Index b = 0; b < n; ++b)
-            if (passes(b)) mismatch = std::max(mismatch, std::abs(impulse(left_[b]) - taken(b) - impulse(right_[b])));
+        if (!last) return;
+        motion.impulse[last->link][k] = last->sign * (taken(b) - given);
+        loose_[last->link][k] = -last->sign * loose;
+        reached_[last->link] = 1;
+        --n_missing;
+    };
+    const auto walk = [&] {
+        for (Index before = n_missing + 1; n_missing > 0 && n_missing < before;) {
+            before = n_missing;
+            for (Index b = 0; b < n; ++b) reach_last_of(b);
+            for (Index b = n - 1; b >= 0 && n_missing > 0; --b) reach_last_of(b);
+        }
+    };
+    walk();
+    // what no walk reached is free by one constant: round a loop, or between two constraints
+    int n_loops = 0;
+    for (Index i = 0; i < L && n_missing > 0; ++i) {
+        if (reached_[i]) continue;
+        if (++n_loops > 1) break;
+        motion.impulse[i][k] = 0;
+        loose_[i][k] = 1;
+        reached_[i] = 1;
+        --n_missing;
+        walk();
+    }
+    if (n_loops > 1) spread_over_loops(k, motion);
+    double mismatch = 0;
+    for (Index b = 0; b < n; ++b) {
+        if (!passes(b)) continue;
+        double sum = -taken(b);
+        for (Index e = first_end_[b]; e < first_end_[b + 1]; ++e) sum += link_ends_[e].sign * motion.impulse[link_ends_[e].link][k];
+        mismatch = std::max(mismatch, std::abs(sum));
     }
     return mismatch;
+}
+
+/// More than one loop (several contacts with obstacles): the impulses of least norm among all that are in balance.
+void LinearFan::spread_over_loops(int k, FanMotion& motion) {
+    std::vector<Index> unknown, balance;
+    for (Index i = 0; i < n_links(); ++i) {
+        loose_[i][k] = 0;
+        if (!known_[i]) unknown.push_back(i);
+    }
+    for (Index b = 0; b < n_bodies(); ++b)
+        if (problem_->bodies[b].inverse_mass[k] > 0) balance.push_back(b);
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(balance.size()), static_cast<Eigen::Index>(unknown.size()));
+    Eigen::VectorXd rhs(A.rows());
+    for (Eigen::Index row = 0; row < A.rows(); ++row) {
+        const Index b = balance[row];
+        const FanBody& body = problem_->bodies[b];
+        rhs[row] = (motion.velocity[b][k] - body.free_velocity[k]) / body.inverse_mass[k];
+        for (Index e = first_end_[b]; e < first_end_[b + 1]; ++e) {
+            const LinkEnd& end = link_ends_[e];
+            if (known_[end.link]) rhs[row] -= end.sign * motion.impulse[end.link][k];
+            else A(row, std::lower_bound(unknown.begin(), unknown.end(), end.link) - unknown.begin()) += end.sign;
+        }
+    }
+    const Eigen::VectorXd found = Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(A).solve(rhs);
+    for (std::size_t j = 0; j < unknown.size(); ++j) motion.impulse[unknown[j]][k] = found[static_cast<Eigen::Index>(j)];
 }
 
 }  // namespace knap

@@ -29,7 +29,7 @@ public:
     bool solve(const std::vector<LinkState>& states, FanMotion& motion, double& mismatch);
     /// Impulses of the unbreakable links from all else; returns the mismatch [N s].
     double find_unbreakable_impulses(FanMotion& motion);
-    /// [0/1] per component: the impulse is known up to the constant of the last walk.
+    /// Per component: by how much of the constant of the last walk the impulse is not known; 0 where it is.
     const Vec2& loose(Index link) const { return loose_[link]; }
 
 private:
@@ -40,12 +40,21 @@ private:
         double wanted;  // [m/s]
     };
 
+    /// A link as one of its bodies has it.
+    struct LinkEnd {
+        Index link;
+        double sign;  // +1 on the body after it
+    };
+
+    void list_links();
     bool make_clusters(const std::vector<LinkState>& states);
     void apply_known_impulses(const std::vector<LinkState>& states, FanMotion& motion);
     bool prescribe_clusters();
     void list_multipliers(const std::vector<LinkState>& states);
     bool apply_multipliers(FanMotion& motion);
     double walk_chain(FanMotion& motion);
+    double walk_component(int k, FanMotion& motion);
+    void spread_over_loops(int k, FanMotion& motion);
 
     Index n_links() const { return static_cast<Index>(problem_->links.size()); }
     Index n_bodies() const { return static_cast<Index>(problem_->bodies.size()); }
@@ -54,7 +63,9 @@ private:
 
     const FanProblem* problem_ = nullptr;
     double speed_tolerance_ = 0;
-    std::vector<Index> left_, right_;  // the links of a body, or -1
+    std::vector<Index> first_end_;     // per body, into link_ends_
+    std::vector<Index> place_;
+    std::vector<LinkEnd> link_ends_;   // the links of each body: along the chain, and contacts with obstacles beside it
     std::vector<Index> cluster_;       // per body
     std::vector<Vec2> offset_;         // velocity of a body minus that of its cluster
     Index ground_cluster_ = -1;

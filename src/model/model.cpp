@@ -193,6 +193,14 @@ void start_as_driven(Model& model) {
     }
 }
 
+/// An acceleration of everything, gravity, acts on free obstacles, too.
+void weigh_obstacles(const std::vector<Load>& loads, Model& model) {
+    for (Obstacle& obstacle : model.obstacles)
+        for (const Load& load : loads)
+            if (load.kind == Load::Kind::acceleration && !load.on.box)
+                obstacle.forces.push_back({.value = obstacle.mass * Vec3(load.value[0].value_or(0), load.value[1].value_or(0), 0), .history = load.history});
+}
+
 }  // namespace
 
 Model make_model(ModelInput input) {
@@ -212,6 +220,8 @@ Model make_model(ModelInput input) {
     for (const Load& load : input.loads) loads.add(load);
     set_initial_velocities(input.initial_velocities, model);
     start_as_driven(model);
+    model.obstacles = std::move(input.obstacles);
+    weigh_obstacles(input.loads, model);
     return model;
 }
 

@@ -8,6 +8,7 @@
 #include "material/cohesive_law.hpp"
 #include "material/elastic.hpp"
 #include "model/loads.hpp"
+#include "model/obstacle.hpp"
 
 #include <vector>
 
@@ -73,6 +74,7 @@ struct ModelInput {
     std::vector<Load> loads;
     std::vector<Foundation> foundations;
     std::vector<InitialVelocity> initial_velocities;
+    std::vector<Obstacle> obstacles;
 };
 
 struct Model {
@@ -95,6 +97,7 @@ struct Model {
     std::vector<PrescribedMotion> prescribed;
     std::vector<Index> prescribed_of_corner;  // per corner: into `prescribed`, or -1
     std::vector<Vec2> initial_velocity;  // [m/s] per corner, of what is driven its own; equal round a fan in one piece
+    std::vector<Obstacle> obstacles;
 
     Index n_points() const { return 2 * static_cast<Index>(interfaces.size()); }
 };

@@ -12,6 +12,7 @@ State initial_state(const Model& model) {
     state.node_of_corner = model.fan_of_corner;
     state.split_rank.assign(n_fans, -1);
     state.reaction.assign(model.prescribed.size(), Vec2::Zero());
+    for (const Obstacle& obstacle : model.obstacles) state.obstacles.push_back(initial_state(obstacle));
     for (std::size_t f = 0; f < n_fans; ++f) state.velocity[f] = model.initial_velocity[model.fan_corners[model.fans[f].first_corner]];
     for (std::size_t f = 0; f < n_fans; ++f) {
         if (!model.fans[f].split_at_start) continue;

@@ -31,10 +31,11 @@ struct State {
     std::vector<PointState> points;     // of the split fans, in that order
     std::vector<Index> split_rank;      // per fan: its place in split_fans, or -1
     std::vector<Vec2> reaction;         // [N] per prescribed motion: what drives it, mean over the last step; 0 in free components
+    std::vector<ObstacleState> obstacles;
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(time, last_step, n_steps, displacement, velocity, rate, node_of_corner, split_fans, first_point, points, split_rank, reaction);
+        archive(time, last_step, n_steps, displacement, velocity, rate, node_of_corner, split_fans, first_point, points, split_rank, reaction, obstacles);
     }
 };
 

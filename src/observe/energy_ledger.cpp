@@ -39,6 +39,7 @@ double kinetic_energy(const Model& model, const State& state, MassMatrix mass) {
 EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix mass) {
     row_.kinetic = kinetic_energy(model, start, mass);
     row_.strain = strain_energy(model, start);
+    for (std::size_t o = 0; o < model.obstacles.size(); ++o) row_.kinetic += kinetic_energy(model.obstacles[o], start.obstacles[o].velocity);
     row_.time = start.time;
     start_energy_ = largest_energy_ = row_.kinetic + row_.strain;
     mass_ = std::accumulate(model.corner_mass.begin(), model.corner_mass.end(), 0.0);

@@ -5,6 +5,7 @@
 
 #include <omp.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace knap {
@@ -14,7 +15,8 @@ constexpr std::size_t fans_in_a_block = 512, split_fans_in_a_block = 32;
 
 }  // namespace
 
-VertexScheme::VertexScheme(const Model& model, const SchemeOptions& options) : model_(model), options_(options) {
+VertexScheme::VertexScheme(const Model& model, const SchemeOptions& options)
+    : model_(model), options_(options), contacts_(model), motion_(model) {
     workspaces_.resize(omp_get_max_threads());
 }
 
@@ -31,19 +33,26 @@ StepReport VertexScheme::advance(const State& begin, const FreeMotion& free, Sta
     end.points.resize(begin.points.size());
     end.reaction.assign(model_.prescribed.size(), Vec2::Zero());
 
+    motion_.begin_step(begin, free.kick_time, free.drift_time);
+    contacts_.find(begin, free.drift_time, motion_.velocity(), free.corner_force);
+    contact_impulse_.assign(contacts_.all().size(), Vec2::Zero());
+
     StepReport report = advance_bound(begin, free, end);
     release(begin, end, report);
+    find_obstacle_velocities(begin, free, report);
     report += advance_split(begin, free, end);
+    move_obstacles(begin, free, end, report);
     report.largest_speed = std::sqrt(report.largest_speed);  // squares until here
     return report;
 }
 
 StepReport VertexScheme::advance_bound(const State& begin, const FreeMotion& free, State& end) {
     comes_apart_.assign(model_.fans.size(), 0);
+    for (const ObstacleContact& contact : contacts_.all()) comes_apart_[contact.fan] = begin.split_rank[contact.fan] < 0;
     return sum_over_blocks(model_.fans.size(), fans_in_a_block, partial_, [&](std::size_t first, std::size_t last, StepReport& report) {
         Workspace& work = workspaces_[omp_get_thread_num()];
         for (std::size_t f = first; f < last; ++f) {
-            if (begin.split_rank[f] >= 0) continue;
+            if (begin.split_rank[f] >= 0 || comes_apart_[f]) continue;
             const Index fan = static_cast<Index>(f);
             const Index* corner = &model_.fan_corners[model_.fans[f].first_corner];
             Vec2 force = Vec2::Zero();
@@ -204,6 +213,24 @@ void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, Fan
                             .restitution = law.restitution,
                             .unbreakable = unbreakable};
     }
+    for (const ObstacleContact& contact : contacts_.of_fan(f)) {
+        const Index* corner = &model_.fan_corners[fan.first_corner];
+        const Obstacle& obstacle = model_.obstacles[contact.obstacle];
+        problem.links.push_back({.before = static_cast<Index>(problem.bodies.size()),
+                                 .after = static_cast<Index>(std::find(corner, corner + fan.n_corners, contact.corner) - corner),
+                                 .normal = contact.normal,
+                                 .u_N = contact.gap,
+                                 .u_T = 0,
+                                 .cohesive = 0,
+                                 .gamma = 0,
+                                 .friction = obstacle.contact.friction,
+                                 .restitution = obstacle.contact.restitution,
+                                 .unbreakable = false});
+        problem.bodies.push_back({.velocity = velocity_at(begin.obstacles[contact.obstacle].velocity, contact),
+                                  .free_velocity = velocity_at(motion_.velocity()[contact.obstacle], contact),
+                                  .inverse_mass = Vec2::Zero(),
+                                  .end_velocity = Vec2::Zero()});
+    }
 }
 
 FanSolution VertexScheme::solve(Index f, const State& begin, Workspace& work) const {
@@ -246,7 +273,7 @@ double crossing_loss(const FanLink& link, double v_T_before, double v_T_after, d
 }  // namespace
 
 void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work,
-                               StepReport& report) const {
+                               StepReport& report) {
     const Index f = end.split_fans[rank];
     const Fan& fan = model_.fans[f];
     FanProblem& problem = work.problem;
@@ -279,6 +306,15 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
         return end.reaction[model_.prescribed_of_corner[model_.fan_corners[fan.first_corner + body]]];
     };
     const double slack = (rounding + solution.residual) * speed_scale(problem);  // [m/s] what the velocities may be off
+    const auto relieve_drives = [&](const FanLink& link) {
+        for (int k = 0; k < 2; ++k) {
+            const auto driven = [&](Index body) { return body >= 0 && body < fan.n_corners && problem.bodies[body].inverse_mass[k] == 0; };
+            const double mean_after = 0.5 * (problem.velocity_before(link.after)[k] + problem.velocity_after(link.after)[k]);
+            const double mean_before = 0.5 * (problem.velocity_before(link.before)[k] + problem.velocity_after(link.before)[k]);
+            if (driven(link.after)) report.external_work -= link.impulse[k] * mean_after, reaction_at(link.after)[k] -= link.impulse[k] / free.kick_time;
+            if (driven(link.before)) report.external_work += link.impulse[k] * mean_before, reaction_at(link.before)[k] += link.impulse[k] / free.kick_time;
+        }
+    };
     for (Index i = 0; i < fan.n_points; ++i) {
         const FanLink& link = problem.links[i];
         const FanPoint& point = model_.fan_points[fan.first_point + i];
@@ -286,13 +322,7 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
         const Vec2 n = link.normal, t = turned_left(n);
         const Vec2 before = problem.velocity_before(link.after) - problem.velocity_before(link.before);
         const Vec2 after = problem.velocity_after(link.after) - problem.velocity_after(link.before);
-        for (int k = 0; k < 2; ++k) {
-            const auto driven = [&](Index body) { return body >= 0 && problem.bodies[body].inverse_mass[k] == 0; };
-            const double mean_after = 0.5 * (problem.velocity_before(link.after)[k] + problem.velocity_after(link.after)[k]);
-            const double mean_before = 0.5 * (problem.velocity_before(link.before)[k] + problem.velocity_after(link.before)[k]);
-            if (driven(link.after)) report.external_work -= link.impulse[k] * mean_after, reaction_at(link.after)[k] -= link.impulse[k] / free.kick_time;
-            if (driven(link.before)) report.external_work += link.impulse[k] * mean_before, reaction_at(link.before)[k] += link.impulse[k] / free.kick_time;
-        }
+        relieve_drives(link);
         const double mean_N = 0.5 * n.dot(before + after), mean_T = 0.5 * t.dot(before + after);
         PointState& state = end.points[end.first_point[rank] + i];
         const double S = point.area;
@@ -315,6 +345,70 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
         report.largest_beta_growth = std::max(report.largest_beta_growth, state.cohesion - cohesion);
         if (!point.cracked && law.sigma_c > 0) report.surface += S * law.surface_energy(state.cohesion, u_N, u_T);
         report.penetration = std::max(report.penetration, -u_N);
+    }
+
+    const auto contacts = contacts_.of_fan(f);
+    for (std::size_t j = 0; j < contacts.size(); ++j) {
+        const FanLink& link = problem.links[fan.n_points + j];
+        const Vec2 before = problem.velocity_before(link.after) - problem.velocity_before(link.before);
+        const Vec2 after = problem.velocity_after(link.after) - problem.velocity_after(link.before);
+        const double impact = link.contact * 0.5 * link.normal.dot(before + after), friction = link.friction_part * 0.5 * link.tangent().dot(before + after);
+        relieve_drives(link);
+        report.impact_work += impact;
+        report.friction_work += friction;
+        report.worst_impact_work = std::max(report.worst_impact_work, impact);
+        report.worst_friction_work = std::max(report.worst_friction_work, friction);
+        report.penetration = std::max(report.penetration, -link.u_N - free.drift_time * link.normal.dot(after));
+        contact_impulse_[&contacts[j] - contacts_.all().data()] = link.impulse;
+    }
+}
+
+void VertexScheme::find_obstacle_velocities(const State& begin, const FreeMotion& free, StepReport& report) {
+    const std::vector<ObstacleContact>& contacts = contacts_.all();
+    std::vector<std::uint8_t> touched(model_.obstacles.size(), 0);
+    for (const ObstacleContact& contact : contacts) touched[contact.obstacle] = model_.obstacles[contact.obstacle].is_free();
+    if (std::find(touched.begin(), touched.end(), 1) == touched.end()) return;
+
+    std::vector<Index> fans;
+    for (const ObstacleContact& contact : contacts)
+        if (touched[contact.obstacle] && (fans.empty() || fans.back() != contact.fan)) fans.push_back(contact.fan);
+    Workspace& work = workspaces_.front();
+    const double error = motion_.solve(begin, touched, [&](const std::vector<Vec3>&, std::vector<Vec3>& wrench) {
+        std::fill(wrench.begin(), wrench.end(), Vec3::Zero());
+        for (const Index f : fans) {
+            pose(f, begin, free, work.problem);
+            solve(f, begin, work);
+            const auto of_fan = contacts_.of_fan(f);
+            for (std::size_t j = 0; j < of_fan.size(); ++j)
+                wrench[of_fan[j].obstacle] -= wrench_of(work.problem.links[model_.fans[f].n_points + j].impulse, of_fan[j].arm);
+        }
+    });
+    report.residual = std::max(report.residual, error);
+}
+
+void VertexScheme::move_obstacles(const State& begin, const FreeMotion& free, State& end, StepReport& report) const {
+    end.obstacles = begin.obstacles;
+    std::vector<Vec3> wrench(model_.obstacles.size(), Vec3::Zero());
+    for (std::size_t i = 0; i < contact_impulse_.size(); ++i) {
+        const ObstacleContact& contact = contacts_.all()[i];
+        wrench[contact.obstacle] -= wrench_of(contact_impulse_[i], contact.arm);
+    }
+    for (std::size_t o = 0; o < model_.obstacles.size(); ++o) {
+        const Obstacle& obstacle = model_.obstacles[o];
+        ObstacleState& state = end.obstacles[o];
+        const Vec3 before = begin.obstacles[o].velocity, force = motion_.force()[o];
+        for (int k = 0; k < 3; ++k) {
+            if (obstacle.is_free(k)) {
+                state.velocity[k] = before[k] + (free.kick_time * force[k] + wrench[o][k]) / obstacle.inertia_of(k);
+                report.external_work += 0.5 * free.kick_time * force[k] * (before[k] + state.velocity[k]);
+            } else {
+                state.velocity[k] = motion_.velocity()[o][k];
+                report.external_work -= 0.5 * wrench[o][k] * (before[k] + state.velocity[k]);
+            }
+        }
+        report.kinetic += kinetic_energy(obstacle, state.velocity);
+        state.reaction = wrench[o] / free.kick_time;
+        move(obstacle, free.drift_time * state.velocity, state);
     }
 }
 

@@ -2,10 +2,15 @@
 // The interfaces beside the explicit lumped bulk, whose mass couples nothing beyond a fan: each vertex is solved by itself and exactly
 // (interfaces/fan_solver.hpp), and the cohesion follows from the openings at the end. Explicit beta: its forces are those of the cohesion at the
 // begin. Implicit beta: of beta_theta = theta beta+ + (1 - theta) beta (interfaces/fan_cohesion.hpp).
+//
+// A corner near a rigid obstacle has one link more in its fan, to the obstacle as a body with prescribed motion. A free obstacle couples the fans
+// that it touches by its three velocities; ObstacleMotion finds them first.
 #include "interfaces/fan_cohesion.hpp"
 #include "interfaces/fan_solver.hpp"
 #include "model/state.hpp"
 #include "stepper/free_motion.hpp"
+#include "stepper/obstacle_contacts.hpp"
+#include "stepper/obstacle_motion.hpp"
 #include "stepper/scheme_options.hpp"
 #include "stepper/step_report.hpp"
 
@@ -33,8 +38,10 @@ private:
     void move_bound(Index fan, const State& begin, const FreeMotion& free, const Vec2& velocity, const Vec2& force, State& end,
                     StepReport& report) const;
     void release(const State& begin, State& end, StepReport& report);
+    void find_obstacle_velocities(const State& begin, const FreeMotion& free, StepReport& report);
+    void move_obstacles(const State& begin, const FreeMotion& free, State& end, StepReport& report) const;
     StepReport advance_split(const State& begin, const FreeMotion& free, State& end);
-    void advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report) const;
+    void advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report);
 
     FanSolution solve(Index fan, const State& begin, Workspace& work) const;
     void pose(Index fan, const State& begin, const FreeMotion& free, FanProblem& problem) const;
@@ -48,6 +55,9 @@ private:
     const Model& model_;
     SchemeOptions options_;
     std::vector<std::uint8_t> comes_apart_;  // per fan, in this step
+    ObstacleContacts contacts_;
+    ObstacleMotion motion_;
+    std::vector<Vec2> contact_impulse_;      // [N s] per contact, on the body
     std::vector<Workspace> workspaces_;      // one a thread
     std::vector<StepReport> partial_;
 };

@@ -1,0 +1,88 @@
+#include "stepper/obstacle_contacts.hpp"
+
+#include <algorithm>
+
+namespace knap {
+namespace {
+
+constexpr double near = 0.02;          // of the size of a corner: what is nearer is looked at, at any speed
+constexpr double reach_in_steps = 4;   // ways of a step at the speeds of its begin
+constexpr double touching = 1e-12;     // of the coordinates that a gap is a difference of: rounding
+
+}  // namespace
+
+ObstacleContacts::ObstacleContacts(const Model& model) : model_(model) {
+    if (model.obstacles.empty()) return;
+    for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f) {
+        const Fan& fan = model.fans[f];
+        if (fan.closed) continue;
+        boundary_.push_back({f, model.fan_corners[fan.first_corner]});
+        if (fan.n_corners > 1) boundary_.push_back({f, model.fan_corners[fan.first_corner + fan.n_corners - 1]});
+    }
+    corner_size_.resize(model.mesh.n_corners());
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
+        const Vec2 x = model.mesh.corner(c / 3, c % 3);
+        corner_size_[c] = std::min((model.mesh.corner(c / 3, (c + 1) % 3) - x).norm(), (model.mesh.corner(c / 3, (c + 2) % 3) - x).norm());
+    }
+}
+
+void ObstacleContacts::list_candidates(const State& begin) {
+    candidates_ = boundary_;
+    for (const Index f : begin.split_fans) add_pieces(f, begin);
+    std::stable_sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) { return a.fan < b.fan; });
+}
+
+/// Round a fan that came apart every piece needs a contact of its own: the corner behind each point whose sides ever moved.
+void ObstacleContacts::add_pieces(Index f, const State& begin) {
+    const Fan& fan = model_.fans[f];
+    const Index first = model_.fan_corners[fan.first_corner], last = model_.fan_corners[fan.first_corner + fan.n_corners - 1];
+    const PointState* state = &begin.points[begin.first_point[begin.split_rank[f]]];
+    for (Index i = 0; i < fan.n_points; ++i) {
+        const FanPoint& point = model_.fan_points[fan.first_point + i];
+        if (point.before == ground || point.after == ground) continue;
+        if (!fan.closed && (point.after == first || point.after == last)) continue;  // the ends of a chain have theirs
+        const bool together = begin.displacement[begin.node_of_corner[point.after]] == begin.displacement[begin.node_of_corner[point.before]];
+        const bool intact = !point.cracked && (state[i].cohesion == 1 || !model_.laws[point.law].breakable());
+        if (!(intact && together)) candidates_.push_back({f, point.after});
+    }
+}
+
+void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3>& end_velocity, const std::vector<Vec2>& corner_force) {
+    contacts_.clear();
+    if (model_.obstacles.empty()) return;
+    list_candidates(begin);
+    for (const Candidate& candidate : candidates_) {
+        const Index c = candidate.corner, node = begin.node_of_corner[c];
+        const Vec2 x = model_.mesh.corner(c / 3, c % 3) + begin.displacement[node];
+        const double speed = begin.velocity[node].norm() + (corner_force.empty() ? 0 : h / model_.corner_mass[c] * corner_force[c].norm());
+        for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o) {
+            const Outline& outline = model_.obstacles[o].outline;
+            const ObstacleState& state = begin.obstacles[o];
+            const Vec2 arm = x - state.pose.position;
+            const double obstacle_speed = velocity_at(state.velocity, arm).norm() + velocity_at(end_velocity[o], arm).norm();
+            const double reach = near * corner_size_[c] + reach_in_steps * h * (speed + obstacle_speed);
+            if (!may_reach(outline, state.pose, x, reach)) continue;
+            SurfaceDistance distance = distance_to(outline, state.pose, x);
+            if (distance.gap > reach) continue;
+            if (std::abs(distance.gap) <= touching * (x.norm() + state.pose.position.norm())) distance.gap = 0;
+            contacts_.push_back({.corner = c, .fan = candidate.fan, .obstacle = o, .arm = arm, .normal = distance.normal, .gap = distance.gap});
+            if (outline.kind == Outline::Kind::disc) continue;
+            // what turns is taken half way through the step: of second order, so that a point that rides or slides on it does not sink in
+            const Pose half{.angle = 0.5 * h * end_velocity[o].z()};
+            contacts_.back().normal = half.turned(distance.normal);
+            contacts_.back().arm += 0.5 * h * (begin.velocity[node] - end_velocity[o].head<2>());
+        }
+    }
+}
+
+std::span<const ObstacleContact> ObstacleContacts::of_fan(Index fan) const {
+    struct ByFan {
+        bool operator()(const ObstacleContact& contact, Index f) const { return contact.fan < f; }
+        bool operator()(Index f, const ObstacleContact& contact) const { return f < contact.fan; }
+    };
+    if (contacts_.empty()) return {};
+    const auto [first, last] = std::equal_range(contacts_.begin(), contacts_.end(), fan, ByFan{});
+    return {first, last};
+}
+
+}  // namespace knap

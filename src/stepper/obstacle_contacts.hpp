@@ -1,0 +1,50 @@
+#pragma once
+// Where the body is near a rigid obstacle: the corners of its triangles, on the boundary and on faces that opened since, against the surface of
+// each obstacle, as it lies at the begin of the step. To be in contact, no more: the gap changes with the normal component of the relative velocity,
+// which for a convex obstacle is never more than it does.
+#include "model/state.hpp"
+
+#include <span>
+#include <vector>
+
+namespace knap {
+
+/// A corner beside the surface of an obstacle.
+struct ObstacleContact {
+    Index corner;
+    Index fan;
+    Index obstacle;
+    Vec2 arm;     // [m] from the obstacle's origin to the corner
+    Vec2 normal;  // out of the obstacle
+    double gap;   // [m]
+};
+
+/// [m/s] of the obstacle at the contact.
+inline Vec2 velocity_at(const Vec3& obstacle_velocity, const ObstacleContact& contact) { return velocity_at(obstacle_velocity, contact.arm); }
+
+class ObstacleContacts {
+public:
+    explicit ObstacleContacts(const Model& model);
+
+    /// All contacts that a step of h [s] may close, in the order of the fans. `end_velocity`: of the obstacles, as far as it is known before;
+    /// `corner_force` [N]: what accelerates the corners, or nothing.
+    void find(const State& begin, double h, const std::vector<Vec3>& end_velocity, const std::vector<Vec2>& corner_force);
+
+    const std::vector<ObstacleContact>& all() const { return contacts_; }
+    std::span<const ObstacleContact> of_fan(Index fan) const;
+
+private:
+    struct Candidate {
+        Index fan, corner;
+    };
+    void list_candidates(const State& begin);
+    void add_pieces(Index fan, const State& begin);
+
+    const Model& model_;
+    std::vector<Candidate> boundary_;   // the corners at both ends of the fans on the boundary
+    std::vector<double> corner_size_;   // [m] per corner: the shorter one of its two edges
+    std::vector<Candidate> candidates_;
+    std::vector<ObstacleContact> contacts_;
+};
+
+}  // namespace knap

@@ -1,0 +1,119 @@
+#include "stepper/obstacle_motion.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+namespace {
+
+constexpr int most_steps = 60, most_secants = 20;
+constexpr double rounding = 1e-11;     // of the largest impulse: the last digits are not worth a search
+constexpr double tolerance = 1e-14;    // of the largest impulse
+constexpr double difference = 1e-6;    // of the speeds, for the derivative: exact up to rounding, since Q is piecewise linear
+
+struct Component {
+    Index obstacle;
+    int k;
+    double mass;  // [kg] or [kg m2]
+};
+
+/// Where between 0 and 1 a function with these values at both is zero; 1 where it does not change its sign. Secants that cannot stall (Illinois).
+double zero_of_slope(double at_0, double at_1, const std::function<double(double)>& slope) {
+    if (at_0 >= 0 || at_1 <= 0) return 1;
+    double low = 0, high = 1, slope_low = at_0, slope_high = at_1, a = 1;
+    for (int i = 0, side = 0; i < most_secants; ++i) {
+        a = (low * slope_high - high * slope_low) / (slope_high - slope_low);
+        const double here = slope(a);
+        if (std::abs(here) <= 1e-3 * std::abs(at_0)) break;
+        if (here > 0) {
+            high = a, slope_high = here;
+            if (side == 1) slope_low /= 2;
+            side = 1;
+        } else {
+            low = a, slope_low = here;
+            if (side == -1) slope_high /= 2;
+            side = -1;
+        }
+    }
+    return a;
+}
+
+}  // namespace
+
+void ObstacleMotion::begin_step(const State& begin, double kick_time, double drift_time) {
+    kick_time_ = kick_time;
+    const std::size_t n = model_.obstacles.size();
+    velocity_.resize(n);
+    force_.resize(n);
+    for (std::size_t o = 0; o < n; ++o) {
+        const Obstacle& obstacle = model_.obstacles[o];
+        force_[o] = force_at(obstacle, begin.time);
+        for (int k = 0; k < 3; ++k) {
+            const Drive& drive = obstacle.drive[k];
+            if (drive.kind == Drive::Kind::free) velocity_[o][k] = begin.obstacles[o].velocity[k] + kick_time / obstacle.inertia_of(k) * force_[o][k];
+            // the velocity lives at the middle of the step, the displacement it leads to at its end
+            if (drive.kind == Drive::Kind::velocity) velocity_[o][k] = drive.value * drive.history(begin.time + 0.5 * drift_time);
+            if (drive.kind == Drive::Kind::displacement)
+                velocity_[o][k] = (drive.value * drive.history(begin.time + drift_time) - begin.obstacles[o].moved[k]) / drift_time;
+        }
+    }
+}
+
+double ObstacleMotion::solve(const State& begin, const std::vector<std::uint8_t>& touched, const Response& response) {
+    std::vector<Component> free;
+    for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o)
+        for (int k = 0; k < 3 && touched[o]; ++k)
+            if (model_.obstacles[o].is_free(k)) free.push_back({o, k, model_.obstacles[o].inertia_of(k)});
+    const Eigen::Index n = static_cast<Eigen::Index>(free.size());
+    if (n == 0) return 0;
+
+    // in units of sqrt(mass) all components weigh alike
+    const std::vector<Vec3> without_contact = velocity_;
+    std::vector<Vec3> wrench(velocity_.size());
+    double scale = 0;  // [sqrt(kg) m/s]
+    const auto at = [&](const Eigen::VectorXd& x) {
+        velocity_ = without_contact;
+        for (Eigen::Index i = 0; i < n; ++i) velocity_[free[i].obstacle][free[i].k] += x[i] / std::sqrt(free[i].mass);
+        response(velocity_, wrench);
+        Eigen::VectorXd error(n);
+        for (Eigen::Index i = 0; i < n; ++i) {
+            const double given = wrench[free[i].obstacle][free[i].k] / std::sqrt(free[i].mass);
+            scale = std::max({scale, std::abs(given), std::abs(x[i])});
+            error[i] = x[i] - given;
+        }
+        return error;
+    };
+    double speed = 0;
+    for (const Component& c : free) {
+        const double V = std::max(std::abs(begin.obstacles[c.obstacle].velocity[c.k]), std::abs(velocity_[c.obstacle][c.k]));
+        speed = std::max(speed, std::sqrt(c.mass) * V);
+    }
+    // without friction the error is the gradient of a convex function: the zero of its slope along Newton's step is the length of the step
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(n), error = at(x);
+    Eigen::PartialPivLU<Eigen::MatrixXd> slope;
+    bool slope_is_known = false;
+    for (int step = 0; step < most_steps && error.norm() > tolerance * scale; ++step) {
+        if (!slope_is_known) {
+            const double delta = difference * std::max(speed, scale);
+            Eigen::MatrixXd columns(n, n);
+            for (Eigen::Index j = 0; j < n; ++j) columns.col(j) = (at(x + delta * Eigen::VectorXd::Unit(n, j)) - error) / delta;
+            slope.compute(columns);
+        }
+        const Eigen::VectorXd change = -slope.solve(error);
+        const double before = error.norm();
+        Eigen::VectorXd tried = x + change, found = at(tried);
+        if (found.norm() > 0.1 * before && before > rounding * scale) {
+            const double a = zero_of_slope(change.dot(error), change.dot(found), [&](double part) { return change.dot(at(x + part * change)); });
+            tried = x + a * change, found = at(tried);
+        }
+        if (before <= rounding * scale && found.norm() >= before) break;
+        slope_is_known = found.norm() <= 1e-3 * before;  // the same piece
+        x = tried, error = found;
+    }
+    if (error.norm() > tolerance * scale) error = at(x);
+    return scale > 0 ? error.norm() / scale : 0;
+}
+
+}  // namespace knap
