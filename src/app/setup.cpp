@@ -20,6 +20,7 @@ Model build_model(const Scenario& scenario) {
     input.loads = scenario.loads;
     input.foundations = scenario.foundations;
     input.initial_velocities = scenario.initial_velocities;
+    input.obstacles = scenario.obstacles;
     return make_model(std::move(input));
 }
 

@@ -23,7 +23,7 @@ struct Outline {
     double radius = 0;         // [m] of a disc
     std::vector<Vec2> points;  // [m] of a polygon, counterclockwise, convex
 
-    double area() const;           // [m2]; 0 of a half plane
+    double area() const;           // [m2]; 0 of a half plane, negative of a clockwise polygon
     double second_moment() const;  // [m4] polar, about the origin; 0 of a half plane
 };
 

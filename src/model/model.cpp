@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace knap {
 namespace {
@@ -201,6 +202,22 @@ void weigh_obstacles(const std::vector<Load>& loads, Model& model) {
                 obstacle.forces.push_back({.value = obstacle.mass * Vec3(load.value[0].value_or(0), load.value[1].value_or(0), 0), .history = load.history});
 }
 
+/// Obstacles begin beside the body.
+void check_obstacles(const Model& model) {
+    const Mesh& mesh = model.mesh;
+    for (const Obstacle& obstacle : model.obstacles) {
+        const Pose start = initial_state(obstacle).pose;
+        for (const BoundaryEdge& edge : mesh.boundary_edges) {
+            const Vec2 a = mesh.corner(edge.triangle, edge.side), b = mesh.corner(edge.triangle, (edge.side + 1) % 3);
+            const double depth = -distance_to(obstacle.outline, start, a).gap;
+            if (depth <= 1e-6 * (b - a).norm()) continue;
+            char text[200];
+            std::snprintf(text, sizeof text, " lies in the body at the start, by %.3g m at (%.6g, %.6g) m", depth, a.x(), a.y());
+            throw UserError("overlap", "obstacle `" + obstacle.name + "`" + text);
+        }
+    }
+}
+
 }  // namespace
 
 Model make_model(ModelInput input) {
@@ -222,6 +239,7 @@ Model make_model(ModelInput input) {
     start_as_driven(model);
     model.obstacles = std::move(input.obstacles);
     weigh_obstacles(input.loads, model);
+    check_obstacles(model);
     return model;
 }
 

@@ -15,7 +15,7 @@ namespace knap {
 
 namespace {
 
-constexpr Colour body_colour{0.90, 0.90, 0.89}, outline_colour{0.35, 0.35, 0.35}, damaged_colour{0.25, 0.52, 0.78};
+constexpr Colour body_colour{0.90, 0.90, 0.89}, outline_colour{0.35, 0.35, 0.35}, obstacle_colour{0.70, 0.72, 0.76}, damaged_colour{0.25, 0.52, 0.78};
 constexpr double outline_width = 0.5, broken_width = 1.1, damaged_width = 0.5, precrack_width = 1, path_width = 0.6;  // [unit]
 
 template <class Values>
@@ -66,6 +66,17 @@ public:
             for (const auto& side : {frame_.side_a[i], frame_.side_b[i]})
                 if (side[0] >= 0) ends.insert(ends.end(), {corner(side[0]), corner(side[1])});
         canvas_.segments(ends, colour, width);
+    }
+
+    void fill_obstacles() {
+        for (Index o = 0; o < frame_.n_obstacles(); ++o) {
+            std::vector<Vec2> outline;
+            for (Index i = o * n_outline_points; i < (o + 1) * n_outline_points; ++i)
+                outline.push_back(view_.on_page(frame_.obstacle_position[i] + options_.deform * frame_.obstacle_displacement[i]));
+            canvas_.fill(outline, obstacle_colour);
+            outline.push_back(Vec2(outline.front()));
+            canvas_.line(outline, outline_colour, outline_width);
+        }
     }
 
     /// The edges that only one triangle has.
@@ -170,6 +181,7 @@ DrawnFigure draw_cracks(const FigureOptions& options, const Frame& frame, const 
     std::sort(coloured.begin(), coloured.end(), [&](Index a, Index b) { return by_cohesion ? value(a) > value(b) : value(a) < value(b); });
 
     BodyPage page(options, frame, file);
+    page.inside_plot([&] { page.fill_obstacles(); });
     page.fill_triangles([](Index) { return body_colour; });
     page.inside_plot([&] {
         page.draw_outline();
@@ -200,6 +212,7 @@ DrawnFigure draw_field(const FigureOptions& options, const Frame& frame, const s
     set_range(scale, options, values, robust_range(values, 0.005, field->is_signed));
 
     BodyPage page(options, frame, file);
+    page.inside_plot([&] { page.fill_obstacles(); });
     page.fill_triangles([&](Index t) { return scale(values[t]); });
     page.inside_plot([&] {
         page.draw_outline();

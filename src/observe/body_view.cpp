@@ -23,6 +23,14 @@ Box bounds(const Frame& frame, double exaggeration) {
         box.low = box.low.cwiseMin(x);
         box.high = box.high.cwiseMax(x);
     }
+    // obstacles, too, where they are not far away
+    const Box near{box.low.array() - 0.75 * (box.high - box.low).maxCoeff(), box.high.array() + 0.75 * (box.high - box.low).maxCoeff()};
+    for (std::size_t i = 0; i < frame.obstacle_position.size(); ++i) {
+        const Vec2 x = frame.obstacle_position[i] + exaggeration * frame.obstacle_displacement[i];
+        if (!near.contains(x)) continue;
+        box.low = box.low.cwiseMin(x);
+        box.high = box.high.cwiseMax(x);
+    }
     const double margin = std::max(0.02 * (box.high - box.low).maxCoeff(), 1e-12);
     return {box.low.array() - margin, box.high.array() + margin};
 }

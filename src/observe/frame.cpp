@@ -61,6 +61,34 @@ void add_interfaces(const Model& model, const State& state, Frame& frame) {
     }
 }
 
+/// Around an obstacle in its own frame; a polygon repeats its last corner.
+std::vector<Vec2> outline_points(const Obstacle& obstacle, const Vec2& middle_of_body, double length) {
+    const Outline& outline = obstacle.outline;
+    std::vector<Vec2> points = outline.points;
+    if (outline.kind == Outline::Kind::disc)
+        for (Index i = 0; i < n_outline_points; ++i) points.push_back(outline.radius * Vec2(std::cos(2 * M_PI * i / n_outline_points), std::sin(2 * M_PI * i / n_outline_points)));
+    if (outline.kind == Outline::Kind::half_plane) {  // a strip of it, beside the body
+        const Vec2 along = turned_left(outline.normal), foot = along.dot(obstacle.start.turned_back(middle_of_body - obstacle.start.position)) * along;
+        const Vec2 reach = 1.5 * length * along, depth = 0.05 * length * outline.normal;
+        points = {foot + reach, foot - reach, foot - reach - depth, foot + reach - depth};
+    }
+    if (points.size() > static_cast<std::size_t>(n_outline_points)) points.resize(n_outline_points);
+    while (points.size() < static_cast<std::size_t>(n_outline_points)) points.push_back(Vec2(points.back()));
+    return points;
+}
+
+void add_obstacles(const Model& model, const State& state, Frame& frame) {
+    Vec2 low = model.mesh.vertices.front(), high = low;
+    for (const Vec2& x : model.mesh.vertices) low = low.cwiseMin(x), high = high.cwiseMax(x);
+    for (std::size_t o = 0; o < model.obstacles.size(); ++o) {
+        const Pose &start = model.obstacles[o].start, &now = state.obstacles[o].pose;
+        for (const Vec2& p : outline_points(model.obstacles[o], 0.5 * (low + high), (high - low).norm())) {
+            frame.obstacle_position.push_back(start.position + start.turned(p));
+            frame.obstacle_displacement.push_back(now.position + now.turned(p) - frame.obstacle_position.back());
+        }
+    }
+}
+
 }  // namespace
 
 Frame make_frame(const Model& model, const State& state) {
@@ -68,6 +96,7 @@ Frame make_frame(const Model& model, const State& state) {
     frame.time = state.time;
     add_bulk(model, state, frame);
     add_interfaces(model, state, frame);
+    add_obstacles(model, state, frame);
     frame.length_scale = diagonal(frame.position);
     return frame;
 }

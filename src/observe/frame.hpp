@@ -19,6 +19,8 @@ enum class PointStatus : std::uint8_t {
     precrack = 3   // no cohesion from the start
 };
 
+inline constexpr Index n_outline_points = 96;
+
 struct Frame {
     double time = 0;  // [s]
     double length_scale = 1;  // [m] diagonal of the reference body
@@ -38,6 +40,11 @@ struct Frame {
     std::vector<Vec2> traction;                        // [Pa] per point (N, T)
     std::vector<PointStatus> status;                   // per point
 
+    // obstacles: the outline of each as a polygon, n_outline_points one after the other (half planes as a strip)
+    std::vector<Vec2> obstacle_position;      // [m] reference
+    std::vector<Vec2> obstacle_displacement;  // [m]
+
+    Index n_obstacles() const { return static_cast<Index>(obstacle_position.size()) / n_outline_points; }
     Index n_triangles() const { return static_cast<Index>(region.size()); }
     Index n_interfaces() const { return static_cast<Index>(side_a.size()); }
 };

@@ -191,6 +191,13 @@ void write_interfaces(const Frame& frame, const path& file) {
     write(grid, frame.time, file);
 }
 
+void write_obstacles(const Frame& frame, const path& file) {
+    vtkNew<vtkUnstructuredGrid> grid;
+    set_geometry(grid, frame.obstacle_position, VTK_POLYGON, n_outline_points);
+    grid->GetPointData()->AddArray(filled<vtkDoubleArray>("displacement", count(frame.obstacle_position), 3, in_plane(frame.obstacle_displacement)));
+    write(grid, frame.time, file);
+}
+
 void read_bulk(const path& file, Frame& frame) {
     const auto reader = opened(file);
     vtkUnstructuredGrid* grid = reader->GetOutput();
@@ -229,6 +236,12 @@ void read_interfaces(const path& file, Frame& frame) {
         frame.side_a[p / 2][p % 2] = static_cast<Index>(sides(p, 0));
         frame.side_b[p / 2][p % 2] = static_cast<Index>(sides(p, 1));
     }
+}
+
+void read_obstacles(const path& file, Frame& frame) {
+    const auto reader = opened(file);
+    frame.obstacle_position = positions(reader->GetOutput());
+    frame.obstacle_displacement = vectors({reader->GetOutput()->GetPointData(), "displacement", 3, file});
 }
 
 }  // namespace knap

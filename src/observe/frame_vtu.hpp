@@ -14,8 +14,12 @@ void write_bulk(const Frame& frame, const std::filesystem::path& path);
 /// Those that are damaged, broken, pre-cracked or on a foundation.
 void write_interfaces(const Frame& frame, const std::filesystem::path& path);
 
+/// The outlines of the obstacles as polygons.
+void write_obstacles(const Frame& frame, const std::filesystem::path& path);
+
 /// Throws SimulationError naming the path.
 void read_bulk(const std::filesystem::path& path, Frame& frame);
 void read_interfaces(const std::filesystem::path& path, Frame& frame);
+void read_obstacles(const std::filesystem::path& path, Frame& frame);
 
 }  // namespace knap

@@ -34,6 +34,7 @@ std::vector<Reaction> Reactions::at(const State& state) const {
     for (std::size_t i = 0; i < found.size(); ++i)
         for (int k = 0; k < 2; ++k)
             if (n_held_[i][k] > 0) found[i].displacement[k] /= n_held_[i][k];
+    for (const ObstacleState& obstacle : state.obstacles) found.push_back({-obstacle.reaction.head<2>(), obstacle.moved.head<2>()});
     return found;
 }
 
@@ -41,6 +42,10 @@ std::vector<std::string> Reactions::columns() const {
     std::vector<std::string> names{"time"};
     for (const Index load : loads_)
         for (const char* quantity : {"_force_x", "_force_y", "_u_x", "_u_y"}) names.push_back("load" + std::to_string(load) + quantity);
+    for (const Obstacle& obstacle : model_.obstacles)
+        for (const char* quantity : {"_force_x", "_force_y", "_u_x", "_u_y"}) names.push_back(obstacle.name + quantity);
+    for (const Obstacle& obstacle : model_.obstacles)
+        for (const char* quantity : {"_moment", "_angle", "_v_x", "_v_y", "_spin"}) names.push_back(obstacle.name + quantity);
     return names;
 }
 
@@ -50,6 +55,8 @@ std::vector<double> Reactions::line(const State& state) const {
         row.insert(row.end(), {reaction.force.x(), reaction.force.y()});
         row.insert(row.end(), {reaction.displacement.x(), reaction.displacement.y()});
     }
+    for (const ObstacleState& obstacle : state.obstacles)
+        row.insert(row.end(), {-obstacle.reaction.z(), obstacle.moved.z(), obstacle.velocity.x(), obstacle.velocity.y(), obstacle.velocity.z()});
     return row;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What it takes to drive a body: resultant force and mean displacement of every load that prescribes a motion.
+// What it takes to drive a body: resultant force and mean displacement of every load that prescribes a motion, and of every obstacle.
 #include "model/state.hpp"
 
 #include <string>
@@ -7,24 +7,24 @@
 
 namespace knap {
 
-/// What one load drives.
+/// What one load drives, or an obstacle in contact.
 struct Reaction {
     Vec2 force;         // [N] resultant on the body, mean over the last step; 0 in components that this load leaves free
-    Vec2 displacement;  // [m] mean over the corners that it holds
+    Vec2 displacement;  // [m] mean over the corners that it holds; of an obstacle its own
 };
 
 class Reactions {
 public:
     explicit Reactions(const Model& model);
 
-    bool empty() const { return loads_.empty(); }
+    bool empty() const { return loads_.empty() && model_.obstacles.empty(); }
     /// Which loads of the scenario prescribe the motion of anything; one that later ones replace everywhere does not.
     const std::vector<Index>& loads() const { return loads_; }
 
-    /// In the order of loads().
+    /// In the order of loads(), then of the obstacles.
     std::vector<Reaction> at(const State& state) const;
 
-    /// Columns and line of reactions.csv: time, then force and displacement of each load.
+    /// Columns and line of reactions.csv: time, then force and displacement of each load and obstacle, then how each obstacle turns and moves.
     std::vector<std::string> columns() const;
     std::vector<double> line(const State& state) const;
 

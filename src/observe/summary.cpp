@@ -16,7 +16,7 @@ double Summary::operator[](const std::string& name) const {
 
 namespace {
 
-/// The reaction of the first load that moves anything, or else of the first that holds anything.
+/// The reaction of the first load or obstacle that moves, or else of the first that holds anything.
 struct Driver {
     Vec2 force = Vec2::Constant(std::nan(""));  // [N] at the end
     double largest = std::nan("");              // [N] over the lines of reactions.csv

@@ -26,12 +26,13 @@ std::string entry(double time, int part, const std::string& file) {
     return "    <DataSet timestep=\"" + csv_line(std::vector<double>{time}) + "\" part=\"" + std::to_string(part) + "\" file=\"" + file + "\"/>\n";
 }
 
-void write_collection(const path& run, const std::vector<double>& times) {
+void write_collection(const path& run, const std::vector<double>& times, bool obstacles) {
     const path whole = run / "run.pvd", partial = run / "run.pvd.part";
     std::ofstream out(partial, std::ios::binary);
     out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <Collection>\n";
     for (std::size_t i = 0; i < times.size(); ++i)
-        out << entry(times[i], 0, file_of("bulk", i)) << entry(times[i], 1, file_of("interfaces", i));
+        out << entry(times[i], 0, file_of("bulk", i)) << entry(times[i], 1, file_of("interfaces", i))
+            << (obstacles ? entry(times[i], 2, file_of("obstacles", i)) : "");
     out << "  </Collection>\n</VTKFile>\n";
     out.close();
     std::error_code error;
@@ -52,8 +53,9 @@ VtkSeries::VtkSeries(path run, double keep_until) : run_(std::move(run)) {
 void VtkSeries::write(const Frame& frame) {
     write_bulk(frame, run_ / file_of("bulk", times_.size()));
     write_interfaces(frame, run_ / file_of("interfaces", times_.size()));
+    if (frame.n_obstacles() > 0) write_obstacles(frame, run_ / file_of("obstacles", times_.size()));
     times_.push_back(frame.time);
-    write_collection(run_, times_);
+    write_collection(run_, times_, frame.n_obstacles() > 0);
 }
 
 std::vector<double> frame_times(const path& run) {
@@ -77,6 +79,8 @@ Frame read_frame(const path& run, std::size_t index) {
     Frame frame;
     read_bulk(run / file_of("bulk", index), frame);
     read_interfaces(run / file_of("interfaces", index), frame);
+    const path obstacles = run / file_of("obstacles", index);
+    if (std::filesystem::exists(obstacles)) read_obstacles(obstacles, frame);
     return frame;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The frames of a run: <run>/fields/bulk_NNNN.vtu and interfaces_NNNN.vtu, listed with their times in <run>/run.pvd.
+// The frames of a run: <run>/fields/bulk_NNNN.vtu, interfaces_NNNN.vtu and (with obstacles) obstacles_NNNN.vtu, listed with their times in <run>/run.pvd.
 #include "observe/frame.hpp"
 
 #include <filesystem>

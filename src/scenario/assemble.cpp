@@ -72,6 +72,7 @@ void assemble(Assembly& assembly) {
     assemble_foundations(assembly);
     assemble_laws(assembly);
     assemble_loads(assembly);
+    assemble_obstacles(assembly);
     assemble_time(assembly);
     assemble_output(assembly);
     assemble_probes(assembly);

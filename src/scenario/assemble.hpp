@@ -40,12 +40,16 @@ void assemble_mesh_file(Assembly& assembly);   // instead of a shape: the mesh t
 void assemble_foundations(Assembly& assembly); // before laws: a law may have the name that a foundation uses
 void assemble_laws(Assembly& assembly);
 void assemble_loads(Assembly& assembly);
+void assemble_obstacles(Assembly& assembly);
 void assemble_time(Assembly& assembly);
 void assemble_output(Assembly& assembly);
 void assemble_probes(Assembly& assembly);
 void assemble_figures(Assembly& assembly);
 void assemble_expectations(Assembly& assembly);
 void assemble_study(Assembly& assembly);       // last: it may name probes, loads and expectations
+
+/// The history of a load or an obstacle: its ramp, table or csv.
+TimeFunction assemble_history(Assembly& assembly, const std::string& table);
 
 /// All of them.
 void assemble(Assembly& assembly);

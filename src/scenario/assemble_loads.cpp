@@ -57,7 +57,9 @@ Node points_of(const TimeFunction& history) {
     return list;
 }
 
-TimeFunction history(Assembly& assembly, const std::string& load) {
+}  // namespace
+
+TimeFunction assemble_history(Assembly& assembly, const std::string& load) {
     const std::optional<std::string> which = assembly.the_one(load, {"ramp", "table", "csv"}, false);
     TimeFunction history;
     if (which == "ramp") {
@@ -79,8 +81,6 @@ TimeFunction history(Assembly& assembly, const std::string& load) {
     }
     return history;
 }
-
-}  // namespace
 
 void assemble_foundations(Assembly& assembly) {
     for (std::size_t i = 0; i < assembly.values.count("foundation"); ++i) {
@@ -106,7 +106,7 @@ void assemble_loads(Assembly& assembly) {
             check_where(assembly, path, *which, load.kind);
             assemble_value(assembly, path + "." + *which, load);
         }
-        load.history = history(assembly, path);
+        load.history = assemble_history(assembly, path);
         assembly.scenario.loads.push_back(std::move(load));
     }
     for (std::size_t i = 0; i < assembly.values.count("initial"); ++i) {

@@ -12,8 +12,8 @@ void check_figure(const Assembly& assembly, const std::string& path) {
     const auto drives = [](const Load& load) { return load.kind == Load::Kind::velocity || load.kind == Load::Kind::displacement; };
     const std::vector<Load>& loads = assembly.scenario.loads;
     const std::string show = assembly.values.text(path + ".show").value_or("");
-    if (show == "reactions" && std::none_of(loads.begin(), loads.end(), drives))
-        assembly.findings.error("nothing-to-show", "`" + path + "` shows reactions, but no load prescribes a motion", assembly.at(path + ".show")).note =
+    if (show == "reactions" && assembly.scenario.obstacles.empty() && std::none_of(loads.begin(), loads.end(), drives))
+        assembly.findings.error("nothing-to-show", "`" + path + "` shows reactions, but no load prescribes a motion and there is no obstacle", assembly.at(path + ".show")).note =
             "a reaction is the force of a load with velocity or displacement";
     if (show == "probes" && assembly.values.count("probe") == 0)
         assembly.findings.error("nothing-to-show", "`" + path + "` shows probes, but there is none", assembly.at(path + ".show")).note = "add a [[probe]]";

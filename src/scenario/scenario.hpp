@@ -5,6 +5,7 @@
 #include "material/cohesive_law.hpp"
 #include "material/elastic.hpp"
 #include "model/loads.hpp"
+#include "model/obstacle.hpp"
 #include "observe/figures.hpp"
 #include "observe/probes.hpp"
 #include "scenario/study_options.hpp"
@@ -84,6 +85,7 @@ struct Scenario {
     std::vector<Load> loads;
     std::vector<Foundation> foundations;
     std::vector<InitialVelocity> initial_velocities;
+    std::vector<Obstacle> obstacles;
     TimeOptions time;
     OutputOptions output;
     std::vector<ProbeOptions> probes;

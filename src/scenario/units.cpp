@@ -60,6 +60,7 @@ constexpr std::array kinds{
     Names{mass, "a mass"},
     Names{time, "a time"},
     Names{angle, "an angle"},
+    Names{{.time = -1, .angle = 1}, "an angular velocity"},
     Names{{.time = -1}, "a rate"},
     Names{{.length = 1, .time = -1}, "a speed"},
     Names{{.length = 1, .time = -2}, "an acceleration"},

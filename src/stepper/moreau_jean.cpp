@@ -12,6 +12,8 @@ namespace knap {
 namespace {
 
 std::unique_ptr<StepScheme> make_scheme(const Model& model, const SchemeOptions& options) {
+    if (options.bulk == BulkScheme::implicit_theta && !model.obstacles.empty())
+        throw UserError("exclusive-keys", "obstacles need the explicit bulk", "time.bulk = \"explicit\"");
     if (options.bulk == BulkScheme::implicit_theta) return std::make_unique<ImplicitScheme>(model, options);
     return std::make_unique<ExplicitScheme>(model, options);
 }

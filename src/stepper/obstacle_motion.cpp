@@ -9,8 +9,7 @@ namespace knap {
 namespace {
 
 constexpr int most_steps = 60, most_secants = 20;
-constexpr double rounding = 1e-11;     // of the largest impulse: the last digits are not worth a search
-constexpr double tolerance = 1e-14;    // of the largest impulse
+constexpr double good_enough = 1e3;    // times the tolerance: the last digits are not worth a search
 constexpr double difference = 1e-6;    // of the speeds, for the derivative: exact up to rounding, since Q is piecewise linear
 
 struct Component {
@@ -42,26 +41,78 @@ double zero_of_slope(double at_0, double at_1, const std::function<double(double
 
 }  // namespace
 
-void ObstacleMotion::begin_step(const State& begin, double kick_time, double drift_time) {
-    kick_time_ = kick_time;
+void ObstacleMotion::begin_explicit(const State& begin, double kick_time, double drift_time) {
+    theta_scheme_ = false, theta_ = 1, kick_time_ = kick_time, drift_time_ = drift_time;
     const std::size_t n = model_.obstacles.size();
-    velocity_.resize(n);
+    rate_.resize(n);
     force_.resize(n);
     for (std::size_t o = 0; o < n; ++o) {
         const Obstacle& obstacle = model_.obstacles[o];
         force_[o] = force_at(obstacle, begin.time);
         for (int k = 0; k < 3; ++k) {
             const Drive& drive = obstacle.drive[k];
-            if (drive.kind == Drive::Kind::free) velocity_[o][k] = begin.obstacles[o].velocity[k] + kick_time / obstacle.inertia_of(k) * force_[o][k];
+            if (drive.kind == Drive::Kind::free) rate_[o][k] = begin.obstacles[o].velocity[k] + kick_time / obstacle.inertia_of(k) * force_[o][k];
             // the velocity lives at the middle of the step, the displacement it leads to at its end
-            if (drive.kind == Drive::Kind::velocity) velocity_[o][k] = drive.value * drive.history(begin.time + 0.5 * drift_time);
+            if (drive.kind == Drive::Kind::velocity) rate_[o][k] = drive.value * drive.history(begin.time + 0.5 * drift_time);
             if (drive.kind == Drive::Kind::displacement)
-                velocity_[o][k] = (drive.value * drive.history(begin.time + drift_time) - begin.obstacles[o].moved[k]) / drift_time;
+                rate_[o][k] = (drive.value * drive.history(begin.time + drift_time) - begin.obstacles[o].moved[k]) / drift_time;
+        }
+    }
+    end_velocity_ = rate_;
+}
+
+void ObstacleMotion::begin_theta(const State& begin, double h, double theta) {
+    theta_scheme_ = true, theta_ = theta, kick_time_ = drift_time_ = h;
+    const std::size_t n = model_.obstacles.size();
+    const double t = begin.time;
+    rate_.resize(n);
+    force_.resize(n);
+    end_velocity_.resize(n);
+    for (std::size_t o = 0; o < n; ++o) {
+        const Obstacle& obstacle = model_.obstacles[o];
+        force_[o] = theta * force_at(obstacle, t + h) + (1 - theta) * force_at(obstacle, t);
+        for (int k = 0; k < 3; ++k) {
+            const Drive& drive = obstacle.drive[k];
+            if (drive.kind == Drive::Kind::free) rate_[o][k] = begin.obstacles[o].velocity[k] + theta * h / obstacle.inertia_of(k) * force_[o][k];
+            if (drive.kind == Drive::Kind::velocity) {
+                rate_[o][k] = drive.value * (theta * drive.history(t + h) + (1 - theta) * drive.history(t));
+                end_velocity_[o][k] = drive.value * drive.history(t + h);
+            }
+            if (drive.kind == Drive::Kind::displacement) {
+                rate_[o][k] = (drive.value * drive.history(t + h) - begin.obstacles[o].moved[k]) / h;
+                end_velocity_[o][k] = drive.value * drive.history.slope_before(t + h);
+            }
         }
     }
 }
 
-double ObstacleMotion::solve(const State& begin, const std::vector<std::uint8_t>& touched, const Response& response) {
+void ObstacleMotion::finish(const State& begin, const std::vector<Vec3>& wrench, State& end, StepReport& report) const {
+    end.obstacles = begin.obstacles;
+    for (std::size_t o = 0; o < model_.obstacles.size(); ++o) {
+        const Obstacle& obstacle = model_.obstacles[o];
+        ObstacleState& state = end.obstacles[o];
+        const Vec3 before = begin.obstacles[o].velocity;
+        Vec3 rate = rate_[o];
+        for (int k = 0; k < 3; ++k) {
+            if (obstacle.is_free(k)) {
+                state.velocity[k] = before[k] + (kick_time_ * force_[o][k] + wrench[o][k]) / obstacle.inertia_of(k);
+                rate[k] = theta_ * state.velocity[k] + (1 - theta_) * before[k];
+            } else {
+                state.velocity[k] = end_velocity_[o][k];
+            }
+            // an impulse works with the rate of the theta scheme; with the mean of the velocities in the leapfrog energy of the explicit bulk
+            const double change = state.velocity[k] - before[k], along = theta_scheme_ ? rate[k] : 0.5 * (before[k] + state.velocity[k]);
+            if (obstacle.is_free(k)) report.external_work += kick_time_ * force_[o][k] * along;
+            else report.external_work -= wrench[o][k] * along;
+            if (obstacle.is_free(k) && theta_scheme_) report.scheme_dissipation += (theta_ - 0.5) * obstacle.inertia_of(k) * change * change;
+        }
+        report.kinetic += kinetic_energy(obstacle, state.velocity);
+        state.reaction = wrench[o] / kick_time_;
+        move(obstacle, drift_time_ * rate, state);
+    }
+}
+
+double ObstacleMotion::solve(const State& begin, const std::vector<std::uint8_t>& touched, double tolerance, const Response& response) {
     std::vector<Component> free;
     for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o)
         for (int k = 0; k < 3 && touched[o]; ++k)
@@ -70,16 +121,16 @@ double ObstacleMotion::solve(const State& begin, const std::vector<std::uint8_t>
     if (n == 0) return 0;
 
     // in units of sqrt(mass) all components weigh alike
-    const std::vector<Vec3> without_contact = velocity_;
-    std::vector<Vec3> wrench(velocity_.size());
+    const std::vector<Vec3> without_contact = rate_;
+    std::vector<Vec3> wrench(rate_.size());
     double scale = 0;  // [sqrt(kg) m/s]
     const auto at = [&](const Eigen::VectorXd& x) {
-        velocity_ = without_contact;
-        for (Eigen::Index i = 0; i < n; ++i) velocity_[free[i].obstacle][free[i].k] += x[i] / std::sqrt(free[i].mass);
-        response(velocity_, wrench);
+        rate_ = without_contact;
+        for (Eigen::Index i = 0; i < n; ++i) rate_[free[i].obstacle][free[i].k] += x[i] / std::sqrt(free[i].mass);
+        response(wrench);
         Eigen::VectorXd error(n);
         for (Eigen::Index i = 0; i < n; ++i) {
-            const double given = wrench[free[i].obstacle][free[i].k] / std::sqrt(free[i].mass);
+            const double given = theta_ * wrench[free[i].obstacle][free[i].k] / std::sqrt(free[i].mass);
             scale = std::max({scale, std::abs(given), std::abs(x[i])});
             error[i] = x[i] - given;
         }
@@ -87,7 +138,7 @@ double ObstacleMotion::solve(const State& begin, const std::vector<std::uint8_t>
     };
     double speed = 0;
     for (const Component& c : free) {
-        const double V = std::max(std::abs(begin.obstacles[c.obstacle].velocity[c.k]), std::abs(velocity_[c.obstacle][c.k]));
+        const double V = std::max(std::abs(begin.obstacles[c.obstacle].velocity[c.k]), std::abs(rate_[c.obstacle][c.k]));
         speed = std::max(speed, std::sqrt(c.mass) * V);
     }
     // without friction the error is the gradient of a convex function: the zero of its slope along Newton's step is the length of the step
@@ -104,11 +155,11 @@ double ObstacleMotion::solve(const State& begin, const std::vector<std::uint8_t>
         const Eigen::VectorXd change = -slope.solve(error);
         const double before = error.norm();
         Eigen::VectorXd tried = x + change, found = at(tried);
-        if (found.norm() > 0.1 * before && before > rounding * scale) {
+        if (found.norm() > 0.1 * before && before > good_enough * tolerance * scale) {
             const double a = zero_of_slope(change.dot(error), change.dot(found), [&](double part) { return change.dot(at(x + part * change)); });
             tried = x + a * change, found = at(tried);
         }
-        if (before <= rounding * scale && found.norm() >= before) break;
+        if (before <= good_enough * tolerance * scale && found.norm() >= before) break;
         slope_is_known = found.norm() <= 1e-3 * before;  // the same piece
         x = tried, error = found;
     }

@@ -1,10 +1,12 @@
 #pragma once
-// The velocities of rigid obstacles over a step of the explicit bulk: what is prescribed, and what is free
+// The motion of rigid obstacles over a step: what is prescribed, and what is free
 //
-//     M (V+ - V) = k F + Q(V+),     Q = wrench of the impulses that the body gives them, each fan solved exactly for the obstacle velocities V+
+//     M (V+ - V) = k F + Q(W),     W = theta V+ + (1 - theta) V,     Q = wrench of the impulses that the body gives them at the rates W
 //
-// Q is piecewise linear: Newton's method on the few free components, its derivative by differences, with a line search on the error.
+// The explicit bulk has theta = 1 (it moves with the velocity at the end) and k = (previous h + h)/2; the implicit one k = h. The body is solved exactly for
+// given rates, so that Q is piecewise linear: Newton's method on the few free components, its derivative by differences.
 #include "model/state.hpp"
+#include "stepper/step_report.hpp"
 
 #include <functional>
 #include <vector>
@@ -15,22 +17,28 @@ class ObstacleMotion {
 public:
     explicit ObstacleMotion(const Model& model) : model_(model) {}
 
-    /// V+ where no contact acts, for a step with kick time k and drift time h [s]; exact where it is prescribed.
-    void begin_step(const State& begin, double kick_time, double drift_time);
+    /// Rates where no contact acts; exact where they are prescribed. Of the explicit bulk, with kick time k and drift time h [s]:
+    void begin_explicit(const State& begin, double kick_time, double drift_time);
+    /// of the theta scheme:
+    void begin_theta(const State& begin, double h, double theta);
 
-    /// [N s, N s, N m s] of the contacts on each obstacle, for given velocities.
-    using Response = std::function<void(const std::vector<Vec3>& velocity, std::vector<Vec3>& wrench)>;
+    /// [N s, N s, N m s] of the contacts on each obstacle at rate().
+    using Response = std::function<void(std::vector<Vec3>& wrench)>;
 
-    /// Finds the velocities of the obstacles in `touched` [0/1] that are free. Returns the error left, over the largest impulse.
-    double solve(const State& begin, const std::vector<std::uint8_t>& touched, const Response& response);
+    /// Finds the rates of the obstacles in `touched` [0/1] that are free, up to `tolerance` of the largest impulse. Returns the error left, likewise.
+    double solve(const State& begin, const std::vector<std::uint8_t>& touched, double tolerance, const Response& response);
 
-    const std::vector<Vec3>& velocity() const { return velocity_; }  // V+
-    const std::vector<Vec3>& force() const { return force_; }        // [N, N, N m] at the begin of the step
+    const std::vector<Vec3>& rate() const { return rate_; }  // W
+
+    /// The obstacles at the end of the step under the wrenches of the contacts, and their energies and works.
+    void finish(const State& begin, const std::vector<Vec3>& wrench, State& end, StepReport& report) const;
 
 private:
     const Model& model_;
-    double kick_time_ = 0;
-    std::vector<Vec3> velocity_, force_;
+    bool theta_scheme_ = false;
+    double kick_time_ = 0, drift_time_ = 0, theta_ = 1;
+    std::vector<Vec3> rate_, end_velocity_;  // of what is prescribed
+    std::vector<Vec3> force_;                // [N, N, N m]
 };
 
 }  // namespace knap

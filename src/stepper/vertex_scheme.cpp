@@ -33,15 +33,15 @@ StepReport VertexScheme::advance(const State& begin, const FreeMotion& free, Sta
     end.points.resize(begin.points.size());
     end.reaction.assign(model_.prescribed.size(), Vec2::Zero());
 
-    motion_.begin_step(begin, free.kick_time, free.drift_time);
-    contacts_.find(begin, free.drift_time, motion_.velocity(), free.corner_force);
+    motion_.begin_explicit(begin, free.kick_time, free.drift_time);
+    contacts_.find(begin, free.drift_time, motion_.rate(), free.corner_force);
     contact_impulse_.assign(contacts_.all().size(), Vec2::Zero());
 
     StepReport report = advance_bound(begin, free, end);
     release(begin, end, report);
     find_obstacle_velocities(begin, free, report);
     report += advance_split(begin, free, end);
-    move_obstacles(begin, free, end, report);
+    move_obstacles(begin, end, report);
     report.largest_speed = std::sqrt(report.largest_speed);  // squares until here
     return report;
 }
@@ -227,7 +227,7 @@ void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, Fan
                                  .restitution = obstacle.contact.restitution,
                                  .unbreakable = false});
         problem.bodies.push_back({.velocity = velocity_at(begin.obstacles[contact.obstacle].velocity, contact),
-                                  .free_velocity = velocity_at(motion_.velocity()[contact.obstacle], contact),
+                                  .free_velocity = velocity_at(motion_.rate()[contact.obstacle], contact),
                                   .inverse_mass = Vec2::Zero(),
                                   .end_velocity = Vec2::Zero()});
     }
@@ -373,7 +373,7 @@ void VertexScheme::find_obstacle_velocities(const State& begin, const FreeMotion
     for (const ObstacleContact& contact : contacts)
         if (touched[contact.obstacle] && (fans.empty() || fans.back() != contact.fan)) fans.push_back(contact.fan);
     Workspace& work = workspaces_.front();
-    const double error = motion_.solve(begin, touched, [&](const std::vector<Vec3>&, std::vector<Vec3>& wrench) {
+    const double error = motion_.solve(begin, touched, 1e-14, [&](std::vector<Vec3>& wrench) {
         std::fill(wrench.begin(), wrench.end(), Vec3::Zero());
         for (const Index f : fans) {
             pose(f, begin, free, work.problem);
@@ -386,30 +386,13 @@ void VertexScheme::find_obstacle_velocities(const State& begin, const FreeMotion
     report.residual = std::max(report.residual, error);
 }
 
-void VertexScheme::move_obstacles(const State& begin, const FreeMotion& free, State& end, StepReport& report) const {
-    end.obstacles = begin.obstacles;
+void VertexScheme::move_obstacles(const State& begin, State& end, StepReport& report) const {
     std::vector<Vec3> wrench(model_.obstacles.size(), Vec3::Zero());
     for (std::size_t i = 0; i < contact_impulse_.size(); ++i) {
         const ObstacleContact& contact = contacts_.all()[i];
         wrench[contact.obstacle] -= wrench_of(contact_impulse_[i], contact.arm);
     }
-    for (std::size_t o = 0; o < model_.obstacles.size(); ++o) {
-        const Obstacle& obstacle = model_.obstacles[o];
-        ObstacleState& state = end.obstacles[o];
-        const Vec3 before = begin.obstacles[o].velocity, force = motion_.force()[o];
-        for (int k = 0; k < 3; ++k) {
-            if (obstacle.is_free(k)) {
-                state.velocity[k] = before[k] + (free.kick_time * force[k] + wrench[o][k]) / obstacle.inertia_of(k);
-                report.external_work += 0.5 * free.kick_time * force[k] * (before[k] + state.velocity[k]);
-            } else {
-                state.velocity[k] = motion_.velocity()[o][k];
-                report.external_work -= 0.5 * wrench[o][k] * (before[k] + state.velocity[k]);
-            }
-        }
-        report.kinetic += kinetic_energy(obstacle, state.velocity);
-        state.reaction = wrench[o] / free.kick_time;
-        move(obstacle, free.drift_time * state.velocity, state);
-    }
+    motion_.finish(begin, wrench, end, report);
 }
 
 }  // namespace knap

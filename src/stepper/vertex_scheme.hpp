@@ -39,7 +39,7 @@ private:
                     StepReport& report) const;
     void release(const State& begin, State& end, StepReport& report);
     void find_obstacle_velocities(const State& begin, const FreeMotion& free, StepReport& report);
-    void move_obstacles(const State& begin, const FreeMotion& free, State& end, StepReport& report) const;
+    void move_obstacles(const State& begin, State& end, StepReport& report) const;
     StepReport advance_split(const State& begin, const FreeMotion& free, State& end);
     void advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report);
 

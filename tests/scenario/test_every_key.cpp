@@ -96,6 +96,31 @@ acceleration = [0, "-9.81 m/s2"]
 [[load]]
 on = "top"
 force = [0, "1 kN"]
+[[obstacle]]
+name = "wall"
+shape = "half plane"
+at = ["-60 mm", "0 mm"]
+normal = [2, 0]
+friction = 0.3
+velocity = ["1 m/s", "free"]
+mass = "2 kg"
+force = ["0 N", "-3 N"]
+table = [["0 us", 0], ["10 us", 1]]
+[[obstacle]]
+shape = "disc"
+centre = ["0 mm", "60 mm"]
+radius = "5 mm"
+restitution = 0.5
+density = "2 g/cm3"
+initial_velocity = [0, "-4 m/s"]
+initial_spin = "180 deg/s"
+[[obstacle]]
+shape = "polygon"
+points = [["60 mm", "0 mm"], ["60 mm", "10 mm"], ["70 mm", "10 mm"], ["70 mm", "0 mm"]]
+displacement = ["-1 mm", 0]
+spin = "1 rad/s"
+turns = false
+ramp = "10 us"
 [[initial]]
 velocity = ["1 m/s", "2 m/s"]
 box = [0, 0, 1, 1]
@@ -248,6 +273,27 @@ const Case cases[] = {
     {rectangle, "load[3].body_force", "[0, -3]"},
     {rectangle, "load[4].acceleration", "[0, -9.81]"},
     {rectangle, "load[5].force", "[0, 1000]"},
+    {rectangle, "obstacle[0].name", "\"wall\""},
+    {rectangle, "obstacle[0].shape", "\"half plane\""},
+    {rectangle, "obstacle[0].at", "[-0.06, 0]"},
+    {rectangle, "obstacle[0].normal", "[2, 0]"},
+    {rectangle, "obstacle[0].friction", "0.3"},
+    {rectangle, "obstacle[0].velocity", "[1, \"free\"]"},
+    {rectangle, "obstacle[0].mass", "2"},
+    {rectangle, "obstacle[0].force", "[0, -3]"},
+    {rectangle, "obstacle[0].table", "[[0, 0], [1e-05, 1]]"},
+    {rectangle, "obstacle[1].name", "\"obstacle2\""},
+    {rectangle, "obstacle[1].centre", "[0, 0.06]"},
+    {rectangle, "obstacle[1].radius", "0.005"},
+    {rectangle, "obstacle[1].restitution", "0.5"},
+    {rectangle, "obstacle[1].density", "2000"},
+    {rectangle, "obstacle[1].initial_velocity", "[0, -4]"},
+    {rectangle, "obstacle[1].initial_spin", "180"},
+    {rectangle, "obstacle[2].points", "[[0.06, 0], [0.06, 0.01], [0.07, 0.01], [0.07, 0]]"},
+    {rectangle, "obstacle[2].displacement", "[-0.001, 0]"},
+    {rectangle, "obstacle[2].spin", "57.29577951308232"},
+    {rectangle, "obstacle[2].turns", "false"},
+    {rectangle, "obstacle[2].ramp", "1e-05"},
     {rectangle, "initial[0].velocity", "[1, 2]"},
     {rectangle, "initial[0].box", "[0, 0, 1, 1]"},
     {rectangle, "time.end", "8e-05"},
@@ -334,7 +380,7 @@ TEST_CASE("keys: each is read and survives the resolved scenario") {
 }
 
 TEST_CASE("keys: each is in the test above and is found by its pattern") {
-    std::set<std::string> tested{"load[].csv"};  // has a test of its own
+    std::set<std::string> tested{"load[].csv", "obstacle[].csv"};  // the same history, which has a test of its own
     for (const Case& c : cases) tested.insert(pattern_of(c.path));
     std::set<std::string_view> seen;
     for (const Key& key : keys()) {
@@ -407,6 +453,31 @@ TEST_CASE("scenario: the structs hold what the file says") {
     CHECK(s.expect[3].relative);
     CHECK(s.expect[3].within == 0.07);
     CHECK(s.expect[3].value == 0.012);
+}
+
+TEST_CASE("scenario: the structs hold the obstacles") {
+    const Scenario s = samples::read(rectangle).scenario;
+    REQUIRE(s.obstacles.size() == 3);
+    const Obstacle &wall = s.obstacles[0], &disc = s.obstacles[1], &jaw = s.obstacles[2];
+    CHECK(wall.outline.normal == Vec2(1, 0));
+    CHECK(wall.start.position == Vec2(-0.06, 0));
+    CHECK(wall.drive[0].kind == Drive::Kind::velocity);
+    CHECK(wall.is_free(1));
+    CHECK(wall.drive[2].kind == Drive::Kind::displacement);  // held
+    CHECK(wall.mass == 2);
+    CHECK(force_at(wall, 5e-6) == Vec3(0, -1.5, 0));
+    CHECK(wall.contact.friction == 0.3);
+    const double mass = 2000 * 2e-3 * M_PI * 25e-6;
+    CHECK(disc.mass == tests::relative(mass, 1e-14));
+    CHECK(disc.inertia == tests::relative(0.5 * mass * 25e-6, 1e-14));
+    CHECK(disc.is_free(2));
+    CHECK((disc.initial_velocity - Vec3(0, -4, M_PI)).norm() < 1e-14);
+    CHECK((jaw.start.position - Vec2(0.065, 0.005)).norm() < 1e-15);
+    CHECK(jaw.outline.area() == tests::relative(1e-4, 1e-12));  // turned counterclockwise
+    CHECK_FALSE(jaw.is_free());
+    CHECK(jaw.drive[0].value == -1e-3);
+    CHECK(jaw.drive[0].history(5e-6) == doctest::Approx(0.5));
+    CHECK(jaw.drive[2].value == tests::relative(1, 1e-14));
 }
 
 TEST_CASE("scenario: the structs hold the implicit path") {

@@ -26,7 +26,22 @@ std::string with(const std::string& more) { return least + more; }  // `more` be
 
 const std::string load = "[[load]]\non = \"top\"\n";  // lines 16, 17
 
+const std::string plane = "[[obstacle]]\nshape = \"half plane\"\nat = [0, -1]\nnormal = [0, 1]\n";  // lines 16 to 19
+const std::string disc = "[[obstacle]]\nshape = \"disc\"\ncentre = [0, -1]\nradius = 0.5\n";       // likewise
+
 const Case cases[] = {
+    {"an obstacle of no shape", with("[[obstacle]]\nfriction = 0.1\n"), "missing-key", 16, 1, 12, "obstacle[0].shape"},
+    {"a key of another outline", with(plane + "radius = 1\n"), "exclusive-keys", 20, 1, 6, "belongs to shape"},
+    {"a normal without direction", with("[[obstacle]]\nshape = \"half plane\"\nat = [0, 0]\nnormal = [0, 0]\n"), "out-of-range", 19, 10, 6, "no direction"},
+    {"density of a half plane", with(plane + "density = 1\n"), "exclusive-keys", 20, 11, 1, "no volume"},
+    {"mass and density", with(disc + "mass = 1\ndensity = 1\n"), "exclusive-keys", 21, 1, 7, "mass and density"},
+    {"free without mass", with(plane + "velocity = [0, \"free\"]\n"), "missing-key", 20, 12, 11, "free in y, but has no mass"},
+    {"a half plane that turns", with(plane + "mass = 1\nturns = true\n"), "missing-key", 21, 9, 4, "no moment of inertia"},
+    {"turns and spins", with(disc + "mass = 1\nturns = true\nspin = 1\n"), "exclusive-keys", 22, 8, 1, "cannot turn freely"},
+    {"a force on what is driven", with(plane + "velocity = [0, 1]\nforce = [0, 1]\n"), "exclusive-keys", 21, 1, 5, "moves freely"},
+    {"two obstacles of one name", with(disc + "name = \"a\"\n" + disc + "name = \"a\"\n"), "duplicate-name", 24, 8, 3, "two obstacles `a`"},
+    {"an obstacle with a strange name", with(disc + "name = \"a b\"\n"), "bad-name", 20, 8, 5, "letters"},
+    {"an outline that is not convex", with("[[obstacle]]\nshape = \"polygon\"\npoints = [[0, 0], [2, 0], [1, 0.5], [1, 2]]\n"), "out-of-range", 18, 10, 34, "no convex polygon"},
     {"misspelt key", changed("sigma_c", "sigmac"), "unknown-key", 12, 1, 6, "did you mean `sigma_c`?"},
     {"misspelt table", changed("[mesh]", "[mehs]"), "unknown-key", 5, 2, 4, "did you mean `mesh`?"},
     {"key of another table", changed("size = 0.001", "size = 0.001\nsafety = 0.5"), "unknown-key", 7, 1, 6, "there is `time.safety`"},
