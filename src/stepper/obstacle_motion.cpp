@@ -142,6 +142,7 @@ double ObstacleMotion::solve(const State& begin, const std::vector<std::uint8_t>
         speed = std::max(speed, std::sqrt(c.mass) * V);
     }
     // without friction the error is the gradient of a convex function: the zero of its slope along Newton's step is the length of the step
+    scale = 0.01 * speed;  // an impulse is a difference of momenta: near their rounding nothing can be decided
     Eigen::VectorXd x = Eigen::VectorXd::Zero(n), error = at(x);
     Eigen::PartialPivLU<Eigen::MatrixXd> slope;
     bool slope_is_known = false;
