@@ -356,8 +356,8 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
         relieve_drives(link);
         report.impact_work += impact;
         report.friction_work += friction;
-        report.worst_impact_work = std::max(report.worst_impact_work, impact);
-        report.worst_friction_work = std::max(report.worst_friction_work, friction);
+        report.worst_impact_work = std::max(report.worst_impact_work, impact - slack * link.contact);
+        report.worst_friction_work = std::max(report.worst_friction_work, friction - slack * std::abs(link.friction_part));
         report.penetration = std::max(report.penetration, -link.u_N - free.drift_time * link.normal.dot(after));
         contact_impulse_[&contacts[j] - contacts_.all().data()] = link.impulse;
     }

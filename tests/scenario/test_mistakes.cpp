@@ -39,7 +39,7 @@ const Case cases[] = {
     {"a half plane that turns", with(plane + "mass = 1\nturns = true\n"), "missing-key", 21, 9, 4, "no moment of inertia"},
     {"turns and spins", with(disc + "mass = 1\nturns = true\nspin = 1\n"), "exclusive-keys", 22, 8, 1, "cannot turn freely"},
     {"a force on what is driven", with(plane + "velocity = [0, 1]\nforce = [0, 1]\n"), "exclusive-keys", 21, 1, 5, "moves freely"},
-    {"two obstacles of one name", with(disc + "name = \"a\"\n" + disc + "name = \"a\"\n"), "duplicate-name", 24, 8, 3, "two obstacles `a`"},
+    {"two obstacles of one name", with(disc + "name = \"a\"\n" + disc + "name = \"a\"\n"), "duplicate-name", 25, 8, 3, "two obstacles `a`"},
     {"an obstacle with a strange name", with(disc + "name = \"a b\"\n"), "bad-name", 20, 8, 5, "letters"},
     {"an outline that is not convex", with("[[obstacle]]\nshape = \"polygon\"\npoints = [[0, 0], [2, 0], [1, 0.5], [1, 2]]\n"), "out-of-range", 18, 10, 34, "no convex polygon"},
     {"misspelt key", changed("sigma_c", "sigmac"), "unknown-key", 12, 1, 6, "did you mean `sigma_c`?"},
