@@ -25,7 +25,8 @@ double entries_at_most(const Model& model, const SchemeOptions& scheme) {
     };
     bool friction = false, gamma = false;
     for (const FanPoint& point : model.fan_points) {
-        if (unbreakable(model, point) && point.before != ground && point.after != ground) part[root(point.before / 3)] = root(point.after / 3);
+        if (unbreakable(model, point) && point.before != ground && point.after != ground)
+            part[root(model.mesh.triangle_of(point.before))] = root(model.mesh.triangle_of(point.after));
         friction = friction || model.laws[point.law].friction > 0;
         gamma = gamma || model.laws[point.law].gamma > 0;
     }
@@ -34,7 +35,7 @@ double entries_at_most(const Model& model, const SchemeOptions& scheme) {
     for (const FanPoint& point : model.fan_points) {
         if (unbreakable(model, point)) continue;
         for (const Index corner : {point.before, point.after})
-            if (corner != ground) n_points[root(corner / 3)] += 1;
+            if (corner != ground) n_points[root(model.mesh.triangle_of(corner))] += 1;
     }
     double entries = 0;
     for (const double n : n_points) entries += rows * n * rows * n;

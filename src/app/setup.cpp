@@ -12,6 +12,7 @@ namespace knap {
 Model build_model(const Scenario& scenario) {
     ModelInput input;
     input.mesh = scenario.given ? scenario.given->mesh : triangulate(scenario.shape, scenario.mesh);
+    input.mesh.order = scenario.order;
     input.plane = scenario.plane;
     input.thickness = scenario.thickness;
     for (const NamedMaterial& material : scenario.materials) input.materials.push_back(material.elastic);
@@ -54,7 +55,7 @@ double mean_edge(const Mesh& mesh) {
 
 double finest_edge(const Scenario& scenario, double mean_edge) {
     for (const RefineBox& box : scenario.mesh.refine) mean_edge = std::min(mean_edge, box.size);
-    return mean_edge;
+    return mean_edge / scenario.order;
 }
 
 double rayleigh_speed(const Scenario& scenario) { return scenario.materials.front().elastic.rayleigh_speed(scenario.plane); }

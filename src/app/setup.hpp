@@ -27,7 +27,7 @@ double assumption_1_step(const Resolution& resolution, double edge, double theta
 /// Mean length [m] of the interior edges.
 double mean_edge(const Mesh& mesh);
 
-/// The smallest edge length [m] that is wanted anywhere: where cracks are to run.
+/// The smallest distance [m] of interface points that is wanted anywhere, where cracks are to run: an edge, of order 2 half of one.
 double finest_edge(const Scenario& scenario, double mean_edge);
 
 /// [m/s] of the domain's first material.

@@ -1,6 +1,6 @@
 #include "app/step_plan.hpp"
 
-#include "bulk/elastic_forces.hpp"
+#include "bulk/triangle_matrices.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,44 +1,34 @@
 #pragma once
-// Internal forces of constant-strain triangles, one corner at a time, and the stress screen of the interfaces.
-//     strain = sum_k sym(grad N_k (x) u_k),   sigma = D strain,   f_k = -V sigma grad N_k   (force on the corner), sum_k f_k = 0
-#include "geometry/mesh.hpp"
-#include "material/elastic.hpp"
+// Internal forces of the bulk, one corner at a time, and the screen of the interfaces: linear_triangles.hpp or quadratic_triangles.hpp,
+// as the order of the mesh says.
+#include "bulk/linear_triangles.hpp"
+#include "bulk/quadratic_triangles.hpp"
 
-#include <array>
-#include <cstdint>
-#include <vector>
+#include <variant>
 
 namespace knap {
 
 class ElasticForces {
 public:
-    ElasticForces(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness);
+    ElasticForces(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness)
+        : triangles_(mesh.order == 1 ? Triangles(LinearTriangles(mesh, materials, plane, thickness))
+                                     : Triangles(QuadraticTriangles(mesh, materials, plane, thickness))) {}
 
-    /// The screen: fans whose triangles all have |sigma|_F^2 <= threshold need no test. [Pa^2] per fan.
-    void set_screen(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner);
+    /// The screen: a fan needs no test while forces on its corners are no larger than stresses |sigma|_F^2 <= threshold can make them.
+    /// [Pa^2] per fan.
+    void set_screen(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner) {
+        std::visit([&](auto& triangles) { triangles.set_screen(threshold_of_fan, fan_of_corner); }, triangles_);
+    }
 
-    /// corner_force [N], 3 per triangle; fan_is_hot [0/1], per fan, set where the screen does not clear the fan.
+    /// corner_force [N], per corner; fan_is_hot [0/1], per fan, set where the screen does not clear the fan.
     void evaluate(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner, std::vector<Vec2>& corner_force,
-                  std::vector<std::uint8_t>& fan_is_hot) const;
+                  std::vector<std::uint8_t>& fan_is_hot) const {
+        std::visit([&](const auto& triangles) { triangles.evaluate(displacement, node_of_corner, corner_force, fan_is_hot); }, triangles_);
+    }
 
 private:
-    struct Triangle {
-        Vec2 gradient1, gradient2;     // [1/m] of the shape functions of corners 1 and 2; corner 0 has minus their sum
-        double volume;                 // [m3]
-        float threshold;               // [Pa^2] smallest of the three fans', rounded down
-        Index material;
-    };
-    static_assert(sizeof(Triangle) == 48);  // on large meshes memory sets the pace
-    struct Stiffness {
-        double lame, twice_shear;  // [Pa] lambda of the plane law, 2 mu
-    };
-    std::vector<Triangle> triangles_;
-    std::vector<Stiffness> stiffness_;  // per material
-    std::vector<double> threshold_of_fan_;
-    std::vector<Index> fan_of_corner_;
+    using Triangles = std::variant<LinearTriangles, QuadraticTriangles>;
+    Triangles triangles_;
 };
-
-/// 2/omega_max of each free triangle with lumped mass [s]: the stable step of the central difference scheme when everything is split.
-std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane);
 
 }  // namespace knap

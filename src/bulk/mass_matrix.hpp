@@ -1,5 +1,6 @@
 #pragma once
-// The mass matrix of a triangle whose corners have the mass m each (a third of the triangle's): M_ij = m (own delta_ij + shared) I.
+// The mass matrix of a triangle of first order whose corners have the mass m each (a third of the triangle's): M_ij = m (own delta_ij + shared) I.
+// Of second order (triangle_matrices.hpp): the masses of corner_share, the exact integral, or all of it at the centre.
 //
 //     lumped        own 1,    shared 0
 //     consistent    own 1/4,  shared 1/4    the exact integral of N_i N_j

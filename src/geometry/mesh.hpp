@@ -21,7 +21,10 @@ struct BoundaryEdge {
     Index boundary;  // index into boundary_names
 };
 
+/// A triangle owns its corners: of order 1 its three vertices 0, 1, 2; of order 2 also 3 + k, the middle of edge k, and 6, its centre.
+/// Corner k of triangle t has the number corners_per_triangle() t + k.
 struct Mesh {
+    Index order = 1;                              // of the displacement on a triangle: 1 or 2
     std::vector<Vec2> vertices;                   // [m]
     std::vector<std::array<Index, 3>> triangles;  // counterclockwise
     std::vector<Index> region;                    // material index, one per triangle
@@ -31,9 +34,17 @@ struct Mesh {
 
     Index n_triangles() const { return static_cast<Index>(triangles.size()); }
     Index n_vertices() const { return static_cast<Index>(vertices.size()); }
-    Index n_corners() const { return 3 * n_triangles(); }
+    Index corners_per_triangle() const { return order == 1 ? 3 : 7; }
+    Index n_corners() const { return corners_per_triangle() * n_triangles(); }
+    Index triangle_of(Index corner) const { return corner / corners_per_triangle(); }
+    Index place_in_triangle(Index corner) const { return corner % corners_per_triangle(); }
 
-    Vec2 corner(Index triangle, Index k) const { return vertices[triangles[triangle][k]]; }
+    Vec2 corner(Index triangle, Index k) const {  // [m] k < 3: a vertex
+        if (k < 3) return vertices[triangles[triangle][k]];
+        if (k < 6) return 0.5 * (corner(triangle, k - 3) + corner(triangle, (k - 2) % 3));
+        return (corner(triangle, 0) + corner(triangle, 1) + corner(triangle, 2)) / 3;
+    }
+    Vec2 corner(Index corner_number) const { return corner(triangle_of(corner_number), place_in_triangle(corner_number)); }
     double area(Index triangle) const {  // [m2]
         return 0.5 * cross(corner(triangle, 1) - corner(triangle, 0), corner(triangle, 2) - corner(triangle, 0));
     }

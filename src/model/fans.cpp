@@ -29,7 +29,7 @@ Interface interface_at(const Mesh& mesh, Index a, Index b, Index owner, Index si
 
 InterfaceOfSide make_interfaces(const ModelInput& input, const FoundationOfEdge& foundation_of_edge, Model& model) {
     const Mesh& mesh = model.mesh;
-    InterfaceOfSide interface_of_side(mesh.n_corners(), none);
+    InterfaceOfSide interface_of_side(3 * mesh.n_triangles(), none);
     for (const InteriorEdge& edge : mesh.interior_edges) {
         const auto [a, b] = edge.triangle;
         Interface made = interface_at(mesh, a, b, a, edge.side[0]);
@@ -60,51 +60,83 @@ public:
     void walk(Index corner) {
         const Index start = first_corner_of(corner);
         const Index vertex = vertex_of(start);
-        Fan fan{.vertex = vertex,
-                .first_corner = static_cast<Index>(model_.fan_corners.size()),
-                .n_corners = 0,
-                .first_point = static_cast<Index>(model_.fan_points.size()),
-                .n_points = 0,
-                .closed = across(start, ray_side(start % 3)) != none,
-                .split_at_start = false,
-                .mass = 0};
-        Index before = fan.closed ? across(start, ray_side(start % 3)) : ground;
+        Fan fan = no_fan();
+        fan.vertex = vertex;
+        fan.closed = across(start, ray_side(vertex_place(start))) != none;
+        Index before = fan.closed ? across(start, ray_side(vertex_place(start))) : ground;
         for (Index here = start;;) {
-            add_point(interface_of_side_[side_of(here, ray_side(here % 3))], vertex, before, here, fan);
-            model_.fan_of_corner[here] = static_cast<Index>(model_.fans.size());
-            model_.fan_corners.push_back(here);
-            fan.mass += model_.corner_mass[here];
-            ++fan.n_corners;
+            add_end_point(interface_of_side_[side_of(here, ray_side(vertex_place(here)))], vertex, before, here, fan);
+            add_corner(here, fan);
             before = here;
-            here = across(here, last_side(here % 3));
+            here = across(here, last_side(vertex_place(here)));
             if (here == none || here == start) break;
         }
-        if (!fan.closed) add_point(interface_of_side_[side_of(before, last_side(before % 3))], vertex, before, ground, fan);
+        if (!fan.closed) add_end_point(interface_of_side_[side_of(before, last_side(vertex_place(before)))], vertex, before, ground, fan);
+        model_.fans.push_back(fan);
+    }
+
+    /// The fan in the middle of a side: `corner` and the one across, if there is one.
+    void walk_middle(Index corner) {
+        const Index t = model_.mesh.triangle_of(corner), side = vertex_place(corner) - 3, interface = interface_of_side_[3 * t + side];
+        Fan fan = no_fan();
+        if (interface == none) {
+            add_corner(corner, fan);
+        } else {
+            const Interface& edge = model_.interfaces[interface];
+            std::array<Index, 2> sides{ground, ground};  // A and B
+            for (int i = 0; i < 2; ++i)
+                if (edge.triangle[i] != ground) add_corner(sides[i] = middle_of(edge.triangle[i], interface), fan);
+            add_point(interface, 2, sides[0], sides[1], edge.normal, 4. / 6, fan);
+        }
+        model_.fans.push_back(fan);
+    }
+
+    void walk_centre(Index corner) {
+        Fan fan = no_fan();
+        add_corner(corner, fan);
         model_.fans.push_back(fan);
     }
 
 private:
-    static Index side_of(Index corner, Index side) { return corner / 3 * 3 + side; }
-    Index vertex_of(Index corner) const { return model_.mesh.triangles[corner / 3][corner % 3]; }
+    Fan no_fan() const {
+        return {.vertex = none,
+                .first_corner = static_cast<Index>(model_.fan_corners.size()),
+                .n_corners = 0,
+                .first_point = static_cast<Index>(model_.fan_points.size()),
+                .n_points = 0,
+                .closed = false,
+                .split_at_start = false,
+                .mass = 0};
+    }
+
+    Index middle_of(Index triangle, Index interface) const {
+        Index side = 0;
+        while (interface_of_side_[3 * triangle + side] != interface) ++side;
+        return model_.mesh.corners_per_triangle() * triangle + 3 + side;
+    }
+
+    Index side_of(Index corner, Index side) const { return 3 * model_.mesh.triangle_of(corner) + side; }
+    Index vertex_place(Index corner) const { return model_.mesh.place_in_triangle(corner); }
+    Index vertex_of(Index corner) const { return model_.mesh.triangles[model_.mesh.triangle_of(corner)][vertex_place(corner)]; }
 
     /// The corner at the same vertex on the other side of an edge, or none at the boundary.
     Index across(Index corner, Index side) const {
         const Index i = interface_of_side_[side_of(corner, side)];
         if (i == none || model_.interfaces[i].triangle[0] == ground) return none;
         const auto& pair = model_.interfaces[i].triangle;
-        const Index other = pair[0] == corner / 3 ? pair[1] : pair[0];
+        const Index other = pair[0] == model_.mesh.triangle_of(corner) ? pair[1] : pair[0];
         for (Index k = 0; k < 3; ++k)
-            if (model_.mesh.triangles[other][k] == vertex_of(corner)) return 3 * other + k;
+            if (model_.mesh.triangles[other][k] == vertex_of(corner)) return model_.mesh.corners_per_triangle() * other + k;
         assert(false);
         return none;
     }
 
     Index first_corner_of(Index corner) const {
         Index first = corner;  // walk clockwise to the boundary; round a closed fan begin at the lowest corner
-        for (Index here = across(corner, ray_side(corner % 3)); here != corner; here = across(here, ray_side(here % 3))) {
+        for (Index here = across(corner, ray_side(vertex_place(corner))); here != corner; here = across(here, ray_side(vertex_place(here)))) {
             if (here == none) {
                 Index open_end = corner;
-                while (across(open_end, ray_side(open_end % 3)) != none) open_end = across(open_end, ray_side(open_end % 3));
+                while (across(open_end, ray_side(vertex_place(open_end))) != none) open_end = across(open_end, ray_side(vertex_place(open_end)));
                 return open_end;
             }
             first = std::min(first, here);
@@ -112,19 +144,33 @@ private:
         return first;
     }
 
-    void add_point(Index interface, Index vertex, Index before, Index after, Fan& fan) {
+    void add_corner(Index corner, Fan& fan) {
+        model_.fan_of_corner[corner] = static_cast<Index>(model_.fans.size());
+        model_.fan_corners.push_back(corner);
+        fan.mass += model_.corner_mass[corner];
+        ++fan.n_corners;
+    }
+
+    void add_end_point(Index interface, Index vertex, Index before, Index after, Fan& fan) {
         if (interface == none) return;  // a free end
         const Interface& edge = model_.interfaces[interface];
         const Index end = edge.vertex[0] == vertex ? 0 : 1;
         const Vec2 ray = (model_.mesh.vertices[edge.vertex[1 - end]] - model_.mesh.vertices[vertex]).normalized();
-        model_.fan_point_of[2 * interface + end] = static_cast<Index>(model_.fan_points.size());
+        add_point(interface, end, before, after, turned_left(ray), model_.mesh.order == 1 ? 1. / 2 : 1. / 6, fan);
+    }
+
+    /// `part`: of the edge.
+    void add_point(Index interface, Index place, Index before, Index after, const Vec2& normal, double part, Fan& fan) {
+        const Interface& edge = model_.interfaces[interface];
+        const Index point = model_.points_per_interface() * interface + place;
+        model_.fan_point_of[point] = static_cast<Index>(model_.fan_points.size());
         model_.fan_points.push_back({.before = before,
                                      .after = after,
-                                     .point = 2 * interface + end,
+                                     .point = point,
                                      .law = edge.law,
                                      .cracked = edge.cracked,
-                                     .normal = turned_left(ray),
-                                     .area = 0.5 * edge.length * model_.thickness,
+                                     .normal = normal,
+                                     .area = part * edge.length * model_.thickness,
                                      .gap = edge.gap});
         ++fan.n_points;
         fan.split_at_start = fan.split_at_start || edge.cracked || before == ground || after == ground;
@@ -141,15 +187,21 @@ void make_interfaces_and_fans(const ModelInput& input, const FoundationOfEdge& f
     model.fan_of_corner.assign(model.mesh.n_corners(), none);
     model.fan_point_of.assign(model.n_points(), none);
 
-    // fans in the order of their vertices, so that the nodes keep the mesh's locality
-    std::vector<Index> order(model.mesh.n_corners());
-    for (Index c = 0; c < model.mesh.n_corners(); ++c) order[c] = c;
-    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) {
-        return model.mesh.triangles[a / 3][a % 3] < model.mesh.triangles[b / 3][b % 3];
-    });
+    // fans in the order of their vertices, then of their triangles, so that the nodes keep the mesh's locality
+    const Mesh& mesh = model.mesh;
+    std::vector<Index> order, middles, centres;
+    for (Index c = 0; c < mesh.n_corners(); ++c) {
+        const Index place = mesh.place_in_triangle(c);
+        (place < 3 ? order : place < 6 ? middles : centres).push_back(c);
+    }
+    const auto vertex = [&](Index c) { return mesh.triangles[mesh.triangle_of(c)][mesh.place_in_triangle(c)]; };
+    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return vertex(a) < vertex(b); });
     FanWalk walker(model, interface_of_side);
     for (const Index corner : order)
         if (model.fan_of_corner[corner] == none) walker.walk(corner);
+    for (const Index corner : middles)
+        if (model.fan_of_corner[corner] == none) walker.walk_middle(corner);
+    for (const Index corner : centres) walker.walk_centre(corner);
 }
 
 }  // namespace knap

@@ -1,6 +1,7 @@
 #include "model/model.hpp"
 
 #include "base/error.hpp"
+#include "bulk/triangle_matrices.hpp"
 #include "model/fans.hpp"
 
 #include <algorithm>
@@ -61,9 +62,12 @@ private:
             const auto& [triangle, side, boundary] = mesh.boundary_edges[i];
             const Index next = (side + 1) % 3;
             const double length = (mesh.corner(triangle, next) - mesh.corner(triangle, side)).norm();
-            const Vec2 force = vector_of(load) * (0.5 * length * model_.thickness);
-            model_.corner_loads.push_back({3 * triangle + side, history, force});
-            model_.corner_loads.push_back({3 * triangle + next, history, force});
+            const Vec2 force = vector_of(load) * (length * model_.thickness);
+            const Index first = mesh.corners_per_triangle() * triangle;
+            const double end = mesh.order == 1 ? 1. / 2 : 1. / 6;
+            model_.corner_loads.push_back({first + side, history, end * force});
+            model_.corner_loads.push_back({first + next, history, end * force});
+            if (mesh.order == 2) model_.corner_loads.push_back({first + 3 + side, history, 4. / 6 * force});
         }
     }
 
@@ -73,9 +77,10 @@ private:
         for (Index t = 0; t < mesh.n_triangles(); ++t) {
             if (load.on.box && !load.on.box->contains(centroid(mesh, t))) continue;
             any = true;
-            const double amount = load.kind == Load::Kind::acceleration ? model_.corner_mass[3 * t]
-                                                                        : mesh.area(t) * model_.thickness / 3;
-            for (Index k = 0; k < 3; ++k) model_.corner_loads.push_back({3 * t + k, history, vector_of(load) * amount});
+            const double amount = load.kind == Load::Kind::acceleration ? model_.triangle_mass(t) : mesh.area(t) * model_.thickness;
+            const Index n = mesh.corners_per_triangle();
+            for (Index k = 0; k < n; ++k)
+                model_.corner_loads.push_back({n * t + k, history, vector_of(load) * corner_share(mesh.order, k, amount)});
         }
         if (!any) selects_nothing("a body force", load.on);
     }
@@ -85,11 +90,13 @@ private:
         const Mesh& mesh = model_.mesh;
         std::vector<char> selected(mesh.n_corners(), 0);
         if (load.on.boundary.empty()) {
-            for (Index c = 0; c < mesh.n_corners(); ++c) selected[c] = !load.on.box || load.on.box->contains(mesh.corner(c / 3, c % 3));
+            for (Index c = 0; c < mesh.n_corners(); ++c) selected[c] = !load.on.box || load.on.box->contains(mesh.corner(c));
         } else {
             for (const std::size_t i : selected_edges(mesh, load.on)) {
                 const auto& [triangle, side, boundary] = mesh.boundary_edges[i];
-                selected[3 * triangle + side] = selected[3 * triangle + (side + 1) % 3] = 1;
+                const Index first = mesh.corners_per_triangle() * triangle;
+                selected[first + side] = selected[first + (side + 1) % 3] = 1;
+                if (mesh.order == 2) selected[first + 3 + side] = 1;
             }
         }
         if (std::find(selected.begin(), selected.end(), 1) == selected.end()) selects_nothing(what, load.on);
@@ -97,12 +104,17 @@ private:
     }
 
     void add_force(const Load& load, Index history) {
-        const std::vector<char> selected = selected_corners("a force", load);
-        std::vector<Index> n_corners(model_.mesh.vertices.size(), 0);  // selected ones, per vertex
-        const auto vertex_of = [&](Index c) { return model_.mesh.triangles[c / 3][c % 3]; };
-        for (Index c = 0; c < model_.mesh.n_corners(); ++c) n_corners[vertex_of(c)] += selected[c];
+        const Mesh& mesh = model_.mesh;
+        std::vector<char> selected = selected_corners("a force", load);
+        std::vector<Index> n_corners(mesh.vertices.size(), 0);  // selected ones, per vertex
+        const auto vertex_of = [&](Index c) { return mesh.triangles[mesh.triangle_of(c)][mesh.place_in_triangle(c)]; };
+        for (Index c = 0; c < mesh.n_corners(); ++c) {
+            if (mesh.place_in_triangle(c) > 2) selected[c] = 0;  // shared by vertices, also of second order
+            if (selected[c]) ++n_corners[vertex_of(c)];
+        }
         const auto n_vertices = n_corners.size() - std::count(n_corners.begin(), n_corners.end(), 0);
-        for (Index c = 0; c < model_.mesh.n_corners(); ++c)
+        if (n_vertices == 0) selects_nothing("a force", load.on);
+        for (Index c = 0; c < mesh.n_corners(); ++c)
             if (selected[c]) model_.corner_loads.push_back({c, history, vector_of(load) / (static_cast<double>(n_vertices) * n_corners[vertex_of(c)])});
     }
 
@@ -174,11 +186,11 @@ void set_initial_velocities(const std::vector<InitialVelocity>& given, Model& mo
         Vec2 momentum = Vec2::Zero();
         for (Index i = 0; i < fan.n_corners; ++i) {
             const Index corner = model.fan_corners[fan.first_corner + i];
-            momentum += model.corner_mass[corner] * of_triangle[corner / 3];
+            momentum += model.corner_mass[corner] * of_triangle[model.mesh.triangle_of(corner)];
         }
         for (Index i = 0; i < fan.n_corners; ++i) {
             const Index corner = model.fan_corners[fan.first_corner + i];
-            model.initial_velocity[corner] = fan.split_at_start ? of_triangle[corner / 3] : Vec2(momentum / fan.mass);
+            model.initial_velocity[corner] = fan.split_at_start ? of_triangle[model.mesh.triangle_of(corner)] : Vec2(momentum / fan.mass);
         }
     }
 }
@@ -229,8 +241,10 @@ Model make_model(ModelInput input) {
     model.laws = input.laws;
 
     model.corner_mass.resize(model.mesh.n_corners());
-    for (Index c = 0; c < model.mesh.n_corners(); ++c)
-        model.corner_mass[c] = model.materials[model.mesh.region[c / 3]].density * model.mesh.area(c / 3) * model.thickness / 3;
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
+        const double of_triangle = model.triangle_mass(model.mesh.triangle_of(c));
+        model.corner_mass[c] = corner_share(model.mesh.order, model.mesh.place_in_triangle(c), of_triangle);
+    }
 
     make_interfaces_and_fans(input, foundations_of(model.mesh, input.foundations), model);
     LoadMaker loads(model);

@@ -1,9 +1,11 @@
 #pragma once
 // The discrete model: immutable after it is made. Nothing here changes in a run; what changes is State.
 //
-// Every triangle owns its three corners (corner c = 3 triangle + k). Every interior edge, and every boundary edge on a foundation,
-// is an interface with two points, one at each end (point p = 2 interface + end), of area S = 1/2 length x thickness.
-// The corners round a mesh vertex, in counterclockwise order, with the points between them, form a fan.
+// Every triangle owns its corners (mesh.hpp). Every interior edge, and every boundary edge on a foundation, is an interface with points
+// (nodal quadrature): of order 1 two, one at each end, of area S = 1/2 length x thickness; of order 2 also one in the middle, of areas
+// 1/6, 1/6 and 4/6 (Simpson). Point p = points_per_interface() interface + place; place 0 and 1 are the ends, 2 is the middle.
+// The corners round a mesh vertex, in counterclockwise order, with the points between them, form a fan; so do the one or two corners in the
+// middle of an edge with the point between them, and a triangle's centre by itself.
 #include "geometry/mesh.hpp"
 #include "material/cohesive_law.hpp"
 #include "material/elastic.hpp"
@@ -29,7 +31,7 @@ struct Interface {
 /// One point of a fan between the corners `before` and `after` (counterclockwise); either may be ground.
 struct FanPoint {
     Index before, after;  // corner index, or ground
-    Index point;          // 2 interface + end
+    Index point;          // points_per_interface() interface + place
     Index law : 31;       // into Model::laws
     bool cracked : 1;     // no cohesion from the start
     Vec2 normal;          // N, from before to after; T = turned_left(N)
@@ -40,7 +42,7 @@ static_assert(sizeof(FanPoint) == 48);  // three quarters of a cache line: tests
 
 /// The corners and points round one vertex, in counterclockwise order; points[i].after == corners[i] in a closed fan.
 struct Fan {
-    Index vertex;
+    Index vertex;                   // or -1: the middle of an edge, the centre of a triangle
     Index first_corner, n_corners;  // into Model::fan_corners
     Index first_point, n_points;    // into Model::fan_points
     bool closed;                    // the last point leads back to the first corner; else n_points = n_corners - 1 (+ grounds)
@@ -84,7 +86,7 @@ struct Model {
     std::vector<Elastic> materials;
     std::vector<CohesiveLaw> laws;
 
-    std::vector<double> corner_mass;  // [kg] per corner: density * area * thickness / 3
+    std::vector<double> corner_mass;  // [kg] per corner: density * area * thickness * its share (corner_share)
     std::vector<Interface> interfaces;
     std::vector<Fan> fans;
     std::vector<Index> fan_corners;
@@ -99,7 +101,12 @@ struct Model {
     std::vector<Vec2> initial_velocity;  // [m/s] per corner, of what is driven its own; equal round a fan in one piece
     std::vector<Obstacle> obstacles;
 
-    Index n_points() const { return 2 * static_cast<Index>(interfaces.size()); }
+    Index points_per_interface() const { return mesh.order + 1; }
+    Index n_points() const { return points_per_interface() * static_cast<Index>(interfaces.size()); }
+    Index interface_of(Index point) const { return point / points_per_interface(); }
+    double triangle_mass(Index triangle) const {  // [kg]
+        return materials[mesh.region[triangle]].density * mesh.area(triangle) * thickness;
+    }
 };
 
 /// Throws UserError for selections that select nothing, missing pair laws and the like.

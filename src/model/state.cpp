@@ -1,5 +1,8 @@
 #include "model/state.hpp"
 
+#include "bulk/quadratic_triangles.hpp"
+#include "bulk/shape_gradients.hpp"
+
 #include <cmath>
 
 namespace knap {
@@ -73,25 +76,47 @@ double cohesion(const Model& model, const State& state, Index point) {
     return known ? known->cohesion : 1;
 }
 
-Vec2 traction(const Model& model, const State& state, Index point) {
-    if (const PointState* known = remembered(model, state, point)) return known->traction;
-    const Interface& edge = model.interfaces[point / 2];
-    const Eigen::Vector3d mean = 0.5 * (stress(model, state, edge.triangle[0]) + stress(model, state, edge.triangle[1]));
-    const Vec2 n = edge.normal, t = turned_left(n);
-    const Vec2 on_a(mean[0] * n.x() + mean[2] * n.y(), mean[2] * n.x() + mean[1] * n.y());  // sigma N acts on A; the reaction on B
-    return {-on_a.dot(n), -on_a.dot(t)};
+Eigen::Vector3d coordinates(const Mesh& mesh, Index corner) {
+    const Index k = mesh.place_in_triangle(corner);
+    if (k < 3) return Eigen::Vector3d::Unit(k);
+    if (k < 6) return 0.5 * (Eigen::Vector3d::Unit(k - 3) + Eigen::Vector3d::Unit((k - 2) % 3));
+    return Eigen::Vector3d::Constant(1. / 3);
 }
 
-Eigen::Vector3d stress(const Model& model, const State& state, Index t) {
+namespace {
+
+Eigen::Vector3d strain_of(const Vec2& gradient, const Vec2& u) {  // xx, yy, 2 xy
+    return {gradient.x() * u.x(), gradient.y() * u.y(), gradient.y() * u.x() + gradient.x() * u.y()};
+}
+
+}  // namespace
+
+Eigen::Vector3d stress(const Model& model, const State& state, Index t) { return stress(model, state, t, Eigen::Vector3d::Constant(1. / 3)); }
+
+Eigen::Vector3d stress(const Model& model, const State& state, Index t, const Eigen::Vector3d& at) {
     const Mesh& mesh = model.mesh;
-    const double twice_area = 2 * mesh.area(t);
+    const auto g = shape_gradients(mesh, t);
     Eigen::Vector3d strain = Eigen::Vector3d::Zero();
-    for (Index k = 0; k < 3; ++k) {
-        const Vec2 gradient = turned_left(mesh.corner(t, (k + 2) % 3) - mesh.corner(t, (k + 1) % 3)) / twice_area;
-        const Vec2 u = displacement_of(state, 3 * t + k);
-        strain += Eigen::Vector3d(gradient.x() * u.x(), gradient.y() * u.y(), gradient.y() * u.x() + gradient.x() * u.y());
+    if (mesh.order == 1) {
+        for (Index k = 0; k < 3; ++k) strain += strain_of(g[k], displacement_of(state, 3 * t + k));
+    } else {
+        for (Index k = 0; k < 3; ++k) {  // linear from the values where coordinate k is 0 and the others 1/2
+            const std::array<Vec2, 7> weight = middle_gradients(g, k);
+            for (Index c = 0; c < 7; ++c) strain += (1 - 2 * at[k]) * strain_of(weight[c], displacement_of(state, 7 * t + c));
+        }
     }
     return model.materials[mesh.region[t]].stiffness(model.plane) * strain;
+}
+
+Vec2 traction(const Model& model, const State& state, Index point) {
+    if (const PointState* known = remembered(model, state, point)) return known->traction;
+    const FanPoint& at = model.fan_points[model.fan_point_of[point]];  // neither side is ground: that fan would be split
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const Index corner : {at.before, at.after})
+        mean += 0.5 * stress(model, state, model.mesh.triangle_of(corner), coordinates(model.mesh, corner));
+    const Vec2 n = model.interfaces[model.interface_of(point)].normal, t = turned_left(n);
+    const Vec2 on_a(mean[0] * n.x() + mean[2] * n.y(), mean[2] * n.x() + mean[1] * n.y());  // sigma N acts on A; the reaction on B
+    return {-on_a.dot(n), -on_a.dot(t)};
 }
 
 }  // namespace knap

@@ -48,9 +48,13 @@ void split(const Model& model, Index fan, State& state);
 Vec2 opening(const Model& model, const State& state, Index point);
 /// Cohesion of a point; 1 in a fan that never came apart.
 double cohesion(const Model& model, const State& state, Index point);
-/// Traction on side B in the frame of its interface [Pa]; in an intact fan the mean stress of the two neighbours gives it.
+/// Traction on side B in the frame of its interface [Pa]; in an intact fan the mean stress there of the two neighbours gives it.
 Vec2 traction(const Model& model, const State& state, Index point);
-/// Stress (xx, yy, xy) of a triangle [Pa].
+/// Barycentric coordinates of a corner in its triangle.
+Eigen::Vector3d coordinates(const Mesh& mesh, Index corner);
+/// Stress (xx, yy, xy) of a triangle, mean over it [Pa].
 Eigen::Vector3d stress(const Model& model, const State& state, Index triangle);
+/// At barycentric coordinates of it; of order 2 the linear field next to it, without what the bubble has beyond.
+Eigen::Vector3d stress(const Model& model, const State& state, Index triangle, const Eigen::Vector3d& at);
 
 }  // namespace knap

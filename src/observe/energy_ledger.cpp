@@ -1,6 +1,7 @@
 #include "observe/energy_ledger.hpp"
 
 #include "bulk/elastic_forces.hpp"
+#include "bulk/triangle_matrices.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,16 +22,19 @@ double strain_energy(const Model& model, const State& state) {
     return energy;
 }
 
-/// 1/2 v' M v [J].
+/// 1/2 v' M v [J]
 double kinetic_energy(const Model& model, const State& state, MassMatrix mass) {
     const auto velocity = [&](Index corner) -> const Vec2& { return state.velocity[state.node_of_corner[corner]]; };
-    const auto [own, shared] = shares_of(mass);
     double energy = 0;
-    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
-        const Index first = c - c % 3;
-        const Vec2 sum = velocity(first) + velocity(first + 1) + velocity(first + 2);
-        energy += 0.5 * model.corner_mass[c] * velocity(c).dot(own * velocity(c) + shared * sum);
+    if (mass == MassMatrix::lumped) {
+        for (Index c = 0; c < model.mesh.n_corners(); ++c) energy += 0.5 * model.corner_mass[c] * velocity(c).squaredNorm();
+        return energy;
     }
+    const ElementMatrix& parts = mass_matrix(model.mesh.order, mass);
+    const Index n = model.mesh.corners_per_triangle();
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t)
+        for (Index i = 0; i < n; ++i)
+            for (Index j = 0; j < n; ++j) energy += 0.5 * parts(i, j) * model.triangle_mass(t) * velocity(n * t + i).dot(velocity(n * t + j));
     return energy;
 }
 

@@ -64,19 +64,21 @@ Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<c
 Fragments find_fragments(const Model& model, const State& state) {
     std::vector<TriangleContent> triangles;
     triangles.reserve(model.mesh.triangles.size());
+    const Index n = model.mesh.corners_per_triangle();
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
-        Vec2 velocity = Vec2::Zero(), centroid = Vec2::Zero();  // sums over the corners
-        for (Index k = 0; k < 3; ++k) {
-            const Index node = state.node_of_corner[3 * t + k];
-            velocity += state.velocity[node];
-            centroid += model.mesh.corner(t, k) + state.displacement[node];
+        const double mass = model.triangle_mass(t);
+        Vec2 momentum = Vec2::Zero(), moment = Vec2::Zero();  // sums over the corners
+        for (Index k = 0; k < n; ++k) {
+            const Index node = state.node_of_corner[n * t + k];
+            momentum += model.corner_mass[n * t + k] * state.velocity[node];
+            moment += model.corner_mass[n * t + k] * (model.mesh.corner(t, k) + state.displacement[node]);
         }
-        triangles.push_back({model.mesh.area(t), 3 * model.corner_mass[3 * t], model.corner_mass[3 * t] * velocity, centroid / 3});
+        triangles.push_back({model.mesh.area(t), mass, momentum, moment / mass});
     }
     const std::vector<InterfaceStatus> status = interface_status(model, state);
     std::vector<std::array<Index, 2>> joined;
     for (std::size_t i = 0; i < status.size(); ++i) {
-        const auto [a, b] = model.interfaces[i].triangle;
+        const auto [a, b] = model.interfaces[i / model.mesh.order].triangle;
         const bool holds = status[i] == InterfaceStatus::intact || status[i] == InterfaceStatus::damaged;
         if (holds && a != ground && b != ground) joined.push_back({a, b});
     }

@@ -5,18 +5,47 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 
 namespace knap {
 
 namespace {
 
-/// Corner of `triangle` that lies on `vertex`; ground for the rigid foundation.
-Index corner_on(const Model& model, Index triangle, Index vertex) {
-    if (triangle == ground) return ground;
-    const auto& corners = model.mesh.triangles[triangle];
-    const auto found = std::find(corners.begin(), corners.end(), vertex);
-    return 3 * triangle + static_cast<Index>(found - corners.begin());
+/// Triangles that one is drawn as: itself, or of order 2 six round its centre; two at edge k, 2 k before its middle and 2 k + 1 behind.
+using Piece = std::array<Index, 3>;  // corners
+constexpr std::array<Piece, 1> whole{{{0, 1, 2}}};
+constexpr std::array<Piece, 6> six{{{0, 3, 6}, {3, 1, 6}, {1, 4, 6}, {4, 2, 6}, {2, 5, 6}, {5, 0, 6}}};
+std::span<const Piece> pieces(const Mesh& mesh) {
+    if (mesh.order == 1) return whole;
+    return six;
+}
+
+/// The parts of an interface that are drawn, by the places of their two points.
+constexpr std::array<std::array<Index, 2>, 1> edge_itself{{{0, 1}}};
+constexpr std::array<std::array<Index, 2>, 2> halves{{{0, 2}, {2, 1}}};
+std::span<const std::array<Index, 2>> parts(const Mesh& mesh) {
+    if (mesh.order == 1) return edge_itself;
+    return halves;
+}
+
+/// The corners of the frame at the two ends of a part of an interface on one of its sides.
+std::array<Index, 2> corners_on(const Model& model, const Interface& interface, Index triangle, const std::array<Index, 2>& part) {
+    if (triangle == ground) return {ground, ground};
+    const auto& vertices = model.mesh.triangles[triangle];
+    const auto place_of = [&](Index vertex) { return static_cast<Index>(std::find(vertices.begin(), vertices.end(), vertex) - vertices.begin()); };
+    const std::array<Index, 2> end{place_of(interface.vertex[0]), place_of(interface.vertex[1])};
+    const Index side = end[1] == (end[0] + 1) % 3 ? end[0] : end[1];
+    const auto all = pieces(model.mesh);
+    const auto has = [](const Piece& piece, Index k) { return std::find(piece.begin(), piece.end(), k); };
+    const std::array<Index, 2> k{part[0] < 2 ? end[part[0]] : 3 + side, part[1] < 2 ? end[part[1]] : 3 + side};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const auto first = has(all[i], k[0]), second = has(all[i], k[1]);
+        if (first == all[i].end() || second == all[i].end()) continue;
+        const Index start = 3 * (static_cast<Index>(all.size()) * triangle + static_cast<Index>(i));
+        return {start + static_cast<Index>(first - all[i].begin()), start + static_cast<Index>(second - all[i].begin())};
+    }
+    return {ground, ground};  // not reached: an edge is a side of its triangles
 }
 
 PointStatus status_of(bool cracked, double cohesion) {
@@ -27,37 +56,40 @@ PointStatus status_of(bool cracked, double cohesion) {
 
 void add_bulk(const Model& model, const State& state, Frame& frame) {
     const Mesh& mesh = model.mesh;
-    for (Index t = 0; t < mesh.n_triangles(); ++t) {
-        for (Index k = 0; k < 3; ++k) {
-            const Index node = state.node_of_corner[3 * t + k];
-            frame.position.push_back(mesh.corner(t, k));
-            frame.displacement.push_back(state.displacement[node]);
-            frame.velocity.push_back(state.velocity[node]);
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        for (const Piece& piece : pieces(mesh)) {
+            Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+            for (const Index k : piece) {
+                const Index corner = mesh.corners_per_triangle() * t + k, node = state.node_of_corner[corner];
+                frame.position.push_back(mesh.corner(t, k));
+                frame.displacement.push_back(state.displacement[node]);
+                frame.velocity.push_back(state.velocity[node]);
+                middle += coordinates(mesh, corner) / 3;
+            }
+            frame.stress.push_back(stress(model, state, t, middle));
+            frame.region.push_back(mesh.region[t]);
         }
-        frame.stress.push_back(stress(model, state, t));
-        frame.region.push_back(mesh.region[t]);
-    }
 }
 
 void add_interfaces(const Model& model, const State& state, Frame& frame) {
     for (Index i = 0; i < static_cast<Index>(model.interfaces.size()); ++i) {
         const Interface& interface = model.interfaces[i];
-        std::array<Index, 2> a, b;
-        for (Index end = 0; end < 2; ++end) {
-            const Index point = 2 * i + end;
-            const double beta = cohesion(model, state, point);
-            const Vec2 u = opening(model, state, point);
-            a[end] = corner_on(model, interface.triangle[0], interface.vertex[end]);
-            b[end] = corner_on(model, interface.triangle[1], interface.vertex[end]);
-            frame.end_position.push_back(model.mesh.vertices[interface.vertex[end]]);
-            frame.cohesion.push_back(beta);
-            frame.opening.push_back(u.x());
-            frame.slip.push_back(u.y());
-            frame.traction.push_back(traction(model, state, point));
-            frame.status.push_back(status_of(interface.cracked, beta));
+        for (const std::array<Index, 2>& part : parts(model.mesh)) {
+            for (const Index place : part) {
+                const Index point = model.points_per_interface() * i + place;
+                const double beta = cohesion(model, state, point);
+                const Vec2 u = opening(model, state, point);
+                const FanPoint& at = model.fan_points[model.fan_point_of[point]];
+                frame.end_position.push_back(model.mesh.corner(at.after == ground ? at.before : at.after));
+                frame.cohesion.push_back(beta);
+                frame.opening.push_back(u.x());
+                frame.slip.push_back(u.y());
+                frame.traction.push_back(traction(model, state, point));
+                frame.status.push_back(status_of(interface.cracked, beta));
+            }
+            frame.side_a.push_back(corners_on(model, interface, interface.triangle[0], part));
+            frame.side_b.push_back(corners_on(model, interface, interface.triangle[1], part));
         }
-        frame.side_a.push_back(a);
-        frame.side_b.push_back(b);
     }
 }
 

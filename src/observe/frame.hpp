@@ -25,14 +25,14 @@ struct Frame {
     double time = 0;  // [s]
     double length_scale = 1;  // [m] diagonal of the reference body
 
-    // bulk: triangle t owns corners 3t, 3t+1, 3t+2
+    // bulk: triangle t owns corners 3t, 3t+1, 3t+2; one of second order is six of these
     std::vector<Vec2> position;      // [m] per corner, reference
     std::vector<Vec2> displacement;  // [m] per corner
     std::vector<Vec2> velocity;      // [m/s] per corner
     std::vector<Eigen::Vector3d> stress;  // [Pa] per triangle: xx, yy, xy
     std::vector<std::int32_t> region;     // per triangle
 
-    // interfaces: interface i owns points 2i, 2i+1 (its two ends)
+    // interfaces: interface i owns points 2i, 2i+1 (its two ends); of second order each half is one
     std::vector<std::array<Index, 2>> side_a, side_b;  // per interface: the corner on each side at each end, -1 = ground
     std::vector<Vec2> end_position;                    // [m] per point, reference
     std::vector<double> cohesion;                      // per point

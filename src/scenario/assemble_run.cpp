@@ -24,6 +24,11 @@ void needs_implicit_bulk(const Assembly& assembly, const std::string& path, cons
 /// A triangle by itself would have no inertia against turning.
 void check_one_point_mass(const Assembly& assembly) {
     const Scenario& scenario = assembly.scenario;
+    if (scenario.order == 2) {
+        assembly.findings.error("exclusive-keys", "`time.mass`: the mass of one point is for triangles of first order", assembly.at("time.mass")).note =
+            "mesh.order = 1, or mass = \"consistent\"";
+        return;
+    }
     for (std::size_t a = 0; a < scenario.law_of_pair.size(); ++a) {
         const NamedLaw& law = scenario.laws[scenario.law_of_pair[a][a]];
         if (!law.law.breakable()) continue;

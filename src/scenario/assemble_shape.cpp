@@ -127,6 +127,7 @@ void assemble_mesh_options(Assembly& assembly) {
     mesh.min_angle = values.number("mesh.min_angle").value_or(mesh.min_angle);
     mesh.grading = values.number("mesh.grading").value_or(mesh.grading);
     mesh.seed = assembly.scenario.seed;
+    if (values.has("mesh.order")) assembly.scenario.order = static_cast<Index>(values.find("mesh.order")->node.integer);
     for (std::size_t i = 0; i < values.count("mesh.refine"); ++i) {
         const std::string refine = item("mesh.refine", i);
         const std::optional<Box> box = values.box(refine + ".inside");

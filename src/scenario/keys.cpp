@@ -62,6 +62,8 @@ const std::vector<Key>& table() {
     {.path = "mesh.size", .kind = Kind::number, .unit = "m", .range = positive, .doc = "wanted mean edge length; or file"},
     {.path = "mesh.min_angle", .kind = Kind::number, .unit = "deg", .range = {.low = 0, .high = 30}, .standard = "20", .doc = "wanted smallest angle"},
     {.path = "mesh.grading", .kind = Kind::number, .range = positive, .standard = "0.3", .doc = "growth of the size per distance away from a refine box"},
+    {.path = "mesh.order", .kind = Kind::integer, .range = {.low = 1, .high = 2}, .standard = "1",
+     .doc = "of the displacement on a triangle; 2: seven nodes, three points an interface, more accurate in waves, impact and bending; use triangles of twice the size"},
     {.path = "mesh.refine[]", .kind = Kind::list, .doc = "a box with smaller triangles; the smallest size wins where boxes overlap"},
     {.path = "mesh.refine[].inside", .kind = Kind::number, .form = Form::box, .unit = "m", .required = true, .doc = "lower left and upper right corner"},
     {.path = "mesh.refine[].size", .kind = Kind::number, .unit = "m", .range = positive, .required = true, .doc = "wanted mean edge length inside"},

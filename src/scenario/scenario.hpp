@@ -79,6 +79,7 @@ struct Scenario {
     PlaneModel plane = PlaneModel::strain;
     double thickness = 1;  // [m]
     MeshOptions mesh;
+    Index order = 1;       // of the displacement on a triangle
     std::vector<NamedMaterial> materials;
     std::vector<NamedLaw> laws;
     std::vector<std::vector<Index>> law_of_pair;

@@ -51,7 +51,7 @@ private:
         Index n_cut = 0;
         for (Index i = 0; i < n; ++i)
             for (int k = 0; k < 3; ++k) {
-                auto& seen = seen_in_[model_.fan_of_corner[3 * made_.triangles[first + i] + k]];
+                auto& seen = seen_in_[model_.fan_of_corner[model_.mesh.corners_per_triangle() * made_.triangles[first + i] + k]];
                 const int half = i < n / 2 ? 0 : 1;
                 if (seen[half] == round_) continue;
                 seen[half] = round_;

@@ -1,5 +1,6 @@
 #include "stepper/explicit_bulk.hpp"
 
+#include "bulk/triangle_matrices.hpp"
 #include "stepper/stress_screen.hpp"
 
 #include <algorithm>

@@ -7,6 +7,7 @@
 //
 // Every front is kept. Where elements changed, in values or in unknowns, only their leaves and the parts above these are computed anew:
 // a crack that runs changes a few of thousands. The factor depends on the present elements alone, not on how they came about.
+#include "bulk/triangle_matrices.hpp"
 #include "stepper/dissection.hpp"
 
 #include <Eigen/Core>
@@ -19,8 +20,8 @@ namespace knap {
 
 struct Element {
     int n_unknowns;
-    std::array<Index, 6> unknown;  // any numbers below the size of `eliminated_in`; -1: not there
-    Eigen::Matrix<double, 6, 6> matrix;
+    std::array<Index, 14> unknown;  // any numbers below the size of `eliminated_in`; -1: not there
+    ElementMatrix matrix;
 };
 
 class FrontalFactor {

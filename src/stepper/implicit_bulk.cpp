@@ -10,16 +10,18 @@ namespace knap {
 ImplicitBulk::ImplicitBulk(const Model& model, const SchemeOptions& options)
     : model_(model), options_(options), forces_(model.mesh, model.materials, model.plane, model.thickness) {
     corner_stiffness_.resize(model.mesh.n_corners());
+    const Index n = model.mesh.corners_per_triangle();
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
-        const Matrix6 K = stiffness_matrix(model.mesh, t, model.materials[model.mesh.region[t]], model.plane, model.thickness);
-        for (int k = 0; k < 3; ++k) corner_stiffness_[3 * t + k] = 0.5 * (K(2 * k, 2 * k) + K(2 * k + 1, 2 * k + 1));
+        const ElementMatrix K = stiffness_matrix(model.mesh, t, model.materials[model.mesh.region[t]], model.plane, model.thickness);
+        for (Index k = 0; k < n; ++k) corner_stiffness_[n * t + k] = 0.5 * (K(2 * k, 2 * k) + K(2 * k + 1, 2 * k + 1));
     }
     force_.resize(model.mesh.n_corners());
 }
 
 double ImplicitBulk::corner_mass(Index corner) const {
-    const auto [own, shared] = shares_of(options_.mass);
-    return (own + shared) * model_.corner_mass[corner];
+    if (options_.mass == MassMatrix::lumped) return model_.corner_mass[corner];
+    const Index k = model_.mesh.place_in_triangle(corner);
+    return mass_matrix(model_.mesh.order, options_.mass)(k, k) * model_.triangle_mass(model_.mesh.triangle_of(corner));
 }
 
 void ImplicitBulk::begin_step(const State& begin, double h) {
@@ -98,11 +100,16 @@ void ImplicitBulk::elastic(const std::vector<Vec2>& displacement, std::vector<Ve
 
 void ImplicitBulk::add_mass_times(const std::vector<Vec2>& of_node, double factor, std::vector<Vec2>& of_corner) const {
     const Index* node = partition_.node_of_corner.data();
-    const auto [own, shared] = shares_of(options_.mass);
+    if (options_.mass == MassMatrix::lumped) {
+        for (Index c = 0; c < model_.mesh.n_corners(); ++c) of_corner[c] += factor * model_.corner_mass[c] * of_node[node[c]];
+        return;
+    }
+    const ElementMatrix& parts = mass_matrix(model_.mesh.order, options_.mass);
+    const Index n = model_.mesh.corners_per_triangle();
     for (Index t = 0; t < model_.mesh.n_triangles(); ++t) {
-        const double m = factor * model_.corner_mass[3 * t];
-        const Vec2 sum = of_node[node[3 * t]] + of_node[node[3 * t + 1]] + of_node[node[3 * t + 2]];
-        for (int k = 0; k < 3; ++k) of_corner[3 * t + k] += m * (own * of_node[node[3 * t + k]] + shared * sum);
+        const double m = factor * model_.triangle_mass(t);
+        for (Index i = 0; i < n; ++i)
+            for (Index j = 0; j < n; ++j) of_corner[n * t + i] += parts(i, j) * m * of_node[node[n * t + j]];
     }
 }
 

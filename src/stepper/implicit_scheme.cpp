@@ -348,7 +348,7 @@ Vec2 ImplicitScheme::place_of_trouble(Refusal refusal) const {
             const FanPoint& at = model_.fan_points[point.fan_point];
             corner = at.after == ground ? at.before : at.after;
         }
-    return model_.mesh.corner(corner / 3, corner % 3);
+    return model_.mesh.corner(corner);
 }
 
 }  // namespace knap

@@ -102,7 +102,7 @@ void load_statically(const Model& model, const SchemeOptions& options, State& st
         const bool stalled = part > stands * before;
         if (stalled && part <= good_enough) break;
         if ((stalled && h >= largest) || step == most_steps)
-            fail(start, "nothing holds the body, it would move away", still.mesh.corner(inertia.most / 3, inertia.most % 3));
+            fail(start, "nothing holds the body, it would move away", still.mesh.corner(inertia.most));
         h = std::min(growth * h, largest);
     }
     for (Index c = 0; c < model.mesh.n_corners(); ++c) now.velocity[now.node_of_corner[c]] = start.velocity[start.node_of_corner[c]];

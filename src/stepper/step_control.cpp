@@ -84,7 +84,7 @@ Vec2 place_of_damage(const Model& model, const State& begin, const State& end) {
         }
         if (loss > largest_loss || (worst < 0 && before < 0)) worst = fan, largest_loss = loss;
     }
-    return worst < 0 ? Vec2::Zero() : model.mesh.vertices[model.fans[worst].vertex];
+    return worst < 0 ? Vec2::Zero() : model.mesh.corner(model.fan_corners[model.fans[worst].first_corner]);
 }
 
 }  // namespace knap

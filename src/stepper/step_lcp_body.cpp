@@ -1,5 +1,7 @@
 #include "stepper/step_lcp_body.hpp"
 
+#include "bulk/triangle_matrices.hpp"
+
 #include <cmath>
 #include <numeric>
 
@@ -22,23 +24,13 @@ private:
     std::vector<Index> parent_;
 };
 
-Eigen::Matrix<double, 6, 6> stiffness(const Model& model, Index t) {
-    const Mesh& mesh = model.mesh;
-    Eigen::Matrix<double, 3, 6> B = Eigen::Matrix<double, 3, 6>::Zero();  // strain (xx, yy, 2 xy) of corner displacements
-    for (Index k = 0; k < 3; ++k) {
-        const Vec2 gradient = turned_left(mesh.corner(t, (k + 2) % 3) - mesh.corner(t, (k + 1) % 3)) / (2 * mesh.area(t));
-        B(0, 2 * k) = B(2, 2 * k + 1) = gradient.x();
-        B(1, 2 * k + 1) = B(2, 2 * k) = gradient.y();
-    }
-    return mesh.area(t) * model.thickness * B.transpose() * model.materials[mesh.region[t]].stiffness(model.plane) * B;
-}
-
 PartedBody::Matrix stiffness_of_corners(const Model& model) {
     Triplets entries;
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
-        const Eigen::Matrix<double, 6, 6> K = stiffness(model, t);
-        for (Index i = 0; i < 6; ++i)
-            for (Index j = 0; j < 6; ++j) entries.emplace_back(6 * t + i, 6 * t + j, K(i, j));
+        const ElementMatrix K = stiffness_matrix(model.mesh, t, model.materials[model.mesh.region[t]], model.plane, model.thickness);
+        const Index n = static_cast<Index>(K.rows());
+        for (Index i = 0; i < n; ++i)
+            for (Index j = 0; j < n; ++j) entries.emplace_back(n * t + i, n * t + j, K(i, j));
     }
     PartedBody::Matrix K(2 * model.mesh.n_corners(), 2 * model.mesh.n_corners());
     K.setFromTriplets(entries.begin(), entries.end());
@@ -46,13 +38,15 @@ PartedBody::Matrix stiffness_of_corners(const Model& model) {
 }
 
 PartedBody::Matrix mass_of_corners(const Model& model, MassMatrix kind) {
-    const auto [own, shared] = shares_of(kind);
     Triplets entries;
-    for (Index c = 0; c < model.mesh.n_corners(); ++c)
-        for (Index k = 0; k < 2; ++k) {
-            entries.emplace_back(2 * c + k, 2 * c + k, own * model.corner_mass[c]);
-            for (Index d = c / 3 * 3; d < c / 3 * 3 + 3 && shared > 0; ++d) entries.emplace_back(2 * c + k, 2 * d + k, shared * model.corner_mass[c]);
-        }
+    const ElementMatrix& parts = mass_matrix(model.mesh.order, kind);
+    const Index n = model.mesh.corners_per_triangle();
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t)
+        for (Index i = 0; i < n; ++i)
+            for (Index j = 0; j < n; ++j) {
+                if (parts(i, j) == 0) continue;
+                for (Index k = 0; k < 2; ++k) entries.emplace_back(2 * (n * t + i) + k, 2 * (n * t + j) + k, parts(i, j) * model.triangle_mass(t));
+            }
     PartedBody::Matrix M(2 * model.mesh.n_corners(), 2 * model.mesh.n_corners());
     M.setFromTriplets(entries.begin(), entries.end());
     return M;
@@ -99,7 +93,7 @@ void PartedBody::join(const Model& model) {
     for (const FanPoint& point : model.fan_points) {
         if (point.cracked || model.laws[point.law].breakable()) continue;
         corners.join(member(point.before), member(point.after));
-        if (point.before != ground && point.after != ground) triangles.join(point.before / 3, point.after / 3);
+        if (point.before != ground && point.after != ground) triangles.join(model.mesh.triangle_of(point.before), model.mesh.triangle_of(point.after));
     }
     leader_.resize(model.mesh.n_corners());
     part_of_triangle_.resize(model.mesh.n_triangles());
@@ -147,12 +141,13 @@ void PartedBody::number_unknowns() {
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return part_of_triangle_[a] < part_of_triangle_[b]; });
     std::vector<Eigen::Index> number(is_known_.size(), -1);
+    const Index n_per_triangle = static_cast<Index>(is_known_.size() / part_of_triangle_.size());
     Eigen::Index n = 0, last_part = -1;
     Triplets entries;
     for (const Index t : order) {
         if (part_of_triangle_[t] != last_part) parts_.emplace_back().first = n;
         last_part = part_of_triangle_[t];
-        for (Index i = 6 * t; i < 6 * t + 6; ++i) {
+        for (Index i = n_per_triangle * t; i < n_per_triangle * (t + 1); ++i) {
             if (is_known_[i]) continue;
             Eigen::Index& unknown = number[2 * leader_[i / 2] + i % 2];
             if (unknown < 0) unknown = n++;

@@ -4,7 +4,7 @@
 //
 //     M_hat w = M v - theta h K u + theta h F_theta + theta H' P         w = rate of every corner over the step
 //
-// Where nothing is unbreakable M_hat is block diagonal, 6 x 6 a triangle. Prescribed components of w are known and eliminated.
+// Where nothing is unbreakable M_hat is block diagonal, a block a triangle. Prescribed components of w are known and eliminated.
 #include "model/state.hpp"
 #include "stepper/scheme_options.hpp"
 

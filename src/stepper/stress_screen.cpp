@@ -1,5 +1,7 @@
 #include "stepper/stress_screen.hpp"
 
+#include "bulk/shape_gradients.hpp"
+
 #include <cmath>
 #include <limits>
 
@@ -8,9 +10,11 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-double opposite_edge(const Mesh& mesh, Index corner) {
-    const Index t = corner / 3, k = corner % 3;
-    return (mesh.corner(t, (k + 1) % 3) - mesh.corner(t, (k + 2) % 3)).norm();
+/// [m2] The largest force on a corner of a uniform stress of norm 1.
+double largest_force(const Model& model, Index corner) {
+    const Mesh& mesh = model.mesh;
+    const Index t = mesh.triangle_of(corner);
+    return force_of_unit_stress(shape_gradients(mesh, t), mesh.area(t) * model.thickness, mesh.order, mesh.place_in_triangle(corner));
 }
 
 /// [N] the largest reaction, in any direction, that a point of this law and area surely holds.
@@ -22,7 +26,7 @@ double sure_strength(const CohesiveLaw& law, double area) {
 
 double threshold_of(const Model& model, const Fan& fan) {
     // a_ji: reaction at point j for a unit force on corner i
-    std::vector<double> worst(fan.n_points, 0);  // sum_i |a_ji| l_i t/2
+    std::vector<double> worst(fan.n_points, 0);  // sum_i |a_ji| L_i
     std::vector<double> reaction(fan.n_points);
     for (Index i = 0; i < fan.n_corners; ++i) {
         double walked = 0, weighted = 0, weight = 0;
@@ -39,7 +43,7 @@ double threshold_of(const Model& model, const Fan& fan) {
             weight += w;
         }
         const double circulation = fan.closed ? -weighted / weight : 0;
-        const double most = 0.5 * opposite_edge(model.mesh, model.fan_corners[fan.first_corner + i]) * model.thickness;
+        const double most = largest_force(model, model.fan_corners[fan.first_corner + i]);
         for (Index j = 0; j < fan.n_points; ++j) worst[j] += std::abs(reaction[j] + circulation) * most;
     }
     double stress = infinite;

@@ -1,10 +1,10 @@
 #pragma once
-// Which fans surely stay in one piece, by the stress of their triangles alone.
+// Which fans surely stay in one piece, by the stress of their triangles (of order 2: by the forces on their corners, |f_i| <= s L_i) alone.
 //
 // With |sigma|_F <= s in all its triangles, a fan that moves as one has reactions R_j = sum_i a_ji f_i (walk of the chain and least-norm
-// circulation), |f_i| <= s l_i t/2, l_i the edge opposite to the vertex. A point holds every reaction up to
+// circulation), |f_i| <= s L_i (force_of_unit_stress). A point holds every reaction up to
 // S sigma_c min(1, (gamma + mu)/sqrt(1 + mu^2)): the distance of its strength polygon from the origin. So the fan holds if
-//     s <= min_j  S_j rho_j / sum_i |a_ji| l_i t/2.
+//     s <= min_j  S_j rho_j / sum_i |a_ji| L_i.
 #include "model/model.hpp"
 
 #include <vector>

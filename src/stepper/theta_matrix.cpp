@@ -78,12 +78,16 @@ void ThetaMatrix::set_bulk(double stiffness_factor, MassMatrix mass) {
 }
 
 void ThetaMatrix::add_elements(Index leaf, std::vector<Element>& elements) const {
+    const Index n = model_.mesh.corners_per_triangle();
+    const ElementMatrix& parts = mass_matrix(model_.mesh.order, mass_);
     for (const Index t : dissection_.triangles_of(dissection_.parts[leaf])) {
         Element& made = elements.emplace_back();
-        made.n_unknowns = 6;
-        for (int i = 0; i < 6; ++i) made.unknown[i] = unknown(3 * t + i / 2, i % 2);
-        made.matrix = mass_matrix(model_.corner_mass[3 * t], mass_) +
-                      stiffness_factor_ * stiffness_matrix(model_.mesh, t, model_.materials[model_.mesh.region[t]], model_.plane, model_.thickness);
+        made.n_unknowns = 2 * n;
+        for (int i = 0; i < 2 * n; ++i) made.unknown[i] = unknown(n * t + i / 2, i % 2);
+        made.matrix = stiffness_factor_ * stiffness_matrix(model_.mesh, t, model_.materials[model_.mesh.region[t]], model_.plane, model_.thickness);
+        const double mass = model_.triangle_mass(t);
+        for (Index i = 0; i < n; ++i)
+            for (Index j = 0; j < n; ++j) made.matrix.block<2, 2>(2 * i, 2 * j).diagonal().array() += parts(i, j) * mass;
     }
     for (Index i = first_point_of_leaf_[leaf]; i < first_point_of_leaf_[leaf + 1]; ++i) {
         const FanPoint& point = model_.fan_points[point_of_leaf_[i]];
@@ -94,6 +98,7 @@ void ThetaMatrix::add_elements(Index leaf, std::vector<Element>& elements) const
         made.n_unknowns = on_ground ? 2 : 4;
         const Index first = point.before == ground ? point.after : point.before;
         for (int k = 0; k < made.n_unknowns; ++k) made.unknown[k] = unknown(k < 2 ? first : point.after, k % 2);
+        made.matrix.resize(4, 4);
         made.matrix.topLeftCorner<2, 2>() = made.matrix.block<2, 2>(2, 2) = D;
         made.matrix.block<2, 2>(0, 2) = made.matrix.block<2, 2>(2, 0) = -D;
     }
@@ -170,6 +175,7 @@ void ThetaMatrix::solve_by_lu() {
         for (const PointTangent& point : friction_) {
             Element& made = elements.emplace_back();
             made.n_unknowns = 4;
+            made.matrix.resize(4, 4);
             for (int i = 0; i < 4; ++i) {
                 const Index node = i < 2 ? point.before : point.after;
                 made.unknown[i] = node < 0 ? -1 : unknown(corner_of_node_[node], i % 2);

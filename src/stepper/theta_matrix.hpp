@@ -44,7 +44,7 @@ private:
     /// Unknowns are numbered by the first corner of their node, so that they keep their numbers while other fans come apart.
     Index unknown(Index corner, int component) const { return free_[corner][component] ? 2 * node_name_[corner] + component : -1; }
     bool couples(const FanPoint& point) const;
-    Index leaf_of_corner(Index corner) const { return dissection_.leaf_of_triangle[corner / 3]; }
+    Index leaf_of_corner(Index corner) const { return dissection_.leaf_of_triangle[model_.mesh.triangle_of(corner)]; }
     Index leaf_of_point(Index fan_point) const;
     void find_places(const Fan& fan);
     void touch_fan(const Fan& fan);

@@ -1,5 +1,6 @@
 #include "base/random.hpp"
 #include "bulk/elastic_forces.hpp"
+#include "bulk/triangle_matrices.hpp"
 #include "support/meshes.hpp"
 #include "support/relative.hpp"
 

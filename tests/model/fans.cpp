@@ -211,3 +211,72 @@ TEST_CASE("a time function is linear between its points and constant outside") {
     CHECK(ramp(9) == 0);
     CHECK(TimeFunction{}(3) == 1);
 }
+
+TEST_CASE("of second order the middles of edges are fans of two corners and a point and the centres fans of one corner") {
+    ModelInput input = input_of(bar_mesh(3, 2, 3, 2));
+    input.mesh.order = 2;
+    input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 1, .glued = true}};
+    const Model model = make_model(std::move(input));
+    const Index n_edges = static_cast<Index>(model.mesh.interior_edges.size() + model.mesh.boundary_edges.size());
+    CHECK(static_cast<Index>(model.fans.size()) == model.mesh.n_vertices() + n_edges + model.mesh.n_triangles());
+    CHECK(model.n_points() == 3 * static_cast<Index>(model.interfaces.size()));
+    std::vector<double> area(model.interfaces.size(), 0);
+    std::vector<int> seen_corner(model.mesh.n_corners(), 0), seen_point(model.n_points(), 0);
+    Index n_middles = 0, n_centres = 0;
+    double mass = 0;
+    for (const Fan& fan : model.fans) {
+        mass += fan.mass;
+        const Vec2 place = model.mesh.corner(model.fan_corners[fan.first_corner]);
+        for (Index i = 0; i < fan.n_corners; ++i) {
+            const Index c = model.fan_corners[fan.first_corner + i];
+            ++seen_corner[c];
+            CHECK((model.mesh.corner(c) - place).norm() <= 1e-15);
+        }
+        if (fan.vertex >= 0) CHECK((model.mesh.vertices[fan.vertex] - place).norm() == 0);
+        for (Index i = 0; i < fan.n_points; ++i) {
+            const FanPoint& point = model.fan_points[fan.first_point + i];
+            const Interface& edge = model.interfaces[model.interface_of(point.point)];
+            ++seen_point[point.point];
+            area[model.interface_of(point.point)] += point.area;
+            if (fan.vertex >= 0) continue;
+            CHECK(point.normal == edge.normal);
+            CHECK(point.area == relative(4. / 6 * edge.length * model.thickness, 1e-12));
+            CHECK((point.before == ground ? ground : model.mesh.triangle_of(point.before)) == edge.triangle[0]);
+            CHECK(model.mesh.triangle_of(point.after) == edge.triangle[1]);
+        }
+        if (fan.vertex >= 0) continue;
+        (model.mesh.place_in_triangle(model.fan_corners[fan.first_corner]) == 6 ? n_centres : n_middles) += 1;
+        const bool on_ground = fan.n_points == 1 && model.fan_points[fan.first_point].before == ground;
+        CHECK(fan.n_points == (on_ground ? 1 : fan.n_corners - 1));
+        CHECK(fan.split_at_start == on_ground);
+    }
+    CHECK(n_middles == n_edges);
+    CHECK(n_centres == model.mesh.n_triangles());
+    CHECK(mass == relative(6 * 3 * model.thickness, 1e-13));
+    CHECK(std::all_of(seen_corner.begin(), seen_corner.end(), [](int n) { return n == 1; }));
+    CHECK(std::all_of(seen_point.begin(), seen_point.end(), [](int n) { return n == 1; }));
+    for (std::size_t i = 0; i < area.size(); ++i) CHECK(area[i] == relative(model.interfaces[i].length * model.thickness, 1e-12));
+}
+
+TEST_CASE("of second order stress and traction follow a linear strain") {
+    ModelInput input = input_of(bar_mesh(3, 2, 3, 2));
+    input.mesh.order = 2;
+    input.materials = {{.density = 3, .E = 2, .nu = 0}};
+    const Model model = make_model(std::move(input));
+    State state = initial_state(model);
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
+        const Vec2 x = model.mesh.corner(c);
+        state.displacement[state.node_of_corner[c]] = Vec2(0.5 * x.x() * x.x(), 0);  // strain_xx = x
+    }
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
+        CHECK((stress(model, state, t) - Eigen::Vector3d(2 * centroid(model.mesh, t).x(), 0, 0)).norm() <= 1e-14);
+        for (Index k = 0; k < 7; ++k)
+            CHECK((stress(model, state, t, coordinates(model.mesh, 7 * t + k)) - Eigen::Vector3d(2 * model.mesh.corner(t, k).x(), 0, 0)).norm() <= 1e-13);
+    }
+    for (const FanPoint& at : model.fan_points) {
+        const double sigma = 2 * model.mesh.corner(at.after).x();
+        const Vec2 n = at.normal, found = traction(model, state, at.point);
+        CHECK(found.x() == doctest::Approx(-sigma * n.x() * n.x()).scale(1).epsilon(1e-12));
+        CHECK(found.y() == doctest::Approx(-sigma * n.x() * turned_left(n).x()).scale(1).epsilon(1e-12));
+    }
+}

@@ -18,8 +18,9 @@ namespace {
 
 const Elastic steel{.density = 1000, .E = 1e9, .nu = 0.25};
 
-Model bar() {
+Model bar(Index order = 1) {
     Mesh mesh = tests::bar_mesh(8, 2, 4, 1);
+    mesh.order = order;
     for (InteriorEdge& edge : mesh.interior_edges) {
         const Vec2 a = mesh.corner(edge.triangle[0], edge.side[0]), b = mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
         edge.cracked = a.x() == 2 && b.x() == 2;
@@ -31,7 +32,7 @@ Model bar() {
 State stretched(const Model& model) {
     State state = initial_state(model);
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
-        const Vec2 x = model.mesh.corner(c / 3, c % 3);
+        const Vec2 x = model.mesh.corner(c);
         state.displacement[state.node_of_corner[c]] = {1e-3 * x.x(), -2e-4 * x.y() + 5e-4 * x.x()};
         state.velocity[state.node_of_corner[c]] = {x.y(), -x.x()};
     }
@@ -110,4 +111,37 @@ TEST_CASE("frame: largest principal stress") {
     CHECK(largest_principal({-3, -1, 0}) == Approx(-1));
     CHECK(largest_principal({0, 0, 2}) == Approx(2));
     CHECK(largest_principal({1, 1, -2}) == Approx(3));
+}
+
+TEST_CASE("frame: a triangle of second order is drawn as six and its interfaces as halves") {
+    const Model model = bar(2);
+    const Frame frame = make_frame(model, stretched(model));
+    REQUIRE(frame.n_triangles() == 6 * model.mesh.n_triangles());
+    const Eigen::Vector3d expected = steel.stiffness(PlaneModel::strain) * Eigen::Vector3d(1e-3, -2e-4, 5e-4);
+    double area = 0;
+    for (Index t = 0; t < frame.n_triangles(); ++t) {
+        CHECK((frame.stress[t] - expected).norm() <= 1e-11 * expected.norm());
+        const Vec2 &a = frame.position[3 * t], &b = frame.position[3 * t + 1], &c = frame.position[3 * t + 2];
+        CHECK(cross(b - a, c - a) > 0);
+        area += 0.5 * cross(b - a, c - a);
+        for (Index k = 3 * t; k < 3 * t + 3; ++k) {
+            const Vec2 x = frame.position[k];
+            CHECK((frame.displacement[k] - Vec2(1e-3 * x.x(), -2e-4 * x.y() + 5e-4 * x.x())).norm() <= 1e-17);
+            CHECK((frame.velocity[k] - Vec2(x.y(), -x.x())).norm() == 0);
+        }
+    }
+    CHECK(area == Approx(4));
+    REQUIRE(frame.n_interfaces() == 2 * static_cast<Index>(model.interfaces.size()));
+    double precrack = 0;
+    for (Index i = 0; i < frame.n_interfaces(); ++i) {
+        CHECK((frame.end_position[2 * i + 1] - frame.end_position[2 * i]).norm() == Approx(model.interfaces[i / 2].length / 2));
+        for (Index end = 0; end < 2; ++end) {
+            CHECK((frame.position[frame.side_a[i][end]] - frame.end_position[2 * i + end]).norm() <= 1e-15);
+            CHECK((frame.position[frame.side_b[i][end]] - frame.end_position[2 * i + end]).norm() <= 1e-15);
+            CHECK(std::abs(frame.opening[2 * i + end]) <= 1e-17);
+        }
+        CHECK(frame.side_a[i][0] / 3 == frame.side_a[i][1] / 3);
+        if (frame.status[2 * i] == PointStatus::precrack) precrack += model.interfaces[i / 2].length / 2;
+    }
+    CHECK(precrack == Approx(1));
 }

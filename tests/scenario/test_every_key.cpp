@@ -45,6 +45,7 @@ points = [["-30 mm", "30 mm"], ["-25 mm", "30 mm"], ["-25 mm", "35 mm"]]
 material = "glass"
 [mesh]
 size = "1 mm"
+order = 2
 min_angle = "25 deg"
 grading = 0.5
 refine = [{ inside = ["0 mm", "1 mm", "10 mm", "41 mm"], size = "0.5 mm" }]
@@ -244,6 +245,7 @@ const Case cases[] = {
     {rectangle, "domain.region[2].points", "[[-0.03, 0.03], [-0.025, 0.03], [-0.025, 0.035]]"},
     {rectangle, "mesh.size", "0.001"},
     {rectangle, "mesh.min_angle", "25"},
+    {rectangle, "mesh.order", "2"},
     {rectangle, "mesh.grading", "0.5"},
     {rectangle, "mesh.refine[0].inside", "[0, 0.001, 0.01, 0.041]"},
     {rectangle, "mesh.refine[0].size", "5e-04"},
@@ -501,6 +503,7 @@ TEST_CASE("scenario: defaults") {
     CHECK(s.plane == PlaneModel::strain);
     CHECK(s.thickness == 1);
     CHECK(s.mesh.min_angle == 20);
+    CHECK(s.order == 1);
     CHECK(s.mesh.grading == 0.3);
     CHECK(s.time.step == StepLength{});
     CHECK(s.time.step_cracking == StepLength{});

@@ -50,15 +50,15 @@ public:
     }
 
     /// Displacement and velocity of the corner of `triangle` at its vertex k.
-    Vec2 u(Index triangle, Index k) const { return now.displacement[now.node_of_corner[3 * triangle + k]]; }
-    Vec2 v(Index triangle, Index k) const { return now.velocity[now.node_of_corner[3 * triangle + k]]; }
+    Vec2 u(Index triangle, Index k) const { return now.displacement[now.node_of_corner[model.mesh.corners_per_triangle() * triangle + k]]; }
+    Vec2 v(Index triangle, Index k) const { return now.velocity[now.node_of_corner[model.mesh.corners_per_triangle() * triangle + k]]; }
 
     /// Mass-weighted mean velocity of all triangles that `chosen` accepts.
     Vec2 mean_velocity(const std::function<bool(Index)>& chosen) const {
         Vec2 momentum = Vec2::Zero();
         double mass = 0;
         for (Index c = 0; c < model.mesh.n_corners(); ++c) {
-            if (!chosen(c / 3)) continue;
+            if (!chosen(model.mesh.triangle_of(c))) continue;
             momentum += model.corner_mass[c] * now.velocity[now.node_of_corner[c]];
             mass += model.corner_mass[c];
         }

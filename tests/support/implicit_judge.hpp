@@ -3,6 +3,7 @@
 // corner, and shares no code with what found the solution. Corners that unbreakable points join are judged together: nothing is known of
 // the impulses between them.
 #include "bulk/elastic_forces.hpp"
+#include "bulk/triangle_matrices.hpp"
 #include "lcp/lemke.hpp"
 #include "stepper/step_lcp.hpp"
 
@@ -207,9 +208,9 @@ private:
         }
         for (Index c = 0; c < n; ++c) {
             const Vec2 change = end.velocity[c] - velocity(c);
-            const auto [own, shared] = shares_of(options_.mass);
-            left[c] -= own * model_.corner_mass[c] * change;
-            for (Index d = c / 3 * 3; d < c / 3 * 3 + 3; ++d) left[d] -= shared * model_.corner_mass[c] * change;
+            const Index t = model_.mesh.triangle_of(c), first = c - model_.mesh.place_in_triangle(c);
+            const ElementMatrix& parts = mass_matrix(model_.mesh.order, options_.mass);
+            for (Index k = 0; k < parts.rows(); ++k) left[first + k] -= parts(k, c - first) * model_.triangle_mass(t) * change;
         }
         // the right side of the balance less its left side
         return left;

@@ -14,6 +14,7 @@ struct RandomBodyOptions {
     bool driven = true, foundation = true, unbreakable = true;
     bool units = true;     // any units of length, mass and time
     int most_cells = 3;    // each way, of two triangles
+    Index order = 1;       // of the triangles
     double longest = 1.2;  // step, as a part of what Assumption 1 asks of the smallest triangle alone
 };
 
@@ -73,6 +74,7 @@ private:
         const int n_x = 1 + static_cast<int>(random_.uniform(0, options_.most_cells)),
                   n_y = 1 + static_cast<int>(random_.uniform(0, options_.most_cells));
         input.mesh = bar_mesh(n_x, n_y, n_x, n_y);
+        input.mesh.order = options_.order;
         for (Vec2& x : input.mesh.vertices)
             if (x.y() > 0) {  // the bottom stays straight, for the foundation
                 const double dx = random_.uniform(-0.25, 0.25), dy = random_.uniform(-0.25, 0.25);
@@ -124,7 +126,8 @@ private:
         const CohesiveLaw& law = input.laws[0];
         double least = 1e300, mass = 1e300;  // of 1/kappa
         for (Index t = 0; t < input.mesh.n_triangles(); ++t) {
-            const double m = input.mesh.area(t) * input.thickness / 3;
+            // mass over area of the points: 1/3 over 1/2 of the edge, or 2/15 over 4/6 in its middle
+            const double m = input.mesh.area(t) * input.thickness / 3 * (options_.order == 1 ? 1 : 0.3);
             for (Index k = 0; k < 3; ++k) {
                 const double S = 0.5 * input.thickness * (input.mesh.corner(t, k) - input.mesh.corner(t, (k + 1) % 3)).norm();
                 least = std::min(least, std::sqrt(m * law.delta_c() / (4 * law.sigma_c * S * (1 + law.gamma * law.gamma))));

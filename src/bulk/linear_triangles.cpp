@@ -1,6 +1,6 @@
-#include "bulk/elastic_forces.hpp"
+#include "bulk/linear_triangles.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "bulk/shape_gradients.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -8,18 +8,7 @@
 #include <limits>
 
 namespace knap {
-namespace {
-
-std::array<Vec2, 3> shape_gradients(const Mesh& mesh, Index t) {
-    std::array<Vec2, 3> gradients;
-    for (Index k = 0; k < 3; ++k)
-        gradients[k] = turned_left(mesh.corner(t, (k + 2) % 3) - mesh.corner(t, (k + 1) % 3)) / (2 * mesh.area(t));
-    return gradients;
-}
-
-}  // namespace
-
-ElasticForces::ElasticForces(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness) {
+LinearTriangles::LinearTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness) {
     triangles_.resize(mesh.n_triangles());
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const auto gradients = shape_gradients(mesh, t);
@@ -32,7 +21,7 @@ ElasticForces::ElasticForces(const Mesh& mesh, const std::vector<Elastic>& mater
     for (const Elastic& material : materials) stiffness_.push_back({material.first_lame(plane), 2 * material.shear_modulus()});
 }
 
-void ElasticForces::set_screen(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner) {
+void LinearTriangles::set_screen(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner) {
     threshold_of_fan_ = threshold_of_fan;
     fan_of_corner_ = fan_of_corner;
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
@@ -43,7 +32,7 @@ void ElasticForces::set_screen(const std::vector<double>& threshold_of_fan, cons
     }
 }
 
-void ElasticForces::evaluate(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner,
+void LinearTriangles::evaluate(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner,
                              std::vector<Vec2>& corner_force, std::vector<std::uint8_t>& fan_is_hot) const {
     const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(triangles_.size());
 #pragma omp parallel for schedule(static)
@@ -73,25 +62,6 @@ void ElasticForces::evaluate(const std::vector<Vec2>& displacement, const std::v
             }
         }
     }
-}
-
-std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane) {
-    // K = V B' D B, M = (m/3) I, V/m = 1/rho: the non-zero eigenvalues of M^-1 K are those of (3/rho) R' B B' R with D = R R'
-    std::vector<double> steps(mesh.n_triangles());
-    std::vector<Eigen::Matrix3d> root;
-    for (const Elastic& material : materials) root.push_back(material.stiffness(plane).llt().matrixL());
-    for (Index t = 0; t < mesh.n_triangles(); ++t) {
-        Eigen::Matrix<double, 3, 6> B = Eigen::Matrix<double, 3, 6>::Zero();
-        const auto gradients = shape_gradients(mesh, t);
-        for (int k = 0; k < 3; ++k) {
-            B(0, 2 * k) = B(2, 2 * k + 1) = gradients[k].x();
-            B(1, 2 * k + 1) = B(2, 2 * k) = gradients[k].y();
-        }
-        const Eigen::Matrix<double, 3, 6> RB = root[mesh.region[t]].transpose() * B;
-        const Eigen::Matrix3d A = 3 / materials[mesh.region[t]].density * RB * RB.transpose();
-        steps[t] = 2 / std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff());
-    }
-    return steps;
 }
 
 }  // namespace knap
