@@ -1,6 +1,7 @@
 #include "stepper/obstacle_contacts.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace knap {
 namespace {
@@ -15,14 +16,17 @@ ObstacleContacts::ObstacleContacts(const Model& model) : model_(model) {
     if (model.obstacles.empty()) return;
     for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f) {
         const Fan& fan = model.fans[f];
-        if (fan.closed) continue;
+        const bool inside = fan.vertex < 0 && (fan.n_corners == 2 || model.mesh.place_in_triangle(model.fan_corners[fan.first_corner]) == 6);
+        if (fan.closed || inside) continue;
         boundary_.push_back({f, model.fan_corners[fan.first_corner]});
         if (fan.n_corners > 1) boundary_.push_back({f, model.fan_corners[fan.first_corner + fan.n_corners - 1]});
     }
     corner_size_.resize(model.mesh.n_corners());
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
-        const Vec2 x = model.mesh.corner(c / 3, c % 3);
-        corner_size_[c] = std::min((model.mesh.corner(c / 3, (c + 1) % 3) - x).norm(), (model.mesh.corner(c / 3, (c + 2) % 3) - x).norm());
+        corner_size_[c] = std::numeric_limits<double>::infinity();
+        for (Index k = 0; k < model.mesh.corners_per_triangle(); ++k)
+            if (k != model.mesh.place_in_triangle(c))
+                corner_size_[c] = std::min(corner_size_[c], (model.mesh.corner(model.mesh.triangle_of(c), k) - model.mesh.corner(c)).norm());
     }
 }
 
@@ -53,7 +57,7 @@ void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3
     list_candidates(begin);
     for (const Candidate& candidate : candidates_) {
         const Index c = candidate.corner, node = begin.node_of_corner[c];
-        const Vec2 x = model_.mesh.corner(c / 3, c % 3) + begin.displacement[node];
+        const Vec2 x = model_.mesh.corner(c) + begin.displacement[node];
         const double speed = begin.velocity[node].norm() + (corner_force.empty() ? 0 : h / model_.corner_mass[c] * corner_force[c].norm());
         for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o) {
             const Outline& outline = model_.obstacles[o].outline;
