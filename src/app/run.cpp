@@ -110,7 +110,8 @@ void conclude(const Scenario& scenario, const Model& model, const State& now, co
     record.largest_step = control.largest_taken();
     record.n_cuts = control.n_cuts();
     record.summary = summarise(model, now, recorder, record.rayleigh_speed);
-    record.gates = recorder.ledger().gates(largest_critical_opening(scenario), diagonal(model.mesh.vertices));
+    const Gates gates = recorder.ledger().gates(largest_critical_opening(scenario), diagonal(model.mesh.vertices));
+    record.gates.assign(gates.begin(), gates.end());
     if (record.status == "done" && StepControl::has_reached(now, scenario.time.end))
         record.expect = judge_expectations(scenario.expect, record.summary, record.rayleigh_speed);
     record.figures = recorder.figures();
@@ -224,6 +225,7 @@ ExitCode simulate(const ReadResult& read, const RunOptions& options, const std::
     const double output_before = recorder.output_seconds();
     const double until = std::min(options.until, scenario.time.end);
     Progress progress(options.quiet ? nullptr : stderr, until, record.triangles);
+    const double critical_opening = largest_critical_opening(scenario), size = diagonal(model.mesh.vertices);
     const InterruptGuard guard;
     const Stopwatch stepping;
     const auto save = [&] {
@@ -250,6 +252,8 @@ ExitCode simulate(const ReadResult& read, const RunOptions& options, const std::
             std::swap(now, next);
             recorder.after_step(now, report);
             progress.after_step(now, recorder);
+            for (const Gate& gate : recorder.ledger().gates(critical_opening, size))
+                if (!gate.pass) throw SimulationError(violated_text(gate, now, place_of_largest_speed(model, now)));
             if (checkpoints.due()) save();
         }
         if (record.status == "interrupted") save();  // before the lines of an early end are written

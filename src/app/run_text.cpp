@@ -21,6 +21,13 @@ const char* advice(CutReason reason) {
     return "a smaller time.step_min";
 }
 
+/// What a violated gate usually comes from, and what to change.
+const char* advice(std::string_view gate) {
+    if (gate == "largest_speed" || gate == "energy_residual") return "Usual cause: a step beyond the stable one, or a load that is absurd in its unit; try a smaller time.step";
+    if (gate == "penetration") return "Usual cause: a body driven against itself faster than a step can follow; try a smaller time.step, and look at the prescribed motions";
+    return "Usual cause: an interface problem at the limit of rounding (very large friction, slivers); try a smaller time.step, a better mesh, or less friction";
+}
+
 /// "steps of 1e-06 s", or from the smallest to the largest.
 std::string steps_text(const RunRecord& record) {
     std::string text;
@@ -67,6 +74,14 @@ std::string resumed_text(const State& now) {
     return text;
 }
 
+std::string violated_text(const Gate& gate, const State& now, const Vec2& fastest) {
+    std::string text;
+    add_line(text, "gate %s violated at t = %.9g s (step %lld): %.4g, limit %.4g: %s. ", gate.name, now.time, static_cast<long long>(now.n_steps), gate.value,
+             gate.limit, gate.meaning);
+    add_line(text, "The body moves fastest at (x, y) = (%.6g, %.6g) m. %s", fastest.x(), fastest.y(), advice(gate.name));
+    return text;
+}
+
 std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory) {
     std::string text;
     add_line(text, "%s: %s at t = %.6g s after %s; %d triangles, %d interfaces; %.1f s (%.1f s of processor time)\n",
@@ -75,7 +90,7 @@ std::string end_of_run(const RunRecord& record, const std::filesystem::path& dir
     text += solver_text(record);
     for (const auto& [name, value] : record.summary.values) add_line(text, "  %-24s %.6g\n", name.c_str(), value);
     for (const Gate& gate : record.gates)
-        add_line(text, "  gate   %-20s %-12.4g limit %-12.4g %s\n", gate.name.c_str(), gate.value, gate.limit, gate.pass ? "ok" : "VIOLATED");
+        add_line(text, "  gate   %-20s %-12.4g limit %-12.4g %s\n", gate.name, gate.value, gate.limit, gate.pass ? "ok" : "VIOLATED");
     for (const ExpectResult& result : record.expect)
         add_line(text, "  expect %-20s %-12.6g %-24s %s\n", result.name.c_str(), result.value, result.limit.c_str(), result.pass ? "ok" : "FAILED");
     text += "run:     " + directory.string() + "\n";

@@ -17,6 +17,9 @@ std::string stuck_text(const StepCut& cut, const Vec2& where, double smallest);
 /// That a run goes on from a checkpoint.
 std::string resumed_text(const State& now);
 
+/// Why a run was stopped by a gate, and where to look.
+std::string violated_text(const Gate& gate, const State& now, const Vec2& fastest);
+
 /// What a run found.
 std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory);
 

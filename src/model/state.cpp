@@ -83,6 +83,17 @@ Eigen::Vector3d coordinates(const Mesh& mesh, Index corner) {
     return Eigen::Vector3d::Constant(1. / 3);
 }
 
+Vec2 place_of_largest_speed(const Model& model, const State& state) {
+    Index fastest = 0;
+    double largest = -1;
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
+        const Vec2& velocity = state.velocity[state.node_of_corner[c]];
+        if (!velocity.allFinite()) return model.mesh.corner(c);
+        if (velocity.norm() > largest) largest = velocity.norm(), fastest = c;
+    }
+    return model.mesh.corner(fastest);
+}
+
 namespace {
 
 Eigen::Vector3d strain_of(const Vec2& gradient, const Vec2& u) {  // xx, yy, 2 xy

@@ -12,8 +12,7 @@
 #include "stepper/scheme_options.hpp"
 #include "stepper/step_report.hpp"
 
-#include <string>
-#include <vector>
+#include <array>
 
 namespace knap {
 
@@ -35,11 +34,12 @@ struct EnergyRow {
 };
 
 struct Gate {
-    std::string name;
+    const char* name;
     double value, limit;
     bool pass;
-    std::string meaning;
+    const char* meaning;
 };
+using Gates = std::array<Gate, 7>;
 
 class EnergyLedger {
 public:
@@ -55,7 +55,7 @@ public:
     double largest_law_lag() const { return largest_law_lag_; }    // [J] over all steps
 
     /// The universal gates of a run; speeds and lengths are judged by what the loads and the law can give.
-    std::vector<Gate> gates(double largest_delta_c, double length) const;
+    Gates gates(double largest_delta_c, double length) const;
 
     template <class Archive>
     void serialize(Archive& archive) { archive(start_energy_, largest_energy_, largest_residual_, largest_law_lag_, mass_, row_, worst_); }

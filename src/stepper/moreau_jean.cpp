@@ -6,7 +6,7 @@
 #include "stepper/static_preload.hpp"
 
 #include <cmath>
-#include <string>
+#include <cstdio>
 
 namespace knap {
 namespace {
@@ -28,9 +28,15 @@ StepReport MoreauJean::step(const State& begin, double h, State& end) {
     end.time = begin.time + h;
     end.last_step = h;
     end.n_steps = begin.n_steps + 1;
-    if (!std::isfinite(report.kinetic + report.strain))
-        throw SimulationError("the motion is no longer finite at t = " + std::to_string(end.time) + " s (step " +
-                              std::to_string(end.n_steps) + "): the step is probably too large");
+    if (!std::isfinite(report.kinetic + report.strain)) {
+        const Vec2 where = place_of_largest_speed(model_, end);
+        char text[240];
+        std::snprintf(text, sizeof text,
+                      "the motion is no longer finite at t = %.9g s (step %lld) at (x, y) = (%.6g, %.6g) m: the step is probably too large, or a load or velocity "
+                      "absurd; try a smaller time.step, and look at the units of the loads",
+                      end.time, static_cast<long long>(end.n_steps), where.x(), where.y());
+        throw SimulationError(text);
+    }
     return report;
 }
 
