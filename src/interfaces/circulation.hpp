@@ -1,9 +1,14 @@
 #pragma once
-// Reactions round a closed chain that sticks everywhere are known up to one free 2-vector c, added to every point: the chain stays
-// bound if and only if some c makes every point admissible (static theorem of limit analysis; formulation: node binding).
+// While the corners of a chain move as one, the reactions P between them follow by walking along it: P_after = P_before - taken, where
+// `taken` is what a corner must get from its points. Round a closed chain they are known up to one free 2-vector c, added to every point: the
+// chain stays bound if and only if some c makes every point admissible (static theorem of limit analysis; formulation: node binding).
+// One test for all schemes: the c of least norm first, which mostly will do, then the best one.
 #include "base/vec.hpp"
+#include "material/cohesive_law.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace knap {
@@ -15,6 +20,71 @@ struct HalfPlane {
     Index link;
     int kind;  // 0 = tension, +1 / -1 = shear in the direction of +T / -T
 };
+
+/// What a point bears: p = P_N + cohesion >= 0 and |P_T + at + contact p| <= play + contact_play p, three half planes.
+struct StrengthPolygon {
+    Vec2 normal;                      // N; T = turned_left(N)
+    double cohesion;                  // force or impulse, as P
+    double play, contact_play;
+    double at = 0, contact = 0;
+
+    /// Of a point at rest: cohesion in both directions, friction on the contact.
+    static StrengthPolygon at_rest(const CohesiveLaw& law, const Vec2& normal, double cohesion) {
+        return {.normal = normal, .cohesion = cohesion, .play = law.gamma * cohesion, .contact_play = law.friction};
+    }
+
+    /// Of the three; negative: P is not admissible.
+    double smallest_slack(const Vec2& P) const {
+        const double p = P.dot(normal) + cohesion, q = P.dot(turned_left(normal)) + (at + contact * p);
+        return std::min(p, play + contact_play * p - std::abs(q));
+    }
+    /// Half planes of c at P + c; `loose`: how much of each component of c reaches the point: 0, 1 or, against its direction, -1.
+    void add_half_planes(Index link, const Vec2& P, const Vec2& loose, std::vector<HalfPlane>& planes) const {
+        const double p = P.dot(normal) + cohesion, q = P.dot(turned_left(normal)) + (at + contact * p);
+        const Vec2 slope = turned_left(normal) + contact * normal;
+        planes.push_back({p, loose.cwiseProduct(normal), link, 0});
+        planes.push_back({play + contact_play * p - q, loose.cwiseProduct(contact_play * normal - slope), link, +1});
+        planes.push_back({play + contact_play * p + q, loose.cwiseProduct(contact_play * normal + slope), link, -1});
+    }
+};
+
+/// The c that minimises the sum of w |P + loose c|^2 over the points, by components.
+class LeastNormCirculation {
+public:
+    void add(double w, const Vec2& P, const Vec2& loose = Vec2::Ones()) {
+        sum_ += w * loose.cwiseProduct(P);
+        weight_ += w * loose.cwiseAbs2();
+    }
+    bool is_free() const { return !weight_.isZero(0); }
+    Vec2 c() const {
+        return {weight_.x() > 0 ? -sum_.x() / weight_.x() : 0.0, weight_.y() > 0 ? -sum_.y() / weight_.y() : 0.0};
+    }
+
+private:
+    Vec2 sum_ = Vec2::Zero(), weight_ = Vec2::Zero();
+};
+
+/// visit(j, P) for the points of a chain in one piece, from the P that the first corner (closed: the first point) is given. Ends early where
+/// `visit` says false, and then says so.
+template <class Taken, class Visit>
+bool walk_chain(Index n_points, bool closed, const Vec2& first, const Taken& taken, const Visit& visit) {
+    Vec2 P = first;
+    for (Index j = 0; j < n_points; ++j) {
+        if (!closed) P -= taken(j);
+        if (!visit(j, P)) return false;
+        if (closed) P -= taken(j);
+    }
+    return true;
+}
+
+/// The first P of a chain: zero where it is open, else the circulation of least |P|^2/area.
+template <class Taken, class Area>
+Vec2 least_norm_start(Index n_points, bool closed, const Taken& taken, const Area& area) {
+    if (!closed) return Vec2::Zero();
+    LeastNormCirculation least;
+    walk_chain(n_points, closed, Vec2::Zero(), taken, [&](Index j, const Vec2& P) { return least.add(1 / area(j), P), true; });
+    return least.c();
+}
 
 struct Circulation {
     Vec2 c = Vec2::Zero();

@@ -13,15 +13,9 @@ constexpr int patient_corrections = 8;              // from here on only the wor
 constexpr double largest_violation = 1e-10;         // relative, of a solution of the active set: the gate of every run
 constexpr double largest_pivoted_violation = 1e-8;  // and of the pivots
 
-/// Where the impulse of a link, changed by its loose part times c, is admissible: three half planes of c.
-void add_half_planes(Index i, const FanLink& link, const TangentialLaw& law, const Vec2& impulse, const Vec2& loose,
-                     std::vector<HalfPlane>& planes) {
-    const Vec2 n = link.normal, t = link.tangent();
-    const double p = n.dot(impulse) + link.cohesive, q = t.dot(impulse) + law.at + law.contact * p;
-    const Vec2 slope = t + law.contact * n;
-    planes.push_back({p, loose.cwiseProduct(n), i, 0});
-    planes.push_back({law.play + law.contact_play * p - q, loose.cwiseProduct(law.contact_play * n - slope), i, +1});
-    planes.push_back({law.play + law.contact_play * p + q, loose.cwiseProduct(law.contact_play * n + slope), i, -1});
+/// Where the impulse of a link in its state is admissible.
+StrengthPolygon strength_of(const FanLink& link, const TangentialLaw& law) {
+    return {.normal = link.normal, .cohesion = link.cohesive, .play = law.play, .contact_play = law.contact_play, .at = law.at, .contact = law.contact};
 }
 
 }  // namespace
@@ -73,22 +67,16 @@ bool FanSolver::settle_circulation() {
     // every loose point gets the same c on top: first the one of least traction, sum |P/S|^2 S; only if that is not admissible, the climb
     const std::vector<FanLink>& links = problem_->links;
     const Index n_links = static_cast<Index>(links.size());
-    Vec2 sum = Vec2::Zero(), weight = Vec2::Zero();
-    for (Index i = 0; i < n_links; ++i) {
-        const double w = links[i].cohesive > 0 ? 1 / links[i].cohesive : 1 / scales_.impulse;
-        sum += w * linear_.loose(i).cwiseProduct(motion_.impulse[i]);
-        weight += w * linear_.loose(i).cwiseAbs2();
-    }
-    if (weight.isZero(0)) return true;
-    Vec2 start = Vec2::Zero();
-    for (int k = 0; k < 2; ++k)
-        if (weight[k] > 0) start[k] = -sum[k] / weight[k];
+    LeastNormCirculation least;
+    for (Index i = 0; i < n_links; ++i)
+        least.add(links[i].cohesive > 0 ? 1 / links[i].cohesive : 1 / scales_.impulse, motion_.impulse[i], linear_.loose(i));
+    if (!least.is_free()) return true;
     planes_.clear();
     for (Index i = 0; i < n_links; ++i) {
         if (links[i].unbreakable || linear_.loose(i).isZero(0)) continue;
-        add_half_planes(i, links[i], states_[i].tangential, motion_.impulse[i], linear_.loose(i), planes_);
+        strength_of(links[i], states_[i].tangential).add_half_planes(i, motion_.impulse[i], linear_.loose(i), planes_);
     }
-    const Circulation found = find_circulation(planes_, start);
+    const Circulation found = find_circulation(planes_, least.c());
     for (Index i = 0; i < n_links; ++i) motion_.impulse[i] += linear_.loose(i).cwiseProduct(found.c);
     if (found.slack >= -scales_.impulse_tolerance) return true;
     for (int k = 0; k < found.n_binding; ++k) {  // the half planes that bind are the mechanism

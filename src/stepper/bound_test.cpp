@@ -1,72 +1,33 @@
 #include "stepper/bound_test.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 namespace knap {
-
-Vec2 BoundTest::least_norm_circulation(const Fan& fan, std::span<const Vec2> taken) const {
-    // minimises sum of |impulse|^2/area over the constant that is free round the vertex
-    const FanPoint* point = &model_.fan_points[fan.first_point];
-    Vec2 walked = Vec2::Zero(), sum = Vec2::Zero();
-    double weight = 0;
-    for (Index j = 0; j < fan.n_points; ++j) {
-        sum += walked / point[j].area;
-        weight += 1 / point[j].area;
-        walked -= taken[j];
-    }
-    return -sum / weight;
-}
-
-void BoundTest::walk(const Fan& fan, std::span<const Vec2> taken, const Vec2& start) {
-    // what a point gives to the corner after it, it takes from the one before: P_next = P - taken
-    impulse_.resize(fan.n_points);
-    Vec2 walked = start;
-    for (Index j = 0; j < fan.n_points; ++j) {
-        if (!fan.closed) walked -= taken[j];
-        impulse_[j] = walked;
-        if (fan.closed) walked -= taken[j];
-    }
-}
-
-double BoundTest::smallest_slack(const Fan& fan, double time) const {
-    double slack = std::numeric_limits<double>::infinity();
-    for (Index j = 0; j < fan.n_points; ++j) {
-        const FanPoint& point = model_.fan_points[fan.first_point + j];
-        const CohesiveLaw& law = model_.laws[point.law];
-        if (!law.breakable()) continue;
-        const double strength = law.sigma_c * point.area * time, pressure = impulse_[j].dot(point.normal) + strength;
-        const double shear = std::abs(impulse_[j].dot(turned_left(point.normal)));
-        slack = std::min({slack, pressure, law.gamma * strength + law.friction * pressure - shear});
-    }
-    return slack;
-}
 
 bool BoundTest::holds(Index f, std::span<const Vec2> taken, double time) {
     const Fan& fan = model_.fans[f];
-    const Vec2 least_norm = fan.closed ? least_norm_circulation(fan, taken) : Vec2::Zero();
-    walk(fan, taken, least_norm);
-    if (smallest_slack(fan, time) >= 0) return true;
-    if (!fan.closed) return false;
+    const FanPoint* point = &model_.fan_points[fan.first_point];
+    const auto taken_by = [&](Index j) { return taken[j]; };
+    const auto breakable = [&](Index j) { return model_.laws[point[j].law].breakable(); };
+    const auto strength = [&](Index j) {
+        const CohesiveLaw& law = model_.laws[point[j].law];
+        return StrengthPolygon::at_rest(law, point[j].normal, law.sigma_c * point[j].area * time);
+    };
+    impulse_.resize(fan.n_points);
+    const auto walk = [&](const Vec2& first) {
+        walk_chain(fan.n_points, fan.closed, first, taken_by, [&](Index j, const Vec2& P) { return impulse_[j] = P, true; });
+    };
+
+    const Vec2 least_norm = least_norm_start(fan.n_points, fan.closed, taken_by, [&](Index j) { return point[j].area; });
+    walk(least_norm);
+    bool admissible = true;
+    for (Index j = 0; j < fan.n_points; ++j) admissible = admissible && (!breakable(j) || strength(j).smallest_slack(impulse_[j]) >= 0);
+    if (admissible || !fan.closed) return admissible;
 
     planes_.clear();
-    walk(fan, taken, Vec2::Zero());
-    for (Index j = 0; j < fan.n_points; ++j) {
-        const FanPoint& point = model_.fan_points[fan.first_point + j];
-        const CohesiveLaw& law = model_.laws[point.law];
-        if (!law.breakable()) continue;
-        const Vec2 n = point.normal, t = turned_left(n);
-        const double strength = law.sigma_c * point.area * time, pressure = impulse_[j].dot(n) + strength;
-        planes_.push_back({.value = pressure, .gradient = n, .link = j, .kind = 0});
-        for (const int sign : {1, -1})
-            planes_.push_back({.value = law.gamma * strength + law.friction * pressure - sign * impulse_[j].dot(t),
-                               .gradient = law.friction * n - sign * t,
-                               .link = j,
-                               .kind = sign});
-    }
+    walk(Vec2::Zero());
+    for (Index j = 0; j < fan.n_points; ++j)
+        if (breakable(j)) strength(j).add_half_planes(j, impulse_[j], Vec2::Ones(), planes_);
     const Circulation found = find_circulation(planes_, least_norm);
-    walk(fan, taken, found.c);
+    walk(found.c);
     return found.slack >= 0;
 }
 

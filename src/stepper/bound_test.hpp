@@ -1,6 +1,5 @@
 #pragma once
-// Does a fan in one piece stay bound? While its corners move as one, the impulses of its points follow by walking round the vertex; round a
-// closed fan one 2-vector stays free, and the fan is bound if and only if some choice makes every point admissible (formulation: node binding).
+// Does a fan in one piece stay bound, and with which impulses? The test of interfaces/circulation.hpp on the fans of a model.
 #include "interfaces/circulation.hpp"
 #include "model/model.hpp"
 
@@ -19,10 +18,6 @@ public:
     const std::vector<Vec2>& impulses() const { return impulse_; }
 
 private:
-    Vec2 least_norm_circulation(const Fan& fan, std::span<const Vec2> taken) const;
-    void walk(const Fan& fan, std::span<const Vec2> taken, const Vec2& start);
-    double smallest_slack(const Fan& fan, double time) const;
-
     const Model& model_;
     std::vector<Vec2> impulse_;
     std::vector<HalfPlane> planes_;

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
+#include "interfaces/circulation.hpp"
 
 #include <omp.h>
 
@@ -82,29 +83,11 @@ bool VertexScheme::surely_bound(Index f, const FreeMotion& free, const Vec2& for
     const Vec2 acceleration = force / fan.mass;
     const auto taken = [&](Index i) -> Vec2 { return model_.corner_mass[corner[i]] * acceleration - free.corner_force[corner[i]]; };
 
-    Vec2 circulation = Vec2::Zero();
-    if (fan.closed) {
-        Vec2 walked = Vec2::Zero(), sum = Vec2::Zero();
-        double weight = 0;
-        for (Index j = 0; j < fan.n_points; ++j) {
-            sum += walked / point[j].area;
-            weight += 1 / point[j].area;
-            walked -= taken(j);
-        }
-        circulation = -sum / weight;
-    }
-    Vec2 walked = circulation;
-    for (Index j = 0; j < fan.n_points; ++j) {
-        if (!fan.closed) walked -= taken(j);
+    const Vec2 first = least_norm_start(fan.n_points, fan.closed, taken, [&](Index j) { return point[j].area; });
+    return walk_chain(fan.n_points, fan.closed, first, taken, [&](Index j, const Vec2& P) {
         const CohesiveLaw& law = model_.laws[point[j].law];
-        if (law.breakable()) {
-            const double strength = law.sigma_c * point[j].area, pressure = walked.dot(point[j].normal) + strength;
-            const double shear = std::abs(walked.dot(turned_left(point[j].normal)));
-            if (pressure < 0 || shear > law.gamma * strength + law.friction * pressure) return false;
-        }
-        if (fan.closed) walked -= taken(j);
-    }
-    return true;
+        return !law.breakable() || StrengthPolygon::at_rest(law, point[j].normal, law.sigma_c * point[j].area).smallest_slack(P) >= 0;
+    });
 }
 
 bool VertexScheme::stays_bound(Index fan, const State& begin, const FreeMotion& free, Workspace& work, StepReport& report) const {
