@@ -26,7 +26,7 @@ struct RunOptions {
 
 ExitCode run_scenario(const ReadResult& read, const RunOptions& options);
 
-/// The mesh and model of a scenario; what geometry refuses becomes a UserError at the right line of the scenario.
+/// The mesh and model of a scenario; what geometry refuses, or selects nothing, becomes a UserError at the right line of the scenario.
 Model model_of(const ReadResult& read);
 
 /// The resolved scenario as it stands in a run directory, where a mesh that was read is `mesh.msh`.

@@ -49,11 +49,7 @@ StepPlan plan_of(const ReadResult& read, const Model& model, double until) {
     try {
         return plan_steps(read.scenario, *std::min_element(stable.begin(), stable.end()), until);
     } catch (const BadStep& error) {
-        Diagnostic placed = locate(read, error.key);
-        placed.code = error.diagnostics.front().code;
-        placed.message = error.diagnostics.front().message;
-        placed.note = error.diagnostics.front().note;
-        throw UserError({placed});
+        throw located(read, error.key, error);
     }
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 
 namespace knap {
 namespace {
@@ -16,8 +17,8 @@ std::string described(const Selection& on) {
     return "boundary `" + on.boundary + "`" + (on.box ? " inside a box" : "");
 }
 
-[[noreturn]] void selects_nothing(const std::string& what, const Selection& on) {
-    throw UserError("empty-selection", what + " on " + described(on) + " selects nothing of the mesh");
+[[noreturn]] void selects_nothing(const std::string& what, const Selection& on, EmptySelection::List list, std::size_t number) {
+    throw EmptySelection(list, number, what + " on " + described(on) + " selects nothing of the mesh");
 }
 
 /// Indices of the boundary edges whose middle is selected.
@@ -38,7 +39,8 @@ class LoadMaker {
 public:
     explicit LoadMaker(Model& model) : model_(model) { model_.prescribed_of_corner.assign(model.mesh.n_corners(), -1); }
 
-    void add(const Load& load) {
+    void add(const Load& load, std::size_t number) {
+        number_ = number;
         const Index history = static_cast<Index>(model_.histories.size());
         model_.histories.push_back(load.history);
         switch (load.kind) {
@@ -57,7 +59,7 @@ private:
     void add_traction(const Load& load, Index history) {
         const Mesh& mesh = model_.mesh;
         const auto edges = selected_edges(mesh, load.on);
-        if (edges.empty()) selects_nothing("a traction", load.on);
+        if (edges.empty()) selects_nothing("a traction", load.on, EmptySelection::loads, number_);
         for (const std::size_t i : edges) {
             const auto& [triangle, side, boundary] = mesh.boundary_edges[i];
             const Index next = (side + 1) % 3;
@@ -82,7 +84,7 @@ private:
             for (Index k = 0; k < n; ++k)
                 model_.corner_loads.push_back({n * t + k, history, vector_of(load) * corner_share(mesh.order, k, amount)});
         }
-        if (!any) selects_nothing("a body force", load.on);
+        if (!any) selects_nothing("a body force", load.on, EmptySelection::loads, number_);
     }
 
     /// Which corners are at the selected vertices.
@@ -99,7 +101,7 @@ private:
                 if (mesh.order == 2) selected[first + 3 + side] = 1;
             }
         }
-        if (std::find(selected.begin(), selected.end(), 1) == selected.end()) selects_nothing(what, load.on);
+        if (std::find(selected.begin(), selected.end(), 1) == selected.end()) selects_nothing(what, load.on, EmptySelection::loads, number_);
         return selected;
     }
 
@@ -157,40 +159,67 @@ private:
     }
 
     Model& model_;
+    std::size_t number_ = 0;  // of the load
 };
 
 FoundationOfEdge foundations_of(const Mesh& mesh, const std::vector<Foundation>& foundations) {
     FoundationOfEdge of_edge(mesh.boundary_edges.size(), -1);
     for (std::size_t f = 0; f < foundations.size(); ++f) {
         const auto edges = selected_edges(mesh, foundations[f].on);
-        if (edges.empty()) selects_nothing("a foundation", foundations[f].on);
+        if (edges.empty()) selects_nothing("a foundation", foundations[f].on, EmptySelection::foundations, f);
         for (const std::size_t i : edges) of_edge[i] = static_cast<Index>(f);
     }
     return of_edge;
 }
 
+/// Per corner of a fan: the first corner that it moves with at the start, or the ground. All corners of a fan in one piece, and in the others
+/// those that points without end of strength join.
+std::vector<Index> parts_that_move_as_one(const Model& model, const Fan& fan) {
+    std::vector<Index> part(fan.n_corners, 0);
+    if (!fan.split_at_start) return part;
+    const Index* corner = &model.fan_corners[fan.first_corner];
+    std::iota(part.begin(), part.end(), 0);
+    const auto part_of = [&](Index c) { return c == ground ? ground : part[std::find(corner, corner + fan.n_corners, c) - corner]; };
+    for (Index j = 0; j < fan.n_points; ++j) {
+        const FanPoint& point = model.fan_points[fan.first_point + j];
+        if (point.cracked || model.laws[point.law].breakable()) continue;
+        const Index a = part_of(point.before), b = part_of(point.after);
+        std::replace(part.begin(), part.end(), std::max(a, b), std::min(a, b));
+    }
+    return part;
+}
+
 void set_initial_velocities(const std::vector<InitialVelocity>& given, Model& model) {
-    // a node's velocity is the mass-weighted mean of its corners', so that momentum is what the scenario says
+    // corners that move as one have the mass-weighted mean of theirs, so that momentum is what the scenario says. Welded together by the first
+    // step, they would lose energy that is in no book. What stands on the ground stays at rest.
     std::vector<Vec2> of_triangle(model.mesh.n_triangles(), Vec2::Zero());
-    for (const InitialVelocity& initial : given) {
+    for (std::size_t i = 0; i < given.size(); ++i) {
+        const InitialVelocity& initial = given[i];
         bool any = false;
         for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
             if (initial.on.box && !initial.on.box->contains(centroid(model.mesh, t))) continue;
             of_triangle[t] = initial.value;
             any = true;
         }
-        if (!any) selects_nothing("an initial velocity", initial.on);
+        if (!any) selects_nothing("an initial velocity", initial.on, EmptySelection::initial_velocities, i);
     }
     model.initial_velocity.assign(model.mesh.n_corners(), Vec2::Zero());
     for (const Fan& fan : model.fans) {
-        Vec2 momentum = Vec2::Zero();
-        for (Index i = 0; i < fan.n_corners; ++i) {
-            const Index corner = model.fan_corners[fan.first_corner + i];
-            momentum += model.corner_mass[corner] * of_triangle[model.mesh.triangle_of(corner)];
-        }
-        for (Index i = 0; i < fan.n_corners; ++i) {
-            const Index corner = model.fan_corners[fan.first_corner + i];
-            model.initial_velocity[corner] = fan.split_at_start ? of_triangle[model.mesh.triangle_of(corner)] : Vec2(momentum / fan.mass);
+        const Index* corner = &model.fan_corners[fan.first_corner];
+        const std::vector<Index> part = parts_that_move_as_one(model, fan);
+        for (Index first = 0; first < fan.n_corners; ++first) {
+            Vec2 momentum = Vec2::Zero();
+            double mass = 0;
+            bool differ = false;
+            for (Index i = 0; i < fan.n_corners; ++i) {
+                if (part[i] != first) continue;
+                const Vec2& velocity = of_triangle[model.mesh.triangle_of(corner[i])];
+                momentum += model.corner_mass[corner[i]] * velocity;
+                mass += model.corner_mass[corner[i]];
+                differ = differ || velocity != of_triangle[model.mesh.triangle_of(corner[first])];
+            }
+            for (Index i = 0; i < fan.n_corners; ++i)
+                if (part[i] == first) model.initial_velocity[corner[i]] = differ ? Vec2(momentum / mass) : of_triangle[model.mesh.triangle_of(corner[first])];
         }
     }
 }
@@ -248,7 +277,7 @@ Model make_model(ModelInput input) {
 
     make_interfaces_and_fans(input, foundations_of(model.mesh, input.foundations), model);
     LoadMaker loads(model);
-    for (const Load& load : input.loads) loads.add(load);
+    for (std::size_t i = 0; i < input.loads.size(); ++i) loads.add(input.loads[i], i);
     set_initial_velocities(input.initial_velocities, model);
     start_as_driven(model);
     model.obstacles = std::move(input.obstacles);

@@ -6,6 +6,7 @@
 // 1/6, 1/6 and 4/6 (Simpson). Point p = points_per_interface() interface + place; place 0 and 1 are the ends, 2 is the middle.
 // The corners round a mesh vertex, in counterclockwise order, with the points between them, form a fan; so do the one or two corners in the
 // middle of an edge with the point between them, and a triangle's centre by itself.
+#include "base/error.hpp"
 #include "geometry/mesh.hpp"
 #include "material/cohesive_law.hpp"
 #include "material/elastic.hpp"
@@ -98,7 +99,7 @@ struct Model {
     std::vector<CornerLoad> corner_loads;
     std::vector<PrescribedMotion> prescribed;
     std::vector<Index> prescribed_of_corner;  // per corner: into `prescribed`, or -1
-    std::vector<Vec2> initial_velocity;  // [m/s] per corner, of what is driven its own; equal round a fan in one piece
+    std::vector<Vec2> initial_velocity;  // [m/s] per corner, of what is driven its own; equal where corners move as one
     std::vector<Obstacle> obstacles;
 
     Index points_per_interface() const { return mesh.order + 1; }
@@ -109,7 +110,16 @@ struct Model {
     }
 };
 
-/// Throws UserError for selections that select nothing, missing pair laws and the like.
+/// Something acts nowhere on the mesh.
+class EmptySelection : public UserError {
+public:
+    enum List { loads, foundations, initial_velocities };
+    EmptySelection(List list, std::size_t number, const std::string& message) : UserError("empty-selection", message), list(list), number(number) {}
+    List list;           // of ModelInput
+    std::size_t number;  // in it, from 0
+};
+
+/// Throws EmptySelection for selections that select nothing, UserError for missing pair laws and the like.
 Model make_model(ModelInput input);
 
 }  // namespace knap

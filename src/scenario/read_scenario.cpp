@@ -169,6 +169,14 @@ Diagnostic locate(const ReadResult& result, const std::string& key_path) {
     return d;
 }
 
+UserError located(const ReadResult& result, const std::string& key_path, const UserError& error) {
+    Diagnostic placed = locate(result, key_path);
+    placed.code = error.diagnostics.front().code;
+    placed.message = error.diagnostics.front().message;
+    placed.note = error.diagnostics.front().note;
+    return UserError({placed});
+}
+
 Diagnostic locate(const ReadResult& result, const ShapeError& error) {
     const std::string path = path_of_part(error.part);
     Diagnostic d = locate(result, key_of_shape(result.values, path));

@@ -35,6 +35,9 @@ const std::string& built_in_scenario(const std::string& name);
 /// to the caller.
 Diagnostic locate(const ReadResult& result, const std::string& key_path);
 
+/// An error that was found later, at the place of a key.
+UserError located(const ReadResult& result, const std::string& key_path, const UserError& error);
+
 /// What geometry says about a shape, as an error about the scenario.
 Diagnostic locate(const ReadResult& result, const ShapeError& error);
 
