@@ -44,8 +44,8 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
     for (const Resolution& r : judge_resolution(scenario, edge)) process_zone = std::max(process_zone, r.process_zone);
     return {.directory = directory,
             .end = end,
-            .frame_every = !scenario.output.fields ? 0 : scenario.output.every > 0 ? scenario.output.every : end / 40,
-            .history_every = scenario.output.history_every > 0 ? scenario.output.history_every : end / 400,
+            .frame_every = scenario.output.fields ? scenario.output.every : 0,
+            .history_every = scenario.output.history_every,
             .rayleigh_speed = rayleigh_speed(scenario),
             .mass = scenario.time.scheme.mass,
             .cracks = crack_options(edge, process_zone),
@@ -135,6 +135,9 @@ Model model_of(const ReadResult& read) {
         return build_model(read.scenario);
     } catch (const ShapeError& error) {
         throw UserError({locate(read, error)});
+    } catch (const EmptySelection& error) {
+        const char* list = error.list == EmptySelection::loads ? "load" : error.list == EmptySelection::foundations ? "foundation" : "initial";
+        throw located(read, item(list, error.number) + (error.list == EmptySelection::initial_velocities ? ".box" : ".on"), error);
     }
 }
 

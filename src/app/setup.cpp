@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <limits>
 #include <numbers>
 
 namespace knap {
@@ -27,18 +27,25 @@ Model build_model(const Scenario& scenario) {
 
 std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_edge) {
     std::vector<Resolution> found;
+    const auto judge_law = [&](const std::string& where, const NamedLaw& law, double modulus, double wave_speed) {
+        if (!law.law.breakable() || law.law.sigma_c <= 0) return;
+        const double length = modulus * law.law.G_c / (law.law.sigma_c * law.law.sigma_c), zone = 9 * std::numbers::pi / 32 * length;
+        found.push_back({where, law.name, length, zone, zone / mean_edge, wave_speed});
+    };
+    const auto modulus = [&](const NamedMaterial& material) { return material.elastic.plane_modulus(scenario.plane); };
+    const auto speed = [&](const NamedMaterial& material) { return material.elastic.dilatational_speed(scenario.plane); };
     for (std::size_t a = 0; a < scenario.materials.size(); ++a)
         for (std::size_t b = a; b < scenario.materials.size(); ++b) {
-            const NamedLaw& law = scenario.laws[scenario.law_of_pair[a][b]];
-            if (!law.law.breakable() || law.law.sigma_c <= 0) continue;
-            const Elastic &one = scenario.materials[a].elastic, &other = scenario.materials[b].elastic;
-            const double modulus = std::min(one.plane_modulus(scenario.plane), other.plane_modulus(scenario.plane));
-            const double length = modulus * law.law.G_c / (law.law.sigma_c * law.law.sigma_c);
-            const double zone = 9 * std::numbers::pi / 32 * length;
-            const std::string material = a == b ? scenario.materials[a].name : scenario.materials[a].name + "-" + scenario.materials[b].name;
-            found.push_back({material, law.name, length, zone, zone / mean_edge,
-                             std::max(one.dilatational_speed(scenario.plane), other.dilatational_speed(scenario.plane))});
+            const NamedMaterial &one = scenario.materials[a], &other = scenario.materials[b];
+            judge_law(a == b ? one.name : one.name + "-" + other.name, scenario.laws[scenario.law_of_pair[a][b]],
+                      std::min(modulus(one), modulus(other)), std::max(speed(one), speed(other)));
         }
+    for (std::size_t f = 0; f < scenario.foundations.size(); ++f) {
+        if (!scenario.foundations[f].glued) continue;
+        double least = std::numeric_limits<double>::infinity(), fastest = 0;  // which of the materials stands on it, only the mesh knows
+        for (const NamedMaterial& material : scenario.materials) least = std::min(least, modulus(material)), fastest = std::max(fastest, speed(material));
+        judge_law("foundation " + std::to_string(f + 1), scenario.laws[scenario.foundations[f].law], 2 * least, fastest);
+    }
     return found;
 }
 

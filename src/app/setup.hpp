@@ -6,10 +6,11 @@
 
 namespace knap {
 
-/// Throws ShapeError for a shape that cannot be meshed, UserError for selections that select nothing.
+/// Throws ShapeError for a shape that cannot be meshed, EmptySelection for selections that select nothing.
 Model build_model(const Scenario& scenario);
 
-/// How well a mesh resolves the fracture of one law in one material.
+/// How well a mesh resolves the fracture of one law in one material, between two, or on a glued foundation. A foundation is the mirror of the
+/// body: half of a body that would break with twice G_c.
 struct Resolution {
     std::string material, law;
     double cohesive_length;  // [m] E' G_c/sigma_c^2

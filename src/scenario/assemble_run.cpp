@@ -142,7 +142,7 @@ void assemble_time(Assembly& assembly) {
 
 void assemble_output(Assembly& assembly) {
     const double end = assembly.scenario.time.end;
-    if (end > 0) {
+    if (end > 0) {  // the defaults, here and nowhere else
         assembly.values.compute("output.every", Node::of_number(end / 40));
         assembly.values.compute("output.history_every", Node::of_number(end / 400));
     }

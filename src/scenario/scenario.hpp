@@ -50,8 +50,8 @@ struct TimeOptions {
 };
 
 struct OutputOptions {
-    double every = 0;          // [s] between field frames; 0 = end/40
-    double history_every = 0;  // [s] between lines of energy.csv and cracks.csv; 0 = end/400
+    double every = 0;          // [s] between field frames
+    double history_every = 0;  // [s] between lines of energy.csv and cracks.csv
     bool fields = true;        // write .vtu frames
     double checkpoint_every = 60;  // [s] of wall time between checkpoints
 };

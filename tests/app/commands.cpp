@@ -115,3 +115,29 @@ TEST_CASE("the step plan of the implicit bulk is not bound by the stable step") 
     CHECK(key_of({0.02}, {}, {0.03}) == "time.step_min");
     CHECK(key_of({0.02}, {0.02}, {0.02}) == "");
 }
+
+TEST_CASE("what selects nothing of the mesh is said with its line") {
+    const auto answer = [](const std::string& more) {
+        const Folder folder("empty_selection");
+        std::ofstream(folder.path / "plate.toml") << "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n[mesh]\nsize = 0.01\n"
+            "[material.glass]\ndensity = 2450\nE = 32e9\nnu = 0.2\n[interface.default]\nsigma_c = 3e6\nG_c = 3\n[time]\nend = 1e-6\n" << more;
+        return command("check " + folder.in_shell("plate.toml"));
+    };
+    const std::string nowhere = "{ box = [1, 1, 2, 2] }\n";
+    for (const std::string& more : {"[[load]]\non = " + nowhere + "velocity = [0, 1]\n", "[[foundation]]\non = " + nowhere,
+                                   std::string("[[initial]]\nbox = [1, 1, 2, 2]\nvelocity = [0, 1]\n")}) {
+        const Answer found = answer(more);
+        CAPTURE(found.text);
+        CHECK(found.code == 2);
+        CHECK(found.has("error[empty-selection]"));
+        CHECK(found.has("plate.toml:17:"));
+    }
+}
+
+TEST_CASE("check judges the process zone of a foundation") {
+    const Answer found = command("check dcb_displacement");
+    CAPTURE(found.text);
+    CHECK(found.code == 0);
+    // 9 pi/32 of twice E' G_c/sigma_c^2 = 2 * 2700 * 0.14/45^2 mm: the body and its mirror
+    CHECK(found.has("process zone 0.33 mm"));
+}

@@ -21,20 +21,10 @@ unit = "1 mm"
 cracks = ["crack"]
 )";
 
-const std::string two_materials = "knap = 1\n" + mesh_of_block + R"([material.glass]
-density = 2450
-E = 32e9
-nu = 0.2
-[material.steel]
-density = 8000
-E = 190e9
-nu = 0.3
-[interface.default]
-sigma_c = 3.08e6
-G_c = 3
-[time]
-end = 80e-6
-)";
+const std::string one_material =
+    samples::changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n[mesh]\nsize = 0.001\n", mesh_of_block);
+const std::string steel = "[material.steel]\ndensity = 8000\nE = 190e9\nnu = 0.3\n";
+const std::string two_materials = samples::changed("[interface.default]", steel + "[interface.default]", one_material);
 
 /// Two triangles in format 2.2; `groups` are the physical groups of the two, 0 for none.
 std::string square(const std::string& groups, const std::string& names = "") {
@@ -72,8 +62,6 @@ std::vector<Diagnostic> mistakes_beside(const std::string& mesh, const std::stri
     }
     return {};
 }
-
-const std::string one_material = samples::changed("[material.steel]\ndensity = 8000\nE = 190e9\nnu = 0.3\n", "", two_materials);
 
 }  // namespace
 
