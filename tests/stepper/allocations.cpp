@@ -1,0 +1,92 @@
+// The step loop lives on the memory it has: counted where malloc can be replaced (glibc, no sanitizer).
+#include "stepper/theta_matrix.hpp"
+#include "support/bodies.hpp"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <cstdlib>
+
+using namespace knap;
+using namespace knap::tests;
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+
+namespace {
+std::atomic<long> n_allocations{0};
+}
+
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* malloc(std::size_t size) { return ++n_allocations, __libc_malloc(size); }
+void* calloc(std::size_t n, std::size_t size) { return ++n_allocations, __libc_calloc(n, size); }
+void* realloc(void* old, std::size_t size) { return ++n_allocations, __libc_realloc(old, size); }
+}
+
+namespace {
+
+/// A plate that is pulled apart, its lower half cracked along a line from the start.
+ModelInput pulled_plate(double speed) {
+    ModelInput input;
+    input.mesh = bar_mesh(24, 10, 2.4, 1);
+    for (InteriorEdge& edge : input.mesh.interior_edges) {
+        const Vec2 a = input.mesh.corner(edge.triangle[0], edge.side[0]), b = input.mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
+        edge.cracked = std::abs(a.x() - 1.2) < 1e-9 && std::abs(b.x() - 1.2) < 1e-9 && std::max(a.y(), b.y()) < 0.51;
+    }
+    input.materials = {{.density = 1, .E = 1, .nu = 0.2}};
+    input.laws = {{.sigma_c = 1e-3, .G_c = 2e-6, .gamma = 1, .friction = 0.3}};
+    input.law_of_pair = {{0}};
+    input.loads = {load(Load::Kind::velocity, "left", -speed, std::nullopt), load(Load::Kind::velocity, "right", speed, std::nullopt)};
+    return input;
+}
+
+}  // namespace
+
+TEST_CASE("the count of allocations counts") {
+    const long before = n_allocations;
+    const std::vector<Vec2> some(7);
+    const Eigen::MatrixXd other = Eigen::MatrixXd::Zero(3, 5);
+    CHECK(n_allocations - before == 2);
+}
+
+TEST_CASE("an explicit step allocates nothing unless a fan comes apart or needs pivots") {
+    for (const CohesionScheme cohesion : {CohesionScheme::explicit_beta, CohesionScheme::implicit_beta}) {
+        Run run(pulled_plate(1e-3), {.cohesion = cohesion});
+        const double h = 0.8 * run.stepper.stable_step();
+        State end;
+        int n_quiet = 0, n_released = 0;
+        long worst = 0;
+        for (int i = 0; i < 600; ++i) {
+            const long before = n_allocations;
+            const StepReport report = run.stepper.step(run.now, h, end);
+            const long made = n_allocations - before;
+            std::swap(run.now, end);
+            n_released += static_cast<int>(report.released);
+            if (i < 200 || report.released > 0 || report.fan_fallbacks > 0) continue;  // 200: fans of all sizes have been solved
+            worst = std::max(worst, made);
+            ++n_quiet;
+        }
+        CHECK(n_released > 20);
+        CHECK(n_quiet > 200);
+        CHECK(worst == 0);
+    }
+}
+
+TEST_CASE("solving with a factor allocates nothing") {
+    const Model model = make_model(pulled_plate(0));
+    ThetaMatrix matrix(model);
+    const CornerPartition partition = partition_corners(model, std::vector<std::uint8_t>(model.fans.size(), 0));
+    matrix.set_nodes(partition, std::vector<std::array<bool, 2>>(partition.n_nodes(), {false, false}));
+    matrix.set_bulk(1, MassMatrix::lumped);
+    REQUIRE(matrix.factorise({}));
+    const std::vector<Vec2> b(partition.n_nodes(), Vec2(1, 2));
+    std::vector<Vec2> x;
+    matrix.solve(b, x);
+    const long before = n_allocations;
+    matrix.solve(b, x);
+    CHECK(n_allocations == before);
+}
+
+#endif
