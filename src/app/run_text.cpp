@@ -76,8 +76,8 @@ std::string resumed_text(const State& now) {
 
 std::string violated_text(const Gate& gate, const State& now, const Vec2& fastest) {
     std::string text;
-    add_line(text, "gate %s violated at t = %.9g s (step %lld): %.4g, limit %.4g: %s. ", gate.name, now.time, static_cast<long long>(now.n_steps), gate.value,
-             gate.limit, gate.meaning);
+    add_line(text, "gate %s violated at t = %.9g s (step %lld): %.4g, limit %.4g: %s. ", gate.name.data(), now.time, static_cast<long long>(now.n_steps), gate.value,
+             gate.limit, gate.meaning.data());
     add_line(text, "The body moves fastest at (x, y) = (%.6g, %.6g) m. %s", fastest.x(), fastest.y(), advice(gate.name));
     return text;
 }
@@ -90,7 +90,7 @@ std::string end_of_run(const RunRecord& record, const std::filesystem::path& dir
     text += solver_text(record);
     for (const auto& [name, value] : record.summary.values) add_line(text, "  %-24s %.6g\n", name.c_str(), value);
     for (const Gate& gate : record.gates)
-        add_line(text, "  gate   %-20s %-12.4g limit %-12.4g %s\n", gate.name, gate.value, gate.limit, gate.pass ? "ok" : "VIOLATED");
+        add_line(text, "  gate   %-20s %-12.4g limit %-12.4g %s\n", gate.name.data(), gate.value, gate.limit, gate.pass ? "ok" : "VIOLATED");
     for (const ExpectResult& result : record.expect)
         add_line(text, "  expect %-20s %-12.6g %-24s %s\n", result.name.c_str(), result.value, result.limit.c_str(), result.pass ? "ok" : "FAILED");
     text += "run:     " + directory.string() + "\n";

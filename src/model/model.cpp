@@ -115,7 +115,7 @@ private:
             if (selected[c]) ++n_corners[vertex_of(c)];
         }
         const auto n_vertices = n_corners.size() - std::count(n_corners.begin(), n_corners.end(), 0);
-        if (n_vertices == 0) selects_nothing("a force", load.on);
+        if (n_vertices == 0) selects_nothing("a force", load.on, EmptySelection::loads, number_);
         for (Index c = 0; c < mesh.n_corners(); ++c)
             if (selected[c]) model_.corner_loads.push_back({c, history, vector_of(load) / (static_cast<double>(n_vertices) * n_corners[vertex_of(c)])});
     }

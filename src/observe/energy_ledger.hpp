@@ -13,6 +13,7 @@
 #include "stepper/step_report.hpp"
 
 #include <array>
+#include <string_view>
 
 namespace knap {
 
@@ -34,10 +35,10 @@ struct EnergyRow {
 };
 
 struct Gate {
-    const char* name;
+    std::string_view name;  // of a literal
     double value, limit;
     bool pass;
-    const char* meaning;
+    std::string_view meaning;
 };
 using Gates = std::array<Gate, 7>;
 

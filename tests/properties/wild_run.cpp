@@ -72,7 +72,7 @@ public:
         found_.clear();
         if (rests()) return found_;
         for (const Gate& gate : ledger_.gates(0, 0))
-            if (gate.name != "penetration" && gate.name != "largest_speed") at_most(gate.name, gate.value, gate.limit);
+            if (gate.name != "penetration" && gate.name != "largest_speed") at_most(gate.name.data(), gate.value, gate.limit);
         return found_;
     }
 
