@@ -1,7 +1,7 @@
 #include "interfaces/linear_fan.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +11,20 @@ namespace {
 
 constexpr int most_multipliers = 24;
 constexpr double rank_tolerance = 1e-11;
+
+/// The solution of least norm of A x = b, on the stack where Matrix is of bounded size:  x = x_0 - N (N'N)^-1 N' x_0,  A N = 0.
+template <class Matrix, class Vector>
+Vector solution_of_least_norm(const Matrix& A, const Vector& b) {
+    Eigen::FullPivLU<Matrix> lu(A);
+    lu.setThreshold(rank_tolerance);
+    Vector x = lu.solve(b);
+    if (lu.dimensionOfKernel() == 0) return x;
+    const Matrix N = lu.kernel();
+    const Matrix squares = N.transpose().lazyProduct(N);
+    const Vector along = N.transpose().lazyProduct(x);
+    const Vector part = Eigen::LDLT<Matrix>(squares).solve(along);
+    return x -= N.lazyProduct(part);
+}
 
 }  // namespace
 
@@ -172,15 +186,7 @@ bool LinearFan::apply_multipliers(FanMotion& motion) {
     if (n == 1) {
         size[0] = A(0, 0) != 0 ? rhs[0] / A(0, 0) : 0;
     } else {
-        Eigen::FullPivLU<Matrix> lu(A);
-        lu.setThreshold(rank_tolerance);
-        size = lu.solve(rhs);
-        // redundant contacts (both ends of a fan on an obstacle) share what they carry: the solution of least norm
-        if (!lu.isInvertible()) {
-            Eigen::CompleteOrthogonalDecomposition<Matrix> least_norm(n, n);
-            least_norm.setThreshold(rank_tolerance);
-            size = least_norm.compute(A).solve(rhs);
-        }
+        size = solution_of_least_norm(A, rhs);  // redundant contacts (both ends of a fan on an obstacle) share what they carry
     }
     for (int a = 0; a < n; ++a) {
         const Multiplier& held = multipliers_[a];
@@ -258,29 +264,41 @@ double LinearFan::walk_component(int k, FanMotion& motion) {
     return mismatch;
 }
 
-/// More than one loop (several contacts with obstacles): the impulses of least norm among all that are in balance.
+/// More than one loop (several contacts with obstacles, several driven bodies): the impulses of least norm among all that are in balance.
 void LinearFan::spread_over_loops(int k, FanMotion& motion) {
-    std::vector<Index> unknown, balance;
+    unknown_.clear(), balance_.clear();
     for (Index i = 0; i < n_links(); ++i) {
         loose_[i][k] = 0;
-        if (!known_[i]) unknown.push_back(i);
+        if (known_[i]) continue;
+        unknown_.push_back(i);
+        motion.impulse[i][k] = 0;
     }
     for (Index b = 0; b < n_bodies(); ++b)
-        if (problem_->bodies[b].inverse_mass[k] > 0) balance.push_back(b);
-    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(balance.size()), static_cast<Eigen::Index>(unknown.size()));
-    Eigen::VectorXd rhs(A.rows());
+        if (problem_->bodies[b].inverse_mass[k] > 0) balance_.push_back(b);
+    if (balance_.empty()) return;  // all are driven
+    const bool small = std::max(unknown_.size(), balance_.size()) <= most_multipliers;  // then without the heap
+    if (small) find_least_norm<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_multipliers, most_multipliers>>(k, motion);
+    else find_least_norm<Eigen::MatrixXd>(k, motion);
+}
+
+template <class Matrix>
+void LinearFan::find_least_norm(int k, FanMotion& motion) const {
+    constexpr int most = Matrix::MaxRowsAtCompileTime;
+    using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most, 1>;
+    Matrix A = Matrix::Zero(static_cast<Eigen::Index>(balance_.size()), static_cast<Eigen::Index>(unknown_.size()));
+    Vector rhs(A.rows());
     for (Eigen::Index row = 0; row < A.rows(); ++row) {
-        const Index b = balance[row];
+        const Index b = balance_[row];
         const FanBody& body = problem_->bodies[b];
         rhs[row] = (motion.velocity[b][k] - body.free_velocity[k]) / body.inverse_mass[k];
         for (Index e = first_end_[b]; e < first_end_[b + 1]; ++e) {
             const LinkEnd& end = link_ends_[e];
             if (known_[end.link]) rhs[row] -= end.sign * motion.impulse[end.link][k];
-            else A(row, std::lower_bound(unknown.begin(), unknown.end(), end.link) - unknown.begin()) += end.sign;
+            else A(row, std::lower_bound(unknown_.begin(), unknown_.end(), end.link) - unknown_.begin()) += end.sign;
         }
     }
-    const Eigen::VectorXd found = Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(A).solve(rhs);
-    for (std::size_t j = 0; j < unknown.size(); ++j) motion.impulse[unknown[j]][k] = found[static_cast<Eigen::Index>(j)];
+    const Vector found = solution_of_least_norm(A, rhs);
+    for (std::size_t j = 0; j < unknown_.size(); ++j) motion.impulse[unknown_[j]][k] = found[static_cast<Eigen::Index>(j)];
 }
 
 }  // namespace knap

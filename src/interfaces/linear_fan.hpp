@@ -55,6 +55,8 @@ private:
     double walk_chain(FanMotion& motion);
     double walk_component(int k, FanMotion& motion);
     void spread_over_loops(int k, FanMotion& motion);
+    template <class Matrix>
+    void find_least_norm(int k, FanMotion& motion) const;
 
     Index n_links() const { return static_cast<Index>(problem_->links.size()); }
     Index n_bodies() const { return static_cast<Index>(problem_->bodies.size()); }
@@ -74,6 +76,7 @@ private:
     std::vector<Multiplier> multipliers_;
     std::vector<std::uint8_t> known_, reached_;  // links: not by the walk of the chain; by it so far
     std::vector<Vec2> loose_;
+    std::vector<Index> unknown_, balance_;       // links and bodies, where several loops meet
 };
 
 }  // namespace knap

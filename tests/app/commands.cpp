@@ -124,7 +124,7 @@ TEST_CASE("what selects nothing of the mesh is said with its line") {
         return command("check " + folder.in_shell("plate.toml"));
     };
     const std::string nowhere = "{ box = [1, 1, 2, 2] }\n";
-    for (const std::string& more : {"[[load]]\non = " + nowhere + "velocity = [0, 1]\n", "[[foundation]]\non = " + nowhere,
+    for (const std::string& more : {"[[load]]\non = " + nowhere + "velocity = [0, 1]\n", std::string("[[foundation]]\non = { boundary = \"left\", box = [1, 1, 2, 2] }\n"),
                                    std::string("[[initial]]\nbox = [1, 1, 2, 2]\nvelocity = [0, 1]\n")}) {
         const Answer found = answer(more);
         CAPTURE(found.text);

@@ -27,7 +27,7 @@ TEST_CASE("lcp compares the solvers and tells free bond breaking from a solution
     CHECK(answer.code == 0);
     for (const char* words : {"\"default\"", "lemke", "convex_qp", "gauss_seidel", "newton", "interior_point", "scaled_residual", "cpu_s", "\"bonds_freely_broken\": 0"})
         CHECK_MESSAGE(answer.has(words), words);
-    const Answer middle = command("lcp --solver interior_point " + stored("line_16_si"));
+    const Answer middle = command("lcp --solver interior_point " + stored("trajH_s020"));
     CHECK(middle.code == 3);
     CHECK(middle.has("breaks_freely"));
 }
