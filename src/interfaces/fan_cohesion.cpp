@@ -9,6 +9,7 @@ namespace {
 constexpr int most_solves = 1000;  // tens are usual
 constexpr double settled = 1e-14;      // [-] change of beta
 constexpr double worth_mixing = 0.9;   // the gap must have shrunk to this part: where softening outweighs inertia the secant points back
+constexpr double tolerated = 1e-10;    // [-] gap of a step that is kept: the gate of every run
 
 /// What the law says at the end openings of a solved problem.
 void ask_law(const FanProblem& problem, LinkCohesion& at) {
@@ -21,6 +22,13 @@ double largest_gap(const std::vector<LinkCohesion>& cohesion) {
     double largest = 0;
     for (const LinkCohesion& at : cohesion) largest = std::max(largest, std::abs(at.gap()));
     return largest;
+}
+
+/// Whether the secant only interpolates between the last two answers.
+bool lies_between(const std::vector<LinkCohesion>& cohesion) {
+    double product = 0;
+    for (const LinkCohesion& at : cohesion) product += at.gap() * at.last_gap;
+    return product < 0;
 }
 
 /// Part of the last change of the answers to take back, so that the gaps cancel as well as they can.
@@ -48,9 +56,11 @@ FanSolution solve_softening(FanProblem& problem, FanSolver& solver, std::vector<
         if (gap <= settled || solve == most_solves) {
             solution.iterations = iterations;
             solution.residual = std::max(solution.residual, gap);
+            solution.settled = gap <= tolerated;
             return solution;
         }
-        const double mixed = solve > 1 && gap < worth_mixing * last ? mixing(cohesion) : 0;
+        const bool mixes = solve > 1 && (gap < worth_mixing * last || lies_between(cohesion));
+        const double mixed = mixes ? mixing(cohesion) : 0;
         for (LinkCohesion& at : cohesion) {
             const double next = at.answer - mixed * (at.answer - at.last_answer);
             at.last_gap = at.gap();

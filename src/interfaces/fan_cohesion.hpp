@@ -27,7 +27,8 @@ struct LinkCohesion {
     double gap() const { return answer - guess; }
 };
 
-/// Links of `problem` come with the cohesive impulse of the begin and leave with that of beta_theta. A fan that does not settle says so in the residual.
+/// Links of `problem` come with the cohesive impulse of the begin and leave with that of beta_theta. A fan that does not settle says so: a smaller
+/// step, in which h k is smaller still, does.
 FanSolution solve_softening(FanProblem& problem, FanSolver& solver, std::vector<LinkCohesion>& cohesion, double theta);
 
 }  // namespace knap

@@ -23,6 +23,7 @@ struct FanSolution {
         failed    // no solution found
     };
     Status status = Status::exact;
+    bool settled = true;   // false: cohesion that falls within the step was not found (fan_cohesion.hpp)
     bool bound = false;    // every link sticks: the fan moves as one
     int iterations = 0;    // linear solves
     double residual = 0;   // largest violation, relative to the largest impulse (velocities: to the largest speed); at least 1 if relaxed

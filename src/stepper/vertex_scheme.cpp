@@ -266,6 +266,10 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
     report.fan_iterations += solution.iterations;
     if (solution.status != FanSolution::Status::exact) ++report.fan_fallbacks;
     report.residual = std::max(report.residual, solution.residual);
+    if (!solution.settled && report.refusal == Refusal::none) {
+        report.refusal = Refusal::not_converged;
+        report.where = model_.mesh.corner(model_.fan_corners[fan.first_corner]);
+    }
 
     for (Index i = 0; i < fan.n_corners; ++i) {
         const Index corner = model_.fan_corners[fan.first_corner + i], from = begin.node_of_corner[corner], to = end.node_of_corner[corner];

@@ -141,7 +141,7 @@ TEST_CASE("C1 a debonding strip has the exact speed of its crack") {
             if (path[i].second > from_here) late.push_back({path[i].second, surface[i]});
         verify("energy per length over G_c in the second half of the last phase, " + digits(zone_length, 3) + " cells in the process zone", slope(late) / strip.G_c(), 1, {0.005, 0.0005});
         if (const auto file = zone == 5 ? picture("C1.png") : std::nullopt) {
-            Chart chart{.title = "C1: the crack of a debonding strip", .x_quantity = "time times c", .x_unit = "cell", .y_quantity = "crack length", .y_unit = "cell"};
+            Chart chart{.title = "C1: the crack of a debonding strip", .x_quantity = "time times c over the cell size", .x_unit = "", .y_quantity = "crack length over the cell size", .y_unit = ""};
             for (const auto& [t, x] : path) time.push_back(t), place.push_back(x - strip.a_0());
             double x = strip.a_0(), t = strip.a_0();  // the crack starts when the wave meets it
             std::vector<double> exact_time{t}, exact_place{0};

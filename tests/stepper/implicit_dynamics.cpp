@@ -171,7 +171,7 @@ TEST_CASE("B3 four openings and three impacts") {
     verify_near("v_1 when broken", point.v(), 2.02508544, {5e-3});
     verify_small("energy residual", run.ledger.largest_residual() / run.ledger.largest_energy(), {1e-12});
     if (const auto file = picture("B3.png")) {
-        Chart chart{.title = "B3: opening and cohesion", .x_quantity = "time", .x_unit = "s", .y_quantity = "u_{1}, beta", .y_unit = "1"};
+        Chart chart{.title = "B3: opening and cohesion", .x_quantity = "time", .x_unit = "s", .y_quantity = "u_{1}, beta", .y_unit = ""};
         chart.curves = {{"opening", time, opened, curve_colour(0)}, {"beta", time, beta, curve_colour(1)}};
         draw_chart(chart, *file, 640);
     }

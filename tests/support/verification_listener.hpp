@@ -27,7 +27,7 @@ public:
         out << "C\t" << data_->m_name << '\t' << data_->m_test_suite << '\t' << processor_time() - start_ << '\t' << (stats.failure_flags != 0) << '\n';
         for (const std::string& text : notes.texts) out << "T\t" << text << '\n';
         for (const Verified& number : notes.numbers)
-            out << "N\t" << number.path << '\t' << number.quantity << '\t' << number.found << '\t' << number.reference << '\t' << number.deviation << '\t' << number.acc
+            out << "N\t" << number.path << '\t' << number.quantity << '\t' << number.found << '\t' << number.reference << '\t' << number.kind << '\t' << number.deviation << '\t' << number.acc
                 << '\t' << number.str << '\n';
         for (const std::string& picture : notes.pictures) out << "P\t" << picture << '\n';
     }

@@ -14,7 +14,7 @@
 namespace {
 
 struct Number {
-    std::string path, quantity, found, reference;
+    std::string path, quantity, found, reference, kind;
     double deviation = 0, acc = 0, str = 0;
     bool meets_acc() const { return deviation <= acc; }
     bool meets_str() const { return deviation <= str; }
@@ -64,8 +64,8 @@ Cases read(const std::string& file) {
             test->texts.push_back(f[1]);
         } else if (test && f[0] == "P" && f.size() == 2) {
             test->pictures.push_back(f[1]);
-        } else if (test && f[0] == "N" && f.size() == 8) {
-            test->numbers.push_back({f[1], f[2], f[3], f[4], std::stod(f[5]), std::stod(f[6]), std::stod(f[7])});
+        } else if (test && f[0] == "N" && f.size() == 9) {
+            test->numbers.push_back({f[1], f[2], f[3], f[4], f[5], std::stod(f[6]), std::stod(f[7]), std::stod(f[8])});
         } else if (test) {
             std::cerr << "not understood: " << line << '\n';
             std::exit(2);
@@ -141,7 +141,7 @@ void print(const CaseName& name, const std::vector<Test>& tests) {
         for (const Number& n : test.numbers) {
             const bool is_bound = n.acc == 0;
             std::printf("| %s | %s | %s | %s | %s | %s | %s |\n", n.quantity.c_str(), n.path.empty() ? "-" : n.path.c_str(), n.found.c_str(), n.reference.c_str(),
-                        is_bound ? "" : text_of(n.deviation).c_str(), n.meets_acc() ? (is_bound ? "met" : ("met, " + text_of(n.acc)).c_str()) : ("**not met**, " + text_of(n.acc)).c_str(),
+                        is_bound ? "" : (text_of(n.deviation) + " " + n.kind).c_str(), n.meets_acc() ? (is_bound ? "met" : ("met, " + text_of(n.acc)).c_str()) : ("**not met**, " + text_of(n.acc)).c_str(),
                         is_bound ? "" : ((n.meets_str() ? "met, " : "not met, ") + text_of(n.str)).c_str());
         }
         for (const std::string& picture : test.pictures) std::printf("\n![%s](verification/%s)\n", name.text().c_str(), picture.c_str());
@@ -163,7 +163,7 @@ int main(int argc, char** argv) {
     std::printf("# Verification\n\n"
                 "Written by `tools/verify` from runs of the tests; nothing in here is typed by hand. Each number is found, and held against its reference, by the test of that name, and the\n"
                 "test fails where ACC is not met. ACC is what a correct program must reach, STR what a good one does (a tenth of ACC where the case names nothing else). A deviation is\n"
-                "relative where the reference is a number other than zero and the tolerance says no unit. The quick tests run with `tools/test`, the slow ones with `tools/test --slow`.\n\n");
+                "relative to the reference, or absolute in the unit of the quantity (a dimensionless one where none is named), as its line says. The quick tests run with `tools/test`, the slow ones with `tools/test --slow`.\n\n");
     print_overview(cases);
     for (const auto& [name, tests] : cases) print(name, tests);
     return 0;
