@@ -4,12 +4,31 @@
 #include "app/setup.hpp"
 #include "base/error.hpp"
 #include "bulk/triangle_matrices.hpp"
+#include "geometry/grain_report.hpp"
 #include "geometry/mesh_file.hpp"
 
 #include <algorithm>
+#include <numbers>
 #include <cstdio>
 
 namespace knap {
+
+namespace {
+
+void print_grains(const Scenario& scenario, const Mesh& mesh) {
+    const GrainReport grains = judge_grains(mesh);
+    std::printf("%-28s %d, of them %d whole\n", "grains", grains.n_grains, grains.n_whole);
+    std::printf("%-28s %.4g, spread %.3f\n", "mean grain diameter [m]", grains.mean_diameter, grains.spread);
+    std::printf("%-28s %.2f at %.0f degree\n", "mean grain elongation", grains.elongation, grains.direction * 180 / std::numbers::pi);
+    std::printf("%-28s %d\n", "least triangles in a grain", grains.least_triangles);
+    std::vector<double> area(scenario.materials.size(), 0);
+    double total = 0;
+    for (Index t = 0; t < mesh.n_triangles(); ++t) area[mesh.region[t]] += mesh.area(t), total += mesh.area(t);
+    for (std::size_t i = 0; i < area.size(); ++i)
+        std::printf("%-28s %.2f %%\n", ("area of " + scenario.materials[i].name).c_str(), 100 * area[i] / total);
+}
+
+}  // namespace
 
 ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& output, bool force) {
     const Model model = model_of(read);
@@ -32,15 +51,14 @@ ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& outp
         for (int i = 0; i < MeshReport::n_directions; ++i)
             std::printf("  %5.1f degree  %.4f\n", 180.0 * i / MeshReport::n_directions, report.path_excess[i]);
     }
+    if (!model.mesh.grain.empty()) print_grains(read.scenario, model.mesh);
     if (output.empty()) return exit_done;
     const std::string ending = output.extension().string();
     if (ending != ".msh" && ending != ".vtu" && ending != ".svg")
         throw UserError("mesh-format", "a mesh is not written as `" + ending + "`", "known: .msh, .vtu, .svg");
     if (std::filesystem::exists(output) && !force)
         throw UserError("file-exists", "`" + output.string() + "` exists already", "choose another name, or replace it with --force");
-    std::vector<std::string> materials;
-    for (const NamedMaterial& material : read.scenario.materials) materials.push_back(material.name);
-    write_whole_file(output, mesh_as_text(model.mesh, ending, materials));
+    write_whole_file(output, mesh_as_text(model.mesh, ending, material_names(read.scenario)));
     std::printf("mesh:    %s\n", output.string().c_str());
     return exit_done;
 }

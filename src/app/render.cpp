@@ -25,7 +25,8 @@ ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figur
     if (figure.show.empty()) figures = read_scenario(run / "resolved.toml").scenario.figures;
     const std::string title = record.value("title", "");
     const FigureContext context{.title = title.empty() ? record.value("name", "") : title,
-                                .rayleigh_speed = record.value("rayleigh_speed_m_per_s", 0.0)};
+                                .rayleigh_speed = record.value("rayleigh_speed_m_per_s", 0.0),
+                                .materials = record.value("materials", std::vector<std::string>{})};
     const auto read_if_there = [&](const char* name) { return std::filesystem::exists(run / name) ? read_csv(run / name) : History{}; };
     const Histories histories{.energy = read_csv(run / "energy.csv"),
                               .cracks = read_csv(run / "cracks.csv"),

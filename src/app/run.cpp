@@ -47,6 +47,7 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .frame_every = scenario.output.fields ? scenario.output.every : 0,
             .history_every = scenario.output.history_every,
             .rayleigh_speed = rayleigh_speed(scenario),
+            .materials = material_names(scenario),
             .mass = scenario.time.scheme.mass,
             .cracks = crack_options(edge, process_zone),
             .figures = scenario.figures,
@@ -72,7 +73,7 @@ ExitCode exit_code(const RunRecord& record) {
 /// What the directory of a run begins with.
 FirstFiles first_files(const ReadResult& read, const RunRecord& record) {
     FirstFiles files{{"scenario.toml", read.source.text()}, {"resolved.toml", resolved_for_run(read)}, {"run.json", run_json(record)}};
-    if (read.scenario.given) files.emplace_back("mesh.msh", read.scenario.given->bytes);
+    for (const NamedFile& file : read.scenario.files) files.emplace_back(file.name, file.bytes);
     return files;
 }
 
@@ -124,9 +125,9 @@ ExitCode simulate(const ReadResult& read, const RunOptions& options, const std::
 }  // namespace
 
 std::string resolved_for_run(const ReadResult& read) {
-    if (!read.scenario.given) return resolved_toml(read);
+    if (read.scenario.files.empty()) return resolved_toml(read);
     ReadResult there = read;
-    there.values.replace("mesh.file", "mesh.file", Node::of_text("mesh.msh"));
+    for (const NamedFile& file : read.scenario.files) there.values.replace(file.key, file.key, Node::of_text(file.name));
     return resolved_toml(there);
 }
 
@@ -197,6 +198,7 @@ ExitCode simulate(const ReadResult& read, const RunOptions& options, const std::
     record.scheme = scenario.time.scheme;
     record.mean_edge = mean_edge(model.mesh);
     record.rayleigh_speed = rayleigh_speed(scenario);
+    record.materials = material_names(scenario);
 
     std::ostringstream warnings;
     for (const Diagnostic& warning : resolution_warnings(read, record.mean_edge)) warnings << format(warning), record.warnings.push_back(warning.message);

@@ -29,7 +29,7 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options);
 /// The mesh and model of a scenario; what geometry refuses, or selects nothing, becomes a UserError at the right line of the scenario.
 Model model_of(const ReadResult& read);
 
-/// The resolved scenario as it stands in a run directory, where a mesh that was read is `mesh.msh`.
+/// The resolved scenario as it stands in a run directory, where files that were read have names of their own (`mesh.msh`).
 std::string resolved_for_run(const ReadResult& read);
 
 /// Warnings about the resolution of the process zone.

@@ -75,6 +75,7 @@ std::string run_json(const RunRecord& record) {
     json["time_s"] = record.time;
     json["mean_edge_m"] = record.mean_edge;
     json["rayleigh_speed_m_per_s"] = record.rayleigh_speed;
+    json["materials"] = record.materials;
     json["triangle_steps_per_core_second"] =
         record.cpu_steps > 0 ? number(static_cast<double>(record.steps) * record.triangles / record.cpu_steps) : Json(nullptr);
     json["fan_problems"] = {{"solved", record.counts.fan_solves},

@@ -29,6 +29,7 @@ struct RunRecord {
     SchemeOptions scheme;
     double mean_edge = 0;            // [m]
     double rayleigh_speed = 0;       // [m/s]
+    std::vector<std::string> materials;  // names, by region
     StepReport counts;               // of the local problems and the linear solves
     Summary summary;
     std::vector<Gate> gates;

@@ -1,6 +1,7 @@
 #include "app/setup.hpp"
 
 #include "base/error.hpp"
+#include "geometry/grain_mesh.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,15 +10,38 @@
 
 namespace knap {
 
+namespace {
+
+/// Grains in the materials that have some; every rock with random numbers of its own.
+void put_rocks(const Scenario& scenario, Mesh& mesh) {
+    Vec2 low = mesh.vertices.front(), high = low;
+    for (const Vec2& x : mesh.vertices) low = low.cwiseMin(x), high = high.cwiseMax(x);
+    for (const GrainedRock& rock : scenario.rocks) {
+        const std::uint64_t seed = scenario.seed + static_cast<std::uint64_t>(rock.material) * 0x9E3779B97F4A7C15ull;
+        const Index first = put_grains(mesh, Grains(rock.grains, low, high, seed), rock.material);
+        assign_minerals(mesh, rock.minerals, first, seed);
+    }
+}
+
+}  // namespace
+
 Model build_model(const Scenario& scenario) {
     ModelInput input;
     input.mesh = scenario.given ? scenario.given->mesh : triangulate(scenario.shape, scenario.mesh);
     input.mesh.order = scenario.order;
+    for (const MaterialMap& map : scenario.maps) paint(map, input.mesh);
+    if (!scenario.rocks.empty()) put_rocks(scenario, input.mesh);
     input.plane = scenario.plane;
     input.thickness = scenario.thickness;
     for (const NamedMaterial& material : scenario.materials) input.materials.push_back(material.elastic);
-    for (const NamedLaw& law : scenario.laws) input.laws.push_back(law.law);
+    for (const NamedLaw& law : scenario.laws) {
+        input.laws.push_back(law.law);
+        input.scatter.push_back(law.scatter);
+    }
     input.law_of_pair = scenario.law_of_pair;
+    input.law_within = scenario.law_within;
+    input.law_of_joint = scenario.law_of_joint;
+    input.seed = scenario.seed;
     input.loads = scenario.loads;
     input.foundations = scenario.foundations;
     input.initial_velocities = scenario.initial_velocities;
@@ -63,6 +87,12 @@ double mean_edge(const Mesh& mesh) {
 double finest_edge(const Scenario& scenario, double mean_edge) {
     for (const RefineBox& box : scenario.mesh.refine) mean_edge = std::min(mean_edge, box.size);
     return mean_edge / scenario.order;
+}
+
+std::vector<std::string> material_names(const Scenario& scenario) {
+    std::vector<std::string> names;
+    for (const NamedMaterial& material : scenario.materials) names.push_back(material.name);
+    return names;
 }
 
 double rayleigh_speed(const Scenario& scenario) { return scenario.materials.front().elastic.rayleigh_speed(scenario.plane); }

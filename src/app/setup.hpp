@@ -31,6 +31,8 @@ double mean_edge(const Mesh& mesh);
 /// The smallest distance [m] of interface points that is wanted anywhere, where cracks are to run: an edge, of order 2 half of one.
 double finest_edge(const Scenario& scenario, double mean_edge);
 
+std::vector<std::string> material_names(const Scenario& scenario);
+
 /// [m/s] of the domain's first material.
 double rayleigh_speed(const Scenario& scenario);
 

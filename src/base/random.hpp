@@ -1,7 +1,9 @@
 #pragma once
 // The only source of randomness: a counter-based stream (splitmix64; Steele, Lea, Flood 2014), the same bits on every machine and
 // for every number of threads. Streams of one seed are told apart by a name.
+#include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <string_view>
 
 namespace knap {
@@ -17,6 +19,12 @@ public:
     /// Uniform in [0, 1), 53 bits.
     double uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
     double uniform(double low, double high) { return low + (high - low) * uniform(); }
+
+    /// Standard normal (Box and Muller).
+    double normal() {
+        const double radius = std::sqrt(-2 * std::log(1 - uniform()));  // 1 - uniform() is never zero
+        return radius * std::cos(2 * std::numbers::pi * uniform());
+    }
 
 private:
     static std::uint64_t mixed(std::uint64_t z) {

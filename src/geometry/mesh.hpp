@@ -13,6 +13,7 @@ struct InteriorEdge {
     std::array<Index, 2> triangle;  // the two neighbours
     std::array<Index, 2> side;      // the edge's number (0..2) in each of them
     bool cracked = false;           // no cohesion from the start
+    Index joint = -1;               // number of the joint set whose law acts here, -1 = none
 };
 
 struct BoundaryEdge {
@@ -28,6 +29,7 @@ struct Mesh {
     std::vector<Vec2> vertices;                   // [m]
     std::vector<std::array<Index, 3>> triangles;  // counterclockwise
     std::vector<Index> region;                    // material index, one per triangle
+    std::vector<Index> grain;                     // one per triangle, -1 = in none; empty = there are none
     std::vector<InteriorEdge> interior_edges;
     std::vector<BoundaryEdge> boundary_edges;
     std::vector<std::string> boundary_names;
@@ -45,6 +47,10 @@ struct Mesh {
         return (corner(triangle, 0) + corner(triangle, 1) + corner(triangle, 2)) / 3;
     }
     Vec2 corner(Index corner_number) const { return corner(triangle_of(corner_number), place_in_triangle(corner_number)); }
+    /// Both sides of an edge lie in one grain.
+    bool within_grain(const InteriorEdge& edge) const {
+        return !grain.empty() && grain[edge.triangle[0]] >= 0 && grain[edge.triangle[0]] == grain[edge.triangle[1]];
+    }
     double area(Index triangle) const {  // [m2]
         return 0.5 * cross(corner(triangle, 1) - corner(triangle, 0), corner(triangle, 2) - corner(triangle, 0));
     }

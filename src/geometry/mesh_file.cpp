@@ -1,6 +1,7 @@
 #include "geometry/mesh_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <stdexcept>
 
@@ -65,7 +66,13 @@ std::string vtu(const Mesh& mesh) {
         << "<Piece NumberOfPoints=\"" << mesh.n_vertices() << "\" NumberOfCells=\"" << mesh.n_triangles() << "\">\n"
         << "<CellData><DataArray type=\"Int32\" Name=\"region\" format=\"ascii\">\n";
     for (const Index region : mesh.region) out << region << "\n";
-    out << "</DataArray></CellData>\n<Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">\n";
+    out << "</DataArray>\n";
+    if (!mesh.grain.empty()) {
+        out << "<DataArray type=\"Int32\" Name=\"grain\" format=\"ascii\">\n";
+        for (const Index grain : mesh.grain) out << grain << "\n";
+        out << "</DataArray>\n";
+    }
+    out << "</CellData>\n<Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">\n";
     for (const Vec2& x : mesh.vertices) out << x.x() << " " << x.y() << " 0\n";
     out << "</DataArray></Points>\n<Cells><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">\n";
     for (const auto& t : mesh.triangles) out << t[0] << " " << t[1] << " " << t[2] << "\n";
@@ -95,9 +102,28 @@ std::string svg(const Mesh& mesh) {
         add();
         out << "\"/>\n";
     };
+    static constexpr std::array<const char*, 8> fills{"#ffffff", "#f0c8b4", "#bcd8ea", "#d6e2ae", "#f0e0a4", "#d8c4e6", "#aee2d4", "#f0c0d4"};
+    const Index n_regions = mesh.region.empty() ? 0 : 1 + *std::max_element(mesh.region.begin(), mesh.region.end());
+    for (Index region = 1; region < n_regions; ++region) {
+        out << "<path fill=\"" << fills[region % fills.size()] << "\" d=\"";
+        for (Index t = 0; t < mesh.n_triangles(); ++t) {
+            if (mesh.region[t] != region) continue;
+            const Vec2 a = at(mesh.corner(t, 0)), b = at(mesh.corner(t, 1)), c = at(mesh.corner(t, 2));
+            out << "M" << a.x() << " " << a.y() << "L" << b.x() << " " << b.y() << "L" << c.x() << " " << c.y() << "Z";
+        }
+        out << "\"/>\n";
+    }
     path("#8a8a8a", 0.4, [&] {
         for (const InteriorEdge& e : mesh.interior_edges)
             if (!e.cracked) edge(e.triangle[0], e.side[0]);
+    });
+    path("#2f5d8a", 1.2, [&] {
+        for (const InteriorEdge& e : mesh.interior_edges)
+            if (!mesh.grain.empty() && !mesh.within_grain(e)) edge(e.triangle[0], e.side[0]);
+    });
+    path("#c0392b", 0.8, [&] {
+        for (const InteriorEdge& e : mesh.interior_edges)
+            if (e.joint >= 0) edge(e.triangle[0], e.side[0]);
     });
     path("#000000", 1.2, [&] {
         for (const BoundaryEdge& e : mesh.boundary_edges) edge(e.triangle, e.side);

@@ -1,5 +1,7 @@
 #include "geometry/relax.hpp"
 
+#include "geometry/vertex_stars.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,27 +19,12 @@ double step_ratio(const Vec2& a, const Vec2& b, const Vec2& c, double size) {
     return std::sqrt(2 / largest) / size;
 }
 
-namespace {
-
-/// The triangles round every vertex.
-struct Stars {
-    std::vector<Index> begin, triangles;
-
-    explicit Stars(const Mesh& mesh) : begin(mesh.vertices.size() + 1, 0), triangles(3 * mesh.triangles.size()) {
-        for (const auto& corners : mesh.triangles)
-            for (const Index v : corners) ++begin[v + 1];
-        for (std::size_t v = 1; v < begin.size(); ++v) begin[v] += begin[v - 1];
-        std::vector<Index> next(begin.begin(), begin.end() - 1);
-        for (Index t = 0; t < mesh.n_triangles(); ++t)
-            for (const Index v : mesh.triangles[t]) triangles[next[v]++] = t;
-    }
-};
-
-/// Sine of the smallest angle.
 double smallest_sine(const Vec2& a, const Vec2& b, const Vec2& c) {
     const double ab = (b - a).norm(), bc = (c - b).norm(), ca = (a - c).norm();
     return cross(b - a, c - a) * std::min({ab, bc, ca}) / (ab * bc * ca);
 }
+
+namespace {
 
 class Relaxation {
 public:
@@ -86,8 +73,8 @@ private:
 
     Quality worst_of_star(Index v) const {
         Quality worst{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-        for (Index i = stars_.begin[v]; i < stars_.begin[v + 1]; ++i) {
-            const Quality q = both(stars_.triangles[i]);
+        for (const Index t : stars_[v]) {
+            const Quality q = both(t);
             worst = {std::min(worst.step, q.step), std::min(worst.angle, q.angle)};
         }
         return worst;
@@ -99,7 +86,7 @@ private:
     const SizeField& size_;
     const Wanted& wanted_;
     double wanted_sine_;
-    Stars stars_;
+    VertexStars stars_;
 };
 
 }  // namespace

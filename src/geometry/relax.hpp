@@ -9,6 +9,9 @@ namespace knap {
 /// The fastest mode is taken as the one of a scalar wave: omega^2 = 3 c^2 lambda, lambda the largest eigenvalue of sum grad N grad N'.
 double step_ratio(const Vec2& a, const Vec2& b, const Vec2& c, double size);
 
+/// Sine of the smallest angle; negative for a triangle that is turned over.
+double smallest_sine(const Vec2& a, const Vec2& b, const Vec2& c);
+
 struct Wanted {
     double step_ratio = 0.66;  // [-]
     double min_angle = 22;     // [degree]

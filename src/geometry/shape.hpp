@@ -14,9 +14,10 @@ struct Ring {
     std::vector<Index> boundary;  // per side points[i] -> points[i+1]: index into Shape::boundary_names
 };
 
-/// A polyline along which mesh edges have no cohesion from the start.
+/// A polyline along which mesh edges have no cohesion from the start, or those of a joint set a law of their own.
 struct Crack {
     std::vector<Vec2> points;  // [m]
+    Index joint = -1;          // number of the joint set whose law acts; -1 = no cohesion
 };
 
 /// A part of the domain with a material of its own. Later regions lie over earlier ones; what no region covers has tag 0.

@@ -41,8 +41,8 @@ std::uint64_t edge_key(Index a, Index b) {
     return (static_cast<std::uint64_t>(std::min(a, b)) << 32) | static_cast<std::uint32_t>(std::max(a, b));
 }
 
-/// Boundary names and cracks, from the segments that the edges lie on.
-void label_edges(Mesh& mesh, const std::vector<LineEdge>& on_lines, const PlanarGraph& graph) {
+/// Boundary names, cracks and joints, from the segments that the edges lie on.
+void label_edges(Mesh& mesh, const std::vector<LineEdge>& on_lines, const PlanarGraph& graph, const Shape& shape) {
     std::unordered_map<std::uint64_t, Index> segment_of;
     for (const LineEdge& edge : on_lines) segment_of[edge_key(edge.from, edge.to)] = edge.segment;
     const auto segment_at = [&](Index triangle, Index side) -> const GraphSegment* {
@@ -57,7 +57,9 @@ void label_edges(Mesh& mesh, const std::vector<LineEdge>& on_lines, const Planar
     }
     for (InteriorEdge& edge : mesh.interior_edges) {
         const GraphSegment* segment = segment_at(edge.triangle[0], edge.side[0]);
-        edge.cracked = segment && segment->crack >= 0;
+        if (!segment || segment->crack < 0) continue;
+        edge.joint = shape.cracks[segment->crack].joint;
+        edge.cracked = edge.joint < 0;
     }
 }
 
@@ -115,7 +117,7 @@ Mesh triangulate(const Shape& shape, const MeshOptions& options) {
     tag_regions(mesh, shape.regions);
     find_edges(mesh);
     mesh.boundary_names = shape.boundary_names;
-    label_edges(mesh, on_lines, graph);
+    label_edges(mesh, on_lines, graph, shape);
     check_area(mesh, shape);
     return mesh;
 }

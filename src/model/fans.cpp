@@ -1,5 +1,7 @@
 #include "model/fans.hpp"
 
+#include "model/random_strength.hpp"
+
 #include <algorithm>
 #include <cassert>
 
@@ -33,7 +35,9 @@ InterfaceOfSide make_interfaces(const ModelInput& input, const FoundationOfEdge&
     for (const InteriorEdge& edge : mesh.interior_edges) {
         const auto [a, b] = edge.triangle;
         Interface made = interface_at(mesh, a, b, a, edge.side[0]);
-        made.law = input.law_of_pair[mesh.region[a]][mesh.region[b]];
+        made.law = edge.joint >= 0           ? input.law_of_joint[edge.joint]
+                   : mesh.within_grain(edge) ? input.law_within[mesh.region[a]]
+                                             : input.law_of_pair[mesh.region[a]][mesh.region[b]];
         made.cracked = edge.cracked;
         interface_of_side[3 * a + edge.side[0]] = interface_of_side[3 * b + edge.side[1]] = static_cast<Index>(model.interfaces.size());
         model.interfaces.push_back(made);
@@ -184,6 +188,7 @@ private:
 
 void make_interfaces_and_fans(const ModelInput& input, const FoundationOfEdge& foundation_of_edge, Model& model) {
     const InterfaceOfSide interface_of_side = make_interfaces(input, foundation_of_edge, model);
+    scatter_strength(input, model);
     model.fan_of_corner.assign(model.mesh.n_corners(), none);
     model.fan_point_of.assign(model.n_points(), none);
 

@@ -10,6 +10,7 @@
 #include "geometry/mesh.hpp"
 #include "material/cohesive_law.hpp"
 #include "material/elastic.hpp"
+#include "material/scatter.hpp"
 #include "model/loads.hpp"
 #include "model/obstacle.hpp"
 
@@ -74,6 +75,10 @@ struct ModelInput {
     std::vector<Elastic> materials;               // by Mesh::region
     std::vector<CohesiveLaw> laws;
     std::vector<std::vector<Index>> law_of_pair;  // law_of_pair[material a][material b], symmetric
+    std::vector<Index> law_of_joint;              // by number of the joint set
+    std::vector<Index> law_within;                // within a grain, by material; needed where the mesh has grains
+    std::vector<Scatter> scatter;                 // by law; empty = none scatters
+    std::uint64_t seed = 1;                       // of the scatter
     std::vector<Load> loads;
     std::vector<Foundation> foundations;
     std::vector<InitialVelocity> initial_velocities;
@@ -85,7 +90,7 @@ struct Model {
     PlaneModel plane;
     double thickness;  // [m]
     std::vector<Elastic> materials;
-    std::vector<CohesiveLaw> laws;
+    std::vector<CohesiveLaw> laws;  // those of the input, then one for each interface whose strength is random
 
     std::vector<double> corner_mass;  // [kg] per corner: density * area * thickness * its share (corner_share)
     std::vector<Interface> interfaces;

@@ -8,6 +8,7 @@
 #include <cairo.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -16,7 +17,8 @@ namespace knap {
 namespace {
 
 constexpr Colour body_colour{0.90, 0.90, 0.89}, outline_colour{0.35, 0.35, 0.35}, obstacle_colour{0.70, 0.72, 0.76}, damaged_colour{0.25, 0.52, 0.78};
-constexpr double outline_width = 0.5, broken_width = 1.1, damaged_width = 0.5, precrack_width = 1, path_width = 0.6;  // [unit]
+constexpr double outline_width = 0.5, broken_width = 1.1, damaged_width = 0.5, precrack_width = 1, path_width = 0.6,
+                 swatch_width = 9;  // [unit]
 
 template <class Values>
 Vec2 corner_mean(const Values& values, Index t) {
@@ -147,6 +149,16 @@ void draw_damaged(BodyPage& page, const Frame& frame, const std::vector<Index>& 
     }
 }
 
+/// Light enough for black cracks; grains of one material differ in lightness.
+Colour material_colour(std::int32_t region, std::int32_t grain) {
+    static const std::array<Colour, 8> palette{Colour{0.80, 0.80, 0.78}, Colour{0.94, 0.72, 0.62}, Colour{0.62, 0.78, 0.90}, Colour{0.80, 0.86, 0.60},
+                                               Colour{0.93, 0.84, 0.55}, Colour{0.80, 0.70, 0.88}, Colour{0.58, 0.86, 0.78}, Colour{0.93, 0.68, 0.80}};
+    Colour colour = palette[static_cast<std::size_t>(region) % palette.size()];
+    if (grain < 0) return colour;
+    const double shade = 0.86 + 0.05 * static_cast<double>((static_cast<std::uint32_t>(grain) * 2654435769u) >> 30);  // one of four
+    return {shade * colour.red, shade * colour.green, shade * colour.blue};
+}
+
 }  // namespace
 
 const std::vector<BodyField>& body_fields() {
@@ -224,6 +236,35 @@ DrawnFigure draw_field(const FigureOptions& options, const Frame& frame, const s
     });
     const Area below = page.view().below();
     draw_colour_bar(page.canvas(), scale, {below.left + 0.15 * below.width, below.bottom, 0.7 * below.width, below.height});
+    return page.finished(title);
+}
+
+DrawnFigure draw_materials(const FigureOptions& options, const Frame& frame, const std::vector<std::string>& materials, const std::string& title,
+                           const std::filesystem::path& file) {
+    BodyPage page(options, frame, file);
+    page.fill_triangles([&](Index t) { return material_colour(frame.region[t], frame.grain.empty() ? -1 : frame.grain[t]); });
+    page.inside_plot([&] {
+        page.draw_outline();
+        std::vector<Index> paths = interfaces_of(frame, Kind::broken);
+        for (const Index i : interfaces_of(frame, Kind::precrack)) paths.push_back(i);
+        page.draw_interfaces(paths, black, path_width);
+    });
+    std::vector<KeyEntry> key;
+    std::vector<std::int32_t> present = frame.region;
+    std::sort(present.begin(), present.end());
+    present.erase(std::unique(present.begin(), present.end()), present.end());
+    for (const std::int32_t region : present) {
+        const bool named = region < static_cast<std::int32_t>(materials.size());
+        key.push_back({named ? materials[region] : "material " + std::to_string(region), material_colour(region, -1), swatch_width});
+    }
+    // two below each other, up to four beside each other
+    const Area below = page.view().below();
+    const std::size_t n_columns = (key.size() + 1) / 2;
+    const double width = below.width / static_cast<double>(std::max<std::size_t>(n_columns, 4));
+    for (std::size_t column = 0; column < n_columns; ++column) {
+        const auto first = key.begin() + static_cast<std::ptrdiff_t>(2 * column), last = key.begin() + static_cast<std::ptrdiff_t>(std::min(key.size(), 2 * column + 2));
+        draw_key(page.canvas(), {first, last}, {below.left + static_cast<double>(column) * width, below.bottom, width, below.height});
+    }
     return page.finished(title);
 }
 

@@ -11,6 +11,10 @@ DrawnFigure draw_cracks(const FigureOptions& options, const Frame& frame, const 
 /// Triangles coloured by a field, broken interfaces as thin black lines.
 DrawnFigure draw_field(const FigureOptions& options, const Frame& frame, const std::string& title, const std::filesystem::path& file);
 
+/// Triangles coloured by material, those of a grain in a shade of their own, broken interfaces black.
+DrawnFigure draw_materials(const FigureOptions& options, const Frame& frame, const std::vector<std::string>& materials, const std::string& title,
+                           const std::filesystem::path& file);
+
 /// A field that can be shown: one number per triangle.
 struct BodyField {
     std::string name;      // as in FigureOptions::show

@@ -55,7 +55,7 @@ std::vector<std::string> figure_fields() {
 }
 
 std::vector<std::string> figure_subjects() {
-    std::vector<std::string> names{"cracks"};
+    std::vector<std::string> names{"cracks", "materials"};
     for (const std::string& field : figure_fields()) names.push_back(field);
     names.insert(names.end(), {"energy", "crack_length", "crack_speed", "reactions", "probes"});
     return names;
@@ -63,7 +63,7 @@ std::vector<std::string> figure_subjects() {
 
 std::vector<std::string> figure_colours() { return {"opening", "beta"}; }
 
-bool shows_body(const std::string& subject) { return subject == "cracks" || among(figure_fields(), subject); }
+bool shows_body(const std::string& subject) { return subject == "cracks" || subject == "materials" || among(figure_fields(), subject); }
 
 std::vector<std::filesystem::path> draw_figure(const FigureOptions& options, const Frame& frame, const Histories& histories,
                                                const FigureContext& context, const std::filesystem::path& directory) {
@@ -71,6 +71,7 @@ std::vector<std::filesystem::path> draw_figure(const FigureOptions& options, con
     const std::string title = options.title.empty() ? context.title : options.title;
     if (shows_body(options.show)) {
         const std::filesystem::path file = directory / file_name(options, frame.time);
+        if (options.show == "materials") return {draw_materials(options, frame, context.materials, title, file).file};
         return {(options.show == "cracks" ? draw_cracks : draw_field)(options, frame, title, file).file};
     }
     Chart chart = chart_of(options, histories, context);

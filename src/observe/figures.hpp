@@ -26,6 +26,7 @@ struct FigureOptions {
 struct FigureContext {
     std::string title;           // of the run
     double rayleigh_speed = 0;   // [m/s] c_R; 0 = not drawn
+    std::vector<std::string> materials;  // names, by region
 };
 
 /// The words allowed for FigureOptions::show: "cracks", the fields, and the curves.

@@ -68,6 +68,7 @@ void add_bulk(const Model& model, const State& state, Frame& frame) {
             }
             frame.stress.push_back(stress(model, state, t, middle));
             frame.region.push_back(mesh.region[t]);
+            if (!mesh.grain.empty()) frame.grain.push_back(mesh.grain[t]);
         }
 }
 

@@ -31,6 +31,7 @@ struct Frame {
     std::vector<Vec2> velocity;      // [m/s] per corner
     std::vector<Eigen::Vector3d> stress;  // [Pa] per triangle: xx, yy, xy
     std::vector<std::int32_t> region;     // per triangle
+    std::vector<std::int32_t> grain;      // per triangle, -1 = in none; empty = there are none
 
     // interfaces: interface i owns points 2i, 2i+1 (its two ends); of second order each half is one
     std::vector<std::array<Index, 2>> side_a, side_b;  // per interface: the corner on each side at each end, -1 = ground

@@ -164,6 +164,8 @@ void write_bulk(const Frame& frame, const path& file) {
     grid->GetCellData()->AddArray(
         filled<vtkFloatArray>("principal_stress", n, 1, [&](Index t, int) { return largest_principal(frame.stress[t]); }));
     grid->GetCellData()->AddArray(filled<vtkTypeInt32Array>("region", n, 1, [&](Index t, int) { return frame.region[t]; }));
+    if (!frame.grain.empty())
+        grid->GetCellData()->AddArray(filled<vtkTypeInt32Array>("grain", n, 1, [&](Index t, int) { return frame.grain[t]; }));
     write(grid, frame.time, file);
 }
 
@@ -215,6 +217,9 @@ void read_bulk(const path& file, Frame& frame) {
         frame.stress[t] = {stress(t, 0), stress(t, 1), stress(t, 2)};
         frame.region[t] = static_cast<std::int32_t>(region(t));
     }
+    if (!grid->GetCellData()->HasArray("grain")) return;
+    const Values grain(grid->GetCellData(), "grain", 1, file);
+    for (Index t = 0; t < grain.size(); ++t) frame.grain.push_back(static_cast<std::int32_t>(grain(t)));
 }
 
 void read_interfaces(const path& file, Frame& frame) {

@@ -143,7 +143,7 @@ void Recorder::draw_due(const State& now, bool at_end) {
 }
 
 void Recorder::draw(const FigureOptions& figure, const Frame& frame) {
-    const FigureContext context{.title = options_.title, .rayleigh_speed = options_.rayleigh_speed};
+    const FigureContext context{.title = options_.title, .rayleigh_speed = options_.rayleigh_speed, .materials = options_.materials};
     for (const auto& path : draw_figure(figure, frame, histories_, context, options_.directory / "figures")) drawn_.push_back(path);
 }
 

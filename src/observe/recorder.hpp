@@ -21,6 +21,7 @@ struct RecorderOptions {
     double frame_every = 0;           // [s] 0 = no fields
     double history_every = 0;         // [s]
     double rayleigh_speed = 0;        // [m/s]
+    std::vector<std::string> materials;  // names, by region
     MassMatrix mass = MassMatrix::lumped;
     CrackOptions cracks;
     std::vector<FigureOptions> figures;

@@ -55,6 +55,17 @@ void Assembly::unknown_name(const std::string& path, const std::string& what, co
     d.note = known.empty() ? "there is none" : "known: " + joined(known);
 }
 
+std::optional<Index> Assembly::material_at(const std::string& path) const {
+    const std::optional<std::string> name = values.text(path);
+    if (!name) return std::nullopt;
+    std::vector<std::string> known;
+    for (const NamedMaterial& material : scenario.materials) known.push_back(material.name);
+    const auto found = std::find(known.begin(), known.end(), *name);
+    if (found != known.end()) return static_cast<Index>(found - known.begin());
+    unknown_name(path, "material", *name, known);
+    return std::nullopt;
+}
+
 void assemble(Assembly& assembly) {
     Scenario& scenario = assembly.scenario;
     const Values& values = assembly.values;
@@ -69,6 +80,10 @@ void assemble(Assembly& assembly) {
     assemble_materials(assembly);
     assemble_mesh_options(assembly);
     assemble_shape(assembly);
+    assemble_inclusions(assembly);
+    assemble_joints(assembly);
+    assemble_maps(assembly);
+    assemble_grains(assembly);
     assemble_foundations(assembly);
     assemble_laws(assembly);
     assemble_loads(assembly);

@@ -30,6 +30,8 @@ struct Assembly {
     const Node& at(std::string path) const;
     /// The name of the one that is given of some keys of a table; says so when there are more, or none though one is `needed`.
     std::optional<std::string> the_one(const std::string& table, std::initializer_list<const char*> names, bool needed) const;
+    /// Number of the material that a key names; nothing, and a finding, when there is none.
+    std::optional<Index> material_at(const std::string& path) const;
     void unknown_name(const std::string& path, const std::string& what, const std::string& name, const std::vector<std::string>& known) const;
 };
 
@@ -37,6 +39,10 @@ void assemble_materials(Assembly& assembly);  // before shape and laws
 void assemble_mesh_options(Assembly& assembly);
 void assemble_shape(Assembly& assembly);       // before loads
 void assemble_mesh_file(Assembly& assembly);   // instead of a shape: the mesh that mesh.file names
+void assemble_inclusions(Assembly& assembly);  // after the shape, which they change
+void assemble_joints(Assembly& assembly);      // after inclusions
+void assemble_maps(Assembly& assembly);
+void assemble_grains(Assembly& assembly);
 void assemble_foundations(Assembly& assembly); // before laws: a law may have the name that a foundation uses
 void assemble_laws(Assembly& assembly);
 void assemble_loads(Assembly& assembly);

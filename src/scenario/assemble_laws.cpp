@@ -35,6 +35,33 @@ CohesiveLaw law(const Assembly& assembly, const std::string& path) {
     return law;
 }
 
+Scatter scatter(const Assembly& assembly, const std::string& law) {
+    const Values& values = assembly.values;
+    const std::string path = law + ".scatter";
+    Scatter scatter;
+    if (!values.has(path + ".kind")) return scatter;
+    const std::string kind = *values.text(path + ".kind");
+    scatter.kind = kind == "weibull"     ? Scatter::Kind::weibull
+                   : kind == "normal"    ? Scatter::Kind::normal
+                   : kind == "lognormal" ? Scatter::Kind::lognormal
+                                         : Scatter::Kind::uniform;
+    scatter.modulus = values.number(path + ".modulus").value_or(scatter.modulus);
+    scatter.deviation = values.number(path + ".deviation").value_or(scatter.deviation);
+    assembly.the_one(path, {"length", "area", "correlation"}, false);
+    scatter.length = values.number(path + ".length").value_or(0);
+    scatter.area = values.number(path + ".area").value_or(0);
+    scatter.correlation = values.number(path + ".correlation").value_or(0);
+    scatter.lowest = values.number(path + ".lowest").value_or(0);
+    scatter.highest = values.number(path + ".highest").value_or(scatter.highest);
+    scatter.of_strength = false;
+    for (const Node* of : values.items(path + ".of")) (of->text == "G_c" ? scatter.of_energy : scatter.of_strength) = true;
+    if (!values.flag(law + ".breakable").value_or(true))
+        assembly.findings.error_at_name("exclusive-keys", "`" + path + "` belongs to a law that never breaks", assembly.at(path));
+    else if (values.has(law + ".sigma_c") && values.number(law + ".sigma_c") == 0)
+        assembly.findings.error_at_name("exclusive-keys", "`" + path + "` belongs to a law without strength", assembly.at(path));
+    return scatter;
+}
+
 /// The pair of materials that a law's name joins by "-".
 std::optional<std::pair<Index, Index>> pair_of(const std::string& name, const std::vector<std::string>& materials) {
     const std::size_t dash = name.find('-');
@@ -45,8 +72,10 @@ std::optional<std::pair<Index, Index>> pair_of(const std::string& name, const st
     return std::pair(static_cast<Index>(a - materials.begin()), static_cast<Index>(b - materials.begin()));
 }
 
-std::vector<std::string> names_for_laws(const std::vector<std::string>& materials) {
+std::vector<std::string> names_for_laws(const std::vector<std::string>& materials, bool with_grains) {
     std::vector<std::string> names{"default"};
+    if (with_grains) names.push_back("within");
+    if (with_grains) names.insert(names.end(), materials.begin(), materials.end());
     for (std::size_t a = 0; a < materials.size(); ++a)
         for (std::size_t b = a; b < materials.size(); ++b) names.push_back(materials[a] + "-" + materials[b]);
     return names;
@@ -98,30 +127,50 @@ void assemble_laws(Assembly& assembly) {
     Scenario& scenario = assembly.scenario;
     const std::vector<std::string> materials = material_names(scenario);
     scenario.law_of_pair.assign(materials.size(), std::vector<Index>(materials.size(), -1));
-    std::set<std::string> of_foundations;
+    std::set<std::string> free_names;
     for (std::size_t i = 0; i < assembly.values.count("foundation"); ++i)
-        if (const auto name = assembly.values.text(item("foundation", i) + ".interface")) of_foundations.insert(*name);
+        if (const auto name = assembly.values.text(item("foundation", i) + ".interface")) free_names.insert(*name);
 
-    Index standard = -1;
+    for (std::size_t i = 0; i < assembly.values.count("joints"); ++i)
+        if (const auto name = assembly.values.text(item("joints", i) + ".interface")) free_names.insert(*name);
+
+    Index standard = -1, within = -1;
+    const bool with_grains = assembly.values.count("grains") > 0;
+    scenario.law_within.assign(materials.size(), -1);
     for (const std::string& name : assembly.values.names("interface")) {
         const auto number = static_cast<Index>(scenario.laws.size());
-        scenario.laws.push_back({name, law(assembly, "interface." + name)});
+        const std::string path = "interface." + name;
+        scenario.laws.push_back({name, law(assembly, path), scatter(assembly, path)});
         const auto pair = pair_of(name, materials);
+        const auto material = std::find(materials.begin(), materials.end(), name);
         if (name == "default") {
             standard = number;
+        } else if (with_grains && material != materials.end()) {
+            scenario.law_within[material - materials.begin()] = number;
+        } else if (with_grains && name == "within") {
+            within = number;
         } else if (pair) {
             name_pair(assembly, name, *pair, number);
-        } else if (!of_foundations.contains(name)) {
-            const std::string path = "interface." + name;
-            Diagnostic& d = assembly.findings.error_at_name("unknown-name", "`" + path + "` belongs to no pair of materials and no foundation", assembly.at(path));
-            d.hint = did_you_mean(name, names_for_laws(materials));
-            d.note = "known: " + joined(names_for_laws(materials));
+        } else if (!free_names.contains(name)) {
+            Diagnostic& d = assembly.findings.error_at_name("unknown-name", "`" + path + "` belongs to no pair of materials and no foundation or set of joints", assembly.at(path));
+            d.hint = did_you_mean(name, names_for_laws(materials, with_grains));
+            d.note = "known: " + joined(names_for_laws(materials, with_grains));
         }
     }
     fill_pairs(assembly, standard, materials);
+    for (std::size_t i = 0; i < materials.size(); ++i)
+        if (scenario.law_within[i] < 0) scenario.law_within[i] = within >= 0 ? within : scenario.law_of_pair[i][i];
 
     std::vector<std::string> names;
     for (const NamedLaw& named : scenario.laws) names.push_back(named.name);
+    for (std::size_t i = 0, joint = 0; i < assembly.values.count("joints"); ++i) {
+        const std::string path = item("joints", i) + ".interface";
+        const std::optional<std::string> name = assembly.values.text(path);
+        if (!name) continue;
+        const auto found = std::find(names.begin(), names.end(), *name);
+        if (found == names.end()) assembly.unknown_name(path, "interface law", *name, names);
+        if (joint < scenario.law_of_joint.size()) scenario.law_of_joint[joint++] = found == names.end() ? 0 : static_cast<Index>(found - names.begin());
+    }
     for (std::size_t i = 0; i < scenario.foundations.size(); ++i) {
         const std::string path = item("foundation", i);
         const std::optional<std::string> name = assembly.values.text(path + ".interface");

@@ -94,7 +94,8 @@ void assemble_mesh_file(Assembly& assembly) {
     const std::optional<std::string> file = assembly.values.text("mesh.file");
     if (!file) return;
     MeshFile given;
-    std::optional<GmshMesh> read = read_mesh(assembly, *file, given.bytes);
+    std::string bytes;
+    std::optional<GmshMesh> read = read_mesh(assembly, *file, bytes);
     if (!read) return;
     const std::vector<Index> material = materials_of_groups(assembly, *file, read->surface_groups);
     mark_cracks(assembly, *read);
@@ -104,6 +105,7 @@ void assemble_mesh_file(Assembly& assembly) {
     for (Index& region : given.mesh.region) region = material[region];
     for (const std::string& name : given.mesh.boundary_names)
         if (!name.empty()) assembly.scenario.shape.boundary_names.push_back(name);
+    assembly.scenario.files.push_back({"mesh.file", "mesh.msh", std::move(bytes)});
     assembly.scenario.given = std::make_shared<const MeshFile>(std::move(given));
 }
 

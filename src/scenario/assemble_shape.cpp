@@ -103,16 +103,10 @@ void assemble_holes(Assembly& assembly) {
 }
 
 void assemble_regions(Assembly& assembly) {
-    std::vector<std::string> materials;
-    for (const NamedMaterial& material : assembly.scenario.materials) materials.push_back(material.name);
     for (std::size_t i = 0; i < assembly.values.count("domain.region"); ++i) {
         const std::string region = item("domain.region", i);
         Region part{.points = curve(assembly, region, true)};
-        if (const auto name = assembly.values.text(region + ".material")) {
-            const auto found = std::find(materials.begin(), materials.end(), *name);
-            part.tag = static_cast<Index>(found - materials.begin());
-            if (found == materials.end()) assembly.unknown_name(region + ".material", "material", *name, materials);
-        }
+        part.tag = assembly.material_at(region + ".material").value_or(0);
         assembly.scenario.shape.regions.push_back(std::move(part));
     }
 }

@@ -49,7 +49,7 @@ struct Key {
     std::string_view standard = {};       // the default, as TOML
     std::string_view otherwise = {};      // the default in words, where it is computed
     bool required = false;                // within its table
-    std::string_view when = {};           // "shape=polygon": only beside that value of a neighbour
+    std::string_view when = {};           // "shape=polygon", "kind=a or b": only beside such a value of a neighbour
     std::string_view shorthand = {};      // of a table: the key that a bare text stands for
     std::string_view doc;
 

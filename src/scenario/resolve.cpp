@@ -86,7 +86,20 @@ private:
         if (!neighbour) return Applies::perhaps;
         const auto& words = find_key(std::string(key.parent()) + "." + std::string(key.when.substr(0, equals)))->words;
         if (std::find(words.begin(), words.end(), neighbour->text) == words.end()) return Applies::perhaps;
-        return neighbour->text == key.when.substr(equals + 1) ? Applies::yes : Applies::no;
+        const auto values = alternatives(key.when.substr(equals + 1));
+        return std::find(values.begin(), values.end(), neighbour->text) != values.end() ? Applies::yes : Applies::no;
+    }
+
+    /// "a or b" -> a, b
+    static std::vector<std::string> alternatives(std::string_view text) {
+        std::vector<std::string> values;
+        constexpr std::string_view between = " or ";
+        for (std::size_t at = text.find(between); at != std::string_view::npos; at = text.find(between)) {
+            values.emplace_back(text.substr(0, at));
+            text.remove_prefix(at + between.size());
+        }
+        values.emplace_back(text);
+        return values;
     }
 
     void member(const Key& key, const Node& table, const std::string& path) {
@@ -95,7 +108,9 @@ private:
         if (node && applies(key, table) == Applies::no) {
             const std::string when(key.when);
             const std::size_t equals = when.find('=');
-            findings_.error_at_name("exclusive-keys", "`" + here + "` belongs to " + when.substr(0, equals) + " = " + quoted(when.substr(equals + 1)), *node)
+            std::vector<std::string> values = alternatives(std::string_view(when).substr(equals + 1));
+            for (std::string& value : values) value = quoted(value);
+            findings_.error_at_name("exclusive-keys", "`" + here + "` belongs to " + when.substr(0, equals) + " = " + joined(values, " or "), *node)
                 .note = "here " + when.substr(0, equals) + " = " + quoted(table.find(when.substr(0, equals))->text);
         } else if (node) {
             present(key, *node, table, here);
@@ -110,7 +125,9 @@ private:
             if (table.place.line == 0 || path.find('.') == std::string::npos) d = {.code = d.code, .message = d.message, .file = d.file};
             d.note = std::string(key.name()) + ": " + std::string(key.doc) + (key.kind == Kind::table ? "" : "; " + describe(key));
         } else if (key.kind == Kind::table) {
-            members(Node{}, key.path, path);
+            // a table that needs something in it is there for a choice; of others the defaults count
+            const auto rows = keys_below(key.path);
+            if (std::none_of(rows.begin(), rows.end(), [](const Key* k) { return k->required && k->when.empty(); })) members(Node{}, key.path, path);
         } else if (!key.standard.empty()) {
             std::optional<Node> value = check_value(findings_, key, value_of_text(key.standard), path, key.unit);
             assert(value);  // a default that the table itself refuses

@@ -1,9 +1,13 @@
 #pragma once
 // A scenario: the sum of the option structs of the floors below. SI throughout.
+#include "geometry/grain_minerals.hpp"
+#include "geometry/grains.hpp"
+#include "geometry/material_map.hpp"
 #include "geometry/shape.hpp"
 #include "geometry/triangulate.hpp"
 #include "material/cohesive_law.hpp"
 #include "material/elastic.hpp"
+#include "material/scatter.hpp"
 #include "model/loads.hpp"
 #include "model/obstacle.hpp"
 #include "observe/figures.hpp"
@@ -29,6 +33,14 @@ struct NamedMaterial {
 struct NamedLaw {
     std::string name;  // "default", or "a-b" for a pair of materials, or a free name used by a foundation
     CohesiveLaw law;
+    Scatter scatter;
+};
+
+/// Grains in place of one material.
+struct GrainedRock {
+    GrainOptions grains;
+    Index material = 0;  // that becomes grains
+    std::vector<Mineral> minerals;
 };
 
 /// A step as a scenario gives it.
@@ -67,8 +79,14 @@ struct Expectation {
 
 /// A mesh that was read instead of made.
 struct MeshFile {
-    std::string bytes;  // of the file
-    Mesh mesh;          // regions are the scenario's materials
+    Mesh mesh;  // regions are the scenario's materials
+};
+
+/// A file that the scenario names, as a run directory keeps it.
+struct NamedFile {
+    std::string key;   // that names it
+    std::string name;  // in the run directory
+    std::string bytes;
 };
 
 struct Scenario {
@@ -83,6 +101,11 @@ struct Scenario {
     std::vector<NamedMaterial> materials;
     std::vector<NamedLaw> laws;
     std::vector<std::vector<Index>> law_of_pair;
+    std::vector<Index> law_within;    // a grain, by material
+    std::vector<Index> law_of_joint;  // by number of the joint set; of those that have cohesion
+    std::vector<GrainedRock> rocks;
+    std::vector<MaterialMap> maps;
+    std::vector<NamedFile> files;  // that a run directory keeps
     std::vector<Load> loads;
     std::vector<Foundation> foundations;
     std::vector<InitialVelocity> initial_velocities;

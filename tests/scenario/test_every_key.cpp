@@ -216,6 +216,64 @@ start = "equilibrium"
 assumption_1 = "ignore"
 )";
 
+const std::string rock = samples::changed("G_c = 3\n", R"(G_c = 3
+scatter = { kind = "weibull", modulus = 8, of = ["sigma_c", "G_c"], length = "1 mm", lowest = 0.1, highest = 3 }
+[interface.within]
+sigma_c = 1e7
+G_c = 10
+scatter = { kind = "normal", deviation = "5 %", area = "2 mm2" }
+[interface.weak]
+sigma_c = 1e6
+G_c = 1
+scatter = { kind = "lognormal", deviation = 0.2, correlation = "3 mm" }
+[material.quartz]
+density = 2650
+E = 90e9
+nu = 0.1
+[[grains]]
+size = "5 mm"
+spread = 0.3
+elongation = 1.5
+direction = "30 deg"
+in = "quartz"
+[[grains.mineral]]
+material = "glass"
+fraction = 0.2
+[[inclusions]]
+size = "4 mm"
+fraction = "5 %"
+spread = 0.1
+distance = "1 mm"
+corners = 5
+elongation = 2
+direction = 10
+material = "quartz"
+[[inclusions]]
+size = "3 mm"
+fraction = 0.02
+name = "bubbles"
+[[joints]]
+direction = "60 deg"
+spread = 5
+spacing = "20 mm"
+persistence = 0.5
+length = "10 mm"
+interface = "weak"
+[[joints]]
+direction = -30
+spacing = "40 mm"
+thickness = "2 mm"
+material = "quartz"
+)");
+
+const std::string painted = samples::least + R"([[map]]
+file = ")" KNAP_SOURCE_DIR R"(/tests/scenario/data/two_halves.png"
+box = [0, 0, "100 mm", "40 mm"]
+[[map.colour]]
+rgb = "#C01020"
+material = "glass"
+)";
+
 struct Case {
     const std::string& text;
     const char* path;
@@ -361,6 +419,44 @@ const Case cases[] = {
     {mesh_file, "mesh.file", "\"" KNAP_SOURCE_DIR "/tests/geometry/data/block_41_ascii.msh\""},
     {mesh_file, "mesh.unit", "0.001"},
     {mesh_file, "mesh.cracks", "[\"crack\"]"},
+    {rock, "interface.default.scatter.kind", "\"weibull\""},
+    {rock, "interface.default.scatter.modulus", "8"},
+    {rock, "interface.default.scatter.of", "[\"sigma_c\", \"G_c\"]"},
+    {rock, "interface.default.scatter.length", "0.001"},
+    {rock, "interface.default.scatter.lowest", "0.1"},
+    {rock, "interface.default.scatter.highest", "3"},
+    {rock, "interface.within.scatter.deviation", "0.05"},
+    {rock, "interface.within.scatter.area", "2e-06"},
+    {rock, "interface.weak.scatter.correlation", "0.003"},
+    {rock, "grains[0].size", "0.005"},
+    {rock, "grains[0].spread", "0.3"},
+    {rock, "grains[0].elongation", "1.5"},
+    {rock, "grains[0].direction", "30"},
+    {rock, "grains[0].in", "\"quartz\""},
+    {rock, "grains[0].mineral[0].material", "\"glass\""},
+    {rock, "grains[0].mineral[0].fraction", "0.2"},
+    {rock, "inclusions[0].size", "0.004"},
+    {rock, "inclusions[0].fraction", "0.05"},
+    {rock, "inclusions[0].spread", "0.1"},
+    {rock, "inclusions[0].distance", "0.001"},
+    {rock, "inclusions[0].corners", "5"},
+    {rock, "inclusions[0].elongation", "2"},
+    {rock, "inclusions[0].direction", "10"},
+    {rock, "inclusions[0].material", "\"quartz\""},
+    {rock, "inclusions[1].distance", "5e-04"},
+    {rock, "inclusions[1].name", "\"bubbles\""},
+    {rock, "joints[0].direction", "60"},
+    {rock, "joints[0].spread", "5"},
+    {rock, "joints[0].spacing", "0.02"},
+    {rock, "joints[0].persistence", "0.5"},
+    {rock, "joints[0].length", "0.01"},
+    {rock, "joints[0].interface", "\"weak\""},
+    {rock, "joints[1].thickness", "0.002"},
+    {rock, "joints[1].material", "\"quartz\""},
+    {painted, "map[0].file", "\"" KNAP_SOURCE_DIR "/tests/scenario/data/two_halves.png\""},
+    {painted, "map[0].box", "[0, 0, 0.1, 0.04]"},
+    {painted, "map[0].colour[0].rgb", "\"#C01020\""},
+    {painted, "map[0].colour[0].material", "\"glass\""},
 };
 
 std::string value(const ReadResult& result, const std::string& path) {

@@ -81,7 +81,7 @@ TEST_CASE("mesh file: surfaces are materials and curves boundaries and cracks in
     CHECK(cracked == doctest::Approx(5e-3).epsilon(1e-9));
     CHECK(s.shape.boundary_names == std::vector<std::string>{"left side", "Rand unten ü", "right", "hole"});
     CHECK(s.plane == PlaneModel::strain);
-    CHECK(s.given->bytes.size() == std::filesystem::file_size(data / "block_41_binary.msh"));
+    CHECK(s.files.front().bytes.size() == std::filesystem::file_size(data / "block_41_binary.msh"));
 
     const Scenario other =
         read_scenario_text(samples::changed("unit = \"1 mm\"\n", "", two_materials) + "[domain]\nmodel = \"plane stress\"\n", "s.toml", {},
@@ -182,7 +182,7 @@ TEST_CASE("mesh file: a built-in scenario has its mesh in the binary") {
     const ReadResult built_in = open_scenario("hopkinson_time_piece");
     const ReadResult on_disk = read_scenario(KNAP_SOURCE_DIR "/scenarios/hopkinson_time_piece.toml");
     REQUIRE(built_in.scenario.given);
-    CHECK(built_in.scenario.given->bytes == on_disk.scenario.given->bytes);
+    CHECK(built_in.scenario.files.at(0).bytes == on_disk.scenario.files.at(0).bytes);
     CHECK(built_in.scenario.given->mesh.n_triangles() == 616);
     CHECK(std::count_if(built_in.scenario.given->mesh.interior_edges.begin(), built_in.scenario.given->mesh.interior_edges.end(),
                         [](const InteriorEdge& edge) { return edge.cracked; }) == 3);

@@ -206,7 +206,7 @@ TEST_CASE("mistakes: as the user sees them") {
           "    |\n"
           "12 | sigmac  = 3.08e6\n"
           "   | ^^^^^^ did you mean `sigma_c`?\n"
-          "   = known here: breakable, sigma_c, G_c, delta_c, gamma, friction, restitution\n");
+          "   = known here: breakable, sigma_c, G_c, delta_c, gamma, friction, restitution, scatter\n");
 }
 
 TEST_CASE("mistakes: about files") {

@@ -1,0 +1,27 @@
+#pragma once
+// Inclusions and pores: random discs or polygons that do not overlap, the largest placed first (random sequential addition, which jams at an
+// area fraction of about 0.55 for equal discs; M. D. Rintoul, S. Torquato, J. Chem. Phys. 105 (1996) 9258: 0.547).
+#include "geometry/shape.hpp"
+
+#include <cstdint>
+#include <optional>
+
+namespace knap {
+
+struct InclusionOptions {
+    double size = 0;                  // [m] mean diameter, of the circle of equal area
+    double spread = 0;                // [-] standard deviation of the diameters (lognormal) over their mean
+    double fraction = 0;              // [-] of the area of the body
+    double distance = 0;              // [m] least distance between them, and from borders and cracks
+    int corners = 0;                  // of random polygons; 0 = discs
+    double elongation = 1;            // [-] length over width
+    std::optional<double> direction;  // [rad] of the length; none = at random
+    std::optional<Index> tag;         // material; none = pores
+    Index boundary = 0;               // boundary name of pores
+    double side = 0;                  // [m] of the polygon that stands for a disc
+};
+
+/// Adds them to a shape as regions, or as holes, until the fraction is met (to half an inclusion). Throws ShapeError where there is no room.
+void place_inclusions(Shape& shape, const InclusionOptions& options, std::uint64_t seed, const std::string& part);
+
+}  // namespace knap
