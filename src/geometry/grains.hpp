@@ -1,7 +1,7 @@
 #pragma once
 // Grains of a rock: a power diagram whose cells have given areas. Diameters are drawn from a lognormal distribution; sites move to the
 // centroids of their cells and weights follow what the areas lack, as in D. P. Bourne, P. J. J. Kok, S. M. Roper, W. D. T. Spanjer,
-// "Laguerre tessellations and polycrystalline microstructures", Phil. Mag. 100 (2020) 2677 (there by optimal transport, here by a damped
+// "Laguerre tessellations and polycrystalline microstructures", Phil. Mag. 100 (2020) 2677 (from memory; there by optimal transport, here by a damped
 // fixed point, which leaves some percent). Elongated grains grow round in a plane that is stretched afterwards.
 #include "geometry/power_diagram.hpp"
 

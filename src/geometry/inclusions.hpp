@@ -1,6 +1,6 @@
 #pragma once
 // Inclusions and pores: random discs or polygons that do not overlap, the largest placed first (random sequential addition, which jams at an
-// area fraction of about 0.55 for equal discs; M. D. Rintoul, S. Torquato, J. Chem. Phys. 105 (1996) 9258: 0.547).
+// area fraction of about 0.55 for equal discs; M. D. Rintoul, S. Torquato, J. Chem. Phys. 105 (1996) 9258: 0.547, from memory).
 #include "geometry/shape.hpp"
 
 #include <cstdint>

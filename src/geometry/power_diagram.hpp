@@ -2,7 +2,7 @@
 // Power diagram (Laguerre's Voronoi diagram): the plane divided among sites with weights,
 //     cell i = { x : |x - p_i|^2 - w_i <= |x - p_j|^2 - w_j for all j }.
 // Cells are convex polygons; equal weights give Voronoi cells. Source: F. Aurenhammer, "Power diagrams: properties, algorithms and
-// applications", SIAM J. Comput. 16 (1987) 78. Cells are cut out of a box by half planes, nearest sites first.
+// applications", SIAM J. Comput. 16 (1987) 78 (from memory). Cells are cut out of a box by half planes, nearest sites first.
 #include "base/vec.hpp"
 
 #include <vector>

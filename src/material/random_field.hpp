@@ -2,7 +2,7 @@
 // A Gaussian random field of mean 0, variance 1 and correlation exp(-(r/L)^2), the same at a place for every mesh: a sum of waves
 //     z(x) = sqrt(2/n) sum cos(k_i . x + phi_i),   k_i normal with deviation sqrt(2)/L a component, phi_i uniform.
 // Source: M. Shinozuka, G. Deodatis, "Simulation of multi-dimensional Gaussian stochastic fields by spectral representation", Appl. Mech.
-// Rev. 49 (1996) 29; random wave vectors as in R. H. Kraichnan, Phys. Fluids 13 (1970) 22.
+// Rev. 49 (1996) 29; random wave vectors as in R. H. Kraichnan, Phys. Fluids 13 (1970) 22 (both from memory).
 #include "base/random.hpp"
 #include "base/vec.hpp"
 

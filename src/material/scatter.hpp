@@ -4,7 +4,7 @@
 // A piece of length l_0 has a strength of mean 1 with the survival function S_0(x). It is a chain of l_0/l pieces of length l, whose
 // weakest decides, so these have S_l(x) = S_0(x)^(l/l_0). A uniform number U is the survival of the piece: x = S_0^-1(U^(l_0/l)). For
 // Weibull's distribution that is x_0 (-ln U)^(1/m) (l_0/l)^(1/m). Source: W. Weibull, "A statistical theory of the strength of
-// materials", Ingeniorsvetenskapsakademiens handlingar 151 (1939). Areas likewise.
+// materials", Ingeniorsvetenskapsakademiens handlingar 151 (1939), from memory. Areas likewise.
 #include <limits>
 
 namespace knap {
