@@ -1,7 +1,7 @@
 #pragma once
 // Grains on a mesh: every triangle belongs to the grain that its centroid lies in, then single teeth are smoothed away and vertices on
-// borders move onto the true borders (line between two grains, point where three meet) as far as their triangles stay good. So grains
-// never make a mesh finer, nor its time step smaller; borders are straight down to a fraction of an edge.
+// borders move onto the true borders (line between two grains, point where three meet) as far as their triangles stay good. The
+// number of triangles stays; the stable step may shrink a little, and borders stray a fraction of an edge (theory manual, Rock).
 #include "geometry/grains.hpp"
 #include "geometry/mesh.hpp"
 
