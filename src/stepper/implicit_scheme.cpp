@@ -9,6 +9,7 @@
 namespace knap {
 namespace {
 
+constexpr double least_loss = 1e-12;  // of the cohesion in a step: less is rounding of an opening, not softening
 constexpr double most_residual = 1e-10;  // of the interface laws, scaled: the gate of every run
 constexpr double rounding = 1e-14;       // of the rates
 constexpr int most_passes = 40;
@@ -294,7 +295,7 @@ void ImplicitScheme::account_points(double h, StepReport& report) const {
         const double u_N = law.u_N + h * w.x(), u_T = law.u_T + h * w.y();
         report.crossing_loss += (cohesive_T * w.y() - law.gamma * cohesive_N * (std::abs(u_T) - std::abs(law.u_T)) / h) / theta;
         const double cohesion = at.cracked ? 0 : material.next_cohesion(law.cohesion, u_N, u_T);
-        report.softened += cohesion < law.cohesion;
+        report.softened += law.cohesion - cohesion > least_loss;
         report.largest_beta_growth = std::max(report.largest_beta_growth, cohesion - law.cohesion);
         if (!at.cracked && material.sigma_c > 0) report.surface += at.area * material.surface_energy(cohesion, u_N, u_T);
         report.penetration = std::max(report.penetration, -u_N);

@@ -6,13 +6,13 @@ using namespace program;
 namespace {
 
 /// A column of stone, glued to the ground and pulled upwards; `load` on its top [MPa].
-std::string column(const Folder& folder, const std::string& load) {
+std::string column(const Folder& folder, const std::string& load, const std::string& more = "") {
     std::ofstream(folder.path / "column.toml") << "knap = 1\nname = \"column\"\n[domain]\nshape = \"rectangle\"\nsize = [\"100 mm\", \"300 mm\"]\n"
                                                   "model = \"plane stress\"\n[mesh]\nsize = \"20 mm\"\n[material.stone]\ndensity = \"2000 kg/m3\"\n"
                                                   "E = \"10 GPa\"\nnu = 0\n[interface.default]\nsigma_c = \"1 MPa\"\nG_c = \"10 J/m2\"\n"
                                                   "[[foundation]]\non = \"bottom\"\ninterface = \"default\"\nglued = true\n[[load]]\non = \"top\"\n"
                                                   "traction = [\"0 MPa\", \"0.9 MPa\"]\n[time]\nend = \"1 ms\"\nbulk = \"implicit\"\ncohesion = \"implicit\"\n"
-                                                  "start = \"equilibrium\"\n[output]\nfields = false\n";
+                                                  "start = \"equilibrium\"\n[output]\nfields = false\n" << more;
     return "run " + folder.in_shell("column.toml") + " -q -j 1 -s 'load[0].traction=[\"0 MPa\", \"" + load + " MPa\"]' -o " + folder.in_shell("run");
 }
 
@@ -24,6 +24,15 @@ TEST_CASE("a run from equilibrium begins with the strain of its preload and rest
                                                          "broken_length={at_most=0}, strain_energy={value=1.215, within=1e-9}}'");
     CAPTURE(rests.text);
     CHECK(rests.code == 0);  // 1/2 sigma^2/E times the volume of .03 m3 is 1.215 J
+}
+
+TEST_CASE("glue at an end whose motion is prescribed across it holds to its strength") {
+    const Folder folder("preload_held");
+    const Answer rests = command(column(folder, "0.9", "[[load]]\non = \"right\"\nvelocity = [\"0 m/s\", \"free\"]\n") +
+                                 " -s 'expect={energy_residual={at_most=1e-12}, largest_speed={at_most=1e-9}, broken_length={at_most=0}}'");
+    CAPTURE(rests.text);
+    CHECK(rests.code == 0);
+    CHECK_FALSE(rests.has("cohesion begins to fall"));
 }
 
 TEST_CASE("a run from equilibrium that its interfaces or supports do not hold fails and says where") {
