@@ -1,5 +1,7 @@
 #include "stepper/augmented_lagrangian.hpp"
 
+#include "base/secant.hpp"
+
 #include <Eigen/Cholesky>
 
 #include <algorithm>
@@ -135,23 +137,7 @@ double AugmentedLagrangian::step_length(const std::vector<LoosePoint>& points, c
         low = high, slope_low = slope_high;
         high *= 2, slope_high = slope(high);
     }
-    // the zero between, by secants that cannot stall (Illinois)
-    double a = 1;
-    for (int i = 0, side = 0; i < 30; ++i) {
-        a = (low * slope_high - high * slope_low) / (slope_high - slope_low);
-        const double here = slope(a);
-        if (std::abs(here) <= 1e-3 * std::abs(slope_at_start)) break;
-        if (here > 0) {
-            high = a, slope_high = here;
-            if (side == 1) slope_low /= 2;
-            side = 1;
-        } else {
-            low = a, slope_low = here;
-            if (side == -1) slope_high /= 2;
-            side = -1;
-        }
-    }
-    return a;
+    return zero_between(low, slope_low, high, slope_high, 1e-3 * std::abs(slope_at_start), 30, slope);
 }
 
 bool AugmentedLagrangian::find_rates(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double tolerance,

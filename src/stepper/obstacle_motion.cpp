@@ -1,5 +1,7 @@
 #include "stepper/obstacle_motion.hpp"
 
+#include "base/secant.hpp"
+
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -17,27 +19,6 @@ struct Component {
     int k;
     double mass;  // [kg] or [kg m2]
 };
-
-/// Where between 0 and 1 a function with these values at both is zero; 1 where it does not change its sign. Secants that cannot stall (Illinois).
-double zero_of_slope(double at_0, double at_1, const std::function<double(double)>& slope) {
-    if (at_0 >= 0 || at_1 <= 0) return 1;
-    double low = 0, high = 1, slope_low = at_0, slope_high = at_1, a = 1;
-    for (int i = 0, side = 0; i < most_secants; ++i) {
-        a = (low * slope_high - high * slope_low) / (slope_high - slope_low);
-        const double here = slope(a);
-        if (std::abs(here) <= 1e-3 * std::abs(at_0)) break;
-        if (here > 0) {
-            high = a, slope_high = here;
-            if (side == 1) slope_low /= 2;
-            side = 1;
-        } else {
-            low = a, slope_low = here;
-            if (side == -1) slope_high /= 2;
-            side = -1;
-        }
-    }
-    return a;
-}
 
 }  // namespace
 
@@ -157,7 +138,10 @@ double ObstacleMotion::solve(const State& begin, const std::vector<std::uint8_t>
         const double before = error.norm();
         Eigen::VectorXd tried = x + change, found = at(tried);
         if (found.norm() > 0.1 * before && before > good_enough * tolerance * scale) {
-            const double a = zero_of_slope(change.dot(error), change.dot(found), [&](double part) { return change.dot(at(x + part * change)); });
+            const double at_0 = change.dot(error), at_1 = change.dot(found);
+            const bool changes_sign = at_0 < 0 && at_1 > 0;
+            const auto along = [&](double part) { return change.dot(at(x + part * change)); };
+            const double a = changes_sign ? zero_between(0, at_0, 1, at_1, 1e-3 * std::abs(at_0), most_secants, along) : 1;
             tried = x + a * change, found = at(tried);
         }
         if (before <= good_enough * tolerance * scale && found.norm() >= before) break;

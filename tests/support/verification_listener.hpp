@@ -1,5 +1,6 @@
 #pragma once
 // Writes what a test has verified to <KNAP_VERIFICATION>/cases.tsv: a line C for the case, then T texts, N numbers, P pictures.
+#include "support/listener.hpp"
 #include "support/verification.hpp"
 
 #include <sys/resource.h>
@@ -9,7 +10,7 @@
 
 namespace knap::tests {
 
-class VerificationListener : public doctest::IReporter {
+class VerificationListener : public Listener {
 public:
     explicit VerificationListener(const doctest::ContextOptions&) {}
     void test_case_start(const doctest::TestCaseData& data) override {
@@ -17,7 +18,6 @@ public:
         verification_notes() = {};
         start_ = processor_time();
     }
-    void test_case_reenter(const doctest::TestCaseData&) override {}
     void test_case_end(const doctest::CurrentTestCaseStats& stats) override {
         const auto folder = verification_folder();
         const VerificationNotes& notes = verification_notes();
@@ -31,15 +31,6 @@ public:
                 << '\t' << number.str << '\n';
         for (const std::string& picture : notes.pictures) out << "P\t" << picture << '\n';
     }
-    void report_query(const doctest::QueryData&) override {}
-    void test_run_start() override {}
-    void test_run_end(const doctest::TestRunStats&) override {}
-    void test_case_exception(const doctest::TestCaseException&) override {}
-    void subcase_start(const doctest::SubcaseSignature&) override {}
-    void subcase_end() override {}
-    void log_assert(const doctest::AssertData&) override {}
-    void log_message(const doctest::MessageData&) override {}
-    void test_case_skipped(const doctest::TestCaseData&) override {}
 
 private:
     /// [s] of this program and of those that it has run.
