@@ -81,8 +81,12 @@ ExitCode solve_stored_lcp(const std::filesystem::path& file, const std::string& 
     const LcpProblem problem = read_lcp(file);
     const std::optional<CohesiveLayout> layout = cohesive_layout(problem);
     std::vector<Verdict> verdicts;
-    for (const LcpSolver& candidate : lcp_solvers())
-        if (solver == "all" || solver == candidate.name) verdicts.push_back(judged(problem, candidate, layout));
+    for (const LcpSolver& candidate : lcp_solvers()) {
+        if (solver == "all" && problem.size() > candidate.most_unknowns)
+            std::fprintf(stderr, "%s is not tried: it may take very long beyond %d unknowns (--solver %s runs it)\n",
+                         std::string(candidate.name).c_str(), candidate.most_unknowns, std::string(candidate.name).c_str());
+        else if (solver == "all" || solver == candidate.name) verdicts.push_back(judged(problem, candidate, layout));
+    }
     if (json) print_json(file.string(), problem, verdicts);
     else print_table(problem, verdicts);
     const bool solved = std::any_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.solved; });

@@ -15,14 +15,17 @@ namespace {
 
 constexpr double golden_ratio = 0.6180339887498949;
 
-/// basic + T nonbasic = value. Variable i is w_i, i + n is z_i, 2n is z0. Only the columns of the nonbasic variables are stored.
+/// basic + T nonbasic = value. Variable i is w_i, i + n is z_i, 2n is z0. Only the columns of the nonbasic variables are stored, and a pivot
+/// is only noted: a column goes through the pivots that it missed when somebody looks at it. A path of k pivots looks at k columns and at the
+/// value, so it costs k^2 n / 2 operations where pivots carried out at once take k n^2, and never more than these.
 class Tableau {
 public:
     Tableau(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const Eigen::VectorXd& cover, const LemkeOptions& options)
-        : n_(static_cast<int>(q.size())), options_(options), rows_(n_, n_ + 2), basic_(n_), nonbasic_(n_ + 1), place_(2 * n_ + 1) {
-        rows_.leftCols(n_) = -M;
-        rows_.col(n_) = -cover;
-        rows_.col(n_ + 1) = q;
+        : n_(static_cast<int>(q.size())), options_(options), columns_(n_, n_ + 2), basic_(n_), nonbasic_(n_ + 1), place_(2 * n_ + 1),
+          pivot_columns_(n_, n_), n_done_(n_ + 2, 0) {
+        columns_.leftCols(n_) = -M;
+        columns_.col(n_) = -cover;
+        columns_.col(n_ + 1) = q;
         std::iota(basic_.begin(), basic_.end(), 0);
         std::iota(nonbasic_.begin(), nonbasic_.end(), n_);
         for (int i = 0; i < n_; ++i) place_[i] = -1 - i;
@@ -32,66 +35,93 @@ public:
     int z0() const { return 2 * n_; }
     int complement(int variable) const { return variable < n_ ? variable + n_ : variable - n_; }
     const std::vector<int>& basic() const { return basic_; }
-    double value(int row) const { return rows_(row, n_ + 1); }
+    double value(int row) { return column(n_ + 1)[row]; }
 
     /// Where z0 enters, so large that nothing stays negative.
-    int first_row() const {
+    int first_row() {
+        const auto cover = column(place_[z0()]), value = column(n_ + 1);
         int row = 0;
         for (int i = 1; i < n_; ++i)
-            if (value(i) / rows_(i, n_) > value(row) / rows_(row, n_)) row = i;
+            if (value[i] / cover[i] > value[row] / cover[row]) row = i;
         return row;
     }
 
     /// The row that limits the entering variable first, or -1: none does.
-    int leaving_row(int entering) const {
-        const Eigen::VectorXd column = rows_.col(place_[entering]);
-        const double least = options_.pivot_tolerance * std::max(1.0, column.cwiseAbs().maxCoeff());
+    int leaving_row(int entering) {
+        const auto entries = column(place_[entering]);
+        const double least = options_.pivot_tolerance * std::max(1.0, entries.cwiseAbs().maxCoeff());
         int best = -1;
         for (int i = 0; i < n_; ++i)
-            if (column[i] > least && (best < 0 || comes_before(i, best, column))) best = i;
+            if (entries[i] > least && (best < 0 || comes_before(i, best, entries))) best = i;
         return best;
     }
 
     /// Exchanges the entering variable and the basic one of the row, which is returned.
     int pivot(int row, int entering) {
-        const int column = place_[entering], leaving = basic_[row];
-        const double pivot = rows_(row, column);
-        rows_.row(row) /= pivot;
-        rows_(row, column) = 1 / pivot;
-        for (int i = 0; i < n_; ++i) {
-            const double factor = rows_(i, column);
-            if (i == row || factor == 0) continue;
-            rows_(i, column) = 0;
-            rows_.row(i) -= factor * rows_.row(row);
-        }
+        const int place = place_[entering], leaving = basic_[row];
+        if (n_pivots() == n_) carry_out_pivots();
+        auto entries = column(place);
+        pivot_columns_.col(n_pivots()) = entries;
+        pivot_rows_.push_back(row);
+        const double inverse = 1 / entries[row];
+        entries *= -inverse;
+        entries[row] = inverse;
+        n_done_[place] = n_pivots();
         basic_[row] = entering;
-        nonbasic_[column] = leaving;
+        nonbasic_[place] = leaving;
         place_[entering] = -1 - row;
-        place_[leaving] = column;
+        place_[leaving] = place;
         return leaving;
     }
 
 private:
+    using Column = Eigen::Ref<Eigen::VectorXd>;
+
+    int n_pivots() const { return static_cast<int>(pivot_rows_.size()); }
+
+    /// The column with all pivots carried out.
+    Column column(int place) {
+        auto entries = columns_.col(place);
+        for (int& k = n_done_[place]; k < n_pivots(); ++k) {
+            const int row = pivot_rows_[k];
+            const double at_row = entries[row] / pivot_columns_(row, k);
+            if (at_row == 0) continue;
+            entries -= at_row * pivot_columns_.col(k);
+            entries[row] = at_row;
+        }
+        return entries;
+    }
+
+    void carry_out_pivots() {
+        for (int place = 0; place < n_ + 2; ++place) column(place);
+        pivot_rows_.clear();
+        std::fill(n_done_.begin(), n_done_.end(), 0);
+    }
+
     /// Lexicographic ratio test over the right-hand side and then the columns of the inverse basis; z0 leaves whenever it can.
-    bool comes_before(int a, int b, const Eigen::VectorXd& column) const {
-        const double difference = value(a) / column[a] - value(b) / column[b];
+    bool comes_before(int a, int b, const Column& entering) {
+        const auto value = column(n_ + 1);
+        const double difference = value[a] / entering[a] - value[b] / entering[b];
         if (std::abs(difference) > options_.tie_tolerance) return difference < 0;
         if (basic_[a] == z0() || basic_[b] == z0()) return basic_[a] == z0();
         for (int k = 0; k < n_; ++k) {
-            const double next = of_inverse(a, k) / column[a] - of_inverse(b, k) / column[b];
+            const double next = of_inverse(a, k) / entering[a] - of_inverse(b, k) / entering[b];
             if (std::abs(next) > options_.tie_tolerance) return next < 0;
         }
         return false;
     }
 
     /// Entry of the inverse basis: the column of w_k, a unit vector where w_k is basic.
-    double of_inverse(int row, int k) const { return place_[k] >= 0 ? rows_(row, place_[k]) : (place_[k] == -1 - row ? 1.0 : 0.0); }
+    double of_inverse(int row, int k) { return place_[k] >= 0 ? column(place_[k])[row] : (place_[k] == -1 - row ? 1.0 : 0.0); }
 
     int n_;
     LemkeOptions options_;
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows_;
+    Eigen::MatrixXd columns_;  // of the nonbasic variables, then the value
     std::vector<int> basic_, nonbasic_;
     std::vector<int> place_;  // column of a nonbasic variable; -1 - row of a basic one
+    std::vector<int> pivot_rows_;    // of the pivots that are noted
+    Eigen::MatrixXd pivot_columns_;  // their entering columns
+    std::vector<int> n_done_;        // pivots that each column has gone through
 };
 
 /// z of the basis that the pivots found, from M and q themselves: without the rounding of the pivots.

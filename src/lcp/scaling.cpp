@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace knap {
 namespace {
@@ -21,7 +22,12 @@ Eigen::VectorXd largest_entries(const LcpMatrix& M, const Eigen::VectorXd& facto
     return largest;
 }
 
-double power_of_two(double x) { return std::exp2(std::round(std::log2(x))); }
+/// The one nearest in ratio to x > 0.
+double power_of_two(double x) {
+    int exponent;
+    const double mantissa = std::frexp(x, &exponent);  // 1/2 <= mantissa < 1
+    return std::ldexp(1.0, mantissa < std::numbers::sqrt2 / 2 ? exponent - 1 : exponent);
+}
 
 /// Powers of two, so that the scaling itself rounds nothing.
 Eigen::VectorXd factors(const LcpMatrix& M) {

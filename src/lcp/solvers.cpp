@@ -9,22 +9,28 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace knap {
 namespace {
 
 using Start = Eigen::VectorXd;
 
+constexpr int any = std::numeric_limits<int>::max();
+constexpr int dense = 3000;  // unknowns of a tableau or of a factor without zeros
+
 }  // namespace
 
 std::span<const LcpSolver> lcp_solvers() {
     static const std::array solvers{
-        LcpSolver{"default", true, [](const LcpProblem& p, const Start& start) { return solve_by_default(p, {.start = start}); }},
-        LcpSolver{"lemke", false, [](const LcpProblem& p, const Start&) { return solve_by_lemke(p); }},
-        LcpSolver{"gauss_seidel", true, [](const LcpProblem& p, const Start& start) { return solve_by_gauss_seidel(p, {.start = start}); }},
-        LcpSolver{"newton", true, [](const LcpProblem& p, const Start& start) { return solve_by_newton(p, {.start = start}); }},
-        LcpSolver{"convex_qp", true, [](const LcpProblem& p, const Start& start) { return solve_by_convex_qp(p, {.start = start}); }},
-        LcpSolver{"interior_point", false, [](const LcpProblem& p, const Start&) { return solve_by_interior_point(p); }},
+        LcpSolver{"default", true, any, [](const LcpProblem& p, const Start& start) { return solve_by_default(p, {.start = start}); }},
+        LcpSolver{"lemke", false, dense, [](const LcpProblem& p, const Start&) { return solve_by_lemke(p); }},
+        LcpSolver{"gauss_seidel", true, any,
+                  [](const LcpProblem& p, const Start& start) { return solve_by_gauss_seidel(p, {.start = start}); }},
+        LcpSolver{"newton", true, dense, [](const LcpProblem& p, const Start& start) { return solve_by_newton(p, {.start = start}); }},
+        LcpSolver{"convex_qp", true, dense,
+                  [](const LcpProblem& p, const Start& start) { return solve_by_convex_qp(p, {.start = start}); }},
+        LcpSolver{"interior_point", false, dense, [](const LcpProblem& p, const Start&) { return solve_by_interior_point(p); }},
     };
     return solvers;
 }

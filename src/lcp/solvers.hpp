@@ -9,7 +9,8 @@ namespace knap {
 
 struct LcpSolver {
     std::string_view name;
-    bool uses_start;  // whether a warm start changes anything
+    bool uses_start;    // whether a warm start changes anything
+    int most_unknowns;  // up to which it takes minutes at most; beyond, only who names it runs it
     std::function<LcpSolution(const LcpProblem&, const Eigen::VectorXd& start)> run;
 
     /// `start`: z of a similar problem; empty: none.

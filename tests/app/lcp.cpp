@@ -45,3 +45,17 @@ TEST_CASE("lcp refuses what it cannot read and says when nothing solves a proble
     knap::write_lcp(folder.path / "infeasible", knap::lcp_problem(-Eigen::MatrixXd::Identity(1, 1), -Eigen::VectorXd::Ones(1)));
     CHECK(command("lcp --solver all " + folder.in_shell("infeasible")).code == 3);
 }
+
+TEST_CASE("lcp with all solvers leaves out those that would take very long and says which") {
+    const Folder folder("lcp_large");
+    const int n = 3001;
+    knap::LcpProblem problem{.M = knap::LcpMatrix(n, n), .q = Eigen::VectorXd::Constant(n, -1.0)};
+    problem.M.setIdentity();
+    knap::write_lcp(folder.path / "large", problem);
+    const Answer all = command("lcp --solver all --json " + folder.in_shell("large"));
+    CAPTURE(all.text);
+    CHECK(all.code == 0);
+    CHECK(all.has("lemke is not tried"));
+    CHECK_FALSE(all.has("\"solver\": \"lemke\""));
+    CHECK(all.has("\"solver\": \"gauss_seidel\""));
+}
