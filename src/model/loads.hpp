@@ -33,6 +33,7 @@ struct Selection {
 struct Load {
     enum class Kind {
         traction,      // [Pa] on boundary edges
+        stress,        // [Pa] on boundary edges: the traction that a stress has there
         force,         // [N] shared equally by boundary vertices (or all vertices in a box)
         velocity,      // [m/s] of boundary vertices (or of all vertices in a box)
         displacement,  // [m] likewise
@@ -42,6 +43,7 @@ struct Load {
     Kind kind = Kind::traction;
     Selection on;
     std::array<std::optional<double>, 2> value;  // x, y; absent = free (velocity, displacement) or zero
+    std::array<double, 3> stress{};              // xx, yy, xy; tension positive
     TimeFunction history;                        // multiplies the value
 };
 

@@ -44,7 +44,8 @@ public:
         const Index history = static_cast<Index>(model_.histories.size());
         model_.histories.push_back(load.history);
         switch (load.kind) {
-            case Load::Kind::traction: return add_traction(load, history);
+            case Load::Kind::traction:
+            case Load::Kind::stress: return add_traction(load, history);
             case Load::Kind::force: return add_force(load, history);
             case Load::Kind::body_force:
             case Load::Kind::acceleration: return add_body_force(load, history);
@@ -54,17 +55,21 @@ public:
     }
 
 private:
+    static Vec2 times(const std::array<double, 3>& stress, const Vec2& normal) {
+        return {stress[0] * normal.x() + stress[2] * normal.y(), stress[2] * normal.x() + stress[1] * normal.y()};
+    }
     static Vec2 vector_of(const Load& load) { return {load.value[0].value_or(0), load.value[1].value_or(0)}; }
 
     void add_traction(const Load& load, Index history) {
         const Mesh& mesh = model_.mesh;
         const auto edges = selected_edges(mesh, load.on);
-        if (edges.empty()) selects_nothing("a traction", load.on, EmptySelection::loads, number_);
+        if (edges.empty()) selects_nothing(load.kind == Load::Kind::traction ? "a traction" : "a pressure or stress", load.on, EmptySelection::loads, number_);
         for (const std::size_t i : edges) {
             const auto& [triangle, side, boundary] = mesh.boundary_edges[i];
             const Index next = (side + 1) % 3;
-            const double length = (mesh.corner(triangle, next) - mesh.corner(triangle, side)).norm();
-            const Vec2 force = vector_of(load) * (length * model_.thickness);
+            const Vec2 along = mesh.corner(triangle, next) - mesh.corner(triangle, side);  // the body lies to its left
+            const Vec2 force = load.kind == Load::Kind::traction ? Vec2(vector_of(load) * (along.norm() * model_.thickness))
+                                                                 : Vec2(model_.thickness * times(load.stress, -turned_left(along)));
             const Index first = mesh.corners_per_triangle() * triangle;
             const double end = mesh.order == 1 ? 1. / 2 : 1. / 6;
             model_.corner_loads.push_back({first + side, history, end * force});

@@ -20,9 +20,14 @@ Selection selection(const Assembly& assembly, const std::string& path) {
     return on;
 }
 
-constexpr std::array kinds{std::pair{"traction", Load::Kind::traction},         std::pair{"force", Load::Kind::force},
-                           std::pair{"velocity", Load::Kind::velocity},         std::pair{"displacement", Load::Kind::displacement},
-                           std::pair{"body_force", Load::Kind::body_force},     std::pair{"acceleration", Load::Kind::acceleration}};
+constexpr std::array kinds{std::pair{"traction", Load::Kind::traction},
+                           std::pair{"pressure", Load::Kind::stress},
+                           std::pair{"stress", Load::Kind::stress},
+                           std::pair{"force", Load::Kind::force},
+                           std::pair{"velocity", Load::Kind::velocity},
+                           std::pair{"displacement", Load::Kind::displacement},
+                           std::pair{"body_force", Load::Kind::body_force},
+                           std::pair{"acceleration", Load::Kind::acceleration}};
 
 bool fills_volume(Load::Kind kind) { return kind == Load::Kind::body_force || kind == Load::Kind::acceleration; }
 
@@ -45,6 +50,13 @@ void assemble_value(const Assembly& assembly, const std::string& path, Load& loa
     for (std::size_t i = 0; i < 2; ++i)
         if (components[i]->is_number()) load.value[i] = components[i]->number;
     if (!load.value[0] && !load.value[1]) assembly.findings.error("exclusive-keys", "`" + path + "` prescribes nothing", assembly.at(path));
+}
+
+std::array<double, 3> stress_of(const Assembly& assembly, const std::string& load) {
+    if (const auto pressure = assembly.values.number(load + ".pressure")) return {-*pressure, -*pressure, 0};
+    const auto components = assembly.values.items(load + ".stress");
+    if (components.size() != 3) return {};
+    return {components[0]->number, components[1]->number, components[2]->number};
 }
 
 Node points_of(const TimeFunction& history) {
@@ -99,12 +111,13 @@ void assemble_loads(Assembly& assembly) {
         const std::string path = item("load", i);
         Load load{.on = selection(assembly, path + ".on")};
         const std::optional<std::string> which =
-            assembly.the_one(path, {"traction", "force", "velocity", "displacement", "body_force", "acceleration"}, true);
+            assembly.the_one(path, {"traction", "pressure", "stress", "force", "velocity", "displacement", "body_force", "acceleration"}, true);
         for (const auto& [name, kind] : kinds)
             if (which == name) load.kind = kind;
         if (which) {
             check_where(assembly, path, *which, load.kind);
-            assemble_value(assembly, path + "." + *which, load);
+            if (load.kind == Load::Kind::stress) load.stress = stress_of(assembly, path);
+            else assemble_value(assembly, path + "." + *which, load);
         }
         load.history = assemble_history(assembly, path);
         assembly.scenario.loads.push_back(std::move(load));

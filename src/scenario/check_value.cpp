@@ -35,6 +35,7 @@ std::string describe_with(const Key& key, std::string_view unit) {
     switch (key.form) {
         case Form::one: return each;
         case Form::pair: return "two values [a, b], each " + each;
+        case Form::triple: return "three values [a, b, c], each " + each;
         case Form::box: return "a box [xmin, ymin, xmax, ymax], each " + each;
         case Form::list: return "a list [a, b, ...], each " + each;
         case Form::one_or_list: return each + ", or a list of them";
@@ -69,6 +70,9 @@ public:
                 break;
             case Form::pair:
                 if (array && n == 2) return each(key, node, path, unit);
+                break;
+            case Form::triple:
+                if (array && n == 3) return each(key, node, path, unit);
                 break;
             case Form::box:
                 if (array && n == 4) return box(key, node, path, unit);

@@ -25,6 +25,7 @@ enum class Kind {
 enum class Form {
     one,
     pair,         // [a, b]
+    triple,       // [a, b, c]
     box,          // [xmin, ymin, xmax, ymax]
     list,         // [a, b, ...]
     one_or_list,  // a, or [a, b, ...]

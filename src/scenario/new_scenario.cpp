@@ -31,7 +31,7 @@ friction = 0.0
 
 [[load]]
 on       = "top"
-traction = ["0 MPa", "1 MPa"]            # or velocity, displacement, body_force, acceleration; add ramp = "10 us" for a slower start
+traction = ["0 MPa", "1 MPa"]            # or pressure, velocity, displacement, body_force, acceleration; add ramp = "10 us" for a slower start
 [[load]]
 on       = "bottom"
 traction = ["0 MPa", "-1 MPa"]

@@ -79,6 +79,7 @@ std::string json_form(const Key& key) {
     switch (key.form) {
         case Form::one: return one;
         case Form::pair: return json_array(one, 2, 2);
+        case Form::triple: return json_array(one, 3, 3);
         case Form::box: return json_array(one, 4, 4);
         case Form::list: return json_array(one, 1, 0);
         case Form::one_or_list: return "{\"anyOf\": [" + one + ", " + json_array(one, 1, 0) + "]}";

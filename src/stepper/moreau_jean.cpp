@@ -41,8 +41,7 @@ StepReport MoreauJean::step(const State& begin, double h, State& end) {
 }
 
 void MoreauJean::start_in_equilibrium(State& start) const {
-    if (options_.bulk != BulkScheme::implicit_theta)
-        throw UserError("exclusive-keys", "a start in equilibrium needs the implicit bulk", "time.bulk = \"implicit\", or start = \"rest\"");
+    if (!model_.obstacles.empty()) throw UserError("exclusive-keys", "a start in equilibrium beside obstacles is not possible yet", "time.start = \"rest\"");
     load_statically(model_, options_, start);
 }
 

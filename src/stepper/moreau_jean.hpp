@@ -21,7 +21,7 @@ public:
     /// is reused). A refused step (report.refusal) leaves `end` void. Throws SimulationError where the motion is no longer finite.
     StepReport step(const State& begin, double h, State& end);
 
-    /// Static equilibrium under the loads at start.time, before the first step; implicit bulk only (static_preload.hpp).
+    /// Static equilibrium under the loads at start.time, before the first step (static_preload.hpp).
     /// Throws SimulationError where there is none that the interfaces and supports can hold.
     void start_in_equilibrium(State& start) const;
 

@@ -202,6 +202,33 @@ TEST_CASE("masses and loads add up") {
     CHECK((momentum - mass / 3 * (Vec2(-3, 0) + 2 * Vec2(1, 2))).norm() <= 1e-13);
 }
 
+TEST_CASE("a pressure pushes against the outward normal of every edge and a stress pulls with its traction") {
+    // on a border that is closed both have no resultant and no moment about any point but what the stress is: sum of x (x) f = V sigma (Gauss)
+    for (const int order : {1, 2}) {
+        ModelInput input = input_of(bar_mesh(3, 2, 3, 2));
+        for (Vec2& x : input.mesh.vertices) x = Vec2(0.8 * x.x() - 0.6 * x.y(), 0.6 * x.x() + 0.8 * x.y() + 0.1 * std::sin(x.x()));
+        input.mesh.order = order;
+        const Box everywhere{{-9, -9}, {9, 9}};
+        input.loads = {{.kind = Load::Kind::stress, .on = {.boundary = "", .box = everywhere}, .stress = {-3, -3, 0}},
+                       {.kind = Load::Kind::stress, .on = {.boundary = "", .box = everywhere}, .stress = {5, -2, 7}}};
+        const Model model = make_model(input);
+        double volume = 0;
+        for (Index t = 0; t < model.mesh.n_triangles(); ++t) volume += model.mesh.area(t) * model.thickness;
+        Eigen::Matrix2d sum[2] = {Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()}, expected[2];
+        Vec2 resultant[2] = {Vec2::Zero(), Vec2::Zero()};
+        expected[0] << -3, 0, 0, -3;
+        expected[1] << 5, 7, 7, -2;
+        for (const CornerLoad& at : model.corner_loads) {
+            sum[at.history] += at.force * model.mesh.corner(at.corner).transpose();
+            resultant[at.history] += at.force;
+        }
+        for (int i = 0; i < 2; ++i) {
+            CHECK(resultant[i].norm() <= 1e-14 * volume * expected[i].norm());
+            CHECK((sum[i] - volume * expected[i]).norm() <= 1e-14 * volume * expected[i].norm());
+        }
+    }
+}
+
 TEST_CASE("a time function is linear between its points and constant outside") {
     const TimeFunction ramp{{1, 2, 4}, {10, 20, 0}};
     CHECK(ramp(0) == 10);

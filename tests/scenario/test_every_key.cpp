@@ -97,6 +97,12 @@ acceleration = [0, "-9.81 m/s2"]
 [[load]]
 on = "top"
 force = [0, "1 kN"]
+[[load]]
+on = "left"
+pressure = "5 MPa"
+[[load]]
+on = { box = [0, 0, 1, 1] }
+stress = ["-2 MPa", "-1 MPa", "3 kPa"]
 [[obstacle]]
 name = "wall"
 shape = "half plane"
@@ -333,6 +339,8 @@ const Case cases[] = {
     {rectangle, "load[3].body_force", "[0, -3]"},
     {rectangle, "load[4].acceleration", "[0, -9.81]"},
     {rectangle, "load[5].force", "[0, 1000]"},
+    {rectangle, "load[6].pressure", "5e+06"},
+    {rectangle, "load[7].stress", "[-2e+06, -1e+06, 3000]"},
     {rectangle, "obstacle[0].name", "\"wall\""},
     {rectangle, "obstacle[0].shape", "\"half plane\""},
     {rectangle, "obstacle[0].at", "[-0.06, 0]"},
@@ -523,7 +531,7 @@ TEST_CASE("scenario: the structs hold what the file says") {
     CHECK(s.foundations[0].glued);
     CHECK(s.foundations[1].gap == 1e-6);
     CHECK(s.foundations[0].on.box->high == Vec2(0.01, 0.002));
-    REQUIRE(s.loads.size() == 6);
+    REQUIRE(s.loads.size() == 8);
     CHECK(s.loads[0].kind == Load::Kind::traction);
     CHECK(s.loads[0].on.boundary == "top");
     CHECK(s.loads[0].history(5e-6) == doctest::Approx(0.5));
@@ -539,6 +547,10 @@ TEST_CASE("scenario: the structs hold what the file says") {
     CHECK(s.loads[4].kind == Load::Kind::acceleration);
     CHECK(s.loads[5].kind == Load::Kind::force);
     CHECK(s.loads[5].value[1] == 1000.0);
+    CHECK(s.loads[6].kind == Load::Kind::stress);
+    CHECK(s.loads[6].stress == std::array<double, 3>{-5e6, -5e6, 0});
+    CHECK(s.loads[7].kind == Load::Kind::stress);
+    CHECK(s.loads[7].stress == std::array<double, 3>{-2e6, -1e6, 3e3});
     CHECK(s.initial_velocities.at(0).value == Vec2(1, 2));
     CHECK(s.time.step == StepLength{1e-9});
     CHECK(s.time.scheme.bulk == BulkScheme::explicit_lumped);
