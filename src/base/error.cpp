@@ -3,6 +3,30 @@
 #include <algorithm>
 
 namespace knap {
+namespace {
+
+constexpr std::size_t most_shown = 50;  // messages
+constexpr int widest = 160;             // characters of a source line
+
+/// The part of a source line that is shown, and the column in it that is meant.
+struct Excerpt {
+    std::string text;
+    int column;
+};
+
+Excerpt excerpt(const std::string& line, int column) {
+    if (static_cast<int>(line.size()) <= widest) return {line, column};
+    const int size = static_cast<int>(line.size());
+    const auto whole = [&](int i) {  // not within a character of UTF-8
+        while (i < size && (line[i] & 0xC0) == 0x80) ++i;
+        return i;
+    };
+    const int begin = whole(std::clamp(column - 1 - widest / 2, 0, size - widest)), end = whole(std::min(begin + widest, size));
+    const std::string before = begin > 0 ? "..." : "", after = end < size ? "..." : "";
+    return {before + line.substr(begin, end - begin) + after, column - begin + static_cast<int>(before.size())};
+}
+
+}  // namespace
 
 std::string format(const Diagnostic& d) {
     std::string text = d.severity == Diagnostic::Severity::error ? "error" : "warning";
@@ -15,8 +39,9 @@ std::string format(const Diagnostic& d) {
         text += "\n";
     }
     if (!d.source_line.empty()) {
-        text += margin + " |\n" + number + " | " + d.source_line + "\n" + margin + "| ";
-        text += std::string(std::max(d.column - 1, 0), ' ') + std::string(std::max(d.length, 1), '^');
+        const auto [line, column] = excerpt(d.source_line, d.column);
+        text += margin + " |\n" + number + " | " + line + "\n" + margin + "| ";
+        text += std::string(std::max(column - 1, 0), ' ') + std::string(std::clamp(d.length, 1, widest), '^');
         if (!d.hint.empty()) text += " " + d.hint;
         text += "\n";
     } else if (!d.hint.empty()) {
@@ -29,7 +54,8 @@ std::string format(const Diagnostic& d) {
 namespace {
 std::string all(const std::vector<Diagnostic>& found) {
     std::string text;
-    for (const Diagnostic& d : found) text += format(d);
+    for (std::size_t i = 0; i < std::min(found.size(), most_shown); ++i) text += format(found[i]);
+    if (found.size() > most_shown) text += "... and " + std::to_string(found.size() - most_shown) + " more\n";
     return text;
 }
 }  // namespace

@@ -14,6 +14,7 @@ namespace knap {
 namespace {
 
 constexpr std::int64_t newest_format = 1;
+constexpr std::uintmax_t largest_file = 20'000'000;  // bytes: a polygon of 1e5 points has 5 MB
 
 [[noreturn]] void give_up(const Findings& findings) { throw UserError(findings.sorted(Diagnostic::Severity::error)); }
 
@@ -63,6 +64,8 @@ std::string text_of_file(const std::filesystem::path& file) {
     if (!std::filesystem::exists(file, code)) refuse("missing-file", "there is no file `" + name + "`", "", "");
     if (std::filesystem::is_directory(file, code)) refuse("not-a-file", "`" + name + "` is a directory", "", "give the scenario file in it");
     if (!std::filesystem::is_regular_file(file, code)) refuse("not-a-file", "`" + name + "` is not a regular file", "", "");
+    if (std::filesystem::file_size(file, code) > largest_file)
+        refuse("too-large", "`" + name + "` has more than " + std::to_string(largest_file / 1'000'000) + " MB", "", "large meshes are read by mesh.file");
     std::ifstream in(file, std::ios::binary);
     std::ostringstream text;
     text << in.rdbuf();
