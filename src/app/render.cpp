@@ -31,7 +31,10 @@ ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figur
     const Histories histories{.energy = read_csv(run / "energy.csv"),
                               .cracks = read_csv(run / "cracks.csv"),
                               .reactions = read_if_there("reactions.csv"),
-                              .probes = read_if_there("probes.csv")};
+                              .probes = read_if_there("probes.csv"),
+                              .breaks = read_if_there("breaks.csv"),
+                              .stress_strain = read_if_there("stress_strain.csv"),
+                              .fragments = read_if_there("fragments.csv")};
     const std::filesystem::path directory = output.empty() ? run / "rendered" : output;
     std::filesystem::create_directories(directory);
     for (const FigureOptions& wanted : figures) {

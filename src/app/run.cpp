@@ -10,7 +10,6 @@
 #include "app/threads.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
-#include "observe/fragments.hpp"
 #include "observe/progress.hpp"
 #include "scenario/write_scenario.hpp"
 #include "stepper/moreau_jean.hpp"
@@ -53,6 +52,8 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .cracks = crack_options(edge, process_zone),
             .figures = scenario.figures,
             .probes = scenario.probes,
+            .breaks = scenario.output.breaks,
+            .specimen = scenario.specimen,
             .title = scenario.title.empty() ? scenario.name : scenario.title,
             .goes_on = goes_on};
 }
@@ -84,6 +85,16 @@ bool is_unfinished(const std::filesystem::path& directory, const FirstFiles& fil
     if (!began_with(directory, files) || !(resumable || recorded_status(directory) == "running")) return false;
     if (std::filesystem::exists(directory / "log.txt")) RunLog(directory / "log.txt");  // refuses where it is still running
     return true;
+}
+
+/// What only the mesh can say of [specimen].
+void check_specimen(const ReadResult& read, const Model& model) {
+    if (!read.scenario.specimen) return;
+    try {
+        Specimen(model, Reactions(model), *read.scenario.specimen);
+    } catch (const UserError& error) {
+        throw located(read, "specimen", error);
+    }
 }
 
 /// The state at t = 0. A body that its interfaces cannot hold there has failed before it began.
@@ -189,6 +200,7 @@ ExitCode simulate(const ReadResult& read, const RunOptions& options, const std::
 
     // mesh and model; nothing is written before they are known to be possible
     const Model model = model_of(read);
+    check_specimen(read, model);
     const StepPlan plan = plan_of(read, model, options.until);
     if (!options.dump_lcp.empty()) check_dump(model, scenario.time.scheme);
     MoreauJean stepper(model, scenario.time.scheme);
@@ -275,8 +287,6 @@ ExitCode simulate(const ReadResult& read, const RunOptions& options, const std::
     recorder.finish(now);
 
     // what came of it
-    std::ofstream fragments(directory / "fragments.csv");
-    write_fragments(fragments, find_fragments(model, now));
     conclude(scenario, model, now, recorder, control, record);
     record.wall = before.wall + whole.wall();
     record.cpu = before.cpu + whole.cpu();

@@ -29,7 +29,7 @@ void shift_to_middle(const History& energy, std::vector<double>& time) {
 }
 
 Column column_of(const fs::path& run, const std::string& name, bool explicit_bulk) {
-    for (const char* file : {"energy.csv", "cracks.csv", "reactions.csv", "probes.csv"}) {
+    for (const char* file : {"energy.csv", "cracks.csv", "reactions.csv", "probes.csv", "stress_strain.csv"}) {
         if (!fs::exists(run / file)) continue;
         const History history = read_csv(run / file);
         if (!history.has(name)) continue;

@@ -144,7 +144,8 @@ void draw_levels(Canvas& canvas, const Area& area, const std::vector<Level>& lev
     for (const Level& level : levels) {
         const double at = area.bottom + area.height * y_scale.part(level.y);
         canvas.line({{area.left, at}, {area.right(), at}}, ink, 0.8, {5, 3});
-        canvas.text({area.left + 8, at + 4}, level.label, {.size = type_size});
+        const double x = level.name_right ? area.right() - 4 : area.left + 8;
+        canvas.text({x, at + 4}, level.label, {.size = type_size, .across = level.name_right ? Across::right : Across::left});
     }
 }
 

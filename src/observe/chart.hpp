@@ -22,6 +22,7 @@ struct Curve {
 struct Level {
     std::string label;
     double y = 0;
+    bool name_right = false;
 };
 
 struct Chart {

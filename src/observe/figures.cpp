@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "observe/body_figures.hpp"
 #include "observe/curve_figures.hpp"
+#include "observe/rock_figures.hpp"
 #include "observe/ticks.hpp"
 
 #include <algorithm>
@@ -43,7 +44,20 @@ Chart chart_of(const FigureOptions& options, const Histories& histories, const F
     if (options.show == "crack_length") return crack_length_chart(histories.cracks);
     if (options.show == "reactions") return reaction_chart(histories.reactions);
     if (options.show == "probes") return probe_chart(histories.probes);
+    if (options.show == "stress_strain") return stress_strain_chart(histories.stress_strain);
+    if (options.show == "breaks") return break_chart(histories.breaks, histories.energy.column("time").front(), histories.energy.column("time").back());
+    if (options.show == "fragments") return fragment_size_chart(histories.fragments);
     return crack_speed_chart(histories.cracks, context.rayleigh_speed);
+}
+
+/// What a run did not write cannot be drawn afterwards.
+void check_there(const std::string& show, const Histories& histories) {
+    const auto needs = [&](const History& table, const char* note) {
+        if (table.columns.empty()) throw UserError("nothing-to-show", "the run has nothing that `" + show + "` could show", note);
+    };
+    if (show == "stress_strain") needs(histories.stress_strain, "it needs a [specimen] in the scenario");
+    if (show == "breaks" || show == "rose") needs(histories.breaks, "it needs output.breaks = true");
+    if (show == "fragments") needs(histories.fragments, "fragments.csv is written at the end of a run");
 }
 
 }  // namespace
@@ -57,7 +71,7 @@ std::vector<std::string> figure_fields() {
 std::vector<std::string> figure_subjects() {
     std::vector<std::string> names{"cracks", "materials"};
     for (const std::string& field : figure_fields()) names.push_back(field);
-    names.insert(names.end(), {"energy", "crack_length", "crack_speed", "reactions", "probes"});
+    names.insert(names.end(), {"energy", "crack_length", "crack_speed", "reactions", "probes", "stress_strain", "breaks", "rose", "fragments"});
     return names;
 }
 
@@ -74,6 +88,8 @@ std::vector<std::filesystem::path> draw_figure(const FigureOptions& options, con
         if (options.show == "materials") return {draw_materials(options, frame, context.materials, title, file).file};
         return {(options.show == "cracks" ? draw_cracks : draw_field)(options, frame, title, file).file};
     }
+    check_there(options.show, histories);
+    if (options.show == "rose") return {draw_rose(histories.breaks, title, directory / options.file, options.width).file};
     Chart chart = chart_of(options, histories, context);
     if (!title.empty()) chart.title = title;
     return {draw_chart(chart, directory / options.file, options.width).file};

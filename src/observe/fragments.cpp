@@ -5,8 +5,9 @@
 #include "observe/interface_status.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <numeric>
-#include <ostream>
 
 namespace knap {
 
@@ -41,7 +42,7 @@ Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<c
         const Index first = sets.name(t);
         if (first == t) {
             found.piece_of_triangle[t] = static_cast<Index>(found.pieces.size());
-            found.pieces.push_back({t, 0, 0.0, 0.0, Vec2::Zero(), Vec2::Zero()});
+            found.pieces.push_back({.first_triangle = t, .n_triangles = 0, .area = 0, .mass = 0, .velocity = Vec2::Zero(), .centre = Vec2::Zero()});
         }
         found.piece_of_triangle[t] = found.piece_of_triangle[first];
         Fragment& piece = found.pieces[found.piece_of_triangle[t]];
@@ -51,8 +52,17 @@ Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<c
         piece.mass += content.mass;
         piece.velocity += content.momentum;  // divided by the mass below
         piece.centre += content.mass * content.centroid;
+        piece.kinetic_energy += content.kinetic_energy;
     }
     for (Fragment& piece : found.pieces) piece.velocity /= piece.mass, piece.centre /= piece.mass;
+    // what turns: about the centre of mass, which is known now (Steiner)
+    for (Index t = 0; t < static_cast<Index>(triangles.size()); ++t) {
+        const TriangleContent& content = triangles[t];
+        Fragment& piece = found.pieces[found.piece_of_triangle[t]];
+        const Vec2 arm = content.centroid - piece.centre;
+        piece.spread += content.spread + content.mass * arm * arm.transpose();
+        piece.angular_momentum += content.spin + cross(arm, content.momentum);
+    }
 
     const auto heavier = [](const Fragment& a, const Fragment& b) { return a.mass > b.mass; };
     std::stable_sort(found.pieces.begin(), found.pieces.end(), heavier);
@@ -67,13 +77,21 @@ Fragments find_fragments(const Model& model, const State& state) {
     const Index n = model.mesh.corners_per_triangle();
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
         const double mass = model.triangle_mass(t);
-        Vec2 momentum = Vec2::Zero(), moment = Vec2::Zero();  // sums over the corners
+        TriangleContent content{.area = model.mesh.area(t), .mass = mass, .momentum = Vec2::Zero(), .centroid = Vec2::Zero()};
+        const auto place = [&](Index k) -> Vec2 { return model.mesh.corner(t, k) + state.displacement[state.node_of_corner[n * t + k]]; };
         for (Index k = 0; k < n; ++k) {
-            const Index node = state.node_of_corner[n * t + k];
-            momentum += model.corner_mass[n * t + k] * state.velocity[node];
-            moment += model.corner_mass[n * t + k] * (model.mesh.corner(t, k) + state.displacement[node]);
+            const double corner_mass = model.corner_mass[n * t + k];
+            const Vec2& velocity = state.velocity[state.node_of_corner[n * t + k]];
+            content.momentum += corner_mass * velocity;
+            content.centroid += corner_mass / mass * place(k);
+            content.kinetic_energy += 0.5 * corner_mass * velocity.squaredNorm();
         }
-        triangles.push_back({model.mesh.area(t), mass, momentum, moment / mass});
+        for (Index k = 0; k < n; ++k) {
+            const Vec2 arm = place(k) - content.centroid;
+            content.spread += model.corner_mass[n * t + k] * arm * arm.transpose();
+            content.spin += model.corner_mass[n * t + k] * cross(arm, state.velocity[state.node_of_corner[n * t + k]]);
+        }
+        triangles.push_back(content);
     }
     const std::vector<InterfaceStatus> status = interface_status(model, state);
     std::vector<std::array<Index, 2>> joined;
@@ -85,15 +103,44 @@ Fragments find_fragments(const Model& model, const State& state) {
     return find_fragments(triangles, joined);
 }
 
-void write_fragments(std::ostream& out, const Fragments& fragments) {
-    out << "fragment,triangles,area_m2,mass_kg,centre_x_m,centre_y_m,velocity_x_m_s,velocity_y_m_s\n";
-    const auto precision = out.precision(9);
+double Fragment::diameter() const { return std::sqrt(4 * area / std::numbers::pi); }
+
+double Fragment::elongation() const {
+    const double mean = 0.5 * spread.trace(), radius = std::hypot(0.5 * (spread(0, 0) - spread(1, 1)), spread(0, 1));
+    return std::sqrt((mean + radius) / (mean - radius));
+}
+
+double Fragment::angle() const {
+    const double degrees = 0.5 * std::atan2(2 * spread(0, 1), spread(0, 0) - spread(1, 1)) * 180 / std::numbers::pi;
+    return degrees < 0 ? degrees + 180 : degrees;
+}
+
+History fragment_table(const Fragments& fragments) {
+    History table{.columns = {"fragment", "triangles", "area_m2", "mass_kg", "centre_x_m", "centre_y_m", "velocity_x_m_s", "velocity_y_m_s", "diameter_m", "mass_part",
+                              "passing", "elongation", "angle_deg", "spin_rad_s", "kinetic_energy_J"},
+                  .rows = {}};
+    std::vector<std::pair<double, double>> sizes;  // diameter, mass
+    double mass = 0;
+    for (const Fragment& f : fragments.pieces) sizes.emplace_back(f.diameter(), f.mass), mass += f.mass;
+    std::sort(sizes.begin(), sizes.end());
+    std::vector<double> up_to(1, 0.0);  // mass of the i smallest
+    for (const auto& size : sizes) up_to.push_back(up_to.back() + size.second);
     for (std::size_t p = 0; p < fragments.pieces.size(); ++p) {
         const Fragment& f = fragments.pieces[p];
-        out << p << ',' << f.n_triangles << ',' << f.area << ',' << f.mass << ',' << f.centre.x() << ',' << f.centre.y() << ','
-            << f.velocity.x() << ',' << f.velocity.y() << '\n';
+        const auto larger = std::upper_bound(sizes.begin(), sizes.end(), f.diameter(), [](double d, const auto& size) { return d < size.first; });
+        const double passing = up_to[static_cast<std::size_t>(larger - sizes.begin())] / up_to.back();
+        table.rows.push_back({static_cast<double>(p), static_cast<double>(f.n_triangles), f.area, f.mass, f.centre.x(), f.centre.y(), f.velocity.x(), f.velocity.y(),
+                              f.diameter(), f.mass / mass, passing, f.elongation(), f.angle(), f.spin(), f.kinetic_energy});
     }
-    out.precision(precision);
+    return table;
+}
+
+double diameter_passing(const History& table, double part) {
+    double smallest = std::nan("");
+    const std::vector<double> diameter = table.column("diameter_m"), passing = table.column("passing");
+    for (std::size_t i = 0; i < diameter.size(); ++i)
+        if (passing[i] >= part * (1 - 1e-12)) smallest = std::fmin(smallest, diameter[i]);
+    return smallest;
 }
 
 }  // namespace knap

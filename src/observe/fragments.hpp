@@ -1,9 +1,8 @@
 #pragma once
 // Fragments: the largest sets of triangles that unbroken interfaces hold together.
-#include "base/vec.hpp"
+#include "observe/frame.hpp"
 
 #include <array>
-#include <iosfwd>
 #include <span>
 #include <vector>
 
@@ -18,6 +17,9 @@ struct TriangleContent {
     double mass;    // [kg]
     Vec2 momentum;  // [kg m/s]
     Vec2 centroid;  // [m]
+    Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();  // [kg m2] sum of m x x' about the centroid
+    double spin = 0;            // [kg m2/s] angular momentum about the centroid
+    double kinetic_energy = 0;  // [J]
 };
 
 struct Fragment {
@@ -27,6 +29,14 @@ struct Fragment {
     double mass;    // [kg]
     Vec2 velocity;  // [m/s] of the centre of mass
     Vec2 centre;    // [m] centre of mass
+    Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();  // [kg m2] sum of m x x' about the centre of mass
+    double angular_momentum = 0;                       // [kg m2/s] about the centre of mass
+    double kinetic_energy = 0;                         // [J]
+
+    double diameter() const;                                             // [m] of the circle of the same area
+    double spin() const { return angular_momentum / spread.trace(); }    // [rad/s]
+    double elongation() const;                                           // [-] longest over shortest axis of the ellipse with these moments
+    double angle() const;                                                // [deg] of the longest axis, from the x axis, 0 to 180
 };
 
 struct Fragments {
@@ -40,7 +50,10 @@ Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<c
 /// An interface holds as long as one of its points has cohesion left. Positions are current ones.
 Fragments find_fragments(const Model& model, const State& state);
 
-/// fragments.csv: one line a fragment, heaviest first.
-void write_fragments(std::ostream& out, const Fragments& fragments);
+/// fragments.csv: one line a fragment, heaviest first; mass_part is of all, passing the part of the mass in fragments of this diameter or less.
+History fragment_table(const Fragments& fragments);
+
+/// Diameter [m] that this part of the mass does not exceed: the smallest one of a fragment that as much passes.
+double diameter_passing(const History& fragment_table, double part);
 
 }  // namespace knap

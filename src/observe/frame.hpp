@@ -75,9 +75,12 @@ struct Histories {
     History energy, cracks;  // energy.csv, cracks.csv
     History reactions;       // reactions.csv: where motion is prescribed
     History probes;          // probes.csv: where the scenario has probes
+    History breaks;          // breaks.csv: interfaces as they broke, where that is asked for
+    History stress_strain;   // stress_strain.csv: where the scenario has a specimen
+    History fragments;       // fragments.csv: at the end
 
     template <class Archive>
-    void serialize(Archive& archive) { archive(energy, cracks, reactions, probes); }
+    void serialize(Archive& archive) { archive(energy, cracks, reactions, probes, breaks, stress_strain, fragments); }
 };
 
 }  // namespace knap

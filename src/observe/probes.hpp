@@ -1,6 +1,7 @@
 #pragma once
 // Displacement and velocity of chosen places, opening and cohesion of chosen interfaces, over time.
 #include "model/state.hpp"
+#include "observe/corner_weights.hpp"
 
 #include <string>
 #include <vector>
@@ -26,16 +27,11 @@ public:
     std::vector<double> line(const State& state) const;
 
 private:
-    struct Weight {
-        Index corner;
-        double part;
-    };
     struct Probe {
         std::string name;
-        std::vector<Weight> weights;  // of the corners that make up the place
+        std::vector<CornerWeight> weights;  // of the corners that make up the place
         Index interface = -1;         // or this
     };
-    static std::vector<Weight> weights_at(const Mesh& mesh, const Vec2& place);
     const Model& model_;
     std::vector<Probe> probes_;
 };

@@ -23,6 +23,9 @@ Reactions::Reactions(const Model& model) : model_(model) {
             ++n_held_[place][k];
         }
     }
+    places_.assign(loads_.size(), Vec2::Zero());
+    for (const Held& held : held_) places_[held.place] += model.mesh.corner(held.corner) / n_held_[held.place].sum();
+    for (const Obstacle& obstacle : model.obstacles) places_.push_back(obstacle.start.position);
 }
 
 std::vector<Reaction> Reactions::at(const State& state) const {

@@ -21,6 +21,9 @@ public:
     /// Which loads of the scenario prescribe the motion of anything; one that later ones replace everywhere does not.
     const std::vector<Index>& loads() const { return loads_; }
 
+    /// Where a load takes hold, mean over the corners, or where an obstacle is at the start [m]; in the order of at().
+    const std::vector<Vec2>& places() const { return places_; }
+
     /// In the order of loads(), then of the obstacles.
     std::vector<Reaction> at(const State& state) const;
 
@@ -40,6 +43,7 @@ private:
     std::vector<Index> loads_;
     std::vector<Held> held_;
     std::vector<Eigen::Vector2i> n_held_;  // per load and component: corners held
+    std::vector<Vec2> places_;
 };
 
 }  // namespace knap

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "observe/fragments.hpp"
 #include "observe/history_csv.hpp"
 #include "observe/interface_status.hpp"
 
@@ -72,6 +73,16 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
     histories_.cracks.columns = crack_columns();
     if (!reactions_.empty()) histories_.reactions.columns = reactions_.columns();
     if (!probes_.empty()) histories_.probes.columns = probes_.columns();
+    if (options_.breaks || options_.specimen) {
+        breaks_.emplace(model, start);
+        histories_.breaks.columns = Breaks::columns();
+    }
+    if (options_.specimen) {
+        specimen_.emplace(model, reactions_, *options_.specimen);
+        specimen_->begin(start);
+        histories_.stress_strain.columns = specimen_->columns();
+        for (const char* count : {"tensile_breaks", "shear_breaks"}) histories_.stress_strain.columns.emplace_back(count);
+    }
     next_at_.assign(options_.figures.size(), 0);
     if (options_.goes_on) return;
     open_files();
@@ -87,6 +98,8 @@ void Recorder::open_files() {
     crack_file_ = opened(options_.directory / "cracks.csv", histories_.cracks);
     if (!reactions_.empty()) reaction_file_ = opened(options_.directory / "reactions.csv", histories_.reactions);
     if (!probes_.empty()) probe_file_ = opened(options_.directory / "probes.csv", histories_.probes);
+    if (breaks_) break_file_ = opened(options_.directory / "breaks.csv", histories_.breaks);
+    if (specimen_) stress_strain_file_ = opened(options_.directory / "stress_strain.csv", histories_.stress_strain);
     if (options_.frame_every > 0) series_.emplace(options_.directory, last_frame_);
 }
 
@@ -99,6 +112,7 @@ void Recorder::after_step(const State& now, const StepReport& report) {
     ledger_.add(now, report);
     const double reached = now.time * (1 + 1e-12);
     const Stopwatch watch;
+    watch_step(now);
     if (reached >= next_history_) {
         write_lines(now);
         next_history_ = options_.history_every * (std::floor(reached / options_.history_every) + 1);
@@ -111,10 +125,19 @@ void Recorder::after_step(const State& now, const StepReport& report) {
     output_seconds_ += watch.cpu();
 }
 
+/// What must not miss a step between two lines.
+void Recorder::watch_step(const State& now) {
+    if (specimen_) specimen_->after_step(now);
+    if (!breaks_) return;
+    for (const std::vector<double>& row : breaks_->found(now)) add_line(row, histories_.breaks, break_file_, options_.directory / "breaks.csv");
+}
+
 void Recorder::finish(const State& now) {
     const Stopwatch watch;
     if (last_line_ < now.time) write_lines(now);
     if (series_ && series_->times().back() < now.time) write_frame(now);
+    histories_.fragments = fragment_table(find_fragments(model_, now));
+    if (!options_.directory.empty()) write_csv(histories_.fragments, options_.directory / "fragments.csv");
     draw_due(now, true);
     output_seconds_ += watch.cpu();
 }
@@ -126,6 +149,11 @@ void Recorder::write_lines(const State& now) {
     add_line(crack_line(now.time, cracks_, options_.rayleigh_speed), histories_.cracks, crack_file_, options_.directory / "cracks.csv");
     if (!reactions_.empty()) add_line(reactions_.line(now), histories_.reactions, reaction_file_, options_.directory / "reactions.csv");
     if (!probes_.empty()) add_line(probes_.line(now), histories_.probes, probe_file_, options_.directory / "probes.csv");
+    if (specimen_) {
+        std::vector<double> line = specimen_->line();
+        for (const Index n : {breaks_->n_tensile(), breaks_->n_shear()}) line.push_back(n);
+        add_line(line, histories_.stress_strain, stress_strain_file_, options_.directory / "stress_strain.csv");
+    }
 }
 
 void Recorder::draw_due(const State& now, bool at_end) {

@@ -1,11 +1,13 @@
 #pragma once
 // Watches a run: energy ledger, crack history, CSV lines, field frames, figures at their times. Knows nothing of the stepper's insides.
+#include "observe/breaks.hpp"
 #include "observe/crack_history.hpp"
 #include "observe/energy_ledger.hpp"
 #include "observe/figures.hpp"
 #include "observe/frame.hpp"
 #include "observe/probes.hpp"
 #include "observe/reactions.hpp"
+#include "observe/specimen.hpp"
 #include "observe/vtk_series.hpp"
 
 #include <filesystem>
@@ -26,6 +28,8 @@ struct RecorderOptions {
     CrackOptions cracks;
     std::vector<FigureOptions> figures;
     std::vector<ProbeOptions> probes;
+    bool breaks = false;  // note every interface that breaks; a specimen needs it
+    std::optional<SpecimenOptions> specimen;
     std::string title;
     bool goes_on = false;             // an earlier part of the run wrote files: nothing is written until open_files()
 };
@@ -33,6 +37,8 @@ struct RecorderOptions {
 class Recorder {
 public:
     Recorder(const Model& model, const State& start, RecorderOptions options);
+    Recorder(const Recorder&) = delete;
+    Recorder& operator=(const Recorder&) = delete;
 
     /// The files with all lines so far, to go on behind them: by the constructor, and after the memory was read back from a checkpoint.
     void open_files();
@@ -46,16 +52,20 @@ public:
     const CrackHistory& cracks() const { return cracks_; }
     const Reactions& reactions() const { return reactions_; }
     const Histories& histories() const { return histories_; }
+    const RecorderOptions& options() const { return options_; }
     const std::vector<std::filesystem::path>& figures() const { return drawn_; }
     double output_seconds() const { return output_seconds_; }  // [s] processor time spent here
 
     template <class Archive>
     void serialize(Archive& archive) {
         archive(ledger_, cracks_, histories_, next_frame_, next_history_, last_line_, last_frame_, next_at_, drawn_, output_seconds_);
+        if (breaks_) archive(*breaks_);
+        if (specimen_) archive(*specimen_);
     }
 
 private:
     void write_frame(const State& now);
+    void watch_step(const State& now);
     void write_lines(const State& now);
     void draw_due(const State& now, bool at_end);
     void draw(const FigureOptions& figure, const Frame& frame);
@@ -66,8 +76,10 @@ private:
     CrackHistory cracks_;
     Reactions reactions_;
     Probes probes_;
+    std::optional<Breaks> breaks_;
+    std::optional<Specimen> specimen_;
     Histories histories_;
-    std::ofstream energy_file_, crack_file_, reaction_file_, probe_file_;
+    std::ofstream energy_file_, crack_file_, reaction_file_, probe_file_, break_file_, stress_strain_file_;
     std::optional<VtkSeries> series_;
     double next_frame_ = 0, next_history_ = 0;
     double last_line_ = -1;             // [s] time of the last line

@@ -1,6 +1,7 @@
 #include "observe/summary.hpp"
 
 #include "observe/fragments.hpp"
+#include "observe/strength.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -45,6 +46,30 @@ double mean_tip_speed(const Recorder& recorder) {
     return speed_over_window(samples, samples.back().second - samples.front().second);
 }
 
+using Values = std::vector<std::pair<std::string, double>>;
+
+void add_breaks(const Recorder& recorder, Values& values) {
+    const History& breaks = recorder.histories().breaks;
+    if (breaks.columns.empty()) return;
+    const std::vector<double> shear = breaks.column("shear");
+    const auto n_shear = static_cast<double>(std::count_if(shear.begin(), shear.end(), is_shear));
+    values.insert(values.end(), {{"tensile_breaks", static_cast<double>(shear.size()) - n_shear}, {"shear_breaks", n_shear}});
+}
+
+void add_strength(const Recorder& recorder, PlaneModel plane, Values& values) {
+    if (!recorder.options().specimen) return;
+    const SpecimenOptions& specimen = *recorder.options().specimen;
+    const Strength s = strength_of(recorder.histories().stress_strain, specimen.modulus_between);
+    values.insert(values.end(), {{"peak_stress", s.peak_stress}, {"peak_strain", s.peak_strain}, {"tangent_modulus", s.tangent_modulus}});
+    if (specimen.lateral) {
+        const MaterialConstants material = material_constants(s, plane);
+        values.insert(values.end(), {{"youngs_modulus", material.E}, {"poisson_ratio", material.nu}});
+    }
+    values.emplace_back("crack_initiation_stress", s.crack_initiation);
+    if (specimen.lateral && specimen.test == SpecimenOptions::Test::compression)
+        values.insert(values.end(), {{"dilatancy_stress", s.dilatancy}, {"crack_damage_stress", s.crack_damage}});
+}
+
 }  // namespace
 
 Summary summarise(const Model& model, const State& end, const Recorder& recorder, double rayleigh_speed) {
@@ -64,7 +89,8 @@ Summary summarise(const Model& model, const State& end, const Recorder& recorder
         moment += model.corner_mass[c] * end.displacement[end.node_of_corner[c]];
         mass += model.corner_mass[c];
     }
-    return {{
+    const History fragments = fragment_table(find_fragments(model, end));
+    Summary summary{{
         {"energy_residual", ledger.largest_residual() / scale},
         {"law_lag", ledger.largest_law_lag() / scale},
         {"crossing_loss", energy.crossing_loss / scale},
@@ -93,10 +119,15 @@ Summary summarise(const Model& model, const State& end, const Recorder& recorder
         {"first_branch_time", branching ? branching->time : never},
         {"first_branch_x", branching ? branching->position.x() : never},
         {"first_branch_y", branching ? branching->position.y() : never},
-        {"fragments", static_cast<double>(find_fragments(model, end).pieces.size())},
+        {"fragments", static_cast<double>(fragments.rows.size())},
+        {"largest_fragment", fragments.column("mass_part").front()},
+        {"median_fragment", diameter_passing(fragments, 0.5)},
         {"largest_penetration", ledger.worst().penetration},
         {"largest_speed", ledger.worst().largest_speed},
     }};
+    add_breaks(recorder, summary.values);
+    add_strength(recorder, model.plane, summary.values);
+    return summary;
 }
 
 }  // namespace knap

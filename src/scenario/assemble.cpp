@@ -91,6 +91,7 @@ void assemble(Assembly& assembly) {
     assemble_time(assembly);
     assemble_output(assembly);
     assemble_probes(assembly);
+    assemble_specimen(assembly);
     assemble_figures(assembly);
     assemble_expectations(assembly);
     assemble_study(assembly);

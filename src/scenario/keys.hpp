@@ -76,7 +76,7 @@ struct SummaryKey {
 };
 std::span<const SummaryKey> summary_keys();
 
-/// Unit of a column of energy.csv, cracks.csv, reactions.csv or probes.csv; "" for none.
+/// Unit of a column of energy.csv, cracks.csv, reactions.csv, probes.csv or stress_strain.csv; "" for none.
 std::string_view unit_of_column(std::string_view column);
 
 /// Unit of the colour range of a figure that shows `field`; "" for none.

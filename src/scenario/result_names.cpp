@@ -36,6 +36,18 @@ constexpr std::array summary{
     SummaryKey{"first_branch_x", "m", "where it was"},
     SummaryKey{"first_branch_y", "m", "likewise"},
     SummaryKey{"fragments", "", "number of pieces at the end"},
+    SummaryKey{"largest_fragment", "", "its part of the mass, at the end"},
+    SummaryKey{"median_fragment", "m", "diameter that half of the mass does not exceed (circle of the same area), at the end"},
+    SummaryKey{"tensile_breaks", "", "interfaces that broke more by opening than by sliding; with output.breaks"},
+    SummaryKey{"shear_breaks", "", "interfaces that broke more by sliding; with output.breaks"},
+    SummaryKey{"peak_stress", "Pa", "largest stress of the specimen: its strength"},
+    SummaryKey{"peak_strain", "", "axial strain there"},
+    SummaryKey{"tangent_modulus", "Pa", "slope of stress over axial strain, in the plane, of a specimen"},
+    SummaryKey{"youngs_modulus", "Pa", "of the material of a specimen: in plane strain the tangent modulus times 1 - nu^2, which needs a lateral gauge"},
+    SummaryKey{"poisson_ratio", "", "of the material of a specimen with a lateral gauge"},
+    SummaryKey{"crack_initiation_stress", "Pa", "stress of a specimen with 1 % of the breaks of the peak (Potyondy and Cundall 2004)"},
+    SummaryKey{"dilatancy_stress", "Pa", "stress from which the crack volumetric strain leaves zero (Martin and Chandler 1994); compression with a lateral gauge"},
+    SummaryKey{"crack_damage_stress", "Pa", "stress at which the volumetric strain turns from shrinking to growing (Martin and Chandler 1994); likewise"},
     SummaryKey{"largest_penetration", "m", "largest overlap in contact"},
     SummaryKey{"largest_speed", "m/s", "largest speed of any corner"},
 };
@@ -51,6 +63,7 @@ std::string_view unit_of_column(std::string_view column) {
     for (const Ending& e : {Ending{"_u_x", "m"}, {"_u_y", "m"}, {"_v_x", "m/s"}, {"_v_y", "m/s"}, {"_force_x", "N"}, {"_force_y", "N"}, {"_opening", "m"},
                             {"_slip", "m"}, {"_cohesion", ""}, {"length", "m"}, {"tip_x", "m"}, {"tip_y", "m"}, {"speed", "m/s"}})
         if (column.ends_with(e.end)) return e.unit;
+    if (column == "stress") return "Pa";
     for (const std::string_view energy : {"kinetic", "strain", "surface", "external_work", "cohesive_work", "friction_work", "impact_work", "residual", "law_lag",
                                           "crossing_loss", "scheme_dissipation", "step_change_work"})
         if (column == energy) return "J";

@@ -12,6 +12,7 @@
 #include "model/obstacle.hpp"
 #include "observe/figures.hpp"
 #include "observe/probes.hpp"
+#include "observe/specimen.hpp"
 #include "scenario/study_options.hpp"
 #include "stepper/scheme_options.hpp"
 
@@ -65,6 +66,7 @@ struct OutputOptions {
     double every = 0;          // [s] between field frames
     double history_every = 0;  // [s] between lines of energy.csv and cracks.csv
     bool fields = true;        // write .vtu frames
+    bool breaks = false;       // write breaks.csv
     double checkpoint_every = 60;  // [s] of wall time between checkpoints
 };
 
@@ -113,6 +115,7 @@ struct Scenario {
     TimeOptions time;
     OutputOptions output;
     std::vector<ProbeOptions> probes;
+    std::optional<SpecimenOptions> specimen;
     std::vector<FigureOptions> figures;
     std::vector<Expectation> expect;
     StudyOptions study;

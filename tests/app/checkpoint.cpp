@@ -17,8 +17,8 @@ using namespace program;
 
 namespace {
 
-const std::string explicit_block = small_block();
-const std::string implicit_block = "edge_cracked_block_implicit -q -j 1 -s 'mesh.size=5 mm' -s 'time.end=40 us' -s 'time.step=1 us' -s 'expect={}' ";
+const std::string explicit_block = small_block() + "-s output.breaks=true ";
+const std::string implicit_block = "edge_cracked_block_implicit -q -j 1 -s 'mesh.size=5 mm' -s 'time.end=40 us' -s 'time.step=1 us' -s 'expect={}' -s output.breaks=true ";
 
 ino_t inode(const fs::path& path) {
     struct stat found {};
@@ -49,7 +49,7 @@ int run_and_stop(const std::string& arguments, const fs::path& run, int signal, 
 
 /// All that a run found: its histories, fragments and every field frame.
 void check_same_bits(const fs::path& a, const fs::path& b) {
-    std::vector<fs::path> files{"energy.csv", "cracks.csv", "fragments.csv", "run.pvd"};
+    std::vector<fs::path> files{"energy.csv", "cracks.csv", "breaks.csv", "fragments.csv", "run.pvd"};
     for (const auto& entry : fs::directory_iterator(a / "fields")) files.push_back(fs::path("fields") / entry.path().filename());
     CHECK(files.size() > 10);
     for (const fs::path& file : files) CHECK_MESSAGE(text_of(a / file) == text_of(b / file), file);

@@ -5,6 +5,7 @@
 #include "observe/body_figures.hpp"
 #include "observe/curve_figures.hpp"
 #include "observe/figures.hpp"
+#include "observe/rock_figures.hpp"
 
 #include <cairo.h>
 #include <doctest/doctest.h>
@@ -99,8 +100,11 @@ TEST_CASE("figures: no text leaves the page or touches another") {
     check_type(draw_cracks({.width = 600}, plate(), "A title that is far too long for one line and goes on beyond what anyone would read at the top of a figure", pictures() / "type.png"));
     check_type(draw_cracks({.colour = "beta", .deform = 200, .width = 600}, plate(), "Edge-cracked block", pictures() / "cracks_beta.png"));
     for (const Chart& chart : {energy_chart(synthetic::energy()), crack_length_chart(synthetic::cracks()), crack_speed_chart(synthetic::cracks(), 2125),
-                               reaction_chart(synthetic::reactions()), probe_chart(synthetic::probes())})
+                               reaction_chart(synthetic::reactions()), probe_chart(synthetic::probes()), stress_strain_chart(synthetic::stress_strain()),
+                               break_chart(synthetic::breaks(), 0, 80e-6), fragment_size_chart(synthetic::fragments())})
         check_type(draw_chart(chart, pictures() / "type.png", 600));
+    check_type(draw_rose(synthetic::breaks(), "Edge-cracked block", pictures() / "type.png", 600));
+    check_type(draw_rose(synthetic::breaks(0), "Edge-cracked block", pictures() / "type.png", 600));  // nothing broke
 }
 
 TEST_CASE("figures: bodies of all shapes and without cracks keep their type apart") {

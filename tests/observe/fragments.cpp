@@ -1,11 +1,13 @@
 #include "observe/fragments.hpp"
 
 #include "model/state.hpp"
+#include "observe/rock_figures.hpp"
 #include "support/meshes.hpp"
 
 #include <doctest/doctest.h>
 
-#include <sstream>
+#include <cmath>
+#include <numbers>
 
 using namespace knap;
 using doctest::Approx;
@@ -46,14 +48,54 @@ TEST_CASE("fragments: mean velocity weighs by mass and mass is kept") {
     CHECK(apart.pieces[0].mass + apart.pieces[1].mass == Approx(whole.pieces[0].mass));
 }
 
-TEST_CASE("fragments: table") {
-    const std::vector<TriangleContent> triangles{triangle(1, {4, 0}), triangle(3, {0, 4})};
-    std::ostringstream out;
-    write_fragments(out, find_fragments(triangles, {}));
-    CHECK(out.str() ==
-          "fragment,triangles,area_m2,mass_kg,centre_x_m,centre_y_m,velocity_x_m_s,velocity_y_m_s\n"
-          "0,1,6,3,0,0,0,4\n"
-          "1,1,2,1,0,0,4,0\n");
+TEST_CASE("fragments: table with the size distribution") {
+    // masses 1, 3 and 4 of diameters in the ratio 1 : sqrt 3 : 2
+    const std::vector<TriangleContent> triangles{triangle(1, {4, 0}), triangle(4, {0, 4}), triangle(3, {0, 0}, {5, 6})};
+    const History table = fragment_table(find_fragments(triangles, {}));
+    CHECK(table.columns[2] == "area_m2");
+    REQUIRE(table.rows.size() == 3);
+    CHECK(table.column("mass_kg") == std::vector<double>{4, 3, 1});
+    CHECK(table.column("centre_y_m") == std::vector<double>{0, 6, 0});
+    CHECK(table.column("velocity_x_m_s") == std::vector<double>{0, 0, 4});
+    CHECK(table.column("mass_part") == std::vector<double>{0.5, 0.375, 0.125});
+    CHECK(table.column("passing") == std::vector<double>{1, 0.5, 0.125});
+    const double d = std::sqrt(4 * 2 / std::numbers::pi);  // of an area of 2
+    CHECK(table.column("diameter_m")[2] == Approx(d));
+    CHECK(table.column("diameter_m")[0] == Approx(2 * d));
+    CHECK(diameter_passing(table, 0.1) == Approx(d));
+    CHECK(diameter_passing(table, 0.5) == Approx(std::sqrt(3.0) * d));
+    CHECK(diameter_passing(table, 0.51) == Approx(2 * d));
+    // the curve goes through these points, from 0 to 100 %
+    const Chart chart = fragment_size_chart(table);
+    CHECK(chart.x_logarithmic);
+    const Curve& curve = chart.curves.at(0);
+    CHECK(curve.y == std::vector<double>{0, 0, 12.5, 12.5, 50, 50, 100, 100});
+    CHECK(curve.x[4] == Approx(std::sqrt(3.0) * d));
+}
+
+TEST_CASE("fragments: how a bar lies and turns") {
+    // a bar of 4 x 1 turned by 30 degrees that spins about its centre at 7 rad/s and flies
+    ModelInput input;
+    input.mesh = tests::bar_mesh(40, 10, 4, 1);
+    input.materials = {{.density = 3, .E = 1, .nu = 0.2}};
+    input.laws = {CohesiveLaw::unbreakable()};
+    input.law_of_pair = {{0}};
+    for (Vec2& x : input.mesh.vertices) x = Vec2(std::cos(std::numbers::pi / 6) * x.x() - 0.5 * x.y(), 0.5 * x.x() + std::cos(std::numbers::pi / 6) * x.y());
+    const Model model = make_model(input);
+    State state = initial_state(model);
+    const Vec2 centre = find_fragments(model, state).pieces.at(0).centre;
+    double energy = 0;
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
+        const Vec2 velocity = Vec2(2, -1) + 7 * turned_left(model.mesh.corner(c) - centre);
+        state.velocity[state.node_of_corner[c]] = velocity;
+        energy += 0.5 * model.corner_mass[c] * velocity.squaredNorm();
+    }
+    const Fragment piece = find_fragments(model, state).pieces.at(0);
+    CHECK(piece.spin() == Approx(7).epsilon(1e-12));
+    CHECK((piece.velocity - Vec2(2, -1)).norm() < 1e-12);
+    CHECK(piece.kinetic_energy == Approx(energy).epsilon(1e-12));
+    CHECK(piece.angle() == Approx(30).epsilon(0.005));  // the diagonals of the mesh all lean one way
+    CHECK(piece.elongation() == Approx(4).epsilon(0.02));  // its mass sits at the vertices
 }
 
 TEST_CASE("fragments: of a model each triangle has its own mass") {

@@ -144,7 +144,34 @@ inline History probes(int n = 400) {
     return h;
 }
 
+/// A rock in compression: elastic to 100 MPa, cracks from 40 MPa, most of them steep.
+inline History stress_strain(int n = 400) {
+    History h{{"time", "stress", "axial_strain", "lateral_strain", "volumetric_strain", "tensile_breaks", "shear_breaks"}, {}};
+    for (int i = 0; i <= n; ++i) {
+        const double s = static_cast<double>(i) / n, stress = 100e6 * (s < 0.7 ? s / 0.7 : std::exp(-(s - 0.7) / 0.05)), cracked = s > 0.3 ? std::pow(s - 0.3, 2) : 0;
+        const double axial = 2e-3 * s, lateral = -0.6e-3 * s - 0.02 * cracked;
+        h.rows.push_back({80e-6 * s, stress, axial, lateral, axial + lateral, std::floor(700 * cracked), std::floor(300 * cracked)});
+    }
+    return h;
+}
+
+inline History breaks(int n = 200) {
+    History h{{"time", "x", "y", "angle_deg", "length", "shear", "energy"}, {}};
+    Random random(5, "breaks");
+    for (int i = 0; i < n; ++i)
+        h.rows.push_back({80e-6 * (0.3 + 0.6 * i / n), 0.05, 0.02, std::fmod(180 + 90 + 40 * (random.uniform() + random.uniform() - 1), 180), 5e-4, random.uniform(0, 0.8), 1e-3});
+    return h;
+}
+
+inline History fragments(int n = 60) {
+    History h{{"fragment", "diameter_m", "mass_part", "passing"}, {}};
+    for (int i = 0; i < n; ++i) h.rows.push_back({static_cast<double>(i), 0.02 * std::pow(0.93, i), 1. / n, 1 - static_cast<double>(i) / n});
+    return h;
+}
+
 /// All of them.
-inline Histories histories(int n = 400) { return {.energy = energy(n), .cracks = cracks(n), .reactions = reactions(n), .probes = probes(n)}; }
+inline Histories histories(int n = 400) {
+    return {.energy = energy(n), .cracks = cracks(n), .reactions = reactions(n), .probes = probes(n), .breaks = breaks(), .stress_strain = stress_strain(n), .fragments = fragments()};
+}
 
 }  // namespace synthetic

@@ -141,6 +141,7 @@ every = "1 us"
 history_every = "0.1 us"
 checkpoint_every = "5 s"
 fields = false
+breaks = true
 [[probe]]
 at = ["5 mm", "5 mm"]
 watch = "interface"
@@ -272,6 +273,22 @@ thickness = "2 mm"
 material = "quartz"
 )");
 
+const std::string tested = samples::least + R"([[load]]
+on = "top"
+velocity = ["free", 1]
+[specimen]
+test = "bending"
+force = "load0"
+axis = "x"
+height = "40 mm"
+width = "9 mm"
+span = "80 mm"
+axial = ["top", "load0"]
+modulus_between = [0.1, "30 %"]
+)";
+
+const std::string stretched = samples::changed("\"bending\"", "\"tension\"", samples::changed("span = \"80 mm\"", "lateral = [\"left\", \"right\"]", tested));
+
 const std::string painted = samples::least + R"([[map]]
 file = ")" KNAP_SOURCE_DIR R"(/tests/scenario/data/two_halves.png"
 box = [0, 0, "100 mm", "40 mm"]
@@ -380,6 +397,16 @@ const Case cases[] = {
     {rectangle, "output.history_every", "1e-07"},
     {rectangle, "output.checkpoint_every", "5"},
     {rectangle, "output.fields", "false"},
+    {rectangle, "output.breaks", "true"},
+    {tested, "specimen.test", "\"bending\""},
+    {tested, "specimen.force", "\"load0\""},
+    {tested, "specimen.axis", "\"x\""},
+    {tested, "specimen.height", "0.04"},
+    {tested, "specimen.width", "0.009"},
+    {tested, "specimen.span", "0.08"},
+    {tested, "specimen.axial", "[\"top\", \"load0\"]"},
+    {tested, "specimen.modulus_between", "[0.1, 0.3]"},
+    {stretched, "specimen.lateral", "[\"left\", \"right\"]"},
     {rectangle, "probe[0].at", "[0.005, 0.005]"},
     {rectangle, "probe[0].watch", "\"interface\""},
     {rectangle, "probe[0].name", "\"middle\""},

@@ -29,7 +29,21 @@ const std::string load = "[[load]]\non = \"top\"\n";  // lines 16, 17
 const std::string plane = "[[obstacle]]\nshape = \"half plane\"\nat = [0, -1]\nnormal = [0, 1]\n";  // lines 16 to 19
 const std::string disc = "[[obstacle]]\nshape = \"disc\"\ncentre = [0, -1]\nradius = 0.5\n";       // likewise
 
+const std::string driven = "[[load]]\non = \"top\"\nvelocity = [0, 1]\n";                                // lines 16 to 18
+const std::string specimen = driven + "[specimen]\ntest = \"tension\"\nforce = \"load0\"\n";        // lines 19 to 21
+
 const Case cases[] = {
+    {"a specimen without a test", with(driven + "[specimen]\nforce = \"load0\"\n"), "missing-key", 19, 1, 10, "`specimen.test` is missing"},
+    {"a specimen that nothing drives", with("[specimen]\ntest = \"tension\"\nforce = \"load0\"\n"), "unknown-name", 18, 9, 7, "there is none"},
+    {"a specimen driven by another", with(driven + "[specimen]\ntest = \"tension\"\nforce = \"load1\"\n"), "unknown-name", 21, 9, 7, "did you mean `load0`?"},
+    {"a gauge with one end", with(specimen + "axial = [\"top\"]\n"), "wrong-type", 22, 9, 7, "two of: bottom, right, top, left, load0"},
+    {"a gauge at nothing", with(specimen + "lateral = [\"left\", \"rigth\"]\n"), "unknown-name", 22, 11, 17, "did you mean `right`?"},
+    {"a beam without a span", with(driven + "[specimen]\ntest = \"bending\"\nforce = \"load0\"\n"), "missing-key", 19, 1, 10, "span"},
+    {"a modulus between nothing", with(specimen + "modulus_between = [0.6, 0.4]\n"), "out-of-range", 22, 19, 10, "does not ascend"},
+    {"stress and strain without a specimen", with("[[figure]]\nfile = \"a.png\"\nshow = \"stress_strain\"\n"), "nothing-to-show", 18, 8, 15, "add a [specimen]"},
+    {"a specimen without breaks", with(specimen + "[output]\nbreaks = false\n"), "exclusive-keys", 23, 10, 5, "needs it"},
+    {"a strength without a specimen", with("[expect]\npeak_stress = { above = 1 }\n"), "nothing-to-expect", 17, 15, 13, "a [specimen]"},
+    {"a ratio without a gauge", with(specimen + "[expect]\npoisson_ratio = { above = 0.1 }\n"), "nothing-to-expect", 23, 17, 15, "lateral gauge"},
     {"an obstacle of no shape", with("[[obstacle]]\nfriction = 0.1\n"), "missing-key", 16, 1, 12, "obstacle[0].shape"},
     {"a key of another outline", with(plane + "radius = 1\n"), "exclusive-keys", 20, 1, 6, "belongs to shape"},
     {"a normal without direction", with("[[obstacle]]\nshape = \"half plane\"\nat = [0, 0]\nnormal = [0, 0]\n"), "out-of-range", 19, 10, 6, "no direction"},
