@@ -252,10 +252,9 @@ void weigh_obstacles(const std::vector<Load>& loads, Model& model) {
 void check_obstacles(const Model& model) {
     const Mesh& mesh = model.mesh;
     for (const Obstacle& obstacle : model.obstacles) {
-        const Pose start = initial_state(obstacle).pose;
         for (const BoundaryEdge& edge : mesh.boundary_edges) {
             const Vec2 a = mesh.corner(edge.triangle, edge.side), b = mesh.corner(edge.triangle, (edge.side + 1) % 3);
-            const double depth = -distance_to(obstacle.outline, start, a).gap;
+            const double depth = -distance_to(obstacle.outline, obstacle.start, a).gap;
             if (depth <= 1e-6 * (b - a).norm()) continue;
             char text[200];
             std::snprintf(text, sizeof text, " lies in the body at the start, by %.3g m at (%.6g, %.6g) m", depth, a.x(), a.y());

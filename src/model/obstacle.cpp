@@ -8,10 +8,7 @@ ObstacleState initial_state(const Obstacle& obstacle) {
         const Drive& drive = obstacle.drive[k];
         if (drive.kind == Drive::Kind::free) state.velocity[k] = obstacle.initial_velocity[k];
         if (drive.kind == Drive::Kind::velocity) state.velocity[k] = drive.value * drive.history(0);
-        if (drive.kind == Drive::Kind::displacement) state.moved[k] = drive.value * drive.history(0);
     }
-    state.pose.position += state.moved.head<2>();
-    state.pose.angle += state.moved.z();
     return state;
 }
 

@@ -41,15 +41,17 @@ void check_one_point_mass(const Assembly& assembly) {
 /// Beyond theta = 1/(1 + e) the impact law of the theta scheme gains energy.
 void check_theta(const Assembly& assembly) {
     const double theta = assembly.scenario.time.scheme.theta;
-    for (const NamedLaw& named : assembly.scenario.laws) {
-        const double e = named.law.restitution;
-        if (theta * (1 + e) <= 1 + 1e-12) continue;
+    const auto check = [&](const char* what, const std::string& name, double e) {
+        if (theta * (1 + e) <= 1 + 1e-12) return;
         assembly.findings.error("out-of-range",
-                                "`time.theta` = " + shortest(theta) + " is beyond 1/(1 + restitution) = " + shortest(1 / (1 + e)) + " of the law `" + named.name +
+                                "`time.theta` = " + shortest(theta) + " is beyond 1/(1 + restitution) = " + shortest(1 / (1 + e)) + " of the " + what + " `" + name +
                                     "`: its impacts would gain energy",
                                 assembly.at("time.theta"))
             .note = "a smaller theta (0.5 is always good), or a smaller restitution";
-    }
+    };
+    for (const NamedLaw& named : assembly.scenario.laws) check("law", named.name, named.law.restitution);
+    if (assembly.scenario.time.scheme.bulk != BulkScheme::implicit_theta) return;
+    for (const Obstacle& obstacle : assembly.scenario.obstacles) check("obstacle", obstacle.name, obstacle.contact.restitution);
 }
 
 void check_file_name(const Assembly& assembly, const std::string& path, const std::string& file, std::set<std::string>& seen) {

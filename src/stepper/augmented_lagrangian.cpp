@@ -24,7 +24,7 @@ void AugmentedLagrangian::evaluate(const ImplicitBulk& bulk, std::vector<LoosePo
     bulk.sum_to_nodes(corner_taken_, taken_);
     residual_ = taken_;
     for (LoosePoint& point : points) {
-        point.rate = point.across(rate);
+        point.rate = point.rate_at(rate);
         point.response = respond(point.law, point.rate.x(), point.rate.y());
         const Vec2 impulse = point.impulse();
         if (point.after >= 0) residual_[point.after] -= impulse;
@@ -55,7 +55,12 @@ void AugmentedLagrangian::make_tangents(const std::vector<LoosePoint>& points, S
         axes << point.normal, turned_left(point.normal);
         without_friction(1, 0) = D(0, 1);
         const Eigen::Matrix2d block = axes * D * axes.transpose();
-        tangents_.push_back({point.fan_point, point.before, point.after, block, D(1, 0) == D(0, 1) ? block : axes * without_friction * axes.transpose()});
+        tangents_.push_back({.fan_point = point.fan_point,
+                             .before = point.before,
+                             .after = point.after,
+                             .block = block,
+                             .symmetric_block = D(1, 0) == D(0, 1) ? block : axes * without_friction * axes.transpose(),
+                             .leaf_corner = point.leaf_corner});
     }
 }
 

@@ -21,9 +21,11 @@ namespace knap {
 
 /// A point of a loose fan in the equations of a step.
 struct LoosePoint {
-    Index fan_point;      // into Model::fan_points
+    Index fan_point;      // into Model::fan_points; -1: a contact with an obstacle, which stands for the ground and moves
     Index before, after;  // nodes, or -1: ground
     Vec2 normal;
+    Index leaf_corner = -1;           // of a contact: a corner of the triangle that it belongs to
+    Vec2 ground_rate = Vec2::Zero();  // [m/s] (N, T) of the obstacle
     PointLaw law;
     PointResponse response;
     Vec2 rate = Vec2::Zero();  // [m/s] (w_N, w_T)
@@ -35,6 +37,8 @@ struct LoosePoint {
         const auto at = [&](Index node) -> Vec2 { return node < 0 ? Vec2::Zero() : of_node[node]; };
         return in_frame(at(after) - at(before));
     }
+    /// [m/s] (w_N, w_T)
+    Vec2 rate_at(const std::vector<Vec2>& rate) const { return across(rate) - ground_rate; }
     /// Its sides move as one.
     bool holds_still() const { return response.closed && response.sticks && law.bound == 0 && response.kink == 0; }
     Vec2 impulse() const { return response.normal(law) * normal + response.tangential * turned_left(normal); }  // [N s] q

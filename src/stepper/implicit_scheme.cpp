@@ -22,7 +22,9 @@ ImplicitScheme::ImplicitScheme(const Model& model, const SchemeOptions& options)
       bulk_(model, options),
       matrix_(model),
       solver_(matrix_),
-      bound_test_(model) {
+      bound_test_(model),
+      contacts_(model),
+      obstacles_(model) {
     loose_point_of_.assign(model.fan_points.size(), -1);
 }
 
@@ -37,18 +39,11 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
     if (!begin.rate.empty())  // the rate of the last step is a better guess than the velocities, which theta = 1/2 lets ring
         for (const Index node : begin.node_of_corner) corner_rate_.push_back(begin.rate[node]);
 
-    for (int pass = 0;; ++pass) {
-        choose_partition(begin, h);  // bound fans are one node
-        guess_multipliers(begin, h);
-        const auto status = solver_.solve(bulk_, points_, rate_, scale_);
-        report.linear_solves += solver_.counts().linear_solves;
-        report.factorisations += solver_.counts().factorisations;
-        if (status != AugmentedLagrangian::Status::solved || pass == most_passes) {
-            report.refusal = Refusal::not_converged;
-            break;
-        }
-        if (!loosen_what_opens(h, report)) break;
-    }
+    obstacles_.begin_theta(begin, h, options_.theta);
+    contacts_.find(begin, h, obstacles_.rate(), {});
+    contact_guess_.assign(contacts_.all().size(), Vec2::Zero());
+    find_obstacle_rates(begin, h, report);
+    solve_points(begin, h, report);
     if (report.refusal == Refusal::none && options_.respect_assumption_1 && solver_.has_several_solutions(points_))
         report.refusal = Refusal::assumption_1;
     if (report.refusal != Refusal::none) {
@@ -65,7 +60,23 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
     account_points(h, report);
     bulk_.account(rate_, solver_.unbalanced(), report);
     store(begin, h, end, report);
+    obstacles_.finish(begin, contact_wrenches(), end, report);
     return report;
+}
+
+void ImplicitScheme::solve_points(const State& begin, double h, StepReport& report) {
+    for (int pass = 0;; ++pass) {
+        choose_partition(begin, h);  // bound fans are one node
+        guess_multipliers(begin, h);
+        const auto status = solver_.solve(bulk_, points_, rate_, scale_);
+        report.linear_solves += solver_.counts().linear_solves;
+        report.factorisations += solver_.counts().factorisations;
+        if (status != AugmentedLagrangian::Status::solved || pass == most_passes) {
+            report.refusal = Refusal::not_converged;
+            return;
+        }
+        if (!loosen_what_opens(h, report)) return;
+    }
 }
 
 void ImplicitScheme::choose_partition(const State& begin, double h) {
@@ -101,6 +112,7 @@ void ImplicitScheme::make_points(const State& begin, double h) {
             points_.push_back(make_point(begin, h, static_cast<Index>(f), i));
         }
     }
+    for (const ObstacleContact& contact : contacts_.all()) points_.push_back(make_contact_point(contact, begin, h));
 }
 
 LoosePoint ImplicitScheme::make_point(const State& begin, double h, Index f, Index i) const {
@@ -161,6 +173,7 @@ void ImplicitScheme::guess_multipliers(const State& begin, double h) {
     scale_ = 1e-3 * bulk_.largest_impulse();
     for (LoosePoint& point : points_) {
         const Index i = point.fan_point;
+        if (i < 0) continue;
         if (!has_guess_[i]) {  // of a fan that was loose before: its tractions go on
             const FanPoint& at = model_.fan_points[i];
             const Index f = model_.fan_of_corner[at.after == ground ? at.before : at.after], rank = begin.split_rank[f];
@@ -175,10 +188,13 @@ void ImplicitScheme::guess_multipliers(const State& begin, double h) {
         point.law.tangential_guess = std::isinf(point.law.rho_T) ? 0 : guess_[i].y();
         scale_ = std::max({scale_, point.law.strength, point.law.contact_guess});
     }
+    guess_contacts();
 }
 
 bool ImplicitScheme::loosen_what_opens(double h, StepReport& report) {
-    for (const LoosePoint& point : points_) guess_[point.fan_point] = {point.law.contact_guess, point.law.tangential_guess};
+    for (const LoosePoint& point : points_)
+        if (point.fan_point >= 0) guess_[point.fan_point] = {point.law.contact_guess, point.law.tangential_guess};
+    keep_contacts();
     corner_rate_.resize(model_.mesh.n_corners());
     for (std::size_t c = 0; c < corner_rate_.size(); ++c) corner_rate_[c] = rate_[partition_.node_of_corner[c]];
     bool any = false;
@@ -190,7 +206,7 @@ bool ImplicitScheme::loosen_what_opens(double h, StepReport& report) {
         const auto& prescribed = bulk_.prescribed()[partition_.node_of_corner[corner[0]]];
         taken.resize(fan.n_corners);
         for (Index i = 0; i < fan.n_corners; ++i) {
-            taken[i] = solver_.corner_taken()[corner[i]];
+            taken[i] = solver_.corner_taken()[corner[i]] - pushed_[corner[i]];
             for (int k = 0; k < 2; ++k)
                 if (prescribed[k]) taken[i][k] = 0;  // what moves a corner takes its reaction too
         }
@@ -260,7 +276,7 @@ void ImplicitScheme::judge(StepReport& report) const {
     // the laws once more at the joined rates, with one unit of augmentation: the natural residual, as impulses of the scale of the strengths
     const double unit = solver_.unit();
     for (const LoosePoint& point : points_) {
-        const Vec2 w = point.across(rate_);
+        const Vec2 w = point.rate_at(rate_);
         PointLaw law = point.law;
         law.contact_guess = point.response.contact;
         law.tangential_guess = point.response.tangential;
@@ -278,10 +294,8 @@ void ImplicitScheme::judge(StepReport& report) const {
 void ImplicitScheme::account_points(double h, StepReport& report) const {
     const double theta = options_.theta;
     for (const LoosePoint& point : points_) {
-        const FanPoint& at = model_.fan_points[point.fan_point];
-        const CohesiveLaw& material = model_.laws[at.law];
         const PointLaw& law = point.law;
-        const Vec2 w = point.across(rate_);
+        const Vec2 w = point.rate_at(rate_);
         const double cohesive_N = law.strength * point.response.cohesion_theta;
         const double cohesive_T = -(point.response.tangential - point.response.friction_part);  // resists
         const double impact = point.response.contact * w.x() / theta, friction = point.response.friction_part * w.y() / theta;
@@ -293,12 +307,15 @@ void ImplicitScheme::account_points(double h, StepReport& report) const {
         report.worst_friction_work = std::max(report.worst_friction_work, friction - slack * std::abs(point.response.friction_part));
 
         const double u_N = law.u_N + h * w.x(), u_T = law.u_T + h * w.y();
+        report.penetration = std::max(report.penetration, -u_N);
+        if (point.fan_point < 0) continue;
+        const FanPoint& at = model_.fan_points[point.fan_point];
+        const CohesiveLaw& material = model_.laws[at.law];
         report.crossing_loss += (cohesive_T * w.y() - law.gamma * cohesive_N * (std::abs(u_T) - std::abs(law.u_T)) / h) / theta;
         const double cohesion = at.cracked ? 0 : material.next_cohesion(law.cohesion, u_N, u_T);
         report.softened += law.cohesion - cohesion > least_loss;
         report.largest_beta_growth = std::max(report.largest_beta_growth, cohesion - law.cohesion);
         if (!at.cracked && material.sigma_c > 0) report.surface += at.area * material.surface_energy(cohesion, u_N, u_T);
-        report.penetration = std::max(report.penetration, -u_N);
     }
 }
 
@@ -345,7 +362,7 @@ Vec2 ImplicitScheme::place_of_trouble(Refusal refusal) const {
     Index corner = partition_.corner_of_node[solver_.worst_node()];
     if (refusal == Refusal::assumption_1)
         for (const LoosePoint& point : points_) {
-            if (!point.response.softens && !point.response.breaks) continue;
+            if (point.fan_point < 0 || (!point.response.softens && !point.response.breaks)) continue;
             const FanPoint& at = model_.fan_points[point.fan_point];
             corner = at.after == ground ? at.before : at.after;
         }

@@ -15,9 +15,12 @@
 //     apart, e = 0:              c = min(-u_N/h, -(1 - theta) max(-V_N, 0))  lands on the wall, or stops at it
 //     apart, e > 0:              no contact in this step: it must touch first
 // The work of an impulse is P . w; since c <= 0 and the friction opposes w_T, every single contact and friction work is <= 0.
+// A corner near a rigid obstacle has a point more, whose ground moves; the rates of a free obstacle are found by ObstacleMotion.
 // Prescribed components: a velocity is reached at t + h (w is the mean), a displacement at t + h (v+ is the slope of its history there).
 #include "stepper/augmented_lagrangian.hpp"
 #include "stepper/bound_test.hpp"
+#include "stepper/obstacle_contacts.hpp"
+#include "stepper/obstacle_motion.hpp"
 #include "stepper/step_scheme.hpp"
 
 #include <limits>
@@ -32,6 +35,7 @@ public:
     double stable_step() const override { return std::numeric_limits<double>::infinity(); }
 
 private:
+    void solve_points(const State& begin, double h, StepReport& report);  // all loose points, until nothing more opens
     void choose_partition(const State& begin, double h);
     void make_points(const State& begin, double h);
     LoosePoint make_point(const State& begin, double h, Index fan, Index fan_point) const;
@@ -39,6 +43,12 @@ private:
     double mass_between(Index before, Index after) const;       // [kg] LoosePoint::mass
     std::array<bool, 2> imposed(const LoosePoint& point) const;  // of its rate (N, T): both sides are given and leave nothing to decide
     void guess_multipliers(const State& begin, double h);
+    void find_obstacle_rates(const State& begin, double h, StepReport& report);
+    LoosePoint make_contact_point(const ObstacleContact& contact, const State& begin, double h) const;
+    std::span<const LoosePoint> contact_points() const { return std::span(points_).last(contacts_.all().size()); }
+    std::vector<Vec3> contact_wrenches() const;  // [N s, N s, N m s] of the body on each obstacle
+    void guess_contacts();
+    void keep_contacts();
     bool loosen_what_opens(double h, StepReport& report);  // fans in one piece that cannot stay so
     void join_what_holds(std::vector<Vec2>& rate) const;
     bool holds(Index fan) const;
@@ -53,16 +63,20 @@ private:
     ThetaMatrix matrix_;
     AugmentedLagrangian solver_;
     BoundTest bound_test_;
+    ObstacleContacts contacts_;
+    ObstacleMotion obstacles_;
 
     std::vector<std::uint8_t> loose_;         // per fan
     std::vector<std::uint8_t> matrix_loose_;  // for which the matrix stands, and the step
     double matrix_step_ = 0;
     CornerPartition partition_;
     std::vector<double> node_inertia_;        // [kg] diagonal of M_hat
-    std::vector<LoosePoint> points_;
+    std::vector<LoosePoint> points_;          // of loose fans; then the contacts with obstacles, in the order of contacts_
     std::vector<Index> loose_point_of_;       // per fan point: into points_, or -1
     std::vector<Vec2> guess_;                 // per fan point: contact and tangential impulse [N s]
     std::vector<std::uint8_t> has_guess_;
+    std::vector<Vec2> contact_guess_;         // likewise per contact with an obstacle
+    std::vector<Vec2> pushed_;                // [N s] per corner: theta times the impulses of the obstacles on it
     std::vector<Vec2> rate_;                  // per node
     std::vector<Vec2> corner_rate_;
     double scale_ = 0;                        // [N s]

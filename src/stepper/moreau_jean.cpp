@@ -12,8 +12,6 @@ namespace knap {
 namespace {
 
 std::unique_ptr<StepScheme> make_scheme(const Model& model, const SchemeOptions& options) {
-    if (options.bulk == BulkScheme::implicit_theta && !model.obstacles.empty())
-        throw UserError("exclusive-keys", "obstacles need the explicit bulk", "time.bulk = \"explicit\"");
     if (options.bulk == BulkScheme::implicit_theta) return std::make_unique<ImplicitScheme>(model, options);
     return std::make_unique<ExplicitScheme>(model, options);
 }
@@ -41,7 +39,6 @@ StepReport MoreauJean::step(const State& begin, double h, State& end) {
 }
 
 void MoreauJean::start_in_equilibrium(State& start) const {
-    if (!model_.obstacles.empty()) throw UserError("exclusive-keys", "a start in equilibrium beside obstacles is not possible yet", "time.start = \"rest\"");
     load_statically(model_, options_, start);
 }
 

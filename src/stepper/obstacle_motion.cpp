@@ -76,8 +76,9 @@ void ObstacleMotion::finish(const State& begin, const std::vector<Vec3>& wrench,
         Vec3 rate = rate_[o];
         for (int k = 0; k < 3; ++k) {
             if (obstacle.is_free(k)) {
-                state.velocity[k] = before[k] + (kick_time_ * force_[o][k] + wrench[o][k]) / obstacle.inertia_of(k);
-                rate[k] = theta_ * state.velocity[k] + (1 - theta_) * before[k];
+                // beside a stiff body a rate is known better than the impulse that leads to it, beside small masses the impulse
+                if (theta_scheme_) state.velocity[k] = (rate[k] - (1 - theta_) * before[k]) / theta_;
+                else rate[k] = state.velocity[k] = before[k] + (kick_time_ * force_[o][k] + wrench[o][k]) / obstacle.inertia_of(k);
             } else {
                 state.velocity[k] = end_velocity_[o][k];
             }
@@ -124,7 +125,9 @@ double ObstacleMotion::solve(const State& begin, const std::vector<std::uint8_t>
     }
     // without friction the error is the gradient of a convex function: the zero of its slope along Newton's step is the length of the step
     scale = 0.01 * speed;  // an impulse is a difference of momenta: near their rounding nothing can be decided
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(n), error = at(x);
+    Eigen::VectorXd x(n);  // the reaction of the last step goes on
+    for (Eigen::Index i = 0; i < n; ++i) x[i] = theta_ * kick_time_ * begin.obstacles[free[i].obstacle].reaction[free[i].k] / std::sqrt(free[i].mass);
+    Eigen::VectorXd error = at(x);
     Eigen::PartialPivLU<Eigen::MatrixXd> slope;
     bool slope_is_known = false;
     for (int step = 0; step < most_steps && error.norm() > tolerance * scale; ++step) {

@@ -102,6 +102,16 @@ void ThetaMatrix::add_elements(Index leaf, std::vector<Element>& elements) const
         made.matrix.topLeftCorner<2, 2>() = made.matrix.block<2, 2>(2, 2) = D;
         made.matrix.block<2, 2>(0, 2) = made.matrix.block<2, 2>(2, 0) = -D;
     }
+    for (const PointTangent& contact : contacts_)
+        if (leaf_of_corner(contact.leaf_corner) == leaf) add_contact(contact, elements);
+}
+
+void ThetaMatrix::add_contact(const PointTangent& contact, std::vector<Element>& elements) const {
+    Element& made = elements.emplace_back();
+    made.n_unknowns = 2;
+    for (int k = 0; k < 2; ++k) made.unknown[k] = unknown(corner_of_node_[contact.after], k);
+    made.matrix.resize(2, 2);
+    made.matrix = contact.symmetric_block;
 }
 
 void ThetaMatrix::hold(Index i, const Eigen::Matrix2d& block) {
@@ -110,16 +120,34 @@ void ThetaMatrix::hold(Index i, const Eigen::Matrix2d& block) {
     factor_.touch(leaf_of_point(i));
 }
 
+void ThetaMatrix::hold_contacts(std::span<const PointTangent> points) {
+    std::vector<PointTangent> contacts;
+    for (const PointTangent& point : points)
+        if (point.fan_point < 0) contacts.push_back(point);
+    const auto touch_where_other = [&](const std::vector<PointTangent>& some, const std::vector<PointTangent>& others) {
+        const auto same = [](const PointTangent& a, const PointTangent& b) {
+            return a.leaf_corner == b.leaf_corner && a.after == b.after && a.symmetric_block == b.symmetric_block;
+        };
+        for (std::size_t i = 0; i < some.size(); ++i)
+            if (i >= others.size() || !same(some[i], others[i])) factor_.touch(leaf_of_corner(some[i].leaf_corner));
+    };
+    touch_where_other(contacts_, contacts);
+    touch_where_other(contacts, contacts_);
+    contacts_ = std::move(contacts);
+}
+
 bool ThetaMatrix::factorise(std::span<const PointTangent> points) {
     ++round_;
     std::swap(holding_, held_before_);
     holding_.clear();
     friction_.clear();
+    hold_contacts(points);
     for (const PointTangent& point : points) {
+        if (point.block != point.symmetric_block) friction_.push_back(point);
+        if (point.fan_point < 0) continue;
         hold(point.fan_point, point.symmetric_block);
         held_in_[point.fan_point] = round_;
         holding_.push_back(point.fan_point);
-        if (point.block != point.symmetric_block) friction_.push_back(point);
     }
     for (const Index i : held_before_)
         if (held_in_[i] != round_) hold(i, Eigen::Matrix2d::Zero());

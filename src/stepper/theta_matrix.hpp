@@ -15,10 +15,11 @@ namespace knap {
 
 /// Change of the impulse on `after` (minus that on `before`) with their relative velocity: -block. Either may be -1: the ground.
 struct PointTangent {
-    Index fan_point;                  // into Model::fan_points
+    Index fan_point;                  // into Model::fan_points; -1: a contact with an obstacle, `before` is the ground
     Index before, after;              // nodes
     Eigen::Matrix2d block;            // [kg]
     Eigen::Matrix2d symmetric_block;  // [kg] the same without the friction that follows the contact
+    Index leaf_corner = -1;           // of a contact with an obstacle: a corner of its triangle
 };
 
 class ThetaMatrix {
@@ -49,6 +50,8 @@ private:
     void find_places(const Fan& fan);
     void touch_fan(const Fan& fan);
     void hold(Index fan_point, const Eigen::Matrix2d& block);
+    void hold_contacts(std::span<const PointTangent> points);
+    void add_contact(const PointTangent& contact, std::vector<Element>& elements) const;
     void add_elements(Index leaf, std::vector<Element>& elements) const;
     bool solve_by_gmres();
     void solve_by_lu();
@@ -67,6 +70,7 @@ private:
     std::vector<Index> holding_, held_before_;     // fan points whose block is not zero
     std::vector<Index> held_in_;                   // per fan point: the last round in which it was given
     Index round_ = 0;
+    std::vector<PointTangent> contacts_;           // with obstacles, as they are in the factor
     std::vector<PointTangent> friction_;           // points whose blocks are not symmetric
     std::vector<double> x_;                        // per unknown
     std::vector<Index> lu_unknowns_;

@@ -148,6 +148,7 @@ const Case cases[] = {
     {"cracking step without implicit bulk", with("cohesion = \"implicit\"\nstep_cracking = 1e-9\n"), "exclusive-keys", 17, 17, 4, "bulk = \"implicit\""},
     {"theta for an impact", changed("G_c = 3", "G_c = 3\nrestitution = 0.8", with("bulk = \"implicit\"\ntheta = 0.6\n")), "out-of-range", 18, 9, 3,
      "0.5555555555555556 of the law `default`"},
+    {"theta for the impact of an obstacle", with("bulk = \"implicit\"\ntheta = 0.6\n" + disc + "restitution = 1\n"), "out-of-range", 17, 9, 3, "of the obstacle `obstacle1`"},
     {"theta below a half", with("bulk = \"implicit\"\ntheta = 0.4\n"), "out-of-range", 17, 9, 3, "at least 0.5"},
     {"unknown bulk", with("bulk = \"implict\"\n"), "unknown-word", 16, 8, 9, "did you mean `implicit`?"},
     {"unknown mass", with("bulk = \"implicit\"\nmass = \"lump\"\n"), "unknown-word", 17, 8, 6, "did you mean `lumped`?"},

@@ -49,6 +49,15 @@ public:
         return last;
     }
 
+    /// False: the step was refused, and nothing has changed.
+    bool step_if_taken(double h) {
+        last = stepper.step(now, h, next_);
+        if (last.refusal != Refusal::none) return false;
+        std::swap(now, next_);
+        ledger.add(now, last);
+        return true;
+    }
+
     /// Displacement and velocity of the corner of `triangle` at its vertex k.
     Vec2 u(Index triangle, Index k) const { return now.displacement[now.node_of_corner[model.mesh.corners_per_triangle() * triangle + k]]; }
     Vec2 v(Index triangle, Index k) const { return now.velocity[now.node_of_corner[model.mesh.corners_per_triangle() * triangle + k]]; }

@@ -1,0 +1,84 @@
+// Rigid obstacles in the implicit scheme: a contact is a point whose one side is given, and moves.
+#include "stepper/contact_bound.hpp"
+#include "stepper/implicit_scheme.hpp"
+
+#include <algorithm>
+
+namespace knap {
+namespace {
+
+constexpr double tolerance = 1e-12;  // of the largest impulse
+
+}  // namespace
+
+/// A free obstacle moves as the body lets it: the body is solved for its rates until both agree.
+void ImplicitScheme::find_obstacle_rates(const State& begin, double h, StepReport& report) {
+    std::vector<std::uint8_t> touched(model_.obstacles.size(), 0);
+    for (const ObstacleContact& contact : contacts_.all()) touched[contact.obstacle] = model_.obstacles[contact.obstacle].is_free();
+    if (std::find(touched.begin(), touched.end(), 1) == touched.end()) return;
+    report.residual = obstacles_.solve(begin, touched, tolerance, [&](std::vector<Vec3>& wrench) {
+        report.refusal = Refusal::none;  // of a trial
+        solve_points(begin, h, report);
+        wrench = contact_wrenches();
+    });
+    report.refusal = Refusal::none;
+}
+
+std::vector<Vec3> ImplicitScheme::contact_wrenches() const {
+    std::vector<Vec3> wrench(model_.obstacles.size(), Vec3::Zero());
+    for (std::size_t i = 0; i < contacts_.all().size(); ++i) {
+        const ObstacleContact& contact = contacts_.all()[i];
+        wrench[contact.obstacle] -= wrench_of(contact_points()[i].impulse() / options_.theta, contact.arm);
+    }
+    return wrench;
+}
+
+LoosePoint ImplicitScheme::make_contact_point(const ObstacleContact& contact, const State& begin, double h) const {
+    const CohesiveLaw& law = model_.obstacles[contact.obstacle].contact;
+    LoosePoint made{.fan_point = -1,
+                    .before = -1,
+                    .after = partition_.node_of_corner[contact.corner],
+                    .normal = contact.normal,
+                    .leaf_corner = contact.corner};
+    made.mass = mass_between(made.before, made.after);
+    made.ground_rate = made.in_frame(velocity_at(obstacles_.rate()[contact.obstacle], contact));
+    const Vec2 speed = begin.velocity[begin.node_of_corner[contact.corner]] - velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
+    const std::optional<double> bound = contact_bound(contact.gap, contact.normal.dot(speed), 0, law.restitution, h, options_.theta);
+    const auto [imposed_N, imposed_T] = imposed(made);
+    made.law = {.u_N = contact.gap,
+                .u_T = 0,
+                .strength = 0,
+                .cohesion = 0,
+                .delta_c = 0,
+                .gamma = 0,
+                .friction = law.friction,
+                .bound = bound.value_or(0),
+                .may_touch = !imposed_N && bound,
+                .implicit_beta = false,
+                .h = h,
+                .theta = options_.theta,
+                .rho_N = 0,
+                .rho_T = imposed_T ? std::numeric_limits<double>::infinity() : 0};
+    return made;
+}
+
+void ImplicitScheme::guess_contacts() {
+    const std::size_t first = points_.size() - contacts_.all().size();
+    for (std::size_t i = 0; i < contacts_.all().size(); ++i) {
+        LoosePoint& point = points_[first + i];
+        point.law.contact_guess = point.law.may_touch ? contact_guess_[i].x() : 0;
+        point.law.tangential_guess = std::isinf(point.law.rho_T) ? 0 : contact_guess_[i].y();
+        scale_ = std::max({scale_, 1e-3 * point.mass * point.ground_rate.norm(), point.law.contact_guess});
+    }
+}
+
+void ImplicitScheme::keep_contacts() {
+    pushed_.assign(model_.mesh.n_corners(), Vec2::Zero());
+    for (std::size_t i = 0; i < contacts_.all().size(); ++i) {
+        const LoosePoint& point = contact_points()[i];
+        contact_guess_[i] = {point.law.contact_guess, point.law.tangential_guess};
+        pushed_[contacts_.all()[i].corner] += point.impulse();
+    }
+}
+
+}  // namespace knap
