@@ -4,7 +4,7 @@
 // In a given set of states the problem is linear (linear_fan.hpp). What violates its law changes state (link_state.hpp); without a
 // violation the solution is exact. States are guessed from the motion before the step, so that almost every problem takes one linear
 // solve. A chain that sticks all round is decided by find_circulation (circulation.hpp). Should the states cycle (friction, degenerate
-// ties), Lemke's pivots find them (fan_lcp.hpp), and the active set polishes what they found.
+// ties), Lemke's pivots find them (fan_lcp.hpp), and the active set polishes what they found; where they give up, states are searched.
 #include "interfaces/circulation.hpp"
 #include "interfaces/fan_problem.hpp"
 #include "interfaces/fan_scales.hpp"
@@ -19,6 +19,7 @@ struct FanSolution {
     enum class Status {
         exact,    // by the active set
         pivoted,  // the active set cycled; by Lemke's pivots
+        searched,  // the pivots ended without one; by trying the states of the links that moved most
         relaxed,  // the laws have no solution (large friction can wedge): solved without restitution, or else without friction
         failed    // no solution found
     };
@@ -40,6 +41,7 @@ private:
     bool settle_circulation();  // false: no constant of the loose impulses is admissible, and the mechanism's links changed state
     int correct_states(bool only_worst);
     bool solve_by_pivots();
+    bool search_states();
     void store(FanProblem& problem) const;
 
     const FanProblem* problem_ = nullptr;

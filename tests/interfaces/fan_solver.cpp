@@ -211,3 +211,31 @@ TEST_CASE("where friction wedges a driven body the laws are relaxed and nothing 
         CHECK(FanJudge(solved).verdict().friction_work <= 0);
     }
 }
+
+TEST_CASE("a fan of a crushed body that Lemke's method gives up has a lawful solution") {
+    // from a Brazilian test with friction 0.7: two points slide, four hold; the pivots end on a ray
+    FanProblem fan;
+    fan.closed = true;
+    fan.drift_time = 7.090857521036211e-08;
+    const auto body = [&](double v_x, double v_y, double free_x, double free_y, double w) {
+        fan.bodies.push_back({.velocity = {v_x, v_y}, .free_velocity = {free_x, free_y}, .inverse_mass = {w, w}, .end_velocity = Vec2::Zero()});
+    };
+    body(0.98455142911481586, 1.298485679962752, 1.1382442528650136, 1.2469765636357903, 11360.7375037695);
+    body(0.98455142911481586, 1.298485679962752, 1.1152277171989211, 1.5957158121724053, 16177.01725149336);
+    body(0.9970863613611034, 1.1970277185809814, 0.87876253529436532, 1.689647647171268, 10280.244488558872);
+    body(0.95521683521145706, 1.2615187390431093, 1.0879066995749986, 1.489463487391584, 11760.898543017673);
+    body(0.95521683521145706, 1.2615187390431093, 1.1220597126437284, 1.1674758934296512, 14684.930334412662);
+    body(0.98455142911481586, 1.298485679962752, 1.0883958351597993, 0.91835699731702936, 9591.083151378356);
+    const auto link = [&](Index before, Index after, double N_x, double N_y, double u_N, double u_T, double cohesive) {
+        fan.links.push_back({.before = before, .after = after, .normal = {N_x, N_y}, .u_N = u_N, .u_T = u_T, .cohesive = cohesive, .gamma = 1,
+                             .friction = 0.7, .restitution = 0, .unbreakable = false});
+    };
+    link(5, 0, -0.77910266607382128, -0.62689635165365554, 0, 0, 9.8202688971392679e-05);
+    link(0, 1, 0.28277245434272341, -0.95918701985848021, 0, 0, 7.616332158265388e-05);
+    link(1, 2, 0.91919596122218694, -0.39380043787789237, 3.6501074534276958e-09, 1.3395735464602584e-08, 7.1667534123339718e-05);
+    link(2, 3, 0.83873847529765266, 0.54453445258805144, -1.8449544890286571e-21, -2.8417564908277957e-21, 0.00010698715083318158);
+    link(3, 4, 0.075116029511106783, 0.99717480017822679, 0, 0, 7.5570568271959962e-05);
+    link(4, 5, -0.78333273403573345, 0.62160262852412618, 2.4608623223452573e-21, 1.3884128098627803e-08, 7.546052324899574e-05);
+    CHECK(FanSolver().solve(fan).status == FanSolution::Status::searched);
+    CHECK(FanJudge(fan).verdict().worst() <= 1e-10);
+}
