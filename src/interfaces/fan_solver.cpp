@@ -10,7 +10,7 @@ namespace {
 
 constexpr int max_corrections = 40;                 // changes of state before the pivots take over
 constexpr int patient_corrections = 8;              // from here on only the worst violation changes its state
-constexpr std::size_t most_searched = 3;            // links whose states are tried one by one where the pivots end without a solution
+constexpr std::size_t most_searched = 4;            // links whose states are tried one by one where the pivots end without a solution
 constexpr double largest_violation = 1e-10;         // relative, of a solution of the active set: the gate of every run
 constexpr double largest_pivoted_violation = 1e-8;  // and of the pivots
 
