@@ -51,7 +51,7 @@ LoosePoint ImplicitScheme::make_contact_point(const ObstacleContact& contact, co
                 .cohesion = 0,
                 .delta_c = 0,
                 .gamma = 0,
-                .friction = law.friction,
+                .friction = model_.obstacles[contact.obstacle].is_free() && contact.is_led_along(bulk_.prescribed()[made.after]) ? 0 : law.friction,
                 .bound = bound.value_or(0),
                 .may_touch = !imposed_N && bound,
                 .implicit_beta = false,

@@ -4,6 +4,8 @@
 // which for a convex obstacle is never more than it does.
 #include "model/state.hpp"
 
+#include <array>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -17,6 +19,11 @@ struct ObstacleContact {
     Vec2 arm;     // [m] from the obstacle's origin to the corner
     Vec2 normal;  // out of the obstacle
     double gap;   // [m]
+
+    /// What is prescribed of the corner is mostly its motion along the surface. Beside a free obstacle the friction there would hardly have a definite value.
+    bool is_led_along(const std::array<bool, 2>& prescribed) const {
+        return (prescribed[0] && std::abs(normal.x()) < 0.5) || (prescribed[1] && std::abs(normal.y()) < 0.5);
+    }
 };
 
 /// [m/s] of the obstacle at the contact.

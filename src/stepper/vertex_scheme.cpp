@@ -13,6 +13,7 @@ namespace knap {
 namespace {
 
 constexpr std::size_t fans_in_a_block = 512, split_fans_in_a_block = 32;
+constexpr double most_obstacle_error = 1e-10;  // of the largest impulse: the gate of every run
 
 }  // namespace
 
@@ -199,6 +200,8 @@ void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, Fan
     for (const ObstacleContact& contact : contacts_.of_fan(f)) {
         const Index* corner = &model_.fan_corners[fan.first_corner];
         const Obstacle& obstacle = model_.obstacles[contact.obstacle];
+        const PrescribedMotion* motion = prescribed_motion(contact.corner);
+        const bool rubs = !(motion && obstacle.is_free() && contact.is_led_along(motion->component));
         problem.links.push_back({.before = static_cast<Index>(problem.bodies.size()),
                                  .after = static_cast<Index>(std::find(corner, corner + fan.n_corners, contact.corner) - corner),
                                  .normal = contact.normal,
@@ -206,7 +209,7 @@ void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, Fan
                                  .u_T = 0,
                                  .cohesive = 0,
                                  .gamma = 0,
-                                 .friction = obstacle.contact.friction,
+                                 .friction = rubs ? obstacle.contact.friction : 0,
                                  .restitution = obstacle.contact.restitution,
                                  .unbreakable = false});
         problem.bodies.push_back({.velocity = velocity_at(begin.obstacles[contact.obstacle].velocity, contact),
@@ -371,6 +374,10 @@ void VertexScheme::find_obstacle_velocities(const State& begin, const FreeMotion
         }
     });
     report.residual = std::max(report.residual, error);
+    if (error <= most_obstacle_error) return;
+    // a body squeezed with friction has several solutions, or none, and which one its fan finds may jump: smaller steps tell them apart
+    report.refusal = Refusal::not_converged;
+    report.where = model_.mesh.corner(contacts.front().corner);
 }
 
 void VertexScheme::move_obstacles(const State& begin, State& end, StepReport& report) const {

@@ -257,6 +257,22 @@ TEST_CASE("random bodies among random obstacles hardly penetrate and never gain 
     }
 }
 
+TEST_CASE("a fan squeezed between obstacles whose solution jumps is refused and smaller steps go on") {
+    // one of four hundred such scenes: with friction the fan has two solutions, and neither balances both obstacles
+    Run run = random_scene(186);
+    const double h = 0.8 * run.stepper.stable_step();
+    int refused = 0;
+    for (double step = h; run.now.time < 200 * h; step = std::min(1.5 * step, h)) {
+        while (!run.step_if_taken(step)) {
+            ++refused;
+            step *= 0.5;
+            REQUIRE(refused < 40);
+        }
+    }
+    CHECK(refused > 0);
+    check_books(run);
+}
+
 TEST_CASE("obstacles do not depend on the units") {
     for (const std::uint64_t seed : {1, 5, 9}) {
         const double L = 1e-3, T = 1e-6, M = 1e3;
