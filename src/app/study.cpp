@@ -1,34 +1,17 @@
 #include "app/study.hpp"
 
 #include "app/run_directory.hpp"
-#include "base/error.hpp"
 
 #include <algorithm>
 #include <cstdio>
 
 namespace knap {
-namespace {
-
-/// A study's directory is made, or is one that was made by a study.
-void check_directory(const std::filesystem::path& directory) {
-    namespace fs = std::filesystem;
-    std::error_code error;
-    if (!fs::exists(directory, error) || (fs::is_directory(directory, error) && fs::is_empty(directory, error))) return;
-    if (!fs::exists(directory / "study.toml", error))
-        throw UserError("not-a-study", "`" + directory.string() + "` was not made by knap study (no study.toml), so it is left alone", "choose another directory with --output");
-}
-
-}  // namespace
-
-ExitCode study_scenario(const std::string& scenario, const std::vector<std::string>& overrides, const StudyCommand& command) {
+ExitCode study_scenario(const std::string& scenario, const std::vector<std::string>& overrides, const BatchOptions& command) {
     Study study{.plan = plan_study(scenario, overrides)};
     const std::filesystem::path directory = command.output.empty() ? std::filesystem::path("studies") / study.plan.name : command.output;
-    check_directory(directory);
-    const auto to_do = runs_to_do(study.plan, directory / "runs", command.force);
-    std::error_code error;
-    std::filesystem::create_directories(directory / "runs", error);
-    if (error) throw UserError("cannot-write", "cannot make `" + directory.string() + "`: " + error.message());
-    write_whole_file(directory / "study.toml", resolved_for_run(open_scenario(scenario, overrides)));
+    check_batch_directory(directory, "study");
+    const auto to_do = runs_to_do(batch_of(study.plan.runs), directory / "runs", command.force);
+    make_batch_directory(directory, "study", resolved_for_run(open_scenario(scenario, overrides)));
     if (!do_runs(scenario, to_do, directory / "runs", command)) {
         std::fprintf(stderr, "interrupted; the same command goes on where it stopped\n");
         return exit_interrupted;
@@ -43,7 +26,7 @@ ExitCode study_scenario(const std::string& scenario, const std::vector<std::stri
     std::fputs(text.c_str(), stdout);
     std::printf("\nstudy:   %s\n", directory.string().c_str());
     for (const auto& figure : draw_study(study, directory / "figures")) std::printf("figure:  %s\n", figure.string().c_str());
-    const bool all_done = std::all_of(study.results.begin(), study.results.end(), [](const StudyResult& r) { return r.status == "done" && r.gates_hold; });
+    const bool all_done = std::all_of(study.results.begin(), study.results.end(), [](const RunResult& r) { return r.status == "done" && r.gates_hold; });
     return all_done ? exit_done : exit_failed;
 }
 

@@ -1,11 +1,9 @@
 // Which runs a study consists of.
 #include "app/step_plan.hpp"
 #include "app/study.hpp"
-#include "base/error.hpp"
 #include "scenario/units.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <optional>
 
 namespace knap {
@@ -15,8 +13,8 @@ using Overrides = std::vector<std::string>;
 
 void append(Overrides& all, const Overrides& more) { all.insert(all.end(), more.begin(), more.end()); }
 
-/// What is not for the single run: its figures, its [expect] (a coarse run may miss it), the study itself.
-const Overrides bare{"output.fields=false", "figure=", "expect=", "study="};
+/// What is not for the single run: its figures, its [expect] (a coarse run may miss it), the study or sweep itself.
+const Overrides bare{"output.fields=false", "figure=", "expect=", "study=", "sweep="};
 
 /// The steps of a level. Those in multiples of the stable step follow a refined mesh by themselves.
 void refine_step(const ReadResult& base, double level, bool follows_mesh, Overrides& set) {
@@ -58,16 +56,6 @@ std::string scheme_name(const Scenario& scenario) {
 
 }  // namespace
 
-std::string plain_name(const std::string& text) {
-    std::string name;
-    for (const char c : text) {
-        const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-';
-        if (plain) name += c;
-        else if (!name.empty() && name.back() != '_') name += '_';
-    }
-    return name;
-}
-
 StudyPlan plan_study(const std::string& scenario, const Overrides& overrides) {
     const ReadResult read = open_scenario(scenario, overrides);
     StudyPlan plan{.options = read.scenario.study, .name = read.scenario.name};
@@ -87,7 +75,9 @@ StudyPlan plan_study(const std::string& scenario, const Overrides& overrides) {
         std::sort(line.levels.begin(), line.levels.end());
         for (const double level : line.levels) {
             for (int s = 0; s < std::max(options.n_seeds, 1); ++s) {
-                StudyRun run{.line = i, .level = level, .seed = base.scenario.seed + static_cast<std::uint64_t>(s), .overrides = of_line};
+                StudyRun run;
+                run.line = i, run.level = level, run.seed = base.scenario.seed + static_cast<std::uint64_t>(s);
+                run.overrides = of_line;
                 if (options.refine != Refine::mesh) refine_step(base, level, options.refine == Refine::both, run.overrides);
                 if (options.refine != Refine::step) refine_mesh(base, level, run.overrides);
                 const bool seeds = options.n_seeds > 0;
@@ -100,10 +90,7 @@ StudyPlan plan_study(const std::string& scenario, const Overrides& overrides) {
             }
         }
     }
-    for (std::size_t i = 0; i < plan.runs.size(); ++i)
-        for (std::size_t j = 0; j < i; ++j)
-            if (plan.runs[i].name == plan.runs[j].name)
-                throw UserError("duplicate-name", "two runs of the study would be called `" + plan.runs[i].name + "`", "give every line a name of its own, and every level once");
+    check_names(batch_of(plan.runs), "give every line a name of its own, and every level once");
     return plan;
 }
 

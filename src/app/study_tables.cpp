@@ -1,100 +1,50 @@
 // A study as text, as CSV and as Markdown.
 #include "app/convergence.hpp"
 #include "app/study.hpp"
+#include "app/text_table.hpp"
 #include "observe/ticks.hpp"
 #include "scenario/units.hpp"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace knap {
 namespace {
 
-using Row = std::vector<std::string>;
-
-std::string number(double value, const char* format) {
-    if (!std::isfinite(value)) return "-";
-    char text[64];
-    std::snprintf(text, sizeof text, format, value);
-    return text;
-}
-
 /// A column in one unit: its prefix is that of the largest value.
 DisplayUnit unit_of(const Study& study, std::size_t q) {
     double largest = 0;
-    for (const StudyResult& result : study.results)
+    for (const RunResult& result : study.results)
         if (std::isfinite(result.values[q])) largest = std::max(largest, std::abs(result.values[q]));
     return display_unit(largest, study.plan.options.quantities[q].unit);
 }
 
 std::string with_prefix(double value, const char* unit) {
     const DisplayUnit shown = display_unit(std::abs(value), unit);
-    return number(value * shown.factor, "%.4g") + (std::isfinite(value) ? " " + shown.unit : "");
+    return number_text(value * shown.factor, "%.4g") + (std::isfinite(value) ? " " + shown.unit : "");
 }
 
 /// Of a run: line, size, step, steps, triangles, processor time; solver work where there is any.
 Row what_it_was(const Study& study, std::size_t i, bool first_of_line) {
     const StudyRun& run = study.plan.runs[i];
-    const StudyResult& result = study.results[i];
+    const RunResult& result = study.results[i];
     const bool solves = result.linear_solves > 0 && result.steps > 0;
     return {first_of_line ? study.plan.options.lines[run.line].name : "", run.size > 0 ? with_prefix(run.size, "m") : "-", with_prefix(result.step, "s"),
-            number(result.steps, "%.0f") + (result.n_cuts > 0 ? " (" + number(result.n_cuts, "%.0f") + " cut)" : ""), number(result.triangles, "%.0f"),
-            solves ? number(result.linear_solves / result.steps, "%.2g") + ", " + number(result.factorisations / result.steps, "%.2g") : "-",
-            result.cpu < 0.0005 ? "-" : number(result.cpu, "%.3g") + (std::isfinite(result.cpu) ? " s" : "")};
+            number_text(result.steps, "%.0f") + (result.n_cuts > 0 ? " (" + number_text(result.n_cuts, "%.0f") + " cut)" : ""), number_text(result.triangles, "%.0f"),
+            solves ? number_text(result.linear_solves / result.steps, "%.2g") + ", " + number_text(result.factorisations / result.steps, "%.2g") : "-",
+            result.cpu < 0.0005 ? "-" : number_text(result.cpu, "%.3g") + (std::isfinite(result.cpu) ? " s" : "")};
 }
 const Row what_it_was_header{"line", "mesh", "step", "steps", "triangles", "solves, factorisations a step", "processor time"};
 
 /// What stands in the place of the numbers of a run that has none, or has lost a gate.
-std::string trouble(const StudyResult& result) {
+std::string trouble(const RunResult& result) {
     if (result.status != "done") return result.status + ": " + result.reason.substr(0, 90);
     return result.gates_hold ? "" : "a gate is violated";
-}
-
-std::string padded(const std::vector<Row>& rows) {
-    std::vector<std::size_t> width;
-    const auto columns = [](const std::string& text) { return std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }); };
-    for (const Row& row : rows)
-        for (std::size_t i = 0; i < row.size(); ++i) {
-            if (i == width.size()) width.push_back(0);
-            width[i] = std::max<std::size_t>(width[i], columns(row[i]));
-        }
-    std::string text;
-    for (const Row& row : rows) {
-        std::string line;
-        for (std::size_t i = 0; i < row.size(); ++i) line += (i ? "  " : "") + row[i] + std::string(i + 1 < row.size() ? width[i] - columns(row[i]) : 0, ' ');
-        text += line + "\n";
-    }
-    return text;
-}
-
-std::string markdown(const std::vector<Row>& rows) {
-    std::string text;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        text += "|";
-        for (const std::string& cell : rows[i]) text += " " + cell + " |";
-        text += "\n";
-        if (i > 0) continue;
-        text += "|";
-        for (std::size_t k = 0; k < rows[i].size(); ++k) text += "---|";
-        text += "\n";
-    }
-    return text;
-}
-
-/// Leaves out columns that say nothing ("-" in every row); `first` is the number of columns that may go.
-void drop_empty(std::vector<Row>& rows, std::size_t first) {
-    for (std::size_t k = first; k-- > 0;) {
-        const bool empty = std::all_of(rows.begin() + 1, rows.end(), [&](const Row& row) { return k >= row.size() || row[k] == "-" || row[k].empty(); });
-        if (!empty) continue;
-        for (Row& row : rows)
-            if (k < row.size()) row.erase(row.begin() + static_cast<std::ptrdiff_t>(k));
-    }
 }
 
 std::string reference_text(const Study& study, std::size_t q) {
     const StudyErrors& errors = study.errors[q];
     const DisplayUnit unit = unit_of(study, q);
-    const std::string value = number(errors.reference * unit.factor, "%.8g") + (unit.unit.empty() ? "" : " " + unit.unit);
+    const std::string value = number_text(errors.reference * unit.factor, "%.8g") + (unit.unit.empty() ? "" : " " + unit.unit);
     return errors.exact ? "exact: " + value : "reference: " + value + " (" + study.plan.runs[errors.reference_run].name + ")";
 }
 
@@ -108,8 +58,8 @@ std::vector<Row> error_rows(const Study& study, std::size_t q) {
     for (std::size_t i = 0; i < study.results.size(); ++i) {
         Row row = what_it_was(study, i, first_of_line(study, i));
         const bool reference = i == errors.reference_run;
-        row.insert(row.end(), {number(study.results[i].values[q] * unit.factor, "%.7g"), reference ? "reference" : number(errors.error[i], "%.2e"),
-                               number(errors.order[i], "%.2f")});
+        row.insert(row.end(), {number_text(study.results[i].values[q] * unit.factor, "%.7g"), reference ? "reference" : number_text(errors.error[i], "%.2e"),
+                               number_text(errors.order[i], "%.2f")});
         if (const std::string what = trouble(study.results[i]); !what.empty()) row.push_back(what);
         rows.push_back(std::move(row));
     }
@@ -123,10 +73,10 @@ std::string orders_text(const Study& study, std::size_t q) {
     std::string text;
     for (std::size_t line = 0; line < errors.fitted.size(); ++line) {
         if (!std::isfinite(errors.fitted[line])) continue;
-        text += study.plan.options.lines[line].name + ": order " + number(errors.fitted[line], "%.2f") + " (fitted)";
+        text += study.plan.options.lines[line].name + ": order " + number_text(errors.fitted[line], "%.2f") + " (fitted)";
         if (errors.extrapolated[line])
-            text += "; extrapolated to " + number(*errors.extrapolated[line] * unit.factor, "%.8g") + (unit.unit.empty() ? "" : " " + unit.unit) + " with order " +
-                    number(*errors.extrapolated_order[line], "%.2f");
+            text += "; extrapolated to " + number_text(*errors.extrapolated[line] * unit.factor, "%.8g") + (unit.unit.empty() ? "" : " " + unit.unit) + " with order " +
+                    number_text(*errors.extrapolated_order[line], "%.2f");
         text += "\n";
     }
     return text;
@@ -161,7 +111,7 @@ std::vector<Sample> samples(const Study& study) {
 
 Row sample_row(const Study& study, const Sample& sample) {
     Row row = what_it_was(study, sample.runs.front(), first_of_line(study, sample.runs.front()));
-    row.back() = number(sample.mean_cost(study), "%.3g") + " s";
+    row.back() = number_text(sample.mean_cost(study), "%.3g") + " s";
     return row;
 }
 
@@ -173,7 +123,7 @@ std::vector<Row> spread_rows(const Study& study, std::size_t q) {
         const Spread s = sample.of(study, q);
         Row row = sample_row(study, sample);
         row.push_back(std::to_string(s.n) + " of " + std::to_string(sample.runs.size()));
-        for (const double v : {s.mean, s.deviation, s.smallest, s.largest}) row.push_back(number(v * unit.factor, "%.4g"));
+        for (const double v : {s.mean, s.deviation, s.smallest, s.largest}) row.push_back(number_text(v * unit.factor, "%.4g"));
         rows.push_back(std::move(row));
     }
     drop_empty(rows, what_it_was_header.size());
@@ -183,12 +133,8 @@ std::vector<Row> spread_rows(const Study& study, std::size_t q) {
 /// "0.27 ± 0.05 (7 of 10)": what never happened in some runs is counted.
 std::string spread_cell(const Spread& s, std::size_t n_runs, double factor) {
     if (s.n == 0) return "never";
-    return number(s.mean * factor, "%.3g") + " ± " + number(s.deviation * factor, "%.2g") + (s.n < static_cast<int>(n_runs) ? " (" + std::to_string(s.n) + ")" : "");
+    return number_text(s.mean * factor, "%.3g") + " ± " + number_text(s.deviation * factor, "%.2g") + (s.n < static_cast<int>(n_runs) ? " (" + std::to_string(s.n) + ")" : "");
 }
-
-std::string csv_number(double value) { return std::isfinite(value) ? shortest(value) : ""; }
-
-std::string csv_text(const std::string& text) { return text.find_first_of(",\"") == std::string::npos ? text : "\"" + text + "\""; }
 
 }  // namespace
 
@@ -216,7 +162,7 @@ std::string study_csv(const Study& study) {
     text += "\n";
     for (std::size_t i = 0; i < study.results.size(); ++i) {
         const StudyRun& run = study.plan.runs[i];
-        const StudyResult& r = study.results[i];
+        const RunResult& r = study.results[i];
         text += csv_text(study.plan.options.lines[run.line].name) + "," + shortest(run.level) + "," + std::to_string(run.seed) + "," + r.status + "," + r.bulk + "," + r.cohesion;
         for (const double v : {run.size, r.step, r.triangles, r.steps, r.n_cuts, r.linear_solves, r.factorisations, r.cpu}) text += "," + csv_number(v);
         for (std::size_t q = 0; q < quantities.size(); ++q) {
@@ -264,8 +210,9 @@ std::string study_markdown(const Study& study) {
         for (std::size_t i = 0; i < study.results.size(); ++i) {
             Row row = what_it_was(study, i, first_of_line(study, i));
             for (std::size_t q = 0; q < quantities.size(); ++q)
-                row.insert(row.end(), {number(study.results[i].values[q] * units[q].factor, "%.5g"),
-                                       i == study.errors[q].reference_run ? "reference" : number(study.errors[q].error[i], "%.1e"), number(study.errors[q].order[i], "%.2f")});
+                row.insert(row.end(), {number_text(study.results[i].values[q] * units[q].factor, "%.5g"),
+                                       i == study.errors[q].reference_run ? "reference" : number_text(study.errors[q].error[i], "%.1e"),
+                                       number_text(study.errors[q].order[i], "%.2f")});
             if (const std::string what = trouble(study.results[i]); !what.empty()) row.back() = what;
             rows.push_back(std::move(row));
         }

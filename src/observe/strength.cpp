@@ -26,10 +26,11 @@ Line fit(const Column& x, const Column& y, std::size_t first, std::size_t last) 
     return {xy / xx, mean_y - xy / xx * mean_x};
 }
 
-/// The lines on the way to the peak with a stress between two parts of it, at least the two round them.
+/// The lines on which the stress first passes from one part of the peak to the other, at least the two round them. (After a fracture waves may bring a
+/// stress beyond the one at which it broke.)
 std::array<std::size_t, 2> between(const Column& stress, std::size_t peak, const std::array<double, 2>& parts) {
-    std::size_t first = peak;
-    while (first > 0 && stress[first - 1] >= parts[0] * stress[peak]) --first;
+    std::size_t first = 0;
+    while (first < peak && stress[first] < parts[0] * stress[peak]) ++first;
     std::size_t last = first;
     while (last <= peak && stress[last] <= parts[1] * stress[peak]) ++last;
     if (last - first >= 3) return {first, last};

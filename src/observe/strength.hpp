@@ -2,8 +2,8 @@
 // What a stress-strain curve says: peak, modulus, Poisson's ratio, and the stresses at which cracks begin and become unstable.
 //
 //     peak                the largest stress
-//     tangent modulus     least-squares slope of stress over axial strain between two parts of the peak, before it (40 and 60 %: the tangent at half of the
-//                         strength of the ISRM's suggested methods, Bieniawski and Bernede 1979)
+//     tangent modulus     least-squares slope of stress over axial strain between two parts of the peak, on the first way there (40 and 60 %: the tangent at half of
+//                         the strength of the ISRM's suggested methods, Bieniawski and Bernede 1979)
 //     strain ratio        least-squares slope of -lateral over axial strain there
 //     crack initiation    stress at which 1 % of the interfaces are broken that are at the peak (Potyondy and Cundall 2004)
 //     dilatancy           compression: onset of the dilatancy of cracks. The crack volumetric strain, that is the volumetric strain less its line over the stress

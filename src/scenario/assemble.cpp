@@ -95,6 +95,7 @@ void assemble(Assembly& assembly) {
     assemble_figures(assembly);
     assemble_expectations(assembly);
     assemble_study(assembly);
+    assemble_sweep(assembly);
 }
 
 }  // namespace knap

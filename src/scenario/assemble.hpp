@@ -54,6 +54,7 @@ void assemble_specimen(Assembly& assembly);    // after loads, obstacles and pro
 void assemble_figures(Assembly& assembly);
 void assemble_expectations(Assembly& assembly);
 void assemble_study(Assembly& assembly);       // last: it may name probes, loads and expectations
+void assemble_sweep(Assembly& assembly);
 
 /// The history of a load or an obstacle: its ramp, table or csv.
 TimeFunction assemble_history(Assembly& assembly, const std::string& table);

@@ -21,6 +21,10 @@ std::vector<std::string> history_columns(const Scenario& scenario) {
         if (kind != Load::Kind::velocity && kind != Load::Kind::displacement) continue;
         for (const char* of : {"_force_x", "_force_y", "_u_x", "_u_y"}) names.push_back("load" + std::to_string(i) + of);
     }
+    for (const Obstacle& obstacle : scenario.obstacles)
+        for (const char* of : {"_force_x", "_force_y", "_u_x", "_u_y", "_v_x", "_v_y"}) names.push_back(obstacle.name + of);
+    if (scenario.specimen) names.insert(names.end(), {"stress", "axial_strain", "tensile_breaks", "shear_breaks"});
+    if (scenario.specimen && scenario.specimen->lateral) names.emplace_back("lateral_strain");
     for (const ProbeOptions& probe : scenario.probes)
         for (const char* of : probe.interface ? std::vector{"_opening", "_slip", "_cohesion"} : std::vector{"_u_x", "_u_y", "_v_x", "_v_y"})
             names.push_back(probe.name + of);

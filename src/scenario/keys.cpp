@@ -292,6 +292,13 @@ const std::vector<Key>& table() {
     {.path = "expect.*.value", .kind = Kind::number, .unit = "*", .doc = "this, up to `within`"},
     {.path = "expect.*.within", .kind = Kind::number, .unit = "*", .range = not_negative, .doc = "allowed deviation from `value`, or relative: \"2 %\""},
 
+    {.path = "sweep", .kind = Kind::table, .doc = "what `knap sweep` varies: all combinations"},
+    {.path = "sweep.set", .kind = Kind::text, .form = Form::list, .doc = "KEY=VALUE,VALUE,... as with its --set; commas in quotes and brackets are part of a value"},
+    {.path = "sweep.seeds", .kind = Kind::integer, .range = {.low = 1, .high = 100000}, .doc = "every combination is run with this many seeds, from `seed` on"},
+    {.path = "sweep.quantities", .kind = Kind::text, .form = Form::list, .words = summary_names(),
+     .otherwise = "with a specimen peak_stress and tangent_modulus, broken_length, dissipated, fragments", .doc = "numbers of the summary in the table"},
+    {.path = "sweep.show", .kind = Kind::text, .words = figure_subjects(), .standard = "\"cracks\"", .doc = "what the contact sheet shows of every run"},
+
     {.path = "study", .kind = Kind::table, .doc = "what `knap study` varies and compares"},
     {.path = "study.refine", .kind = Kind::text, .words = {"step", "mesh", "both"}, .otherwise = "step",
      .doc = "what a level divides: time.step, the sizes of [mesh], or both; a step in CFL or auto follows the mesh by itself"},

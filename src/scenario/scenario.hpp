@@ -14,6 +14,7 @@
 #include "observe/probes.hpp"
 #include "observe/specimen.hpp"
 #include "scenario/study_options.hpp"
+#include "scenario/sweep_options.hpp"
 #include "stepper/scheme_options.hpp"
 
 #include <cstdint>
@@ -119,6 +120,7 @@ struct Scenario {
     std::vector<FigureOptions> figures;
     std::vector<Expectation> expect;
     StudyOptions study;
+    SweepOptions sweep;
 };
 
 }  // namespace knap

@@ -119,7 +119,7 @@ TEST_CASE("study: finished runs are kept and nothing else is overwritten") {
     // another scenario in the same place
     const Answer other = command(study + "--levels 1,2 -s domain.thickness=\"2 m\"");
     CHECK(other.code == 2);
-    CHECK(other.has("study-exists"));
+    CHECK(other.has("runs-exist"));
     CHECK(other.has("--force"));
     CHECK(fs::last_write_time(run) == written);
     CHECK(command(study + "--levels 1,2 -s domain.thickness=\"2 m\" --force").code == 0);

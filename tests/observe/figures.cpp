@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "observe/body_figures.hpp"
+#include "observe/contact_sheet.hpp"
 #include "observe/curve_figures.hpp"
 #include "observe/figures.hpp"
 #include "observe/rock_figures.hpp"
@@ -104,6 +105,12 @@ TEST_CASE("figures: no text leaves the page or touches another") {
                                break_chart(synthetic::breaks(), 0, 80e-6), fragment_size_chart(synthetic::fragments())})
         check_type(draw_chart(chart, pictures() / "type.png", 600));
     check_type(draw_rose(synthetic::breaks(), "Edge-cracked block", pictures() / "type.png", 600));
+    // a contact sheet of pictures that are there, and one that is not
+    draw_cracks({.width = 600}, plate(), "Edge-cracked block", pictures() / "tile.png");
+    std::vector<Tile> tiles;
+    for (int i = 0; i < 7; ++i) tiles.push_back({pictures() / (i == 4 ? "nothing.png" : "tile.png"), "interface.default.sigma_c 3 MPa, seed " + std::to_string(i)});
+    for (const std::size_t n_columns : {1, 3, 7}) check_type(draw_contact_sheet(tiles, n_columns, "Edge-cracked block", pictures() / "sheet.png", 1200));
+    CHECK(read_png(pictures() / "sheet.png").inked > 0.2);
     check_type(draw_rose(synthetic::breaks(0), "Edge-cracked block", pictures() / "type.png", 600));  // nothing broke
 }
 

@@ -158,6 +158,11 @@ TEST_CASE("strength: peak and stresses of cracks of a curve made by hand") {
     CHECK(s.crack_damage == 80e6);
     // 1 % of the elastic contraction at 40 MPa, 0.75 x 40: open^2 0.75/80 = 0.3
     CHECK(s.dilatancy == 46e6);
+    // a wave that comes back after the fracture makes a higher peak, and no other modulus
+    History late{{"time", "stress", "axial_strain", "tensile_breaks", "shear_breaks"}, {}};
+    for (int i = 0; i <= 40; ++i) late.rows.push_back({1. * i, i <= 20 ? 1. * i : i <= 30 ? 3. * (30 - i) - 10 : 3. * (i - 30) - 8, 2. * i, 0, 0});
+    CHECK(strength_of(late, {0.4, 0.6}).peak_stress == 22);
+    CHECK(strength_of(late, {0.4, 0.6}).tangent_modulus == relative(0.5, 1e-12));
     // a curve of tension has no volume, and a peak at its end is a peak
     History rising{{"time", "stress", "axial_strain", "tensile_breaks", "shear_breaks"}, {{0, 0, 0, 0, 0}, {1, 1, 2, 0, 0}, {2, 2, 4, 0, 0}, {3, 3, 6, 0, 1}}};
     const Strength end = strength_of(rising, {0.4, 0.6});

@@ -167,6 +167,11 @@ max_tip_speed = { below = "0.65 cR" }
 first_growth_time = { at_least = "10 us", at_most = "12 us" }
 dissipated = { value = "12 mJ", within = "7 %" }
 fragments = { value = 2, within = 0 }
+[sweep]
+set = ["mesh.size=1 mm,2 mm"]
+seeds = 20
+quantities = ["broken_length", "fragments"]
+show = "materials"
 [study]
 refine = "both"
 levels = [1, 2.5]
@@ -428,6 +433,10 @@ const Case cases[] = {
     {rectangle, "expect.first_growth_time.at_most", "1.2e-05"},
     {rectangle, "expect.dissipated.value", "0.012"},
     {rectangle, "expect.dissipated.within", "\"7 %\""},
+    {rectangle, "sweep.set", "[\"mesh.size=1 mm,2 mm\"]"},
+    {rectangle, "sweep.seeds", "20"},
+    {rectangle, "sweep.quantities", "[\"broken_length\", \"fragments\"]"},
+    {rectangle, "sweep.show", "\"materials\""},
     {rectangle, "study.refine", "\"both\""},
     {rectangle, "study.levels", "[1, 2.5]"},
     {rectangle, "study.seeds", "12"},

@@ -33,6 +33,8 @@ const std::string driven = "[[load]]\non = \"top\"\nvelocity = [0, 1]\n";       
 const std::string specimen = driven + "[specimen]\ntest = \"tension\"\nforce = \"load0\"\n";        // lines 19 to 21
 
 const Case cases[] = {
+    {"a sweep for nothing known", with("[sweep]\nquantities = [\"broken_lenght\"]\n"), "unknown-word", 17, 15, 15, "did you mean `broken_length`?"},
+    {"a sweep without seeds", with("[sweep]\nseeds = 0\n"), "out-of-range", 17, 9, 1, "at least 1"},
     {"a specimen without a test", with(driven + "[specimen]\nforce = \"load0\"\n"), "missing-key", 19, 1, 10, "`specimen.test` is missing"},
     {"a specimen that nothing drives", with("[specimen]\ntest = \"tension\"\nforce = \"load0\"\n"), "unknown-name", 18, 9, 7, "there is none"},
     {"a specimen driven by another", with(driven + "[specimen]\ntest = \"tension\"\nforce = \"load1\"\n"), "unknown-name", 21, 9, 7, "did you mean `load0`?"},

@@ -1,5 +1,5 @@
-// The runs of a study, each a process of its own: its processor time and memory are its own, and `n_at_once` go side by side.
-#include "app/study.hpp"
+// Each run is a process of its own: its processor time and memory are its own, and `n_at_once` go side by side.
+#include "app/run_batch.hpp"
 
 #include "app/read_run.hpp"
 #include "app/run_directory.hpp"
@@ -12,8 +12,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cctype>
 #include <csignal>
 #include <fstream>
+#include <map>
+#include <set>
 #include <sstream>
 
 extern char** environ;
@@ -25,7 +28,7 @@ namespace fs = std::filesystem;
 
 volatile std::sig_atomic_t interrupted = 0;
 
-/// Ctrl-C reaches the runs as well; the study waits for them and ends.
+/// Ctrl-C reaches the runs as well; what started them waits for them and ends.
 class InterruptGuard {
 public:
     InterruptGuard() {
@@ -46,7 +49,7 @@ std::string text_of(const fs::path& path) {
 
 enum class Found { nothing, finished, unfinished, another };
 
-/// What is in the directory of a run from an earlier study. A failure would only be repeated, so it counts as finished.
+/// What is in the directory of a run from earlier. A failure would only be repeated, so it counts as finished.
 Found found_in(const fs::path& run, const std::string& resolved) {
     std::error_code error;
     const bool any = fs::exists(run, error) && !fs::is_empty(run, error);
@@ -58,7 +61,7 @@ Found found_in(const fs::path& run, const std::string& resolved) {
 }
 
 /// knap run SCENARIO ... with its output in a file.
-pid_t start(const std::string& scenario, const StudyRun& run, const fs::path& directory) {
+pid_t start(const std::string& scenario, const BatchRun& run, const fs::path& directory) {
     std::vector<std::string> words{"knap", "run", scenario, "-j", "1", "-q", "--force", "-o", (directory / run.name).string()};
     for (const std::string& set : run.overrides) words.insert(words.end(), {"-s", set});
     std::vector<char*> arguments;
@@ -72,7 +75,7 @@ pid_t start(const std::string& scenario, const StudyRun& run, const fs::path& di
     pid_t child = -1;
     const int error = posix_spawn(&child, "/proc/self/exe", &actions, nullptr, arguments.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
-    if (error != 0) throw SimulationError("cannot start a run of the study");
+    if (error != 0) throw SimulationError("cannot start a run");
     return child;
 }
 
@@ -86,24 +89,55 @@ std::string outcome(const fs::path& run) {
 
 }  // namespace
 
-std::vector<const StudyRun*> runs_to_do(const StudyPlan& plan, const fs::path& directory, bool force) {
-    std::vector<const StudyRun*> to_do;
-    for (const StudyRun& run : plan.runs) {
-        const Found found = found_in(directory / run.name, run.resolved);
+std::string plain_name(const std::string& text) {
+    std::string name;
+    for (const char c : text) {
+        const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-';
+        if (plain) name += c;
+        else if (!name.empty() && name.back() != '_') name += '_';
+    }
+    return name;
+}
+
+void check_batch_directory(const fs::path& directory, const std::string& what) {
+    std::error_code error;
+    if (!fs::exists(directory, error) || (fs::is_directory(directory, error) && fs::is_empty(directory, error))) return;
+    if (fs::exists(directory / (what + ".toml"), error)) return;
+    throw UserError("not-a-" + what, "`" + directory.string() + "` was not made by knap " + what + " (no " + what + ".toml), so it is left alone",
+                    "choose another directory with --output");
+}
+
+void make_batch_directory(const fs::path& directory, const std::string& what, const std::string& scenario) {
+    std::error_code error;
+    fs::create_directories(directory / "runs", error);
+    if (error) throw UserError("cannot-write", "cannot make `" + directory.string() + "`: " + error.message());
+    write_whole_file(directory / (what + ".toml"), scenario);
+}
+
+void check_names(const std::vector<const BatchRun*>& runs, const std::string& note) {
+    std::set<std::string> names;
+    for (const BatchRun* run : runs)
+        if (!names.insert(run->name).second) throw UserError("duplicate-name", "two runs would be called `" + run->name + "`", note);
+}
+
+std::vector<const BatchRun*> runs_to_do(const std::vector<const BatchRun*>& runs, const fs::path& directory, bool force) {
+    std::vector<const BatchRun*> to_do;
+    for (const BatchRun* run : runs) {
+        const Found found = found_in(directory / run->name, run->resolved);
         if (found == Found::another && !force)
-            throw UserError("study-exists", "`" + (directory / run.name).string() + "` is not a run of this study as it is now, nothing was run",
+            throw UserError("runs-exist", "`" + (directory / run->name).string() + "` is not one of these runs as they are now, nothing was run",
                             "choose another directory with --output, or replace the old runs with --force");
-        if (found != Found::finished || force) to_do.push_back(&run);
+        if (found != Found::finished || force) to_do.push_back(run);
     }
     return to_do;
 }
 
-bool do_runs(const std::string& scenario, const std::vector<const StudyRun*>& to_do, const fs::path& directory, const StudyCommand& command) {
+bool do_runs(const std::string& scenario, const std::vector<const BatchRun*>& to_do, const fs::path& directory, const BatchOptions& options) {
     const InterruptGuard guard;
-    std::map<pid_t, const StudyRun*> running;
+    std::map<pid_t, const BatchRun*> running;
     std::size_t next = 0, n_done = 0;
     while (!running.empty() || (next < to_do.size() && !interrupted)) {
-        if (next < to_do.size() && !interrupted && running.size() < static_cast<std::size_t>(command.n_at_once)) {
+        if (next < to_do.size() && !interrupted && running.size() < static_cast<std::size_t>(options.n_at_once)) {
             running[start(scenario, *to_do[next], directory)] = to_do[next];
             ++next;
             continue;
@@ -113,7 +147,7 @@ bool do_runs(const std::string& scenario, const std::vector<const StudyRun*>& to
         if (found == running.end()) continue;
         ++n_done;
         const std::string& name = found->second->name;
-        if (!command.quiet) std::fprintf(stderr, "run %zu of %zu: %s: %s\n", n_done, to_do.size(), name.c_str(), outcome(directory / name).c_str());
+        if (!options.quiet) std::fprintf(stderr, "run %zu of %zu: %s: %s\n", n_done, to_do.size(), name.c_str(), outcome(directory / name).c_str());
         running.erase(found);
     }
     return !interrupted;

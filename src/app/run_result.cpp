@@ -1,5 +1,4 @@
-// The numbers of one finished run of a study.
-#include "app/study.hpp"
+#include "app/run_result.hpp"
 
 #include "app/read_run.hpp"
 #include "observe/history_csv.hpp"
@@ -86,8 +85,8 @@ std::string why_refused(const fs::path& log) {
 
 }  // namespace
 
-StudyResult read_result(const fs::path& run, const std::vector<StudyQuantity>& quantities) {
-    StudyResult result{.status = "refused"};
+RunResult read_result(const fs::path& run, const std::vector<StudyQuantity>& quantities) {
+    RunResult result{.status = "refused"};
     result.values.assign(quantities.size(), NAN);
     if (!fs::exists(run / "run.json")) {
         result.reason = why_refused(run.string() + ".log");

@@ -1,0 +1,87 @@
+#include "app/sweep.hpp"
+
+#include "app/run_directory.hpp"
+#include "app/version.hpp"
+#include "base/error.hpp"
+#include "observe/contact_sheet.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace knap {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A column for every seed, or about as wide as high.
+std::size_t n_columns(const SweepPlan& plan) {
+    const std::size_t n = plan.runs.size();
+    if (plan.n_seeds > 1 && plan.n_seeds <= 8 && !plan.keys.empty()) return plan.n_seeds;
+    if (plan.n_seeds == 1 && !plan.keys.empty() && plan.keys.back().values.size() <= 6) return plan.keys.back().values.size();
+    return std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(n)))), 1, 12);
+}
+
+fs::path draw_sheet(const SweepPlan& plan, const fs::path& directory) {
+    std::vector<Tile> tiles;
+    for (const SweepRun& run : plan.runs) tiles.push_back({directory / "runs" / run.name / "figures" / "sheet.png", plan.caption(run)});
+    const std::size_t columns = std::min(n_columns(plan), tiles.size());
+    const int pixels = std::clamp<int>(static_cast<int>(420 * columns), 1200, 6000);
+    return draw_contact_sheet(tiles, columns, plan.title.empty() ? plan.name : plan.title, directory / "sweep.png", pixels).file;
+}
+
+/// A scenario's file seen from a directory; a built-in name stays one.
+std::string seen_from(const fs::path& directory, const std::string& scenario) {
+    std::error_code error;
+    return fs::exists(scenario, error) ? fs::proximate(scenario, directory).string() : scenario;
+}
+
+/// The command that runs this program again, from anywhere.
+std::string program(const std::string& typed) { return typed.find('/') == std::string::npos ? typed : fs::absolute(typed).lexically_normal().string(); }
+
+ExitCode emit(const SweepPlan& plan, const std::vector<const BatchRun*>& to_do, const std::string& scenario, const std::vector<std::string>& overrides,
+              const SweepCommand& command, const fs::path& directory) {
+    const std::string there = seen_from(directory, scenario), knap = program(command.command.empty() ? "knap" : command.command.front());
+    std::vector<std::vector<std::string>> jobs;
+    for (const BatchRun* run : to_do) {
+        std::vector<std::string> words{knap, "run", there, "-j", "1", "-q", "-o", "runs/" + run->name};
+        for (const std::string& set : run->overrides) words.insert(words.end(), {"-s", set});
+        jobs.push_back(std::move(words));
+    }
+    std::vector<std::string> collect{knap, "sweep", there, "-q", "-o", "."};
+    for (const std::string& set : overrides) collect.insert(collect.end(), {"-s", set});
+    const std::string how = emit_jobs(command.emit, jobs, collect, plan.name, directory);
+    std::printf("%zu of %zu runs are to be done; in %s:  %s\nthen the same command without --emit makes table and contact sheet\n", to_do.size(), plan.runs.size(),
+                directory.string().c_str(), how.c_str());
+    return exit_done;
+}
+
+}  // namespace
+
+ExitCode sweep_scenario(const std::string& scenario, const std::vector<std::string>& overrides, const SweepCommand& command) {
+    const SweepPlan plan = plan_sweep(scenario, overrides);
+    const fs::path directory = command.batch.output.empty() ? fs::path("sweeps") / plan.name : command.batch.output;
+    std::string record = "# knap sweep " + quoted_for_shell(scenario);
+    for (const std::string& set : overrides) record += " -s " + quoted_for_shell(set);
+    record += "\n";
+    check_batch_directory(directory, "sweep");
+    const auto to_do = runs_to_do(batch_of(plan.runs), directory / "runs", command.batch.force);
+    make_batch_directory(directory, "sweep", record);
+    if (!command.emit.empty()) return emit(plan, to_do, scenario, overrides, command, directory);
+    if (!do_runs(scenario, to_do, directory / "runs", command.batch)) {
+        std::fprintf(stderr, "interrupted; the same command goes on where it stopped\n");
+        return exit_interrupted;
+    }
+    std::vector<RunResult> results;
+    for (const SweepRun& run : plan.runs) results.push_back(read_result(directory / "runs" / run.name, plan.quantities));
+    const std::string text = sweep_text(plan, results);
+    write_whole_file(directory / "sweep.txt", text);
+    write_whole_file(directory / "sweep.csv", sweep_csv(plan, results));
+    if (plan.has_seeds) write_whole_file(directory / "statistics.csv", sweep_statistics_csv(plan, results));
+    std::fputs(text.c_str(), stdout);
+    std::printf("\nsweep:   %s\nfigure:  %s\n", directory.string().c_str(), draw_sheet(plan, directory).string().c_str());
+    const bool all_done = std::all_of(results.begin(), results.end(), [](const RunResult& r) { return r.status == "done" && r.gates_hold; });
+    return all_done ? exit_done : exit_failed;
+}
+
+}  // namespace knap

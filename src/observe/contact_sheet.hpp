@@ -1,0 +1,19 @@
+#pragma once
+// Many pictures on one page, with a line of text below each.
+#include "observe/chart.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace knap {
+
+struct Tile {
+    std::filesystem::path picture;  // .png; one that is not there leaves its place empty
+    std::string caption;
+};
+
+/// Row by row, `n_columns` in a row. Throws SimulationError when the file cannot be written.
+DrawnFigure draw_contact_sheet(const std::vector<Tile>& tiles, std::size_t n_columns, const std::string& title, const std::filesystem::path& file, int pixels);
+
+}  // namespace knap

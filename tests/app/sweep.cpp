@@ -1,0 +1,167 @@
+// knap sweep: which runs, what is kept, its tables, and its job lists for other schedulers.
+#include "program.hpp"
+
+#include "app/sweep.hpp"
+#include "base/error.hpp"
+#include "observe/history_csv.hpp"
+#include "support/relative.hpp"
+
+#include <cstdlib>
+#include <sstream>
+
+using namespace program;
+using namespace knap;
+
+namespace {
+
+using Texts = std::vector<std::string>;
+
+/// A bar that breaks in the middle: it takes G_c x 4 mm x 1 m, on every mesh.
+const std::string bar = "bar_pulled_apart -s 'mesh.size=1.5 mm' -s time.end=\"200 us\" ";
+const std::string both = bar + "-s 'interface.left-right.G_c=1.5,3' --seeds 1..2 ";
+
+std::vector<Texts> rows_of(const fs::path& csv) {
+    std::ifstream file(csv);
+    std::vector<Texts> rows;
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream cells(line);
+        rows.emplace_back();
+        for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+    }
+    return rows;
+}
+
+bool has_program(const std::string& name) { return std::system(("command -v " + name + " >/dev/null 2>&1").c_str()) == 0; }
+
+/// In a shell, in a directory.
+int shell_in(const fs::path& directory, const std::string& line) { return std::system(("cd '" + directory.string() + "' && " + line + " >shell.txt 2>&1").c_str()); }
+
+void check_whole(const Answer& answer, const fs::path& sweep) {
+    CAPTURE(answer.text);
+    CHECK(answer.code == 0);
+    const std::vector<Texts> rows = rows_of(sweep / "sweep.csv");
+    REQUIRE(rows.size() == 5);
+    CHECK(rows[0] == Texts{"run", "interface.left-right.G_c", "seed", "status", "triangles", "steps", "cpu_s", "broken_length", "dissipated", "fragments"});
+    const Texts values{"1.5", "1.5", "3", "3"}, seeds{"1", "2", "1", "2"};
+    for (std::size_t i = 0; i < 4; ++i) {
+        const Texts& row = rows[i + 1];
+        REQUIRE(row.size() == 10);
+        CHECK(row[0] == "G_c_" + values[i] + "_s" + seeds[i]);
+        CHECK(row[1] == values[i]);
+        CHECK(row[2] == seeds[i]);
+        CHECK(row[3] == "done");
+        CHECK(std::stod(row[8]) == tests::relative(std::stod(values[i]) * 4e-3, 1e-9));  // G_c x length x thickness
+        CHECK(row[9] == "2");
+    }
+    CHECK(fs::file_size(sweep / "sweep.png") > 10000);
+}
+
+}  // namespace
+
+TEST_CASE("sweep: values of a key are split at commas outside of quotes and brackets") {
+    CHECK(sweep_key("mesh.size=1 mm, 2 mm").key == "mesh.size");
+    CHECK(sweep_key("mesh.size=1 mm, 2 mm").values == Texts{"1 mm", "2 mm"});
+    CHECK(sweep_key("domain.size=[1, 2],[3,4]").values == Texts{"[1, 2]", "[3,4]"});
+    CHECK(sweep_key("title=\"a, b\",\"it's\"").values == Texts{"\"a, b\"", "\"it's\""});
+    CHECK(sweep_key("figure=").values == Texts{""});
+    CHECK(sweep_key("interface.a-b.sigma_c=1,2").name() == "sigma_c");
+    CHECK_THROWS_AS(sweep_key("mesh.size"), UserError);
+    CHECK_THROWS_AS(sweep_key("=1"), UserError);
+    CHECK(seed_overrides("20") == Texts{"sweep.seeds=20"});
+    CHECK(seed_overrides("3..20") == Texts{"seed=3", "sweep.seeds=18"});
+    for (const char* wrong : {"1..", "..3", "4..3", "-1", "a", "1...3"}) CHECK_THROWS_AS(seed_overrides(wrong), UserError);
+    CHECK(quoted_for_shell("mesh.size=1e-3") == "mesh.size=1e-3");
+    CHECK(quoted_for_shell("it's $1") == "'it'\\''s $1'");
+    CHECK(quoted_for_shell("") == "''");
+}
+
+TEST_CASE("sweep: the full product with the last key fastest and the seeds faster") {
+    const SweepPlan plan = plan_sweep("bar_pulled_apart", {"mesh.size=1 mm,2 mm", "time.end=100 us", "interface.left-right.G_c=1,2,3", "sweep.seeds=2", "seed=7"});
+    REQUIRE(plan.runs.size() == 12);
+    REQUIRE(plan.keys.size() == 2);
+    CHECK(plan.runs[0].name == "size_1_mm_G_c_1_s7");
+    CHECK(plan.runs[1].name == "size_1_mm_G_c_1_s8");
+    CHECK(plan.runs[2].name == "size_1_mm_G_c_2_s7");
+    CHECK(plan.runs[11].name == "size_2_mm_G_c_3_s8");
+    CHECK(plan.caption(plan.runs[11]) == "size 2 mm, G_c 3, seed 8");
+    for (const SweepRun& run : plan.runs) {
+        const ReadResult read = open_scenario("bar_pulled_apart", run.overrides);
+        CHECK(read.scenario.time.end == tests::relative(100e-6, 1e-12));
+        CHECK(read.scenario.mesh.size == tests::relative(run.values[0] == "1 mm" ? 1e-3 : 2e-3, 1e-12));
+        CHECK(read.scenario.seed == run.seed);
+        CHECK(read.scenario.figures.size() == 1);
+    }
+    // what a run would refuse is refused before any is started, and so are two runs of one name
+    CHECK_THROWS_AS(plan_sweep("bar_pulled_apart", {"mesh.size=1 mm,2 Pa"}), UserError);
+    CHECK_THROWS_AS(plan_sweep("bar_pulled_apart", {"mesh.size=1 mm,1 mm"}), UserError);
+}
+
+TEST_CASE("sweep: what the scenario says and --set instead of it") {
+    const std::string table = "sweep={ set = [\"mesh.size=1 mm,2 mm\", \"time.end=100 us\"], seeds = 3, quantities = [\"dissipated\"] }";
+    const SweepPlan plan = plan_sweep("bar_pulled_apart", {table});
+    CHECK(plan.runs.size() == 6);
+    REQUIRE(plan.quantities.size() == 1);
+    CHECK(plan.quantities[0].unit == "J");
+    CHECK(plan_sweep("bar_pulled_apart", {table, "mesh.size=1 mm,2 mm,3 mm"}).runs.size() == 9);
+    CHECK(plan_sweep("bar_pulled_apart", {table, "mesh.size=1 mm"}).runs.size() == 3);
+}
+
+TEST_CASE("sweep: every run and table is there and finished runs are kept") {
+    const Folder folder("sweep");
+    const fs::path sweep = folder.path / "s";
+    check_whole(command("sweep " + both + "-q -j 2 -o " + folder.in_shell("s")), sweep);
+    const std::vector<Texts> statistics = rows_of(sweep / "statistics.csv");
+    REQUIRE(statistics.size() == 1 + 2 * 3);
+    CHECK(statistics[2][2] == "dissipated");
+    CHECK(std::stod(statistics[2][4]) == tests::relative(6e-3, 1e-9));
+    CHECK(std::stod(statistics[2][5]) < 1e-11);
+    // one is lost: it alone is made again; more seeds are added
+    const fs::path kept = sweep / "runs/G_c_3_s1/run.json";
+    const auto written = fs::last_write_time(kept);
+    fs::remove_all(sweep / "runs/G_c_3_s2");
+    const Answer again = command("sweep " + both + "-o " + folder.in_shell("s"));
+    CHECK(again.has("run 1 of 1: G_c_3_s2"));
+    check_whole(again, sweep);
+    CHECK(fs::last_write_time(kept) == written);
+    CHECK(command("sweep " + bar + "-s 'interface.left-right.G_c=1.5,3' --seeds 1..3 -o " + folder.in_shell("s")).has("run 2 of 2"));
+    // what a run that is refused says is in the table
+    const Answer failed = command("sweep " + both + "-q -s 'time.step=0.1 us,20 us' -o " + folder.in_shell("f"));
+    CHECK(failed.code == 3);
+    CHECK(failed.has("G_c_3_step_20_us_s2: refused: time.step"));
+    // another sweep in the same place, and a directory of someone else
+    CHECK(command("sweep " + both + "-s domain.thickness=2 -o " + folder.in_shell("s")).has("runs-exist"));
+    fs::create_directories(folder.path / "mine");
+    std::ofstream(folder.path / "mine" / "letter.txt") << "dear";
+    CHECK(command("sweep " + both + "--force -o " + folder.in_shell("mine")).has("not-a-sweep"));
+    CHECK(command("sweep " + bar + "--seeds 3..1 -o " + folder.in_shell("n")).has("the last one is before the first"));
+    CHECK(command("sweep " + bar + "--emit make -o " + folder.in_shell("n")).code == 2);
+    CHECK_FALSE(fs::exists(folder.path / "n"));
+}
+
+TEST_CASE("sweep: job lists are done by GNU parallel and by a Slurm array and by Snakemake") {
+    const Folder folder("sweep jobs");
+    const fs::path sweep = folder.path / "s";
+    const std::string out = "-q -o " + folder.in_shell("s");
+    SUBCASE("Slurm") {  // played by a loop
+        REQUIRE(command("sweep " + both + out + " --emit slurm").code == 0);
+        CHECK(text_of(sweep / "sweep.slurm").find("#SBATCH --array=1-4\n") != std::string::npos);
+        CHECK(shell_in(sweep, "for i in 1 2 3 4; do SLURM_ARRAY_TASK_ID=$i bash sweep.slurm || exit 1; done") == 0);
+    }
+    SUBCASE("parallel") {
+        if (!has_program("parallel")) return;
+        REQUIRE(command("sweep " + both + out + " --emit parallel").code == 0);
+        CHECK(shell_in(sweep, "parallel -j 2 --joblog jobs.log < jobs.txt") == 0);
+    }
+    SUBCASE("Snakemake") {
+        if (!has_program("snakemake")) return;
+        // its last rule makes the table, so that there is nothing left to do
+        REQUIRE(command("sweep " + both + out + " --emit snakemake").code == 0);
+        CHECK_MESSAGE(shell_in(sweep, "snakemake --cores 2") == 0, text_of(sweep / "shell.txt"));
+        CHECK(fs::exists(sweep / "sweep.csv"));
+    }
+    const Answer collected = command("sweep " + both + "-o " + folder.in_shell("s"));
+    CHECK_FALSE(collected.has("run 1 of"));
+    check_whole(collected, sweep);
+    // nothing is left for a second list
+    CHECK(command("sweep " + both + out + " --emit parallel").has("0 of 4 runs are to be done"));
+}
