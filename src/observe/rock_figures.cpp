@@ -17,6 +17,13 @@ Column percent(Column values) {
     return values;
 }
 
+/// Without what lies beyond `limit`.
+Column within(Column values, double limit) {
+    for (double& value : values)
+        if (std::abs(value) > limit) value = std::nan("");
+    return values;
+}
+
 /// A count that goes up by `rise` at each x.
 Curve staircase(const std::string& label, const Column& x, const Column& rise, const Colour& colour, double first, double last) {
     Curve curve{.label = label, .x = {first}, .y = {0}, .colour = colour};
@@ -35,9 +42,12 @@ Curve staircase(const std::string& label, const Column& x, const Column& rise, c
 
 Chart stress_strain_chart(const History& stress_strain) {
     Chart chart{.title = "Stress and strain", .x_quantity = "strain [%]", .y_quantity = "stress", .y_unit = "Pa"};
-    const Column stress = stress_strain.column("stress");
+    const Column stress = stress_strain.column("stress"), axial = stress_strain.column("axial_strain");
+    double largest = 0;
+    for (const double strain : axial) largest = std::max(largest, std::abs(strain));
+    // beyond three times the largest axial strain it is fragments that fly, and the rest would be a line beside them
     for (const auto& [name, label] : {std::pair{"axial_strain", "axial"}, std::pair{"lateral_strain", "lateral"}, std::pair{"volumetric_strain", "volumetric"}})
-        if (stress_strain.has(name)) chart.curves.push_back({label, percent(stress_strain.column(name)), stress, curve_colour(chart.curves.size())});
+        if (stress_strain.has(name)) chart.curves.push_back({label, percent(within(stress_strain.column(name), 3 * largest)), stress, curve_colour(chart.curves.size())});
     const Strength strength = strength_of(stress_strain, SpecimenOptions{}.modulus_between);
     chart.curves.push_back({.label = "peak", .x = {100 * strength.peak_strain}, .y = {strength.peak_stress}, .colour = black, .width = 0, .marker = Marker::diamond});
     // names of levels that lie close would lie over each other

@@ -119,8 +119,8 @@ std::vector<double> Specimen::line() {
         time = time_sum_ / duration_;
     }
     sum_ = {}, duration_ = time_sum_ = 0;
-    std::vector<double> row{time, mean.stress, mean.axial};
-    if (options_.lateral) row.push_back(mean.lateral);
+    std::vector<double> row{time, mean.stress + 0, mean.axial + 0};  // no minus zero
+    if (options_.lateral) row.push_back(mean.lateral + 0);
     if (options_.lateral && options_.test == Test::compression) row.push_back(mean.axial + mean.lateral);
     return row;
 }

@@ -1,4 +1,5 @@
 // Numbers of a stress-strain curve: an elastic strip has its moduli; a curve made by hand its peak and the stresses of its cracks.
+#include "observe/rock_figures.hpp"
 #include "observe/specimen.hpp"
 #include "observe/strength.hpp"
 
@@ -163,6 +164,15 @@ TEST_CASE("strength: peak and stresses of cracks of a curve made by hand") {
     for (int i = 0; i <= 40; ++i) late.rows.push_back({1. * i, i <= 20 ? 1. * i : i <= 30 ? 3. * (30 - i) - 10 : 3. * (i - 30) - 8, 2. * i, 0, 0});
     CHECK(strength_of(late, {0.4, 0.6}).peak_stress == 22);
     CHECK(strength_of(late, {0.4, 0.6}).tangent_modulus == relative(0.5, 1e-12));
+    // a figure leaves out the strains of what flies apart
+    curve.rows.push_back({1, 0, 0.01, -0.5, -0.49, 1000, 0});
+    const Chart chart = stress_strain_chart(curve);
+    REQUIRE(chart.curves.size() == 4);
+    CHECK(chart.curves[0].x.back() == relative(1, 1e-12));
+    CHECK(std::isnan(chart.curves[1].x.back()));
+    CHECK(chart.curves[1].x[50] == relative(100 * curve.rows[50][3], 1e-12));
+    REQUIRE(chart.levels.size() == 2);  // at 41 and 46 MPa, in one line, and at 80
+    CHECK(chart.levels[0].label == "crack initiation, dilatancy");
     // a curve of tension has no volume, and a peak at its end is a peak
     History rising{{"time", "stress", "axial_strain", "tensile_breaks", "shear_breaks"}, {{0, 0, 0, 0, 0}, {1, 1, 2, 0, 0}, {2, 2, 4, 0, 0}, {3, 3, 6, 0, 1}}};
     const Strength end = strength_of(rising, {0.4, 0.6});
