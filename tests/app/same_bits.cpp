@@ -1,0 +1,76 @@
+// The same scenario gives the same bits: for any number of threads, for Debug and Release (the presets run the same tests), and for the
+// program of yesterday unless somebody meant to change what it computes.
+#include "program.hpp"
+
+#include <boost/crc.hpp>
+
+#include <map>
+
+using namespace program;
+
+namespace {
+
+struct Scene {
+    const char *name, *arguments;
+};
+
+const Scene scenes[]{
+    {"explicit", "edge_cracked_block -s 'mesh.size=2 mm' -s 'time.end=60 us'"},
+    {"implicit", "edge_cracked_block_implicit -s 'mesh.size=4 mm' -s 'time.end=60 us' -s 'time.step=5 CFL'"},
+    {"rock", "granite_tension -s 'time.end=120 us'"},
+};
+
+void run(const Scene& scene, int n_threads, const Folder& folder, const std::string& directory) {
+    const Answer answer = command("run " + std::string(scene.arguments) + " -q -s 'expect={}' -s 'figure=[]' -j " + std::to_string(n_threads) + " -o " +
+                                  folder.in_shell(directory));
+    CAPTURE(answer.text);
+    REQUIRE(answer.code == 0);
+}
+
+std::string hash_of(const fs::path& run) {
+    boost::crc_32_type crc;
+    for (const char* file : {"energy.csv", "cracks.csv", "fragments.csv"}) {
+        const std::string text = text_of(run / file);
+        REQUIRE(text.size() > 100);
+        crc.process_bytes(text.data(), text.size());
+    }
+    char hash[9];
+    std::snprintf(hash, sizeof hash, "%08x", static_cast<unsigned>(crc.checksum()));
+    return hash;
+}
+
+std::map<std::string, std::string> golden_hashes() {
+    std::map<std::string, std::string> hashes;
+    std::ifstream file(KNAP_SOURCE_DIR "/tests/app/data/golden_hashes.txt");
+    for (std::string name, hash; file >> name >> hash;) hashes[name] = hash;
+    return hashes;
+}
+
+}  // namespace
+
+TEST_CASE("the same bits for one and two and four threads") {
+    const Folder folder("threads");
+    for (const Scene& scene : scenes) {
+        const auto directory = [&](int n) { return std::string(scene.name) + std::to_string(n); };
+        for (const int n : {1, 2, 4}) run(scene, n, folder, directory(n));
+        const fs::path one = folder.path / directory(1);
+        for (const int n : {2, 4})
+            for (const auto& file : fs::recursive_directory_iterator(one)) {
+                const fs::path other = folder.path / directory(n) / fs::relative(file.path(), one);
+                const std::string ending = file.path().extension();
+                if (ending != ".csv" && ending != ".vtu") continue;
+                CHECK_MESSAGE(text_of(file.path()) == text_of(other), other.string());
+            }
+    }
+}
+
+TEST_CASE("golden: three scenarios have the bits that they had") {
+    const Folder folder("golden");
+    const std::map<std::string, std::string> known = golden_hashes();
+    for (const Scene& scene : scenes) {
+        run(scene, 1, folder, scene.name);
+        const std::string hash = hash_of(folder.path / scene.name);
+        const std::string advice = "where the numbers were meant to change, data/golden_hashes.txt gets: " + std::string(scene.name) + " " + hash;
+        CHECK_MESSAGE(known.at(scene.name) == hash, advice);
+    }
+}
