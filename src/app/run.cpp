@@ -131,9 +131,6 @@ void conclude(const Scenario& scenario, const Model& model, const State& now, co
     record.cpu_output = recorder.output_seconds();
 }
 
-/// Throws OutputError where something cannot be written.
-ExitCode simulate(const ReadResult& read, const RunOptions& options, const std::filesystem::path& directory, RunRecord& record);
-
 }  // namespace
 
 std::string resolved_for_run(const ReadResult& read) {
@@ -172,6 +169,169 @@ std::vector<Diagnostic> resolution_warnings(const ReadResult& read, double mean_
     return warnings;
 }
 
+namespace {
+
+/// What is known of a run before its first step.
+void describe(const Scenario& scenario, const Model& model, const StepPlan& plan, RunRecord& record) {
+    record.triangles = model.mesh.n_triangles();
+    record.interfaces = static_cast<Index>(model.interfaces.size());
+    record.step = plan.limits.largest;
+    record.scheme = scenario.time.scheme;
+    record.mean_edge = mean_edge(model.mesh);
+    record.rayleigh_speed = rayleigh_speed(scenario);
+    record.materials = material_names(scenario);
+}
+
+/// As text, and as lines of the record.
+std::string collect_warnings(const ReadResult& read, RunRecord& record) {
+    std::string text;
+    for (const auto& warnings : {resolution_warnings(read, record.mean_edge), read.warnings})
+        for (const Diagnostic& warning : warnings) text += format(warning), record.warnings.push_back(warning.message);
+    return text;
+}
+
+/// Makes the directory of a run, unless the same run stands there with a checkpoint: then true, it resumes.
+bool enter_directory(const std::filesystem::path& directory, const FirstFiles& files, bool force) {
+    const bool unfinished = !force && is_unfinished(directory, files), resumes = unfinished && Checkpoints::exist_in(directory);
+    if (!resumes) make_run_directory(directory, force || unfinished, files);
+    return resumes;
+}
+
+/// What steps a run and who watches it.
+struct Stepping {
+    const Scenario& scenario;
+    const Model& model;
+    const RunOptions& options;
+    const std::filesystem::path& directory;
+    MoreauJean& stepper;
+    StepControl& control;
+    Recorder& recorder;
+    Progress& progress;
+    RunLog& log;
+    double smallest_step;           // [s]
+    double critical_opening, size;  // [m] what the gates measure with
+};
+
+/// One try of a step: `now` moves on, or stays where the step is cut. Throws SimulationError where the run cannot go on.
+void try_step(const Stepping& run, State& now, State& next) {
+    const double h = run.control.next(now);
+    const StepReport report = run.stepper.step(now, h, next);
+    if (const std::optional<StepCut> cut = run.control.judge(now, h, report)) {
+        const Vec2 where = report.refusal == Refusal::none ? place_of_damage(run.model, now, next) : report.where;
+        run.log.add(cut_text(*cut, where));
+        if (run.control.is_stuck()) throw SimulationError(stuck_text(*cut, where, run.smallest_step));
+        return;
+    }
+    if (run.options.dump_lcp.contains(next.n_steps)) run.log.add(dump_lcp(run.model, now, h, run.scenario.time.scheme, run.directory / "lcp"));
+    std::swap(now, next);
+    run.recorder.after_step(now, report);
+    run.progress.after_step(now, run.recorder);
+    for (const Gate& gate : run.recorder.ledger().gates(run.critical_opening, run.size))
+        if (!gate.pass) throw SimulationError(violated_text(gate, now, place_of_largest_speed(run.model, now)));
+}
+
+/// Steps until the end, or until the run fails or is interrupted, which the record then says.
+template <class Save>
+void step_to_end(const Stepping& run, double until, Checkpoints& checkpoints, const Save& save, State& now, RunRecord& record) {
+    State next = now;
+    try {
+        while (record.status == "running" && !StepControl::has_reached(now, until)) {
+            if (interrupted) {
+                record.status = "interrupted";
+                break;
+            }
+            const long before = now.n_steps;
+            try_step(run, now, next);
+            if (now.n_steps > before && checkpoints.due()) save();
+        }
+        if (record.status == "interrupted") save();  // before the lines of an early end are written
+    } catch (const OutputError&) {
+        throw;
+    } catch (const SimulationError& error) {
+        record.status = "failed";
+        record.reason = error.what();
+    }
+    if (record.status == "running") record.status = "done";
+}
+
+/// Throws OutputError where something cannot be written.
+ExitCode simulate(const ReadResult& read, const RunOptions& options, const std::filesystem::path& directory, RunRecord& record) {
+    const Scenario& scenario = read.scenario;
+    const Stopwatch whole;
+    record.threads = use_threads(options.threads);
+
+    // mesh and model; nothing is written before they are known to be possible
+    const Model model = model_of(read);
+    check_specimen(read, model);
+    const StepPlan plan = plan_of(read, model, options.until);
+    if (!options.dump_lcp.empty()) check_dump(model, scenario.time.scheme);
+    MoreauJean stepper(model, scenario.time.scheme);
+    record.cpu_model = whole.cpu();
+    describe(scenario, model, plan, record);
+    const std::string warnings = collect_warnings(read, record);
+    if (!options.quiet) std::fputs(warnings.c_str(), stderr);
+
+    const bool resumes = enter_directory(directory, first_files(read, record), options.force);
+    RunLog log(directory / "log.txt");
+    if (!resumes) log.add(warnings);
+
+    // the run, or the rest of it
+    State now = resumes ? initial_state(model) : start_of(model, scenario, stepper, record);
+    Recorder recorder(model, now, recorder_options(scenario, model, directory, resumes));
+    StepControl control(plan.limits);
+    RunMemory memory{.now = now, .control = control, .recorder = recorder};
+    Checkpoints checkpoints(directory, scenario.output.checkpoint_every);
+    if (resumes) {
+        std::string said = checkpoints.read(memory);
+        said += resumed_text(now);
+        if (!options.quiet) std::fputs(said.c_str(), stderr);
+        log.cut_to(memory.log_size);
+        log.add(said);
+        recorder.open_files();
+    }
+    const RunMemory before = memory;  // its times
+    const double output_before = recorder.output_seconds();
+    const double until = std::min(options.until, scenario.time.end);
+    Progress progress(options.quiet ? nullptr : stderr, until, record.triangles);
+    const InterruptGuard guard;
+    const Stopwatch stepping;
+    const auto save = [&] {
+        memory.log_size = log.size();
+        memory.cpu = before.cpu + whole.cpu(), memory.wall = before.wall + whole.wall();
+        memory.cpu_steps = before.cpu_steps + stepping.cpu() - (recorder.output_seconds() - output_before);
+        checkpoints.write(memory);
+    };
+    const Stepping run{.scenario = scenario,
+                       .model = model,
+                       .options = options,
+                       .directory = directory,
+                       .stepper = stepper,
+                       .control = control,
+                       .recorder = recorder,
+                       .progress = progress,
+                       .log = log,
+                       .smallest_step = plan.limits.smallest,
+                       .critical_opening = largest_critical_opening(scenario),
+                       .size = diagonal(model.mesh.vertices)};
+    step_to_end(run, until, checkpoints, save, now, record);
+    record.cpu_steps = before.cpu_steps + stepping.cpu() - (recorder.output_seconds() - output_before);
+    progress.finish(now, recorder);
+    recorder.finish(now);
+
+    // what came of it
+    conclude(scenario, model, now, recorder, control, record);
+    record.wall = before.wall + whole.wall();
+    record.cpu = before.cpu + whole.cpu();
+    write_whole_file(directory / "run.json", run_json(record));
+    if (record.status != "interrupted") checkpoints.remove();
+    const std::string end = end_of_run(record, directory);
+    log.add(end);
+    std::fputs(end.c_str(), stdout);
+    return exit_code(record);
+}
+
+}  // namespace
+
 ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
     const Scenario& scenario = read.scenario;
     const std::filesystem::path directory = options.output.empty() ? std::filesystem::path("runs") / scenario.name : options.output;
@@ -190,114 +350,5 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
         throw OutputError(record.reason);
     }
 }
-
-namespace {
-
-ExitCode simulate(const ReadResult& read, const RunOptions& options, const std::filesystem::path& directory, RunRecord& record) {
-    const Scenario& scenario = read.scenario;
-    const Stopwatch whole;
-    record.threads = use_threads(options.threads);
-
-    // mesh and model; nothing is written before they are known to be possible
-    const Model model = model_of(read);
-    check_specimen(read, model);
-    const StepPlan plan = plan_of(read, model, options.until);
-    if (!options.dump_lcp.empty()) check_dump(model, scenario.time.scheme);
-    MoreauJean stepper(model, scenario.time.scheme);
-    record.cpu_model = whole.cpu();
-    record.triangles = model.mesh.n_triangles();
-    record.interfaces = static_cast<Index>(model.interfaces.size());
-    record.step = plan.limits.largest;
-    record.scheme = scenario.time.scheme;
-    record.mean_edge = mean_edge(model.mesh);
-    record.rayleigh_speed = rayleigh_speed(scenario);
-    record.materials = material_names(scenario);
-
-    std::ostringstream warnings;
-    for (const Diagnostic& warning : resolution_warnings(read, record.mean_edge)) warnings << format(warning), record.warnings.push_back(warning.message);
-    for (const Diagnostic& warning : read.warnings) warnings << format(warning), record.warnings.push_back(warning.message);
-    if (!options.quiet) std::fputs(warnings.str().c_str(), stderr);
-
-    const FirstFiles files = first_files(read, record);
-    const bool unfinished = !options.force && is_unfinished(directory, files), resumes = unfinished && Checkpoints::exist_in(directory);
-    if (!resumes) make_run_directory(directory, options.force || unfinished, files);
-    RunLog log(directory / "log.txt");
-    if (!resumes) log.add(warnings.str());
-
-    // the run, or the rest of it
-    State now = resumes ? initial_state(model) : start_of(model, scenario, stepper, record);
-    Recorder recorder(model, now, recorder_options(scenario, model, directory, resumes));
-    StepControl control(plan.limits);
-    RunMemory memory{.now = now, .control = control, .recorder = recorder};
-    Checkpoints checkpoints(directory, scenario.output.checkpoint_every);
-    if (resumes) {
-        std::string said = checkpoints.read(memory);
-        said += resumed_text(now);
-        if (!options.quiet) std::fputs(said.c_str(), stderr);
-        log.cut_to(memory.log_size);
-        log.add(said);
-        recorder.open_files();
-    }
-    State next = now;
-    const RunMemory before = memory;  // its times
-    const double output_before = recorder.output_seconds();
-    const double until = std::min(options.until, scenario.time.end);
-    Progress progress(options.quiet ? nullptr : stderr, until, record.triangles);
-    const double critical_opening = largest_critical_opening(scenario), size = diagonal(model.mesh.vertices);
-    const InterruptGuard guard;
-    const Stopwatch stepping;
-    const auto save = [&] {
-        memory.log_size = log.size();
-        memory.cpu = before.cpu + whole.cpu(), memory.wall = before.wall + whole.wall();
-        memory.cpu_steps = before.cpu_steps + stepping.cpu() - (recorder.output_seconds() - output_before);
-        checkpoints.write(memory);
-    };
-    try {
-        while (record.status == "running" && !StepControl::has_reached(now, until)) {
-            if (interrupted) {
-                record.status = "interrupted";
-                break;
-            }
-            const double h = control.next(now);
-            const StepReport report = stepper.step(now, h, next);
-            if (const std::optional<StepCut> cut = control.judge(now, h, report)) {
-                const Vec2 where = report.refusal == Refusal::none ? place_of_damage(model, now, next) : report.where;
-                log.add(cut_text(*cut, where));
-                if (control.is_stuck()) throw SimulationError(stuck_text(*cut, where, plan.limits.smallest));
-                continue;
-            }
-            if (options.dump_lcp.contains(next.n_steps)) log.add(dump_lcp(model, now, h, scenario.time.scheme, directory / "lcp"));
-            std::swap(now, next);
-            recorder.after_step(now, report);
-            progress.after_step(now, recorder);
-            for (const Gate& gate : recorder.ledger().gates(critical_opening, size))
-                if (!gate.pass) throw SimulationError(violated_text(gate, now, place_of_largest_speed(model, now)));
-            if (checkpoints.due()) save();
-        }
-        if (record.status == "interrupted") save();  // before the lines of an early end are written
-    } catch (const OutputError&) {
-        throw;
-    } catch (const SimulationError& error) {
-        record.status = "failed";
-        record.reason = error.what();
-    }
-    if (record.status == "running") record.status = "done";
-    record.cpu_steps = before.cpu_steps + stepping.cpu() - (recorder.output_seconds() - output_before);
-    progress.finish(now, recorder);
-    recorder.finish(now);
-
-    // what came of it
-    conclude(scenario, model, now, recorder, control, record);
-    record.wall = before.wall + whole.wall();
-    record.cpu = before.cpu + whole.cpu();
-    write_whole_file(directory / "run.json", run_json(record));
-    if (record.status != "interrupted") checkpoints.remove();
-    const std::string end = end_of_run(record, directory);
-    log.add(end);
-    std::fputs(end.c_str(), stdout);
-    return exit_code(record);
-}
-
-}  // namespace
 
 }  // namespace knap
