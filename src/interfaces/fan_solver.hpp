@@ -19,7 +19,7 @@ struct FanSolution {
     enum class Status {
         exact,    // by the active set
         pivoted,  // the active set cycled; by Lemke's pivots
-        searched,  // the pivots ended without one; by trying the states of the links that moved most
+        searched,  // the pivots ended without one; by trying the states of the links that moved
         relaxed,  // the laws have no solution (large friction can wedge): solved without restitution, or else without friction
         failed    // no solution found
     };
@@ -42,6 +42,7 @@ private:
     int correct_states(bool only_worst);
     bool solve_by_pivots();
     bool search_states();
+    bool try_combinations(const std::vector<LinkState>& stuck, const std::vector<std::size_t>& moved, bool may_open);
     void store(FanProblem& problem) const;
 
     const FanProblem* problem_ = nullptr;
