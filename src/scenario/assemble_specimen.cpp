@@ -63,6 +63,25 @@ std::optional<GaugeEnds> gauge(const Assembly& assembly, const std::string& path
     return found;
 }
 
+/// Whether what drives moves along an axis.
+bool moves(const Scenario& scenario, const GaugeEnd& driver, int axis) {
+    if (driver.kind == GaugeEnd::Kind::load) return scenario.loads[driver.number].value[axis].value_or(0) != 0;
+    const Drive& drive = scenario.obstacles[driver.number].drive[axis];
+    return drive.kind == Drive::Kind::free || drive.value != 0;
+}
+
+/// Without a gauge the travel of the driver is taken for that of the whole specimen.
+void check_other_end(const Assembly& assembly, const SpecimenOptions& specimen) {
+    if (specimen.axial) return;
+    for (const auto& [name, driver] : drivers(assembly.scenario)) {
+        const bool itself = driver.kind == specimen.driver.kind && driver.number == specimen.driver.number;
+        if (itself || !moves(assembly.scenario, driver, specimen.axis)) continue;
+        const std::string message = "`" + name + "` moves as well; the strain of the specimen is the travel of what `specimen.force` names alone";
+        assembly.findings.warning("other-end", message, assembly.at("specimen")).note = "axial = [...] names the two ends of a gauge";
+        return;
+    }
+}
+
 /// Numbers of a run that has no [specimen], or notes no breaks.
 void check_expectations(const Assembly& assembly) {
     const bool specimen = assembly.values.given("specimen"), lateral = assembly.values.given("specimen.lateral");
@@ -114,6 +133,7 @@ void assemble_specimen(Assembly& assembly) {
     }
     specimen.axial = gauge(assembly, "specimen.axial");
     specimen.lateral = gauge(assembly, "specimen.lateral");
+    if (values.has("specimen.force")) check_other_end(assembly, specimen);
     if (const auto parts = values.pair("specimen.modulus_between")) {
         specimen.modulus_between = {parts->x(), parts->y()};
         if (!(parts->x() < parts->y())) assembly.findings.error("out-of-range", "`specimen.modulus_between` does not ascend", assembly.at("specimen.modulus_between"));

@@ -259,7 +259,7 @@ const std::vector<Key>& table() {
      .doc = "along the axis: diameter of a disc, height of a beam (of the ligament above a notch)"},
     {.path = "specimen.width", .kind = Kind::number, .unit = "m", .range = positive, .otherwise = "that of the body", .doc = "across"},
     {.path = "specimen.span", .kind = Kind::number, .unit = "m", .range = positive, .required = true, .when = "test=bending", .doc = "between the supports"},
-    {.path = "specimen.axial", .kind = Kind::text, .form = Form::list, .otherwise = "the travel of what gives the force, over the height",
+    {.path = "specimen.axial", .kind = Kind::text, .form = Form::list, .otherwise = "the travel of what gives the force, over the height (the other end stands still)",
      .doc = "the two ends of the axial gauge, each a boundary (mean along it), a probe, an obstacle or a load"},
     {.path = "specimen.lateral", .kind = Kind::text, .form = Form::list, .when = "test=compression or tension",
      .doc = "the two ends of the lateral gauge, likewise; none: no Poisson's ratio, no volumetric strain"},

@@ -269,3 +269,14 @@ TEST_CASE("mistakes: a cut-off scenario never crashes") {
     for (std::size_t n = 0; n < text.size(); n += 7) n_refused += !mistakes(text.substr(0, n)).empty();
     CHECK(n_refused > 100);
 }
+
+TEST_CASE("a specimen whose other end moves is warned of where it has no gauge") {
+    const std::string other = "[[load]]\non = \"bottom\"\nvelocity = [0, -1]\n";
+    CHECK(samples::read(with(specimen)).warnings.empty());
+    const auto warnings = samples::read(with(specimen + other)).warnings;
+    REQUIRE(warnings.size() == 1);
+    CHECK(warnings[0].line == 19);
+    CHECK(warnings[0].message.find("`load1` moves as well") != std::string::npos);
+    CHECK(samples::read(with(specimen + "axial = [\"top\", \"bottom\"]\n" + other)).warnings.empty());
+    CHECK(samples::read(with(specimen + "[[load]]\non = \"bottom\"\nvelocity = [1, 0]\n")).warnings.empty());
+}
