@@ -1,6 +1,7 @@
 #include "stepper/augmented_lagrangian.hpp"
 
 #include "base/secant.hpp"
+#include "stepper/multiplier_leaps.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -10,12 +11,15 @@
 namespace knap {
 namespace {
 
-constexpr int most_newton_steps = 200, most_outer_steps = 100, most_wandering_steps = 30, most_friction_rounds = 60;
+constexpr int most_newton_steps = 400, most_outer_steps = 100, most_wandering_steps = 30, most_friction_rounds = 60;
 constexpr double law_goal = 1e-13;       // of the scale: natural residual of the laws
-constexpr double law_tolerance = 5e-11;  // likewise, where rounding leaves no more
-constexpr double first_augmentation = 1e3;      // of the inertia and stiffness of a point's corners: a move of the multipliers gains three digits
-constexpr double boost = 100, most_augmentation = 1e7;  // where points are nearly redundant the gain is less, until augmented more
-constexpr double balance_tolerance = 1e-12;     // of the scale
+constexpr double law_tolerance = 5e-11;  // likewise, where rounding leaves no more: so many rounds below it
+constexpr int most_near = 5;
+constexpr double full_augmentation = 1e3;    // of the inertia and stiffness of a point's corners: a move of the multipliers gains three digits
+constexpr double balance_tolerance = 1e-12;  // of the scale
+// On stiff springs a Newton step ends at the first points that change their piece. What so many steps do not find is approached on soft ones
+constexpr int most_direct_steps = 20;
+constexpr double soft_augmentation = 10, hardening = 3, soft_tolerance = 1e-4;
 
 }  // namespace
 
@@ -169,27 +173,6 @@ bool AugmentedLagrangian::find_rates(const ImplicitBulk& bulk, std::vector<Loose
     return false;
 }
 
-void AugmentedLagrangian::follow_ray(std::vector<LoosePoint>& points, const std::vector<Vec2>& last) {
-    // what holds contradicts itself (more is closed round a vertex than can be): the multipliers would go on like this for ever, until the
-    // first of them comes to its bound and lets go
-    double furthest = std::numeric_limits<double>::infinity();
-    const auto moved = [&](std::size_t j) -> Vec2 { return Vec2(points[j].law.contact_guess, points[j].law.tangential_guess) - last[j]; };
-    for (std::size_t j = 0; j < points.size(); ++j) {
-        const PointLaw& law = points[j].law;
-        const Vec2 d = moved(j);
-        if (points[j].response.closed && d.x() < 0) furthest = std::min(furthest, law.contact_guess / -d.x());
-        if (!points[j].response.sticks || d.y() == 0) continue;
-        const double most = law.friction * law.contact_guess + law.gamma * law.strength * points[j].response.cohesion_theta;
-        furthest = std::min(furthest, std::max(0.0, most - std::copysign(law.tangential_guess, law.tangential_guess * d.y())) / std::abs(d.y()));
-    }
-    if (std::isinf(furthest)) return;
-    for (std::size_t j = 0; j < points.size(); ++j) {
-        const Vec2 d = furthest * moved(j);
-        points[j].law.contact_guess = std::max(0.0, points[j].law.contact_guess + d.x());
-        points[j].law.tangential_guess += d.y();
-    }
-}
-
 double AugmentedLagrangian::move_multipliers(std::vector<LoosePoint>& points) const {
     double change = 0;
     for (LoosePoint& point : points) {
@@ -201,26 +184,35 @@ double AugmentedLagrangian::move_multipliers(std::vector<LoosePoint>& points) co
     return change;
 }
 
+bool AugmentedLagrangian::approach(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double tolerance) {
+    if (find_rates(bulk, points, rate, tolerance, most_direct_steps)) return true;
+    for (double augmentation = soft_augmentation; augmentation < full_augmentation; augmentation *= hardening) {
+        augment(points, augmentation);
+        if (!find_rates(bulk, points, rate, soft_tolerance * unit_, most_newton_steps)) return false;
+        move_multipliers(points);
+    }
+    augment(points, full_augmentation);
+    return find_rates(bulk, points, rate, tolerance, most_newton_steps);
+}
+
 bool AugmentedLagrangian::settle(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double goal,
                                  int most_steps) {
-    double augmentation = first_augmentation, before = std::numeric_limits<double>::infinity();
-    augment(points, augmentation);
-    for (int outer = 0; outer < most_outer_steps; ++outer) {
-        const int factorisations = counts_.factorisations, solves = counts_.linear_solves;
-        const double tolerance = std::max(balance_tolerance * unit_, 4e-18 * augmentation * bulk.largest_impulse());
-        if (!find_rates(bulk, points, rate, tolerance, most_steps)) return false;
-        most_steps -= counts_.linear_solves - solves;
+    const bool has_potential = std::none_of(points.begin(), points.end(), [](const LoosePoint& p) { return p.law.friction > 0 && p.law.friction_follows; });
+    std::vector<Vec2> last(points.size());
+    MultiplierLeaps leaps;
+    augment(points, full_augmentation);
+    for (int outer = 0, n_near = 0; outer < most_outer_steps; ++outer) {
+        const int solves = counts_.linear_solves;
+        const double tolerance = std::max(balance_tolerance * unit_, 4e-18 * full_augmentation * bulk.largest_impulse());
+        const bool first = outer == 0 && has_potential;
+        if (!(first ? approach(bulk, points, rate, tolerance) : find_rates(bulk, points, rate, tolerance, most_steps))) return false;
+        if (!first) most_steps -= counts_.linear_solves - solves;
         for (const LoosePoint& point : points) unit_ = std::max(unit_, point.response.contact);  // impacts give more than strengths
-        std::vector<Vec2> last;
-        for (const LoosePoint& point : points) last.emplace_back(point.law.contact_guess, point.law.tangential_guess);
-        const double moved = move_multipliers(points);
-        if (moved <= goal * augmentation * unit_) return true;
-        const bool same_pieces = counts_.factorisations == factorisations, stalls = same_pieces && moved > 0.2 * before;
-        if (stalls && moved <= law_tolerance * augmentation * unit_) return true;
-        if (same_pieces && std::abs(moved - before) < 1e-3 * moved) follow_ray(points, last);
-        else if (stalls && augmentation < most_augmentation) augment(points, augmentation *= boost);
-        if (!same_pieces && augmentation > first_augmentation) augment(points, augmentation = first_augmentation);
-        before = moved;
+        for (std::size_t j = 0; j < points.size(); ++j) last[j] = {points[j].law.contact_guess, points[j].law.tangential_guess};
+        const double unit = full_augmentation * unit_, moved = move_multipliers(points);
+        n_near += moved <= law_tolerance * unit;
+        if (moved <= goal * unit || n_near == most_near) return true;
+        leaps.take(matrix_, points, last, goal * unit);
     }
     return false;
 }

@@ -11,38 +11,13 @@
 // iteration majorises, beta falls only as far as the openings ask for, starting from the beta of the begin; it never breaks what holds.
 // (D. Bertsekas, Constrained Optimization and Lagrange Multiplier Methods, 1982; B. Hermans, A. Themelis, P. Patrinos, QPALM, Math. Prog.
 // Comp. 2022, for the exact line search and the proximal Newton step.)
-#include "interfaces/point_law.hpp"
 #include "stepper/implicit_bulk.hpp"
+#include "stepper/loose_point.hpp"
 #include "stepper/theta_matrix.hpp"
 
 #include <vector>
 
 namespace knap {
-
-/// A point of a loose fan in the equations of a step.
-struct LoosePoint {
-    Index fan_point;      // into Model::fan_points; -1: a contact with an obstacle, which stands for the ground and moves
-    Index before, after;  // nodes, or -1: ground
-    Vec2 normal;
-    Index leaf_corner = -1;           // of a contact: a corner of the triangle that it belongs to
-    Vec2 ground_rate = Vec2::Zero();  // [m/s] (N, T) of the obstacle
-    PointLaw law;
-    PointResponse response;
-    Vec2 rate = Vec2::Zero();  // [m/s] (w_N, w_T)
-    double mass;               // [kg] what an impulse between the two sides moves: the scale between impulses and rates
-
-    Vec2 in_frame(const Vec2& a) const { return {normal.dot(a), turned_left(normal).dot(a)}; }
-    /// (N, T) of what a field of the nodes does between the two sides.
-    Vec2 across(const std::vector<Vec2>& of_node) const {
-        const auto at = [&](Index node) -> Vec2 { return node < 0 ? Vec2::Zero() : of_node[node]; };
-        return in_frame(at(after) - at(before));
-    }
-    /// [m/s] (w_N, w_T)
-    Vec2 rate_at(const std::vector<Vec2>& rate) const { return across(rate) - ground_rate; }
-    /// Its sides move as one.
-    bool holds_still() const { return response.closed && response.sticks && law.bound == 0 && response.kink == 0; }
-    Vec2 impulse() const { return response.normal(law) * normal + response.tangential * turned_left(normal); }  // [N s] q
-};
 
 struct SolverCounts {
     int factorisations = 0, linear_solves = 0;
@@ -70,6 +45,7 @@ public:
     const std::vector<Vec2>& unbalanced() const { return residual_; }  // [N s] per node: reactions of what is prescribed
 
 private:
+    bool approach(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double tolerance);
     bool settle(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double goal, int most_steps);
     void find_friction(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate);
     bool find_rates(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double tolerance,
@@ -80,7 +56,6 @@ private:
     bool prepare_matrix(const std::vector<LoosePoint>& points);
     double step_length(const std::vector<LoosePoint>& points, const std::vector<Vec2>& direction, const std::vector<Vec2>& changed) const;
     double move_multipliers(std::vector<LoosePoint>& points) const;
-    static void follow_ray(std::vector<LoosePoint>& points, const std::vector<Vec2>& last);
     void augment(std::vector<LoosePoint>& points, double augmentation);
 
     ThetaMatrix& matrix_;

@@ -35,7 +35,8 @@ std::vector<Vec3> ImplicitScheme::contact_wrenches() const {
 
 LoosePoint ImplicitScheme::make_contact_point(const ObstacleContact& contact, const State& begin, double h) const {
     const CohesiveLaw& law = model_.obstacles[contact.obstacle].contact;
-    LoosePoint made{.fan_point = -1,
+    LoosePoint made{.fan = -1,
+                    .fan_point = -1,
                     .before = -1,
                     .after = partition_.node_of_corner[contact.corner],
                     .normal = contact.normal,

@@ -122,7 +122,7 @@ LoosePoint ImplicitScheme::make_point(const State& begin, double h, Index f, Ind
     const auto at_begin = [&](const std::vector<Vec2>& of_node, Index corner) -> Vec2 {
         return corner == ground ? Vec2::Zero() : of_node[begin.node_of_corner[corner]];
     };
-    LoosePoint made{.fan_point = i, .before = node_of(point.before), .after = node_of(point.after), .normal = point.normal};
+    LoosePoint made{.fan = f, .fan_point = i, .before = node_of(point.before), .after = node_of(point.after), .normal = point.normal};
     made.mass = mass_between(made.before, made.after);
     const Vec2 jump = made.in_frame(at_begin(begin.displacement, point.after) - at_begin(begin.displacement, point.before));
     const Vec2 speed = made.in_frame(at_begin(begin.velocity, point.after) - at_begin(begin.velocity, point.before));

@@ -39,6 +39,7 @@ public:
 
     bool is_symmetric() const { return friction_.empty(); }  // no friction follows a contact
     bool is_free(Index node, int component) const { return unknown(corner_of_node_[node], component) >= 0; }
+    std::size_t n_nodes() const { return corner_of_node_.size(); }
     std::size_t n_entries() const { return factor_.n_entries(); }
 
 private:
