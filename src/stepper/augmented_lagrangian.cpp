@@ -31,7 +31,8 @@ void AugmentedLagrangian::evaluate(const ImplicitBulk& bulk, std::vector<LoosePo
         point.rate = point.rate_at(rate);
         point.response = respond(point.law, point.rate.x(), point.rate.y());
         const Vec2 impulse = point.impulse();
-        if (point.after >= 0) residual_[point.after] -= impulse;
+        if (point.beside >= 0) residual_[point.beside] -= point.share * impulse;
+        if (point.after >= 0) residual_[point.after] -= (1 - point.share) * impulse;
         if (point.before >= 0) residual_[point.before] += impulse;
     }
 }
@@ -64,7 +65,9 @@ void AugmentedLagrangian::make_tangents(const std::vector<LoosePoint>& points, S
                              .after = point.after,
                              .block = block,
                              .symmetric_block = D(1, 0) == D(0, 1) ? block : axes * without_friction * axes.transpose(),
-                             .leaf_corner = point.leaf_corner});
+                             .leaf_corner = point.leaf_corner,
+                             .beside = point.beside,
+                             .share = point.share});
     }
 }
 

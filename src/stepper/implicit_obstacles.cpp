@@ -40,10 +40,17 @@ LoosePoint ImplicitScheme::make_contact_point(const ObstacleContact& contact, co
                     .before = -1,
                     .after = partition_.node_of_corner[contact.corner],
                     .normal = contact.normal,
-                    .leaf_corner = contact.corner};
+                    .leaf_corner = contact.corner,
+                    .beside = contact.is_on_edge() ? partition_.node_of_corner[contact.beside] : -1,
+                    .share = contact.share};
     made.mass = mass_between(made.before, made.after);
+    if (contact.is_on_edge()) {
+        const double s = contact.share, other = mass_between(made.before, made.beside);
+        made.mass = 1 / ((1 - s) * (1 - s) / made.mass + s * s / other);
+    }
     made.ground_rate = made.in_frame(velocity_at(obstacles_.rate()[contact.obstacle], contact));
-    const Vec2 speed = begin.velocity[begin.node_of_corner[contact.corner]] - velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
+    const Vec2 speed = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }) -
+                       velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
     const std::optional<double> bound = contact_bound(contact.gap, contact.normal.dot(speed), 0, law.restitution, h, options_.theta);
     const auto [imposed_N, imposed_T] = imposed(made);
     made.law = {.u_N = contact.gap,
@@ -78,7 +85,9 @@ void ImplicitScheme::keep_contacts() {
     for (std::size_t i = 0; i < contacts_.all().size(); ++i) {
         const LoosePoint& point = contact_points()[i];
         contact_guess_[i] = {point.law.contact_guess, point.law.tangential_guess};
-        pushed_[contacts_.all()[i].corner] += point.impulse();
+        const ObstacleContact& contact = contacts_.all()[i];
+        pushed_[contact.corner] += (1 - contact.share) * point.impulse();
+        if (contact.is_on_edge()) pushed_[contact.beside] += contact.share * point.impulse();
     }
 }
 

@@ -160,7 +160,7 @@ double ImplicitScheme::mass_between(Index before, Index after) const {
 
 std::array<bool, 2> ImplicitScheme::imposed(const LoosePoint& point) const {
     std::array<bool, 2> given, along{false, false};
-    for (int k = 0; k < 2; ++k) given[k] = is_given(point.before, k) && is_given(point.after, k);
+    for (int k = 0; k < 2; ++k) given[k] = is_given(point.before, k) && is_given(point.after, k) && is_given(point.beside, k);
     for (int k = 0; k < 2; ++k) {
         if (!given[k]) continue;
         along[0] = along[0] || given[1 - k] || std::abs(point.normal[k]) > 1 - 1e-9;

@@ -13,6 +13,8 @@ struct LoosePoint {
     Vec2 normal;
     Index leaf_corner = -1;           // of a contact: a corner of the triangle that it belongs to
     Vec2 ground_rate = Vec2::Zero();  // [m/s] (N, T) of the obstacle
+    Index beside = -1;                // of a contact between two corners: the node of the second one, and its share
+    double share = 0;
     PointLaw law;
     PointResponse response;
     Vec2 rate = Vec2::Zero();  // [m/s] (w_N, w_T)
@@ -22,6 +24,7 @@ struct LoosePoint {
     /// (N, T) of what a field of the nodes does between the two sides.
     Vec2 across(const std::vector<Vec2>& of_node) const {
         const auto at = [&](Index node) -> Vec2 { return node < 0 ? Vec2::Zero() : of_node[node]; };
+        if (beside >= 0) return in_frame((1 - share) * at(after) + share * at(beside) - at(before));
         return in_frame(at(after) - at(before));
     }
     /// [m/s] (w_N, w_T)

@@ -47,7 +47,8 @@ void MultiplierLeaps::take(const ThetaMatrix& matrix, std::vector<LoosePoint>& p
         const LoosePoint& point = points[j];
         move[j] = Vec2(point.law.contact_guess, point.law.tangential_guess) - last[j];
         const Vec2 force = move[j].x() * point.normal + move[j].y() * turned_left(point.normal);
-        if (point.after >= 0) pull[point.after] += force;
+        if (point.beside >= 0) pull[point.beside] += point.share * force;
+        if (point.after >= 0) pull[point.after] += (1 - point.share) * force;
         if (point.before >= 0) pull[point.before] -= force;
     }
     const auto felt = [&](Index node) {

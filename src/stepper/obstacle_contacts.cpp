@@ -8,6 +8,7 @@ namespace {
 
 constexpr double near = 0.02;          // of the size of a corner: what is nearer is looked at, at any speed
 constexpr double reach_in_steps = 4;   // ways of a step at the speeds of its begin
+constexpr double beside_a_corner = 1e-3, as_near = 0.05;  // of an edge: there its ends are met instead
 constexpr double touching = 1e-12;     // of the coordinates that a gap is a difference of: rounding
 
 }  // namespace
@@ -53,6 +54,7 @@ void ObstacleContacts::add_pieces(Index f, const State& begin) {
 
 void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3>& end_velocity, const std::vector<Vec2>& corner_force) {
     contacts_.clear();
+    n_at_corners_ = 0;
     if (model_.obstacles.empty()) return;
     list_candidates(begin);
     for (const Candidate& candidate : candidates_) {
@@ -77,6 +79,57 @@ void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3
             contacts_.back().arm += 0.5 * h * (begin.velocity[node] - end_velocity[o].head<2>());
         }
     }
+    n_at_corners_ = contacts_.size();
+    find_on_edges(begin, h, end_velocity);
+}
+
+void ObstacleContacts::find_on_edges(const State& begin, double h, const std::vector<Vec3>& end_velocity) {
+    for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o) {
+        if (model_.obstacles[o].outline.kind != Outline::Kind::polygon) continue;
+        for (const BoundaryEdge& edge : model_.mesh.boundary_edges) meet_edge(edge.triangle, edge.side, o, begin, h, end_velocity[o]);
+    }
+}
+
+void ObstacleContacts::meet_edge(Index triangle, Index side, Index o, const State& begin, double h, const Vec3& end_velocity) {
+    const Outline& outline = model_.obstacles[o].outline;
+    const ObstacleState& state = begin.obstacles[o];
+    const auto place = [&](Index c) -> Vec2 { return model_.mesh.corner(c) + begin.displacement[begin.node_of_corner[c]]; };
+    const auto meet = [&](Index a, Index b) {
+        const Vec2 x_a = place(a), along = place(b) - x_a;
+        const double length = along.norm();
+        if (!(length > 0) || !may_reach(outline, state.pose, x_a, 2 * length)) return;
+        const Vec2 outward = -turned_left(along) / length;  // of the body: it lies to the left of a to b
+        const Vec2 v_a = begin.velocity[begin.node_of_corner[a]], v_b = begin.velocity[begin.node_of_corner[b]];
+        for (std::size_t i = 0; i < outline.points.size(); ++i) {
+            const Vec2 arm = state.pose.turned(outline.points[i]), x = state.pose.position + arm;
+            const double share = along.dot(x - x_a) / (length * length), speed = v_a.norm() + v_b.norm() + velocity_at(end_velocity, arm).norm();
+            double gap = outward.dot(x - x_a);
+            const double reach = near * length + reach_in_steps * h * (speed + velocity_at(state.velocity, arm).norm());
+            if (share <= beside_a_corner || share >= 1 - beside_a_corner || gap > reach || gap < -near * length) continue;
+            // it is the corner that comes nearest, not an edge of the obstacle beside it
+            const std::size_t n = outline.points.size();
+            const auto to = [&](std::size_t j) -> Vec2 { return state.pose.turned(outline.points[j % n] - outline.points[i]); };
+            if (outward.dot(to(i + 1)) < 0 || outward.dot(to(i + n - 1)) < 0) continue;
+            // where an end of the edge is as near, it is what is met
+            const auto is_as_near = [&](Index c) { return distance_to(outline, state.pose, place(c)).gap <= gap + as_near * length; };
+            if (is_as_near(a) || is_as_near(b)) continue;
+            if (std::abs(gap) <= touching * (x.norm() + state.pose.position.norm())) gap = 0;
+            contacts_.push_back({.corner = a,
+                                 .fan = model_.fan_of_corner[a],
+                                 .obstacle = o,
+                                 .arm = arm + 0.5 * h * end_velocity.z() * turned_left(arm),
+                                 .normal = -outward,
+                                 .gap = gap,
+                                 .beside = b,
+                                 .fan_beside = model_.fan_of_corner[b],
+                                 .share = share});
+        }
+    };
+    const Index n = model_.mesh.corners_per_triangle(), first = n * triangle + side, last = n * triangle + (side + 1) % 3;
+    if (model_.mesh.order == 1) return meet(first, last);
+    const Index middle = n * triangle + 3 + side;
+    meet(first, middle);
+    meet(middle, last);
 }
 
 std::span<const ObstacleContact> ObstacleContacts::of_fan(Index fan) const {
@@ -85,7 +138,7 @@ std::span<const ObstacleContact> ObstacleContacts::of_fan(Index fan) const {
         bool operator()(Index f, const ObstacleContact& contact) const { return f < contact.fan; }
     };
     if (contacts_.empty()) return {};
-    const auto [first, last] = std::equal_range(contacts_.begin(), contacts_.end(), fan, ByFan{});
+    const auto [first, last] = std::equal_range(contacts_.begin(), contacts_.begin() + static_cast<std::ptrdiff_t>(n_at_corners_), fan, ByFan{});
     return {first, last};
 }
 

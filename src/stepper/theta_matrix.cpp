@@ -5,6 +5,14 @@
 #include <algorithm>
 
 namespace knap {
+namespace {
+
+/// The nodes of a point with their weights in its relative velocity.
+std::array<std::pair<Index, double>, 3> sides(const PointTangent& point) {
+    return {std::pair(point.after, 1 - point.share), std::pair(point.before, -1.0), std::pair(point.beside, point.share)};
+}
+
+}  // namespace
 
 ThetaMatrix::ThetaMatrix(const Model& model) : model_(model), dissection_(dissect(model)), factor_(dissection_) {
     const Index n_points = static_cast<Index>(model.fan_points.size()), n_corners = model.mesh.n_corners();
@@ -108,10 +116,14 @@ void ThetaMatrix::add_elements(Index leaf, std::vector<Element>& elements) const
 
 void ThetaMatrix::add_contact(const PointTangent& contact, std::vector<Element>& elements) const {
     Element& made = elements.emplace_back();
-    made.n_unknowns = 2;
-    for (int k = 0; k < 2; ++k) made.unknown[k] = unknown(corner_of_node_[contact.after], k);
-    made.matrix.resize(2, 2);
-    made.matrix = contact.symmetric_block;
+    const double weight[2] = {1 - contact.share, contact.share};
+    const int n = contact.beside < 0 ? 1 : 2;
+    made.n_unknowns = 2 * n;
+    made.matrix.resize(2 * n, 2 * n);
+    for (int i = 0; i < n; ++i) {
+        for (int k = 0; k < 2; ++k) made.unknown[2 * i + k] = unknown(corner_of_node_[i == 0 ? contact.after : contact.beside], k);
+        for (int j = 0; j < n; ++j) made.matrix.block<2, 2>(2 * i, 2 * j) = weight[i] * weight[j] * contact.symmetric_block;
+    }
 }
 
 void ThetaMatrix::hold(Index i, const Eigen::Matrix2d& block) {
@@ -126,7 +138,7 @@ void ThetaMatrix::hold_contacts(std::span<const PointTangent> points) {
         if (point.fan_point < 0) contacts.push_back(point);
     const auto touch_where_other = [&](const std::vector<PointTangent>& some, const std::vector<PointTangent>& others) {
         const auto same = [](const PointTangent& a, const PointTangent& b) {
-            return a.leaf_corner == b.leaf_corner && a.after == b.after && a.symmetric_block == b.symmetric_block;
+            return a.leaf_corner == b.leaf_corner && a.after == b.after && a.beside == b.beside && a.share == b.share && a.symmetric_block == b.symmetric_block;
         };
         for (std::size_t i = 0; i < some.size(); ++i)
             if (i >= others.size() || !same(some[i], others[i])) factor_.touch(leaf_of_corner(some[i].leaf_corner));
@@ -159,11 +171,10 @@ bool ThetaMatrix::solve_by_gmres() {
     // A = S + G E G' with the factor of S known, E the friction that follows the contacts, G' the relative velocities of their points:
     //     x = S^-1 (b - G y),     y + E G' S^-1 G y = E G' S^-1 b
     const Eigen::Index n = 2 * static_cast<Eigen::Index>(friction_.size());
-    const auto each_unknown = [&](Eigen::Index j, const auto& visit) {  // (unknown, component, sign)
-        const PointTangent& point = friction_[j];
+    const auto each_unknown = [&](Eigen::Index j, const auto& visit) {  // (unknown, component, weight)
         for (int k = 0; k < 2; ++k)
-            for (const auto& [node, sign] : {std::pair(point.after, 1.0), std::pair(point.before, -1.0)})
-                if (node >= 0 && is_free(node, k)) visit(unknown(corner_of_node_[node], k), k, sign);
+            for (const auto& [node, weight] : sides(friction_[j]))
+                if (node >= 0 && is_free(node, k)) visit(unknown(corner_of_node_[node], k), k, weight);
     };
     const auto rubbing = [&](const std::vector<double>& x) {  // E G' x
         Eigen::VectorXd y(n);
@@ -202,15 +213,13 @@ void ThetaMatrix::solve_by_lu() {
             if (dissection_.parts[part].is_leaf()) add_elements(static_cast<Index>(part), elements);
         for (const PointTangent& point : friction_) {
             Element& made = elements.emplace_back();
-            made.n_unknowns = 4;
-            made.matrix.resize(4, 4);
-            for (int i = 0; i < 4; ++i) {
-                const Index node = i < 2 ? point.before : point.after;
-                made.unknown[i] = node < 0 ? -1 : unknown(corner_of_node_[node], i % 2);
+            made.n_unknowns = 6;
+            made.matrix.resize(6, 6);
+            const auto ends = sides(point);
+            for (int i = 0; i < 3; ++i) {
+                for (int k = 0; k < 2; ++k) made.unknown[2 * i + k] = ends[i].first < 0 ? -1 : unknown(corner_of_node_[ends[i].first], k);
+                for (int j = 0; j < 3; ++j) made.matrix.block<2, 2>(2 * i, 2 * j) = ends[i].second * ends[j].second * (point.block - point.symmetric_block);
             }
-            const Eigen::Matrix2d E = point.block - point.symmetric_block;
-            made.matrix.topLeftCorner<2, 2>() = made.matrix.block<2, 2>(2, 2) = E;
-            made.matrix.block<2, 2>(0, 2) = made.matrix.block<2, 2>(2, 0) = -E;
         }
         std::vector<Eigen::Triplet<double, Index>> entries;
         for (const Element& e : elements)

@@ -20,6 +20,8 @@ struct PointTangent {
     Eigen::Matrix2d block;            // [kg]
     Eigen::Matrix2d symmetric_block;  // [kg] the same without the friction that follows the contact
     Index leaf_corner = -1;           // of a contact with an obstacle: a corner of its triangle
+    Index beside = -1;                // of a contact between two corners: the node of the second one, and its share
+    double share = 0;
 };
 
 class ThetaMatrix {

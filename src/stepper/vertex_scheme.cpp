@@ -13,7 +13,6 @@ namespace knap {
 namespace {
 
 constexpr std::size_t fans_in_a_block = 512, split_fans_in_a_block = 32;
-constexpr double most_obstacle_error = 1e-10;  // of the largest impulse: the gate of every run
 
 }  // namespace
 
@@ -42,15 +41,19 @@ StepReport VertexScheme::advance(const State& begin, const FreeMotion& free, Sta
     StepReport report = advance_bound(begin, free, end);
     release(begin, end, report);
     find_obstacle_velocities(begin, free, report);
+    find_edge_impulses(begin, free, report);
     report += advance_split(begin, free, end);
-    move_obstacles(begin, end, report);
+    account_edges(begin, end, free, report);
+    motion_.finish(begin, contact_wrenches(), end, report);
     report.largest_speed = std::sqrt(report.largest_speed);  // squares until here
     return report;
 }
 
 StepReport VertexScheme::advance_bound(const State& begin, const FreeMotion& free, State& end) {
     comes_apart_.assign(model_.fans.size(), 0);
-    for (const ObstacleContact& contact : contacts_.all()) comes_apart_[contact.fan] = begin.split_rank[contact.fan] < 0;
+    for (const ObstacleContact& contact : contacts_.all())
+        for (const Index f : {contact.fan, contact.fan_beside})
+            if (f >= 0) comes_apart_[f] = begin.split_rank[f] < 0;
     return sum_over_blocks(model_.fans.size(), fans_in_a_block, partial_, [&](std::size_t first, std::size_t last, StepReport& report) {
         Workspace& work = workspaces_[omp_get_thread_num()];
         for (std::size_t f = first; f < last; ++f) {
@@ -167,6 +170,7 @@ void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, Fan
         FanBody& body = problem.bodies[i];
         body.velocity = begin.velocity[node];
         body.free_velocity = body.velocity + free.kick_time * inverse_mass * free.corner_force[corner];
+        if (!contacts_.on_edges().empty()) body.free_velocity += inverse_mass * edge_impulse_on(corner);
         body.inverse_mass = Vec2::Constant(inverse_mass);
         const PrescribedMotion* motion = prescribed_motion(corner);
         if (!motion) continue;
@@ -286,7 +290,7 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
         report.largest_speed = std::max(report.largest_speed, velocity.squaredNorm());
         for (int k = 0; k < 2; ++k) {  // the reaction of a prescribed motion works; the impulses of the links are taken off below
             if (problem.bodies[i].inverse_mass[k] != 0) continue;
-            const double impulse = mass * (velocity[k] - before[k]) - free.kick_time * force[k];
+            const double impulse = mass * (velocity[k] - before[k]) - free.kick_time * force[k] - edge_impulse_on(corner)[k];
             report.external_work += 0.5 * impulse * (velocity[k] + before[k]);
             end.reaction[model_.prescribed_of_corner[corner]][k] = impulse / free.kick_time;
         }
@@ -351,42 +355,6 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
         report.penetration = std::max(report.penetration, -link.u_N - free.drift_time * link.normal.dot(after));
         contact_impulse_[&contacts[j] - contacts_.all().data()] = link.impulse;
     }
-}
-
-void VertexScheme::find_obstacle_velocities(const State& begin, const FreeMotion& free, StepReport& report) {
-    const std::vector<ObstacleContact>& contacts = contacts_.all();
-    std::vector<std::uint8_t> touched(model_.obstacles.size(), 0);
-    for (const ObstacleContact& contact : contacts) touched[contact.obstacle] = model_.obstacles[contact.obstacle].is_free();
-    if (std::find(touched.begin(), touched.end(), 1) == touched.end()) return;
-
-    std::vector<Index> fans;
-    for (const ObstacleContact& contact : contacts)
-        if (touched[contact.obstacle] && (fans.empty() || fans.back() != contact.fan)) fans.push_back(contact.fan);
-    Workspace& work = workspaces_.front();
-    const double error = motion_.solve(begin, touched, 1e-14, [&](std::vector<Vec3>& wrench) {
-        std::fill(wrench.begin(), wrench.end(), Vec3::Zero());
-        for (const Index f : fans) {
-            pose(f, begin, free, work.problem);
-            solve(f, begin, work);
-            const auto of_fan = contacts_.of_fan(f);
-            for (std::size_t j = 0; j < of_fan.size(); ++j)
-                wrench[of_fan[j].obstacle] -= wrench_of(work.problem.links[model_.fans[f].n_points + j].impulse, of_fan[j].arm);
-        }
-    });
-    report.residual = std::max(report.residual, error);
-    if (error <= most_obstacle_error) return;
-    // a body squeezed with friction has several solutions, or none, and which one its fan finds may jump: smaller steps tell them apart
-    report.refusal = Refusal::not_converged;
-    report.where = model_.mesh.corner(contacts.front().corner);
-}
-
-void VertexScheme::move_obstacles(const State& begin, State& end, StepReport& report) const {
-    std::vector<Vec3> wrench(model_.obstacles.size(), Vec3::Zero());
-    for (std::size_t i = 0; i < contact_impulse_.size(); ++i) {
-        const ObstacleContact& contact = contacts_.all()[i];
-        wrench[contact.obstacle] -= wrench_of(contact_impulse_[i], contact.arm);
-    }
-    motion_.finish(begin, wrench, end, report);
 }
 
 }  // namespace knap

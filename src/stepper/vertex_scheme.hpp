@@ -4,7 +4,7 @@
 // begin. Implicit beta: of beta_theta = theta beta+ + (1 - theta) beta (interfaces/fan_cohesion.hpp).
 //
 // A corner near a rigid obstacle has one link more in its fan, to the obstacle as a body with prescribed motion. A free obstacle couples the fans
-// that it touches by its three velocities; ObstacleMotion finds them first.
+// that it touches by its three velocities; ObstacleMotion finds them first. A corner of an obstacle on an edge couples the two fans at its ends by its impulse.
 #include "interfaces/fan_cohesion.hpp"
 #include "interfaces/fan_solver.hpp"
 #include "model/state.hpp"
@@ -38,8 +38,12 @@ private:
     void move_bound(Index fan, const State& begin, const FreeMotion& free, const Vec2& velocity, const Vec2& force, State& end,
                     StepReport& report) const;
     void release(const State& begin, State& end, StepReport& report);
+    void find_edge_impulses(const State& begin, const FreeMotion& free, StepReport& report);
+    Vec2 end_velocity_at(const ObstacleContact& contact, const State& begin, const FreeMotion& free, Workspace& work) const;
+    std::vector<Vec3> contact_wrenches() const;  // [N s, N s, N m s] of the body on each obstacle
+    Vec2 edge_impulse_on(Index corner) const;    // [N s] of the contacts on edges
+    void account_edges(const State& begin, const State& end, const FreeMotion& free, StepReport& report) const;
     void find_obstacle_velocities(const State& begin, const FreeMotion& free, StepReport& report);
-    void move_obstacles(const State& begin, State& end, StepReport& report) const;
     StepReport advance_split(const State& begin, const FreeMotion& free, State& end);
     void advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report);
 
@@ -58,6 +62,7 @@ private:
     ObstacleContacts contacts_;
     ObstacleMotion motion_;
     std::vector<Vec2> contact_impulse_;      // [N s] per contact, on the body
+    std::vector<FanLink> edge_links_;        // of the contacts on edges, solved
     std::vector<Workspace> workspaces_;      // one a thread
     std::vector<StepReport> partial_;
 };
