@@ -130,27 +130,31 @@ struct Strip {
 
 TEST_CASE("E13 the broken set converges with the step") {
     describe("The edge-cracked block, 100 x 40 mm, at 1.5 mm, 1 MPa: points that are broken at 20 us, when the crack has just begun to run, with steps of .8, .4, .2 of the stable one, against .05 of it. "
-             "Later the pattern is chaotic and another step is another sample.");
+             "Later the pattern is chaotic and another step is another sample. In implicit steps: the same against the same explicit run, which so is a reference for both.");
     const Mesh mesh = cracked_block({0.1, 0.04}, 0.05, 1.5e-3);
-    const auto at_20_us = [&](double safety) {
-        Run run(pulled(mesh, 3.08e6, 1e6));
-        go(run, 20e-6, safety * run.stepper.stable_step());
+    const double stable = Run(pulled(mesh, 3.08e6, 1e6)).stepper.stable_step();
+    const auto at_20_us = [&](const SchemeOptions& path, double safety) {
+        Run run(pulled(mesh, 3.08e6, 1e6), path);
+        go(run, 20e-6, safety * stable);
         return std::pair{broken(run), run.ledger.row().surface};
     };
-    on_path(both_explicit);
-    const auto [reference, energy] = at_20_us(0.05);
+    const auto [reference, energy] = at_20_us(both_explicit, 0.05);
     CHECK(reference.size() > mesh.interior_edges.size() / 100);
-    for (const double safety : {0.8, 0.4, 0.2}) {
-        const auto [set, surface] = at_20_us(safety);
-        const std::string at = ", " + digits(safety) + " of the stable step";
-        verify_small("part of the broken points that differs" + at, part_that_differs(set, reference), {0.05 * safety / 0.2});
-        verify("surface energy over that of the reference" + at, surface / energy, 1, {0.01 * safety / 0.2});
+    for (const SchemeOptions& path : both_paths()) {
+        on_path(path);
+        for (const double safety : {0.8, 0.4, 0.2}) {
+            if (path.bulk == BulkScheme::implicit_theta && safety == 0.2) continue;  // as dear as all the others
+            const auto [set, surface] = at_20_us(path, safety);
+            const std::string at = ", " + digits(safety) + " of the stable step";
+            verify_small("part of the broken points that differs" + at, part_that_differs(set, reference), {0.05 * safety / 0.2});
+            verify("surface energy over that of the reference" + at, surface / energy, 1, {0.01 * safety / 0.2});
+        }
     }
 }
 
 TEST_CASE("E15 a crack costs the same in every direction of the mesh" * doctest::test_suite("slow")) {
     describe("A strip of 50 x 20 mm with a crack of 15 mm, its long sides clamped and drawn apart to an energy release of 1.9 G_c, is turned by 0, 15, 30, 45 degrees against the axes in which its random mesh is "
-             "made. Energy of the surfaces while the crack runs from 20 mm to 40 mm, over G_c and this length (above 1 by its zigzag and its side cracks); mean of 96 seeds a direction.");
+             "made. Energy of the surfaces while the crack runs from 20 mm to 40 mm, over G_c and this length (above 1 by its zigzag and its side cracks); mean of 96 seeds a direction. What is measured is the mesh, not the step: explicit only, the 384 runs would take hours in implicit steps.");
     on_path(both_explicit);
     constexpr int n_seeds = 96, n_directions = 4;
     constexpr double from = 0.02, to = 0.04;
