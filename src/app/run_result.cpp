@@ -62,10 +62,24 @@ double time_when(const Column& column, double value) {
     return NAN;
 }
 
+/// Of the line of least squares through what lies between two times: sum (t - mean t)(y - mean y)/sum (t - mean t)^2.
+double mean_slope(const Column& column, double from, double to) {
+    if (to > column.time.back() + 1e-9 * (to - from)) return NAN;  // never reached
+    double n = 0, t = 0, y = 0, tt = 0, ty = 0;
+    const auto each = [&](auto&& add) {
+        for (std::size_t i = 0; i < column.time.size(); ++i)
+            if (column.time[i] >= from && column.time[i] <= to) add(column.time[i] - from, column.value[i]);
+    };
+    each([&](double a, double b) { n += 1, t += a, y += b; });
+    each([&](double a, double b) { tt += (a - t / n) * (a - t / n), ty += (a - t / n) * (b - y / n); });
+    return n > 1 ? ty / tt : NAN;
+}
+
 double value_of(const StudyQuantity& quantity, const Json& summary, const fs::path& run, bool explicit_bulk) {
     if (!quantity.from_history() && summary.contains(quantity.of)) return number(summary[quantity.of]);
     const Column column = column_of(run, quantity.of, explicit_bulk);
     if (column.time.empty()) return NAN;
+    if (quantity.slope) return mean_slope(column, (*quantity.slope)[0], (*quantity.slope)[1]);
     if (quantity.at) return value_at(column, *quantity.at);
     if (quantity.reaches && quantity.since.empty()) return time_when(column, *quantity.reaches);
     if (quantity.reaches) {

@@ -35,14 +35,17 @@ std::vector<std::string> history_columns(const Scenario& scenario) {
 std::string name_of(const StudyQuantity& quantity) {
     if (quantity.at) return quantity.of + " at " + shortest(*quantity.at) + " s";
     if (quantity.reaches) return quantity.of + (quantity.since.empty() ? "" : " after " + quantity.since) + " reaches " + shortest(*quantity.reaches);
+    if (quantity.slope) return "slope of " + quantity.of + " from " + shortest((*quantity.slope)[0]) + " s to " + shortest((*quantity.slope)[1]) + " s";
     return quantity.largest ? "largest " + quantity.of : quantity.of;
 }
 
 void check_quantity(const Assembly& assembly, const std::string& path, const StudyQuantity& quantity) {
     const std::vector<std::string> columns = history_columns(assembly.scenario);
     const bool is_column = std::find(columns.begin(), columns.end(), quantity.of) != columns.end();
-    const int n = (quantity.at ? 1 : 0) + (quantity.reaches ? 1 : 0) + (quantity.largest ? 1 : 0);
-    if (n > 1) assembly.findings.error("exclusive-keys", "`" + path + "` has more than one of at, reaches and largest", assembly.at(path));
+    const int n = (quantity.at ? 1 : 0) + (quantity.reaches ? 1 : 0) + (quantity.largest ? 1 : 0) + (quantity.slope ? 1 : 0);
+    if (n > 1) assembly.findings.error("exclusive-keys", "`" + path + "` has more than one of at, reaches, largest and slope", assembly.at(path));
+    if (quantity.slope && (*quantity.slope)[0] >= (*quantity.slope)[1])
+        assembly.findings.error("bad-interval", "`" + path + ".slope` must go from an earlier to a later time", assembly.at(path + ".slope"));
     if (!quantity.since.empty() && !quantity.reaches)
         assembly.findings.error("missing-key", "`" + path + ".since` needs reaches", assembly.at(path + ".since")).note = "the value whose times are compared";
     if (!quantity.since.empty() && std::find(columns.begin(), columns.end(), quantity.since) == columns.end())
@@ -63,6 +66,7 @@ StudyQuantity quantity_at(const Assembly& assembly, const std::string& path) {
                            .largest = values.flag(path + ".largest").value_or(false),
                            .exact = values.number(path + ".exact"),
                            .scale = values.number(path + ".scale")};
+    if (const auto times = values.pair(path + ".slope")) quantity.slope = {times->x(), times->y()};
     if (values.has(path + ".of")) check_quantity(assembly, path, quantity);
     quantity.name = values.text(path + ".name").value_or(name_of(quantity));
     return quantity;
@@ -82,7 +86,7 @@ void assemble_quantities(Assembly& assembly) {
     for (StudyQuantity& quantity : quantities) {
         const auto key = std::find_if(summary_keys().begin(), summary_keys().end(), [&](const SummaryKey& k) { return k.name == quantity.of; });
         const bool summary = !quantity.from_history() && key != summary_keys().end();
-        quantity.unit = quantity.reaches ? "s" : std::string(summary ? key->unit : unit_of_column(quantity.of));
+        quantity.unit = quantity.reaches ? "s" : std::string(summary ? key->unit : quantity.slope ? unit_of_slope(quantity.of) : unit_of_column(quantity.of));
         if (!summary || quantity.exact) continue;
         for (const Expectation& expected : expect)
             if (expected.key == quantity.of && expected.unit.empty()) quantity.exact = expected.value;

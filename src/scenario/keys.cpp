@@ -325,6 +325,8 @@ const std::vector<Key>& table() {
     {.path = "study.quantity[].since", .kind = Kind::text,
      .doc = "another column: the time since that one reached the same; between two probes it is the speed of what runs by"},
     {.path = "study.quantity[].largest", .kind = Kind::boolean, .otherwise = "false", .doc = "the column's largest value"},
+    {.path = "study.quantity[].slope", .kind = Kind::number, .form = Form::pair, .unit = "s", .range = not_negative,
+     .doc = "between these two times: slope of the line of least squares through the column; of surface it is the crack's speed times G_c, free of the edges it jumps"},
     {.path = "study.quantity[].exact", .kind = Kind::number, .unit = "*", .doc = "what it should be"},
     {.path = "study.quantity[].scale", .kind = Kind::number, .unit = "*", .range = positive, .otherwise = "the reference, absolute if that is 0",
      .doc = "errors are parts of this"},

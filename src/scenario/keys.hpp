@@ -78,6 +78,7 @@ std::span<const SummaryKey> summary_keys();
 
 /// Unit of a column of energy.csv, cracks.csv, reactions.csv, probes.csv or stress_strain.csv; "" for none.
 std::string_view unit_of_column(std::string_view column);
+std::string_view unit_of_slope(std::string_view column);  // its change in time
 
 /// Unit of the colour range of a figure that shows `field`; "" for none.
 std::string_view unit_of_field(std::string_view field);

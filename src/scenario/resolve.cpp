@@ -232,6 +232,7 @@ private:
         if (table.find("reaches") && key.name() != "reaches") return "s";
         const Node* of = table.find("of");
         if (!of) return "";
+        if (table.find("slope")) return unit_of_slope(of->text);
         const bool in_summary = std::any_of(summary_keys().begin(), summary_keys().end(), [&](const SummaryKey& s) { return s.name == of->text; });
         const bool from_history = table.find("at") || table.find("reaches") || table.find("largest");
         return in_summary && !from_history ? unit_of_summary(of->text) : unit_of_column(of->text);

@@ -70,6 +70,11 @@ std::string_view unit_of_column(std::string_view column) {
     return column == "time" || column == "step" ? "s" : "";
 }
 
+std::string_view unit_of_slope(std::string_view column) {
+    const std::string_view unit = unit_of_column(column);
+    return unit == "J" ? "W" : unit == "m" ? "m/s" : unit == "m/s" ? "m/s2" : unit == "N" ? "N/s" : unit == "s" ? "" : "1/s";
+}
+
 std::string_view unit_of_field(std::string_view field) {
     if (field.starts_with("displacement") || field == "cracks") return "m";
     if (field.starts_with("velocity") || field == "speed") return "m/s";

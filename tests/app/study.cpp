@@ -104,6 +104,26 @@ TEST_CASE("study: B7 is of second order" * doctest::test_suite("slow")) {
     for (const char* name : {"opening at 16.5 us", "time of breaking"}) CHECK(std::abs(column(folder.path / "s", std::string("order of ") + name)[1] - 2) <= 0.1);
 }
 
+TEST_CASE("study: C1 the speed of a debonding crack is of second order" * doctest::test_suite("slow")) {
+    const Folder folder("study strip order");
+    REQUIRE(command("study debonding_strip -q -s study.line= --levels 0.5,1,2 -o " + folder.in_shell("s")).code == 0);
+    const std::vector<double> order = column(folder.path / "s", "order of crack speed times G_c"), error = column(folder.path / "s", "error of crack speed times G_c");
+    for (const std::size_t i : {1, 2}) CHECK(std::abs(order[i] - 2) <= 0.1);
+    CHECK(error[2] < 2e-4);
+}
+
+TEST_CASE("study: the slope of a column between two times") {
+    const Folder folder("study slope");
+    const auto study = [&](const std::string& times) {
+        return command("study " + ringing + "-o " + folder.in_shell("s") + " -s 'study={ levels = [1], quantity = [{ of = \"time\", slope = " + times + " }] }'");
+    };
+    REQUIRE(study("[\"2 us\", \"8 us\"]").code == 0);
+    CHECK(column(folder.path / "s", "slope of time from 2e-06 s to 8e-06 s")[0] == tests::relative(1, 1e-9));
+    const Answer wrong = study("[\"8 us\", \"2 us\"]");
+    CHECK(wrong.code == 2);
+    CHECK(wrong.has("bad-interval"));
+}
+
 TEST_CASE("study: finished runs are kept and nothing else is overwritten") {
     const Folder folder("study again");
     const std::string study = "study " + ringing + "-o " + folder.in_shell("s") + " --quantity strain_energy ";

@@ -199,6 +199,10 @@ exact = "20 us"
 [[study.quantity]]
 of = "load1_force_y"
 largest = true
+[[study.quantity]]
+of = "surface"
+slope = ["2 us", "10 us"]
+exact = "3 kW"
 )";
 
 const std::string polygon = samples::changed("shape = \"rectangle\"\nsize = [0.1, 0.04]\n", R"(shape = "polygon"
@@ -455,6 +459,8 @@ const Case cases[] = {
     {rectangle, "study.quantity[2].exact", "2e-05"},
     {rectangle, "study.quantity[2].since", "\"middle_slip\""},
     {rectangle, "study.quantity[3].largest", "true"},
+    {rectangle, "study.quantity[4].slope", "[2e-06, 1e-05]"},
+    {rectangle, "study.quantity[4].exact", "3000"},
     {schemes, "study.schemes", "[\"explicit/explicit\", \"implicit/implicit\"]"},
     {polygon, "domain.points", "[[0, 0], [0.01, 0], [0.01, 0.01], [0, 0.01]]"},
     {polygon, "domain.sides", "[\"floor\", \"wall\", \"lid\", \"wall\"]"},
