@@ -182,33 +182,48 @@ std::vector<int> take_and_scale(const LcpProblem& problem, const std::vector<int
             if (const int j = place[entry.col()]; j >= 0) largest = std::max(largest, std::abs(entry.value()) * (factor[j] > 0 ? factor[j] : 1.0));
         factor[i] = largest > 0 ? std::exp2(-std::round(std::log2(largest))) : 1.0;
     }
-    std::vector<int> mate(problem.size(), -1), leader(problem.size(), -1), not_opposite;  // of each column of a pair: the other, and i
+    struct Column {
+        int place = -1;               // in the folded problem
+        int mate = -1, leader = -1;   // of a column of a pair: the other, and i
+        double factor = 0;
+    };
+    std::vector<Column> columns(problem.size());  // in one piece: this loop over all entries is what folding costs
+    for (int c = 0; c < problem.size(); ++c) columns[c].place = place[c], columns[c].factor = place[c] >= 0 ? factor[place[c]] : 0.0;
     for (const FoldedUnknown& u : folded.unknowns)
-        if (u.two_sided) mate[u.row] = u.opposite, mate[u.opposite] = leader[u.opposite] = leader[u.row] = u.row;
+        if (u.two_sided) {
+            columns[u.row].mate = u.opposite;
+            columns[u.opposite].mate = u.row;
+            columns[u.row].leader = columns[u.opposite].leader = u.row;
+        }
+    std::vector<int> not_opposite;
     folded.q.resize(n);
     folded.M.resize(n, n);
     folded.M.resizeNonZeros(M.nonZeros());
+    int* const kept_columns = folded.M.innerIndexPtr();
+    double* const kept_values = folded.M.valuePtr();
     int n_entries = 0;
-    const auto keep = [&](int i, int column, double value) {
-        folded.M.innerIndexPtr()[n_entries] = place[column];
-        folded.M.valuePtr()[n_entries++] = factor[i] * factor[place[column]] * value;
-    };
     for (int i = 0; i < n; ++i) {
         const int row = folded.unknowns[i].row;
-        folded.q[i] = factor[i] * problem.q[row];
+        const double row_factor = factor[i];
+        folded.q[i] = row_factor * problem.q[row];
         folded.M.outerIndexPtr()[i] = n_entries;
+        const auto keep = [&](const Column& column, double value) {
+            kept_columns[n_entries] = column.place;
+            kept_values[n_entries++] = row_factor * column.factor * value;
+        };
         for (int e = M.outerIndexPtr()[row], end = M.outerIndexPtr()[row + 1]; e < end; ++e) {
-            const int column = M.innerIndexPtr()[e], other = mate[column];
+            const int c = M.innerIndexPtr()[e];
+            const Column& column = columns[c];
             const double value = M.valuePtr()[e];
-            if (other < 0) {
-                if (place[column] >= 0) keep(i, column, value);
+            if (column.mate < 0) {
+                if (column.place >= 0) keep(column, value);
                 continue;
             }
-            const bool follows = e + 1 < end && M.innerIndexPtr()[e + 1] == other;
-            const double of_other = follows ? M.valuePtr()[e + 1] : M.coeff(row, other);
-            if (!opposite(value, of_other, std::abs(value))) not_opposite.push_back(leader[column]);
-            if (place[column] >= 0) keep(i, column, value);
-            else if (follows) keep(i, other, of_other);
+            const bool follows = e + 1 < end && M.innerIndexPtr()[e + 1] == column.mate;
+            const double of_mate = follows ? M.valuePtr()[e + 1] : M.coeff(row, column.mate);
+            if (!opposite(value, of_mate, std::abs(value))) not_opposite.push_back(column.leader);
+            if (column.place >= 0) keep(column, value);
+            else if (follows) keep(columns[column.mate], of_mate);
             e += follows;
         }
     }
