@@ -237,7 +237,8 @@ FanSolution VertexScheme::solve(Index f, const State& begin, Workspace& work) co
 
 namespace {
 
-constexpr double rounding = 1e-14;  // of the velocities of a fan
+constexpr double rounding = 1e-14;       // of the velocities of a fan
+constexpr double most_residual = 1e-10;  // of the interface laws, scaled: the gate of every run
 
 /// [m/s] Size of what the velocities of a fan are sums of: impulses that hold a body together cancel.
 double speed_scale(const FanProblem& problem) {
@@ -273,7 +274,8 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
     report.fan_iterations += solution.iterations;
     if (solution.status != FanSolution::Status::exact) ++report.fan_fallbacks;
     report.residual = std::max(report.residual, solution.residual);
-    if (!solution.settled && report.refusal == Refusal::none) {
+    const bool inexact = options_.cohesion == CohesionScheme::implicit_beta && solution.residual > most_residual;  // a shorter step softens less
+    if ((!solution.settled || inexact) && report.refusal == Refusal::none) {
         report.refusal = Refusal::not_converged;
         report.where = model_.mesh.corner(model_.fan_corners[fan.first_corner]);
     }
