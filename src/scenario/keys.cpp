@@ -148,7 +148,8 @@ const std::vector<Key>& table() {
     {.path = "interface.*.scatter.length", .kind = Kind::number, .unit = "m", .range = positive,
      .doc = "length of the piece of interface that the mean belongs to: shorter pieces are stronger, so that chains of them do not depend on the mesh"},
     {.path = "interface.*.scatter.area", .kind = Kind::number, .unit = "m2", .range = positive,
-     .doc = "likewise, area of the part of the body that the mean belongs to; for cracks that may start anywhere"},
+     .doc = "likewise, area of the part of the body that the mean belongs to; for cracks that may start anywhere"
+              "; a body grows stronger with finer meshes then, unlike with correlation"},
     {.path = "interface.*.scatter.correlation", .kind = Kind::number, .unit = "m", .range = positive,
      .doc = "correlation length L of a random field, correlation exp(-(r/L)^2), the same for every mesh; none: every interface by itself"},
     {.path = "interface.*.scatter.lowest", .kind = Kind::number, .range = {.low = 0, .high = 1, .high_included = false}, .standard = "0",
