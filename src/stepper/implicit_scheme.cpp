@@ -10,8 +10,7 @@ namespace knap {
 namespace {
 
 constexpr double least_loss = 1e-12;  // of the cohesion in a step: less is rounding of an opening, not softening
-constexpr double most_residual = 1e-10;  // of the interface laws, scaled: the gate of every run
-constexpr double rounding = 1e-14;       // of the rates
+constexpr double rounding = 1e-14;    // of the rates
 constexpr int most_passes = 40;
 
 }  // namespace

@@ -6,6 +6,8 @@
 
 namespace knap {
 
+constexpr double most_residual = 1e-10;  // of the interface laws, scaled: the gate of every run, and what a step is refused for
+
 /// Why a step was not taken; its end state is void and must not be used.
 enum class Refusal {
     none,

@@ -237,8 +237,7 @@ FanSolution VertexScheme::solve(Index f, const State& begin, Workspace& work) co
 
 namespace {
 
-constexpr double rounding = 1e-14;       // of the velocities of a fan
-constexpr double most_residual = 1e-10;  // of the interface laws, scaled: the gate of every run
+constexpr double rounding = 1e-14;  // of the velocities of a fan
 
 /// [m/s] Size of what the velocities of a fan are sums of: impulses that hold a body together cancel.
 double speed_scale(const FanProblem& problem) {

@@ -16,13 +16,7 @@ Obstacle wedge(const Vec2& tip, const CohesiveLaw& contact, double side) {
     return polygon({tip, tip + Vec2(side * 0.4, side), tip + Vec2(-side * 0.4, side)}, contact);
 }
 
-void check_books(const Run& run) {
-    const double scale = run.ledger.largest_energy();
-    CHECK(run.ledger.largest_residual() <= 1e-10 * scale);
-    CHECK(run.ledger.worst().worst_friction_work <= 1e-12 * scale);
-    CHECK(run.ledger.worst().worst_impact_work <= 1e-12 * scale);
-    CHECK(run.ledger.worst().residual <= 1e-10);
-}
+void check_books(const Run& run) { tests::check_books(run, 1e-10, 1e-12); }
 
 const SchemeOptions schemes[] = {{}, implicit()};
 

@@ -1,6 +1,9 @@
 #pragma once
 // Rigid obstacles for small bodies.
 #include "model/obstacle.hpp"
+#include "support/bodies.hpp"
+
+#include <doctest/doctest.h>
 
 #include <numbers>
 
@@ -48,6 +51,15 @@ inline Obstacle polygon(const std::vector<Vec2>& points, const CohesiveLaw& cont
 
 inline Drive driven(double velocity, TimeFunction history = {}) {
     return {.kind = Drive::Kind::velocity, .value = velocity, .history = std::move(history)};
+}
+
+/// The balance of energy and the signs of the works of impacts and friction, as parts of the largest energy, and the laws of the interfaces.
+inline void check_books(const Run& run, double energy, double work) {
+    const double scale = run.ledger.largest_energy();
+    CHECK(run.ledger.largest_residual() <= energy * scale);
+    CHECK(run.ledger.worst().worst_friction_work <= work * scale);
+    CHECK(run.ledger.worst().worst_impact_work <= work * scale);
+    CHECK(run.ledger.worst().residual <= 1e-10);
 }
 
 }  // namespace knap::tests
