@@ -262,8 +262,20 @@ double crossing_loss(const FanLink& link, double v_T_before, double v_T_after, d
 
 }  // namespace
 
+void VertexScheme::move_corner(Index corner, const Vec2& velocity, const State& begin, const FreeMotion& free, State& end, StepReport& report) const {
+    const Index from = begin.node_of_corner[corner], to = end.node_of_corner[corner];
+    const Vec2 force = free.corner_force[corner];
+    end.velocity[to] = velocity;
+    end.displacement[to] = begin.displacement[from] + free.drift_time * velocity;
+    report.kinetic += 0.5 * model_.corner_mass[corner] * velocity.squaredNorm();
+    report.strain -= 0.5 * force.dot(end.displacement[to]);
+    report.step_change_work -= 0.25 * (free.drift_time - begin.last_step) * force.dot(velocity - begin.velocity[from]);
+    report.largest_speed = std::max(report.largest_speed, velocity.squaredNorm());
+}
+
 void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work,
                                StepReport& report) {
+    if (advance_resting(rank, begin, free, end, work, report)) return;
     const Index f = end.split_fans[rank];
     const Fan& fan = model_.fans[f];
     FanProblem& problem = work.problem;
@@ -280,15 +292,10 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
     }
 
     for (Index i = 0; i < fan.n_corners; ++i) {
-        const Index corner = model_.fan_corners[fan.first_corner + i], from = begin.node_of_corner[corner], to = end.node_of_corner[corner];
+        const Index corner = model_.fan_corners[fan.first_corner + i];
         const double mass = model_.corner_mass[corner];
         const Vec2 before = problem.bodies[i].velocity, velocity = problem.bodies[i].end_velocity, force = free.corner_force[corner];
-        end.velocity[to] = velocity;
-        end.displacement[to] = begin.displacement[from] + free.drift_time * velocity;
-        report.kinetic += 0.5 * mass * velocity.squaredNorm();
-        report.strain -= 0.5 * force.dot(end.displacement[to]);
-        report.step_change_work -= 0.25 * (free.drift_time - begin.last_step) * force.dot(velocity - before);
-        report.largest_speed = std::max(report.largest_speed, velocity.squaredNorm());
+        move_corner(corner, velocity, begin, free, end, report);
         for (int k = 0; k < 2; ++k) {  // the reaction of a prescribed motion works; the impulses of the links are taken off below
             if (problem.bodies[i].inverse_mass[k] != 0) continue;
             const double impulse = mass * (velocity[k] - before[k]) - free.kick_time * force[k] - edge_impulse_on(corner)[k];

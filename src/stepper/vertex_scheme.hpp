@@ -30,6 +30,7 @@ private:
         FanProblem problem;
         FanSolver solver;
         std::vector<LinkCohesion> cohesion;
+        std::vector<Vec2> taken, impulse;  // [N s] per corner, per point of a fan at rest
     };
 
     StepReport advance_bound(const State& begin, const FreeMotion& free, State& end);
@@ -46,6 +47,9 @@ private:
     void find_obstacle_velocities(const State& begin, const FreeMotion& free, StepReport& report);
     StepReport advance_split(const State& begin, const FreeMotion& free, State& end);
     void advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report);
+    bool advance_resting(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report) const;
+    bool rests(Index rank, const State& begin) const;
+    void move_corner(Index corner, const Vec2& velocity, const State& begin, const FreeMotion& free, State& end, StepReport& report) const;
 
     FanSolution solve(Index fan, const State& begin, Workspace& work) const;
     void pose(Index fan, const State& begin, const FreeMotion& free, FanProblem& problem) const;
