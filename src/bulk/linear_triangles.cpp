@@ -32,29 +32,26 @@ void LinearTriangles::set_screen(const std::vector<double>& threshold_of_fan, co
     }
 }
 
-void LinearTriangles::evaluate(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner,
-                             std::vector<Vec2>& corner_force, std::vector<std::uint8_t>& fan_is_hot) const {
-    const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(triangles_.size());
-#pragma omp parallel for schedule(static)
-    for (std::ptrdiff_t t = 0; t < n; ++t) {
+void LinearTriangles::evaluate(Index first, Index last, const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner, Vec2* force,
+                               std::vector<std::uint8_t>& fan_is_hot) const {
+    using Pair = Eigen::Array2d;  // x and y at once
+    for (std::ptrdiff_t t = first; t < last; ++t, force += 3) {
         const Triangle& here = triangles_[t];
         const Index* node = &node_of_corner[3 * t];
-        const Vec2 u0 = displacement[node[0]];
-        const Vec2 a = displacement[node[1]] - u0, b = displacement[node[2]] - u0;
-        const Vec2 &g1 = here.gradient1, &g2 = here.gradient2;
-        const double xx = g1.x() * a.x() + g2.x() * b.x();
-        const double yy = g1.y() * a.y() + g2.y() * b.y();
-        const double xy = 0.5 * (g1.y() * a.x() + g1.x() * a.y() + g2.y() * b.x() + g2.x() * b.y());
+        const Pair u0 = displacement[node[0]], a = displacement[node[1]].array() - u0, b = displacement[node[2]].array() - u0;
+        const Pair g1 = here.gradient1, g2 = here.gradient2, turned1 = g1.reverse(), turned2 = g2.reverse();
+        const Pair strain = g1 * a + g2 * b;                      // xx, yy
+        const Pair shear1 = turned1 * a, shear2 = turned2 * b;
+        const double xy = 0.5 * (shear1[0] + shear1[1] + shear2[0] + shear2[1]);
         const Stiffness& elastic = stiffness_[here.material];
-        const double trace = elastic.lame * (xx + yy);
-        const double s_xx = trace + elastic.twice_shear * xx, s_yy = trace + elastic.twice_shear * yy, s_xy = elastic.twice_shear * xy;
-        const double V = here.volume;
-        const Vec2 f1(-V * (s_xx * g1.x() + s_xy * g1.y()), -V * (s_xy * g1.x() + s_yy * g1.y()));
-        const Vec2 f2(-V * (s_xx * g2.x() + s_xy * g2.y()), -V * (s_xy * g2.x() + s_yy * g2.y()));
-        corner_force[3 * t] = -(f1 + f2);
-        corner_force[3 * t + 1] = f1;
-        corner_force[3 * t + 2] = f2;
-        const double norm2 = s_xx * s_xx + s_yy * s_yy + 2 * s_xy * s_xy;
+        const Pair s = elastic.lame * (strain[0] + strain[1]) + elastic.twice_shear * strain;
+        const double s_xy = elastic.twice_shear * xy;
+        const Pair f1 = -here.volume * (s * g1 + s_xy * turned1), f2 = -here.volume * (s * g2 + s_xy * turned2);
+        force[0] = -(f1 + f2);
+        force[1] = f1;
+        force[2] = f2;
+        const Pair squares = s * s;
+        const double norm2 = squares[0] + squares[1] + 2 * s_xy * s_xy;
         if (norm2 > static_cast<double>(here.threshold)) {
             for (int k = 0; k < 3; ++k) {
                 const Index fan = fan_of_corner_[3 * t + k];

@@ -17,8 +17,8 @@ public:
     /// The screen: fans whose triangles all have |sigma|_F^2 <= threshold need no test. [Pa^2] per fan.
     void set_screen(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner);
 
-    /// corner_force [N], 3 per triangle; fan_is_hot [0/1], per fan, set where the screen does not clear the fan.
-    void evaluate(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner, std::vector<Vec2>& corner_force,
+    /// Of the triangles from `first` to before `last`, as in ElasticForces.
+    void evaluate(Index first, Index last, const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner, Vec2* force,
                   std::vector<std::uint8_t>& fan_is_hot) const;
 
 private:

@@ -52,11 +52,9 @@ void QuadraticTriangles::set_screen(const std::vector<double>& threshold_of_fan,
     }
 }
 
-void QuadraticTriangles::evaluate(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner,
-                                  std::vector<Vec2>& corner_force, std::vector<std::uint8_t>& fan_is_hot) const {
-    const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(triangles_.size());
-#pragma omp parallel for schedule(static)
-    for (std::ptrdiff_t t = 0; t < n; ++t) {
+void QuadraticTriangles::evaluate(Index first, Index last, const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner, Vec2* force,
+                                  std::vector<std::uint8_t>& fan_is_hot) const {
+    for (std::ptrdiff_t t = first; t < last; ++t, force += 7) {
         const Triangle& here = triangles_[t];
         const Index* node = &node_of_corner[7 * t];
         Vec2 u[7];
@@ -82,7 +80,6 @@ void QuadraticTriangles::evaluate(const std::vector<Vec2>& displacement, const s
             sum += pull[k];
         }
         const Vec2 q = 2.7 * sum + Vec2(here.R_xx * a.x() + here.R_xy * a.y(), here.R_xy * a.x() + here.R_yy * a.y());  // works on a
-        Vec2* force = &corner_force[7 * t];
         Vec2 all = Vec2::Zero();
         for (int k = 0; k < 3; ++k) {
             const Vec2 linear = here.volume / 3 * Vec2(s_xx * g[k].x() + s_xy * g[k].y(), s_xy * g[k].x() + s_yy * g[k].y());

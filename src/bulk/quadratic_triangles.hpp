@@ -32,7 +32,7 @@ public:
 
     /// As in ElasticForces; here the forces themselves are compared, each with the largest that a uniform stress can make it.
     void set_screen(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner);
-    void evaluate(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner, std::vector<Vec2>& corner_force,
+    void evaluate(Index first, Index last, const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner, Vec2* force,
                   std::vector<std::uint8_t>& fan_is_hot) const;
 
 private:

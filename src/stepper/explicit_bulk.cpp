@@ -13,12 +13,13 @@ ExplicitBulk::ExplicitBulk(const Model& model) : model_(model), forces_(model.me
     stable_step_ = *std::min_element(steps.begin(), steps.end());
 }
 
-void ExplicitBulk::free_motion(const State& begin, double h, FreeMotion& free) const {
+void ExplicitBulk::begin_step(const State& begin, double h, FreeMotion& free) const {
     free.drift_time = h;
     free.kick_time = 0.5 * (begin.last_step + h);
     free.corner_force.resize(model_.mesh.n_corners());
-    free.fan_is_hot.assign(model_.fans.size(), 0);
-    forces_.evaluate(begin.displacement, begin.node_of_corner, free.corner_force, free.fan_is_hot);
+}
+
+void ExplicitBulk::add_loads(const State& begin, FreeMotion& free) const {
     const std::vector<double>& amplitude = amplitudes(begin.time);
     for (const CornerLoad& load : model_.corner_loads) free.corner_force[load.corner] += amplitude[load.history] * load.force;
 }

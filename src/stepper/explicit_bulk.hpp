@@ -12,8 +12,14 @@ class ExplicitBulk {
 public:
     explicit ExplicitBulk(const Model& model);
 
-    /// Forces of the bulk and of the loads at begin.time.
-    void free_motion(const State& begin, double h, FreeMotion& free) const;
+    void begin_step(const State& begin, double h, FreeMotion& free) const;
+
+    /// [N] of the bulk on the corners of the triangles from `first` to before `last`; marks the fans that the stress screen does not clear.
+    void find_forces(Index first, Index last, const State& begin, Vec2* force, std::vector<std::uint8_t>& fan_is_hot) const {
+        forces_.evaluate(first, last, begin.displacement, begin.node_of_corner, force, fan_is_hot);
+    }
+    /// To the forces of the bulk, as they are at begin.time.
+    void add_loads(const State& begin, FreeMotion& free) const;
 
     /// What the loads did in the step: their work, and their share in the energies that `report` has with all forces.
     void account_loads(const State& begin, const State& end, const FreeMotion& free, StepReport& report) const;

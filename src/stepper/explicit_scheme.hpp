@@ -13,8 +13,8 @@ public:
     ExplicitScheme(const Model& model, const SchemeOptions& options) : bulk_(model), interfaces_(model, options) {}
 
     StepReport step(const State& begin, double h, State& end) override {
-        bulk_.free_motion(begin, h, free_);                           // as if no interface acted
-        StepReport report = interfaces_.advance(begin, free_, end);   // who is bound, who touches, who slides; velocities, openings, cohesion
+        bulk_.begin_step(begin, h, free_);
+        StepReport report = interfaces_.advance(begin, bulk_, free_, end);  // forces, who is bound, who touches, who slides; velocities, openings, cohesion
         bulk_.account_loads(begin, end, free_, report);
         return report;
     }

@@ -40,6 +40,7 @@ bool VertexScheme::advance_resting(Index rank, const State& begin, const FreeMot
     const Index f = end.split_fans[rank];
     const Fan& fan = model_.fans[f];
     const Index* corner = &model_.fan_corners[fan.first_corner];
+    const double* corner_mass = &mass_[fan.first_corner];
     const FanPoint* point = &model_.fan_points[fan.first_point];
     const Index first_point = end.first_point[rank];
 
@@ -48,13 +49,13 @@ bool VertexScheme::advance_resting(Index rank, const State& begin, const FreeMot
     Vec2 momentum = Vec2::Zero();
     double mass = 0;
     for (Index i = 0; i < fan.n_corners; ++i) {
-        const double inverse_mass = 1 / model_.corner_mass[corner[i]], m = 1 / inverse_mass;
+        const double inverse_mass = 1 / corner_mass[i], m = 1 / inverse_mass;
         taken[i] = begin.velocity[f] + free.kick_time * inverse_mass * free.corner_force[corner[i]];
         momentum += m * taken[i];
         mass += m;
     }
     const Vec2 velocity = momentum * (1 / mass);
-    for (Index i = 0; i < fan.n_corners; ++i) taken[i] = (velocity - taken[i]) / (1 / model_.corner_mass[corner[i]]);
+    for (Index i = 0; i < fan.n_corners; ++i) taken[i] = (velocity - taken[i]) / (1 / corner_mass[i]);
 
     LeastNormCirculation least;
     const auto strength = [&](Index j) {
@@ -74,7 +75,7 @@ bool VertexScheme::advance_resting(Index rank, const State& begin, const FreeMot
     }
 
     ++report.fan_solves, ++report.fan_iterations;
-    for (Index i = 0; i < fan.n_corners; ++i) move_corner(corner[i], velocity, begin, free, end, report);
+    for (Index i = 0; i < fan.n_corners; ++i) move_corner(fan.first_corner + i, velocity, begin, free, end, report);
     for (Index j = 0; j < fan.n_points; ++j) {
         const CohesiveLaw& law = model_.laws[point[j].law];
         const double C = strength(j), S = point[j].area, contact = std::max(0.0, point[j].normal.dot(impulse[j]) + C);

@@ -1,8 +1,6 @@
 #include "stepper/vertex_scheme.hpp"
 
-#include "base/error.hpp"
 #include "base/parallel.hpp"
-#include "interfaces/circulation.hpp"
 
 #include <omp.h>
 
@@ -12,33 +10,32 @@
 namespace knap {
 namespace {
 
-constexpr std::size_t fans_in_a_block = 512, split_fans_in_a_block = 32;
+constexpr std::size_t split_fans_in_a_block = 32;
 
 }  // namespace
 
 VertexScheme::VertexScheme(const Model& model, const SchemeOptions& options)
-    : model_(model), options_(options), contacts_(model), motion_(model) {
+    : model_(model),
+      options_(options),
+      blocks_(model),
+      fan_is_hot_(model.fans.size(), 0),
+      comes_apart_(model.fans.size(), 0),
+      contacts_(model),
+      motion_(model) {
+    for (const Index corner : model.fan_corners) mass_.push_back(model.corner_mass[corner]);
     workspaces_.resize(omp_get_max_threads());
+    for (Workspace& work : workspaces_) work.force.resize(corners_in_a_block);
 }
 
-StepReport VertexScheme::advance(const State& begin, const FreeMotion& free, State& end) {
-    // the partition of `end` is that of `begin` until fans come apart
-    if (end.split_fans != begin.split_fans || end.node_of_corner.size() != begin.node_of_corner.size()) {
-        end.node_of_corner = begin.node_of_corner;
-        end.split_fans = begin.split_fans;
-        end.first_point = begin.first_point;
-        end.split_rank = begin.split_rank;
-    }
-    end.displacement.resize(begin.displacement.size());
-    end.velocity.resize(begin.velocity.size());
-    end.points.resize(begin.points.size());
-    end.reaction.assign(model_.prescribed.size(), Vec2::Zero());
-
+StepReport VertexScheme::advance(const State& begin, const ExplicitBulk& bulk, FreeMotion& free, State& end) {
+    match(begin, end);
+    StepReport report = sweep_blocks(begin, bulk, free, end);
+    bulk.add_loads(begin, free);
     motion_.begin_explicit(begin, free.kick_time, free.drift_time);
     contacts_.find(begin, free.drift_time, motion_.rate(), free.corner_force);
     contact_impulse_.assign(contacts_.all().size(), Vec2::Zero());
-
-    StepReport report = advance_bound(begin, free, end);
+    part_from_obstacles(begin);
+    report += advance_bordering(begin, free, end);
     release(begin, end, report);
     find_obstacle_velocities(begin, free, report);
     find_edge_impulses(begin, free, report);
@@ -49,86 +46,18 @@ StepReport VertexScheme::advance(const State& begin, const FreeMotion& free, Sta
     return report;
 }
 
-StepReport VertexScheme::advance_bound(const State& begin, const FreeMotion& free, State& end) {
-    comes_apart_.assign(model_.fans.size(), 0);
-    for (const ObstacleContact& contact : contacts_.all())
-        for (const Index f : {contact.fan, contact.fan_beside})
-            if (f >= 0) comes_apart_[f] = begin.split_rank[f] < 0;
-    return sum_over_blocks(model_.fans.size(), fans_in_a_block, partial_, [&](std::size_t first, std::size_t last, StepReport& report) {
-        Workspace& work = workspaces_[omp_get_thread_num()];
-        for (std::size_t f = first; f < last; ++f) {
-            if (begin.split_rank[f] >= 0 || comes_apart_[f]) continue;
-            const Index fan = static_cast<Index>(f);
-            const Index* corner = &model_.fan_corners[model_.fans[f].first_corner];
-            Vec2 force = Vec2::Zero();
-            for (Index i = 0; i < model_.fans[f].n_corners; ++i) force += free.corner_force[corner[i]];
-            Vec2 velocity = begin.velocity[f] + free.kick_time / model_.fans[f].mass * force;
-            if (const PrescribedMotion* motion = prescribed_motion(*corner)) {
-                const Vec2 given = prescribed_velocity(*motion, begin.displacement[f], begin, free.drift_time);
-                for (int k = 0; k < 2; ++k)
-                    if (motion->component[k]) velocity[k] = given[k];
-            }
-            if (free.fan_is_hot[f] && !surely_bound(fan, free, force) && !stays_bound(fan, begin, free, work, report)) {
-                comes_apart_[f] = 1;
-                continue;
-            }
-            move_bound(fan, begin, free, velocity, force, end, report);
-        }
-    });
-}
-
-bool VertexScheme::surely_bound(Index f, const FreeMotion& free, const Vec2& force) const {
-    // forces between the corners of a fan in one piece, walked along the chain; round a closed one with the circulation of least norm.
-    // If these are admissible the fan is bound; if not, others may be, and the exact test decides.
-    const Fan& fan = model_.fans[f];
-    if (fan.split_at_start || prescribed_motion(model_.fan_corners[fan.first_corner])) return false;
-    const FanPoint* point = &model_.fan_points[fan.first_point];
-    const Index* corner = &model_.fan_corners[fan.first_corner];
-    const Vec2 acceleration = force / fan.mass;
-    const auto taken = [&](Index i) -> Vec2 { return model_.corner_mass[corner[i]] * acceleration - free.corner_force[corner[i]]; };
-
-    const Vec2 first = least_norm_start(fan.n_points, fan.closed, taken, [&](Index j) { return point[j].area; });
-    return walk_chain(fan.n_points, fan.closed, first, taken, [&](Index j, const Vec2& P) {
-        const CohesiveLaw& law = model_.laws[point[j].law];
-        return !law.breakable() || StrengthPolygon::at_rest(law, point[j].normal, law.sigma_c * point[j].area).smallest_slack(P) >= 0;
-    });
-}
-
-bool VertexScheme::stays_bound(Index fan, const State& begin, const FreeMotion& free, Workspace& work, StepReport& report) const {
-    pose(fan, begin, free, work.problem);
-    const FanSolution solution = work.solver.solve(work.problem);
-    ++report.bound_tests;
-    return solution.bound;
-}
-
-void VertexScheme::move_bound(Index fan, const State& begin, const FreeMotion& free, const Vec2& velocity, const Vec2& force, State& end,
-                              StepReport& report) const {
-    const Vec2 before = begin.velocity[fan], change = velocity - before;
-    const double mass = model_.fans[fan].mass;
-    end.velocity[fan] = velocity;
-    end.displacement[fan] = begin.displacement[fan] + free.drift_time * velocity;
-    report.kinetic += 0.5 * mass * velocity.squaredNorm();
-    report.strain -= 0.5 * force.dot(end.displacement[fan]);
-    report.step_change_work -= 0.25 * (free.drift_time - begin.last_step) * force.dot(change);
-    report.largest_speed = std::max(report.largest_speed, velocity.squaredNorm());
-    const PrescribedMotion* motion = prescribed_motion(model_.fan_corners[model_.fans[fan].first_corner]);
-    if (!motion) return;
-    const Vec2 impulse = mass * change - free.kick_time * force;
-    Vec2& reaction = end.reaction[motion - model_.prescribed.data()];
-    for (int k = 0; k < 2; ++k) {
-        if (!motion->component[k]) continue;
-        report.external_work += 0.5 * impulse[k] * (velocity[k] + before[k]);
-        reaction[k] = impulse[k] / free.kick_time;
+/// Gives `end` room and the partition of `begin`, which it has until fans come apart.
+void VertexScheme::match(const State& begin, State& end) const {
+    if (end.split_fans != begin.split_fans || end.node_of_corner.size() != begin.node_of_corner.size()) {
+        end.node_of_corner = begin.node_of_corner;
+        end.split_fans = begin.split_fans;
+        end.first_point = begin.first_point;
+        end.split_rank = begin.split_rank;
     }
-}
-
-void VertexScheme::release(const State& begin, State& end, StepReport& report) {
-    for (std::size_t f = 0; f < model_.fans.size(); ++f) {
-        if (!comes_apart_[f]) continue;
-        end.displacement[f] = begin.displacement[f];
-        split(model_, static_cast<Index>(f), end);
-        ++report.released;
-    }
+    end.displacement.resize(begin.displacement.size());
+    end.velocity.resize(begin.velocity.size());
+    end.points.resize(begin.points.size());
+    end.reaction.assign(model_.prescribed.size(), Vec2::Zero());
 }
 
 StepReport VertexScheme::advance_split(const State& begin, const FreeMotion& free, State& end) {
@@ -166,7 +95,7 @@ void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, Fan
     for (Index i = 0; i < fan.n_corners; ++i) {
         const Index corner = model_.fan_corners[fan.first_corner + i];
         const Index node = begin.node_of_corner[corner];
-        const double inverse_mass = 1 / model_.corner_mass[corner];
+        const double inverse_mass = 1 / mass_[fan.first_corner + i];
         FanBody& body = problem.bodies[i];
         body.velocity = begin.velocity[node];
         body.free_velocity = body.velocity + free.kick_time * inverse_mass * free.corner_force[corner];
@@ -262,12 +191,13 @@ double crossing_loss(const FanLink& link, double v_T_before, double v_T_after, d
 
 }  // namespace
 
-void VertexScheme::move_corner(Index corner, const Vec2& velocity, const State& begin, const FreeMotion& free, State& end, StepReport& report) const {
+void VertexScheme::move_corner(Index in_fans, const Vec2& velocity, const State& begin, const FreeMotion& free, State& end, StepReport& report) const {
+    const Index corner = model_.fan_corners[in_fans];
     const Index from = begin.node_of_corner[corner], to = end.node_of_corner[corner];
     const Vec2 force = free.corner_force[corner];
     end.velocity[to] = velocity;
     end.displacement[to] = begin.displacement[from] + free.drift_time * velocity;
-    report.kinetic += 0.5 * model_.corner_mass[corner] * velocity.squaredNorm();
+    report.kinetic += 0.5 * mass_[in_fans] * velocity.squaredNorm();
     report.strain -= 0.5 * force.dot(end.displacement[to]);
     report.step_change_work -= 0.25 * (free.drift_time - begin.last_step) * force.dot(velocity - begin.velocity[from]);
     report.largest_speed = std::max(report.largest_speed, velocity.squaredNorm());
@@ -293,9 +223,9 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
 
     for (Index i = 0; i < fan.n_corners; ++i) {
         const Index corner = model_.fan_corners[fan.first_corner + i];
-        const double mass = model_.corner_mass[corner];
+        const double mass = mass_[fan.first_corner + i];
         const Vec2 before = problem.bodies[i].velocity, velocity = problem.bodies[i].end_velocity, force = free.corner_force[corner];
-        move_corner(corner, velocity, begin, free, end, report);
+        move_corner(fan.first_corner + i, velocity, begin, free, end, report);
         for (int k = 0; k < 2; ++k) {  // the reaction of a prescribed motion works; the impulses of the links are taken off below
             if (problem.bodies[i].inverse_mass[k] != 0) continue;
             const double impulse = mass * (velocity[k] - before[k]) - free.kick_time * force[k] - edge_impulse_on(corner)[k];

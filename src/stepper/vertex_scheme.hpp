@@ -8,7 +8,9 @@
 #include "interfaces/fan_cohesion.hpp"
 #include "interfaces/fan_solver.hpp"
 #include "model/state.hpp"
+#include "stepper/explicit_bulk.hpp"
 #include "stepper/free_motion.hpp"
+#include "stepper/mesh_blocks.hpp"
 #include "stepper/obstacle_contacts.hpp"
 #include "stepper/obstacle_motion.hpp"
 #include "stepper/scheme_options.hpp"
@@ -21,23 +23,29 @@ namespace knap {
 class VertexScheme {
 public:
     VertexScheme(const Model& model, const SchemeOptions& options);
-    /// From the state at the begin of the step and the free motion: velocities, displacements, cohesion and the partition at its end.
+    /// From the state at the begin of the step and the forces of the bulk: velocities, displacements, cohesion and the partition at its end.
     /// `end` may be any earlier state of the same run; its time is not touched. Loads on corners are accounted by the bulk.
-    StepReport advance(const State& begin, const FreeMotion& free, State& end);
+    StepReport advance(const State& begin, const ExplicitBulk& bulk, FreeMotion& free, State& end);
 
 private:
     struct Workspace {
         FanProblem problem;
         FanSolver solver;
         std::vector<LinkCohesion> cohesion;
-        std::vector<Vec2> taken, impulse;  // [N s] per corner, per point of a fan at rest
+        std::vector<Vec2> force;           // [N] on the corners of a block of triangles
+        std::vector<Vec2> taken, impulse;  // per corner, per point of a fan in one piece: [N], or of one that rests [N s]
     };
 
-    StepReport advance_bound(const State& begin, const FreeMotion& free, State& end);
-    bool surely_bound(Index fan, const FreeMotion& free, const Vec2& force) const;
+    void match(const State& begin, State& end) const;
+    StepReport sweep_blocks(const State& begin, const ExplicitBulk& bulk, FreeMotion& free, State& end);
+    void advance_inner(const MeshBlocks::Block& block, const State& begin, FreeMotion& free, State& end, Workspace& work, StepReport& report);
+    void part_from_obstacles(const State& begin);
+    StepReport advance_bordering(const State& begin, const FreeMotion& free, State& end);
+    bool comes_apart(Index fan, const State& begin, const FreeMotion& free, const Vec2& force, Workspace& work, StepReport& report);
+    bool surely_bound(Index fan, const FreeMotion& free, const Vec2& force, Workspace& work) const;
     bool stays_bound(Index fan, const State& begin, const FreeMotion& free, Workspace& work, StepReport& report) const;
-    void move_bound(Index fan, const State& begin, const FreeMotion& free, const Vec2& velocity, const Vec2& force, State& end,
-                    StepReport& report) const;
+    void account_drive(Index fan, const PrescribedMotion& motion, const State& begin, const FreeMotion& free, const Vec2& force, State& end,
+                       StepReport& report) const;
     void release(const State& begin, State& end, StepReport& report);
     void find_edge_impulses(const State& begin, const FreeMotion& free, StepReport& report);
     Vec2 end_velocity_at(const ObstacleContact& contact, const State& begin, const FreeMotion& free, Workspace& work) const;
@@ -49,7 +57,7 @@ private:
     void advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report);
     bool advance_resting(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report) const;
     bool rests(Index rank, const State& begin) const;
-    void move_corner(Index corner, const Vec2& velocity, const State& begin, const FreeMotion& free, State& end, StepReport& report) const;
+    void move_corner(Index in_fans, const Vec2& velocity, const State& begin, const FreeMotion& free, State& end, StepReport& report) const;
 
     FanSolution solve(Index fan, const State& begin, Workspace& work) const;
     void pose(Index fan, const State& begin, const FreeMotion& free, FanProblem& problem) const;
@@ -62,6 +70,9 @@ private:
 
     const Model& model_;
     SchemeOptions options_;
+    MeshBlocks blocks_;
+    std::vector<double> mass_;               // [kg] of the corners, in the order of Model::fan_corners: whoever asks for one of a fan asks for all
+    std::vector<std::uint8_t> fan_is_hot_;   // per fan: the stress screen does not clear it
     std::vector<std::uint8_t> comes_apart_;  // per fan, in this step
     ObstacleContacts contacts_;
     ObstacleMotion motion_;

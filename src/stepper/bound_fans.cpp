@@ -1,0 +1,169 @@
+// Fans in one piece: forces of the bulk and motion in one sweep over blocks of triangles, then the fans across borders of blocks; and which come apart.
+#include "stepper/vertex_scheme.hpp"
+
+#include "base/parallel.hpp"
+#include "interfaces/circulation.hpp"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cstring>
+
+namespace knap {
+namespace {
+
+constexpr std::size_t fans_in_a_block = 512;
+
+/// Moves a node in one piece, and adds up what it does, in registers.
+class NodeSums {
+public:
+    NodeSums(const State& begin, const FreeMotion& free, State& end)
+        : begin_(begin), end_(end), h_(free.drift_time), change_(0.25 * (free.drift_time - begin.last_step)) {}
+
+    [[gnu::always_inline]] void move(Index node, double mass, const Vec2& force, const Vec2& velocity) {
+        const Vec2 u = begin_.displacement[node] + h_ * velocity;
+        const double speed2 = velocity.squaredNorm();
+        kinetic_ += 0.5 * mass * speed2;
+        strain_ -= 0.5 * force.dot(u);
+        step_change_work_ -= change_ * force.dot(velocity - begin_.velocity[node]);
+        largest_speed2_ = std::max(largest_speed2_, speed2);
+        end_.velocity[node] = velocity;
+        end_.displacement[node] = u;
+    }
+    void add_to(StepReport& report) const {
+        report.kinetic += kinetic_;
+        report.strain += strain_;
+        report.step_change_work += step_change_work_;
+        report.largest_speed = std::max(report.largest_speed, largest_speed2_);
+    }
+
+private:
+    const State& begin_;
+    State& end_;
+    double h_, change_;
+    double kinetic_ = 0, strain_ = 0, step_change_work_ = 0, largest_speed2_ = 0;
+};
+
+}  // namespace
+
+StepReport VertexScheme::sweep_blocks(const State& begin, const ExplicitBulk& bulk, FreeMotion& free, State& end) {
+    const auto blocks = blocks_.blocks();
+    return sum_over_blocks(blocks.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
+        Workspace& work = workspaces_[omp_get_thread_num()];
+        bulk.find_forces(blocks[b].first, blocks[b].last, begin, work.force.data(), fan_is_hot_);
+        Vec2* kept = &free.corner_force[model_.mesh.corners_per_triangle() * blocks[b].first];
+        for (const MeshBlocks::Corner c : blocks_.kept(blocks[b])) kept[c] = work.force[c];
+        advance_inner(blocks[b], begin, free, end, work, report);
+    });
+}
+
+void VertexScheme::advance_inner(const MeshBlocks::Block& block, const State& begin, FreeMotion& free, State& end, Workspace& work, StepReport& report) {
+    NodeSums sums(begin, free, end);
+    Vec2* kept = &free.corner_force[model_.mesh.corners_per_triangle() * block.first];
+    const MeshBlocks::Corner* corner = blocks_.corners(block);
+    for (const MeshBlocks::InnerFan& fan : blocks_.inner(block)) {
+        const MeshBlocks::Corner *first = corner, *last = corner += fan.n_corners;
+        const bool split = begin.split_rank[fan.fan] >= 0, hot = fan_is_hot_[fan.fan];
+        if (split || hot)  // more is asked of these
+            for (const MeshBlocks::Corner* c = first; c < last; ++c) kept[*c] = work.force[*c];
+        if (split) continue;
+        Vec2 force = Vec2::Zero();
+        for (const MeshBlocks::Corner* c = first; c < last; ++c) force += work.force[*c];
+        if (hot && comes_apart(fan.fan, begin, free, force, work, report)) continue;
+        sums.move(fan.fan, fan.mass, force, begin.velocity[fan.fan] + free.kick_time / fan.mass * force);
+    }
+    sums.add_to(report);
+}
+
+/// Round a corner near an obstacle all corners are by themselves, until the fan solver says what holds them together.
+void VertexScheme::part_from_obstacles(const State& begin) {
+    for (const ObstacleContact& contact : contacts_.all())
+        for (const Index f : {contact.fan, contact.fan_beside})
+            if (f >= 0) comes_apart_[f] = begin.split_rank[f] < 0;
+}
+
+StepReport VertexScheme::advance_bordering(const State& begin, const FreeMotion& free, State& end) {
+    const auto fans = blocks_.bordering();
+    return sum_over_blocks(fans.size(), fans_in_a_block, partial_, [&](std::size_t first, std::size_t last, StepReport& report) {
+        Workspace& work = workspaces_[omp_get_thread_num()];
+        NodeSums sums(begin, free, end);
+        for (std::size_t i = first; i < last; ++i) {
+            const Index f = fans[i];
+            if (begin.split_rank[f] >= 0 || comes_apart_[f]) continue;
+            const Fan& fan = model_.fans[f];
+            const Index* corner = &model_.fan_corners[fan.first_corner];
+            Vec2 force = Vec2::Zero();
+            for (Index c = 0; c < fan.n_corners; ++c) force += free.corner_force[corner[c]];
+            if (fan_is_hot_[f] && comes_apart(f, begin, free, force, work, report)) continue;
+            Vec2 velocity = begin.velocity[f] + free.kick_time / fan.mass * force;
+            const PrescribedMotion* motion = prescribed_motion(*corner);
+            if (motion) {
+                const Vec2 given = prescribed_velocity(*motion, begin.displacement[f], begin, free.drift_time);
+                for (int k = 0; k < 2; ++k)
+                    if (motion->component[k]) velocity[k] = given[k];
+            }
+            sums.move(f, fan.mass, force, velocity);
+            if (motion) account_drive(f, *motion, begin, free, force, end, report);
+        }
+        sums.add_to(report);
+    });
+}
+
+void VertexScheme::account_drive(Index fan, const PrescribedMotion& motion, const State& begin, const FreeMotion& free, const Vec2& force, State& end,
+                                 StepReport& report) const {
+    const Vec2 before = begin.velocity[fan], after = end.velocity[fan];
+    const Vec2 impulse = model_.fans[fan].mass * (after - before) - free.kick_time * force;
+    Vec2& reaction = end.reaction[&motion - model_.prescribed.data()];
+    for (int k = 0; k < 2; ++k) {
+        if (!motion.component[k]) continue;
+        report.external_work += 0.5 * impulse[k] * (after[k] + before[k]);
+        reaction[k] = impulse[k] / free.kick_time;
+    }
+}
+
+/// Of a hot fan: the tests of forces, in order of cost. `force` [N]: on the whole fan.
+bool VertexScheme::comes_apart(Index f, const State& begin, const FreeMotion& free, const Vec2& force, Workspace& work, StepReport& report) {
+    fan_is_hot_[f] = 0;
+    comes_apart_[f] = !surely_bound(f, free, force, work) && !stays_bound(f, begin, free, work, report);
+    return comes_apart_[f];
+}
+
+bool VertexScheme::surely_bound(Index f, const FreeMotion& free, const Vec2& force, Workspace& work) const {
+    // forces between the corners of a fan in one piece, walked along the chain; round a closed one with the circulation of least norm.
+    // If these are admissible the fan is bound; if not, others may be, and the exact test decides.
+    const Fan& fan = model_.fans[f];
+    if (fan.split_at_start || prescribed_motion(model_.fan_corners[fan.first_corner])) return false;
+    const FanPoint* point = &model_.fan_points[fan.first_point];
+    const Index* corner = &model_.fan_corners[fan.first_corner];
+    const Vec2 acceleration = force / fan.mass;
+    work.taken.resize(fan.n_corners);
+    for (Index i = 0; i < fan.n_corners; ++i) work.taken[i] = mass_[fan.first_corner + i] * acceleration - free.corner_force[corner[i]];
+    const auto taken = [&](Index i) -> const Vec2& { return work.taken[i]; };
+
+    const Vec2 first = least_norm_start(fan.n_points, fan.closed, taken, [&](Index j) { return point[j].area; });
+    return walk_chain(fan.n_points, fan.closed, first, taken, [&](Index j, const Vec2& P) {
+        const CohesiveLaw& law = model_.laws[point[j].law];
+        return !law.breakable() || StrengthPolygon::at_rest(law, point[j].normal, law.sigma_c * point[j].area).smallest_slack(P) >= 0;
+    });
+}
+
+bool VertexScheme::stays_bound(Index fan, const State& begin, const FreeMotion& free, Workspace& work, StepReport& report) const {
+    pose(fan, begin, free, work.problem);
+    const FanSolution solution = work.solver.solve(work.problem);
+    ++report.bound_tests;
+    return solution.bound;
+}
+
+void VertexScheme::release(const State& begin, State& end, StepReport& report) {
+    const std::uint8_t *first = comes_apart_.data(), *last = first + comes_apart_.size();
+    while (const void* found = first < last ? std::memchr(first, 1, last - first) : nullptr) {
+        const Index f = static_cast<Index>(static_cast<const std::uint8_t*>(found) - comes_apart_.data());
+        first = comes_apart_.data() + f + 1;
+        comes_apart_[f] = 0;
+        end.displacement[f] = begin.displacement[f];
+        split(model_, f, end);
+        ++report.released;
+    }
+}
+
+}  // namespace knap

@@ -1,0 +1,40 @@
+#include "stepper/mesh_blocks.hpp"
+
+#include <algorithm>
+
+namespace knap {
+
+MeshBlocks::MeshBlocks(const Model& model) {
+    const Index per_triangle = model.mesh.corners_per_triangle(), triangles = corners_in_a_block / per_triangle, corners = triangles * per_triangle;
+    std::vector<std::uint8_t> is_inner(model.fans.size(), 1);
+    for (const CornerLoad& load : model.corner_loads) is_inner[model.fan_of_corner[load.corner]] = 0;
+    for (const PrescribedMotion& motion : model.prescribed) is_inner[motion.fan] = 0;
+    std::vector<std::vector<Index>> inner_of_block((model.mesh.n_triangles() + triangles - 1) / triangles);
+    for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f) {
+        const Fan& fan = model.fans[f];
+        const Index* corner = &model.fan_corners[fan.first_corner];
+        const Index block = *corner / corners;
+        const bool whole = std::all_of(corner, corner + fan.n_corners, [&](Index c) { return c / corners == block; });
+        is_inner[f] = is_inner[f] && whole && (fan.closed || model.obstacles.empty());
+        if (is_inner[f]) inner_of_block[block].push_back(f);
+        else bordering_.push_back(f);
+    }
+    for (Index b = 0; b < static_cast<Index>(inner_of_block.size()); ++b) {
+        Block block{.first = b * triangles, .last = std::min((b + 1) * triangles, model.mesh.n_triangles())};
+        block.first_inner = static_cast<Index>(inner_.size());
+        block.first_corner = static_cast<Index>(inner_corners_.size());
+        block.first_kept = static_cast<Index>(kept_.size());
+        for (const Index f : inner_of_block[b]) {
+            const Fan& fan = model.fans[f];
+            inner_.push_back({.mass = fan.mass, .fan = f, .n_corners = fan.n_corners});
+            for (Index i = 0; i < fan.n_corners; ++i) inner_corners_.push_back(static_cast<Corner>(model.fan_corners[fan.first_corner + i] - b * corners));
+        }
+        for (Index c = per_triangle * block.first; c < per_triangle * block.last; ++c)
+            if (!is_inner[model.fan_of_corner[c]]) kept_.push_back(static_cast<Corner>(c - b * corners));
+        block.last_inner = static_cast<Index>(inner_.size());
+        block.last_kept = static_cast<Index>(kept_.size());
+        blocks_.push_back(block);
+    }
+}
+
+}  // namespace knap

@@ -1,0 +1,47 @@
+#pragma once
+// Blocks of triangles that are neighbours, small enough that the forces on their corners stay in the cache until the fans inside have taken them: on a large
+// mesh memory sets the pace of the explicit step, and these forces would be more than half of what goes through it.
+#include "model/model.hpp"
+
+#include <span>
+
+namespace knap {
+
+inline constexpr Index corners_in_a_block = 6144;  // at most; 96 kB of forces
+
+/// The blocks do not depend on the number of threads, so neither do sums over them.
+class MeshBlocks {
+public:
+    struct Block {
+        Index first, last;                        // triangles from `first` to before `last`
+        std::int32_t first_inner, last_inner;     // likewise
+        std::int32_t first_corner;                // of the first inner fan
+        std::int32_t first_kept, last_kept;
+    };
+    /// A fan all of whose corners are in one block.
+    struct InnerFan {
+        double mass;  // [kg]
+        Index fan, n_corners;
+    };
+    using Corner = std::uint16_t;  // from the first corner of the block on
+
+    explicit MeshBlocks(const Model& model);
+
+    std::span<const Block> blocks() const { return blocks_; }
+    std::span<const InnerFan> inner(const Block& block) const { return {&inner_[0] + block.first_inner, &inner_[0] + block.last_inner}; }
+    /// The corners of its inner fans, one fan after the other.
+    const Corner* corners(const Block& block) const { return inner_corners_.data() + block.first_corner; }
+    /// The corners of fans that are not inner ones.
+    std::span<const Corner> kept(const Block& block) const { return {&kept_[0] + block.first_kept, &kept_[0] + block.last_kept}; }
+
+    /// Fans across the borders of blocks, and all that loads, drives or obstacles may act on.
+    std::span<const Index> bordering() const { return bordering_; }
+
+private:
+    std::vector<Block> blocks_;
+    std::vector<InnerFan> inner_;
+    std::vector<Corner> inner_corners_, kept_;
+    std::vector<Index> bordering_;
+};
+
+}  // namespace knap

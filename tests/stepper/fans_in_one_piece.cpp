@@ -1,0 +1,120 @@
+// Fans that move as one: in blocks of triangles and across their borders; and those that came apart once, have less cohesion since, and rest.
+#include "geometry/triangulate.hpp"
+#include "stepper/mesh_blocks.hpp"
+#include "support/bodies.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+/// A plate of 2 x 1, pulled apart by tractions above and below that grow for one unit of time.
+ModelInput pulled_plate(double size, double pull) {
+    Shape shape;
+    shape.outer = {.points = {{0, 0}, {2, 0}, {2, 1}, {0, 1}}, .boundary = {0, 1, 2, 3}};
+    shape.boundary_names = {"bottom", "right", "top", "left"};
+    ModelInput input;
+    input.mesh = triangulate(shape, {.size = size});
+    input.materials = {{.density = 1, .E = 1, .nu = 0.2}};
+    input.laws = {{.sigma_c = 1e-3, .G_c = 1e-6, .gamma = 1, .friction = 0.3}};
+    input.law_of_pair = {{0}};
+    const TimeFunction ramp({{0, 0}, {1, 1}});
+    input.loads = {load(Load::Kind::traction, "top", 0.0, pull, ramp), load(Load::Kind::traction, "bottom", 0.0, -pull, ramp)};
+    return input;
+}
+
+/// Every fan inside the body comes apart at rest, with this cohesion left at its points.
+void part_all_inside(Run& run, double cohesion) {
+    for (Index f = 0; f < static_cast<Index>(run.model.fans.size()); ++f)
+        if (run.model.fans[f].closed) split(run.model, f, run.now);
+    for (PointState& point : run.now.points) point.cohesion = cohesion;
+}
+
+}  // namespace
+
+TEST_CASE("every fan is inside one block of triangles or borders on several") {
+    for (const Index order : {1, 2}) {
+        ModelInput input = pulled_plate(0.025, 0);
+        input.mesh.order = order;
+        const Model model = make_model(std::move(input));
+        const MeshBlocks blocks(model);
+        const Index per_triangle = model.mesh.corners_per_triangle();
+        REQUIRE(blocks.blocks().size() > 2);
+        std::vector<int> n_found(model.fans.size(), 0), n_kept(model.mesh.n_corners(), 0);
+        Index next = 0;
+        for (const MeshBlocks::Block& block : blocks.blocks()) {
+            CHECK(block.first == next);
+            CHECK(per_triangle * (block.last - block.first) <= corners_in_a_block);
+            next = block.last;
+            const MeshBlocks::Corner* corner = blocks.corners(block);
+            bool same = true;
+            for (const MeshBlocks::InnerFan& inner : blocks.inner(block)) {
+                const Fan& fan = model.fans[inner.fan];
+                ++n_found[inner.fan];
+                for (Index i = 0; i < fan.n_corners; ++i) same = same && *corner++ + per_triangle * block.first == model.fan_corners[fan.first_corner + i];
+                same = same && inner.n_corners == fan.n_corners && inner.mass == fan.mass;
+            }
+            CHECK(same);
+            for (const MeshBlocks::Corner c : blocks.kept(block)) ++n_kept[per_triangle * block.first + c];
+        }
+        CHECK(next == model.mesh.n_triangles());
+        bool kept = true;
+        for (const Index f : blocks.bordering()) {
+            ++n_found[f];
+            for (Index i = 0; i < model.fans[f].n_corners; ++i) kept = kept && n_kept[model.fan_corners[model.fans[f].first_corner + i]]-- == 1;
+        }
+        CHECK(kept);
+        CHECK(std::all_of(n_found.begin(), n_found.end(), [](int n) { return n == 1; }));
+        CHECK(std::all_of(n_kept.begin(), n_kept.end(), [](int n) { return n == 0; }));
+    }
+}
+
+TEST_CASE("fans that came apart and rest move as if they had not") {
+    Run whole(pulled_plate(0.2, 3e-4)), parted(pulled_plate(0.2, 3e-4));
+    part_all_inside(parted, 0.8);
+    const double h = 0.5 * whole.stepper.stable_step();
+    for (int i = 0; i < 40; ++i) whole.step(h), parted.step(h);
+    CHECK(parted.last.fan_solves == static_cast<std::int64_t>(parted.now.split_fans.size()));
+    CHECK(whole.now.split_fans.empty());
+    for (const PointState& point : parted.now.points) CHECK(point.cohesion == 0.8);
+    double largest = 0, difference = 0;
+    for (Index t = 0; t < whole.model.mesh.n_triangles(); ++t)
+        for (Index k = 0; k < 3; ++k) {
+            largest = std::max(largest, whole.u(t, k).norm());
+            difference = std::max(difference, (whole.u(t, k) - parted.u(t, k)).norm());
+        }
+    CHECK(largest > 1e-5);
+    CHECK(difference <= 1e-13 * largest);
+    const double energy = parted.ledger.row().kinetic + parted.ledger.row().strain;
+    CHECK(std::abs(parted.ledger.row().residual) <= 1e-13 * energy);
+}
+
+TEST_CASE("fans at rest hold as much as their cohesion and no more") {
+    for (const double left : {0.9, 0.2}) {
+        Run run(pulled_plate(0.2, 3e-4));
+        part_all_inside(run, left);
+        const double h = 0.5 * run.stepper.stable_step();
+        double largest_stress = 0, largest_opening = 0;  // over all triangles and times, until the first opening
+        while (run.now.time < 1 && largest_opening == 0) {
+            run.step(h);
+            for (Index p = 0; p < run.model.n_points(); ++p) largest_opening = std::max(largest_opening, opening(run.model, run.now, p).norm());
+            for (Index t = 0; t < run.model.mesh.n_triangles(); ++t) {
+                bool inside = true;
+                for (Index k = 0; k < 3; ++k) inside = inside && run.model.fans[run.model.fan_of_corner[3 * t + k]].closed;
+                if (!inside) continue;
+                const Eigen::Vector3d s = stress(run.model, run.now, t);
+                largest_stress = std::max(largest_stress, 0.5 * (s[0] + s[1]) + std::hypot(0.5 * (s[0] - s[1]), s[2]));
+            }
+        }
+        const double strength = left * run.model.laws[0].sigma_c;
+        CAPTURE(largest_stress / strength);
+        CHECK((largest_opening > 0) == (left == 0.2));
+        if (left == 0.9) CHECK(largest_stress < strength);
+        // of single triangles inside; a point bears what both its sides do, and one of these may be on the boundary
+        else CHECK((largest_stress > 0.7 * strength && largest_stress < 1.5 * strength));
+    }
+}
