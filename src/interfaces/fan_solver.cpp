@@ -172,9 +172,7 @@ bool FanSolver::solve_by_pivots() {
         const FanLink& link = problem_->links[i];
         if (link.unbreakable) continue;
         motion_.impulse[i] = found.impulse[i];
-        const double v_T = link.tangent().dot(motion_.across(link));
-        const bool closed = link.normal.dot(motion_.impulse[i]) + link.cohesive > scales_.impulse_tolerance;
-        states_[i].set(closed, states_[i].law.state_of(closed, v_T, 1e-9 * scales_.speed));
+        states_[i].fit(link, motion_.across(link), motion_.impulse[i], scales_);
     }
     violation_ = std::max(found.residual, linear_.find_unbreakable_impulses(motion_) / scales_.impulse);
     return violation_ <= largest_pivoted_violation;

@@ -2,8 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace knap {
+namespace {
+
+constexpr double found_at = 1e-9;  // of speed and impulse: within this distance of a kink a link is at it
+
+}  // namespace
 
 void LinkState::set(bool to_closed, int to_tangential_state) {
     closed = to_closed;
@@ -32,6 +38,22 @@ void LinkState::guess(const FanProblem& problem, const FanLink& link, const FanS
     imposed = n_imposed == 2;
     const bool touches = law.may_touch() && link.normal.dot(expected) <= law.bound() + scales.speed_tolerance;
     set(touches, law.state_of(touches, link.tangent().dot(expected), scales.speed_tolerance));
+}
+
+void LinkState::fit(const FanLink& link, const Vec2& velocity, const Vec2& impulse, const FanScales& scales) {
+    const double p = link.normal.dot(impulse) + link.cohesive, v_T = link.tangent().dot(velocity), P_T = link.tangent().dot(impulse);
+    const bool presses = p > scales.impulse_tolerance;
+    int nearest = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < law.n_states(presses); ++i) {
+        const TangentialLaw at = law.tangential(presses, i);
+        const double off = at.stick ? std::abs(v_T - at.velocity) : std::max({at.low - v_T, v_T - at.high, 0.0});
+        const double force = P_T + at.at + at.contact * (presses ? p : 0), play = at.play + at.contact_play * (presses ? p : 0);
+        const double distance = std::max(off / scales.speed, std::max(std::abs(force) - play, 0.0) / scales.impulse);
+        const double counted = at.stick ? distance : std::max(distance, found_at);
+        if (counted < least) least = counted, nearest = i;
+    }
+    set(presses, nearest);
 }
 
 Vec2 LinkState::target(const FanLink& link) const {

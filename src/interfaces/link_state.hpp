@@ -21,6 +21,8 @@ struct LinkState {
     void set(bool to_closed, int to_tangential_state);
     /// The motion goes on as before the step.
     void guess(const FanProblem& problem, const FanLink& link, const FanScales& scales);
+    /// The state that comes nearest to this relative velocity [m/s] and impulse [N s]: between kinks that rounding cannot tell apart only the force decides.
+    void fit(const FanLink& link, const Vec2& velocity, const Vec2& impulse, const FanScales& scales);
 
     Vec2 target(const FanLink& link) const;           // [m/s] relative velocity of a link that sticks
     Vec2 known_impulse(const FanLink& link) const;    // [N s] of a link that does not stick, without its multiplier

@@ -210,7 +210,8 @@ bool AugmentedLagrangian::settle(const ImplicitBulk& bulk, std::vector<LoosePoin
         const bool first = outer == 0 && has_potential;
         if (!(first ? approach(bulk, points, rate, tolerance) : find_rates(bulk, points, rate, tolerance, most_steps))) return false;
         if (!first) most_steps -= counts_.linear_solves - solves;
-        for (const LoosePoint& point : points) unit_ = std::max(unit_, point.response.contact);  // impacts give more than strengths
+        for (const LoosePoint& point : points)  // impacts give more than strengths
+            unit_ = std::max(unit_, std::min(point.response.contact, largest_unit_));
         for (std::size_t j = 0; j < points.size(); ++j) last[j] = {points[j].law.contact_guess, points[j].law.tangential_guess};
         const double unit = full_augmentation * unit_, moved = move_multipliers(points);
         n_near += moved <= law_tolerance * unit;
@@ -240,9 +241,10 @@ void AugmentedLagrangian::find_friction(const ImplicitBulk& bulk, std::vector<Lo
 }
 
 AugmentedLagrangian::Status AugmentedLagrangian::solve(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate,
-                                                       double scale) {
+                                                       double scale, double largest_scale) {
     counts_ = {};
     unit_ = scale > 0 ? scale : 1;
+    largest_unit_ = largest_scale;
     if (!std::isfinite(unit_ + bulk.largest_impulse())) return Status::not_converged;  // every tolerance would be met
     const bool rubs = std::any_of(points.begin(), points.end(), [](const LoosePoint& p) { return p.law.friction > 0; });
     if (!rubs) return settle(bulk, points, rate, law_goal, most_newton_steps) ? Status::solved : Status::not_converged;

@@ -32,11 +32,12 @@ public:
     /// The pattern or the values of the matrix without points have changed.
     void forget_factor() { factored_states_.clear(); }
 
-    /// From a guess of the rates and of the multipliers to the solution. `scale` [N s]: impulses that matter.
-    Status solve(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double scale);
+    /// From a guess of the rates and of the multipliers to the solution. Impulses that matter [N s]: `scale` those that are known beforehand,
+    /// `largest_scale` the most that contacts may make of it.
+    Status solve(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double scale, double largest_scale);
 
     const SolverCounts& counts() const { return counts_; }
-    double unit() const { return unit_; }  // [N s] the scale, or the largest contact impulse
+    double unit() const { return unit_; }  // [N s] the scale, or the largest contact impulse, unless it is jammed
     /// The softening of the solution outweighs inertia and stiffness: Assumption 1 does not hold there.
     /// (Judged with the descending branches of all points that lost cohesion in the step.)
     bool has_several_solutions(const std::vector<LoosePoint>& points);
@@ -65,7 +66,7 @@ private:
     std::vector<PointTangent> tangents_;
     std::vector<Vec2> corner_taken_, taken_, residual_, direction_, changed_;
     SolverCounts counts_;
-    double unit_ = 1;
+    double unit_ = 1, largest_unit_ = 1;
 };
 
 }  // namespace knap

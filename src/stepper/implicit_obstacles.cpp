@@ -76,7 +76,6 @@ void ImplicitScheme::guess_contacts() {
         LoosePoint& point = points_[first + i];
         point.law.contact_guess = point.law.may_touch ? contact_guess_[i].x() : 0;
         point.law.tangential_guess = std::isinf(point.law.rho_T) ? 0 : contact_guess_[i].y();
-        scale_ = std::max({scale_, 1e-3 * point.mass * point.ground_rate.norm(), point.law.contact_guess});
     }
 }
 

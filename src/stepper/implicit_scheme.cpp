@@ -12,6 +12,10 @@ namespace {
 constexpr double least_loss = 1e-12;  // of the cohesion in a step: less is rounding of an opening, not softening
 constexpr double rounding = 1e-14;    // of the rates
 constexpr int most_passes = 40;
+// Over momenta, loads and strengths: what presses harder is jammed, and no measure of what else may be off. Where a body that is driven against
+// itself has no lawful motion, the impulses that look for one grow for ever. (Impacts of whole bodies, the weight on a column: up to 100.)
+constexpr double most_pressing = 1e3;
+constexpr double most_missed = 1e-11;  // of the energies of a step; 1e-15 is usual, the tolerance of the balance leaves 1e-12
 
 }  // namespace
 
@@ -45,19 +49,13 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
     solve_points(begin, h, report);
     if (report.refusal == Refusal::none && options_.respect_assumption_1 && solver_.has_several_solutions(points_))
         report.refusal = Refusal::assumption_1;
-    if (report.refusal != Refusal::none) {
-        report.where = place_of_trouble(report.refusal);
-        return report;
-    }
+    if (report.refusal != Refusal::none) return refused(report, report.refusal);
     join_what_holds(rate_);
     judge(report);
-    if (report.residual > most_residual) {
-        report.refusal = Refusal::not_converged;
-        report.where = place_of_trouble(report.refusal);
-        return report;
-    }
+    if (report.residual > most_residual) return refused(report, Refusal::not_converged);
     account_points(h, report);
     bulk_.account(rate_, solver_.unbalanced(), report);
+    if (books_miss(report)) return refused(report, Refusal::not_converged);
     store(begin, h, end, report);
     obstacles_.finish(begin, contact_wrenches(), end, report);
     return report;
@@ -67,7 +65,7 @@ void ImplicitScheme::solve_points(const State& begin, double h, StepReport& repo
     for (int pass = 0;; ++pass) {
         choose_partition(begin, h);  // bound fans are one node
         guess_multipliers(begin, h);
-        const auto status = solver_.solve(bulk_, points_, rate_, scale_);
+        const auto status = solver_.solve(bulk_, points_, rate_, scale_, largest_scale_);
         report.linear_solves += solver_.counts().linear_solves;
         report.factorisations += solver_.counts().factorisations;
         if (status != AugmentedLagrangian::Status::solved || pass == most_passes) {
@@ -169,7 +167,6 @@ std::array<bool, 2> ImplicitScheme::imposed(const LoosePoint& point) const {
 }
 
 void ImplicitScheme::guess_multipliers(const State& begin, double h) {
-    scale_ = 1e-3 * bulk_.largest_impulse();
     for (LoosePoint& point : points_) {
         const Index i = point.fan_point;
         if (i < 0) continue;
@@ -185,9 +182,20 @@ void ImplicitScheme::guess_multipliers(const State& begin, double h) {
         }
         point.law.contact_guess = point.law.may_touch ? std::max(0.0, guess_[i].x()) : 0;
         point.law.tangential_guess = std::isinf(point.law.rho_T) ? 0 : guess_[i].y();
-        scale_ = std::max({scale_, point.law.strength, point.law.contact_guess});
     }
     guess_contacts();
+    find_scales();
+}
+
+void ImplicitScheme::find_scales() {
+    double momentum = bulk_.largest_impulse(), strength = 0, pressing = 0;
+    for (const LoosePoint& point : points_) {
+        momentum = std::max(momentum, point.mass * point.ground_rate.norm());
+        strength = std::max(strength, point.law.strength);
+        pressing = std::max(pressing, point.law.contact_guess);
+    }
+    largest_scale_ = most_pressing * std::max(momentum, strength);
+    scale_ = std::max({strength, 1e-3 * momentum, std::min(pressing, largest_scale_)});
 }
 
 bool ImplicitScheme::loosen_what_opens(double h, StepReport& report) {
@@ -290,6 +298,17 @@ void ImplicitScheme::judge(StepReport& report) const {
             if (!bulk_.prescribed()[i][k]) report.residual = std::max(report.residual, std::abs(solver_.unbalanced()[i][k]) / unit);
 }
 
+bool ImplicitScheme::books_miss(const StepReport& report) const {
+    double work = 0, fastest = 0;
+    for (Index i = 0; i < partition_.n_nodes(); ++i)
+        for (int k = 0; k < 2; ++k) {
+            if (!bulk_.prescribed()[i][k]) work += solver_.unbalanced()[i][k] * rate_[i][k] / options_.theta;
+            fastest = std::max(fastest, std::abs(rate_[i][k]));
+        }
+    const double moved = largest_scale_ / most_pressing * fastest;  // [J] what loads, momenta and strengths turn over in the step
+    return std::abs(work) > most_missed * (report.kinetic + report.strain + moved);
+}
+
 void ImplicitScheme::account_points(double h, StepReport& report) const {
     const double theta = options_.theta;
     for (const LoosePoint& point : points_) {
@@ -355,6 +374,12 @@ void ImplicitScheme::store(const State& begin, double h, State& end, StepReport&
             state.cohesion = at.cracked ? 0 : model_.laws[at.law].next_cohesion(point.law.cohesion, at.gap + u.x(), u.y());
         }
     }
+}
+
+StepReport ImplicitScheme::refused(StepReport report, Refusal refusal) const {
+    report.refusal = refusal;
+    report.where = place_of_trouble(refusal);
+    return report;
 }
 
 Vec2 ImplicitScheme::place_of_trouble(Refusal refusal) const {

@@ -43,6 +43,7 @@ private:
     double mass_between(Index before, Index after) const;       // [kg] LoosePoint::mass
     std::array<bool, 2> imposed(const LoosePoint& point) const;  // of its rate (N, T): both sides are given and leave nothing to decide
     void guess_multipliers(const State& begin, double h);
+    void find_scales();
     void find_obstacle_rates(const State& begin, double h, StepReport& report);
     LoosePoint make_contact_point(const ObstacleContact& contact, const State& begin, double h) const;
     std::span<const LoosePoint> contact_points() const { return std::span(points_).last(contacts_.all().size()); }
@@ -53,8 +54,10 @@ private:
     void join_what_holds(std::vector<Vec2>& rate) const;
     bool holds(Index fan) const;
     void judge(StepReport& report) const;
+    bool books_miss(const StepReport& report) const;  // work of what is unbalanced
     void account_points(double h, StepReport& report) const;
     void store(const State& begin, double h, State& end, StepReport& report) const;
+    StepReport refused(StepReport report, Refusal refusal) const;
     Vec2 place_of_trouble(Refusal refusal) const;
 
     const Model& model_;
@@ -79,7 +82,7 @@ private:
     std::vector<Vec2> pushed_;                // [N s] per corner: theta times the impulses of the obstacles on it
     std::vector<Vec2> rate_;                  // per node
     std::vector<Vec2> corner_rate_;
-    double scale_ = 0;                        // [N s]
+    double scale_ = 0, largest_scale_ = 0;    // [N s] AugmentedLagrangian::solve
 };
 
 }  // namespace knap
