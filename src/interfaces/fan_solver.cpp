@@ -12,6 +12,7 @@ constexpr int max_corrections = 40;                 // changes of state before t
 constexpr int patient_corrections = 8;              // from here on only the worst violation changes its state
 constexpr int most_tried = 200000;                  // combinations of states, where the pivots end without a solution
 constexpr double largest_violation = 1e-10;         // relative, of a solution of the active set: the gate of every run
+constexpr double usual_violation = 1e-11;           // beyond it the pivots may do better: contacts that no change of state makes agree
 constexpr double largest_pivoted_violation = 1e-8;  // and of the pivots
 
 /// Where the impulse of a link in its state is admissible.
@@ -42,6 +43,8 @@ FanSolution FanSolver::solve(FanProblem& problem) {
             motion_ = motion;
             violation_ = violation;
         }
+    } else if (violation_ > usual_violation) {
+        solution.status = improve_by_pivots();
     }
     solution.bound = std::all_of(states_.begin(), states_.end(), [](const LinkState& s) { return s.holds(); });
     const bool lawful = solution.status != FanSolution::Status::relaxed && solution.status != FanSolution::Status::failed;
@@ -118,6 +121,17 @@ FanSolution::Status FanSolver::find_states_by_pivots() {
     if (solve_by_pivots()) return FanSolution::Status::relaxed;
     for (LinkState& state : states_) state.law.forget_friction();
     return solve_by_pivots() ? FanSolution::Status::relaxed : FanSolution::Status::failed;
+}
+
+FanSolution::Status FanSolver::improve_by_pivots() {
+    const std::vector<LinkState> states = states_;
+    const FanMotion motion = motion_;
+    const double violation = violation_;
+    if (solve_by_pivots() && violation_ < violation) return FanSolution::Status::pivoted;
+    states_ = states;
+    motion_ = motion;
+    violation_ = violation;
+    return FanSolution::Status::exact;
 }
 
 /// Lemke's method may end without a solution where there is one: friction takes from the matrix what the method rests on. The links that ever moved take

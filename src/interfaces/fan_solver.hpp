@@ -37,6 +37,7 @@ public:
 
 private:
     FanSolution::Status find_states_by_pivots();  // of the laws, or else of relaxed laws
+    FanSolution::Status improve_by_pivots();      // of a solution that is not as exact as usual
     bool settle_states(int most_corrections, int& n_solves);  // the active set
     bool settle_circulation();  // false: no constant of the loose impulses is admissible, and the mechanism's links changed state
     int correct_states(bool only_worst);

@@ -18,7 +18,7 @@ void LinkState::set(bool to_closed, int to_tangential_state) {
 }
 
 void LinkState::guess(const FanProblem& problem, const FanLink& link, const FanScales& scales) {
-    imposed = false;
+    imposed = led = false;
     if (link.unbreakable) {
         closed = true;
         tangential = {.stick = true, .velocity = 0, .low = 0, .high = 0};
@@ -35,7 +35,7 @@ void LinkState::guess(const FanProblem& problem, const FanLink& link, const FanS
         expected[k] = problem.free_velocity(link.after)[k] - problem.free_velocity(link.before)[k];
         ++n_imposed;
     }
-    imposed = n_imposed == 2;
+    imposed = n_imposed == 2, led = n_imposed == 1;
     const bool touches = law.may_touch() && link.normal.dot(expected) <= law.bound() + scales.speed_tolerance;
     set(touches, law.state_of(touches, link.tangent().dot(expected), scales.speed_tolerance));
 }
@@ -92,10 +92,9 @@ StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& v
         if (too_strong(std::abs(q) - most)) change.tangential_state += q > 0 ? -1 : 1;
         // what its cluster holds already may hold it elsewhere than at the kink
         if (!state.closed && too_fast(std::abs(v_T - tangential.velocity), 10)) change.tangential_state = law.state_of(false, v_T, 0);
-    } else if (too_fast(tangential.low - v_T)) {
-        --change.tangential_state;
-    } else if (too_fast(v_T - tangential.high)) {
-        ++change.tangential_state;
+    } else if (too_fast(tangential.low - v_T) || too_fast(v_T - tangential.high)) {
+        if (state.closed && state.led) change.tangential_state = law.state_of(true, v_T, scales.speed_tolerance);  // no kink on the way could hold it
+        else change.tangential_state += v_T < tangential.low ? -1 : 1;
     }
 
     if (state.closed && too_strong(-p)) {  // pulled apart

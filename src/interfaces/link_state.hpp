@@ -13,6 +13,7 @@ struct LinkState {
     int tangential_state = 0;
     bool closed = false;
     bool imposed = false;  // both sides fully prescribed: nothing to decide
+    bool led = false;      // both sides prescribed in one component: its normal velocity says how fast it slides
 
     bool holds() const { return closed && tangential.stick; }
     bool sticks() const { return holds() && !imposed; }
