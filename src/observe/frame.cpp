@@ -56,42 +56,63 @@ PointStatus status_of(bool cracked, double cohesion) {
 
 void add_bulk(const Model& model, const State& state, Frame& frame) {
     const Mesh& mesh = model.mesh;
+    const Index n_pieces = static_cast<Index>(pieces(mesh).size()), n = n_pieces * mesh.n_triangles();
+    frame.position.resize(3 * n), frame.displacement.resize(3 * n), frame.velocity.resize(3 * n);
+    frame.stress.resize(n), frame.region.resize(n), frame.grain.resize(mesh.grain.empty() ? 0 : n);
+#pragma omp parallel for schedule(static)
     for (Index t = 0; t < mesh.n_triangles(); ++t)
-        for (const Piece& piece : pieces(mesh)) {
+        for (Index i = 0; i < n_pieces; ++i) {
+            const Index piece = n_pieces * t + i;
             Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-            for (const Index k : piece) {
-                const Index corner = mesh.corners_per_triangle() * t + k, node = state.node_of_corner[corner];
-                frame.position.push_back(mesh.corner(t, k));
-                frame.displacement.push_back(state.displacement[node]);
-                frame.velocity.push_back(state.velocity[node]);
+            for (Index j = 0; j < 3; ++j) {
+                const Index k = pieces(mesh)[i][j], corner = mesh.corners_per_triangle() * t + k, node = state.node_of_corner[corner];
+                frame.position[3 * piece + j] = mesh.corner(t, k);
+                frame.displacement[3 * piece + j] = state.displacement[node];
+                frame.velocity[3 * piece + j] = state.velocity[node];
                 middle += coordinates(mesh, corner) / 3;
             }
-            frame.stress.push_back(stress(model, state, t, middle));
-            frame.region.push_back(mesh.region[t]);
-            if (!mesh.grain.empty()) frame.grain.push_back(mesh.grain[t]);
+            frame.stress[piece] = stress(model, state, t, middle);
+            frame.region[piece] = mesh.region[t];
+            if (!frame.grain.empty()) frame.grain[piece] = mesh.grain[t];
         }
 }
 
-void add_interfaces(const Model& model, const State& state, Frame& frame) {
-    for (Index i = 0; i < static_cast<Index>(model.interfaces.size()); ++i) {
-        const Interface& interface = model.interfaces[i];
-        for (const std::array<Index, 2>& part : parts(model.mesh)) {
-            for (const Index place : part) {
-                const Index point = model.points_per_interface() * i + place;
-                const double beta = cohesion(model, state, point);
-                const Vec2 u = opening(model, state, point);
-                const FanPoint& at = model.fan_points[model.fan_point_of[point]];
-                frame.end_position.push_back(model.mesh.corner(at.after == ground ? at.before : at.after));
-                frame.cohesion.push_back(beta);
-                frame.opening.push_back(u.x());
-                frame.slip.push_back(u.y());
-                frame.traction.push_back(traction(model, state, point));
-                frame.status.push_back(status_of(interface.cracked, beta));
-            }
-            frame.side_a.push_back(corners_on(model, interface, interface.triangle[0], part));
-            frame.side_b.push_back(corners_on(model, interface, interface.triangle[1], part));
-        }
+/// Cohesion, opening, slip and traction of a point. In a fan in one piece nothing is open, and of order 1 the tractions are those of the stresses that the
+/// frame already has.
+void add_point(const Model& model, const State& state, Index point, Index p, Frame& frame) {
+    const FanPoint& at = model.fan_points[model.fan_point_of[point]];
+    const Interface& interface = model.interfaces[model.interface_of(point)];
+    const bool whole = state.split_rank[model.fan_of_corner[at.after == ground ? at.before : at.after]] < 0;
+    const Vec2 u = whole ? Vec2(at.gap, 0) : opening(model, state, point);
+    frame.end_position[p] = model.mesh.corner(at.after == ground ? at.before : at.after);
+    frame.cohesion[p] = whole ? 1 : cohesion(model, state, point);
+    frame.opening[p] = u.x();
+    frame.slip[p] = u.y();
+    frame.status[p] = status_of(interface.cracked, frame.cohesion[p]);
+    if (whole && model.mesh.order == 1) {
+        const Vec2 n = interface.normal;
+        const Eigen::Vector3d s = 0.5 * (frame.stress[interface.triangle[0]] + frame.stress[interface.triangle[1]]);
+        const Vec2 on_a(s[0] * n.x() + s[2] * n.y(), s[2] * n.x() + s[1] * n.y());  // sigma N acts on A; the reaction on B
+        frame.traction[p] = {-on_a.dot(n), -on_a.dot(turned_left(n))};
+    } else {
+        frame.traction[p] = traction(model, state, point);
     }
+}
+
+/// After the bulk.
+void add_interfaces(const Model& model, const State& state, Frame& frame) {
+    const Index n_parts = static_cast<Index>(parts(model.mesh).size()), n_interfaces = static_cast<Index>(model.interfaces.size()), n = n_parts * n_interfaces;
+    frame.side_a.resize(n), frame.side_b.resize(n), frame.end_position.resize(2 * n), frame.cohesion.resize(2 * n), frame.opening.resize(2 * n);
+    frame.slip.resize(2 * n), frame.traction.resize(2 * n), frame.status.resize(2 * n);
+#pragma omp parallel for schedule(static)
+    for (Index i = 0; i < n_interfaces; ++i)
+        for (Index k = 0; k < n_parts; ++k) {
+            const std::array<Index, 2>& part = parts(model.mesh)[k];
+            const Index whole = n_parts * i + k;
+            for (Index j = 0; j < 2; ++j) add_point(model, state, model.points_per_interface() * i + part[j], 2 * whole + j, frame);
+            frame.side_a[whole] = corners_on(model, model.interfaces[i], model.interfaces[i].triangle[0], part);
+            frame.side_b[whole] = corners_on(model, model.interfaces[i], model.interfaces[i].triangle[1], part);
+        }
 }
 
 /// Around an obstacle in its own frame; a polygon repeats its last corner.
