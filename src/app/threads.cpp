@@ -15,7 +15,7 @@ int use_threads(int wanted) {
 
 void let_waiting_threads_sleep(char** argv) {
     if (std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr) return;
-    setenv("GOMP_SPINCOUNT", "20000", 0);
+    setenv("GOMP_SPINCOUNT", "1000", 0);
     execv("/proc/self/exe", argv);  // comes back only where that is not possible, and then nothing is lost but speed
 }
 

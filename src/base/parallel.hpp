@@ -12,7 +12,7 @@ template <class Result, class Work>
 Result sum_over_blocks(std::size_t n, std::size_t block, std::vector<Result>& partial, const Work& work) {
     const std::ptrdiff_t n_blocks = static_cast<std::ptrdiff_t>((n + block - 1) / block);
     partial.assign(n_blocks, Result{});
-#pragma omp parallel for schedule(dynamic, 1)
+#pragma omp parallel for schedule(dynamic, 1) if (n_blocks > 1)
     for (std::ptrdiff_t i = 0; i < n_blocks; ++i) work(i * block, std::min(n, (i + 1) * block), partial[i]);
     Result total{};
     for (const Result& part : partial) total += part;

@@ -34,7 +34,7 @@ public:
     void evaluate(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner, std::vector<Vec2>& corner_force,
                   std::vector<std::uint8_t>& fan_is_hot) const {
         constexpr Index block = 1024;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (n_triangles_ > block)
         for (Index first = 0; first < n_triangles_; first += block)
             evaluate(first, std::min(first + block, n_triangles_), displacement, node_of_corner, &corner_force[corners_per_triangle_ * first], fan_is_hot);
     }

@@ -60,19 +60,45 @@ StepReport VertexScheme::sweep_blocks(const State& begin, const ExplicitBulk& bu
 void VertexScheme::advance_inner(const MeshBlocks::Block& block, const State& begin, FreeMotion& free, State& end, Workspace& work, StepReport& report) {
     NodeSums sums(begin, free, end);
     Vec2* kept = &free.corner_force[model_.mesh.corners_per_triangle() * block.first];
+    const auto keep = [&](const MeshBlocks::Corner* first, const MeshBlocks::Corner* last) {
+        for (; first < last; ++first) kept[*first] = work.force[*first];
+    };
     const MeshBlocks::Corner* corner = blocks_.corners(block);
-    for (const MeshBlocks::InnerFan& fan : blocks_.inner(block)) {
+    const auto inner = blocks_.inner(block);
+    for (std::size_t i = 0; i < inner.size(); ++i) {
+        prefetch_hot(inner, i);
+        const MeshBlocks::InnerFan& fan = inner[i];
         const MeshBlocks::Corner *first = corner, *last = corner += fan.n_corners;
-        const bool split = begin.split_rank[fan.fan] >= 0, hot = fan_is_hot_[fan.fan];
-        if (split || hot)  // more is asked of these
-            for (const MeshBlocks::Corner* c = first; c < last; ++c) kept[*c] = work.force[*c];
-        if (split) continue;
+        if (begin.split_rank[fan.fan] >= 0) {
+            keep(first, last);
+            continue;
+        }
         Vec2 force = Vec2::Zero();
         for (const MeshBlocks::Corner* c = first; c < last; ++c) force += work.force[*c];
-        if (hot && comes_apart(fan.fan, begin, free, force, work, report)) continue;
+        if (fan_is_hot_[fan.fan]) {
+            work.taken.resize(fan.n_corners);
+            for (Index c = 0; c < fan.n_corners; ++c) work.taken[c] = work.force[first[c]];
+            if (!surely_bound(fan.fan, force, work.taken)) {
+                keep(first, last);
+                if (!stays_bound(fan.fan, begin, free, work, report)) continue;
+            }
+        }
         sums.move(fan.fan, fan.mass, force, begin.velocity[fan.fan] + free.kick_time / fan.mass * force);
     }
     sums.add_to(report);
+}
+
+/// The tests of a hot fan read what else nobody does: it is asked for while the fans before it are advanced.
+void VertexScheme::prefetch_hot(std::span<const MeshBlocks::InnerFan> inner, std::size_t i) const {
+    constexpr std::size_t soon = 4, later = 8, cache_line = 64;
+    if (i + later < inner.size() && fan_is_hot_[inner[i + later].fan]) {
+        __builtin_prefetch(&model_.fans[inner[i + later].fan]);
+    }
+    if (i + soon >= inner.size() || !fan_is_hot_[inner[i + soon].fan]) return;
+    const Fan& fan = model_.fans[inner[i + soon].fan];
+    const char* point = reinterpret_cast<const char*>(&model_.fan_points[fan.first_point]);
+    for (std::size_t byte = 0; byte < fan.n_points * sizeof(FanPoint); byte += cache_line) __builtin_prefetch(point + byte);
+    __builtin_prefetch(&mass_[fan.first_corner]);
 }
 
 /// Round a corner near an obstacle all corners are by themselves, until the fan solver says what holds them together.
@@ -94,7 +120,11 @@ StepReport VertexScheme::advance_bordering(const State& begin, const FreeMotion&
             const Index* corner = &model_.fan_corners[fan.first_corner];
             Vec2 force = Vec2::Zero();
             for (Index c = 0; c < fan.n_corners; ++c) force += free.corner_force[corner[c]];
-            if (fan_is_hot_[f] && comes_apart(f, begin, free, force, work, report)) continue;
+            if (fan_is_hot_[f]) {
+                work.taken.resize(fan.n_corners);
+                for (Index c = 0; c < fan.n_corners; ++c) work.taken[c] = free.corner_force[corner[c]];
+                if (!surely_bound(f, force, work.taken) && !stays_bound(f, begin, free, work, report)) continue;
+            }
             Vec2 velocity = begin.velocity[f] + free.kick_time / fan.mass * force;
             const PrescribedMotion* motion = prescribed_motion(*corner);
             if (motion) {
@@ -121,24 +151,17 @@ void VertexScheme::account_drive(Index fan, const PrescribedMotion& motion, cons
     }
 }
 
-/// Of a hot fan: the tests of forces, in order of cost. `force` [N]: on the whole fan.
-bool VertexScheme::comes_apart(Index f, const State& begin, const FreeMotion& free, const Vec2& force, Workspace& work, StepReport& report) {
+/// Forces between the corners of a fan in one piece, walked along the chain; round a closed one with the circulation of least norm.
+/// If these are admissible the fan is bound; if not, others may be, and the exact test decides. `force` [N]: on the whole fan; `forces`: on its corners,
+/// which then become what its points must give them.
+bool VertexScheme::surely_bound(Index f, const Vec2& force, std::vector<Vec2>& forces) {
     fan_is_hot_[f] = 0;
-    comes_apart_[f] = !surely_bound(f, free, force, work) && !stays_bound(f, begin, free, work, report);
-    return comes_apart_[f];
-}
-
-bool VertexScheme::surely_bound(Index f, const FreeMotion& free, const Vec2& force, Workspace& work) const {
-    // forces between the corners of a fan in one piece, walked along the chain; round a closed one with the circulation of least norm.
-    // If these are admissible the fan is bound; if not, others may be, and the exact test decides.
     const Fan& fan = model_.fans[f];
     if (fan.split_at_start || prescribed_motion(model_.fan_corners[fan.first_corner])) return false;
     const FanPoint* point = &model_.fan_points[fan.first_point];
-    const Index* corner = &model_.fan_corners[fan.first_corner];
     const Vec2 acceleration = force / fan.mass;
-    work.taken.resize(fan.n_corners);
-    for (Index i = 0; i < fan.n_corners; ++i) work.taken[i] = mass_[fan.first_corner + i] * acceleration - free.corner_force[corner[i]];
-    const auto taken = [&](Index i) -> const Vec2& { return work.taken[i]; };
+    for (Index i = 0; i < fan.n_corners; ++i) forces[i] = mass_[fan.first_corner + i] * acceleration - forces[i];
+    const auto taken = [&](Index i) -> const Vec2& { return forces[i]; };
 
     const Vec2 first = least_norm_start(fan.n_points, fan.closed, taken, [&](Index j) { return point[j].area; });
     return walk_chain(fan.n_points, fan.closed, first, taken, [&](Index j, const Vec2& P) {
@@ -147,10 +170,11 @@ bool VertexScheme::surely_bound(Index f, const FreeMotion& free, const Vec2& for
     });
 }
 
-bool VertexScheme::stays_bound(Index fan, const State& begin, const FreeMotion& free, Workspace& work, StepReport& report) const {
+bool VertexScheme::stays_bound(Index fan, const State& begin, const FreeMotion& free, Workspace& work, StepReport& report) {
     pose(fan, begin, free, work.problem);
     const FanSolution solution = work.solver.solve(work.problem);
     ++report.bound_tests;
+    comes_apart_[fan] = !solution.bound;
     return solution.bound;
 }
 

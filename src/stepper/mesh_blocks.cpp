@@ -4,8 +4,17 @@
 
 namespace knap {
 
+namespace {
+
+constexpr Index fewest = 6144, most = 24576;  // corners of a block: 100 to 400 kB of forces
+constexpr Index blocks_of_a_body = 16;                        // or more, so that several threads find work
+
+}  // namespace
+
 MeshBlocks::MeshBlocks(const Model& model) {
-    const Index per_triangle = model.mesh.corners_per_triangle(), triangles = corners_in_a_block / per_triangle, corners = triangles * per_triangle;
+    const Index per_triangle = model.mesh.corners_per_triangle();
+    const Index triangles = std::clamp(model.mesh.n_corners() / blocks_of_a_body, fewest, most) / per_triangle;
+    most_corners_ = triangles * per_triangle;
     std::vector<std::uint8_t> is_inner(model.fans.size(), 1);
     for (const CornerLoad& load : model.corner_loads) is_inner[model.fan_of_corner[load.corner]] = 0;
     for (const PrescribedMotion& motion : model.prescribed) is_inner[motion.fan] = 0;
@@ -13,8 +22,8 @@ MeshBlocks::MeshBlocks(const Model& model) {
     for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f) {
         const Fan& fan = model.fans[f];
         const Index* corner = &model.fan_corners[fan.first_corner];
-        const Index block = *corner / corners;
-        const bool whole = std::all_of(corner, corner + fan.n_corners, [&](Index c) { return c / corners == block; });
+        const Index block = *corner / most_corners_;
+        const bool whole = std::all_of(corner, corner + fan.n_corners, [&](Index c) { return c / most_corners_ == block; });
         is_inner[f] = is_inner[f] && whole && (fan.closed || model.obstacles.empty());
         if (is_inner[f]) inner_of_block[block].push_back(f);
         else bordering_.push_back(f);
@@ -27,10 +36,10 @@ MeshBlocks::MeshBlocks(const Model& model) {
         for (const Index f : inner_of_block[b]) {
             const Fan& fan = model.fans[f];
             inner_.push_back({.mass = fan.mass, .fan = f, .n_corners = fan.n_corners});
-            for (Index i = 0; i < fan.n_corners; ++i) inner_corners_.push_back(static_cast<Corner>(model.fan_corners[fan.first_corner + i] - b * corners));
+            for (Index i = 0; i < fan.n_corners; ++i) inner_corners_.push_back(static_cast<Corner>(model.fan_corners[fan.first_corner + i] - b * most_corners_));
         }
         for (Index c = per_triangle * block.first; c < per_triangle * block.last; ++c)
-            if (!is_inner[model.fan_of_corner[c]]) kept_.push_back(static_cast<Corner>(c - b * corners));
+            if (!is_inner[model.fan_of_corner[c]]) kept_.push_back(static_cast<Corner>(c - b * most_corners_));
         block.last_inner = static_cast<Index>(inner_.size());
         block.last_kept = static_cast<Index>(kept_.size());
         blocks_.push_back(block);

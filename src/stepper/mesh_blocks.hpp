@@ -7,8 +7,6 @@
 
 namespace knap {
 
-inline constexpr Index corners_in_a_block = 6144;  // at most; 96 kB of forces
-
 /// The blocks do not depend on the number of threads, so neither do sums over them.
 class MeshBlocks {
 public:
@@ -27,6 +25,7 @@ public:
 
     explicit MeshBlocks(const Model& model);
 
+    Index most_corners() const { return most_corners_; }  // of a block
     std::span<const Block> blocks() const { return blocks_; }
     std::span<const InnerFan> inner(const Block& block) const { return {&inner_[0] + block.first_inner, &inner_[0] + block.last_inner}; }
     /// The corners of its inner fans, one fan after the other.
@@ -38,6 +37,7 @@ public:
     std::span<const Index> bordering() const { return bordering_; }
 
 private:
+    Index most_corners_;
     std::vector<Block> blocks_;
     std::vector<InnerFan> inner_;
     std::vector<Corner> inner_corners_, kept_;

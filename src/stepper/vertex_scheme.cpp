@@ -24,7 +24,7 @@ VertexScheme::VertexScheme(const Model& model, const SchemeOptions& options)
       motion_(model) {
     for (const Index corner : model.fan_corners) mass_.push_back(model.corner_mass[corner]);
     workspaces_.resize(omp_get_max_threads());
-    for (Workspace& work : workspaces_) work.force.resize(corners_in_a_block);
+    for (Workspace& work : workspaces_) work.force.resize(blocks_.most_corners());
 }
 
 StepReport VertexScheme::advance(const State& begin, const ExplicitBulk& bulk, FreeMotion& free, State& end) {

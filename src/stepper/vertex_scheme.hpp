@@ -41,9 +41,9 @@ private:
     void advance_inner(const MeshBlocks::Block& block, const State& begin, FreeMotion& free, State& end, Workspace& work, StepReport& report);
     void part_from_obstacles(const State& begin);
     StepReport advance_bordering(const State& begin, const FreeMotion& free, State& end);
-    bool comes_apart(Index fan, const State& begin, const FreeMotion& free, const Vec2& force, Workspace& work, StepReport& report);
-    bool surely_bound(Index fan, const FreeMotion& free, const Vec2& force, Workspace& work) const;
-    bool stays_bound(Index fan, const State& begin, const FreeMotion& free, Workspace& work, StepReport& report) const;
+    void prefetch_hot(std::span<const MeshBlocks::InnerFan> inner, std::size_t i) const;
+    bool surely_bound(Index fan, const Vec2& force, std::vector<Vec2>& forces);
+    bool stays_bound(Index fan, const State& begin, const FreeMotion& free, Workspace& work, StepReport& report);
     void account_drive(Index fan, const PrescribedMotion& motion, const State& begin, const FreeMotion& free, const Vec2& force, State& end,
                        StepReport& report) const;
     void release(const State& begin, State& end, StepReport& report);

@@ -48,7 +48,7 @@ TEST_CASE("every fan is inside one block of triangles or borders on several") {
         Index next = 0;
         for (const MeshBlocks::Block& block : blocks.blocks()) {
             CHECK(block.first == next);
-            CHECK(per_triangle * (block.last - block.first) <= corners_in_a_block);
+            CHECK(per_triangle * (block.last - block.first) <= blocks.most_corners());
             next = block.last;
             const MeshBlocks::Corner* corner = blocks.corners(block);
             bool same = true;
