@@ -28,9 +28,10 @@ ExitCode solve_stored_lcp(const std::filesystem::path& file, const std::string& 
 
 struct BenchOptions {
     double until = 20e-6;  // [s] of the edge-cracked block
-    bool full = false;     // all 80 us, and 148 000 triangles too
+    bool full = false;     // all 80 us, and 151 000 and a million triangles too
+    std::filesystem::path csv;  // what was measured, as a table; empty: only printed
 };
-/// Fixed work: triangle-steps per core-second, its ratio over mesh sizes and threads, end-state hashes.
+/// Fixed work: triangle-steps per core-second, its ratio over mesh sizes and threads, end-state hashes; the kernels of a step against the machine.
 ExitCode bench(const BenchOptions& options);
 
 }  // namespace knap

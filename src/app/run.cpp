@@ -132,6 +132,8 @@ void conclude(const Scenario& scenario, const Model& model, const State& now, co
         record.expect = judge_expectations(scenario.expect, record.summary, record.rayleigh_speed);
     record.figures = recorder.figures();
     record.cpu_output = recorder.output_seconds();
+    record.cpu_frames = recorder.frame_seconds();
+    record.cpu_figures = recorder.figure_seconds();
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ struct RunRecord {
     int threads = 1;
     double wall = 0, cpu = 0;                                                   // [s] the whole command
     double cpu_model = 0, cpu_steps = 0, cpu_output = 0;  // [s] parts of it: mesh and model, steps, output
+    double cpu_frames = 0, cpu_figures = 0;               // [s] parts of the output
     Index triangles = 0, interfaces = 0;
     std::int64_t steps = 0;
     double step = 0, time = 0;       // [s] h as planned, and the time reached

@@ -104,8 +104,10 @@ void Recorder::open_files() {
 }
 
 void Recorder::write_frame(const State& now) {
+    const Stopwatch watch;
     series_->write(make_frame(model_, now));
     last_frame_ = now.time;
+    frame_seconds_ += watch.cpu();
 }
 
 void Recorder::after_step(const State& now, const StepReport& report) {
@@ -164,8 +166,10 @@ void Recorder::draw_due(const State& now, bool at_end) {
         const bool reached = next_at_[i] < figure.at.size() && now.time * (1 + 1e-9) >= figure.at[next_at_[i]];
         const bool due = figure.at.empty() || !shows_body(figure.show) ? at_end : reached;
         if (!due) continue;
+        const Stopwatch watch;
         if (!frame) frame = make_frame(model_, now);
         draw(figure, *frame);
+        figure_seconds_ += watch.cpu();
         while (next_at_[i] < figure.at.size() && now.time * (1 + 1e-9) >= figure.at[next_at_[i]]) ++next_at_[i];
     }
 }

@@ -54,11 +54,13 @@ public:
     const Histories& histories() const { return histories_; }
     const RecorderOptions& options() const { return options_; }
     const std::vector<std::filesystem::path>& figures() const { return drawn_; }
-    double output_seconds() const { return output_seconds_; }  // [s] processor time spent here
+    double output_seconds() const { return output_seconds_; }  // [s] processor time spent here, and on two parts of it:
+    double frame_seconds() const { return frame_seconds_; }
+    double figure_seconds() const { return figure_seconds_; }
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(ledger_, cracks_, histories_, next_frame_, next_history_, last_line_, last_frame_, next_at_, drawn_, output_seconds_);
+        archive(ledger_, cracks_, histories_, next_frame_, next_history_, last_line_, last_frame_, next_at_, drawn_, output_seconds_, frame_seconds_, figure_seconds_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
     }
@@ -86,7 +88,7 @@ private:
     double last_frame_ = -1;            // [s] time of the last frame
     std::vector<std::size_t> next_at_;  // per figure: which of its times comes next
     std::vector<std::filesystem::path> drawn_;
-    double output_seconds_ = 0;
+    double output_seconds_ = 0, frame_seconds_ = 0, figure_seconds_ = 0;
 };
 
 /// Columns of energy.csv and cracks.csv.
