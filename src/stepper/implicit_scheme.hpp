@@ -53,6 +53,7 @@ private:
     bool loosen_what_opens(double h, StepReport& report);  // fans in one piece that cannot stay so
     void join_what_holds(std::vector<Vec2>& rate) const;
     bool holds(Index fan) const;
+    double turned_over() const;  // [N s] of loads, momenta and strengths
     void judge(StepReport& report) const;
     bool books_miss(const StepReport& report) const;  // work of what is unbalanced
     void account_points(double h, StepReport& report) const;
