@@ -9,7 +9,9 @@
 int main(int argc, char** argv) {
     knap::let_waiting_threads_sleep(argv);
     try {
-        return knap::run_command_line(argc, argv);
+        const int code = knap::run_command_line(argc, argv);
+        if (std::fflush(stdout) != 0 || std::ferror(stdout)) throw knap::OutputError("cannot write to standard output");
+        return code;
     } catch (const knap::UserError& error) {
         std::fputs(error.what(), stderr);
         const std::size_t n = error.diagnostics.size();

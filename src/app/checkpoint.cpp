@@ -3,35 +3,6 @@
 #include "app/run_directory.hpp"
 #include "base/error.hpp"
 
-#include <cereal/archives/binary.hpp>
-#include <cereal/types/array.hpp>
-#include <cereal/types/optional.hpp>
-#include <cereal/types/string.hpp>
-#include <cereal/types/utility.hpp>
-#include <cereal/types/vector.hpp>
-
-#include <concepts>
-#include <sstream>
-
-namespace cereal {
-
-template <class Archive>
-void serialize(Archive& archive, knap::Vec2& v) {
-    archive(v.x(), v.y());
-}
-
-template <class Archive, std::same_as<std::filesystem::path> Path>  // nothing that only converts to one
-std::string save_minimal(const Archive&, const Path& path) {
-    return path.string();
-}
-
-template <class Archive, std::same_as<std::filesystem::path> Path>
-void load_minimal(const Archive&, Path& path, const std::string& text) {
-    path = text;
-}
-
-}  // namespace cereal
-
 namespace knap {
 namespace {
 
@@ -39,32 +10,12 @@ namespace fs = std::filesystem;
 
 const char* const names[] = {"checkpoint", "checkpoint.previous"};
 
-template <class Archive>
-void serve(Archive& archive, RunMemory& memory) {
-    archive(memory.now, memory.control, memory.recorder, memory.log_size, memory.cpu, memory.wall, memory.cpu_steps);
-}
-
-void load(const fs::path& path, RunMemory& memory) {
-    std::istringstream bytes(unpacked_checkpoint(read_whole_file(path)));
-    try {
-        cereal::BinaryInputArchive archive(bytes);
-        serve(archive, memory);
-    } catch (const std::exception& error) {  // cereal::Exception, or lengths that no memory has
-        throw SimulationError(std::string("its memory cannot be read: ") + error.what());
-    }
-}
-
 }  // namespace
 
 void Checkpoints::write(RunMemory& memory) {
-    std::ostringstream bytes;
-    {
-        cereal::BinaryOutputArchive archive(bytes);
-        serve(archive, memory);
-    }
     const fs::path newest = directory_ / names[0];
     if (fs::exists(newest)) fs::rename(newest, directory_ / names[1]);
-    write_whole_file(newest, packed_checkpoint(std::move(bytes).str()));
+    write_whole_file(newest, packed_checkpoint(bytes_of(memory)));
     watch_ = Stopwatch();
 }
 
@@ -74,7 +25,7 @@ std::string Checkpoints::read(RunMemory& memory) const {
         const fs::path path = directory_ / name;
         if (!fs::exists(path)) continue;
         try {
-            load(path, memory);
+            restore(unpacked_checkpoint(read_whole_file(path)), memory);
             return said;
         } catch (const SimulationError& error) {
             said += "warning[checkpoint]: " + path.string() + " is not used: " + error.what() + "\n";

@@ -45,6 +45,11 @@ private:
     Stopwatch watch_;
 };
 
+/// All that is in it as bytes, and back into one of the same scenario. Restoring throws SimulationError where the bytes are no memory of a run;
+/// `memory` is half new then. What lies behind a right checksum was written by this program: its numbers are not judged.
+std::string bytes_of(RunMemory& memory);
+void restore(const std::string& bytes, RunMemory& memory);
+
 /// The bytes of a checkpoint file round its memory, and back. Unpacking throws SimulationError saying what is wrong with the file.
 std::string packed_checkpoint(const std::string& memory);
 std::string unpacked_checkpoint(const std::string& file);

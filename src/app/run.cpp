@@ -335,6 +335,7 @@ ExitCode simulate(const ReadResult& read, const RunOptions& options, const std::
 
     // what came of it
     conclude(scenario, model, now, recorder, control, record);
+    record.factor = stepper.factor_size();
     record.wall = before.wall + whole.wall();
     record.cpu = before.cpu + whole.cpu();
     write_whole_file(directory / "run.json", run_json(record));

@@ -73,6 +73,7 @@ std::string run_json(const RunRecord& record) {
     json["scheme"] = scheme(record.scheme);
     json["linear_solves"] = record.counts.linear_solves;
     json["factorisations"] = record.counts.factorisations;
+    json["factor"] = {{"unknowns", record.factor.unknowns}, {"entries", record.factor.entries}};
     json["time_s"] = record.time;
     json["mean_edge_m"] = record.mean_edge;
     json["rayleigh_speed_m_per_s"] = record.rayleigh_speed;

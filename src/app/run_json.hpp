@@ -4,6 +4,7 @@
 #include "observe/energy_ledger.hpp"
 #include "observe/summary.hpp"
 #include "stepper/step_control.hpp"
+#include "stepper/step_scheme.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -32,6 +33,7 @@ struct RunRecord {
     double rayleigh_speed = 0;       // [m/s]
     std::vector<std::string> materials;  // names, by region
     StepReport counts;               // of the local problems and the linear solves
+    FactorSize factor;               // at the end, of the implicit bulk
     Summary summary;
     std::vector<Gate> gates;
     std::vector<ExpectResult> expect;

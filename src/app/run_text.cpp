@@ -43,8 +43,12 @@ std::string solver_text(const RunRecord& record) {
     std::string text;
     if (record.counts.linear_solves > 0 && record.steps > 0) {
         const auto n = static_cast<double>(record.steps);
-        add_line(text, "  solver  %.2f linear solves and %.2f factorisations a step\n", static_cast<double>(record.counts.linear_solves) / n,
-                 static_cast<double>(record.counts.factorisations) / n);
+        add_line(text, "  solver  %.2f linear solves and %.2f factorisations a step, which takes %.3g s of processor time, %.3g s a solve\n",
+                 static_cast<double>(record.counts.linear_solves) / n, static_cast<double>(record.counts.factorisations) / n, record.cpu_steps / n,
+                 record.cpu_steps / static_cast<double>(record.counts.linear_solves));
+        if (record.factor.unknowns > 0)
+            add_line(text, "  factor  of %lld unknowns with %lld entries, %.1f an unknown\n", static_cast<long long>(record.factor.unknowns),
+                     static_cast<long long>(record.factor.entries), static_cast<double>(record.factor.entries) / static_cast<double>(record.factor.unknowns));
     }
     for (const CutReason reason : cut_reasons)
         if (const std::int64_t n = record.n_cuts[static_cast<std::size_t>(reason)]; n > 0)

@@ -26,10 +26,12 @@ public:
         const Header header = read_header();
         std::istringstream sizes = next_line("the line of sizes");
         const long n_rows = whole(sizes, "number of rows"), n_columns = whole(sizes, "number of columns");
-        const long n_entries = header.coordinate ? whole(sizes, "number of entries") : 0;
+        const long n_given = header.coordinate ? whole(sizes, "number of entries") : 0;
         end_of(sizes);
-        if (n_rows < 0 || n_columns < 0 || n_entries < 0 || std::max(n_rows, n_columns) > largest_size) fail("impossible sizes");
+        if (n_rows < 0 || n_columns < 0 || n_given < 0 || std::max(n_rows, n_columns) > largest_size) fail("impossible sizes");
         if (header.mirrored && n_rows != n_columns) fail("a symmetric matrix must be square");
+        const long n_entries = header.coordinate ? n_given : n_rows * n_columns;
+        if (std::max(n_rows, n_columns) > std::max(believed_size, n_entries)) fail("a matrix of this size has more entries");
         if (header.coordinate) {
             for (long k = 0; k < n_entries; ++k) read_entry(header, n_rows, n_columns);
         } else {
@@ -38,11 +40,13 @@ public:
         expect_end();
         LcpMatrix M(n_rows, n_columns);
         M.setFromTriplets(entries_.begin(), entries_.end());
+        if (static_cast<std::size_t>(M.nonZeros()) != entries_.size()) fail("an entry stands there twice");
         return M;
     }
 
 private:
     static constexpr long largest_size = 100'000'000;
+    static constexpr long believed_size = 1'000'000;  // without as many entries: a wrong number must not take all memory
 
     [[noreturn]] void fail(const std::string& message) const {
         throw UserError(std::vector{Diagnostic{.code = "matrix-market", .message = message, .file = source_, .line = line_}});

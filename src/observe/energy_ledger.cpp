@@ -65,7 +65,7 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.crossing_loss += report.crossing_loss;
     row_.law_lag = row_.cohesive_work - row_.crossing_loss - row_.surface;
     largest_energy_ = std::max({largest_energy_, row_.kinetic, row_.strain, std::abs(row_.external_work), row_.surface});
-    largest_residual_ = std::max(largest_residual_, std::abs(row_.residual));
+    if (!(std::abs(row_.residual) <= largest_residual_)) largest_residual_ = std::abs(row_.residual);  // what is no number is the worst of all
     largest_law_lag_ = std::max(largest_law_lag_, std::abs(row_.law_lag));
 
     StepReport extremes = report;

@@ -13,8 +13,9 @@ std::optional<std::string> Beside::bytes_of(const std::string& file) const {
             if (built_in.name == file) return built_in.text;
     std::error_code code;
     const std::filesystem::path path = directory / file;
+    if (!std::filesystem::is_regular_file(path, code)) return std::nullopt;  // opening a pipe would wait for ever
     std::ifstream in(path, std::ios::binary);
-    if (!std::filesystem::is_regular_file(path, code) || !in) return std::nullopt;
+    if (!in) return std::nullopt;
     std::string bytes(std::filesystem::file_size(path, code), '\0');
     in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     if (!in) return std::nullopt;

@@ -82,9 +82,10 @@ void assemble_maps(Assembly& assembly) {
                 "file names are relative to the scenario file";
             continue;
         }
-        const std::optional<Picture> picture = read_png(*bytes);
+        std::string problem;
+        const std::optional<Picture> picture = read_png(*bytes, problem);
         if (!picture) {
-            assembly.findings.error("bad-file", "`" + *file + "` is no PNG picture with colours", at);
+            assembly.findings.error("bad-file", "`" + *file + "` " + problem, at);
             continue;
         }
         MaterialMap map{.width = picture->width, .height = picture->height};

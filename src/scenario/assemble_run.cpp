@@ -30,7 +30,9 @@ void check_one_point_mass(const Assembly& assembly) {
         return;
     }
     for (std::size_t a = 0; a < scenario.law_of_pair.size(); ++a) {
-        const NamedLaw& law = scenario.laws[scenario.law_of_pair[a][a]];
+        const Index inside = scenario.law_of_pair[a][a];
+        if (inside < 0) continue;  // there is none: reported
+        const NamedLaw& law = scenario.laws[inside];
         if (!law.law.breakable()) continue;
         assembly.findings.error("exclusive-keys", "`time.mass`: the mass of one point needs a body that does not break inside", assembly.at("time.mass")).note =
             "interface." + law.name + ".breakable = false, or mass = \"consistent\"";

@@ -20,8 +20,9 @@ std::optional<double> plain_number(const std::string& text) {
 
 TimeFunction read_factor_table(const std::filesystem::path& file, const Node& at, Findings& findings) {
     std::error_code code;
-    std::ifstream in(file);
-    if (!std::filesystem::is_regular_file(file, code) || !in) {
+    std::ifstream in;
+    if (std::filesystem::is_regular_file(file, code)) in.open(file);  // opening a pipe would wait for ever
+    if (!in.is_open()) {
         findings.error("missing-file", "cannot read `" + file.string() + "`", at).note = "file names are relative to the scenario file";
         return {};
     }

@@ -238,6 +238,7 @@ std::string kind_name(const Dimension& dimension) {
 }
 
 std::string shortest(double value) {
+    if (value == 0 && std::signbit(value)) return "-0.0";  // to TOML "-0" is a whole number, and 0
     std::array<char, 32> buffer;
     const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
     return {buffer.data(), end};

@@ -1,7 +1,6 @@
 #include "stepper/augmented_lagrangian.hpp"
 
 #include "base/secant.hpp"
-#include "stepper/multiplier_leaps.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -53,6 +52,7 @@ Index AugmentedLagrangian::worst_node() const {
 
 void AugmentedLagrangian::make_tangents(const std::vector<LoosePoint>& points, Softening softening) {
     tangents_.clear();
+    tangents_.reserve(points.size());
     for (const LoosePoint& point : points) {
         const Eigen::Matrix2d D = tangent(point.law, point.response, softening);
         if (D.isZero(0)) continue;
@@ -125,11 +125,12 @@ bool AugmentedLagrangian::prepare_matrix(const std::vector<LoosePoint>& points) 
 }
 
 double AugmentedLagrangian::step_length(const std::vector<LoosePoint>& points, const std::vector<Vec2>& direction,
-                                        const std::vector<Vec2>& changed) const {
+                                        const std::vector<Vec2>& changed) {
     // slope along the step: d . (taken + a M_hat d - H' q(w + a d)); monotone and piecewise linear where the problem is convex
     double at_start = 0, bulk_slope = 0;
     for (std::size_t i = 0; i < direction.size(); ++i) at_start += direction[i].dot(taken_[i]), bulk_slope += direction[i].dot(changed[i]);
-    std::vector<Vec2> turn(points.size());
+    std::vector<Vec2>& turn = turn_;
+    turn.resize(points.size());
     for (std::size_t j = 0; j < points.size(); ++j) turn[j] = points[j].across(direction);
     const auto slope = [&](double a) {
         double sum = at_start + a * bulk_slope;
@@ -164,9 +165,9 @@ bool AugmentedLagrangian::find_rates(const ImplicitBulk& bulk, std::vector<Loose
         if (stalled >= 3 && norm <= 1e3 * tolerance) return true;  // rounding; the judge of the step has the last word
         best = std::min(best, norm);
         if (!prepare_matrix(points)) return false;
-        std::vector<Vec2> downhill = residual_;
-        for (Vec2& r : downhill) r = -r;
-        matrix_.solve(downhill, direction_);
+        downhill_ = residual_;
+        for (Vec2& r : downhill_) r = -r;
+        matrix_.solve(downhill_, direction_);
         ++counts_.linear_solves;
         bulk.apply_matrix(direction_, changed_);
         // near the end rounding hides the slope
@@ -201,8 +202,9 @@ bool AugmentedLagrangian::approach(const ImplicitBulk& bulk, std::vector<LoosePo
 bool AugmentedLagrangian::settle(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double goal,
                                  int most_steps) {
     const bool has_potential = std::none_of(points.begin(), points.end(), [](const LoosePoint& p) { return p.law.friction > 0 && p.law.friction_follows; });
-    std::vector<Vec2> last(points.size());
-    MultiplierLeaps leaps;
+    std::vector<Vec2>& last = last_multipliers_;
+    last.resize(points.size());
+    leaps_.begin();
     augment(points, full_augmentation);
     for (int outer = 0, n_near = 0; outer < most_outer_steps; ++outer) {
         const int solves = counts_.linear_solves;
@@ -216,7 +218,7 @@ bool AugmentedLagrangian::settle(const ImplicitBulk& bulk, std::vector<LoosePoin
         const double unit = full_augmentation * unit_, moved = move_multipliers(points);
         n_near += moved <= law_tolerance * unit;
         if (moved <= goal * unit || n_near == most_near) return true;
-        leaps.take(matrix_, points, last, goal * unit);
+        leaps_.take(matrix_, points, last, goal * unit);
     }
     return false;
 }
@@ -251,10 +253,9 @@ AugmentedLagrangian::Status AugmentedLagrangian::solve(const ImplicitBulk& bulk,
 
     // Coulomb's law is no gradient: Newton's method may wander. Then friction is bounded by the contact of the round before for a while
     for (int attempt = 0; attempt < 4; ++attempt) {
-        const std::vector<LoosePoint> points_before = points;
-        const std::vector<Vec2> rate_before = rate;
+        points_before_ = points, rate_before_ = rate;
         if (settle(bulk, points, rate, law_goal, attempt == 3 ? most_newton_steps : most_wandering_steps)) return Status::solved;
-        points = points_before, rate = rate_before;
+        points = points_before_, rate = rate_before_;
         find_friction(bulk, points, rate);
     }
     return Status::not_converged;

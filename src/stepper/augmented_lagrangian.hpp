@@ -13,6 +13,7 @@
 // Comp. 2022, for the exact line search and the proximal Newton step.)
 #include "stepper/implicit_bulk.hpp"
 #include "stepper/loose_point.hpp"
+#include "stepper/multiplier_leaps.hpp"
 #include "stepper/theta_matrix.hpp"
 
 #include <vector>
@@ -55,7 +56,7 @@ private:
     double residual(Index node) const;  // [N s] of its free components
     void make_tangents(const std::vector<LoosePoint>& points, Softening softening);
     bool prepare_matrix(const std::vector<LoosePoint>& points);
-    double step_length(const std::vector<LoosePoint>& points, const std::vector<Vec2>& direction, const std::vector<Vec2>& changed) const;
+    double step_length(const std::vector<LoosePoint>& points, const std::vector<Vec2>& direction, const std::vector<Vec2>& changed);
     double move_multipliers(std::vector<LoosePoint>& points) const;
     void augment(std::vector<LoosePoint>& points, double augmentation);
 
@@ -64,7 +65,11 @@ private:
     double augmentation_ = 0;                     // with which the matrix is factorised
     bool indefinite_ = false;
     std::vector<PointTangent> tangents_;
-    std::vector<Vec2> corner_taken_, taken_, residual_, direction_, changed_;
+    std::vector<Vec2> corner_taken_, taken_, residual_, downhill_, direction_, changed_;
+    std::vector<Vec2> turn_, last_multipliers_;  // per point
+    std::vector<LoosePoint> points_before_;
+    std::vector<Vec2> rate_before_;
+    MultiplierLeaps leaps_;
     SolverCounts counts_;
     double unit_ = 1, largest_unit_ = 1;
 };

@@ -127,9 +127,18 @@ std::vector<Index> FrontalFactor::unknowns() const {
     return all;
 }
 
-std::size_t FrontalFactor::n_entries() const {
-    std::size_t n = 0;
-    for (const Front& front : fronts_) n += front.n_eliminated * (front.n_eliminated + 1) / 2 + front.n_eliminated * front.n_left();
+std::int64_t FrontalFactor::n_unknowns() const {
+    std::int64_t n = 0;
+    for (const Front& front : fronts_) n += front.n_eliminated;
+    return n;
+}
+
+std::int64_t FrontalFactor::n_entries() const {
+    std::int64_t n = 0;
+    for (const Front& front : fronts_) {
+        const std::int64_t eliminated = front.n_eliminated;
+        n += eliminated * (eliminated + 1) / 2 + eliminated * front.n_left();
+    }
     return n;
 }
 

@@ -41,7 +41,8 @@ public:
     void solve(std::vector<double>& x) const;
 
     std::vector<Index> unknowns() const;  // in the order of their elimination
-    std::size_t n_entries() const;        // of L
+    std::int64_t n_unknowns() const;
+    std::int64_t n_entries() const;       // of L
 
 private:
     struct Front {

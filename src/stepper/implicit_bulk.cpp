@@ -28,10 +28,10 @@ void ImplicitBulk::begin_step(const State& begin, double h) {
     begin_ = &begin;
     h_ = h;
     load_.assign(model_.mesh.n_corners(), Vec2::Zero());
-    std::vector<double> amplitude;
+    amplitude_.clear();
     for (const TimeFunction& history : model_.histories)
-        amplitude.push_back(options_.theta * history(begin.time + h) + (1 - options_.theta) * history(begin.time));
-    for (const CornerLoad& load : model_.corner_loads) load_[load.corner] += amplitude[load.history] * load.force;
+        amplitude_.push_back(options_.theta * history(begin.time + h) + (1 - options_.theta) * history(begin.time));
+    for (const CornerLoad& load : model_.corner_loads) load_[load.corner] += amplitude_[load.history] * load.force;
 }
 
 void ImplicitBulk::set_partition(const CornerPartition& partition, std::vector<Vec2>& rate) {
@@ -146,7 +146,9 @@ void ImplicitBulk::account(const std::vector<Vec2>& rate, const std::vector<Vec2
         for (std::size_t c = 0; c < of_corner.size(); ++c) sum += 0.5 * of_corner[c].dot(of_node[partition_.node_of_corner[c]]);
         return sum;
     };
-    std::vector<Vec2> end(n), change(n), momentum(force_.size(), Vec2::Zero());
+    std::vector<Vec2>&end = end_, &change = change_, &momentum = momentum_;
+    end.resize(n), change.resize(n);
+    momentum.assign(force_.size(), Vec2::Zero());
     for (Index i = 0; i < n; ++i) {
         end[i] = end_velocity(i, rate[i]);
         change[i] = end[i] - velocity_[i];
@@ -169,7 +171,7 @@ void ImplicitBulk::account(const std::vector<Vec2>& rate, const std::vector<Vec2
     for (std::size_t c = 0; c < load_.size(); ++c) report.external_work += h_ * load_[c].dot(rate[partition_.node_of_corner[c]]);
 
     // what is prescribed works with its reaction; where its end velocity is not the theta scheme's, it also does the work on the mass
-    std::vector<Vec2> gained;
+    std::vector<Vec2>& gained = moved_;
     sum_to_nodes(momentum, gained);
     for (Index i = 0; i < n; ++i)
         for (int k = 0; k < 2; ++k) {

@@ -52,7 +52,9 @@ private:
     std::vector<std::array<bool, 2>> prescribed_;     // per node
     std::vector<Vec2> prescribed_rate_, prescribed_end_;  // [m/s] w and v+
     double largest_impulse_ = 0;
+    std::vector<double> amplitude_;                       // [-] of each history
     mutable std::vector<Vec2> moved_, force_;
+    mutable std::vector<Vec2> end_, change_, momentum_;   // of account()
     mutable std::vector<std::uint8_t> unused_;
 };
 

@@ -13,7 +13,8 @@ constexpr double tolerance = 1e-12;  // of the largest impulse
 
 /// A free obstacle moves as the body lets it: the body is solved for its rates until both agree.
 void ImplicitScheme::find_obstacle_rates(const State& begin, double h, StepReport& report) {
-    std::vector<std::uint8_t> touched(model_.obstacles.size(), 0);
+    std::vector<std::uint8_t>& touched = touched_;
+    touched.assign(model_.obstacles.size(), 0);
     for (const ObstacleContact& contact : contacts_.all()) touched[contact.obstacle] = model_.obstacles[contact.obstacle].is_free();
     if (std::find(touched.begin(), touched.end(), 1) == touched.end()) return;
     report.residual = obstacles_.solve(begin, touched, tolerance, [&](std::vector<Vec3>& wrench) {
@@ -24,8 +25,9 @@ void ImplicitScheme::find_obstacle_rates(const State& begin, double h, StepRepor
     report.refusal = Refusal::none;
 }
 
-std::vector<Vec3> ImplicitScheme::contact_wrenches() const {
-    std::vector<Vec3> wrench(model_.obstacles.size(), Vec3::Zero());
+const std::vector<Vec3>& ImplicitScheme::contact_wrenches() {
+    std::vector<Vec3>& wrench = wrench_;
+    wrench.assign(model_.obstacles.size(), Vec3::Zero());
     for (std::size_t i = 0; i < contacts_.all().size(); ++i) {
         const ObstacleContact& contact = contacts_.all()[i];
         wrench[contact.obstacle] -= wrench_of(contact_points()[i].impulse() / options_.theta, contact.arm);

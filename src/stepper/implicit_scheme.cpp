@@ -29,6 +29,7 @@ ImplicitScheme::ImplicitScheme(const Model& model, const SchemeOptions& options)
       contacts_(model),
       obstacles_(model) {
     loose_point_of_.assign(model.fan_points.size(), -1);
+    make_room_for_joins();
 }
 
 StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
@@ -205,7 +206,7 @@ bool ImplicitScheme::loosen_what_opens(double h, StepReport& report) {
     corner_rate_.resize(model_.mesh.n_corners());
     for (std::size_t c = 0; c < corner_rate_.size(); ++c) corner_rate_[c] = rate_[partition_.node_of_corner[c]];
     bool any = false;
-    std::vector<Vec2> taken;
+    std::vector<Vec2>& taken = taken_;
     for (std::size_t f = 0; f < model_.fans.size(); ++f) {
         const Fan& fan = model_.fans[f];
         if (loose_[f] || fan.n_points == 0) continue;
@@ -229,54 +230,6 @@ bool ImplicitScheme::loosen_what_opens(double h, StepReport& report) {
         }
     }
     return any;
-}
-
-bool ImplicitScheme::holds(Index f) const {
-    const Fan& fan = model_.fans[f];
-    for (Index j = 0; j < fan.n_points; ++j) {
-        const Index i = loose_point_of_[fan.first_point + j];
-        if (i < 0) continue;
-        const LoosePoint& point = points_[i];
-        if (!point.holds_still() || point.response.softens) return false;
-    }
-    return true;
-}
-
-void ImplicitScheme::join_what_holds(std::vector<Vec2>& rate) const {
-    // sides that stick without a jump move as one to the last bit: the mean of what the solver left of 1e-13 or so
-    for (std::size_t f = 0; f < model_.fans.size(); ++f) {
-        if (!loose_[f]) continue;
-        const Fan& fan = model_.fans[f];
-        std::vector<std::vector<Index>> clusters;  // of nodes; -1 is the ground
-        const auto cluster_of = [&](Index node) -> std::vector<Index>& {
-            for (auto& cluster : clusters)
-                if (std::find(cluster.begin(), cluster.end(), node) != cluster.end()) return cluster;
-            return clusters.emplace_back(1, node);
-        };
-        for (Index j = 0; j < fan.n_points; ++j) {
-            const Index i = loose_point_of_[fan.first_point + j];
-            if (i < 0) continue;
-            const LoosePoint& point = points_[i];
-            if (!point.holds_still() || point.before == point.after) continue;
-            std::vector<Index> other = cluster_of(point.before);
-            if (std::find(other.begin(), other.end(), point.after) != other.end()) continue;
-            cluster_of(point.before).clear();
-            auto& whole = cluster_of(point.after);
-            whole.insert(whole.end(), other.begin(), other.end());
-        }
-        for (const auto& cluster : clusters)
-            for (int k = 0; k < 2 && cluster.size() > 1; ++k) {
-                double sum = 0, given = 0;
-                bool is_given = false;
-                for (const Index node : cluster) {
-                    if (node < 0) is_given = true, given = 0;
-                    else if (bulk_.prescribed()[node][k] && !is_given) is_given = true, given = rate[node][k];
-                    else sum += rate[node][k];
-                }
-                for (const Index node : cluster)
-                    if (node >= 0 && !bulk_.prescribed()[node][k]) rate[node][k] = is_given ? given : sum / static_cast<double>(cluster.size());
-            }
-    }
 }
 
 double ImplicitScheme::turned_over() const { return largest_scale_ / most_pressing; }

@@ -33,6 +33,7 @@ public:
 
     StepReport step(const State& begin, double h, State& end) override;
     double stable_step() const override { return std::numeric_limits<double>::infinity(); }
+    FactorSize factor_size() const override { return {.unknowns = matrix_.n_unknowns(), .entries = matrix_.n_entries()}; }
 
 private:
     void solve_points(const State& begin, double h, StepReport& report);  // all loose points, until nothing more opens
@@ -47,11 +48,12 @@ private:
     void find_obstacle_rates(const State& begin, double h, StepReport& report);
     LoosePoint make_contact_point(const ObstacleContact& contact, const State& begin, double h) const;
     std::span<const LoosePoint> contact_points() const { return std::span(points_).last(contacts_.all().size()); }
-    std::vector<Vec3> contact_wrenches() const;  // [N s, N s, N m s] of the body on each obstacle
+    const std::vector<Vec3>& contact_wrenches();  // [N s, N s, N m s] of the body on each obstacle
     void guess_contacts();
     void keep_contacts();
     bool loosen_what_opens(double h, StepReport& report);  // fans in one piece that cannot stay so
-    void join_what_holds(std::vector<Vec2>& rate) const;
+    void make_room_for_joins();
+    void join_what_holds(std::vector<Vec2>& rate);
     bool holds(Index fan) const;
     double turned_over() const;  // [N s] of loads, momenta and strengths
     void judge(StepReport& report) const;
@@ -83,6 +85,11 @@ private:
     std::vector<Vec2> pushed_;                // [N s] per corner: theta times the impulses of the obstacles on it
     std::vector<Vec2> rate_;                  // per node
     std::vector<Vec2> corner_rate_;
+    std::vector<Vec2> taken_;                 // [N s] per corner of the fan that is tested
+    std::vector<std::vector<Index>> clusters_;  // of the fan that is joined
+    std::vector<Index> other_;
+    std::vector<Vec3> wrench_;
+    std::vector<std::uint8_t> touched_;       // per obstacle
     double scale_ = 0, largest_scale_ = 0;    // [N s] AugmentedLagrangian::solve
 };
 

@@ -26,6 +26,7 @@ public:
     void start_in_equilibrium(State& start) const;
 
     double stable_step() const { return scheme_->stable_step(); }  // [s]; infinite for the implicit bulk
+    FactorSize factor_size() const { return scheme_->factor_size(); }   // of the implicit bulk
 
 private:
     const Model& model_;

@@ -42,7 +42,9 @@ double rest_of_series(std::span<const Vec2> before, std::span<const Vec2> move) 
 }  // namespace
 
 void MultiplierLeaps::take(const ThetaMatrix& matrix, std::vector<LoosePoint>& points, const std::vector<Vec2>& last, double least) {
-    std::vector<Vec2> move(points.size()), pull(matrix.n_nodes(), Vec2::Zero());  // [N s] d, H' d
+    std::vector<Vec2>&move = move_, &pull = pull_;
+    move.resize(points.size());
+    pull.assign(matrix.n_nodes(), Vec2::Zero());
     for (std::size_t j = 0; j < points.size(); ++j) {
         const LoosePoint& point = points[j];
         move[j] = Vec2(point.law.contact_guess, point.law.tangential_guess) - last[j];

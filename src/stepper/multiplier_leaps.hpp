@@ -16,12 +16,16 @@ namespace knap {
 
 class MultiplierLeaps {
 public:
+    /// No move is known yet.
+    void begin() { before_.clear(); }
     /// After a move of the multipliers, from `last` (contact, tangential) [N s] to those in the laws: on to where it leads, in fans that moved by more than
     /// `least`.
     void take(const ThetaMatrix& matrix, std::vector<LoosePoint>& points, const std::vector<Vec2>& last, double least);
 
 private:
     std::vector<Vec2> before_;  // [N s] per point: its last move; zero after a leap
+    std::vector<Vec2> move_;    // [N s] d per point
+    std::vector<Vec2> pull_;    // [N s] H' d per node
 };
 
 }  // namespace knap

@@ -5,6 +5,11 @@
 
 namespace knap {
 
+/// Of the matrix of an implicit step, as it is factorised now.
+struct FactorSize {
+    std::int64_t unknowns = 0, entries = 0;  // entries: of the triangular factor
+};
+
 class StepScheme {
 public:
     virtual ~StepScheme() = default;
@@ -12,6 +17,7 @@ public:
     /// From `begin` over h [s] to everything in `end` but its times; or a refusal, and `end` is void.
     virtual StepReport step(const State& begin, double h, State& end) = 0;
     virtual double stable_step() const = 0;  // [s]
+    virtual FactorSize factor_size() const { return {}; }
 };
 
 }  // namespace knap

@@ -1,7 +1,5 @@
 #include "stepper/theta_matrix.hpp"
 
-#include "stepper/gmres.hpp"
-
 #include <algorithm>
 
 namespace knap {
@@ -133,7 +131,8 @@ void ThetaMatrix::hold(Index i, const Eigen::Matrix2d& block) {
 }
 
 void ThetaMatrix::hold_contacts(std::span<const PointTangent> points) {
-    std::vector<PointTangent> contacts;
+    std::vector<PointTangent>& contacts = new_contacts_;
+    contacts.clear();
     for (const PointTangent& point : points)
         if (point.fan_point < 0) contacts.push_back(point);
     const auto touch_where_other = [&](const std::vector<PointTangent>& some, const std::vector<PointTangent>& others) {
@@ -145,14 +144,16 @@ void ThetaMatrix::hold_contacts(std::span<const PointTangent> points) {
     };
     touch_where_other(contacts_, contacts);
     touch_where_other(contacts, contacts_);
-    contacts_ = std::move(contacts);
+    std::swap(contacts_, new_contacts_);
 }
 
-bool ThetaMatrix::factorise(std::span<const PointTangent> points) {
+bool ThetaMatrix::factorise(const std::vector<PointTangent>& points) {
     ++round_;
     std::swap(holding_, held_before_);
     holding_.clear();
+    holding_.reserve(points.capacity());
     friction_.clear();
+    friction_.reserve(points.capacity());
     hold_contacts(points);
     for (const PointTangent& point : points) {
         if (point.block != point.symmetric_block) friction_.push_back(point);
@@ -176,29 +177,29 @@ bool ThetaMatrix::solve_by_gmres() {
             for (const auto& [node, weight] : sides(friction_[j]))
                 if (node >= 0 && is_free(node, k)) visit(unknown(corner_of_node_[node], k), k, weight);
     };
-    const auto rubbing = [&](const std::vector<double>& x) {  // E G' x
-        Eigen::VectorXd y(n);
+    const auto rubbing = [&](const std::vector<double>& x, Eigen::Ref<Eigen::VectorXd> y) {  // y = E G' x
         for (Eigen::Index j = 0; j < n / 2; ++j) {
             Vec2 slip = Vec2::Zero();
             each_unknown(j, [&](Index u, int k, double sign) { slip[k] += sign * x[u]; });
             y.segment<2>(2 * j) = (friction_[j].block - friction_[j].symmetric_block) * slip;
         }
-        return y;
     };
-    const auto subtract = [&](const Eigen::VectorXd& y, std::vector<double>& x) {  // x - G y
+    const auto subtract = [&](const Eigen::Ref<const Eigen::VectorXd>& y, std::vector<double>& x) {  // x - G y
         for (Eigen::Index j = 0; j < n / 2; ++j) each_unknown(j, [&](Index u, int k, double sign) { x[u] -= sign * y[2 * j + k]; });
     };
-    std::vector<double> x = x_;
-    factor_.solve(x);
-    const auto product = [&](const Eigen::VectorXd& y) -> Eigen::VectorXd {
-        std::vector<double> pulled(x_.size(), 0);
-        subtract(y, pulled);
-        factor_.solve(pulled);
-        return y - rubbing(pulled);
+    const auto product = [&](const Eigen::Ref<const Eigen::VectorXd>& y, Eigen::Ref<Eigen::VectorXd> A_y) {
+        pulled_.assign(x_.size(), 0);
+        subtract(y, pulled_);
+        factor_.solve(pulled_);
+        rubbing(pulled_, A_y);
+        A_y = y - A_y;
     };
-    const auto y = gmres(product, rubbing(x), 60, 1e-8);
-    if (!y) return false;
-    subtract(*y, x_);
+    pulled_ = x_;
+    factor_.solve(pulled_);
+    if (rubbing_.size() < n) rubbing_.resize(2 * n);
+    rubbing(pulled_, rubbing_.head(n));
+    if (!gmres_.solve(std::cref(product), rubbing_.head(n), 60, 1e-8)) return false;  // cref: nothing is copied
+    subtract(gmres_.solution(), x_);
     factor_.solve(x_);
     return true;
 }

@@ -4,6 +4,7 @@
 #include "bulk/triangle_matrices.hpp"
 #include "stepper/corner_partition.hpp"
 #include "stepper/frontal_factor.hpp"
+#include "stepper/gmres.hpp"
 #include "stepper/scheme_options.hpp"
 
 #include <Eigen/SparseLU>
@@ -34,7 +35,7 @@ public:
     void set_bulk(double stiffness_factor, MassMatrix mass);
 
     /// False: without the friction that follows the contact it is not positive definite.
-    bool factorise(std::span<const PointTangent> points);
+    bool factorise(const std::vector<PointTangent>& points);
     /// Per node; prescribed components of the right-hand side are not read, of the solution zero.
     /// With that friction by GMRES, the factor of the rest being its preconditioner; by LU where that fails.
     void solve(const std::vector<Vec2>& right_hand_side, std::vector<Vec2>& solution);
@@ -42,7 +43,8 @@ public:
     bool is_symmetric() const { return friction_.empty(); }  // no friction follows a contact
     bool is_free(Index node, int component) const { return unknown(corner_of_node_[node], component) >= 0; }
     std::size_t n_nodes() const { return corner_of_node_.size(); }
-    std::size_t n_entries() const { return factor_.n_entries(); }
+    std::int64_t n_unknowns() const { return factor_.n_unknowns(); }
+    std::int64_t n_entries() const { return factor_.n_entries(); }
 
 private:
     /// Unknowns are numbered by the first corner of their node, so that they keep their numbers while other fans come apart.
@@ -74,8 +76,11 @@ private:
     std::vector<Index> held_in_;                   // per fan point: the last round in which it was given
     Index round_ = 0;
     std::vector<PointTangent> contacts_;           // with obstacles, as they are in the factor
+    std::vector<PointTangent> new_contacts_;
     std::vector<PointTangent> friction_;           // points whose blocks are not symmetric
-    std::vector<double> x_;                        // per unknown
+    std::vector<double> x_, pulled_;               // per unknown
+    Gmres gmres_;
+    Eigen::VectorXd rubbing_;                      // two entries for each point of friction_
     std::vector<Index> lu_unknowns_;
     Eigen::SparseLU<Eigen::SparseMatrix<double, Eigen::ColMajor, Index>, Eigen::NaturalOrdering<Index>> lu_;
 };

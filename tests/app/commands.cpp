@@ -4,6 +4,8 @@
 #include "app/step_plan.hpp"
 #include "scenario/read_scenario.hpp"
 
+#include <sys/stat.h>
+
 using namespace program;
 
 TEST_CASE("check says what would happen") {
@@ -68,6 +70,23 @@ TEST_CASE("help and version answer") {
     CHECK(command("list").has("kalthoff_winkler"));
     CHECK(command("schema").has("sigma_c"));
     CHECK(command("").code == 2);
+}
+
+TEST_CASE("what cannot be written to standard output is an error") {
+    CHECK(command("schema >/dev/full").code == 3);
+    CHECK(command("schema >/dev/null").code == 0);
+}
+
+TEST_CASE("a pipe instead of a file is refused and not waited for") {
+    const Folder folder("pipe");
+    REQUIRE(mkfifo((folder.path / "pipe").c_str(), 0600) == 0);
+    for (const char* names : {"-s load[0].ramp= -s 'load[0].csv=pipe'", "-s 'map=[{file=\"pipe\",colour=[{rgb=\"#000000\",material=\"glass\"}]}]'"}) {
+        std::ofstream(folder.path / "block.toml") << text_of(KNAP_SOURCE_DIR "/scenarios/edge_cracked_block.toml");
+        const Answer check = command("check " + folder.in_shell("block.toml") + " " + names);
+        CAPTURE(check.text);
+        CHECK(check.code == 2);
+        CHECK(check.has("missing-file"));
+    }
 }
 
 TEST_CASE("the step plan covers the time and keeps within the stable step") {

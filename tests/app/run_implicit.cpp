@@ -42,7 +42,7 @@ TEST_CASE("an implicit run says what it did") {
     CHECK(run.has("linear solves"));
     check_complete(folder.path / "run");
     const std::string json = text_of(folder.path / "run/run.json");
-    for (const char* words : {"\"bulk\": \"implicit\"", "\"cohesion\": \"implicit\"", "\"theta\": 0.5", "\"mass\": \"lumped\"", "\"linear_solves\": ",
+    for (const char* words : {"\"bulk\": \"implicit\"", "\"cohesion\": \"implicit\"", "\"theta\": 0.5", "\"mass\": \"lumped\"", "\"linear_solves\": ", "\"factor\": {",
                               "\"factorisations\": ", "\"softening\": 0", "\"assumption_1\": 0", "\"smallest_step_s\": ", "\"scheme_dissipation\": 0.0,"})
         CHECK_MESSAGE(json.find(words) != std::string::npos, words);
     CHECK(json.find("\n  \"linear_solves\": 0,") == std::string::npos);  // not those of the fans

@@ -1,4 +1,4 @@
-// The same scenario gives the same bits: for any number of threads, for Debug and Release (the presets run the same tests), and for the
+// The same scenario gives the same bits: for any number of threads, for Debug and Release (tools/test --debug), and for the
 // program of yesterday unless somebody meant to change what it computes.
 #include "program.hpp"
 

@@ -7,6 +7,9 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <limits>
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -27,6 +30,19 @@ TEST_CASE("books: the energy of motion at the start is that of the mass matrix")
     CHECK(EnergyLedger(model, start).row().kinetic == relative(7.5, 1e-15));
     CHECK(EnergyLedger(model, start, MassMatrix::consistent).row().kinetic == relative(7.5, 1e-15));  // moved as a whole: the same
     CHECK(EnergyLedger(model, start, MassMatrix::one_point).row().kinetic == relative(7.5, 1e-15));
+}
+
+TEST_CASE("books: what is no number violates the gate and stays no number beside those that are") {
+    const Model model = make_model(point_masses(glue, true));
+    const State start = initial_state(model);
+    EnergyLedger ledger(model, start);
+    StepReport report;
+    ledger.add(start, report);
+    CHECK(ledger.gates(1, 1)[0].pass);
+    report.external_work = std::numeric_limits<double>::quiet_NaN();
+    ledger.add(start, report);
+    CHECK_FALSE(ledger.gates(1, 1)[0].pass);
+    CHECK(std::isnan(ledger.gates(1, 1)[0].value));
 }
 
 TEST_CASE("books: a preload is energy of the start and no work") {

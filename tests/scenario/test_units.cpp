@@ -103,4 +103,5 @@ TEST_CASE("units: the locale does not matter") {
 
 TEST_CASE("units: shortest text reads back") {
     for (const double x : {0.1, 1.0 / 3, 3.08e6, 5e-324, 1.7976931348623157e308, -0.0}) CHECK(parse_quantity(shortest(x)).value == x);
+    CHECK(shortest(-0.0) == "-0.0");
 }

@@ -172,11 +172,12 @@ TEST_CASE("gmres solves in as many products as the matrix has eigenvalues") {
     A(2, 5) = 3, A(5, 2) = -4, A(0, 0) = 2;
     const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(9, 1, 2);
     int products = 0;
-    const auto product = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return ++products, A * x; };
-    const auto x = gmres(product, b, 9, 1e-13);
-    REQUIRE(x);
-    CHECK((A * *x - b).norm() < 1e-12);
+    const auto product = [&](const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Ref<Eigen::VectorXd> A_x) { ++products, A_x = A * x; };
+    Gmres gmres;
+    REQUIRE(gmres.solve(product, b, 9, 1e-13));
+    CHECK((A * gmres.solution() - b).norm() < 1e-12);
     CHECK(products <= 4);  // 1, 2, 1 +- sqrt(-12)
-    CHECK(!gmres(product, b, 2, 1e-13));
-    CHECK(gmres(product, Eigen::VectorXd::Zero(9), 9, 1e-13)->isZero(0));
+    CHECK(!gmres.solve(product, b, 2, 1e-13));
+    CHECK(gmres.solve(product, Eigen::VectorXd::Zero(9), 9, 1e-13));
+    CHECK(gmres.solution().isZero(0));
 }
