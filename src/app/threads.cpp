@@ -14,6 +14,7 @@ int use_threads(int wanted) {
 }
 
 void let_waiting_threads_sleep(char** argv) {
+    setenv("VTK_SMP_BACKEND_IN_USE", "Sequential", 0);  // VTK's own threads come on top of those that were asked for, and cost more than they save
     if (std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr) return;
     setenv("GOMP_SPINCOUNT", "1000", 0);
     execv("/proc/self/exe", argv);  // comes back only where that is not possible, and then nothing is lost but speed

@@ -77,12 +77,17 @@ void add_bulk(const Model& model, const State& state, Frame& frame) {
         }
 }
 
+bool in_one_piece(const Model& model, const State& state, Index point) {
+    const FanPoint& at = model.fan_points[model.fan_point_of[point]];
+    return state.split_rank[model.fan_of_corner[at.after == ground ? at.before : at.after]] < 0;
+}
+
 /// Cohesion, opening, slip and traction of a point. In a fan in one piece nothing is open, and of order 1 the tractions are those of the stresses that the
 /// frame already has.
 void add_point(const Model& model, const State& state, Index point, Index p, Frame& frame) {
     const FanPoint& at = model.fan_points[model.fan_point_of[point]];
     const Interface& interface = model.interfaces[model.interface_of(point)];
-    const bool whole = state.split_rank[model.fan_of_corner[at.after == ground ? at.before : at.after]] < 0;
+    const bool whole = in_one_piece(model, state, point);
     const Vec2 u = whole ? Vec2(at.gap, 0) : opening(model, state, point);
     frame.end_position[p] = model.mesh.corner(at.after == ground ? at.before : at.after);
     frame.cohesion[p] = whole ? 1 : cohesion(model, state, point);
@@ -100,19 +105,26 @@ void add_point(const Model& model, const State& state, Index point, Index p, Fra
 }
 
 /// After the bulk.
-void add_interfaces(const Model& model, const State& state, Frame& frame) {
-    const Index n_parts = static_cast<Index>(parts(model.mesh).size()), n_interfaces = static_cast<Index>(model.interfaces.size()), n = n_parts * n_interfaces;
+void add_interfaces(const Model& model, const State& state, bool all, Frame& frame) {
+    const Index n_parts = static_cast<Index>(parts(model.mesh).size());
+    std::vector<Index> shown;  // n_parts interface + part
+    for (Index i = 0; i < n_parts * static_cast<Index>(model.interfaces.size()); ++i) {
+        const auto whole = [&](Index place) { return in_one_piece(model, state, model.points_per_interface() * (i / n_parts) + place); };
+        const std::array<Index, 2>& part = parts(model.mesh)[i % n_parts];
+        if (all || !whole(part[0]) || !whole(part[1])) shown.push_back(i);
+    }
+    const Index n = static_cast<Index>(shown.size());
     frame.side_a.resize(n), frame.side_b.resize(n), frame.end_position.resize(2 * n), frame.cohesion.resize(2 * n), frame.opening.resize(2 * n);
     frame.slip.resize(2 * n), frame.traction.resize(2 * n), frame.status.resize(2 * n);
 #pragma omp parallel for schedule(static)
-    for (Index i = 0; i < n_interfaces; ++i)
-        for (Index k = 0; k < n_parts; ++k) {
-            const std::array<Index, 2>& part = parts(model.mesh)[k];
-            const Index whole = n_parts * i + k;
-            for (Index j = 0; j < 2; ++j) add_point(model, state, model.points_per_interface() * i + part[j], 2 * whole + j, frame);
-            frame.side_a[whole] = corners_on(model, model.interfaces[i], model.interfaces[i].triangle[0], part);
-            frame.side_b[whole] = corners_on(model, model.interfaces[i], model.interfaces[i].triangle[1], part);
-        }
+    for (Index i = 0; i < n; ++i) {
+        const Index number = shown[i] / n_parts;
+        const Interface& interface = model.interfaces[number];
+        const std::array<Index, 2>& part = parts(model.mesh)[shown[i] % n_parts];
+        for (Index j = 0; j < 2; ++j) add_point(model, state, model.points_per_interface() * number + part[j], 2 * i + j, frame);
+        frame.side_a[i] = corners_on(model, interface, interface.triangle[0], part);
+        frame.side_b[i] = corners_on(model, interface, interface.triangle[1], part);
+    }
 }
 
 /// Around an obstacle in its own frame; a polygon repeats its last corner.
@@ -145,11 +157,11 @@ void add_obstacles(const Model& model, const State& state, Frame& frame) {
 
 }  // namespace
 
-Frame make_frame(const Model& model, const State& state) {
+Frame make_frame(const Model& model, const State& state, bool all) {
     Frame frame;
     frame.time = state.time;
     add_bulk(model, state, frame);
-    add_interfaces(model, state, frame);
+    add_interfaces(model, state, all, frame);
     add_obstacles(model, state, frame);
     frame.length_scale = diagonal(frame.position);
     return frame;

@@ -50,7 +50,8 @@ struct Frame {
     Index n_interfaces() const { return static_cast<Index>(side_a.size()); }
 };
 
-Frame make_frame(const Model& model, const State& state);
+/// `all`: also the interfaces between fans in one piece, of which nothing is written or drawn.
+Frame make_frame(const Model& model, const State& state, bool all = true);
 
 /// Diagonal [m] of the box round some points.
 double diagonal(const std::vector<Vec2>& points);

@@ -85,11 +85,13 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
     }
     next_at_.assign(options_.figures.size(), 0);
     if (options_.goes_on) return;
+    const Stopwatch watch;
     open_files();
     write_lines(start);
     next_history_ = start.time + options_.history_every;
     if (series_) write_frame(start);
     next_frame_ = series_ ? start.time + options_.frame_every : never;
+    output_seconds_ = watch.cpu();
 }
 
 void Recorder::open_files() {
@@ -105,7 +107,7 @@ void Recorder::open_files() {
 
 void Recorder::write_frame(const State& now) {
     const Stopwatch watch;
-    series_->write(make_frame(model_, now));
+    series_->write(make_frame(model_, now, false));
     last_frame_ = now.time;
     frame_seconds_ += watch.cpu();
 }
@@ -167,7 +169,7 @@ void Recorder::draw_due(const State& now, bool at_end) {
         const bool due = figure.at.empty() || !shows_body(figure.show) ? at_end : reached;
         if (!due) continue;
         const Stopwatch watch;
-        if (!frame) frame = make_frame(model_, now);
+        if (!frame) frame = make_frame(model_, now, false);
         draw(figure, *frame);
         figure_seconds_ += watch.cpu();
         while (next_at_[i] < figure.at.size() && now.time * (1 + 1e-9) >= figure.at[next_at_[i]]) ++next_at_[i];

@@ -1,4 +1,5 @@
 // Fans that move as one: in blocks of triangles and across their borders; and those that came apart once, have less cohesion since, and rest.
+#include "base/parallel.hpp"
 #include "geometry/triangulate.hpp"
 #include "stepper/mesh_blocks.hpp"
 #include "support/bodies.hpp"
@@ -117,4 +118,17 @@ TEST_CASE("fans at rest hold as much as their cohesion and no more") {
         // of single triangles inside; a point bears what both its sides do, and one of these may be on the boundary
         else CHECK((largest_stress > 0.7 * strength && largest_stress < 1.5 * strength));
     }
+}
+
+TEST_CASE("every block of a loop is worked on once by any number of threads") {
+    const int before = omp_get_max_threads();
+    for (const int n_threads : {1, 2, 3, 70}) {
+        omp_set_num_threads(n_threads);
+        for (const int n_blocks : {0, 1, 2, 5, 200}) {
+            std::vector<int> n_visits(n_blocks, 0);
+            for_blocks(n_blocks, [&](std::ptrdiff_t i) { ++n_visits[i]; });
+            CHECK(std::count(n_visits.begin(), n_visits.end(), 1) == n_blocks);
+        }
+    }
+    omp_set_num_threads(before);
 }
