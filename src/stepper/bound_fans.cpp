@@ -96,7 +96,7 @@ void VertexScheme::prefetch_hot(std::span<const MeshBlocks::InnerFan> inner, std
     }
     if (i + soon >= inner.size() || !fan_is_hot_[inner[i + soon].fan]) return;
     const Fan& fan = model_.fans[inner[i + soon].fan];
-    const char* point = reinterpret_cast<const char*>(&model_.fan_points[fan.first_point]);
+    const char* point = reinterpret_cast<const char*>(model_.fan_points.data() + fan.first_point);
     for (std::size_t byte = 0; byte < fan.n_points * sizeof(FanPoint); byte += cache_line) __builtin_prefetch(point + byte);
     __builtin_prefetch(&mass_[fan.first_corner]);
 }
@@ -158,7 +158,7 @@ bool VertexScheme::surely_bound(Index f, const Vec2& force, std::vector<Vec2>& f
     fan_is_hot_[f] = 0;
     const Fan& fan = model_.fans[f];
     if (fan.split_at_start || prescribed_motion(model_.fan_corners[fan.first_corner])) return false;
-    const FanPoint* point = &model_.fan_points[fan.first_point];
+    const FanPoint* point = model_.fan_points.data() + fan.first_point;
     const Vec2 acceleration = force / fan.mass;
     for (Index i = 0; i < fan.n_corners; ++i) forces[i] = mass_[fan.first_corner + i] * acceleration - forces[i];
     const auto taken = [&](Index i) -> const Vec2& { return forces[i]; };

@@ -4,7 +4,7 @@ namespace knap {
 
 bool BoundTest::holds(Index f, std::span<const Vec2> taken, double time) {
     const Fan& fan = model_.fans[f];
-    const FanPoint* point = &model_.fan_points[fan.first_point];
+    const FanPoint* point = model_.fan_points.data() + fan.first_point;
     const auto taken_by = [&](Index j) { return taken[j]; };
     const auto breakable = [&](Index j) { return model_.laws[point[j].law].breakable(); };
     const auto strength = [&](Index j) {

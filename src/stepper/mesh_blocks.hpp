@@ -27,11 +27,11 @@ public:
 
     Index most_corners() const { return most_corners_; }  // of a block
     std::span<const Block> blocks() const { return blocks_; }
-    std::span<const InnerFan> inner(const Block& block) const { return {&inner_[0] + block.first_inner, &inner_[0] + block.last_inner}; }
+    std::span<const InnerFan> inner(const Block& block) const { return std::span(inner_).subspan(block.first_inner, block.last_inner - block.first_inner); }
     /// The corners of its inner fans, one fan after the other.
     const Corner* corners(const Block& block) const { return inner_corners_.data() + block.first_corner; }
     /// The corners of fans that are not inner ones.
-    std::span<const Corner> kept(const Block& block) const { return {&kept_[0] + block.first_kept, &kept_[0] + block.last_kept}; }
+    std::span<const Corner> kept(const Block& block) const { return std::span(kept_).subspan(block.first_kept, block.last_kept - block.first_kept); }
 
     /// Fans across the borders of blocks, and all that loads, drives or obstacles may act on.
     std::span<const Index> bordering() const { return bordering_; }

@@ -41,7 +41,7 @@ bool VertexScheme::advance_resting(Index rank, const State& begin, const FreeMot
     const Fan& fan = model_.fans[f];
     const Index* corner = &model_.fan_corners[fan.first_corner];
     const double* corner_mass = &mass_[fan.first_corner];
-    const FanPoint* point = &model_.fan_points[fan.first_point];
+    const FanPoint* point = model_.fan_points.data() + fan.first_point;
     const Index first_point = end.first_point[rank];
 
     std::vector<Vec2>&taken = work.taken, &impulse = work.impulse;
