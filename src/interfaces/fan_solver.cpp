@@ -35,14 +35,8 @@ FanSolution FanSolver::solve(FanProblem& problem) {
     FanSolution solution;
     if (!settle_states(max_corrections, solution.iterations)) {
         solution.status = find_states_by_pivots();
-        const std::vector<LinkState> found = states_;
-        const FanMotion motion = motion_;
-        const double violation = violation_;
-        if (solution.status != FanSolution::Status::searched && !settle_states(patient_corrections, solution.iterations)) {
-            states_ = found;
-            motion_ = motion;
-            violation_ = violation;
-        }
+        const Attempt found = attempt();
+        if (solution.status != FanSolution::Status::searched && !settle_states(patient_corrections, solution.iterations)) go_back_to(found);
     } else if (violation_ > usual_violation) {
         solution.status = improve_by_pivots();
     }
@@ -124,14 +118,16 @@ FanSolution::Status FanSolver::find_states_by_pivots() {
 }
 
 FanSolution::Status FanSolver::improve_by_pivots() {
-    const std::vector<LinkState> states = states_;
-    const FanMotion motion = motion_;
-    const double violation = violation_;
-    if (solve_by_pivots() && violation_ < violation) return FanSolution::Status::pivoted;
-    states_ = states;
-    motion_ = motion;
-    violation_ = violation;
+    const Attempt found = attempt();
+    if (solve_by_pivots() && violation_ < found.violation) return FanSolution::Status::pivoted;
+    go_back_to(found);
     return FanSolution::Status::exact;
+}
+
+void FanSolver::go_back_to(const Attempt& found) {
+    states_ = found.states;
+    motion_ = found.motion;
+    violation_ = found.violation;
 }
 
 /// Lemke's method may end without a solution where there is one: friction takes from the matrix what the method rests on. The links that ever moved take

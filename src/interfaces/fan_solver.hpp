@@ -36,6 +36,15 @@ public:
     FanSolution solve(FanProblem& problem);
 
 private:
+    /// What has been found so far.
+    struct Attempt {
+        std::vector<LinkState> states;
+        FanMotion motion;
+        double violation;
+    };
+    Attempt attempt() const { return {states_, motion_, violation_}; }
+    void go_back_to(const Attempt& found);
+
     FanSolution::Status find_states_by_pivots();  // of the laws, or else of relaxed laws
     FanSolution::Status improve_by_pivots();      // of a solution that is not as exact as usual
     bool settle_states(int most_corrections, int& n_solves);  // the active set

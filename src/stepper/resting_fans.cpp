@@ -61,12 +61,11 @@ bool VertexScheme::advance_resting(Index rank, const State& begin, const FreeMot
     const auto strength = [&](Index j) {
         return free.kick_time * model_.laws[point[j].law].sigma_c * point[j].area * begin.points[begin.first_point[rank] + j].cohesion;
     };
-    Vec2 P = Vec2::Zero();
-    for (Index j = 0; j < fan.n_points; ++j) {
-        if (j > 0 || !fan.closed) P -= taken[fan.closed ? j - 1 : j];
+    walk_chain(fan.n_points, fan.closed, Vec2::Zero(), [&](Index i) -> const Vec2& { return taken[i]; }, [&](Index j, const Vec2& P) {
         impulse[j] = P;
         if (fan.closed) least.add(1 / strength(j), P);
-    }
+        return true;
+    });
     const Vec2 around = least.c();
     for (Index j = 0; j < fan.n_points; ++j) {
         impulse[j] += around;

@@ -58,12 +58,7 @@ TEST_CASE("a sharp boulder that falls between the nodes of a block does not pass
             for (const double mu : {0.0, 0.4}) {
                 CAPTURE(order);
                 CAPTURE(mu);
-                ModelInput input;
-                input.mesh = bar_mesh(4, 4, 1, 1);
-                input.mesh.order = order;
-                input.materials = {{.density = 1, .E = 100, .nu = 0.2}};
-                input.laws = {CohesiveLaw::unbreakable()};
-                input.law_of_pair = {{0}};
+                ModelInput input = free_block(order, CohesiveLaw::unbreakable());
                 Obstacle tip = wedge({0.4, 1.002}, {.friction = mu}, 1);
                 set_free(tip, 2);
                 tip.initial_velocity = Vec3(0.05, -0.5, 0.2);

@@ -120,12 +120,7 @@ TEST_CASE("an implicit spinning disc breaks a free block and keeps momentum and 
                 CAPTURE(order);
                 CAPTURE(e);
                 CAPTURE(mu);
-                ModelInput input;
-                input.mesh = bar_mesh(4, 4, 1, 1);
-                input.mesh.order = order;
-                input.materials = {{.density = 1, .E = 100, .nu = 0.2}};
-                input.laws = {{.sigma_c = 0.5, .G_c = 0.01, .gamma = 1, .friction = 0}};
-                input.law_of_pair = {{0}};
+                ModelInput input = free_block(order, {.sigma_c = 0.5, .G_c = 0.01, .gamma = 1, .friction = 0});
                 input.obstacles = {boulder({0.55, 1.35}, 0.3, {0.2, -3}, {.friction = mu, .restitution = e})};
                 input.obstacles[0].initial_velocity.z() = 10;
                 Run run(input, implicit(0.5));

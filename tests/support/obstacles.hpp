@@ -49,6 +49,17 @@ inline Obstacle polygon(const std::vector<Vec2>& points, const CohesiveLaw& cont
     return made;
 }
 
+/// A free block of 1 x 1 m to meet them, rho = 1, E = 100, of 4 x 4 squares.
+inline ModelInput free_block(int order, const CohesiveLaw& law) {
+    ModelInput input;
+    input.mesh = bar_mesh(4, 4, 1, 1);
+    input.mesh.order = order;
+    input.materials = {{.density = 1, .E = 100, .nu = 0.2}};
+    input.laws = {law};
+    input.law_of_pair = {{0}};
+    return input;
+}
+
 inline Drive driven(double velocity, TimeFunction history = {}) {
     return {.kind = Drive::Kind::velocity, .value = velocity, .history = std::move(history)};
 }
