@@ -125,9 +125,12 @@ Vec2 traction(const Model& model, const State& state, Index point) {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (const Index corner : {at.before, at.after})
         mean += 0.5 * stress(model, state, model.mesh.triangle_of(corner), coordinates(model.mesh, corner));
-    const Vec2 n = model.interfaces[model.interface_of(point)].normal, t = turned_left(n);
-    const Vec2 on_a(mean[0] * n.x() + mean[2] * n.y(), mean[2] * n.x() + mean[1] * n.y());  // sigma N acts on A; the reaction on B
-    return {-on_a.dot(n), -on_a.dot(t)};
+    return traction(mean, model.interfaces[model.interface_of(point)].normal);
+}
+
+Vec2 traction(const Eigen::Vector3d& stress, const Vec2& n) {
+    const Vec2 on_a(stress[0] * n.x() + stress[2] * n.y(), stress[2] * n.x() + stress[1] * n.y());  // sigma N acts on A; the reaction on B
+    return {-on_a.dot(n), -on_a.dot(turned_left(n))};
 }
 
 }  // namespace knap

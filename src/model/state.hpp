@@ -50,6 +50,8 @@ Vec2 opening(const Model& model, const State& state, Index point);
 double cohesion(const Model& model, const State& state, Index point);
 /// Traction on side B in the frame of its interface [Pa]; in an intact fan the mean stress there of the two neighbours gives it.
 Vec2 traction(const Model& model, const State& state, Index point);
+/// (N, T) of the stress (xx, yy, xy) round an interface [Pa], in its frame.
+Vec2 traction(const Eigen::Vector3d& stress, const Vec2& normal);
 /// Where a body moves fastest, or no longer by a finite speed [m].
 Vec2 place_of_largest_speed(const Model& model, const State& state);
 /// Barycentric coordinates of a corner in its triangle.

@@ -95,10 +95,7 @@ void add_point(const Model& model, const State& state, Index point, Index p, Fra
     frame.slip[p] = u.y();
     frame.status[p] = status_of(interface.cracked, frame.cohesion[p]);
     if (whole && model.mesh.order == 1) {
-        const Vec2 n = interface.normal;
-        const Eigen::Vector3d s = 0.5 * (frame.stress[interface.triangle[0]] + frame.stress[interface.triangle[1]]);
-        const Vec2 on_a(s[0] * n.x() + s[2] * n.y(), s[2] * n.x() + s[1] * n.y());  // sigma N acts on A; the reaction on B
-        frame.traction[p] = {-on_a.dot(n), -on_a.dot(turned_left(n))};
+        frame.traction[p] = traction(0.5 * (frame.stress[interface.triangle[0]] + frame.stress[interface.triangle[1]]), interface.normal);
     } else {
         frame.traction[p] = traction(model, state, point);
     }
