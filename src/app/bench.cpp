@@ -2,10 +2,10 @@
 // the kernels of a step take against what the machine could do.
 #include "app/bench_machine.hpp"
 #include "app/commands.hpp"
-#include "app/run_directory.hpp"
 #include "app/step_plan.hpp"
 #include "app/threads.hpp"
 #include "base/stopwatch.hpp"
+#include "base/whole_file.hpp"
 #include "bulk/elastic_forces.hpp"
 #include "stepper/mesh_blocks.hpp"
 #include "stepper/moreau_jean.hpp"

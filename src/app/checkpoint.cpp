@@ -1,7 +1,7 @@
 #include "app/checkpoint.hpp"
 
-#include "app/run_directory.hpp"
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 
 namespace knap {
 namespace {

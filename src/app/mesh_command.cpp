@@ -1,8 +1,8 @@
 // knap mesh: only make, or judge, the mesh.
 #include "app/commands.hpp"
-#include "app/run_directory.hpp"
 #include "app/setup.hpp"
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 #include "bulk/triangle_matrices.hpp"
 #include "geometry/grain_report.hpp"
 #include "geometry/mesh_file.hpp"

@@ -1,7 +1,7 @@
 // knap new: a scenario to start from.
 #include "app/commands.hpp"
-#include "app/run_directory.hpp"
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 #include "scenario/write_scenario.hpp"
 
 #include <cstdio>

@@ -10,6 +10,7 @@
 #include "app/threads.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "base/whole_file.hpp"
 #include "observe/progress.hpp"
 #include "scenario/write_scenario.hpp"
 #include "stepper/moreau_jean.hpp"

@@ -2,8 +2,8 @@
 #include "app/run_batch.hpp"
 
 #include "app/read_run.hpp"
-#include "app/run_directory.hpp"
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 
 #include <nlohmann/json.hpp>
 

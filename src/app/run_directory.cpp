@@ -1,10 +1,9 @@
 #include "app/run_directory.hpp"
 
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 
 namespace knap {
 
@@ -42,24 +41,6 @@ bool began_with(const fs::path& directory, const FirstFiles& files) {
         const auto& [name, text] = file;
         return name == "run.json" || (fs::is_regular_file(directory / name) && read_whole_file(directory / name) == text);
     });
-}
-
-void write_whole_file(const fs::path& path, const std::string& text) {
-    const fs::path temporary = path.string() + ".part";
-    std::ofstream file(temporary, std::ios::binary);
-    file << text;
-    file.close();
-    std::error_code error;
-    if (file) fs::rename(temporary, path, error);
-    if (!file || error) throw OutputError("cannot write " + path.string() + (error ? ": " + error.message() : ""));
-}
-
-std::string read_whole_file(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    std::ostringstream bytes;
-    bytes << in.rdbuf();
-    if (!in) throw OutputError("cannot read " + path.string());
-    return std::move(bytes).str();
 }
 
 }  // namespace knap

@@ -17,10 +17,4 @@ void make_run_directory(const std::filesystem::path& directory, bool replace, co
 /// Whether a run stands there that began with these very files (run.json aside).
 bool began_with(const std::filesystem::path& directory, const FirstFiles& files);
 
-/// Writes by a temporary name and rename, so that a reader never sees half a file. Throws OutputError naming the path.
-void write_whole_file(const std::filesystem::path& path, const std::string& text);
-
-/// All bytes of a file. Throws OutputError naming the path.
-std::string read_whole_file(const std::filesystem::path& path);
-
 }  // namespace knap

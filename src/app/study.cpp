@@ -1,6 +1,7 @@
 #include "app/study.hpp"
 
-#include "app/run_directory.hpp"
+#include "base/whole_file.hpp"
+
 
 #include <algorithm>
 #include <cstdio>

@@ -1,8 +1,8 @@
 #include "app/sweep.hpp"
 
-#include "app/run_directory.hpp"
 #include "app/version.hpp"
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 #include "observe/contact_sheet.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Job lists of a sweep for who has a scheduler: GNU parallel, Slurm, Snakemake. All read jobs.txt, a command a line, in the directory of the sweep.
 #include "app/sweep.hpp"
+#include "base/whole_file.hpp"
 
-#include "app/run_directory.hpp"
 
 #include <algorithm>
 

@@ -1,9 +1,9 @@
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 #include "lcp/matrix_market.hpp"
 
 #include <array>
 #include <charconv>
-#include <fstream>
 
 namespace knap {
 namespace {
@@ -28,20 +28,14 @@ std::string vector_text(const Eigen::VectorXd& q) {
     return text;
 }
 
-void write_new(const std::filesystem::path& file, const std::string& text) {
-    std::ofstream stream(file);
-    stream << text;
-    if (!stream.flush()) throw UserError("cannot-write", "cannot write `" + file.string() + "`");
-}
-
 }  // namespace
 
 void write_lcp(const std::filesystem::path& stem, const LcpProblem& problem) {
     const std::filesystem::path matrix = stem.string() + ".L.mtx", vector = stem.string() + ".q.mtx";
     for (const std::filesystem::path& file : {matrix, vector})
         if (std::filesystem::exists(file)) throw UserError("file-exists", "`" + file.string() + "` exists already");
-    write_new(matrix, matrix_text(problem.M));
-    write_new(vector, vector_text(problem.q));
+    write_whole_file(matrix, matrix_text(problem.M));
+    write_whole_file(vector, vector_text(problem.q));
 }
 
 }  // namespace knap

@@ -1,6 +1,7 @@
 #include "observe/canvas.hpp"
 
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
@@ -91,10 +92,15 @@ void trace(cairo_t* cairo, const std::vector<Vec2>& points) {
     for (const Vec2& p : points) cairo_line_to(cairo, p.x(), p.y());
 }
 
-cairo_surface_t* make_surface(const std::filesystem::path& file, double height, double scale) {
-    const std::string ending = file.extension().string(), name = file.string();
-    if (ending == ".svg") return cairo_svg_surface_create(name.c_str(), page_width, height);
-    if (ending == ".pdf") return cairo_pdf_surface_create(name.c_str(), page_width, height);
+cairo_status_t append(void* bytes, const unsigned char* data, unsigned int n) {
+    static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), n);
+    return CAIRO_STATUS_SUCCESS;
+}
+
+/// A vector file goes into `bytes` as it is drawn.
+cairo_surface_t* make_surface(const std::string& ending, double height, double scale, std::string& bytes) {
+    if (ending == ".svg") return cairo_svg_surface_create_for_stream(append, &bytes, page_width, height);
+    if (ending == ".pdf") return cairo_pdf_surface_create_for_stream(append, &bytes, page_width, height);
     return cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::lround(page_width * scale)),
                                       static_cast<int>(std::lround(height * scale)));
 }
@@ -105,7 +111,7 @@ Canvas::Canvas(std::filesystem::path file, double height, int pixels) : file_(st
     const std::string ending = file_.extension().string();
     if (ending != ".png" && ending != ".svg" && ending != ".pdf")
         throw UserError("figure-file", "`" + file_.filename().string() + "` is no file a figure can be written to", "known endings: .png, .svg, .pdf");
-    surface_ = make_surface(file_, height, scale_);
+    surface_ = make_surface(ending, height, scale_, bytes_);
     cairo_ = cairo_create(surface_);
     if (ending == ".png") cairo_scale(cairo_, scale_, scale_);
     cairo_translate(cairo_, 0, height);
@@ -208,10 +214,11 @@ std::string Canvas::fitted(const std::string& text, double size, double width, b
 void Canvas::finish() {
     cairo_show_page(cairo_);
     cairo_status_t status = cairo_status(cairo_);
-    if (status == CAIRO_STATUS_SUCCESS && file_.extension() == ".png") status = cairo_surface_write_to_png(surface_, file_.string().c_str());
+    if (status == CAIRO_STATUS_SUCCESS && file_.extension() == ".png") status = cairo_surface_write_to_png_stream(surface_, append, &bytes_);
     cairo_surface_finish(surface_);
     if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface_);
     if (status != CAIRO_STATUS_SUCCESS) throw OutputError("cannot write " + file_.string() + ": " + cairo_status_to_string(status));
+    write_whole_file(file_, bytes_);
 }
 
 }  // namespace knap

@@ -69,11 +69,12 @@ public:
     std::string fitted(const std::string& text, double size, double width, bool bold = false) const;
     const std::vector<DrawnText>& texts() const { return texts_; }
 
-    /// Writes the file. Throws SimulationError naming it.
+    /// Writes the file. Throws OutputError naming it; an older one stays then.
     void finish();
 
 private:
     std::filesystem::path file_;
+    std::string bytes_;  // of the file
     double height_, scale_;
     cairo_surface_t* surface_ = nullptr;
     cairo_t* cairo_ = nullptr;

@@ -1,6 +1,7 @@
 #include "observe/history_csv.hpp"
 
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 
 #include <charconv>
 #include <fstream>
@@ -48,11 +49,9 @@ std::string csv_line(const std::vector<double>& row) {
 }
 
 void write_csv(const History& history, const std::filesystem::path& path) {
-    std::ofstream out(path, std::ios::binary);
-    out << csv_line(history.columns) << '\n';
-    for (const auto& row : history.rows) out << csv_line(row) << '\n';
-    out.close();
-    if (!out) throw OutputError("cannot write " + path.string());
+    std::string text = csv_line(history.columns) + '\n';
+    for (const auto& row : history.rows) text += csv_line(row) + '\n';
+    write_whole_file(path, text);
 }
 
 History read_csv(const std::filesystem::path& path) {

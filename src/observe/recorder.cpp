@@ -6,7 +6,9 @@
 #include "observe/history_csv.hpp"
 #include "observe/interface_status.hpp"
 
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace knap {
@@ -47,7 +49,7 @@ void add_line(const std::vector<double>& row, History& history, std::ofstream& f
     history.rows.push_back(row);
     if (!file.is_open()) return;
     file << csv_line(row) << "\n" << std::flush;
-    if (!file) throw OutputError("cannot write " + path.string());
+    if (!file) throw OutputError("cannot write " + path.string() + ": " + std::strerror(errno));
 }
 
 }  // namespace

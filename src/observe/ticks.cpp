@@ -15,7 +15,9 @@ struct Prefix {
 };
 constexpr std::array<Prefix, 9> prefixes{{{1e12, "T"}, {1e9, "G"}, {1e6, "M"}, {1e3, "k"}, {1, ""}, {1e-3, "m"}, {1e-6, "µ"}, {1e-9, "n"}, {1e-12, "p"}}};
 
+/// With so many decimals; with an exponent where these would be more digits than a double has, or would fill the page.
 std::string fixed(double value, int decimals) {
+    if (std::abs(value) >= 1e15 || decimals > 30) return short_number(value);
     char text[64];
     const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr;
     return {text, end};

@@ -1,6 +1,7 @@
 #include "observe/vtk_series.hpp"
 
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 #include "observe/frame_vtu.hpp"
 #include "observe/history_csv.hpp"
 
@@ -27,17 +28,12 @@ std::string entry(double time, int part, const std::string& file) {
 }
 
 void write_collection(const path& run, const std::vector<double>& times, bool obstacles) {
-    const path whole = run / "run.pvd", partial = run / "run.pvd.part";
-    std::ofstream out(partial, std::ios::binary);
-    out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <Collection>\n";
-    for (std::size_t i = 0; i < times.size(); ++i)
-        out << entry(times[i], 0, file_of("bulk", i)) << entry(times[i], 1, file_of("interfaces", i))
-            << (obstacles ? entry(times[i], 2, file_of("obstacles", i)) : "");
-    out << "  </Collection>\n</VTKFile>\n";
-    out.close();
-    std::error_code error;
-    if (out) std::filesystem::rename(partial, whole, error);
-    if (!out || error) throw OutputError("cannot write " + whole.string());
+    std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <Collection>\n";
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        text += entry(times[i], 0, file_of("bulk", i)) + entry(times[i], 1, file_of("interfaces", i));
+        if (obstacles) text += entry(times[i], 2, file_of("obstacles", i));
+    }
+    write_whole_file(run / "run.pvd", text + "  </Collection>\n</VTKFile>\n");
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ TEST_CASE("a written problem reads back to the same bits and is never overwritte
     std::filesystem::remove(folder / "some.step.L.mtx");
     CHECK_THROWS_AS(write_lcp(stem, lcp_problem(M, q)), UserError);  // the other half is there
     CHECK(!std::filesystem::exists(folder / "some.step.L.mtx"));
-    CHECK_THROWS_AS(write_lcp(folder / "no such folder" / "x", lcp_problem(M, q)), UserError);
+    CHECK_THROWS_AS(write_lcp(folder / "no such folder" / "x", lcp_problem(M, q)), OutputError);
     write_lcp(folder / "empty", lcp_problem(Eigen::MatrixXd(0, 0), Eigen::VectorXd(0)));
     CHECK(read_lcp(folder / "empty").size() == 0);
 }

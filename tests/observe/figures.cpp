@@ -11,6 +11,9 @@
 #include <cairo.h>
 #include <doctest/doctest.h>
 
+#include <sys/resource.h>
+
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <set>
@@ -200,6 +203,33 @@ TEST_CASE("figures: vector files and names with the time") {
     CHECK(files == std::vector{pictures() / "cracks.pdf"});
     CHECK(starts_with(files[0], "%PDF"));
     CHECK(std::filesystem::file_size(files[0]) > 5000);
+}
+
+TEST_CASE("figures: an older picture stays where there is no room for the new one") {
+    const std::filesystem::path directory = pictures() / "no room";
+    std::filesystem::remove_all(directory);
+    std::filesystem::create_directories(directory);
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    for (const char* name : {"energy.png", "energy.svg", "energy.pdf"}) {
+        CAPTURE(name);
+        std::ofstream(directory / name) << "an older picture";
+        const rlimit little{.rlim_cur = 1000, .rlim_max = before.rlim_max};
+        setrlimit(RLIMIT_FSIZE, &little);
+        std::string said;
+        try {
+            draw_chart(energy_chart(synthetic::energy()), directory / name, 800);
+        } catch (const OutputError& error) {
+            said = error.what();
+        }
+        setrlimit(RLIMIT_FSIZE, &before);
+        CHECK(said.find(name) != std::string::npos);
+        CHECK(said.find("File too large") != std::string::npos);
+        CHECK(std::filesystem::file_size(directory / name) == 16);
+        CHECK(!std::filesystem::exists(directory / (std::string(name) + ".part")));
+    }
+    std::signal(SIGXFSZ, handler);
 }
 
 TEST_CASE("figures: what cannot be drawn is refused") {

@@ -40,6 +40,13 @@ TEST_CASE("ticks: labels have equal decimals and a true minus sign") {
     CHECK(round_ticks(0, 0.3, 4).labels == std::vector<std::string>{"0.0", "0.1", "0.2", "0.3"});
 }
 
+TEST_CASE("ticks: numbers of any size have a label") {
+    CHECK(round_ticks(-2e80, 2e80, 5).labels == std::vector<std::string>{"−2e+80", "−1e+80", "0", "1e+80", "2e+80"});
+    CHECK(round_ticks(0, 3e15, 4).labels == std::vector<std::string>{"0", "1e+15", "2e+15", "3e+15"});
+    CHECK(time_text(1e80) == "1e+80 s");
+    CHECK(time_text(1e-80) == "1e-68 ps");
+}
+
 TEST_CASE("ticks: prefixes") {
     CHECK(display_unit(3.08e6, "Pa").unit == "MPa");
     CHECK(display_unit(3.08e6, "Pa").factor == tests::relative(1e-6));

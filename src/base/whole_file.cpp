@@ -1,0 +1,56 @@
+#include "base/whole_file.hpp"
+
+#include "base/error.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+namespace knap {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// errno of what went wrong, or 0.
+int write_bytes(const fs::path& path, std::string_view text) {
+    const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (file < 0) return errno;
+    int error = 0;
+    while (!text.empty() && error == 0) {
+        const ssize_t n = write(file, text.data(), text.size());
+        if (n >= 0) text.remove_prefix(static_cast<std::size_t>(n));
+        else if (errno != EINTR) error = errno;
+    }
+    if (close(file) != 0 && error == 0) error = errno;
+    return error;
+}
+
+}  // namespace
+
+void write_whole_file(const fs::path& path, std::string_view text) {
+    std::error_code unknown;
+    const bool in_place = fs::exists(path, unknown) && !fs::is_regular_file(path, unknown);
+    const fs::path written = in_place ? path : fs::path(path.string() + ".part");
+    int error = write_bytes(written, text);
+    if (!in_place && error == 0 && std::rename(written.c_str(), path.c_str()) != 0) error = errno;
+    if (error == 0) return;
+    if (!in_place) fs::remove(written, unknown);
+    throw OutputError("cannot write " + path.string() + ": " + std::strerror(error));
+}
+
+std::string read_whole_file(const fs::path& path) {
+    errno = 0;
+    std::ifstream in(path, std::ios::binary);
+    std::ostringstream bytes;
+    bytes << in.rdbuf();
+    if (!in) throw OutputError("cannot read " + path.string() + (errno != 0 ? std::string(": ") + std::strerror(errno) : ""));
+    return std::move(bytes).str();
+}
+
+}  // namespace knap

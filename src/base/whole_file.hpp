@@ -1,0 +1,16 @@
+#pragma once
+// Files that are written and read as a whole.
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace knap {
+
+/// Writes by a temporary name and rename, so that a reader never sees half a file and an older file stays where the new one fails; a device or a pipe is
+/// written to. Throws OutputError with path and reason.
+void write_whole_file(const std::filesystem::path& path, std::string_view text);
+
+/// All bytes of a file. Throws OutputError with path and reason.
+std::string read_whole_file(const std::filesystem::path& path);
+
+}  // namespace knap
