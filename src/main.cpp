@@ -3,14 +3,41 @@
 #include "app/threads.hpp"
 #include "base/error.hpp"
 
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <csignal>
 #include <cstdio>
+#include <filesystem>
+
+namespace {
+
+/// A standard stream that is closed would be given to the first file that is opened, and messages would go into that.
+void open_standard_streams() {
+    int file;
+    do file = open("/dev/null", O_RDWR);
+    while (file >= 0 && file <= STDERR_FILENO);
+    if (file >= 0) close(file);
+}
+
+/// Of a pipe: who has read enough is not told more.
+bool reader_is_gone(int file) {
+    pollfd asked{.fd = file, .events = POLLOUT, .revents = 0};
+    return poll(&asked, 1, 0) > 0 && (asked.revents & POLLERR) != 0;
+}
+
+}  // namespace
 
 // Exceptions become exit codes.
 int main(int argc, char** argv) {
+    open_standard_streams();
+    std::signal(SIGPIPE, SIG_IGN);  // a reader of the messages who goes away ends nothing
     knap::let_waiting_threads_sleep(argv);
     try {
         const int code = knap::run_command_line(argc, argv);
-        if (std::fflush(stdout) != 0 || std::ferror(stdout)) throw knap::OutputError("cannot write to standard output");
+        const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+        if (!written && !reader_is_gone(STDOUT_FILENO)) throw knap::OutputError("cannot write to standard output");
         return code;
     } catch (const knap::UserError& error) {
         std::fputs(error.what(), stderr);

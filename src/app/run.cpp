@@ -29,13 +29,12 @@ namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
 
-/// Ctrl-C and SIGTERM end the run after the step under way; a second one kills as usual. A reader of the messages who goes away ends nothing.
+/// Ctrl-C and SIGTERM end the run after the step under way; a second one kills as usual.
 class InterruptGuard {
 public:
     InterruptGuard() {
         interrupted = 0;
         for (const int which : {SIGINT, SIGTERM}) std::signal(which, [](int signal) { interrupted = 1, std::signal(signal, SIG_DFL); });
-        std::signal(SIGPIPE, SIG_IGN);  // from now on: what is said after the run has readers that may be gone as well
     }
     ~InterruptGuard() {
         for (const int which : {SIGINT, SIGTERM}) std::signal(which, SIG_DFL);
