@@ -101,7 +101,7 @@ void print_cost(const Scenario& scenario, const Model& model, const StepPlan& pl
         std::printf("  about %.0f s of one core (at %.1e triangle-steps/s, %s)", n_steps * triangles / speed, speed,
                     measure ? "measured now" : "usual; --time measures");
     }
-    const double frames = scenario.output.fields ? std::ceil(scenario.time.end / scenario.output.every) + 1 : 0;
+    const double frames = scenario.output.fields ? std::min(std::ceil(scenario.time.end / scenario.output.every), n_steps) + 1 : 0;
     const double memory = 60 + ((implicit ? memory_of_factor : 0) + 1.8e-3) * triangles;
     std::printf(", %.0f MB of memory, %.0f MB of disk for %.0f frames\n", memory, frames * 85e-6 * triangles, frames);
 }

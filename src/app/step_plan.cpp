@@ -16,6 +16,18 @@ void check_order(const char* key, double step, const char* larger_key, double la
     throw BadStep(key, "step-order", text, "time.step_min <= time.step_cracking <= time.step <= time.end");
 }
 
+/// Thirty years of a step a microsecond; a double still counts them exactly.
+constexpr double most_steps = 1e15;
+
+/// Steps until the end, where they are as large as `step` [s].
+std::int64_t count(const char* key, double end, double step, const char* note) {
+    const double n = std::ceil(end / step * (1 - 1e-12));
+    if (n <= most_steps) return std::max<std::int64_t>(1, static_cast<std::int64_t>(n));
+    char text[160];
+    std::snprintf(text, sizeof text, "time.end = %.3g s in steps of %.3g s would be %.2g steps; %.0g is the most", end, step, n, most_steps);
+    throw BadStep(key, "too-many-steps", text, note);
+}
+
 /// [s] What time.step asks for.
 double wanted_step(const TimeOptions& time, double stable_step) {
     const bool implicit = time.scheme.bulk == BulkScheme::implicit_theta;
@@ -30,14 +42,19 @@ double wanted_step(const TimeOptions& time, double stable_step) {
 
 StepPlan plan_steps(const Scenario& scenario, double stable_step, double until) {
     const TimeOptions& time = scenario.time;
+    if (!(stable_step >= 0))
+        throw BadStep("mesh", "no-stable-step", "the stable step of the mesh is no number", "E, nu and density of a material, or mesh.size, are beyond what numbers can hold");
     const double wanted = wanted_step(time, stable_step);
-    const std::int64_t n = std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(time.end / wanted * (1 - 1e-12))));
+    const std::int64_t n = time.step.value > 0
+                               ? count("time.step", time.end, wanted, "a larger time.step, or a smaller time.end")
+                               : count("time.end", time.end, wanted, "a smaller time.end; the step follows from time.safety, mesh.size, and E and density of the materials");
     const double step = time.end / static_cast<double>(n);  // equal steps, as long as none is cut
 
     const double cracking = time.step_cracking.value > 0 ? time.step_cracking.seconds(stable_step) : wanted;
     const double smallest = time.step_min.value > 0 ? time.step_min.seconds(stable_step) : std::ldexp(std::min(cracking, step), -20);
     check_order("time.step_cracking", cracking, "time.step", wanted);
     check_order("time.step_min", smallest, "time.step_cracking", cracking);
+    count("time.step_cracking", time.end, cracking, "a larger time.step_cracking, or a smaller time.end");
     const double end = std::min(time.end, until);
     return {.limits = {.largest = step, .cracking = std::min(cracking, step), .smallest = std::min(smallest, step), .end = time.end},
             .n_steps = std::min(n, static_cast<std::int64_t>(std::ceil(end / step * (1 - 1e-12)))),

@@ -106,6 +106,25 @@ TEST_CASE("the step plan covers the time and keeps within the stable step") {
     CHECK_THROWS_AS(knap::plan_steps(scenario, 0.013, forever), knap::BadStep);
 }
 
+TEST_CASE("steps that nobody can count are refused") {
+    const auto refused = [](const std::string& overrides) {
+        const Answer check = command("check bar_ramp_wave " + overrides);
+        CAPTURE(check.text);
+        CHECK(check.code == 2);
+        return check.text;
+    };
+    for (const char* overrides : {"-s 'time.end=1e13 s'", "-s time.safety=1e-20", "-s material.left.E=1e60"}) {
+        const std::string said = refused(overrides);
+        CHECK(said.find("error[too-many-steps]: time.end = ") != std::string::npos);
+        CHECK(said.find("time.safety") != std::string::npos);
+    }
+    CHECK(refused("-s 'time.step=1e-24 s'").find("--> --set time.step=1e-24 s") != std::string::npos);
+    CHECK(refused("-s time.bulk=implicit -s 'time.step=1e-30 s'").find("error[too-many-steps]") != std::string::npos);
+    CHECK(refused("-s time.bulk=implicit -s 'time.step_cracking=1e-30 s'").find("--> --set time.step_cracking=1e-30 s") != std::string::npos);
+    CHECK(refused("-s material.left.E=1e308").find("error[no-stable-step]") != std::string::npos);
+    CHECK(command("run bar_ramp_wave -s 'time.step=1e-24 s'").code == 2);
+}
+
 TEST_CASE("the step plan of the implicit bulk is not bound by the stable step") {
     knap::Scenario scenario;
     scenario.time.end = 1;
