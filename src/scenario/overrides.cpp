@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "scenario/keys.hpp"
+#include "scenario/toml_depth.hpp"
 #include "scenario/toml_tree.hpp"
 
 namespace knap {
@@ -57,6 +58,22 @@ std::vector<Part> parts_of(const std::string& path) {
     return parts;
 }
 
+/// As RFC 3629 has it: no byte that cannot begin or go on, nothing longer than it must be, no half of a surrogate pair.
+bool is_utf8(std::string_view text) {
+    while (!text.empty()) {
+        const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+        const unsigned first = byte(0), second = byte(1);
+        const std::size_t n = first < 0x80 ? 1 : first < 0xC2 ? 0 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : first < 0xF5 ? 4 : 0;
+        for (std::size_t i = 1; i < n; ++i)
+            if ((byte(i) & 0xC0) != 0x80) return false;
+        const bool too_long = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
+        const bool none = (first == 0xED && second >= 0xA0) || (first == 0xF4 && second >= 0x90);
+        if (n == 0 || too_long || none) return false;
+        text.remove_prefix(n);
+    }
+    return true;
+}
+
 /// Takes a key out, so that it has its default again; a key that is not there must at least be one.
 void leave_out(Node& root, const std::string& path, const std::string& set_by, Findings& findings) {
     const Node here{.set_by = set_by};
@@ -82,7 +99,12 @@ void leave_out(Node& root, const std::string& path, const std::string& set_by, F
 void set(Node& root, const std::string& path, const std::string& text, const std::string& set_by, Findings& findings) {
     const Node here{.set_by = set_by};
     Node* node = &root;
-    for (const Part& part : parts_of(path)) {
+    const std::vector<Part> parts = parts_of(path);
+    if (parts.size() > deepest_nesting) {
+        findings.error("bad-override", "the path has " + std::to_string(parts.size()) + " keys in each other, more than " + std::to_string(deepest_nesting), here);
+        return;
+    }
+    for (const Part& part : parts) {
         if (!part.good) {
             findings.error("bad-override", "`" + path + "` is not a path of keys", here).note = "write it like mesh.size or load[0].traction";
             return;
@@ -118,6 +140,8 @@ void apply_overrides(Node& root, const std::vector<std::string>& overrides, Find
         const std::size_t equals = text.find('=');
         if (equals == std::string::npos || equals == 0)
             findings.error("bad-override", "`" + text + "` is not KEY=VALUE", Node{.set_by = set_by});
+        else if (!is_utf8(text))
+            findings.error("bad-override", "this is not text in UTF-8", Node{.set_by = set_by});
         else if (const std::string path = trimmed(text.substr(0, equals)), value = trimmed(text.substr(equals + 1)); value.empty())
             leave_out(root, path, set_by, findings);
         else

@@ -1,6 +1,8 @@
 // The only file that knows toml++.
 #include "scenario/toml_tree.hpp"
 
+#include "scenario/toml_depth.hpp"
+
 #include <toml++/toml.h>
 
 #include <algorithm>
@@ -57,6 +59,8 @@ Node node_of(const toml::node& value) {
 }  // namespace
 
 std::optional<TomlError> parse_toml(const std::string& text, Node& root) {
+    if (const std::optional<Place> place = too_deep(text))
+        return TomlError{"keys and brackets go deeper than " + std::to_string(deepest_nesting) + " levels", *place};
     try {
         root = node_of(toml::parse(std::string_view(text)));
         return std::nullopt;

@@ -263,6 +263,42 @@ TEST_CASE("warnings: a figure after the end") {
     CHECK(result.warnings[0].length == 7);
 }
 
+TEST_CASE("mistakes: keys and brackets that go too deep") {
+    const auto times = [](int n, const std::string& text) {
+        std::string all;
+        for (int i = 0; i < n; ++i) all += text;
+        return all;
+    };
+    const std::string deep = "a" + times(50'000, ".a"), inner = "b" + times(200, ".b");
+    for (const std::string& text : {deep + " = 1\n", "[" + deep + "]\nx = 1\n", "[[" + deep + "]]\nx = 1\n", "x = { " + deep + " = 1 }\n", "x = [ { " + deep + " = 1 } ]\n",
+                                    "\"x\".y" + times(50'000, ".'a.b'") + " = 1\n", "x = " + times(50'000, "["), "x = " + times(50'000, "[{a="), deep,
+                                    "x = { y = " + times(256, "{ " + inner + " = ") + "1", "['" + times(300, ".") + "']\nx = [\n" + times(200, "[\n") + times(201, "]") + "\n" + deep + " = 1\n"}) {
+        CAPTURE(text.substr(0, 60));
+        const std::vector<Diagnostic> found = mistakes(least + text);
+        REQUIRE(found.size() == 1);
+        CHECK(found[0].code == "bad-toml");
+        CHECK(found[0].message == "keys and brackets go deeper than 256 levels");
+        CHECK(found[0].line > 14);
+    }
+    const std::vector<Diagnostic> placed = mistakes(least + "\n# [\nx = { y = " + times(300, "[1.5, ") + "\n");
+    REQUIRE(placed.size() == 1);
+    CHECK(placed[0].line == 18);
+    CHECK(placed[0].column == 11 + 6 * 253 + 2);  // time.x.y, 253 lists, and the next number
+}
+
+TEST_CASE("mistakes: what only looks deep is not") {
+    std::string many;
+    for (int i = 0; i < 300; ++i) many += "a.[{";
+    for (const std::string& text : {"title = \"" + many + "\\\"" + many + "\"\n", "title = '" + many + "'\n", "title = '''\n" + many + "\n'" + many + "'''\n",
+                                    "title = \"\"\"" + many + "\n\\\"\"" + many + "\"\"\"\n", "# " + many + "\n", "seed = 1 # " + many + "\n"}) {
+        CAPTURE(text.substr(0, 30));
+        CHECK(mistakes(text + least).empty());
+    }
+    std::string points;
+    for (int i = 0; i < 300; ++i) points += "[0.0, 0.5],\n";
+    CHECK(mistakes(changed("\"rectangle\"\nsize = [0.1, 0.04]", "\"polygon\"\npoints = [" + points + "[1.0, 0.0]]")).empty());
+}
+
 TEST_CASE("mistakes: a cut-off scenario never crashes") {
     const std::string& text = built_in_scenario("kalthoff_winkler");
     int n_refused = 0;

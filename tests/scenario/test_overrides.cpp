@@ -77,3 +77,25 @@ TEST_CASE("set: mistakes name the option") {
         CHECK((found[0].message + found[0].hint + found[0].note).find(c.says) != std::string::npos);
     }
 }
+
+TEST_CASE("set: what is not UTF-8 is refused as it is in a file") {
+    for (const char* text : {"L\xf6we", "\xff", "\xc3", "\xc0\x80", "\xe0\x80\x80", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xe2\x82"}) {
+        CAPTURE(text);
+        const std::vector<Diagnostic> found = mistakes(least, {std::string("title=") + text});
+        REQUIRE(found.size() == 1);
+        CHECK(found[0].code == "bad-override");
+        CHECK(!mistakes("title = \"" + std::string(text) + "\"\n" + least).empty());
+    }
+    for (const char* text : {"Löwe", "σ_c € 𝛽", "\xed\x9f\xbf", "\xf4\x8f\xbf\xbf"}) {
+        CHECK(read(least, {std::string("title=") + text}).scenario.title == text);
+        CHECK(read("title = \"" + std::string(text) + "\"\n" + least).scenario.title == text);
+    }
+}
+
+TEST_CASE("set: a path of very many keys is refused") {
+    std::string path = "a";
+    for (int i = 0; i < 50'000; ++i) path += ".a";
+    const std::vector<Diagnostic> found = mistakes(least, {path + "=1"});
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].code == "bad-override");
+}
