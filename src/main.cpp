@@ -33,6 +33,7 @@ bool reader_is_gone(int file) {
 int main(int argc, char** argv) {
     open_standard_streams();
     std::signal(SIGPIPE, SIG_IGN);  // a reader of the messages who goes away ends nothing
+    std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
     knap::let_waiting_threads_sleep(argv);
     try {
         const int code = knap::run_command_line(argc, argv);

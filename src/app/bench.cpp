@@ -2,10 +2,10 @@
 // the kernels of a step take against what the machine could do.
 #include "app/bench_machine.hpp"
 #include "app/commands.hpp"
+#include "app/new_file.hpp"
 #include "app/step_plan.hpp"
 #include "app/threads.hpp"
 #include "base/stopwatch.hpp"
-#include "base/whole_file.hpp"
 #include "bulk/elastic_forces.hpp"
 #include "stepper/mesh_blocks.hpp"
 #include "stepper/moreau_jean.hpp"
@@ -170,6 +170,7 @@ void measure_kernels(double size, double until, const Machine& machine, Table& t
 }  // namespace
 
 ExitCode bench(const BenchOptions& options) {
+    if (!options.csv.empty()) refuse_existing(options.csv, "choose another name, or take it away first");
     const double until = options.full ? 80e-6 : options.until;
     Table table;
     std::printf("edge_cracked_block to %.3g s, default step\n", until);
@@ -195,7 +196,7 @@ ExitCode bench(const BenchOptions& options) {
     table.add("machine [bytes/s]", machine.bytes), table.add("machine [flops/s]", machine.flops);
     measure_kernels(0.5e-3, until, machine, table);
     if (options.full) measure_kernels(0.25e-3, 20e-6, machine, table);
-    if (!options.csv.empty()) write_whole_file(options.csv, table.text());
+    if (!options.csv.empty()) write_new_file(options.csv, table.text());
     return block.hash == twice.hash ? exit_done : exit_failed;
 }
 

@@ -3,6 +3,9 @@
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 namespace knap {
 namespace {
 
@@ -14,12 +17,15 @@ const char* const names[] = {"checkpoint", "checkpoint.previous"};
 
 void Checkpoints::write(RunMemory& memory) {
     const fs::path newest = directory_ / names[0];
-    if (fs::exists(newest)) fs::rename(newest, directory_ / names[1]);
+    std::error_code error;
+    if (newest_is_whole_ && fs::exists(newest, error)) fs::rename(newest, directory_ / names[1], error);
+    if (error) throw OutputError("cannot write " + newest.string() + ": " + error.message());
     write_whole_file(newest, packed_checkpoint(bytes_of(memory)));
+    newest_is_whole_ = true;
     watch_ = Stopwatch();
 }
 
-std::string Checkpoints::read(RunMemory& memory) const {
+std::string Checkpoints::read(RunMemory& memory) {
     std::string said;
     for (const char* name : names) {
         const fs::path path = directory_ / name;
@@ -29,6 +35,7 @@ std::string Checkpoints::read(RunMemory& memory) const {
             return said;
         } catch (const SimulationError& error) {
             said += "warning[checkpoint]: " + path.string() + " is not used: " + error.what() + "\n";
+            newest_is_whole_ = false;
         }
     }
     throw UserError("no-checkpoint", "the run in `" + directory_.string() + "` cannot go on from its checkpoints", said + "start it again with --force");
@@ -42,6 +49,17 @@ void Checkpoints::remove() const {
 bool Checkpoints::exist_in(const fs::path& directory) {
     std::error_code none;
     return fs::exists(directory / names[0], none) || fs::exists(directory / names[1], none);
+}
+
+bool Checkpoints::usable_in(const fs::path& directory) {
+    return std::any_of(std::begin(names), std::end(names), [&](const char* name) {
+        try {
+            unpacked_checkpoint(read_whole_file(directory / name));
+            return true;
+        } catch (const SimulationError&) {
+            return false;
+        }
+    });
 }
 
 }  // namespace knap

@@ -34,14 +34,17 @@ public:
     /// Throws OutputError where it cannot be written; those before are kept then.
     void write(RunMemory& memory);
     /// The newest that is whole, into `memory`; returns what is to be said of it. Throws UserError where none can be used.
-    std::string read(RunMemory& memory) const;
+    std::string read(RunMemory& memory);
     void remove() const;
 
     static bool exist_in(const std::filesystem::path& directory);
+    /// Whether a run can go on from one of them with this program.
+    static bool usable_in(const std::filesystem::path& directory);
 
 private:
     std::filesystem::path directory_;
     double every_;
+    bool newest_is_whole_ = true;  // else the one before is not replaced by it
     Stopwatch watch_;
 };
 

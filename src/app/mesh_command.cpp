@@ -1,8 +1,8 @@
 // knap mesh: only make, or judge, the mesh.
 #include "app/commands.hpp"
+#include "app/new_file.hpp"
 #include "app/setup.hpp"
 #include "base/error.hpp"
-#include "base/whole_file.hpp"
 #include "bulk/triangle_matrices.hpp"
 #include "geometry/grain_report.hpp"
 #include "geometry/mesh_file.hpp"
@@ -56,9 +56,8 @@ ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& outp
     const std::string ending = output.extension().string();
     if (ending != ".msh" && ending != ".vtu" && ending != ".svg")
         throw UserError("mesh-format", "a mesh is not written as `" + ending + "`", "known: .msh, .vtu, .svg");
-    if (std::filesystem::exists(output) && !force)
-        throw UserError("file-exists", "`" + output.string() + "` exists already", "choose another name, or replace it with --force");
-    write_whole_file(output, mesh_as_text(model.mesh, ending, material_names(read.scenario)));
+    if (!force) refuse_existing(output);
+    write_new_file(output, mesh_as_text(model.mesh, ending, material_names(read.scenario)));
     std::printf("mesh:    %s\n", output.string().c_str());
     return exit_done;
 }

@@ -6,17 +6,18 @@
 #include "app/run_log.hpp"
 #include "app/run_text.hpp"
 #include "app/setup.hpp"
+#include "app/step_loop.hpp"
 #include "app/step_plan.hpp"
 #include "app/threads.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "base/whole_file.hpp"
 #include "observe/progress.hpp"
+#include "scenario/units.hpp"
 #include "scenario/write_scenario.hpp"
 #include "stepper/moreau_jean.hpp"
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <sstream>
@@ -26,20 +27,6 @@
 
 namespace knap {
 namespace {
-
-volatile std::sig_atomic_t interrupted = 0;
-
-/// Ctrl-C and SIGTERM end the run after the step under way; a second one kills as usual.
-class InterruptGuard {
-public:
-    InterruptGuard() {
-        interrupted = 0;
-        for (const int which : {SIGINT, SIGTERM}) std::signal(which, [](int signal) { interrupted = 1, std::signal(signal, SIG_DFL); });
-    }
-    ~InterruptGuard() {
-        for (const int which : {SIGINT, SIGTERM}) std::signal(which, SIG_DFL);
-    }
-};
 
 RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const std::filesystem::path& directory, bool goes_on) {
     const double end = scenario.time.end, edge = mean_edge(model.mesh);
@@ -76,18 +63,10 @@ ExitCode exit_code(const RunRecord& record) {
 }
 
 /// What the directory of a run begins with.
-FirstFiles first_files(const ReadResult& read, const RunRecord& record) {
-    FirstFiles files{{"scenario.toml", read.source.text()}, {"resolved.toml", resolved_for_run(read)}, {"run.json", run_json(record)}};
+FirstFiles first_files(const ReadResult& read) {
+    FirstFiles files{{"scenario.toml", read.source.text()}, {"resolved.toml", resolved_for_run(read)}};
     for (const NamedFile& file : read.scenario.files) files.emplace_back(file.name, file.bytes);
     return files;
-}
-
-/// Whether the same run stands there and did not come to its end: killed, interrupted, or out of disk.
-bool is_unfinished(const std::filesystem::path& directory, const FirstFiles& files) {
-    const bool resumable = Checkpoints::exist_in(directory);
-    if (!began_with(directory, files) || !(resumable || recorded_status(directory) == "running")) return false;
-    if (std::filesystem::exists(directory / "log.txt")) RunLog(directory / "log.txt");  // refuses where it is still running
-    return true;
 }
 
 /// What only the mesh can say of [specimen].
@@ -176,6 +155,18 @@ std::vector<Diagnostic> resolution_warnings(const ReadResult& read, double mean_
 
 namespace {
 
+/// [s]
+void check_until(double until) {
+    if (!(until > 0)) throw UserError("bad-value", "`--until " + shortest(until) + " s` ends the run before it begins", "a time after t = 0, as in 20us");
+}
+
+/// [s] A run that goes on does not come back to what lies behind it; where that was the end of its last step, it ends again.
+void check_until_is_ahead(double until, const State& now, const std::filesystem::path& directory) {
+    if (now.time - now.last_step < until) return;
+    throw UserError("until-passed", "the run in `" + directory.string() + "` is at t = " + shortest(now.time) + " s already, beyond --until " + shortest(until) + " s",
+                    "give a later --until, or none, to go on; or start it again with --force");
+}
+
 /// What is known of a run before its first step.
 void describe(const Scenario& scenario, const Model& model, const StepPlan& plan, RunRecord& record) {
     record.triangles = model.mesh.n_triangles();
@@ -195,70 +186,6 @@ std::string collect_warnings(const ReadResult& read, RunRecord& record) {
     return text;
 }
 
-/// Makes the directory of a run, unless the same run stands there with a checkpoint: then true, it resumes.
-bool enter_directory(const std::filesystem::path& directory, const FirstFiles& files, bool force) {
-    const bool unfinished = !force && is_unfinished(directory, files), resumes = unfinished && Checkpoints::exist_in(directory);
-    if (!resumes) make_run_directory(directory, force || unfinished, files);
-    return resumes;
-}
-
-/// What steps a run and who watches it.
-struct Stepping {
-    const Scenario& scenario;
-    const Model& model;
-    const RunOptions& options;
-    const std::filesystem::path& directory;
-    MoreauJean& stepper;
-    StepControl& control;
-    Recorder& recorder;
-    Progress& progress;
-    RunLog& log;
-    double smallest_step;           // [s]
-    double critical_opening, size;  // [m] what the gates measure with
-};
-
-/// One try of a step: `now` moves on, or stays where the step is cut. Throws SimulationError where the run cannot go on.
-void try_step(const Stepping& run, State& now, State& next) {
-    const double h = run.control.next(now);
-    const StepReport report = run.stepper.step(now, h, next);
-    if (const std::optional<StepCut> cut = run.control.judge(now, h, report)) {
-        const Vec2 where = report.refusal == Refusal::none ? place_of_damage(run.model, now, next) : report.where;
-        run.log.add(cut_text(*cut, where));
-        if (run.control.is_stuck()) throw SimulationError(stuck_text(*cut, where, run.smallest_step));
-        return;
-    }
-    if (run.options.dump_lcp.contains(next.n_steps)) run.log.add(dump_lcp(run.model, now, h, run.scenario.time.scheme, run.directory / "lcp"));
-    std::swap(now, next);
-    run.recorder.after_step(now, report);
-    run.progress.after_step(now, run.recorder);
-    for (const Gate& gate : run.recorder.ledger().gates(run.critical_opening, run.size))
-        if (!gate.pass) throw SimulationError(violated_text(gate, now, place_of_largest_speed(run.model, now)));
-}
-
-/// Steps until the end, or until the run fails or is interrupted, which the record then says.
-template <class Save>
-void step_to_end(const Stepping& run, double until, Checkpoints& checkpoints, const Save& save, State& now, RunRecord& record) {
-    State next = now;
-    try {
-        while (record.status == "running" && !StepControl::has_reached(now, until)) {
-            if (interrupted) {
-                record.status = "interrupted";
-                break;
-            }
-            const long before = now.n_steps;
-            try_step(run, now, next);
-            if (now.n_steps > before && checkpoints.due()) save();
-        }
-        if (record.status == "interrupted") save();  // before the lines of an early end are written
-    } catch (const OutputError&) {
-        throw;
-    } catch (const SimulationError& error) {
-        record.status = "failed";
-        record.reason = error.what();
-    }
-    if (record.status == "running") record.status = "done";
-}
-
 /// What frames and figures take is given back and taken again thirty times a run; if the system had it in between, it would come back page by page and
 /// zeroed, which made a third of what a frame costs.
 void keep_freed_memory() {
@@ -268,42 +195,42 @@ void keep_freed_memory() {
 #endif
 }
 
-/// Throws OutputError where something cannot be written.
-ExitCode simulate(const ReadResult& read, const RunOptions& options, const std::filesystem::path& directory, RunRecord& record) {
+/// A run that may begin: all that is known before its directory is touched.
+struct Prepared {
+    const ReadResult& read;
+    const RunOptions& options;
+    const std::filesystem::path& directory;
+    const Model& model;
+    const StepPlan& plan;
+    MoreauJean& stepper;
+    const std::string& warnings;
+    const Stopwatch& whole;
+};
+
+/// Where an earlier part of the run left off, into `memory`; says so. Nothing is changed where that is refused.
+void resume(const Prepared& run, Checkpoints& checkpoints, RunMemory& memory, RunLog& log) {
+    std::string said = checkpoints.read(memory);
+    check_until_is_ahead(run.options.until, memory.now, run.directory);
+    log.cut_to(memory.log_size);
+    memory.recorder.open_files();
+    said += resumed_text(memory.now) + missing_text(memory.recorder.missing_files());
+    if (!run.options.quiet) std::fputs(said.c_str(), stderr);
+    log.add(said);
+}
+
+/// The run, or the rest of it. Throws OutputError where something cannot be written.
+ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& record) {
+    const auto& [read, options, directory, model, plan, stepper, warnings, whole] = prepared;
     const Scenario& scenario = read.scenario;
-    const Stopwatch whole;
-    record.threads = use_threads(options.threads);
-    keep_freed_memory();
+    RunLog& log = place.log();
+    if (!place.resumes()) log.add(warnings);
 
-    // mesh and model; nothing is written before they are known to be possible
-    const Model model = model_of(read);
-    check_specimen(read, model);
-    const StepPlan plan = plan_of(read, model, options.until);
-    if (!options.dump_lcp.empty()) check_dump(model, scenario.time.scheme);
-    MoreauJean stepper(model, scenario.time.scheme);
-    record.cpu_model = whole.cpu();
-    describe(scenario, model, plan, record);
-    const std::string warnings = collect_warnings(read, record);
-    if (!options.quiet) std::fputs(warnings.c_str(), stderr);
-
-    const bool resumes = enter_directory(directory, first_files(read, record), options.force);
-    RunLog log(directory / "log.txt");
-    if (!resumes) log.add(warnings);
-
-    // the run, or the rest of it
-    State now = resumes ? initial_state(model) : start_of(model, scenario, stepper, record);
-    Recorder recorder(model, now, recorder_options(scenario, model, directory, resumes));
+    State now = place.resumes() ? initial_state(model) : start_of(model, scenario, stepper, record);
+    Recorder recorder(model, now, recorder_options(scenario, model, directory, place.resumes()));
     StepControl control(plan.limits);
     RunMemory memory{.now = now, .control = control, .recorder = recorder};
     Checkpoints checkpoints(directory, scenario.output.checkpoint_every);
-    if (resumes) {
-        std::string said = checkpoints.read(memory);
-        said += resumed_text(now);
-        if (!options.quiet) std::fputs(said.c_str(), stderr);
-        log.cut_to(memory.log_size);
-        log.add(said);
-        recorder.open_files();
-    }
+    if (place.resumes()) resume(prepared, checkpoints, memory, log);
     const RunMemory before = memory;  // its times
     const double output_before = recorder.output_seconds();
     const double until = std::min(options.until, scenario.time.end);
@@ -332,6 +259,11 @@ ExitCode simulate(const ReadResult& read, const RunOptions& options, const std::
     record.cpu_steps = before.cpu_steps + stepping.cpu() - (recorder.output_seconds() - output_before);
     progress.finish(now, recorder);
     recorder.finish(now);
+    if (const std::string missing = missing_text(recorder.missing_files()); !missing.empty()) {
+        std::fputs(missing.c_str(), stderr);
+        log.add(missing);
+        record.warnings.push_back(missing.substr(0, missing.size() - 1));
+    }
 
     // what came of it
     conclude(scenario, model, now, recorder, control, record);
@@ -339,30 +271,52 @@ ExitCode simulate(const ReadResult& read, const RunOptions& options, const std::
     record.wall = before.wall + whole.wall();
     record.cpu = before.cpu + whole.cpu();
     write_whole_file(directory / "run.json", run_json(record));
-    if (record.status != "interrupted") checkpoints.remove();
+    if (record.status == "failed" || StepControl::has_reached(now, scenario.time.end)) checkpoints.remove();
     const std::string end = end_of_run(record, directory);
     log.add(end);
     std::fputs(end.c_str(), stdout);
     return exit_code(record);
 }
 
+/// Something could not be written: says so in run.json, if that can be written.
+void note_output_failure(const std::filesystem::path& directory, const std::string& what, RunRecord& record) {
+    record.status = "failed";
+    record.output_failed = true;
+    record.reason = what + "; when that is mended, the same command " + (Checkpoints::exist_in(directory) ? "goes on from the last checkpoint" : "starts it again");
+    try {
+        write_whole_file(directory / "run.json", run_json(record));
+    } catch (const OutputError&) {
+        // as full as it is, the old one stays
+    }
+}
+
 }  // namespace
 
 ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
     const Scenario& scenario = read.scenario;
+    check_until(options.until);
     const std::filesystem::path directory = options.output.empty() ? std::filesystem::path("runs") / scenario.name : options.output;
     RunRecord record{.status = "running", .name = scenario.name, .title = scenario.title, .command = options.command, .seed = scenario.seed};
+    const Stopwatch whole;
+    record.threads = use_threads(options.threads);
+    keep_freed_memory();
+
+    // mesh and model; nothing is written before they are known to be possible
+    const Model model = model_of(read);
+    check_specimen(read, model);
+    const StepPlan plan = plan_of(read, model, options.until);
+    if (!options.dump_lcp.empty()) check_dump(model, scenario.time.scheme);
+    MoreauJean stepper(model, scenario.time.scheme);
+    record.cpu_model = whole.cpu();
+    describe(scenario, model, plan, record);
+    const std::string warnings = collect_warnings(read, record);
+    if (!options.quiet) std::fputs(warnings.c_str(), stderr);
+
+    RunDirectory place(directory, first_files(read), record, options.force);
     try {
-        return simulate(read, options, directory, record);
+        return carry_out({read, options, directory, model, plan, stepper, warnings, whole}, place, record);
     } catch (const OutputError& error) {
-        record.status = "failed";
-        record.reason = std::string(error.what()) + (Checkpoints::exist_in(directory) ? "; when that is mended, the same command goes on from the last checkpoint"
-                                                                                     : "; when that is mended, start it again with --force");
-        try {
-            write_whole_file(directory / "run.json", run_json(record));
-        } catch (const OutputError&) {
-            // as full as it is, the old one stays
-        }
+        note_output_failure(directory, error.what(), record);
         throw OutputError(record.reason);
     }
 }

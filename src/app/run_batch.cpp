@@ -1,7 +1,9 @@
 // Each run is a process of its own: its processor time and memory are its own, and `n_at_once` go side by side.
 #include "app/run_batch.hpp"
 
+#include "app/checkpoint.hpp"
 #include "app/read_run.hpp"
+#include "app/run_directory.hpp"
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
 
@@ -26,18 +28,34 @@ namespace {
 
 namespace fs = std::filesystem;
 
-volatile std::sig_atomic_t interrupted = 0;
-
-/// Ctrl-C reaches the runs as well; what started them waits for them and ends.
-class InterruptGuard {
+/// SIGINT, SIGTERM and the end of a run wait until they are asked for.
+class HeldSignals {
 public:
-    InterruptGuard() {
-        interrupted = 0;
-        for (const int which : {SIGINT, SIGTERM}) std::signal(which, [](int) { interrupted = 1; });
+    HeldSignals() {
+        std::signal(SIGCHLD, SIG_DFL);
+        sigemptyset(&held_);
+        for (const int which : {SIGINT, SIGTERM, SIGCHLD}) sigaddset(&held_, which);
+        sigprocmask(SIG_BLOCK, &held_, &before_);
     }
-    ~InterruptGuard() {
-        for (const int which : {SIGINT, SIGTERM}) std::signal(which, SIG_DFL);
+    /// What comes again after the first is of no interest until all is over.
+    ~HeldSignals() {
+        if (interrupted_)
+            for (const int which : {SIGINT, SIGTERM}) std::signal(which, SIG_IGN);
+        sigprocmask(SIG_SETMASK, &before_, nullptr);
     }
+    /// Waits for one; true for the first that is to end all.
+    bool next_interrupts() {
+        const int which = sigwaitinfo(&held_, nullptr);
+        const bool first = (which == SIGINT || which == SIGTERM) && !interrupted_;
+        interrupted_ = interrupted_ || first;
+        return first;
+    }
+    bool interrupted() const { return interrupted_; }
+    const sigset_t& before() const { return before_; }  // for the runs
+
+private:
+    sigset_t held_, before_;
+    bool interrupted_ = false;
 };
 
 std::string text_of(const fs::path& path) {
@@ -57,12 +75,13 @@ Found found_in(const fs::path& run, const std::string& resolved) {
     if (!fs::exists(run / "run.json", error)) return Found::another;
     if (text_of(run / "resolved.toml") != resolved) return Found::another;
     const std::string status = read_run_json(run).value("status", "");
-    return status == "done" || status == "failed" ? Found::finished : Found::unfinished;
+    return status == "done" || (status == "failed" && !recorded_output_failed(run)) ? Found::finished : Found::unfinished;
 }
 
-/// knap run SCENARIO ... with its output in a file.
-pid_t start(const std::string& scenario, const BatchRun& run, const fs::path& directory) {
-    std::vector<std::string> words{"knap", "run", scenario, "-j", "1", "-q", "--force", "-o", (directory / run.name).string()};
+/// knap run SCENARIO ... with its output in a file. One that was interrupted goes on, if this program can.
+pid_t start(const std::string& scenario, const BatchRun& run, const fs::path& directory, bool force, const sigset_t& signals) {
+    std::vector<std::string> words{"knap", "run", scenario, "-j", "1", "-q", "-o", (directory / run.name).string()};
+    if (force || !Checkpoints::usable_in(directory / run.name)) words.emplace_back("--force");
     for (const std::string& set : run.overrides) words.insert(words.end(), {"-s", set});
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
@@ -72,8 +91,13 @@ pid_t start(const std::string& scenario, const BatchRun& run, const fs::path& di
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
     posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setsigmask(&attributes, &signals);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
     pid_t child = -1;
-    const int error = posix_spawn(&child, "/proc/self/exe", &actions, nullptr, arguments.data(), environ);
+    const int error = posix_spawn(&child, "/proc/self/exe", &actions, &attributes, arguments.data(), environ);
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     if (error != 0) throw SimulationError("cannot start a run");
     return child;
@@ -100,18 +124,20 @@ std::string plain_name(const std::string& text) {
 }
 
 void check_batch_directory(const fs::path& directory, const std::string& what) {
-    std::error_code error;
-    if (!fs::exists(directory, error) || (fs::is_directory(directory, error) && fs::is_empty(directory, error))) return;
-    if (fs::exists(directory / (what + ".toml"), error)) return;
+    std::error_code none;
+    if (holds_only(directory, {what + ".toml.part"}) || fs::exists(directory / (what + ".toml"), none)) return;
     throw UserError("not-a-" + what, "`" + directory.string() + "` was not made by knap " + what + " (no " + what + ".toml), so it is left alone",
                     "choose another directory with --output");
 }
 
 void make_batch_directory(const fs::path& directory, const std::string& what, const std::string& scenario) {
-    std::error_code error;
-    fs::create_directories(directory / "runs", error);
-    if (error) throw UserError("cannot-write", "cannot make `" + directory.string() + "`: " + error.message());
-    write_whole_file(directory / (what + ".toml"), scenario);
+    const auto make = [](const fs::path& part) {
+        std::error_code error;
+        if (fs::create_directories(part, error); error) throw UserError("cannot-write", "cannot make `" + part.string() + "`: " + error.message());
+    };
+    make(directory);
+    write_whole_file(directory / (what + ".toml"), scenario);  // first, so that it can be told from a directory of someone else
+    make(directory / "runs");
 }
 
 void check_names(const std::vector<const BatchRun*>& runs, const std::string& note) {
@@ -133,24 +159,27 @@ std::vector<const BatchRun*> runs_to_do(const std::vector<const BatchRun*>& runs
 }
 
 bool do_runs(const std::string& scenario, const std::vector<const BatchRun*>& to_do, const fs::path& directory, const BatchOptions& options) {
-    const InterruptGuard guard;
+    HeldSignals signals;
     std::map<pid_t, const BatchRun*> running;
     std::size_t next = 0, n_done = 0;
-    while (!running.empty() || (next < to_do.size() && !interrupted)) {
-        if (next < to_do.size() && !interrupted && running.size() < static_cast<std::size_t>(options.n_at_once)) {
-            running[start(scenario, *to_do[next], directory)] = to_do[next];
+    while (!running.empty() || (next < to_do.size() && !signals.interrupted())) {
+        if (next < to_do.size() && !signals.interrupted() && running.size() < static_cast<std::size_t>(options.n_at_once)) {
+            running[start(scenario, *to_do[next], directory, options.force, signals.before())] = to_do[next];
             ++next;
             continue;
         }
-        const pid_t ended = waitpid(-1, nullptr, 0);
-        const auto found = running.find(ended);
-        if (found == running.end()) continue;
-        ++n_done;
-        const std::string& name = found->second->name;
-        if (!options.quiet) std::fprintf(stderr, "run %zu of %zu: %s: %s\n", n_done, to_do.size(), name.c_str(), outcome(directory / name).c_str());
-        running.erase(found);
+        if (signals.next_interrupts())  // Ctrl-C reaches the runs by itself, SIGTERM may not
+            for (const auto& [child, run] : running) kill(child, SIGTERM);
+        for (pid_t ended; (ended = waitpid(-1, nullptr, WNOHANG)) > 0;) {
+            const auto found = running.find(ended);
+            if (found == running.end()) continue;
+            ++n_done;
+            const std::string& name = found->second->name;
+            if (!options.quiet) std::fprintf(stderr, "run %zu of %zu: %s: %s\n", n_done, to_do.size(), name.c_str(), outcome(directory / name).c_str());
+            running.erase(found);
+        }
     }
-    return !interrupted;
+    return !signals.interrupted();
 }
 
 }  // namespace knap

@@ -1,5 +1,6 @@
 #include "app/run_directory.hpp"
 
+#include "app/checkpoint.hpp"
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
 
@@ -11,36 +12,93 @@ namespace fs = std::filesystem;
 
 namespace {
 
-UserError cannot_write(const std::string& what, const fs::path& path, const std::error_code& error) {
+UserError cannot(const std::string& what, const fs::path& path, const std::error_code& error) {
     return UserError("cannot-write", "cannot " + what + " `" + path.string() + "`: " + error.message());
+}
+
+/// What is left of a start that was killed before its run.json was there.
+bool is_vacant(const fs::path& directory) {
+    std::error_code none;
+    const std::uintmax_t said = fs::file_size(directory / "log.txt", none);
+    return holds_only(directory, {"log.txt", "run.json.part"}) && (none || said == 0);
+}
+
+/// Whether a run stands there that began with these very files.
+bool began_with(const fs::path& directory, const FirstFiles& files) {
+    return std::all_of(files.begin(), files.end(), [&](const auto& file) {
+        std::error_code none;
+        return fs::is_regular_file(directory / file.first, none) && read_whole_file(directory / file.first) == file.second;
+    });
+}
+
+/// Whether this run goes on there; else it begins. Throws UserError where it may do neither.
+bool goes_on(const fs::path& directory, const FirstFiles& files, bool force) {
+    if (is_vacant(directory)) return false;
+    std::error_code none;
+    const bool is_run = fs::exists(directory / "run.json", none);
+    if (force && !is_run)
+        throw UserError("not-a-run", "`" + directory.string() + "` was not made by knap (no run.json), so --force does not clear it");
+    const std::string status = is_run ? recorded_status(directory) : "";
+    if (force || status == "starting") return false;
+    if (is_run && began_with(directory, files)) {
+        if (Checkpoints::exist_in(directory)) return true;
+        if (status == "running" || recorded_output_failed(directory)) return false;
+    }
+    throw UserError("run-exists", "`" + directory.string() + "` exists already, nothing was run",
+                    "choose another directory with --output, or replace the old run with --force");
+}
+
+void write_record(const fs::path& directory, RunRecord record, const std::string& status) {
+    record.status = status;
+    write_whole_file(directory / "run.json", run_json(record));
+}
+
+/// All but run.json, which says what goes on here, and log.txt, which is the lock.
+void clear(const fs::path& directory) {
+    std::vector<fs::path> old;
+    for (const fs::path& path : fs::directory_iterator(directory))
+        if (path.filename() != "run.json" && path.filename() != "log.txt") old.push_back(path);
+    std::error_code error;
+    for (const fs::path& path : old)
+        if (fs::remove_all(path, error); error) throw cannot("clear", path, error);
 }
 
 }  // namespace
 
-void make_run_directory(const fs::path& directory, bool replace, const FirstFiles& files) {
+bool holds_only(const fs::path& directory, const std::vector<std::string>& names) {
     std::error_code error;
-    const bool there = fs::exists(directory, error) && !(fs::is_directory(directory, error) && fs::is_empty(directory, error));
-    if (there && !replace)
-        throw UserError("run-exists", "`" + directory.string() + "` exists already, nothing was run",
-                        "choose another directory with --output, or replace the old run with --force");
-    if (there && !fs::exists(directory / "run.json", error))
-        throw UserError("not-a-run", "`" + directory.string() + "` was not made by knap (no run.json), so --force does not clear it");
-
-    const fs::path whole = directory.has_filename() ? directory : directory.parent_path();  // "out/" is "out"
-    const fs::path partial = whole.string() + ".part";
-    fs::remove_all(partial, error);
-    for (const fs::path& part : {partial, partial / "fields", partial / "figures"})
-        if (fs::create_directories(part, error); error) throw cannot_write("make", part, error);
-    for (const auto& [name, text] : files) write_whole_file(partial / name, text);
-    if (fs::remove_all(whole, error); error) throw cannot_write("clear", whole, error);
-    if (fs::rename(partial, whole, error); error) throw cannot_write("make", whole, error);
+    const fs::file_status status = fs::status(directory, error);
+    if (status.type() == fs::file_type::not_found) {
+        if (fs::is_symlink(fs::symlink_status(directory, error)))
+            throw UserError("dangling-link", "`" + directory.string() + "` is a link to what is not there",
+                            "make the directory that it leads to, or choose another one with --output");
+        return true;
+    }
+    if (status.type() == fs::file_type::none) throw cannot("look into", directory, error);
+    if (status.type() != fs::file_type::directory) return false;
+    fs::directory_iterator entries(directory, error);
+    if (error) throw cannot("look into", directory, error);
+    return std::all_of(begin(entries), end(entries), [&](const fs::directory_entry& entry) {
+        return std::find(names.begin(), names.end(), entry.path().filename()) != names.end();
+    });
 }
 
-bool began_with(const fs::path& directory, const FirstFiles& files) {
-    return std::all_of(files.begin(), files.end(), [&](const auto& file) {
-        const auto& [name, text] = file;
-        return name == "run.json" || (fs::is_regular_file(directory / name) && read_whole_file(directory / name) == text);
-    });
+RunDirectory::RunDirectory(const fs::path& directory, const FirstFiles& files, const RunRecord& record, bool force) {
+    goes_on(directory, files, force);
+    std::error_code error;
+    if (fs::create_directories(directory, error); error) throw cannot("make", directory, error);
+    log_.emplace(directory / "log.txt");
+    resumes_ = goes_on(directory, files, force);
+    if (!resumes_) {
+        write_record(directory, record, "starting");
+        clear(directory);
+        log_->cut_to(0);
+    }
+    for (const char* part : {"fields", "figures"})
+        if (fs::create_directories(directory / part, error); error) throw cannot("make", directory / part, error);
+    if (resumes_) return;
+    for (const auto& [name, text] : files) write_whole_file(directory / name, text);
+    write_record(directory, record, "running");
 }
 
 }  // namespace knap

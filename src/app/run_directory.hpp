@@ -1,20 +1,43 @@
 #pragma once
-// The directory of a run: made before anything is computed, never overwritten unless told to, complete and movable afterwards.
+// The directory of a run: taken before anything is computed, never overwritten unless told to, complete and movable afterwards.
+//
+//     look       what is there?            a refusal touches nothing
+//     lock       log.txt                   from here on no other process is in it
+//     look       another may have been faster
+//     begin      run.json "starting", all else away, the first files, run.json "running"
+//
+// The directory stays the one that the user named: a mount point, behind a link, with its owner and mode. Killed at any moment it is as good as empty,
+// or its run.json says what it is, and the same command goes on.
+#include "app/run_json.hpp"
+#include "app/run_log.hpp"
+
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace knap {
 
-/// Name and text of the files that a run begins with.
+/// Name and text of the files that a run begins with, beside its run.json.
 using FirstFiles = std::vector<std::pair<std::string, std::string>>;
 
-/// Makes the directory with fields/, figures/ and the first files, all at once (under another name, then renamed). An existing one is refused
-/// (UserError) unless `replace`, and even then only a directory that an earlier run made (it holds a run.json) is cleared.
-void make_run_directory(const std::filesystem::path& directory, bool replace, const FirstFiles& files);
+class RunDirectory {
+public:
+    /// Takes the directory for a run that begins with these files. The same run that did not come to its end goes on, or begins again where it has no
+    /// checkpoint yet. Anything else that is there is refused (UserError) unless `force`, and even then only what an earlier run made is cleared (it
+    /// has a run.json), and never a run under way.
+    RunDirectory(const std::filesystem::path& directory, const FirstFiles& files, const RunRecord& record, bool force);
 
-/// Whether a run stands there that began with these very files (run.json aside).
-bool began_with(const std::filesystem::path& directory, const FirstFiles& files);
+    bool resumes() const { return resumes_; }  // from a checkpoint
+    RunLog& log() { return *log_; }
+
+private:
+    std::optional<RunLog> log_;
+    bool resumes_ = false;
+};
+
+/// Whether there is nothing in a directory but files of these names, or no directory at all. Throws UserError where that cannot be seen.
+bool holds_only(const std::filesystem::path& directory, const std::vector<std::string>& names);
 
 }  // namespace knap

@@ -30,6 +30,13 @@ Json scheme(const SchemeOptions& options) {
             {"assumption_1", options.respect_assumption_1 ? "respect" : "ignore"}};
 }
 
+/// A value of the run.json in a directory; null where there is none that can be read.
+Json recorded(const std::filesystem::path& directory, const char* key) {
+    std::ifstream file(directory / "run.json");
+    const Json json = Json::parse(file, nullptr, false);
+    return json.is_object() && json.contains(key) ? json[key] : Json();
+}
+
 }  // namespace
 
 std::int64_t peak_memory() {
@@ -39,15 +46,17 @@ std::int64_t peak_memory() {
 }
 
 std::string recorded_status(const std::filesystem::path& directory) {
-    std::ifstream file(directory / "run.json");
-    const Json json = Json::parse(file, nullptr, false);
-    return json.is_object() && json.contains("status") && json["status"].is_string() ? json["status"].get<std::string>() : "";
+    const Json status = recorded(directory, "status");
+    return status.is_string() ? status.get<std::string>() : "";
 }
+
+bool recorded_output_failed(const std::filesystem::path& directory) { return recorded(directory, "output_failed") == true; }
 
 std::string run_json(const RunRecord& record) {
     Json json;
     json["status"] = record.status;
     if (!record.reason.empty()) json["reason"] = record.reason;
+    if (record.output_failed) json["output_failed"] = true;
     json["name"] = record.name;
     json["title"] = record.title;
     json["version"] = version();

@@ -14,8 +14,9 @@
 namespace knap {
 
 struct RunRecord {
-    std::string status;  // running, done, failed, interrupted
-    std::string reason;  // of a failure
+    std::string status;          // starting, running, done, failed, interrupted
+    std::string reason;          // of a failure
+    bool output_failed = false;  // it was the disk's, not the simulation's: the same command goes on
     std::string name, title;
     std::vector<std::string> command;
     std::uint64_t seed = 0;
@@ -45,6 +46,9 @@ std::string run_json(const RunRecord& record);
 
 /// `status` of the run.json in a directory; empty where there is none that can be read.
 std::string recorded_status(const std::filesystem::path& directory);
+
+/// Whether the run.json in a directory says that the run ended because something could not be written.
+bool recorded_output_failed(const std::filesystem::path& directory);
 
 /// Largest resident memory of this process so far [byte].
 std::int64_t peak_memory();

@@ -8,7 +8,7 @@ namespace knap {
 
 class RunLog {
 public:
-    /// Throws UserError where another process is at this run.
+    /// Throws UserError where another process is at this run, or it cannot be opened.
     explicit RunLog(std::filesystem::path path);
     ~RunLog();
     RunLog(const RunLog&) = delete;

@@ -78,6 +78,12 @@ std::string resumed_text(const State& now) {
     return text;
 }
 
+std::string missing_text(const std::vector<std::string>& files) {
+    if (files.empty()) return "";
+    const std::string others = files.size() > 1 ? " and " + std::to_string(files.size() - 1) + " more files" : "";
+    return "warning[missing-file]: " + files.front() + others + " which this run wrote cannot be found; the rest is as it would be, --force makes all of it again\n";
+}
+
 std::string violated_text(const Gate& gate, const State& now, const Vec2& fastest) {
     std::string text;
     add_line(text, "gate %s violated at t = %.9g s (step %lld): %.4g, limit %.4g: %s. ", gate.name.data(), now.time, static_cast<long long>(now.n_steps), gate.value,

@@ -17,6 +17,9 @@ std::string stuck_text(const StepCut& cut, const Vec2& where, double smallest);
 /// That a run goes on from a checkpoint.
 std::string resumed_text(const State& now);
 
+/// That files which a run wrote are gone; empty where none is.
+std::string missing_text(const std::vector<std::string>& files);
+
 /// Why a run was stopped by a gate, and where to look.
 std::string violated_text(const Gate& gate, const State& now, const Vec2& fastest);
 

@@ -104,13 +104,13 @@ void Recorder::open_files() {
     if (!probes_.empty()) probe_file_ = opened(options_.directory / "probes.csv", histories_.probes);
     if (breaks_) break_file_ = opened(options_.directory / "breaks.csv", histories_.breaks);
     if (specimen_) stress_strain_file_ = opened(options_.directory / "stress_strain.csv", histories_.stress_strain);
-    if (options_.frame_every > 0) series_.emplace(options_.directory, last_frame_);
+    if (options_.frame_every > 0) series_.emplace(options_.directory, frame_times_);
 }
 
 void Recorder::write_frame(const State& now) {
     const Stopwatch watch;
     series_->write(make_frame(model_, now, false));
-    last_frame_ = now.time;
+    frame_times_.push_back(now.time);
     frame_seconds_ += watch.cpu();
 }
 
@@ -144,8 +144,27 @@ void Recorder::finish(const State& now) {
     if (series_ && series_->times().back() < now.time) write_frame(now);
     histories_.fragments = fragment_table(find_fragments(model_, now));
     if (!options_.directory.empty()) write_csv(histories_.fragments, options_.directory / "fragments.csv");
+    write_lost_sheets();
     draw_due(now, true);
     output_seconds_ += watch.cpu();
+}
+
+/// Tables that someone took away while they were written: all lines are here.
+void Recorder::write_lost_sheets() const {
+    if (options_.directory.empty()) return;
+    const History* const sheets[] = {&histories_.energy, &histories_.cracks, &histories_.reactions, &histories_.probes, &histories_.breaks, &histories_.stress_strain};
+    const char* const names[] = {"energy.csv", "cracks.csv", "reactions.csv", "probes.csv", "breaks.csv", "stress_strain.csv"};
+    std::error_code none;
+    for (std::size_t i = 0; i < std::size(names); ++i)
+        if (!sheets[i]->columns.empty() && !std::filesystem::exists(options_.directory / names[i], none)) write_csv(*sheets[i], options_.directory / names[i]);
+}
+
+std::vector<std::string> Recorder::missing_files() const {
+    std::vector<std::string> files = series_ ? series_->missing() : std::vector<std::string>();
+    std::error_code none;
+    for (const std::filesystem::path& figure : drawn_)
+        if (const std::filesystem::path file = "figures" / figure.filename(); !std::filesystem::exists(options_.directory / file, none)) files.push_back(file.string());
+    return files;
 }
 
 void Recorder::write_lines(const State& now) {

@@ -54,13 +54,14 @@ public:
     const Histories& histories() const { return histories_; }
     const RecorderOptions& options() const { return options_; }
     const std::vector<std::filesystem::path>& figures() const { return drawn_; }
+    std::vector<std::string> missing_files() const;  // frames and figures that this run has written and someone has taken away
     double output_seconds() const { return output_seconds_; }  // [s] processor time spent here, and on two parts of it:
     double frame_seconds() const { return frame_seconds_; }
     double figure_seconds() const { return figure_seconds_; }
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(ledger_, cracks_, histories_, next_frame_, next_history_, last_line_, last_frame_, next_at_, drawn_, output_seconds_, frame_seconds_, figure_seconds_);
+        archive(ledger_, cracks_, histories_, next_frame_, next_history_, last_line_, frame_times_, next_at_, drawn_, output_seconds_, frame_seconds_, figure_seconds_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
     }
@@ -71,6 +72,7 @@ private:
     void write_lines(const State& now);
     void draw_due(const State& now, bool at_end);
     void draw(const FigureOptions& figure, const Frame& frame);
+    void write_lost_sheets() const;
 
     const Model& model_;
     RecorderOptions options_;
@@ -85,7 +87,7 @@ private:
     std::optional<VtkSeries> series_;
     double next_frame_ = 0, next_history_ = 0;
     double last_line_ = -1;             // [s] time of the last line
-    double last_frame_ = -1;            // [s] time of the last frame
+    std::vector<double> frame_times_;   // [s]
     std::vector<std::size_t> next_at_;  // per figure: which of its times comes next
     std::vector<std::filesystem::path> drawn_;
     double output_seconds_ = 0, frame_seconds_ = 0, figure_seconds_ = 0;

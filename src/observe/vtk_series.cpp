@@ -38,12 +38,10 @@ void write_collection(const path& run, const std::vector<double>& times, bool ob
 
 }  // namespace
 
-VtkSeries::VtkSeries(path run, double keep_until) : run_(std::move(run)) {
+VtkSeries::VtkSeries(path run, std::vector<double> written) : run_(std::move(run)), times_(std::move(written)) {
     std::error_code error;
     std::filesystem::create_directories(run_ / "fields", error);
     if (error) throw OutputError("cannot make " + (run_ / "fields").string() + ": " + error.message());
-    if (keep_until >= 0 && std::filesystem::exists(run_ / "run.pvd")) times_ = frame_times(run_);
-    while (!times_.empty() && times_.back() > keep_until) times_.pop_back();
 }
 
 void VtkSeries::write(const Frame& frame) {
@@ -52,6 +50,15 @@ void VtkSeries::write(const Frame& frame) {
     if (frame.n_obstacles() > 0) write_obstacles(frame, run_ / file_of("obstacles", times_.size()));
     times_.push_back(frame.time);
     write_collection(run_, times_, frame.n_obstacles() > 0);
+}
+
+std::vector<std::string> VtkSeries::missing() const {
+    std::vector<std::string> files;
+    std::error_code none;
+    for (std::size_t i = 0; i < times_.size(); ++i)
+        for (const char* part : {"bulk", "interfaces"})
+            if (!std::filesystem::exists(run_ / file_of(part, i), none)) files.push_back(file_of(part, i));
+    return files;
 }
 
 std::vector<double> frame_times(const path& run) {

@@ -3,21 +3,24 @@
 #include "observe/frame.hpp"
 
 #include <filesystem>
-#include <limits>
+#include <string>
 #include <vector>
 
 namespace knap {
 
 class VtkSeries {
 public:
-    /// Makes <run>/fields. Frames that are already there are kept up to the time `keep_until` (a resumed run goes on behind them).
-    explicit VtkSeries(std::filesystem::path run, double keep_until = -std::numeric_limits<double>::infinity());
+    /// Makes <run>/fields. `written` [s]: times of frames that an earlier part of the run wrote; it goes on behind them.
+    explicit VtkSeries(std::filesystem::path run, std::vector<double> written = {});
 
     /// Writes the next frame and lists it: run.pvd is whole at every moment, whatever interrupts the run.
     /// Throws SimulationError naming the path that could not be written.
     void write(const Frame& frame);
 
     const std::vector<double>& times() const { return times_; }  // [s]
+
+    /// Files of these frames that are gone: "fields/bulk_0003.vtu".
+    std::vector<std::string> missing() const;
 
 private:
     std::filesystem::path run_;

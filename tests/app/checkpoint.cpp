@@ -108,6 +108,17 @@ TEST_CASE("an interrupted run goes on when it is started again") {
         CHECK(text_of(folder.path / "run/log.txt").find("is not used: its checksum is wrong") != std::string::npos);
         check_same_bits(folder.path / "whole", folder.path / "run");
     }
+    SUBCASE("without the frames that were taken away and says so") {
+        REQUIRE(fs::exists(folder.path / "run/fields/bulk_0000.vtu"));
+        fs::remove(folder.path / "run/fields/bulk_0000.vtu");
+        fs::remove(folder.path / "run/run.pvd");
+        const Answer again = command("run " + block + "-o " + folder.in_shell("run"));
+        CHECK(again.code == 0);
+        CHECK(again.has("warning[missing-file]: fields/bulk_0000.vtu"));
+        CHECK(text_of(folder.path / "run/run.json").find("fields/bulk_0000.vtu") != std::string::npos);
+        fs::copy_file(folder.path / "whole/fields/bulk_0000.vtu", folder.path / "run/fields/bulk_0000.vtu");
+        check_same_bits(folder.path / "whole", folder.path / "run");
+    }
     SUBCASE("not where both are damaged and nothing is lost then") {
         flip_a_byte(folder.path / "run/checkpoint");
         fs::resize_file(folder.path / "run/checkpoint.previous", 100);
@@ -122,6 +133,28 @@ TEST_CASE("an interrupted run goes on when it is started again") {
         CHECK(command("run " + block + "-s seed=3 -o " + folder.in_shell("run")).has("run-exists"));
         CHECK(knap::Checkpoints::exist_in(folder.path / "run"));
     }
+}
+
+TEST_CASE("a run that goes on from its older checkpoint keeps that until it has a newer one that is whole") {
+    const Folder folder("older");
+    const std::string run = "run " + explicit_block + "-s 'output.checkpoint_every=1 h' -o " + folder.in_shell("run");
+    for (const char* until : {"10us", "20us", "15us"}) {
+        CHECK(command(run + " --until " + until).code == 0);
+        if (std::string(until) != "10us") flip_a_byte(folder.path / "run/checkpoint");
+    }
+    CHECK(command(run + " --until 12us").code == 0);  // from 10 us
+}
+
+TEST_CASE("tables that are deleted while a run goes on are whole at its end") {
+    const Folder folder("deleted table");
+    std::thread vandal([&] {
+        for (int i = 0; i < 60000 && !fs::exists(folder.path / "run/fields/bulk_0001.vtu"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        fs::remove(folder.path / "run/energy.csv");
+    });
+    CHECK(command("run " + explicit_block + "-o " + folder.in_shell("run")).code == 0);
+    vandal.join();
+    CHECK(command("run " + explicit_block + "-o " + folder.in_shell("whole")).code == 0);
+    CHECK(text_of(folder.path / "run/energy.csv") == text_of(folder.path / "whole/energy.csv"));
 }
 
 TEST_CASE("a run that cannot write goes on when it can") {

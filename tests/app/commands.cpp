@@ -44,9 +44,19 @@ TEST_CASE("new writes a scenario that checks and is not overwritten") {
     const Folder folder("new");
     CHECK(command("new " + folder.in_shell("plate")).code == 0);
     CHECK(command("new " + folder.in_shell("plate")).code == 2);
+    const Answer nowhere = command("new " + folder.in_shell("nowhere/plate"));
+    CHECK(nowhere.code == 2);
+    CHECK(nowhere.has("cannot-write"));
     const Answer check = command("check " + folder.in_shell("plate.toml"));
     CAPTURE(check.text);
     CHECK(check.code == 0);
+}
+
+TEST_CASE("bench does not overwrite a file") {
+    const Folder folder("bench");
+    std::ofstream(folder.path / "mine.csv") << "mine";
+    CHECK(command("bench --csv " + folder.in_shell("mine.csv")).code == 2);
+    CHECK(text_of(folder.path / "mine.csv") == "mine");
 }
 
 TEST_CASE("mesh reports and writes") {

@@ -67,6 +67,28 @@ TEST_CASE("a shorter run is the begin of the longer one") {
     const std::string head = part.substr(0, part.rfind('\n', part.size() - 2));  // its last line is at its own end
     CHECK(head.size() > 1000);
     CHECK(whole.starts_with(head));
+
+    // it goes on from there, never back
+    const std::string shorter = "run " + small_block() + "-o " + folder.in_shell("short");
+    const fs::path checkpoint = folder.path / "short/checkpoint";
+    const std::string kept = text_of(checkpoint);
+    CHECK(kept.size() > 1000);
+    const Answer back = command(shorter + " --until 10us");
+    CHECK(back.code == 2);
+    CHECK(back.has("until-passed"));
+    CHECK(text_of(checkpoint) == kept);
+    CHECK(command(shorter + " --until 20us").code == 0);  // where it is already
+    CHECK(text_of(folder.path / "short/energy.csv") == part);
+    CHECK(command(shorter).code == 0);
+    CHECK(text_of(folder.path / "short/energy.csv") == whole);
+    CHECK(text_of(folder.path / "short/run.pvd") == text_of(folder.path / "long/run.pvd"));
+    CHECK_FALSE(fs::exists(checkpoint));
+    for (const char* time : {"0", "-5us"}) {
+        const Answer none = command("run " + small_block() + "-o " + folder.in_shell("none") + " --until " + time);
+        CHECK(none.code == 2);
+        CHECK(none.has("--until"));
+        CHECK_FALSE(fs::exists(folder.path / "none"));
+    }
 }
 
 TEST_CASE("force does not clear what knap did not make") {

@@ -6,8 +6,13 @@
 #include "observe/history_csv.hpp"
 #include "support/relative.hpp"
 
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
 #include <cstdlib>
 #include <sstream>
+#include <thread>
 
 using namespace program;
 using namespace knap;
@@ -136,6 +141,36 @@ TEST_CASE("sweep: every run and table is there and finished runs are kept") {
     CHECK(command("sweep " + bar + "--seeds 3..1 -o " + folder.in_shell("n")).has("the last one is before the first"));
     CHECK(command("sweep " + bar + "--emit make -o " + folder.in_shell("n")).code == 2);
     CHECK_FALSE(fs::exists(folder.path / "n"));
+}
+
+TEST_CASE("sweep: SIGTERM stops the run under way and the same command goes on with it") {
+    const Folder folder("sweep terminated");
+    const fs::path run = folder.path / "s/runs/s1";
+    const std::string sweep = "sweep " + small_block() + "-s 'mesh.size=1 mm' -s output.checkpoint_every=0 --seeds 1..1 -o " + folder.in_shell("s");
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        execl("/bin/sh", "sh", "-c", ("exec '" KNAP_PROGRAM "' " + sweep + " >/dev/null 2>&1").c_str(), static_cast<char*>(nullptr));
+        _exit(127);
+    }
+    for (int i = 0; i < 60000 && !fs::exists(run / "checkpoint"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    for (int i = 0; i < 3; ++i) kill(child, SIGTERM);
+    int status = 0;
+    waitpid(child, &status, 0);
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == 130);
+    REQUIRE(text_of(run / "run.json").find("\"status\": \"interrupted\"") != std::string::npos);
+    CHECK(command(sweep).code == 0);
+    CHECK(text_of(run / "log.txt").find("resumed: goes on") != std::string::npos);
+}
+
+TEST_CASE("sweep and study: a disk that was full at the start is no obstacle later") {
+    const Folder folder("batch full disk");
+    for (const std::string& what : {"sweep " + bar + "--seeds 1..1 ", "study " + bar + "--levels 1 "}) {
+        const std::string line = what + "-q -o " + folder.in_shell(what.substr(0, 5));
+        CHECK(WEXITSTATUS(std::system(("ulimit -f 0; '" KNAP_PROGRAM "' " + line + " 2>/dev/null >&2").c_str())) == 3);
+        CHECK(command(line).code == 0);
+    }
 }
 
 TEST_CASE("sweep: job lists are done by GNU parallel and by a Slurm array and by Snakemake") {

@@ -1,0 +1,65 @@
+#include "app/step_loop.hpp"
+
+#include "app/run_text.hpp"
+#include "base/error.hpp"
+
+#include <csignal>
+
+namespace knap {
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+/// One try of a step: `now` moves on, or stays where the step is cut. Throws SimulationError where the run cannot go on.
+void try_step(const Stepping& run, State& now, State& next) {
+    const double h = run.control.next(now);
+    const StepReport report = run.stepper.step(now, h, next);
+    if (const std::optional<StepCut> cut = run.control.judge(now, h, report)) {
+        const Vec2 where = report.refusal == Refusal::none ? place_of_damage(run.model, now, next) : report.where;
+        run.log.add(cut_text(*cut, where));
+        if (run.control.is_stuck()) throw SimulationError(stuck_text(*cut, where, run.smallest_step));
+        return;
+    }
+    if (run.options.dump_lcp.contains(next.n_steps)) run.log.add(dump_lcp(run.model, now, h, run.scenario.time.scheme, run.directory / "lcp"));
+    std::swap(now, next);
+    run.recorder.after_step(now, report);
+    run.progress.after_step(now, run.recorder);
+    for (const Gate& gate : run.recorder.ledger().gates(run.critical_opening, run.size))
+        if (!gate.pass) throw SimulationError(violated_text(gate, now, place_of_largest_speed(run.model, now)));
+}
+
+}  // namespace
+
+InterruptGuard::InterruptGuard() {
+    interrupted = 0;
+    std::signal(SIGINT, [](int) { interrupted = 1, std::signal(SIGINT, SIG_DFL); });
+    std::signal(SIGTERM, [](int) { interrupted = 1; });
+}
+
+InterruptGuard::~InterruptGuard() {
+    for (const int which : {SIGINT, SIGTERM}) std::signal(which, SIG_DFL);
+}
+
+void step_to_end(const Stepping& run, double until, const Checkpoints& checkpoints, const std::function<void()>& save, State& now, RunRecord& record) {
+    State next = now;
+    try {
+        while (record.status == "running" && !StepControl::has_reached(now, until)) {
+            if (interrupted) {
+                record.status = "interrupted";
+                break;
+            }
+            const long before = now.n_steps;
+            try_step(run, now, next);
+            if (now.n_steps > before && checkpoints.due()) save();
+        }
+        if (!StepControl::has_reached(now, run.scenario.time.end) && record.status != "failed") save();  // before the lines of an early end are written
+    } catch (const OutputError&) {
+        throw;
+    } catch (const SimulationError& error) {
+        record.status = "failed";
+        record.reason = error.what();
+    }
+    if (record.status == "running") record.status = "done";
+}
+
+}  // namespace knap

@@ -1,0 +1,40 @@
+#pragma once
+// The steps of a run, one after the other, until it ends or is stopped.
+#include "app/checkpoint.hpp"
+#include "app/run.hpp"
+#include "app/run_json.hpp"
+#include "app/run_log.hpp"
+#include "observe/progress.hpp"
+#include "stepper/moreau_jean.hpp"
+
+#include <functional>
+
+namespace knap {
+
+/// Ctrl-C and SIGTERM end the run after the step under way. A second Ctrl-C kills as usual; SIGTERM may come again: schedulers send it to a sweep and to its
+/// runs, and the sweep to its runs as well.
+class InterruptGuard {
+public:
+    InterruptGuard();
+    ~InterruptGuard();
+};
+
+/// What steps a run and who watches it.
+struct Stepping {
+    const Scenario& scenario;
+    const Model& model;
+    const RunOptions& options;
+    const std::filesystem::path& directory;
+    MoreauJean& stepper;
+    StepControl& control;
+    Recorder& recorder;
+    Progress& progress;
+    RunLog& log;
+    double smallest_step;           // [s]
+    double critical_opening, size;  // [m] what the gates measure with
+};
+
+/// Steps until the end, or until the run fails or is interrupted, which the record then says.
+void step_to_end(const Stepping& run, double until, const Checkpoints& checkpoints, const std::function<void()>& save, State& now, RunRecord& record);
+
+}  // namespace knap

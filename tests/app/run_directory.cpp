@@ -1,0 +1,119 @@
+// How a run takes its directory: the one that was named, from nobody who is in it, and whole whatever happens.
+#include "program.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+using namespace program;
+
+namespace {
+
+const std::string bar = "bar_ramp_wave -q -j 1 -s 'expect={}' -s 'mesh.size=1 mm' ";
+
+/// In a shell, in a directory.
+int run_in(const fs::path& directory, const std::string& output) {
+    return WEXITSTATUS(std::system(("cd '" + directory.string() + "' && '" KNAP_PROGRAM "' run " + bar + "-o " + output + " >/dev/null 2>&1").c_str()));
+}
+
+bool is_done(const fs::path& run) {
+    return text_of(run / "run.json").find("\"status\": \"done\"") != std::string::npos && fs::exists(run / "fields/bulk_0000.vtu") && fs::exists(run / "resolved.toml");
+}
+
+void write(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
+
+}  // namespace
+
+TEST_CASE("run directory: a run under way is not cleared by force") {
+    const Folder folder("busy");
+    const std::string run = "run " + bar + "-o " + folder.in_shell("run");
+    REQUIRE(command(run).code == 0);
+    const int lock = open((folder.path / "run/log.txt").c_str(), O_WRONLY | O_CLOEXEC);  // as one who runs there
+    REQUIRE(flock(lock, LOCK_EX | LOCK_NB) == 0);
+    const std::string before = text_of(folder.path / "run/run.json");
+    const Answer other = command(run + " -s seed=2 --force");
+    close(lock);
+    CHECK(other.code == 2);
+    CHECK(other.has("run-busy"));
+    CHECK(text_of(folder.path / "run/run.json") == before);
+    CHECK(command(run + " -s seed=2 --force").code == 0);
+    CHECK(text_of(folder.path / "run/run.json") != before);
+    CHECK(is_done(folder.path / "run"));
+}
+
+TEST_CASE("run directory: it is the one that was named") {
+    const Folder folder("named");
+    SUBCASE("where one stands") {
+        CHECK(run_in(folder.path, ".") == 0);
+        CHECK(run_in(folder.path, ".") == 2);
+        CHECK(is_done(folder.path));
+        CHECK(run_in(folder.path, ". --force") == 0);
+        CHECK(is_done(folder.path));
+    }
+    SUBCASE("prepared by someone, behind a link") {
+        fs::create_directory(folder.path / "large disk");
+        REQUIRE(chmod((folder.path / "large disk").c_str(), 02750) == 0);
+        struct stat before {}, after {};
+        REQUIRE(stat((folder.path / "large disk").c_str(), &before) == 0);
+        fs::create_directory_symlink("large disk", folder.path / "link");
+        CHECK(run_in(folder.path, "link") == 0);
+        CHECK(run_in(folder.path, "link --force") == 0);
+        CHECK(fs::is_symlink(folder.path / "link"));
+        CHECK(is_done(folder.path / "large disk"));
+        REQUIRE(stat((folder.path / "large disk").c_str(), &after) == 0);
+        CHECK(before.st_ino == after.st_ino);
+        CHECK(before.st_mode == after.st_mode);
+    }
+    SUBCASE("not where a link leads to nothing") {
+        fs::create_directory_symlink("not mounted", folder.path / "link");
+        CHECK(command("run " + bar + "-o " + folder.in_shell("link")).has("dangling-link"));
+        CHECK(fs::is_symlink(folder.path / "link"));
+    }
+    SUBCASE("and none beside it") {
+        for (const char* other : {"run.part", "run"}) {
+            fs::create_directory(folder.path / "run.part");
+            write(folder.path / "run.part" / "letter.txt", "dear");
+            CHECK(run_in(folder.path, other) == (std::string(other) == "run" ? 0 : 2));
+            CHECK(text_of(folder.path / "run.part/letter.txt") == "dear");
+        }
+    }
+}
+
+TEST_CASE("run directory: a start that was killed is started again and nobody else is taken for one") {
+    const Folder folder("half");
+    fs::create_directory(folder.path / "run");
+    const std::string run = "run " + bar + "-o " + folder.in_shell("run");
+    SUBCASE("before its run.json") { write(folder.path / "run/log.txt", ""), write(folder.path / "run/run.json.part", "{\"sta"); }
+    SUBCASE("while it cleared an older run") {
+        write(folder.path / "run/run.json", "{\"status\": \"starting\"}");
+        write(folder.path / "run/log.txt", "an older run");
+        write(folder.path / "run/checkpoint", "of an older run");
+    }
+    SUBCASE("before its first checkpoint") {
+        REQUIRE(command(run).code == 0);
+        std::string record = text_of(folder.path / "run/run.json");
+        record.replace(record.find("\"done\""), 6, "\"running\"");
+        write(folder.path / "run/run.json", record);
+        CHECK(command(run + " -s seed=2").has("run-exists"));
+    }
+    SUBCASE("a log of someone else") {
+        write(folder.path / "run/log.txt", "years of measurements");
+        CHECK(command(run).has("run-exists"));
+        CHECK(command(run + " --force").has("not-a-run"));
+        CHECK(text_of(folder.path / "run/log.txt") == "years of measurements");
+        return;
+    }
+    SUBCASE("a record of someone else") {
+        write(folder.path / "run/run.json", "{\"status\": \"running\"}");
+        CHECK(command(run).has("run-exists"));
+        CHECK(text_of(folder.path / "run/run.json") == "{\"status\": \"running\"}");
+        return;
+    }
+    const Answer again = command(run);
+    CAPTURE(again.text);
+    CHECK(again.code == 0);
+    CHECK(is_done(folder.path / "run"));
+    CHECK(text_of(folder.path / "run/log.txt").find("older") == std::string::npos);
+    CHECK_FALSE(fs::exists(folder.path / "run/checkpoint"));
+}
