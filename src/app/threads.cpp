@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <initializer_list>
 
 namespace knap {
 
@@ -15,7 +16,9 @@ int use_threads(int wanted) {
 
 void let_waiting_threads_sleep(char** argv) {
     setenv("VTK_SMP_BACKEND_IN_USE", "Sequential", 0);  // VTK's own threads come on top of those that were asked for, and cost more than they save
-    if (std::getenv("OMP_WAIT_POLICY") != nullptr || std::getenv("GOMP_SPINCOUNT") != nullptr) return;
+    // A thread that is bound to a processor when this program starts would leave the second one no other
+    for (const char* set_by_user : {"OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "OMP_PROC_BIND", "OMP_PLACES", "GOMP_CPU_AFFINITY"})
+        if (std::getenv(set_by_user) != nullptr) return;
     setenv("GOMP_SPINCOUNT", "1000", 0);
     execv("/proc/self/exe", argv);  // comes back only where that is not possible, and then nothing is lost but speed
 }

@@ -1,8 +1,9 @@
 #pragma once
 // Loops over fixed blocks: the blocks, and the order in which their results are added, do not depend on the number of threads.
 //
-// Every thread has a range of blocks of its own, the same ones in every loop over as many, so that what it wrote is in its cache when it reads it again: where
-// two processors share no cache, blocks that go to whoever comes first make two threads slower than one. Who is through helps the others.
+// What a thread wrote is in its cache when it reads it again, so it should meet the same blocks in every loop over as many: two threads come from both ends
+// of the blocks that they share and meet somewhere, so that only the blocks there change hands: between processors that share no cache that is dear. Who is
+// through helps the next pair.
 #include <omp.h>
 
 #include <algorithm>
@@ -13,27 +14,31 @@
 
 namespace knap {
 
-/// The blocks of one thread that nobody has taken yet.
+/// Of the blocks of two threads those that nobody has begun yet.
 struct alignas(64) BlockRange {
-    std::atomic<std::ptrdiff_t> next;
-    std::ptrdiff_t end;
+    std::atomic<std::ptrdiff_t> n_left, next_up, next_down;
 };
 
 /// Calls work(i) for i in [0, n_blocks), by several threads where there is more than one block.
 template <class Work>
 void for_blocks(std::ptrdiff_t n_blocks, const Work& work) {
     constexpr int most_threads = 64;
-    const int n = static_cast<int>(std::min<std::ptrdiff_t>({omp_get_max_threads(), most_threads, n_blocks}));
+    const int n = static_cast<int>(std::min<std::ptrdiff_t>({omp_get_max_threads(), most_threads, n_blocks})), n_pairs = (n + 1) / 2;
     if (n <= 1) {
         for (std::ptrdiff_t i = 0; i < n_blocks; ++i) work(i);
         return;
     }
-    std::array<BlockRange, most_threads> ranges;
-    for (int t = 0; t < n; ++t) ranges[t].next = n_blocks * t / n, ranges[t].end = n_blocks * (t + 1) / n;
-#pragma omp parallel
-    for (int k = 0; k < n; ++k) {
-        BlockRange& range = ranges[(omp_get_thread_num() + k) % n];
-        for (std::ptrdiff_t i; (i = range.next.fetch_add(1, std::memory_order_relaxed)) < range.end;) work(i);
+    std::array<BlockRange, most_threads / 2> ranges;
+    for (int p = 0; p < n_pairs; ++p) {
+        const std::ptrdiff_t first = n_blocks * 2 * p / n, end = n_blocks * std::min(2 * p + 2, n) / n;
+        ranges[p].n_left = end - first, ranges[p].next_up = first, ranges[p].next_down = end - 1;
+    }
+#pragma omp parallel num_threads(n)
+    for (int k = 0; k < n_pairs; ++k) {
+        const int thread = omp_get_thread_num();
+        BlockRange& range = ranges[(thread / 2 + k) % n_pairs];
+        while (range.n_left.fetch_sub(1, std::memory_order_relaxed) > 0)
+            work(thread % 2 == 0 ? range.next_up.fetch_add(1, std::memory_order_relaxed) : range.next_down.fetch_sub(1, std::memory_order_relaxed));
     }
 }
 
@@ -42,8 +47,12 @@ void for_blocks(std::ptrdiff_t n_blocks, const Work& work) {
 template <class Result, class Work>
 Result sum_over_blocks(std::size_t n, std::size_t block, std::vector<Result>& partial, const Work& work) {
     const std::ptrdiff_t n_blocks = static_cast<std::ptrdiff_t>((n + block - 1) / block);
-    partial.assign(n_blocks, Result{});
-    for_blocks(n_blocks, [&](std::ptrdiff_t i) { work(i * block, std::min(n, (i + 1) * block), partial[i]); });
+    partial.resize(n_blocks);
+    for_blocks(n_blocks, [&](std::ptrdiff_t i) {
+        Result own{};  // neighbours in the list belong to other threads: it is written once
+        work(i * block, std::min(n, (i + 1) * block), own);
+        partial[i] = own;
+    });
     Result total{};
     for (const Result& part : partial) total += part;
     return total;

@@ -101,7 +101,7 @@ struct Model {
     std::vector<Index> fan_point_of;  // per point: its index in fan_points
 
     std::vector<TimeFunction> histories;
-    std::vector<CornerLoad> corner_loads;
+    std::vector<CornerLoad> corner_loads;  // in the order of the corners
     std::vector<PrescribedMotion> prescribed;
     std::vector<Index> prescribed_of_corner;  // per corner: into `prescribed`, or -1
     std::vector<Vec2> initial_velocity;  // [m/s] per corner, of what is driven its own; equal where corners move as one

@@ -12,8 +12,6 @@
 namespace knap {
 namespace {
 
-constexpr std::size_t fans_in_a_block = 512;
-
 /// Moves a node in one piece, and adds up what it does, in registers.
 class NodeSums {
 public:
@@ -53,6 +51,7 @@ StepReport VertexScheme::sweep_blocks(const State& begin, const ExplicitBulk& bu
         bulk.find_forces(blocks[b].first, blocks[b].last, begin, work.force.data(), fan_is_hot_);
         Vec2* kept = &free.corner_force[model_.mesh.corners_per_triangle() * blocks[b].first];
         for (const MeshBlocks::Corner c : blocks_.kept(blocks[b])) kept[c] = work.force[c];
+        bulk.add_loads(blocks[b].first_load, blocks[b].last_load, free);
         advance_inner(blocks[b], begin, free, end, work, report);
     });
 }
@@ -69,8 +68,9 @@ void VertexScheme::advance_inner(const MeshBlocks::Block& block, const State& be
         prefetch_hot(inner, i);
         const MeshBlocks::InnerFan& fan = inner[i];
         const MeshBlocks::Corner *first = corner, *last = corner += fan.n_corners;
-        if (begin.split_rank[fan.fan] >= 0) {
+        if (const Index rank = begin.split_rank[fan.fan]; rank >= 0) {
             keep(first, last);
+            if (fans_are_by_themselves()) advance_fan(rank, begin, free, end, work, report);
             continue;
         }
         Vec2 force = Vec2::Zero();
@@ -109,13 +109,16 @@ void VertexScheme::part_from_obstacles(const State& begin) {
 }
 
 StepReport VertexScheme::advance_bordering(const State& begin, const FreeMotion& free, State& end) {
-    const auto fans = blocks_.bordering();
-    return sum_over_blocks(fans.size(), fans_in_a_block, partial_, [&](std::size_t first, std::size_t last, StepReport& report) {
+    const auto blocks = blocks_.blocks();
+    return sum_over_blocks(blocks.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
         Workspace& work = workspaces_[omp_get_thread_num()];
         NodeSums sums(begin, free, end);
-        for (std::size_t i = first; i < last; ++i) {
-            const Index f = fans[i];
-            if (begin.split_rank[f] >= 0 || comes_apart_[f]) continue;
+        for (const Index f : blocks_.bordering(blocks[b])) {
+            if (comes_apart_[f]) continue;
+            if (const Index rank = begin.split_rank[f]; rank >= 0) {
+                if (fans_are_by_themselves()) advance_fan(rank, begin, free, end, work, report);
+                continue;
+            }
             const Fan& fan = model_.fans[f];
             const Index* corner = &model_.fan_corners[fan.first_corner];
             Vec2 force = Vec2::Zero();

@@ -13,28 +13,26 @@ ExplicitBulk::ExplicitBulk(const Model& model) : model_(model), forces_(model.me
     stable_step_ = *std::min_element(steps.begin(), steps.end());
 }
 
-void ExplicitBulk::begin_step(const State& begin, double h, FreeMotion& free) const {
+void ExplicitBulk::begin_step(const State& begin, double h, FreeMotion& free) {
     free.drift_time = h;
     free.kick_time = 0.5 * (begin.last_step + h);
     free.corner_force.resize(model_.mesh.n_corners());
-}
-
-void ExplicitBulk::add_loads(const State& begin, FreeMotion& free) const {
-    const std::vector<double>& amplitude = amplitudes(begin.time);
-    for (const CornerLoad& load : model_.corner_loads) free.corner_force[load.corner] += amplitude[load.history] * load.force;
-}
-
-const std::vector<double>& ExplicitBulk::amplitudes(double time) const {
     amplitude_.resize(model_.histories.size());
-    for (std::size_t i = 0; i < amplitude_.size(); ++i) amplitude_[i] = model_.histories[i](time);
-    return amplitude_;
+    for (std::size_t i = 0; i < amplitude_.size(); ++i) amplitude_[i] = model_.histories[i](begin.time);
 }
 
-void ExplicitBulk::account_loads(const State& begin, const State& end, const FreeMotion& free, StepReport& report) const {
+void ExplicitBulk::add_loads(Index first, Index last, FreeMotion& free) const {
+    for (Index i = first; i < last; ++i) {
+        const CornerLoad& load = model_.corner_loads[i];
+        free.corner_force[load.corner] += amplitude_[load.history] * load.force;
+    }
+}
+
+void ExplicitBulk::account_loads(Index first, Index last, const State& begin, const State& end, const FreeMotion& free, StepReport& report) const {
     const double change = 0.25 * (free.drift_time - begin.last_step);
-    const std::vector<double>& amplitude = amplitudes(begin.time);
-    for (const CornerLoad& load : model_.corner_loads) {
-        const Vec2 force = amplitude[load.history] * load.force;
+    for (Index i = first; i < last; ++i) {
+        const CornerLoad& load = model_.corner_loads[i];
+        const Vec2 force = amplitude_[load.history] * load.force;
         const Vec2 before = begin.velocity[begin.node_of_corner[load.corner]], after = end.velocity[end.node_of_corner[load.corner]];
         report.external_work += free.kick_time * force.dot(0.5 * (before + after));
         report.strain += 0.5 * force.dot(end.displacement[end.node_of_corner[load.corner]]);

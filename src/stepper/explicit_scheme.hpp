@@ -14,9 +14,7 @@ public:
 
     StepReport step(const State& begin, double h, State& end) override {
         bulk_.begin_step(begin, h, free_);
-        StepReport report = interfaces_.advance(begin, bulk_, free_, end);  // forces, who is bound, who touches, who slides; velocities, openings, cohesion
-        bulk_.account_loads(begin, end, free_, report);
-        return report;
+        return interfaces_.advance(begin, bulk_, free_, end);  // forces, who is bound, who touches, who slides; velocities, openings, cohesion
     }
     double stable_step() const override { return bulk_.stable_step(); }
 

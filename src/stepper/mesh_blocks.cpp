@@ -6,8 +6,8 @@ namespace knap {
 
 namespace {
 
-constexpr Index fewest = 6144, most = 24576;  // corners of a block: 100 to 400 kB of forces
-constexpr Index blocks_of_a_body = 16;                        // or more, so that several threads find work
+constexpr Index fewest = 3072, most = 24576;  // corners of a block: 50 to 400 kB of forces
+constexpr Index blocks_of_a_body = 32;               // or more, so that several threads find work and meet without a wait
 
 }  // namespace
 
@@ -18,21 +18,22 @@ MeshBlocks::MeshBlocks(const Model& model) {
     std::vector<std::uint8_t> is_inner(model.fans.size(), 1);
     for (const CornerLoad& load : model.corner_loads) is_inner[model.fan_of_corner[load.corner]] = 0;
     for (const PrescribedMotion& motion : model.prescribed) is_inner[motion.fan] = 0;
-    std::vector<std::vector<Index>> inner_of_block((model.mesh.n_triangles() + triangles - 1) / triangles);
+    std::vector<std::vector<Index>> inner_of_block((model.mesh.n_triangles() + triangles - 1) / triangles), bordering_of_block(inner_of_block.size());
     for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f) {
         const Fan& fan = model.fans[f];
         const Index* corner = &model.fan_corners[fan.first_corner];
         const Index block = *corner / most_corners_;
         const bool whole = std::all_of(corner, corner + fan.n_corners, [&](Index c) { return c / most_corners_ == block; });
         is_inner[f] = is_inner[f] && whole && (fan.closed || model.obstacles.empty());
-        if (is_inner[f]) inner_of_block[block].push_back(f);
-        else bordering_.push_back(f);
+        (is_inner[f] ? inner_of_block : bordering_of_block)[block].push_back(f);
     }
     for (Index b = 0; b < static_cast<Index>(inner_of_block.size()); ++b) {
         Block block{.first = b * triangles, .last = std::min((b + 1) * triangles, model.mesh.n_triangles())};
         block.first_inner = static_cast<Index>(inner_.size());
         block.first_corner = static_cast<Index>(inner_corners_.size());
         block.first_kept = static_cast<Index>(kept_.size());
+        block.first_bordering = static_cast<Index>(bordering_.size());
+        bordering_.insert(bordering_.end(), bordering_of_block[b].begin(), bordering_of_block[b].end());
         for (const Index f : inner_of_block[b]) {
             const Fan& fan = model.fans[f];
             inner_.push_back({.mass = fan.mass, .fan = f, .n_corners = fan.n_corners});
@@ -42,6 +43,12 @@ MeshBlocks::MeshBlocks(const Model& model) {
             if (!is_inner[model.fan_of_corner[c]]) kept_.push_back(static_cast<Corner>(c - b * most_corners_));
         block.last_inner = static_cast<Index>(inner_.size());
         block.last_kept = static_cast<Index>(kept_.size());
+        block.last_bordering = static_cast<Index>(bordering_.size());
+        const auto first_load_from = [&](Index corner) {
+            return static_cast<Index>(std::ranges::lower_bound(model.corner_loads, corner, {}, &CornerLoad::corner) - model.corner_loads.begin());
+        };
+        block.first_load = first_load_from(per_triangle * block.first);
+        block.last_load = first_load_from(per_triangle * block.last);
         blocks_.push_back(block);
     }
 }

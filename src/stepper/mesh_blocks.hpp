@@ -15,6 +15,8 @@ public:
         std::int32_t first_inner, last_inner;     // likewise
         std::int32_t first_corner;                // of the first inner fan
         std::int32_t first_kept, last_kept;
+        std::int32_t first_bordering, last_bordering;
+        std::int32_t first_load, last_load;       // into Model::corner_loads
     };
     /// A fan all of whose corners are in one block.
     struct InnerFan {
@@ -33,8 +35,8 @@ public:
     /// The corners of fans that are not inner ones.
     std::span<const Corner> kept(const Block& block) const { return std::span(kept_).subspan(block.first_kept, block.last_kept - block.first_kept); }
 
-    /// Fans across the borders of blocks, and all that loads, drives or obstacles may act on.
-    std::span<const Index> bordering() const { return bordering_; }
+    /// Fans that begin in the block and go on in others, and all in it that loads, drives or obstacles may act on.
+    std::span<const Index> bordering(const Block& block) const { return std::span(bordering_).subspan(block.first_bordering, block.last_bordering - block.first_bordering); }
 
 private:
     Index most_corners_;

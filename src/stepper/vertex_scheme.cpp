@@ -10,7 +10,7 @@
 namespace knap {
 namespace {
 
-constexpr std::size_t split_fans_in_a_block = 32;
+constexpr std::size_t split_fans_in_a_block = 8;
 
 }  // namespace
 
@@ -30,7 +30,6 @@ VertexScheme::VertexScheme(const Model& model, const SchemeOptions& options)
 StepReport VertexScheme::advance(const State& begin, const ExplicitBulk& bulk, FreeMotion& free, State& end) {
     match(begin, end);
     StepReport report = sweep_blocks(begin, bulk, free, end);
-    bulk.add_loads(begin, free);
     motion_.begin_explicit(begin, free.kick_time, free.drift_time);
     contacts_.find(begin, free.drift_time, motion_.rate(), free.corner_force);
     contact_impulse_.assign(contacts_.all().size(), Vec2::Zero());
@@ -42,6 +41,7 @@ StepReport VertexScheme::advance(const State& begin, const ExplicitBulk& bulk, F
     report += advance_split(begin, free, end);
     account_edges(begin, end, free, report);
     motion_.finish(begin, contact_wrenches(), end, report);
+    report += account_loads(begin, bulk, free, end);
     report.largest_speed = std::sqrt(report.largest_speed);  // squares until here
     return report;
 }
@@ -60,11 +60,22 @@ void VertexScheme::match(const State& begin, State& end) const {
     end.reaction.assign(model_.prescribed.size(), Vec2::Zero());
 }
 
+/// By the threads that moved these corners: a load on a long edge is many of them.
+StepReport VertexScheme::account_loads(const State& begin, const ExplicitBulk& bulk, const FreeMotion& free, const State& end) {
+    if (model_.corner_loads.empty()) return {};
+    const auto blocks = blocks_.blocks();
+    return sum_over_blocks(blocks.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
+        bulk.account_loads(blocks[b].first_load, blocks[b].last_load, begin, end, free, report);
+    });
+}
+
+/// Those that came apart in this step; and where obstacles are about, all.
 StepReport VertexScheme::advance_split(const State& begin, const FreeMotion& free, State& end) {
-    return sum_over_blocks(end.split_fans.size(), split_fans_in_a_block, partial_,
+    const std::size_t done = fans_are_by_themselves() ? begin.split_fans.size() : 0;
+    return sum_over_blocks(end.split_fans.size() - done, split_fans_in_a_block, partial_,
                            [&](std::size_t first, std::size_t last, StepReport& report) {
                                Workspace& work = workspaces_[omp_get_thread_num()];
-                               for (std::size_t rank = first; rank < last; ++rank)
+                               for (std::size_t rank = done + first; rank < done + last; ++rank)
                                    advance_fan(static_cast<Index>(rank), begin, free, end, work, report);
                            });
 }

@@ -28,7 +28,7 @@ public:
     StepReport advance(const State& begin, const ExplicitBulk& bulk, FreeMotion& free, State& end);
 
 private:
-    struct Workspace {
+    struct alignas(128) Workspace {  // no cache line of two threads
         FanProblem problem;
         FanSolver solver;
         std::vector<LinkCohesion> cohesion;
@@ -53,6 +53,8 @@ private:
     Vec2 edge_impulse_on(Index corner) const;    // [N s] of the contacts on edges
     void account_edges(const State& begin, const State& end, const FreeMotion& free, StepReport& report) const;
     void find_obstacle_velocities(const State& begin, const FreeMotion& free, StepReport& report);
+    bool fans_are_by_themselves() const { return model_.obstacles.empty(); }  // no contact that several of them share
+    StepReport account_loads(const State& begin, const ExplicitBulk& bulk, const FreeMotion& free, const State& end);
     StepReport advance_split(const State& begin, const FreeMotion& free, State& end);
     void advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report);
     bool advance_resting(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report) const;

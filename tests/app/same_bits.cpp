@@ -64,6 +64,19 @@ TEST_CASE("the same bits for one and two and four threads") {
     }
 }
 
+TEST_CASE("binding threads to processors leaves the program all processors") {
+    const Folder folder("bound");
+    const auto threads = [&](const std::string& directory) {
+        REQUIRE(command("run bar_ramp_wave -q -s 'time.end=1 us' -s 'expect={}' -s 'figure=[]' -o " + folder.in_shell(directory)).code == 0);
+        const std::string text = text_of(folder.path / directory / "run.json");
+        return text.substr(text.find("\"threads\""), 16);
+    };
+    const std::string free = threads("free");
+    setenv("OMP_PROC_BIND", "true", 1);
+    CHECK(threads("bound") == free);
+    unsetenv("OMP_PROC_BIND");
+}
+
 TEST_CASE("golden: three scenarios have the bits that they had") {
     const Folder folder("golden");
     const std::map<std::string, std::string> known = golden_hashes();

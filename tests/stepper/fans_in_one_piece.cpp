@@ -46,7 +46,7 @@ TEST_CASE("every fan is inside one block of triangles or borders on several") {
         const Index per_triangle = model.mesh.corners_per_triangle();
         REQUIRE(blocks.blocks().size() > 2);
         std::vector<int> n_found(model.fans.size(), 0), n_kept(model.mesh.n_corners(), 0);
-        Index next = 0;
+        Index next = 0, next_load = 0;
         for (const MeshBlocks::Block& block : blocks.blocks()) {
             CHECK(block.first == next);
             CHECK(per_triangle * (block.last - block.first) <= blocks.most_corners());
@@ -61,13 +61,22 @@ TEST_CASE("every fan is inside one block of triangles or borders on several") {
             }
             CHECK(same);
             for (const MeshBlocks::Corner c : blocks.kept(block)) ++n_kept[per_triangle * block.first + c];
+            CHECK(block.first_load == next_load);
+            next_load = block.last_load;
+            for (Index i = block.first_load; i < block.last_load; ++i) {
+                const Index triangle = model.mesh.triangle_of(model.corner_loads[i].corner);
+                same = same && block.first <= triangle && triangle < block.last;
+            }
+            CHECK(same);
         }
         CHECK(next == model.mesh.n_triangles());
+        CHECK(next_load == static_cast<Index>(model.corner_loads.size()));
         bool kept = true;
-        for (const Index f : blocks.bordering()) {
-            ++n_found[f];
-            for (Index i = 0; i < model.fans[f].n_corners; ++i) kept = kept && n_kept[model.fan_corners[model.fans[f].first_corner + i]]-- == 1;
-        }
+        for (const MeshBlocks::Block& block : blocks.blocks())
+            for (const Index f : blocks.bordering(block)) {
+                ++n_found[f];
+                for (Index i = 0; i < model.fans[f].n_corners; ++i) kept = kept && n_kept[model.fan_corners[model.fans[f].first_corner + i]]-- == 1;
+            }
         CHECK(kept);
         CHECK(std::all_of(n_found.begin(), n_found.end(), [](int n) { return n == 1; }));
         CHECK(std::all_of(n_kept.begin(), n_kept.end(), [](int n) { return n == 0; }));
