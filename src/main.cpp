@@ -48,6 +48,9 @@ int main(int argc, char** argv) {
     } catch (const knap::SimulationError& error) {
         std::fprintf(stderr, "error[failed]: %s\n", error.what());
         return knap::exit_failed;
+    } catch (const std::filesystem::filesystem_error& error) {  // about a path that the user gave
+        std::fprintf(stderr, "error[file]: `%s`: %s\n", error.path1().c_str(), error.code().message().c_str());
+        return knap::exit_bad_input;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "error[internal]: %s\n", error.what());
         return knap::exit_internal;

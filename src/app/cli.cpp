@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 
@@ -30,6 +31,7 @@ std::string version_text() {
 double quantity(const std::string& text, std::string_view unit) {
     const Quantity read = parse_quantity(text);
     if (!read.problem.empty()) throw UserError("bad-value", "`" + text + "`: " + read.problem);
+    if (!std::isfinite(read.value)) throw UserError("bad-value", "`" + text + "` is not finite");
     if (!read.unit.empty() && read.dimension != dimension_of(unit))
         throw UserError("wrong-unit", "`" + text + "` is " + kind_name(read.dimension) + ", wanted is " + kind_name(dimension_of(unit)));
     return read.value;

@@ -28,8 +28,13 @@ ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figur
                                 .rayleigh_speed = record.value("rayleigh_speed_m_per_s", 0.0),
                                 .materials = record.value("materials", std::vector<std::string>{})};
     const auto read_if_there = [&](const char* name) { return std::filesystem::exists(run / name) ? read_csv(run / name) : History{}; };
-    const Histories histories{.energy = read_csv(run / "energy.csv"),
-                              .cracks = read_csv(run / "cracks.csv"),
+    const auto read_lines = [&](const char* name) {
+        History history = read_csv(run / name);
+        if (history.rows.empty()) throw UserError("damaged-file", "`" + (run / name).string() + "` has no line of numbers");
+        return history;
+    };
+    const Histories histories{.energy = read_lines("energy.csv"),
+                              .cracks = read_lines("cracks.csv"),
                               .reactions = read_if_there("reactions.csv"),
                               .probes = read_if_there("probes.csv"),
                               .breaks = read_if_there("breaks.csv"),
@@ -91,12 +96,12 @@ ExitCode show_runs(const std::vector<std::filesystem::path>& runs, RunFormat for
         return exit_done;
     }
     if (format == RunFormat::json) {
-        std::printf("%s\n", (runs.size() == 1 ? all[0] : all).dump(2).c_str());
+        std::printf("%s\n", (runs.size() == 1 ? all[0] : all).dump(2, ' ', false, Json::error_handler_t::replace).c_str());
         return exit_done;
     }
     for (const Json& record : all) {
-        std::printf("%s: %s, %s, version %s, seed %d\n", record["directory"].get<std::string>().c_str(), record.value("name", "").c_str(),
-                    record.value("status", "").c_str(), record.value("version", "").c_str(), record.value("seed", 0));
+        std::printf("%s: %s, %s, version %s, seed %lld\n", record["directory"].get<std::string>().c_str(), record.value("name", "").c_str(),
+                    record.value("status", "").c_str(), record.value("version", "").c_str(), record.value("seed", 0LL));
         std::printf("  %d triangles, %lld steps, %.1f s of processor time\n", record.value("triangles", 0),
                     static_cast<long long>(record.value("steps", 0LL)), record.value("cpu_s", 0.0));
         for (const auto& [name, value] : record["summary"].items())

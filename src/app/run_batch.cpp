@@ -4,6 +4,7 @@
 #include "app/checkpoint.hpp"
 #include "app/read_run.hpp"
 #include "app/run_directory.hpp"
+#include "app/run_json.hpp"
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
 
@@ -74,7 +75,7 @@ Found found_in(const fs::path& run, const std::string& resolved) {
     if (!any) return Found::nothing;
     if (!fs::exists(run / "run.json", error)) return Found::another;
     if (text_of(run / "resolved.toml") != resolved) return Found::another;
-    const std::string status = read_run_json(run).value("status", "");
+    const std::string status = recorded_status(run);  // of one that cannot be read: unfinished
     return status == "done" || (status == "failed" && !recorded_output_failed(run)) ? Found::finished : Found::unfinished;
 }
 

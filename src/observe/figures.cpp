@@ -26,6 +26,9 @@ void check(const FigureOptions& options) {
         throw UserError("figure-show", "`" + options.show + "` is nothing a figure can show", "known: " + joined(figure_subjects()));
     if (!among(figure_colours(), options.colour))
         throw UserError("figure-colour", "`" + options.colour + "` is nothing cracks can be coloured by", "known: " + joined(figure_colours()));
+    if (!std::isfinite(options.deform)) throw UserError("figure-deform", "displacements cannot be drawn " + std::to_string(options.deform) + " times as large");
+    if (options.range.size() == 2 && !(options.range[0] < options.range[1])) throw UserError("figure-range", "a colour range must ascend");
+    if (options.box && !(options.box->low.array() < options.box->high.array()).all()) throw UserError("figure-box", "a box is given by its lower left and its upper right corner");
     if (options.width < 200 || options.width > 20000)
         throw UserError("figure-width", "a figure is 200 to 20000 pixels wide, not " + std::to_string(options.width));
 }

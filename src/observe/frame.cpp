@@ -1,12 +1,12 @@
 #include "observe/frame.hpp"
 
+#include "base/error.hpp"
 #include "model/model.hpp"
 #include "model/state.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <stdexcept>
 
 namespace knap {
 
@@ -182,7 +182,7 @@ bool History::has(const std::string& name) const { return std::find(columns.begi
 
 std::vector<double> History::column(const std::string& name) const {
     const auto found = std::find(columns.begin(), columns.end(), name);
-    if (found == columns.end()) throw std::out_of_range("no column `" + name + "` in this history");
+    if (found == columns.end()) throw UserError("damaged-file", (file.empty() ? "a history" : "`" + file + "`") + " has no column `" + name + "`");
     const auto j = static_cast<std::size_t>(found - columns.begin());
     std::vector<double> values;
     for (const auto& row : rows) values.push_back(row.at(j));

@@ -63,7 +63,8 @@ double largest_principal(const Eigen::Vector3d& stress);
 struct History {
     std::vector<std::string> columns;
     std::vector<std::vector<double>> rows;
-    /// Throws std::out_of_range for an unknown name.
+    std::string file = {};  // that it was read from; empty for one that is being made
+    /// Throws UserError for an unknown name.
     std::vector<double> column(const std::string& name) const;
     bool has(const std::string& name) const;
 

@@ -86,10 +86,10 @@ void write(vtkUnstructuredGrid* grid, double time, const path& file) {
 vtkNew<vtkXMLUnstructuredGridReader> opened(const path& file) {
     const Quiet quiet;
     vtkNew<vtkXMLUnstructuredGridReader> reader;
-    if (!std::filesystem::is_regular_file(file)) throw SimulationError("cannot read " + file.string());
+    if (!std::filesystem::is_regular_file(file)) throw UserError("missing-file", "there is no file `" + file.string() + "`");
     reader->SetFileName(file.string().c_str());
     reader->Update();
-    if (reader->GetErrorCode() != vtkErrorCode::NoError) throw SimulationError("cannot read " + file.string());
+    if (reader->GetErrorCode() != vtkErrorCode::NoError) throw UserError("damaged-file", "`" + file.string() + "` cannot be read");
     return reader;
 }
 
@@ -98,7 +98,7 @@ class Values {
 public:
     Values(vtkFieldData* data, const char* name, int n_components, const path& file) : array_(data->GetArray(name)) {
         if (!array_ || array_->GetNumberOfComponents() != n_components)
-            throw SimulationError(file.string() + " has no array `" + name + "` of " + std::to_string(n_components) + " components");
+            throw UserError("damaged-file", "`" + file.string() + "` has no array `" + name + "` of " + std::to_string(n_components) + " components");
     }
     Index size() const { return static_cast<Index>(array_->GetNumberOfTuples()); }
     double operator()(Index i, int j = 0) const { return array_->GetComponent(i, j); }
@@ -204,7 +204,7 @@ void read_bulk(const path& file, Frame& frame) {
     const auto reader = opened(file);
     vtkUnstructuredGrid* grid = reader->GetOutput();
     const Values time(grid->GetFieldData(), "TimeValue", 1, file);
-    if (time.size() == 0) throw SimulationError(file.string() + " has no time");
+    if (time.size() == 0) throw UserError("damaged-file", "`" + file.string() + "` has no time");
     const Values stress(grid->GetCellData(), "stress", 3, file), region(grid->GetCellData(), "region", 1, file);
     frame.time = time(0);
     frame.position = positions(grid);

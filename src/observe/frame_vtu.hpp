@@ -9,7 +9,7 @@
 namespace knap {
 
 /// Appended raw data with LZ4; what is computed with is float64 (positions), what is looked at is float32.
-/// Throws SimulationError naming the path.
+/// Throws OutputError naming the path.
 void write_bulk(const Frame& frame, const std::filesystem::path& path);
 /// Those that are damaged, broken, pre-cracked or on a foundation.
 void write_interfaces(const Frame& frame, const std::filesystem::path& path);
@@ -17,7 +17,7 @@ void write_interfaces(const Frame& frame, const std::filesystem::path& path);
 /// The outlines of the obstacles as polygons.
 void write_obstacles(const Frame& frame, const std::filesystem::path& path);
 
-/// Throws SimulationError naming the path.
+/// Throws UserError naming the path.
 void read_bulk(const std::filesystem::path& path, Frame& frame);
 void read_interfaces(const std::filesystem::path& path, Frame& frame);
 void read_obstacles(const std::filesystem::path& path, Frame& frame);

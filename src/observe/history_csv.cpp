@@ -57,8 +57,8 @@ void write_csv(const History& history, const std::filesystem::path& path) {
 History read_csv(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
     std::string line;
-    if (!in || !next_line(in, line)) throw SimulationError("cannot read " + path.string());
-    History history;
+    if (!in || !next_line(in, line)) throw UserError("missing-file", "cannot read `" + path.string() + "`");
+    History history{.file = path.string()};
     for (const std::string_view name : cells(line)) history.columns.emplace_back(name);
     while (next_line(in, line)) {
         if (line.empty()) continue;
@@ -67,10 +67,10 @@ History read_csv(const std::filesystem::path& path) {
         for (const std::string_view cell : cells(line)) {
             double value = 0;
             const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-            if (error != std::errc() || end != cell.data() + cell.size()) throw SimulationError(place + ": `" + std::string(cell) + "` is not a number");
+            if (error != std::errc() || end != cell.data() + cell.size()) throw UserError("damaged-file", place + ": `" + std::string(cell) + "` is not a number");
             row.push_back(value);
         }
-        if (row.size() != history.columns.size()) throw SimulationError(place + ": a row needs " + std::to_string(history.columns.size()) + " numbers");
+        if (row.size() != history.columns.size()) throw UserError("damaged-file", place + ": a row needs " + std::to_string(history.columns.size()) + " numbers");
     }
     return history;
 }

@@ -11,10 +11,10 @@ namespace knap {
 std::string csv_line(const std::vector<std::string>& columns);
 std::string csv_line(const std::vector<double>& row);
 
-/// Throws SimulationError naming the path.
+/// Throws OutputError naming the path.
 void write_csv(const History& history, const std::filesystem::path& path);
 
-/// Throws SimulationError naming the path and line.
+/// Throws UserError naming the path and line.
 History read_csv(const std::filesystem::path& path);
 
 }  // namespace knap

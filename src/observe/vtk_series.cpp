@@ -64,7 +64,7 @@ std::vector<std::string> VtkSeries::missing() const {
 std::vector<double> frame_times(const path& run) {
     const path file = run / "run.pvd";
     std::ifstream in(file, std::ios::binary);
-    if (!in) throw SimulationError("cannot read " + file.string());
+    if (!in) throw UserError("missing-file", "cannot read `" + file.string() + "`");
     std::vector<double> times;
     const std::string key = "timestep=\"";
     for (std::string line; std::getline(in, line);) {
@@ -72,7 +72,7 @@ std::vector<double> frame_times(const path& run) {
         if (at == std::string::npos || line.find("part=\"0\"") == std::string::npos) continue;
         const char* begin = line.data() + at + key.size();
         double time = 0;
-        if (std::from_chars(begin, line.data() + line.size(), time).ec != std::errc()) throw SimulationError(file.string() + ": a time is not a number");
+        if (std::from_chars(begin, line.data() + line.size(), time).ec != std::errc()) throw UserError("damaged-file", "`" + file.string() + "`: a time is not a number");
         times.push_back(time);
     }
     return times;

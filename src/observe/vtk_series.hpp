@@ -14,7 +14,7 @@ public:
     explicit VtkSeries(std::filesystem::path run, std::vector<double> written = {});
 
     /// Writes the next frame and lists it: run.pvd is whole at every moment, whatever interrupts the run.
-    /// Throws SimulationError naming the path that could not be written.
+    /// Throws OutputError naming the path that could not be written.
     void write(const Frame& frame);
 
     const std::vector<double>& times() const { return times_; }  // [s]
@@ -27,7 +27,7 @@ private:
     std::vector<double> times_;
 };
 
-/// Times [s] of the frames of a finished or interrupted run. Throws SimulationError when there is no run.pvd.
+/// Times [s] of the frames of a finished or interrupted run. Throws UserError when there is no run.pvd.
 std::vector<double> frame_times(const std::filesystem::path& run);
 
 /// Frame number `index` of frame_times.
