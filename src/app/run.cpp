@@ -271,9 +271,9 @@ ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& rec
     record.wall = before.wall + whole.wall();
     record.cpu = before.cpu + whole.cpu();
     write_whole_file(directory / "run.json", run_json(record));
-    if (record.status == "failed" || StepControl::has_reached(now, scenario.time.end)) checkpoints.remove();
     const std::string end = end_of_run(record, directory);
     log.add(end);
+    if (record.status == "failed" || StepControl::has_reached(now, scenario.time.end)) checkpoints.remove();
     std::fputs(end.c_str(), stdout);
     return exit_code(record);
 }

@@ -104,8 +104,8 @@ pid_t start(const std::string& scenario, const BatchRun& run, const fs::path& di
     return child;
 }
 
-std::string outcome(const fs::path& run) {
-    if (!fs::exists(run / "run.json")) return "refused";
+std::string outcome(const fs::path& run, bool interrupted) {
+    if (!fs::exists(run / "run.json")) return interrupted ? "not begun" : "refused";
     const auto record = read_run_json(run);
     std::ostringstream text;
     text << record.value("status", "") << ", " << record.value("steps", 0LL) << " steps, " << record.value("cpu_s", 0.0) << " s";
@@ -176,7 +176,7 @@ bool do_runs(const std::string& scenario, const std::vector<const BatchRun*>& to
             if (found == running.end()) continue;
             ++n_done;
             const std::string& name = found->second->name;
-            if (!options.quiet) std::fprintf(stderr, "run %zu of %zu: %s: %s\n", n_done, to_do.size(), name.c_str(), outcome(directory / name).c_str());
+            if (!options.quiet) std::fprintf(stderr, "run %zu of %zu: %s: %s\n", n_done, to_do.size(), name.c_str(), outcome(directory / name, signals.interrupted()).c_str());
             running.erase(found);
         }
     }

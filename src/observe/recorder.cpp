@@ -160,7 +160,7 @@ void Recorder::write_lost_sheets() const {
 }
 
 std::vector<std::string> Recorder::missing_files() const {
-    std::vector<std::string> files = series_ ? series_->missing() : std::vector<std::string>();
+    std::vector<std::string> files = series_ ? series_->missing(!model_.obstacles.empty()) : std::vector<std::string>();
     std::error_code none;
     for (const std::filesystem::path& figure : drawn_)
         if (const std::filesystem::path file = "figures" / figure.filename(); !std::filesystem::exists(options_.directory / file, none)) files.push_back(file.string());

@@ -52,11 +52,13 @@ void VtkSeries::write(const Frame& frame) {
     write_collection(run_, times_, frame.n_obstacles() > 0);
 }
 
-std::vector<std::string> VtkSeries::missing() const {
+std::vector<std::string> VtkSeries::missing(bool obstacles) const {
+    std::vector<const char*> parts{"bulk", "interfaces"};
+    if (obstacles) parts.push_back("obstacles");
     std::vector<std::string> files;
     std::error_code none;
     for (std::size_t i = 0; i < times_.size(); ++i)
-        for (const char* part : {"bulk", "interfaces"})
+        for (const char* part : parts)
             if (!std::filesystem::exists(run_ / file_of(part, i), none)) files.push_back(file_of(part, i));
     return files;
 }

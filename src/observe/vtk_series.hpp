@@ -20,7 +20,7 @@ public:
     const std::vector<double>& times() const { return times_; }  // [s]
 
     /// Files of these frames that are gone: "fields/bulk_0003.vtu".
-    std::vector<std::string> missing() const;
+    std::vector<std::string> missing(bool obstacles) const;
 
 private:
     std::filesystem::path run_;
