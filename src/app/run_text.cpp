@@ -25,6 +25,9 @@ const char* advice(CutReason reason) {
 const char* advice(std::string_view gate) {
     if (gate == "largest_speed" || gate == "energy_residual") return "Usual cause: a step beyond the stable one, or a load that is absurd in its unit; try a smaller time.step";
     if (gate == "penetration") return "Usual cause: a body driven against itself faster than a step can follow; try a smaller time.step, and look at the prescribed motions";
+    if (gate == "interface_residual")
+        return "The solver of the interfaces found no lawful motion. Usual cause: a body driven into what does not give way, very large friction, or slivers; try a "
+               "smaller time.step, less friction, a better mesh, and look at the prescribed motions";
     return "Usual cause: an interface problem at the limit of rounding (very large friction, slivers); try a smaller time.step, a better mesh, or less friction";
 }
 
@@ -84,11 +87,15 @@ std::string missing_text(const std::vector<std::string>& files) {
     return "warning[missing-file]: " + files.front() + others + " which this run wrote cannot be found; the rest is as it would be, --force makes all of it again\n";
 }
 
-std::string violated_text(const Gate& gate, const State& now, const Vec2& fastest) {
-    std::string text;
-    add_line(text, "gate %s violated at t = %.9g s (step %lld): %.4g, limit %.4g: %s. ", gate.name.data(), now.time, static_cast<long long>(now.n_steps), gate.value,
-             gate.limit, gate.meaning.data());
-    add_line(text, "The body moves fastest at (x, y) = (%.6g, %.6g) m. %s", fastest.x(), fastest.y(), advice(gate.name));
+std::string violated_text(const Gates& gates, const State& now, const Vec2& fastest) {
+    std::string text, of;  // the gate that the others may come from
+    for (const Gate& gate : gates) {
+        if (gate.pass) continue;
+        add_line(text, "gate %s violated at t = %.9g s (step %lld): %.4g, limit %.4g: %s. ", gate.name.data(), now.time, static_cast<long long>(now.n_steps), gate.value,
+                 gate.limit, gate.meaning.data());
+        if (of.empty() || gate.name == "interface_residual") of = gate.name;
+    }
+    add_line(text, "The body moves fastest at (x, y) = (%.6g, %.6g) m. %s", fastest.x(), fastest.y(), advice(of));
     return text;
 }
 

@@ -20,8 +20,8 @@ std::string resumed_text(const State& now);
 /// That files which a run wrote are gone; empty where none is.
 std::string missing_text(const std::vector<std::string>& files);
 
-/// Why a run was stopped by a gate, and where to look.
-std::string violated_text(const Gate& gate, const State& now, const Vec2& fastest);
+/// Why a run was stopped by gates, all that are violated, and where to look.
+std::string violated_text(const Gates& gates, const State& now, const Vec2& fastest);
 
 /// What a run found.
 std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory);

@@ -3,6 +3,7 @@
 #include "app/run_text.hpp"
 #include "base/error.hpp"
 
+#include <algorithm>
 #include <csignal>
 
 namespace knap {
@@ -24,8 +25,9 @@ void try_step(const Stepping& run, State& now, State& next) {
     std::swap(now, next);
     run.recorder.after_step(now, report);
     run.progress.after_step(now, run.recorder);
-    for (const Gate& gate : run.recorder.ledger().gates(run.critical_opening, run.size))
-        if (!gate.pass) throw SimulationError(violated_text(gate, now, place_of_largest_speed(run.model, now)));
+    const Gates gates = run.recorder.ledger().gates(run.critical_opening, run.size);
+    if (std::all_of(gates.begin(), gates.end(), [](const Gate& gate) { return gate.pass; })) return;
+    throw SimulationError(violated_text(gates, now, place_of_largest_speed(run.model, now)));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // The other commands.
 #include "program.hpp"
 
+#include "app/run_text.hpp"
 #include "app/step_plan.hpp"
 #include "scenario/read_scenario.hpp"
 
@@ -162,6 +163,21 @@ TEST_CASE("the step plan of the implicit bulk is not bound by the stable step") 
     CHECK(key_of({0.02}, {0.01}, {0.011}) == "time.step_min");
     CHECK(key_of({0.02}, {}, {0.03}) == "time.step_min");
     CHECK(key_of({0.02}, {0.02}, {0.02}) == "");
+}
+
+TEST_CASE("a run that violates several gates names them all") {
+    using namespace std::string_view_literals;
+    knap::Gates gates;
+    gates.fill({"impact_work"sv, 0, 1, true, "holds"sv});
+    const auto text = [&] { return knap::violated_text(gates, {}, {0, 0}); };
+    gates[0] = {"energy_residual"sv, 2e-3, 1e-10, false, "error of the energy"sv};
+    CHECK(text().find("beyond the stable one") != std::string::npos);
+    gates[4] = {"interface_residual"sv, 1.1, 1e-10, false, "violation of the laws"sv};
+    gates[6] = {"penetration"sv, 1, 0.1, false, "too deep"sv};
+    for (const char* words : {"energy_residual violated", "0.002, limit 1e-10", "interface_residual violated", "1.1, limit 1e-10", "penetration violated", "solver of the interfaces"})
+        CHECK_MESSAGE(text().find(words) != std::string::npos, words);
+    CHECK(text().find("impact_work") == std::string::npos);
+    CHECK(text().find("stable one") == std::string::npos);
 }
 
 TEST_CASE("what selects nothing of the mesh is said with its line") {
