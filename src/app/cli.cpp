@@ -206,6 +206,8 @@ int run_command_line(int argc, char** argv) {
     bench_command->add_flag("--full", bench_options.full, "all 80 us of the block, 151 000 and a million triangles, and what a run does beside its steps");
     bench_command->add_option("--csv", bench_options.csv, "write what was measured to this file");
 
+    app.footer("Exit codes: 0 done, 1 internal error, 2 bad scenario or option, 3 the simulation failed or violated a gate, or no solver solved the problem,\n"
+               "4 an [expect] value failed, 130 interrupted.");  // after the commands, which would have it as well
     std::vector<std::string> commands;
     for (const CLI::App* command : app.get_subcommands({})) commands.push_back(command->get_name());
     if (argc > 1 && argv[1][0] != '-' && std::find(commands.begin(), commands.end(), argv[1]) == commands.end()) {

@@ -1,18 +1,27 @@
-# Completion of knap for bash: commands, options and built-in scenarios as the program itself names them.
+# Completion of knap for bash: commands, options, their values, keys and built-in scenarios as the program itself names them.
 _knap() {
-    local word="${COMP_WORDS[COMP_CWORD]}" before="${COMP_WORDS[COMP_CWORD - 1]}" knap="${COMP_WORDS[0]}" command="${COMP_WORDS[1]}" words
+    local word="${COMP_WORDS[COMP_CWORD]}" before="${COMP_WORDS[COMP_CWORD - 1]}" knap="${COMP_WORDS[0]}" command="${COMP_WORDS[1]}" words="" files="yes" help option
     if ((COMP_CWORD == 1)); then
         words="--help --version $("$knap" --help 2>/dev/null | sed -n '/^Subcommands:/,$ s/^  \([a-z][a-z]*\) .*/\1/p')"
-    elif [[ "$word" == -* ]]; then
-        words="$("$knap" "$command" --help 2>/dev/null | sed -n 's/^  \(-[^ ]*\).*/\1/p' | tr ',' '\n' | sed 's/[:=].*//')"
-    elif [[ "$before" == -s || "$before" == --set ]]; then
-        words="$("$knap" schema --markdown 2>/dev/null | sed -n 's/^| `\([a-z_.0-9]*\)`.*/\1=/p')"
-        compopt -o nospace
-    elif [[ "$command" =~ ^(run|check|mesh|study|sweep)$ ]]; then
-        words="$("$knap" list 2>/dev/null)"
+        files=""
+    else
+        help="$("$knap" "$command" --help 2>/dev/null)"
+        option="$(grep -m 1 -E -- "^  (-[^ ]*,)?$before(,[^ ]*)? (TEXT|INT|UINT|FLOAT)" <<<"$help")"  # of what has a value
+        if [[ "$word" == -* ]]; then
+            words="$(sed -n 's/^  \(-[^ ]*\).*/\1/p' <<<"$help" | tr ',' '\n' | sed 's/[:=].*//')"
+            files=""
+        elif [[ "$before" == -s || "$before" == --set ]]; then
+            words="$("$knap" schema --markdown 2>/dev/null | sed -n 's/^| `\([a-z][]a-z_.0-9[]*\)`.*/\1=/p' | sed 's/\[\]/[0]/g')"
+            compopt -o nospace
+        elif [[ "$before" == -* && "$option" =~ \{([^}]*)\} ]]; then
+            words="${BASH_REMATCH[1]//,/ }"
+            files=""
+        elif [[ ! ("$before" == -* && -n "$option") && "$command" =~ ^(run|check|mesh|study|sweep)$ ]]; then
+            words="$("$knap" list 2>/dev/null)"
+        fi
     fi
     mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
-    if ((COMP_CWORD > 1)) && [[ "$word" != -* ]]; then
+    if [[ -n "$files" ]]; then
         mapfile -t -O "${#COMPREPLY[@]}" COMPREPLY < <(compgen -f -- "$word")
     fi
 }

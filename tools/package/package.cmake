@@ -1,7 +1,9 @@
 # `cpack` in a build directory makes a Debian package that needs nothing but runtime libraries.
 include(GNUInstallDirs)
 install(TARGETS knap RUNTIME)
-install(FILES tools/package/knap.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tools/package/knap.1)
+file(ARCHIVE_CREATE OUTPUT ${CMAKE_BINARY_DIR}/knap.1.gz PATHS ${CMAKE_SOURCE_DIR}/tools/package/knap.1 FORMAT raw COMPRESSION GZip COMPRESSION_LEVEL 9)
+install(FILES ${CMAKE_BINARY_DIR}/knap.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES tools/package/knap.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME knap)
 install(FILES tools/package/copyright README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
