@@ -220,14 +220,18 @@ void resume(const Prepared& run, Checkpoints& checkpoints, RunMemory& memory, Ru
 
 /// The run, or the rest of it. Throws OutputError where something cannot be written.
 ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& record) {
-    const auto& [read, options, directory, model, plan, stepper, warnings, whole] = prepared;
-    const Scenario& scenario = read.scenario;
+    const Scenario& scenario = prepared.read.scenario;
+    const RunOptions& options = prepared.options;
+    const std::filesystem::path& directory = prepared.directory;
+    const Model& model = prepared.model;
+    MoreauJean& stepper = prepared.stepper;
+    const Stopwatch& whole = prepared.whole;
     RunLog& log = place.log();
-    if (!place.resumes()) log.add(warnings);
+    if (!place.resumes()) log.add(prepared.warnings);
 
     State now = place.resumes() ? initial_state(model) : start_of(model, scenario, stepper, record);
     Recorder recorder(model, now, recorder_options(scenario, model, directory, place.resumes()));
-    StepControl control(plan.limits);
+    StepControl control(prepared.plan.limits);
     RunMemory memory{.now = now, .control = control, .recorder = recorder};
     Checkpoints checkpoints(directory, scenario.output.checkpoint_every);
     if (place.resumes()) resume(prepared, checkpoints, memory, log);
@@ -252,7 +256,7 @@ ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& rec
                        .recorder = recorder,
                        .progress = progress,
                        .log = log,
-                       .smallest_step = plan.limits.smallest,
+                       .smallest_step = prepared.plan.limits.smallest,
                        .critical_opening = largest_critical_opening(scenario),
                        .size = diagonal(model.mesh.vertices)};
     step_to_end(run, until, checkpoints, save, now, record);
