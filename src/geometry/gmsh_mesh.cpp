@@ -5,10 +5,12 @@
 #include "geometry/gmsh_warnings.hpp"
 #include "geometry/mesh_limits.hpp"
 #include "geometry/mesh_order.hpp"
+#include "geometry/overlaps.hpp"
 #include "geometry/shape.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace knap {
 namespace {
@@ -29,6 +31,7 @@ public:
         for (Index& vertex : vertex_of_node_)
             if (vertex >= 0) vertex = new_number[vertex];
         find_edges_or_say_why();
+        check_overlap();
         made_.warnings = mesh_warnings(made_.mesh);
         name_edges(source_, file_, numbers_, vertex_of_node_, made_);
         return std::move(made_);
@@ -106,6 +109,18 @@ private:
         const Eigen::Array3d extent = high - low;
         if (extent.z() > plane_tolerance * extent.maxCoeff())
             source_.fail(source_.at(), "this mesh does not lie in a plane z = const", "a body is meshed in the x-y plane");
+    }
+
+    void check_overlap() const {
+        const auto found = find_overlap(made_.mesh);
+        if (!found) return;
+        const auto place = [&](Index t) {
+            const Vec2 x = (made_.mesh.corner(t, 0) + made_.mesh.corner(t, 1) + made_.mesh.corner(t, 2)) / 3;
+            char text[80];
+            std::snprintf(text, sizeof text, "(%.6g, %.6g)", x.x(), x.y());
+            return std::string(text);
+        };
+        source_.fail(source_.at(), "the triangle round " + place((*found)[0]) + " lies over the one round " + place((*found)[1]) + ", with which it shares no edge");
     }
 
     void find_edges_or_say_why() {

@@ -62,6 +62,8 @@ const std::vector<Case>& cases() {
          square_file("3\n1 2 0 1 2 3\n2 2 0 1 3 4\n3 2 0 1 3 5\n", "5\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0.1 0.9 0\n"), 16,
          "same side of the edge between the nodes 1 and 3"},
         {"a fold", square_file("2\n1 2 0 1 2 3\n2 2 0 1 3 4\n", "4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 1 0.5 0\n"), 14, "overlap"},
+        {"a triangle over the others", square_file("3\n1 2 0 1 2 3\n2 2 0 1 3 4\n3 2 0 5 6 7\n", "7\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0.3 0.2 0\n6 0.7 0.3 0\n7 0.4 0.6 0\n"), 20,
+         "lies over the one round"},
         {"an edge with two names", elements("4\n1 2 0 1 2 3\n2 2 0 1 3 4\n3 1 1 7 1 2\n4 1 1 8 2 1\n"), 16,
          "two physical groups, `7` and `8`"},
         {"a name without quotes", square_file("0\n", "0\n", "$PhysicalNames\n1\n1 1 left\n$EndPhysicalNames\n"), 6,
