@@ -16,7 +16,7 @@ LcpMatrix read_matrix_market(const std::filesystem::path& file);
 LcpProblem read_lcp(const std::filesystem::path& stem);
 
 /// Writes stem.L.mtx and stem.q.mtx with the shortest numbers that read back to the same bits. Throws UserError where one of the files
-/// exists already or cannot be written: nothing is overwritten.
+/// exists already, nothing is overwritten, and OutputError where one cannot be written.
 void write_lcp(const std::filesystem::path& stem, const LcpProblem& problem);
 
 }  // namespace knap
