@@ -1,10 +1,12 @@
 #include "stepper/augmented_lagrangian.hpp"
 
+#include "base/room.hpp"
 #include "base/secant.hpp"
 
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace knap {
@@ -25,7 +27,7 @@ constexpr double soft_augmentation = 10, hardening = 3, soft_tolerance = 1e-4;
 void AugmentedLagrangian::evaluate(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, const std::vector<Vec2>& rate) {
     bulk.taken(rate, corner_taken_);
     bulk.sum_to_nodes(corner_taken_, taken_);
-    residual_ = taken_;
+    copy(taken_, residual_);
     for (LoosePoint& point : points) {
         point.rate = point.rate_at(rate);
         point.response = respond(point.law, point.rate.x(), point.rate.y());
@@ -52,7 +54,7 @@ Index AugmentedLagrangian::worst_node() const {
 
 void AugmentedLagrangian::make_tangents(const std::vector<LoosePoint>& points, Softening softening) {
     tangents_.clear();
-    tangents_.reserve(points.size());
+    make_room(tangents_, points.size());
     for (const LoosePoint& point : points) {
         const Eigen::Matrix2d D = tangent(point.law, point.response, softening);
         if (D.isZero(0)) continue;
@@ -73,22 +75,27 @@ void AugmentedLagrangian::make_tangents(const std::vector<LoosePoint>& points, S
 
 bool AugmentedLagrangian::has_several_solutions(const std::vector<LoosePoint>& points) {
     if (indefinite_) return true;
-    std::vector<const LoosePoint*> broken;
-    for (const LoosePoint& point : points)
-        if (point.response.breaks && point.law.cohesion > 0) broken.push_back(&point);
-    if (broken.empty()) return false;
-    if (factored_states_.empty() || !matrix_.is_symmetric() || broken.size() > 8) {
+    constexpr int most_broken = 8;
+    std::array<const LoosePoint*, most_broken> broken;
+    Eigen::Index n = 0;
+    for (const LoosePoint& point : points) {
+        if (!point.response.breaks || point.law.cohesion <= 0) continue;
+        if (n < most_broken) broken[n] = &point;
+        ++n;
+    }
+    if (n == 0) return false;
+    if (factored_states_.empty() || !matrix_.is_symmetric() || n > most_broken) {
         make_tangents(points, Softening::at_all);
         forget_factor();
         return !matrix_.factorise(tangents_);
     }
     // few: A - G C G' is definite if and only if C^-1 - G' A^-1 G is (A as it is factorised is definite)
-    const Eigen::Index n = static_cast<Eigen::Index>(broken.size());
-    Eigen::MatrixXd left = Eigen::MatrixXd::Zero(n, n);
-    std::vector<Vec2> pull;
+    using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, most_broken, most_broken>;
+    Small left = Small::Zero(n, n);
+    std::vector<Vec2>& pull = downhill_;
     for (Eigen::Index j = 0; j < n; ++j) {
         const LoosePoint& point = *broken[j];
-        pull.assign(residual_.size(), Vec2::Zero());
+        fill(pull, residual_.size(), Vec2(Vec2::Zero()));
         const Vec2 g = loss_direction(point.law, point.response), force = g.x() * point.normal + g.y() * turned_left(point.normal);
         if (point.after >= 0) pull[point.after] += force;
         if (point.before >= 0) pull[point.before] -= force;
@@ -107,6 +114,7 @@ bool AugmentedLagrangian::prepare_matrix(const std::vector<LoosePoint>& points) 
     bool same = factored_states_.size() == points.size() + 1;  // one more, so that no points are not the same as no factor
     for (std::size_t i = 0; same && i < points.size(); ++i) same = factored_states_[i] == points[i].response.state;
     if (same) return true;
+    make_room(factored_states_, points.size() + 1);
     factored_states_.resize(points.size() + 1);
     bool softens = false;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -130,6 +138,7 @@ double AugmentedLagrangian::step_length(const std::vector<LoosePoint>& points, c
     double at_start = 0, bulk_slope = 0;
     for (std::size_t i = 0; i < direction.size(); ++i) at_start += direction[i].dot(taken_[i]), bulk_slope += direction[i].dot(changed[i]);
     std::vector<Vec2>& turn = turn_;
+    make_room(turn, points.size());
     turn.resize(points.size());
     for (std::size_t j = 0; j < points.size(); ++j) turn[j] = points[j].across(direction);
     const auto slope = [&](double a) {
@@ -165,7 +174,7 @@ bool AugmentedLagrangian::find_rates(const ImplicitBulk& bulk, std::vector<Loose
         if (stalled >= 3 && norm <= 1e3 * tolerance) return true;  // rounding; the judge of the step has the last word
         best = std::min(best, norm);
         if (!prepare_matrix(points)) return false;
-        downhill_ = residual_;
+        copy(residual_, downhill_);
         for (Vec2& r : downhill_) r = -r;
         matrix_.solve(downhill_, direction_);
         ++counts_.linear_solves;
@@ -203,6 +212,7 @@ bool AugmentedLagrangian::settle(const ImplicitBulk& bulk, std::vector<LoosePoin
                                  int most_steps) {
     const bool has_potential = std::none_of(points.begin(), points.end(), [](const LoosePoint& p) { return p.law.friction > 0 && p.law.friction_follows; });
     std::vector<Vec2>& last = last_multipliers_;
+    make_room(last, points.size());
     last.resize(points.size());
     leaps_.begin();
     augment(points, full_augmentation);
@@ -253,7 +263,7 @@ AugmentedLagrangian::Status AugmentedLagrangian::solve(const ImplicitBulk& bulk,
 
     // Coulomb's law is no gradient: Newton's method may wander. Then friction is bounded by the contact of the round before for a while
     for (int attempt = 0; attempt < 4; ++attempt) {
-        points_before_ = points, rate_before_ = rate;
+        copy(points, points_before_), copy(rate, rate_before_);
         if (settle(bulk, points, rate, law_goal, attempt == 3 ? most_newton_steps : most_wandering_steps)) return Status::solved;
         points = points_before_, rate = rate_before_;
         find_friction(bulk, points, rate);

@@ -2,9 +2,11 @@
 
 namespace knap {
 
-CornerPartition partition_corners(const Model& model, const std::vector<std::uint8_t>& fan_is_loose) {
-    CornerPartition partition;
-    partition.node_of_corner.assign(model.mesh.n_corners(), -1);
+void partition_corners(const Model& model, const std::vector<std::uint8_t>& fan_is_loose, CornerPartition& partition) {
+    constexpr Index no_node = -1, begins_part = -2;
+    partition.node_of_corner.assign(model.mesh.n_corners(), no_node);
+    partition.corner_of_node.clear();
+    partition.corner_of_node.reserve(model.mesh.n_corners());
     const auto new_node = [&](Index corner) {
         partition.corner_of_node.push_back(corner);
         return partition.n_nodes() - 1;
@@ -19,25 +21,23 @@ CornerPartition partition_corners(const Model& model, const std::vector<std::uin
         }
         // the points are in the order of the corners: a part begins behind every point that can break
         const FanPoint* point = &model.fan_points[fan.first_point];
-        const auto begins_part = [&](Index j) { return point[j].after != ground && (point[j].before == ground || !unbreakable(model, point[j])); };
-        std::vector<std::uint8_t> begins(fan.n_corners, 0);
+        const auto parts = [&](Index j) { return point[j].after != ground && (point[j].before == ground || !unbreakable(model, point[j])); };
+        const auto mark = [&](Index c) -> Index& { return partition.node_of_corner[corner[c]]; };
         bool any = false;
         for (Index j = 0, c = 0; j < fan.n_points; ++j) {
             while (c < fan.n_corners && corner[c] != point[j].after) ++c;
-            if (c < fan.n_corners && begins_part(j)) begins[c] = any = true;
+            if (c < fan.n_corners && parts(j)) mark(c) = begins_part, any = true;
         }
-        if (!fan.closed) begins[0] = any = true;
-        if (!any) begins[0] = true;
+        if (!fan.closed || !any) mark(0) = begins_part;
         Index first = 0;
-        while (!begins[first]) ++first;
+        while (mark(first) != begins_part) ++first;
         Index node = -1;
         for (Index k = 0; k < fan.n_corners; ++k) {  // a closed fan goes on over its end
             const Index i = (first + k) % fan.n_corners;
-            if (begins[i]) node = new_node(corner[i]);
-            partition.node_of_corner[corner[i]] = node;
+            if (mark(i) == begins_part) node = new_node(corner[i]);
+            mark(i) = node;
         }
     }
-    return partition;
 }
 
 }  // namespace knap

@@ -17,7 +17,7 @@ struct CornerPartition {
 /// A point that holds for good: its law cannot break and it is no crack.
 inline bool unbreakable(const Model& model, const FanPoint& point) { return !point.cracked && !model.laws[point.law].breakable(); }
 
-/// Nodes are numbered fan by fan, those of a fan one after the other.
-CornerPartition partition_corners(const Model& model, const std::vector<std::uint8_t>& fan_is_loose);
+/// Nodes are numbered fan by fan, those of a fan one after the other. What `partition` was is overwritten; its memory is used again.
+void partition_corners(const Model& model, const std::vector<std::uint8_t>& fan_is_loose, CornerPartition& partition);
 
 }  // namespace knap

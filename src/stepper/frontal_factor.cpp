@@ -1,5 +1,7 @@
 #include "stepper/frontal_factor.hpp"
 
+#include "base/room.hpp"
+
 #include <Eigen/Cholesky>
 
 #include <algorithm>
@@ -25,14 +27,20 @@ bool FrontalFactor::update(const std::vector<Index>& eliminated_in, const Elemen
     return true;
 }
 
+void FrontalFactor::DenseMatrix::set_zero(Index n_rows, Index n_columns) {
+    n_rows_ = n_rows, n_columns_ = n_columns;
+    const std::size_t n = static_cast<std::size_t>(n_rows_ * n_columns_);
+    fill(entries_, n, 0.0);  // a crack makes fronts grow, node by node
+}
+
 void FrontalFactor::find_unknowns(Index part, const std::vector<Index>& eliminated_in) {
     Front& front = fronts_[part];
-    front.unknown.clear();
+    own_.clear();
     left_.clear();
     const auto meet = [&](Index u) {
         if (u < 0 || place_[u] >= 0) return;
         place_[u] = 0;
-        (eliminated_in[u] == part ? front.unknown : left_).push_back(u);
+        (eliminated_in[u] == part ? own_ : left_).push_back(u);
     };
     for (const Element& element : elements_)
         for (int i = 0; i < element.n_unknowns; ++i) meet(element.unknown[i]);
@@ -41,7 +49,9 @@ void FrontalFactor::find_unknowns(Index part, const std::vector<Index>& eliminat
         const Front& half = fronts_[child];
         for (Index i = half.n_eliminated; i < half.size(); ++i) meet(half.unknown[i]);
     }
-    front.n_eliminated = front.size();
+    front.n_eliminated = static_cast<Index>(own_.size());
+    make_room(front.unknown, own_.size() + left_.size());
+    front.unknown.assign(own_.begin(), own_.end());
     front.unknown.insert(front.unknown.end(), left_.begin(), left_.end());
     for (Index i = 0; i < front.size(); ++i) place_[front.unknown[i]] = i;
 }
@@ -52,8 +62,8 @@ double& FrontalFactor::entry(Front& front, Index row, Index column) {
 
 void FrontalFactor::assemble(Index part) {
     Front& front = fronts_[part];
-    front.L.setZero(front.size(), front.n_eliminated);
-    front.left_over.setZero(front.n_left(), front.n_left());
+    front.L.set_zero(front.size(), front.n_eliminated);
+    front.left_over.set_zero(front.n_left(), front.n_left());
     for (const Element& element : elements_)
         for (int j = 0; j < element.n_unknowns; ++j) {
             if (element.unknown[j] < 0) continue;
@@ -72,7 +82,7 @@ void FrontalFactor::add_left_over(const Front& half, Front& front) {
     place_above_.clear();
     for (Index i = half.n_eliminated; i < half.size(); ++i) place_above_.push_back(place_[half.unknown[i]]);
     for (Index j = 0; j < half.n_left(); ++j) {
-        const double* from = half.left_over.col(j).data();
+        const double* from = half.left_over.column(j);
         const Index column = place_above_[j];
         for (Index i = j; i < half.n_left(); ++i) {
             const Index row = place_above_[i];
@@ -84,24 +94,27 @@ void FrontalFactor::add_left_over(const Front& half, Front& front) {
 bool FrontalFactor::eliminate(Front& front) {
     const Index n = front.n_eliminated, n_left = front.n_left();
     if (n == 0) return true;
-    auto L = front.L.topRows(n);
+    auto whole = front.L.map();
+    auto L = whole.topRows(n);
     Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(L);
     if (in_place.info() != Eigen::Success || !(L.diagonal().array() > 0).all()) return false;
     if (n_left == 0) return true;
-    auto L_B = front.L.bottomRows(n_left);
+    auto L_B = whole.bottomRows(n_left);
     L.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(L_B);
-    front.left_over.selfadjointView<Eigen::Lower>().rankUpdate(L_B, -1);
+    front.left_over.map().selfadjointView<Eigen::Lower>().rankUpdate(L_B, -1);
     return true;
 }
 
 void FrontalFactor::solve(std::vector<double>& x) const {
     // column by column: most fronts are too small for anything else
+    const auto below = [](const double* column, Index k, Index size) -> Eigen::Map<const Eigen::VectorXd> { return {column + k + 1, size - k - 1}; };
     for (const Front& front : fronts_) {
         const Index n = front.n_eliminated, size = front.size();
         gather(front, x);
         for (Index k = 0; k < n; ++k) {
-            const double at = local_[k] /= front.L(k, k);
-            local_.segment(k + 1, size - k - 1) -= at * front.L.col(k).tail(size - k - 1);
+            const double* column = front.L.column(k);
+            const double at = local_[k] /= column[k];
+            local_.segment(k + 1, size - k - 1) -= at * below(column, k, size);
         }
         for (Index i = 0; i < size && n > 0; ++i) x[front.unknown[i]] = local_[i];
     }
@@ -109,8 +122,9 @@ void FrontalFactor::solve(std::vector<double>& x) const {
         const Index n = front->n_eliminated, size = front->size();
         gather(*front, x);
         for (Index k = n - 1; k >= 0; --k) {
-            const double below = front->L.col(k).tail(size - k - 1).dot(local_.segment(k + 1, size - k - 1));
-            x[front->unknown[k]] = local_[k] = (local_[k] - below) / front->L(k, k);
+            const double* column = front->L.column(k);
+            const double known = below(column, k, size).dot(local_.segment(k + 1, size - k - 1));
+            x[front->unknown[k]] = local_[k] = (local_[k] - known) / column[k];
         }
     }
 }

@@ -45,11 +45,23 @@ public:
     std::int64_t n_entries() const;       // of L
 
 private:
+    /// A dense matrix that uses the memory again that a larger one left.
+    class DenseMatrix {
+    public:
+        void set_zero(Index n_rows, Index n_columns);
+        Eigen::Map<Eigen::MatrixXd> map() { return {entries_.data(), n_rows_, n_columns_}; }
+        double& operator()(Index row, Index column) { return entries_[row + n_rows_ * column]; }
+        const double* column(Index j) const { return entries_.data() + n_rows_ * j; }
+
+    private:
+        std::vector<double> entries_;
+        Eigen::Index n_rows_ = 0, n_columns_ = 0;
+    };
     struct Front {
         std::vector<Index> unknown;  // those that are eliminated come first
         Index n_eliminated = 0;
-        Eigen::MatrixXd L;           // lower half: L, and L_B below it
-        Eigen::MatrixXd left_over;   // lower half
+        DenseMatrix L;               // lower half: L, and L_B below it
+        DenseMatrix left_over;       // lower half
         Index size() const { return static_cast<Index>(unknown.size()); }
         Index n_left() const { return size() - n_eliminated; }
     };
@@ -66,7 +78,7 @@ private:
     std::vector<std::uint8_t> stale_;  // per part
     std::vector<Index> place_;         // per unknown: in the front that is being made, or -1
     std::vector<Index> place_above_;   // per unknown left over by a half: in the front that is being made
-    std::vector<Index> left_;
+    std::vector<Index> own_, left_;    // unknowns of the front that is being made
     std::vector<Element> elements_;
     mutable Eigen::VectorXd local_;
 };

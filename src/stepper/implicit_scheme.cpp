@@ -1,5 +1,6 @@
 #include "stepper/implicit_scheme.hpp"
 
+#include "base/room.hpp"
 #include "stepper/contact_bound.hpp"
 
 #include <algorithm>
@@ -79,7 +80,7 @@ void ImplicitScheme::solve_points(const State& begin, double h, StepReport& repo
 
 void ImplicitScheme::choose_partition(const State& begin, double h) {
     const bool same = matrix_loose_ == loose_;
-    if (!same) partition_ = partition_corners(model_, loose_);
+    if (!same) partition_corners(model_, loose_, partition_);
     bulk_.set_partition(partition_, rate_);
     for (Index i = 0; i < partition_.n_nodes() && !corner_rate_.empty(); ++i)
         for (int k = 0; k < 2; ++k)
@@ -97,7 +98,7 @@ void ImplicitScheme::choose_partition(const State& begin, double h) {
 void ImplicitScheme::make_points(const State& begin, double h) {
     points_.clear();
     std::fill(loose_point_of_.begin(), loose_point_of_.end(), -1);
-    node_inertia_.assign(partition_.n_nodes(), 0);
+    fill(node_inertia_, partition_.n_nodes(), 0.0);
     const double stiffness_factor = options_.theta * options_.theta * h * h;
     for (Index c = 0; c < model_.mesh.n_corners(); ++c)
         node_inertia_[partition_.node_of_corner[c]] += bulk_.corner_mass(c) + stiffness_factor * bulk_.corner_stiffness(c);

@@ -1,5 +1,7 @@
 #include "stepper/theta_matrix.hpp"
 
+#include "base/room.hpp"
+
 #include <algorithm>
 
 namespace knap {
@@ -39,7 +41,7 @@ bool ThetaMatrix::couples(const FanPoint& point) const {
 }
 
 void ThetaMatrix::set_nodes(const CornerPartition& partition, const std::vector<std::array<bool, 2>>& prescribed_of_node) {
-    corner_of_node_ = partition.corner_of_node;
+    copy(partition.corner_of_node, corner_of_node_);
     for (const Fan& fan : model_.fans) {
         bool same = true;
         for (Index i = fan.first_corner; i < fan.first_corner + fan.n_corners; ++i) {
@@ -151,9 +153,9 @@ bool ThetaMatrix::factorise(const std::vector<PointTangent>& points) {
     ++round_;
     std::swap(holding_, held_before_);
     holding_.clear();
-    holding_.reserve(points.capacity());
+    make_room(holding_, points.size());
     friction_.clear();
-    friction_.reserve(points.capacity());
+    make_room(friction_, points.size());
     hold_contacts(points);
     for (const PointTangent& point : points) {
         if (point.block != point.symmetric_block) friction_.push_back(point);
@@ -249,7 +251,7 @@ void ThetaMatrix::solve(const std::vector<Vec2>& right_hand_side, std::vector<Ve
     each_unknown([&](Index u, std::size_t node, int k) { x_[u] = right_hand_side[node][k]; });
     if (is_symmetric()) factor_.solve(x_);
     else if (!lu_unknowns_.empty() || !solve_by_gmres()) solve_by_lu();
-    solution.assign(right_hand_side.size(), Vec2::Zero());
+    fill(solution, right_hand_side.size(), Vec2(Vec2::Zero()));
     each_unknown([&](Index u, std::size_t node, int k) { solution[node][k] = x_[u]; });
 }
 

@@ -35,7 +35,7 @@ struct Setting {
     std::vector<PointTangent> points;
 
     void give(ThetaMatrix& matrix) {
-        partition = partition_corners(model, loose);
+        partition_corners(model, loose, partition);
         prescribed.assign(partition.n_nodes(), {false, false});
         for (Index c = 0; c < model.mesh.n_corners(); ++c)
             if (const Index motion = model.prescribed_of_corner[c]; motion >= 0)
