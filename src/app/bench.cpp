@@ -178,11 +178,12 @@ ExitCode bench(const BenchOptions& options) {
     const Measured block = measure(0.5e-3, until, 1, table);
     const Measured twice = measure(0.5e-3, until, 2, table);
     const auto ratio = [&](const std::string& name, double value) {
-        std::printf("ratio  %-44s %.3f\n", (name + ":").c_str(), value);
+        std::printf("ratio  %-50s %.3f\n", (name + ":").c_str(), value);
         table.add(name, value);
     };
     ratio("cost of a triangle-step, 0.5 mm to 1 mm", coarse.per_core_second / block.per_core_second);
     ratio("wall time, 1 thread to 2", block.wall / twice.wall);
+    ratio("one processor sees what the other wrote after [ns]", 1e9 * handover_time());
     std::printf("same bits with 1 and 2 threads:                     %s\n", block.hash == twice.hash ? "yes" : "NO");
     if (options.full) {
         constexpr double early = 4e-6;

@@ -4,7 +4,12 @@
 
 #include <Eigen/Core>
 
+#include <omp.h>
+
 #include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 namespace knap {
@@ -44,7 +49,35 @@ double flop_rate() {
     return sum > 0 ? best : 0;
 }
 
+/// [s] The best mean of some turns that two threads take; both are there already.
+double time_of_turns(std::atomic<int>& turn) {
+    constexpr int n_turns = 1000;
+    turn.store(-2);
+    double best = std::numeric_limits<double>::infinity();
+#pragma omp parallel num_threads(2)
+    if (omp_get_num_threads() == 2) {
+        const int mine = omp_get_thread_num();
+        turn.fetch_add(1);
+        while (turn.load() < 0) {}  // the other one has come
+        const double begin = omp_get_wtime();
+        for (int i = mine; i < n_turns; i += 2) {
+            while (turn.load() != i) {}
+            turn.store(i + 1);
+        }
+        if (mine == 0) best = (omp_get_wtime() - begin) / n_turns;
+    }
+    return best;
+}
+
 }  // namespace
+
+double handover_time() {
+    if (omp_get_num_procs() < 2) return std::numeric_limits<double>::quiet_NaN();
+    alignas(64) static std::atomic<int> turn;
+    double best = std::numeric_limits<double>::infinity();
+    for (int trial = 0; trial < 50; ++trial) best = std::min(best, time_of_turns(turn));
+    return std::isfinite(best) ? best : std::numeric_limits<double>::quiet_NaN();  // no second thread came
+}
 
 Machine measure_machine() { return {.bytes = memory_rate(), .flops = flop_rate()}; }
 
