@@ -21,13 +21,14 @@ bool is_result(const Json& value) { return value.is_number() || value.is_null();
 bool are_texts(const Json& value) { return value.is_array() && std::all_of(value.begin(), value.end(), is_text); }
 bool are_results(const Json& value) { return value.is_object() && std::all_of(value.begin(), value.end(), is_result); }
 
-/// Gates and expectations.
-bool are_judged(const Json& value) {
-    return value.is_array() && std::all_of(value.begin(), value.end(), [](const Json& one) {
+bool are_judged(const Json& value, Test limit) {
+    return value.is_array() && std::all_of(value.begin(), value.end(), [limit](const Json& one) {
         return one.is_object() && one.contains("name") && is_text(one["name"]) && one.contains("value") && is_result(one["value"]) && one.contains("limit") &&
-               one.contains("pass") && one["pass"].is_boolean();
+               limit(one["limit"]) && one.contains("pass") && one["pass"].is_boolean();
     });
 }
+bool are_gates(const Json& value) { return are_judged(value, is_result); }
+bool are_expectations(const Json& value) { return are_judged(value, is_text); }
 
 /// What the commands take from run.json, all there since the first version.
 constexpr std::pair<const char*, Test> wanted[] = {{"/status", is_text},
@@ -48,8 +49,8 @@ constexpr std::pair<const char*, Test> wanted[] = {{"/status", is_text},
                                                    {"/rayleigh_speed_m_per_s", is_number},
                                                    {"/materials", are_texts},
                                                    {"/summary", are_results},
-                                                   {"/gates", are_judged},
-                                                   {"/expect", are_judged}};
+                                                   {"/gates", are_gates},
+                                                   {"/expect", are_expectations}};
 
 }  // namespace
 

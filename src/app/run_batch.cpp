@@ -73,6 +73,7 @@ Found found_in(const fs::path& run, const std::string& resolved) {
     std::error_code error;
     const bool any = fs::exists(run, error) && !fs::is_empty(run, error);
     if (!any) return Found::nothing;
+    if (never_began(run)) return Found::unfinished;
     if (!fs::exists(run / "run.json", error)) return Found::another;
     if (text_of(run / "resolved.toml") != resolved) return Found::another;
     const std::string status = recorded_status(run);  // of one that cannot be read: unfinished

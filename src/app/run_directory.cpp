@@ -5,6 +5,7 @@
 #include "base/whole_file.hpp"
 
 #include <algorithm>
+#include <set>
 
 namespace knap {
 
@@ -16,11 +17,19 @@ UserError cannot(const std::string& what, const fs::path& path, const std::error
     return UserError("cannot-write", "cannot " + what + " `" + path.string() + "`: " + error.message());
 }
 
-/// What is left of a start that was killed before its run.json was there.
+/// Nothing, or what is left of a start that was killed before its run.json was there; on a volume of its own the system has a directory, too.
 bool is_vacant(const fs::path& directory) {
     std::error_code none;
     const std::uintmax_t said = fs::file_size(directory / "log.txt", none);
-    return holds_only(directory, {"log.txt", "run.json.part"}) && (none || said == 0);
+    return holds_only(directory, {"log.txt", "run.json.part", "lost+found"}) && (none || said == 0);
+}
+
+/// What runs make, whichever; figures and frames are in directories of their own.
+bool is_made_by_runs(fs::path name) {
+    if (name.extension() == ".part") name = name.stem();
+    static const std::set<fs::path> names{"scenario.toml", "resolved.toml", "mesh.msh",   "energy.csv",        "cracks.csv",    "reactions.csv", "probes.csv", "breaks.csv",
+                                          "fragments.csv", "run.pvd",       "checkpoint", "checkpoint.previous", "stress_strain.csv", "fields",   "figures",    "lcp"};
+    return names.contains(name);
 }
 
 /// Whether a run stands there that began with these very files.
@@ -33,19 +42,17 @@ bool began_with(const fs::path& directory, const FirstFiles& files) {
 
 /// Whether this run goes on there; else it begins. Throws UserError where it may do neither.
 bool goes_on(const fs::path& directory, const FirstFiles& files, bool force) {
-    if (is_vacant(directory)) return false;
-    std::error_code none;
-    const bool is_run = fs::exists(directory / "run.json", none);
+    if (never_began(directory)) return false;
+    const bool is_run = is_record_of_a_run(directory);
     if (force && !is_run)
-        throw UserError("not-a-run", "`" + directory.string() + "` was not made by knap (no run.json), so --force does not clear it");
-    const std::string status = is_run ? recorded_status(directory) : "";
-    if (force || status == "starting") return false;
+        throw UserError("not-a-run", "`" + directory.string() + "` was not made by knap (it has no run.json of a run), so --force does not clear it");
+    if (force) return false;
     if (is_run && began_with(directory, files)) {
         if (Checkpoints::exist_in(directory)) return true;
-        if (status == "running" || recorded_output_failed(directory)) return false;
+        if (recorded_status(directory) == "running" || recorded_output_failed(directory)) return false;
     }
     throw UserError("run-exists", "`" + directory.string() + "` exists already, nothing was run",
-                    "choose another directory with --output, or replace the old run with --force");
+                    std::string("choose another directory with --output") + (is_run ? ", or replace the old run with --force" : ""));
 }
 
 void write_record(const fs::path& directory, RunRecord record, const std::string& status) {
@@ -53,17 +60,20 @@ void write_record(const fs::path& directory, RunRecord record, const std::string
     write_whole_file(directory / "run.json", run_json(record));
 }
 
-/// All but run.json, which says what goes on here, and log.txt, which is the lock.
-void clear(const fs::path& directory) {
+/// What an earlier run made, but for the files that this one began with.
+void clear(const fs::path& directory, const FirstFiles& kept) {
     std::vector<fs::path> old;
+    const auto is_kept = [&](const fs::path& path) { return std::any_of(kept.begin(), kept.end(), [&](const auto& file) { return file.first == path.filename(); }); };
     for (const fs::path& path : fs::directory_iterator(directory))
-        if (path.filename() != "run.json" && path.filename() != "log.txt") old.push_back(path);
+        if (is_made_by_runs(path.filename()) && !is_kept(path)) old.push_back(path);
     std::error_code error;
     for (const fs::path& path : old)
         if (fs::remove_all(path, error); error) throw cannot("clear", path, error);
 }
 
 }  // namespace
+
+bool never_began(const fs::path& directory) { return is_vacant(directory) || (is_record_of_a_run(directory) && recorded_status(directory) == "starting"); }
 
 bool holds_only(const fs::path& directory, const std::vector<std::string>& names) {
     std::error_code error;
@@ -91,13 +101,13 @@ RunDirectory::RunDirectory(const fs::path& directory, const FirstFiles& files, c
     resumes_ = goes_on(directory, files, force);
     if (!resumes_) {
         write_record(directory, record, "starting");
-        clear(directory);
+        for (const auto& [name, text] : files) write_whole_file(directory / name, text);
+        clear(directory, files);
         log_->cut_to(0);
     }
     for (const char* part : {"fields", "figures"})
         if (fs::create_directories(directory / part, error); error) throw cannot("make", directory / part, error);
     if (resumes_) return;
-    for (const auto& [name, text] : files) write_whole_file(directory / name, text);
     write_record(directory, record, "running");
 }
 

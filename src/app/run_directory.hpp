@@ -4,7 +4,7 @@
 //     look       what is there?            a refusal touches nothing
 //     lock       log.txt                   from here on no other process is in it
 //     look       another may have been faster
-//     begin      run.json "starting", all else away, the first files, run.json "running"
+//     begin      run.json "starting", the first files, the rest of an earlier run away, run.json "running"
 //
 // The directory stays the one that the user named: a mount point, behind a link, with its owner and mode. Killed at any moment it is as good as empty,
 // or its run.json says what it is, and the same command goes on.
@@ -25,8 +25,8 @@ using FirstFiles = std::vector<std::pair<std::string, std::string>>;
 class RunDirectory {
 public:
     /// Takes the directory for a run that begins with these files. The same run that did not come to its end goes on, or begins again where it has no
-    /// checkpoint yet. Anything else that is there is refused (UserError) unless `force`, and even then only what an earlier run made is cleared (it
-    /// has a run.json), and never a run under way.
+    /// checkpoint yet. Anything else that is there is refused (UserError) unless `force`, and even then it must be an earlier run (it has a run.json), and
+    /// none under way. What is cleared are files and directories of the names that runs give; whatever else lies there stays.
     RunDirectory(const std::filesystem::path& directory, const FirstFiles& files, const RunRecord& record, bool force);
 
     bool resumes() const { return resumes_; }  // from a checkpoint
@@ -36,6 +36,9 @@ private:
     std::optional<RunLog> log_;
     bool resumes_ = false;
 };
+
+/// Whether a run took this directory, or was about to, and was stopped before its first files were there: any run may begin in it.
+bool never_began(const std::filesystem::path& directory);
 
 /// Whether there is nothing in a directory but files of these names, or no directory at all. Throws UserError where that cannot be seen.
 bool holds_only(const std::filesystem::path& directory, const std::vector<std::string>& names);

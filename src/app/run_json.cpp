@@ -50,6 +50,12 @@ std::string recorded_status(const std::filesystem::path& directory) {
     return status.is_string() ? status.get<std::string>() : "";
 }
 
+bool is_record_of_a_run(const std::filesystem::path& directory) {
+    std::ifstream file(directory / "run.json");
+    const Json json = Json::parse(file, nullptr, false);
+    return file.is_open() && (json.is_discarded() || (json.is_object() && json.contains("status") && json.contains("version")));
+}
+
 bool recorded_output_failed(const std::filesystem::path& directory) { return recorded(directory, "output_failed") == true; }
 
 std::string run_json(const RunRecord& record) {

@@ -48,6 +48,8 @@ std::string run_json(const RunRecord& record);
 std::string recorded_status(const std::filesystem::path& directory);
 
 /// Whether the run.json in a directory says that the run ended because something could not be written.
+/// Whether the run.json in a directory is a run's, or is damaged so that nobody can tell.
+bool is_record_of_a_run(const std::filesystem::path& directory);
 bool recorded_output_failed(const std::filesystem::path& directory);
 
 /// Largest resident memory of this process so far [byte].

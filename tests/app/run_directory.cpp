@@ -86,7 +86,7 @@ TEST_CASE("run directory: a start that was killed is started again and nobody el
     const std::string run = "run " + bar + "-o " + folder.in_shell("run");
     SUBCASE("before its run.json") { write(folder.path / "run/log.txt", ""), write(folder.path / "run/run.json.part", "{\"sta"); }
     SUBCASE("while it cleared an older run") {
-        write(folder.path / "run/run.json", "{\"status\": \"starting\"}");
+        write(folder.path / "run/run.json", "{\"status\": \"starting\", \"version\": \"0\"}");
         write(folder.path / "run/log.txt", "an older run");
         write(folder.path / "run/checkpoint", "of an older run");
     }
@@ -116,4 +116,38 @@ TEST_CASE("run directory: a start that was killed is started again and nobody el
     CHECK(is_done(folder.path / "run"));
     CHECK(text_of(folder.path / "run/log.txt").find("older") == std::string::npos);
     CHECK_FALSE(fs::exists(folder.path / "run/checkpoint"));
+}
+
+TEST_CASE("run directory: what runs did not make stays") {
+    const Folder folder("notes");
+    const fs::path run = folder.path / "run";
+    const std::string line = "run " + bar + "-o " + folder.in_shell("run");
+    const auto lies_there = [&] { return text_of(run / "paper/text.tex") == "years" && text_of(run / "notes.txt") == "mine"; };
+    fs::create_directories(run / "paper");
+    write(run / "paper/text.tex", "years"), write(run / "notes.txt", "mine");
+    SUBCASE("where a run that was killed begins again, and with force") {
+        write(run / "run.json", "{\"status\": \"starting\", \"version\": \"0\"}");
+        write(run / "energy.csv", "of an older run");
+        for (const char* force : {"", " -s seed=2 --force"}) {
+            CHECK(command(line + force).code == 0);
+            CHECK(is_done(run));
+            CHECK(lies_there());
+        }
+    }
+    SUBCASE("beside a run.json of another program") {
+        write(run / "run.json", "{\"a\": 1}");
+        for (const char* force : {"", " --force"}) {
+            const Answer answer = command(line + force);
+            CHECK(answer.code == 2);
+            CHECK_FALSE(answer.has("replace the old run"));
+            CHECK(lies_there());
+        }
+    }
+}
+
+TEST_CASE("run directory: a volume of its own has more than nothing in it") {
+    const Folder folder("volume");
+    fs::create_directories(folder.path / "run/lost+found");
+    CHECK(command("run " + bar + "-o " + folder.in_shell("run")).code == 0);
+    CHECK(fs::exists(folder.path / "run/lost+found"));
 }
