@@ -41,7 +41,7 @@ void ObstacleContacts::list_candidates(const State& begin) {
 void ObstacleContacts::add_pieces(Index f, const State& begin) {
     const Fan& fan = model_.fans[f];
     const Index first = model_.fan_corners[fan.first_corner], last = model_.fan_corners[fan.first_corner + fan.n_corners - 1];
-    const PointState* state = &begin.points[begin.first_point[begin.split_rank[f]]];
+    const PointState* state = begin.points.data() + begin.first_point[begin.split_rank[f]];
     for (Index i = 0; i < fan.n_points; ++i) {
         const FanPoint& point = model_.fan_points[fan.first_point + i];
         if (point.before == ground || point.after == ground) continue;

@@ -24,7 +24,7 @@ bool VertexScheme::rests(Index rank, const State& begin) const {
         const Index node = begin.node_of_corner[corner[i]];
         if (begin.displacement[node] != u || begin.velocity[node] != v || prescribed_motion(corner[i])) return false;
     }
-    const PointState* state = &begin.points[begin.first_point[rank]];
+    const PointState* state = begin.points.data() + begin.first_point[rank];
     for (Index j = 0; j < fan.n_points; ++j) {
         const FanPoint& point = model_.fan_points[fan.first_point + j];
         const CohesiveLaw& law = model_.laws[point.law];
