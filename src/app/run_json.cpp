@@ -30,10 +30,15 @@ Json scheme(const SchemeOptions& options) {
             {"assumption_1", options.respect_assumption_1 ? "respect" : "ignore"}};
 }
 
-/// A value of the run.json in a directory; null where there is none that can be read.
-Json recorded(const std::filesystem::path& directory, const char* key) {
+/// The run.json in a directory; discarded where it is damaged or not there.
+Json record_in(const std::filesystem::path& directory) {
     std::ifstream file(directory / "run.json");
-    const Json json = Json::parse(file, nullptr, false);
+    return Json::parse(file, nullptr, false);
+}
+
+/// A value of it; null where there is none that can be read.
+Json recorded(const std::filesystem::path& directory, const char* key) {
+    const Json json = record_in(directory);
     return json.is_object() && json.contains(key) ? json[key] : Json();
 }
 
@@ -51,9 +56,8 @@ std::string recorded_status(const std::filesystem::path& directory) {
 }
 
 bool is_record_of_a_run(const std::filesystem::path& directory) {
-    std::ifstream file(directory / "run.json");
-    const Json json = Json::parse(file, nullptr, false);
-    return file.is_open() && (json.is_discarded() || (json.is_object() && json.contains("status") && json.contains("version")));
+    const Json json = record_in(directory);
+    return std::ifstream(directory / "run.json").is_open() && (json.is_discarded() || (json.is_object() && json.contains("status") && json.contains("version")));
 }
 
 bool recorded_output_failed(const std::filesystem::path& directory) { return recorded(directory, "output_failed") == true; }

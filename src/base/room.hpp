@@ -10,6 +10,12 @@ void make_room(std::vector<T>& list, std::size_t n) {
     if (list.capacity() < n) list.reserve(n + n / 2);
 }
 
+template <class T>
+void resize(std::vector<T>& list, std::size_t n) {
+    make_room(list, n);
+    list.resize(n);
+}
+
 /// n times `value`.
 template <class T>
 void fill(std::vector<T>& list, std::size_t n, const T& value) {

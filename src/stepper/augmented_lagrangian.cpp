@@ -114,8 +114,7 @@ bool AugmentedLagrangian::prepare_matrix(const std::vector<LoosePoint>& points) 
     bool same = factored_states_.size() == points.size() + 1;  // one more, so that no points are not the same as no factor
     for (std::size_t i = 0; same && i < points.size(); ++i) same = factored_states_[i] == points[i].response.state;
     if (same) return true;
-    make_room(factored_states_, points.size() + 1);
-    factored_states_.resize(points.size() + 1);
+    resize(factored_states_, points.size() + 1);
     bool softens = false;
     for (std::size_t i = 0; i < points.size(); ++i) {
         factored_states_[i] = points[i].response.state;
@@ -138,8 +137,7 @@ double AugmentedLagrangian::step_length(const std::vector<LoosePoint>& points, c
     double at_start = 0, bulk_slope = 0;
     for (std::size_t i = 0; i < direction.size(); ++i) at_start += direction[i].dot(taken_[i]), bulk_slope += direction[i].dot(changed[i]);
     std::vector<Vec2>& turn = turn_;
-    make_room(turn, points.size());
-    turn.resize(points.size());
+    resize(turn, points.size());
     for (std::size_t j = 0; j < points.size(); ++j) turn[j] = points[j].across(direction);
     const auto slope = [&](double a) {
         double sum = at_start + a * bulk_slope;
@@ -212,8 +210,7 @@ bool AugmentedLagrangian::settle(const ImplicitBulk& bulk, std::vector<LoosePoin
                                  int most_steps) {
     const bool has_potential = std::none_of(points.begin(), points.end(), [](const LoosePoint& p) { return p.law.friction > 0 && p.law.friction_follows; });
     std::vector<Vec2>& last = last_multipliers_;
-    make_room(last, points.size());
-    last.resize(points.size());
+    resize(last, points.size());
     leaps_.begin();
     augment(points, full_augmentation);
     for (int outer = 0, n_near = 0; outer < most_outer_steps; ++outer) {

@@ -29,8 +29,7 @@ bool FrontalFactor::update(const std::vector<Index>& eliminated_in, const Elemen
 
 void FrontalFactor::DenseMatrix::set_zero(Index n_rows, Index n_columns) {
     n_rows_ = n_rows, n_columns_ = n_columns;
-    const std::size_t n = static_cast<std::size_t>(n_rows_ * n_columns_);
-    fill(entries_, n, 0.0);  // a crack makes fronts grow, node by node
+    fill(entries_, static_cast<std::size_t>(n_rows_ * n_columns_), 0.0);  // a crack makes fronts grow, node by node
 }
 
 void FrontalFactor::find_unknowns(Index part, const std::vector<Index>& eliminated_in) {

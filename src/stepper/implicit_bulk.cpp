@@ -38,7 +38,8 @@ void ImplicitBulk::begin_step(const State& begin, double h) {
 void ImplicitBulk::set_partition(const CornerPartition& partition, std::vector<Vec2>& rate) {
     partition_ = partition;
     const Index n = partition.n_nodes();
-    for (std::vector<Vec2>* of_node : {&displacement_, &velocity_, &rate, &prescribed_rate_, &prescribed_end_}) fill(*of_node, n, Vec2(Vec2::Zero()));
+    for (std::vector<Vec2>* of_node : {&displacement_, &velocity_, &rate}) resize(*of_node, n);
+    for (std::vector<Vec2>* of_node : {&prescribed_rate_, &prescribed_end_}) fill(*of_node, n, Vec2(Vec2::Zero()));
     fill(prescribed_, n, {false, false});
     const double t = begin_->time, theta = options_.theta;
     for (Index i = 0; i < n; ++i) {
@@ -116,8 +117,7 @@ void ImplicitBulk::taken(const std::vector<Vec2>& rate, std::vector<Vec2>& of_co
     elastic(rate, force_);
     of_corner.resize(force_.size());
     for (std::size_t c = 0; c < force_.size(); ++c) of_corner[c] = -theta * h_ * (begin_force_[c] + load_[c] + theta * h_ * force_[c]);
-    make_room(moved_, rate.size());
-    moved_.resize(rate.size());
+    resize(moved_, rate.size());
     for (std::size_t i = 0; i < rate.size(); ++i)
         moved_[i] = prescribed_[i][0] || prescribed_[i][1] ? Vec2(theta * (end_velocity(static_cast<Index>(i), rate[i]) - velocity_[i]))
                                                            : Vec2(rate[i] - velocity_[i]);
@@ -145,7 +145,7 @@ void ImplicitBulk::account(const std::vector<Vec2>& rate, const std::vector<Vec2
         return sum;
     };
     std::vector<Vec2>&end = end_, &change = change_, &momentum = momentum_;
-    for (std::vector<Vec2>* of_node : {&end, &change}) fill(*of_node, n, Vec2(Vec2::Zero()));
+    resize(end, n), resize(change, n);
     momentum.assign(force_.size(), Vec2::Zero());
     for (Index i = 0; i < n; ++i) {
         end[i] = end_velocity(i, rate[i]);

@@ -45,8 +45,7 @@ double rest_of_series(std::span<const Vec2> before, std::span<const Vec2> move) 
 
 void MultiplierLeaps::take(const ThetaMatrix& matrix, std::vector<LoosePoint>& points, const std::vector<Vec2>& last, double least) {
     std::vector<Vec2>&move = move_, &pull = pull_;
-    make_room(move, points.size());
-    move.resize(points.size());
+    resize(move, points.size());
     fill(pull, matrix.n_nodes(), Vec2(Vec2::Zero()));
     for (std::size_t j = 0; j < points.size(); ++j) {
         const LoosePoint& point = points[j];

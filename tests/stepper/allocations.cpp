@@ -42,6 +42,20 @@ ModelInput pulled_plate(double speed) {
     return input;
 }
 
+/// A step, and how often it allocated.
+struct CountedStep {
+    StepReport report;
+    long made;
+};
+CountedStep counted_step(Run& run, double h, State& end) {
+    const long before = n_allocations;
+    const StepReport report = run.stepper.step(run.now, h, end);
+    const long made = n_allocations - before;
+    REQUIRE(report.refusal == Refusal::none);
+    std::swap(run.now, end);
+    return {report, made};
+}
+
 }  // namespace
 
 TEST_CASE("the count of allocations counts") {
@@ -59,10 +73,7 @@ TEST_CASE("an explicit step allocates nothing unless a fan comes apart or needs 
         int n_quiet = 0, n_released = 0;
         long worst = 0;
         for (int i = 0; i < 600; ++i) {
-            const long before = n_allocations;
-            const StepReport report = run.stepper.step(run.now, h, end);
-            const long made = n_allocations - before;
-            std::swap(run.now, end);
+            const auto [report, made] = counted_step(run, h, end);
             n_released += static_cast<int>(report.released);
             if (i < 200 || report.released > 0 || report.fan_fallbacks > 0) continue;  // 200: fans of all sizes have been solved
             worst = std::max(worst, made);
@@ -87,11 +98,7 @@ TEST_CASE("an implicit step allocates nothing while no bond changes") {
         long worst = 0;
         State end;
         for (int i = 0; i < 800; ++i) {
-            const long before = n_allocations;
-            const StepReport report = run.stepper.step(run.now, 0.02, end);
-            const long made = n_allocations - before;
-            REQUIRE(report.refusal == Refusal::none);
-            std::swap(run.now, end);
+            const auto [report, made] = counted_step(run, 0.02, end);
             for (Index p = 0; p < static_cast<Index>(run.model.fan_point_of.size()); ++p)
                 if (run.model.fan_points[run.model.fan_point_of[p]].cracked) opened = std::max(opened, opening(run.model, run.now, p).x());
             rubbed -= report.friction_work;
@@ -114,11 +121,7 @@ TEST_CASE("an implicit step in which bonds soften allocates nothing") {
     int n_softening = 0, n_loosening = 0;
     long worst = 0;
     for (int i = 0; i < 600; ++i) {
-        const long before = n_allocations;
-        const StepReport report = run.stepper.step(run.now, 0.02, end);
-        const long made = n_allocations - before;
-        REQUIRE(report.refusal == Refusal::none);
-        std::swap(run.now, end);
+        const auto [report, made] = counted_step(run, 0.02, end);
         if (i < 100 && report.released == 0) continue;  // all sizes have been met
         if (report.released > 0) {
             CHECK(made <= 8 * report.released);
