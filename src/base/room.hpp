@@ -1,32 +1,13 @@
 #pragma once
-// Lists that grow a little in many steps rarely move if they get room for half as many again.
+// Lists of what is loose grow as a body breaks. Their room is taken once, for the day when all of it is loose: of address space, which becomes memory where
+// it is used.
 #include <cstddef>
-#include <vector>
 
 namespace knap {
 
-template <class T>
-void make_room(std::vector<T>& list, std::size_t n) {
-    if (list.capacity() < n) list.reserve(n + n / 2);
-}
-
-template <class T>
-void resize(std::vector<T>& list, std::size_t n) {
-    make_room(list, n);
-    list.resize(n);
-}
-
-/// n times `value`.
-template <class T>
-void fill(std::vector<T>& list, std::size_t n, const T& value) {
-    make_room(list, n);
-    list.assign(n, value);
-}
-
-template <class T>
-void copy(const std::vector<T>& from, std::vector<T>& to) {
-    make_room(to, from.size());
-    to = from;
+template <class... Lists>
+void make_room(std::size_t n, Lists&... lists) {
+    (lists.reserve(n), ...);
 }
 
 }  // namespace knap

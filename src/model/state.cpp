@@ -1,5 +1,6 @@
 #include "model/state.hpp"
 
+#include "base/room.hpp"
 #include "bulk/quadratic_triangles.hpp"
 #include "bulk/shape_gradients.hpp"
 
@@ -29,6 +30,10 @@ State initial_state(const Model& model) {
 }
 
 void split(const Model& model, Index f, State& state) {
+    make_room(model.mesh.n_corners(), state.displacement, state.velocity);
+    if (!state.rate.empty()) make_room(model.mesh.n_corners(), state.rate);
+    make_room(model.fans.size(), state.split_fans, state.first_point);
+    make_room(model.fan_points.size(), state.points);
     const Fan& fan = model.fans[f];
     for (Index i = 1; i < fan.n_corners; ++i) {
         state.node_of_corner[model.fan_corners[fan.first_corner + i]] = static_cast<Index>(state.displacement.size());

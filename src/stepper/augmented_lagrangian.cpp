@@ -24,10 +24,15 @@ constexpr double soft_augmentation = 10, hardening = 3, soft_tolerance = 1e-4;
 
 }  // namespace
 
+AugmentedLagrangian::AugmentedLagrangian(const Model& model, ThetaMatrix& matrix) : matrix_(matrix), leaps_(model) {
+    make_room(model.mesh.n_corners(), taken_, residual_, downhill_, direction_, changed_, rate_before_);
+    make_room(model.fan_points.size() + 1, factored_states_, tangents_, turn_, last_multipliers_, points_before_);
+}
+
 void AugmentedLagrangian::evaluate(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, const std::vector<Vec2>& rate) {
     bulk.taken(rate, corner_taken_);
     bulk.sum_to_nodes(corner_taken_, taken_);
-    copy(taken_, residual_);
+    residual_ = taken_;
     for (LoosePoint& point : points) {
         point.rate = point.rate_at(rate);
         point.response = respond(point.law, point.rate.x(), point.rate.y());
@@ -54,7 +59,6 @@ Index AugmentedLagrangian::worst_node() const {
 
 void AugmentedLagrangian::make_tangents(const std::vector<LoosePoint>& points, Softening softening) {
     tangents_.clear();
-    make_room(tangents_, points.size());
     for (const LoosePoint& point : points) {
         const Eigen::Matrix2d D = tangent(point.law, point.response, softening);
         if (D.isZero(0)) continue;
@@ -95,7 +99,7 @@ bool AugmentedLagrangian::has_several_solutions(const std::vector<LoosePoint>& p
     std::vector<Vec2>& pull = downhill_;
     for (Eigen::Index j = 0; j < n; ++j) {
         const LoosePoint& point = *broken[j];
-        fill(pull, residual_.size(), Vec2(Vec2::Zero()));
+        pull.assign(residual_.size(), Vec2::Zero());
         const Vec2 g = loss_direction(point.law, point.response), force = g.x() * point.normal + g.y() * turned_left(point.normal);
         if (point.after >= 0) pull[point.after] += force;
         if (point.before >= 0) pull[point.before] -= force;
@@ -114,7 +118,7 @@ bool AugmentedLagrangian::prepare_matrix(const std::vector<LoosePoint>& points) 
     bool same = factored_states_.size() == points.size() + 1;  // one more, so that no points are not the same as no factor
     for (std::size_t i = 0; same && i < points.size(); ++i) same = factored_states_[i] == points[i].response.state;
     if (same) return true;
-    resize(factored_states_, points.size() + 1);
+    factored_states_.resize(points.size() + 1);
     bool softens = false;
     for (std::size_t i = 0; i < points.size(); ++i) {
         factored_states_[i] = points[i].response.state;
@@ -137,7 +141,7 @@ double AugmentedLagrangian::step_length(const std::vector<LoosePoint>& points, c
     double at_start = 0, bulk_slope = 0;
     for (std::size_t i = 0; i < direction.size(); ++i) at_start += direction[i].dot(taken_[i]), bulk_slope += direction[i].dot(changed[i]);
     std::vector<Vec2>& turn = turn_;
-    resize(turn, points.size());
+    turn.resize(points.size());
     for (std::size_t j = 0; j < points.size(); ++j) turn[j] = points[j].across(direction);
     const auto slope = [&](double a) {
         double sum = at_start + a * bulk_slope;
@@ -172,7 +176,7 @@ bool AugmentedLagrangian::find_rates(const ImplicitBulk& bulk, std::vector<Loose
         if (stalled >= 3 && norm <= 1e3 * tolerance) return true;  // rounding; the judge of the step has the last word
         best = std::min(best, norm);
         if (!prepare_matrix(points)) return false;
-        copy(residual_, downhill_);
+        downhill_ = residual_;
         for (Vec2& r : downhill_) r = -r;
         matrix_.solve(downhill_, direction_);
         ++counts_.linear_solves;
@@ -210,7 +214,7 @@ bool AugmentedLagrangian::settle(const ImplicitBulk& bulk, std::vector<LoosePoin
                                  int most_steps) {
     const bool has_potential = std::none_of(points.begin(), points.end(), [](const LoosePoint& p) { return p.law.friction > 0 && p.law.friction_follows; });
     std::vector<Vec2>& last = last_multipliers_;
-    resize(last, points.size());
+    last.resize(points.size());
     leaps_.begin();
     augment(points, full_augmentation);
     for (int outer = 0, n_near = 0; outer < most_outer_steps; ++outer) {
@@ -260,7 +264,7 @@ AugmentedLagrangian::Status AugmentedLagrangian::solve(const ImplicitBulk& bulk,
 
     // Coulomb's law is no gradient: Newton's method may wander. Then friction is bounded by the contact of the round before for a while
     for (int attempt = 0; attempt < 4; ++attempt) {
-        copy(points, points_before_), copy(rate, rate_before_);
+        points_before_ = points, rate_before_ = rate;
         if (settle(bulk, points, rate, law_goal, attempt == 3 ? most_newton_steps : most_wandering_steps)) return Status::solved;
         points = points_before_, rate = rate_before_;
         find_friction(bulk, points, rate);

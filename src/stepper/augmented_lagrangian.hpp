@@ -28,7 +28,7 @@ class AugmentedLagrangian {
 public:
     enum class Status { solved, not_converged };
 
-    explicit AugmentedLagrangian(ThetaMatrix& matrix) : matrix_(matrix) {}
+    AugmentedLagrangian(const Model& model, ThetaMatrix& matrix);
 
     /// The pattern or the values of the matrix without points have changed.
     void forget_factor() { factored_states_.clear(); }

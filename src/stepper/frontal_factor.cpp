@@ -1,17 +1,16 @@
 #include "stepper/frontal_factor.hpp"
 
-#include "base/room.hpp"
-
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <iterator>
 
 namespace knap {
 
 FrontalFactor::FrontalFactor(const Dissection& dissection) : dissection_(dissection), fronts_(dissection.parts.size()), stale_(fronts_.size(), true) {}
 
 bool FrontalFactor::update(const std::vector<Index>& eliminated_in, const ElementsOf& elements_of) {
-    place_.resize(eliminated_in.size(), -1);
+    if (place_.size() != eliminated_in.size()) make_room_for(eliminated_in.size());
     for (std::size_t part = 0; part < fronts_.size(); ++part) {
         if (!stale_[part]) continue;
         const Index above = dissection_.parts[part].parent;
@@ -20,16 +19,23 @@ bool FrontalFactor::update(const std::vector<Index>& eliminated_in, const Elemen
         if (dissection_.parts[part].is_leaf()) elements_of(static_cast<Index>(part), elements_);
         find_unknowns(static_cast<Index>(part), eliminated_in);
         assemble(static_cast<Index>(part));
-        for (const Index u : fronts_[part].unknown) place_[u] = -1;
+        for (const Index u : fronts_[part].unknown.entries()) place_[u] = -1;
         if (!eliminate(fronts_[part])) return false;  // this front and those above it stay stale
         stale_[part] = false;
     }
     return true;
 }
 
-void FrontalFactor::DenseMatrix::set_zero(Index n_rows, Index n_columns) {
+void FrontalFactor::make_room_for(std::size_t n_unknowns) {
+    place_.assign(n_unknowns, -1);
+    for (std::vector<Index>* list : {&own_, &left_, &place_above_}) list->reserve(n_unknowns);
+    local_.resize(static_cast<Eigen::Index>(n_unknowns));
+}
+
+void FrontalFactor::DenseMatrix::set_zero(Arena& arena, Index n_rows, Index n_columns) {
     n_rows_ = n_rows, n_columns_ = n_columns;
-    fill(entries_, static_cast<std::size_t>(n_rows_ * n_columns_), 0.0);  // a crack makes fronts grow, node by node
+    entries_.resize(arena, static_cast<std::size_t>(n_rows_ * n_columns_));
+    std::ranges::fill(entries_.entries(), 0.0);
 }
 
 void FrontalFactor::find_unknowns(Index part, const std::vector<Index>& eliminated_in) {
@@ -45,14 +51,13 @@ void FrontalFactor::find_unknowns(Index part, const std::vector<Index>& eliminat
         for (int i = 0; i < element.n_unknowns; ++i) meet(element.unknown[i]);
     for (const Index child : dissection_.parts[part].child) {
         if (child < 0) continue;
-        const Front& half = fronts_[child];
-        for (Index i = half.n_eliminated; i < half.size(); ++i) meet(half.unknown[i]);
+        for (const Index u : fronts_[child].left()) meet(u);
     }
     front.n_eliminated = static_cast<Index>(own_.size());
-    make_room(front.unknown, own_.size() + left_.size());
-    front.unknown.assign(own_.begin(), own_.end());
-    front.unknown.insert(front.unknown.end(), left_.begin(), left_.end());
-    for (Index i = 0; i < front.size(); ++i) place_[front.unknown[i]] = i;
+    front.unknown.resize(arena_, own_.size() + left_.size());
+    const std::span<Index> unknown = front.unknown.entries();
+    std::ranges::copy(left_, std::ranges::copy(own_, unknown.begin()).out);
+    for (Index i = 0; i < front.size(); ++i) place_[unknown[i]] = i;
 }
 
 double& FrontalFactor::entry(Front& front, Index row, Index column) {
@@ -61,8 +66,8 @@ double& FrontalFactor::entry(Front& front, Index row, Index column) {
 
 void FrontalFactor::assemble(Index part) {
     Front& front = fronts_[part];
-    front.L.set_zero(front.size(), front.n_eliminated);
-    front.left_over.set_zero(front.n_left(), front.n_left());
+    front.L.set_zero(arena_, front.size(), front.n_eliminated);
+    front.left_over.set_zero(arena_, front.n_left(), front.n_left());
     for (const Element& element : elements_)
         for (int j = 0; j < element.n_unknowns; ++j) {
             if (element.unknown[j] < 0) continue;
@@ -79,7 +84,7 @@ void FrontalFactor::assemble(Index part) {
 
 void FrontalFactor::add_left_over(const Front& half, Front& front) {
     place_above_.clear();
-    for (Index i = half.n_eliminated; i < half.size(); ++i) place_above_.push_back(place_[half.unknown[i]]);
+    for (const Index u : half.left()) place_above_.push_back(place_[u]);
     for (Index j = 0; j < half.n_left(); ++j) {
         const double* from = half.left_over.column(j);
         const Index column = place_above_[j];
@@ -115,7 +120,7 @@ void FrontalFactor::solve(std::vector<double>& x) const {
             const double at = local_[k] /= column[k];
             local_.segment(k + 1, size - k - 1) -= at * below(column, k, size);
         }
-        for (Index i = 0; i < size && n > 0; ++i) x[front.unknown[i]] = local_[i];
+        for (Index i = 0; i < size && n > 0; ++i) x[front.unknown.entries()[i]] = local_[i];
     }
     for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front) {
         const Index n = front->n_eliminated, size = front->size();
@@ -123,20 +128,20 @@ void FrontalFactor::solve(std::vector<double>& x) const {
         for (Index k = n - 1; k >= 0; --k) {
             const double* column = front->L.column(k);
             const double known = below(column, k, size).dot(local_.segment(k + 1, size - k - 1));
-            x[front->unknown[k]] = local_[k] = (local_[k] - known) / column[k];
+            x[front->eliminated()[k]] = local_[k] = (local_[k] - known) / column[k];
         }
     }
 }
 
 void FrontalFactor::gather(const Front& front, const std::vector<double>& x) const {
     if (front.n_eliminated == 0) return;
-    if (local_.size() < front.size()) local_.resize(front.size());
-    for (Index i = 0; i < front.size(); ++i) local_[i] = x[front.unknown[i]];
+    Index i = 0;
+    for (const Index u : front.unknown.entries()) local_[i++] = x[u];
 }
 
 std::vector<Index> FrontalFactor::unknowns() const {
     std::vector<Index> all;
-    for (const Front& front : fronts_) all.insert(all.end(), front.unknown.begin(), front.unknown.begin() + front.n_eliminated);
+    for (const Front& front : fronts_) std::ranges::copy(front.eliminated(), std::back_inserter(all));
     return all;
 }
 

@@ -7,6 +7,7 @@
 //
 // Every front is kept. Where elements changed, in values or in unknowns, only their leaves and the parts above these are computed anew:
 // a crack that runs changes a few of thousands. The factor depends on the present elements alone, not on how they came about.
+#include "base/arena.hpp"
 #include "bulk/triangle_matrices.hpp"
 #include "stepper/dissection.hpp"
 
@@ -45,26 +46,30 @@ public:
     std::int64_t n_entries() const;       // of L
 
 private:
-    /// A dense matrix that uses the memory again that a larger one left.
     class DenseMatrix {
     public:
-        void set_zero(Index n_rows, Index n_columns);
-        Eigen::Map<Eigen::MatrixXd> map() { return {entries_.data(), n_rows_, n_columns_}; }
-        double& operator()(Index row, Index column) { return entries_[row + n_rows_ * column]; }
-        const double* column(Index j) const { return entries_.data() + n_rows_ * j; }
+        void set_zero(Arena& arena, Index n_rows, Index n_columns);
+        Eigen::Map<Eigen::MatrixXd> map() { return {entries_.first(), n_rows_, n_columns_}; }
+        double& operator()(Index row, Index column) { return entries_.first()[row + n_rows_ * column]; }
+        const double* column(Index j) const { return entries_.first() + n_rows_ * j; }
 
     private:
-        std::vector<double> entries_;
+        ArenaList<double> entries_;
         Eigen::Index n_rows_ = 0, n_columns_ = 0;
     };
     struct Front {
-        std::vector<Index> unknown;  // those that are eliminated come first
+        ArenaList<Index> unknown;    // those that are eliminated come first
         Index n_eliminated = 0;
         DenseMatrix L;               // lower half: L, and L_B below it
         DenseMatrix left_over;       // lower half
         Index size() const { return static_cast<Index>(unknown.size()); }
         Index n_left() const { return size() - n_eliminated; }
+        std::span<const Index> eliminated() const { return unknown.entries().first(n_eliminated); }
+        std::span<const Index> left() const { return unknown.entries().subspan(n_eliminated); }
     };
+
+    /// Room for as many unknowns as there can be, in what one front after the other is made of.
+    void make_room_for(std::size_t n_unknowns);
 
     void find_unknowns(Index part, const std::vector<Index>& eliminated_in);
     void assemble(Index part);
@@ -74,6 +79,7 @@ private:
     void gather(const Front& front, const std::vector<double>& x) const;  // into local_
 
     const Dissection& dissection_;
+    Arena arena_;                      // of the fronts: a crack makes them grow, node by node
     std::vector<Front> fronts_;        // per part
     std::vector<std::uint8_t> stale_;  // per part
     std::vector<Index> place_;         // per unknown: in the front that is being made, or -1

@@ -17,6 +17,8 @@ ImplicitBulk::ImplicitBulk(const Model& model, const SchemeOptions& options)
         for (Index k = 0; k < n; ++k) corner_stiffness_[n * t + k] = 0.5 * (K(2 * k, 2 * k) + K(2 * k + 1, 2 * k + 1));
     }
     force_.resize(model.mesh.n_corners());
+    make_room(model.mesh.n_corners(), partition_.corner_of_node, displacement_, velocity_, prescribed_, prescribed_rate_, prescribed_end_, moved_, end_, change_);
+    make_room(model.histories.size(), amplitude_);
 }
 
 double ImplicitBulk::corner_mass(Index corner) const {
@@ -38,9 +40,9 @@ void ImplicitBulk::begin_step(const State& begin, double h) {
 void ImplicitBulk::set_partition(const CornerPartition& partition, std::vector<Vec2>& rate) {
     partition_ = partition;
     const Index n = partition.n_nodes();
-    for (std::vector<Vec2>* of_node : {&displacement_, &velocity_, &rate}) resize(*of_node, n);
-    for (std::vector<Vec2>* of_node : {&prescribed_rate_, &prescribed_end_}) fill(*of_node, n, Vec2(Vec2::Zero()));
-    fill(prescribed_, n, {false, false});
+    for (std::vector<Vec2>* of_node : {&displacement_, &velocity_, &rate}) of_node->resize(n);
+    for (std::vector<Vec2>* of_node : {&prescribed_rate_, &prescribed_end_}) of_node->assign(n, Vec2::Zero());
+    prescribed_.assign(n, {false, false});
     const double t = begin_->time, theta = options_.theta;
     for (Index i = 0; i < n; ++i) {
         const Index corner = partition.corner_of_node[i], node = begin_->node_of_corner[corner];
@@ -117,7 +119,7 @@ void ImplicitBulk::taken(const std::vector<Vec2>& rate, std::vector<Vec2>& of_co
     elastic(rate, force_);
     of_corner.resize(force_.size());
     for (std::size_t c = 0; c < force_.size(); ++c) of_corner[c] = -theta * h_ * (begin_force_[c] + load_[c] + theta * h_ * force_[c]);
-    resize(moved_, rate.size());
+    moved_.resize(rate.size());
     for (std::size_t i = 0; i < rate.size(); ++i)
         moved_[i] = prescribed_[i][0] || prescribed_[i][1] ? Vec2(theta * (end_velocity(static_cast<Index>(i), rate[i]) - velocity_[i]))
                                                            : Vec2(rate[i] - velocity_[i]);
@@ -125,7 +127,7 @@ void ImplicitBulk::taken(const std::vector<Vec2>& rate, std::vector<Vec2>& of_co
 }
 
 void ImplicitBulk::sum_to_nodes(const std::vector<Vec2>& of_corner, std::vector<Vec2>& of_node) const {
-    fill(of_node, partition_.n_nodes(), Vec2(Vec2::Zero()));
+    of_node.assign(partition_.n_nodes(), Vec2::Zero());
     for (std::size_t c = 0; c < of_corner.size(); ++c) of_node[partition_.node_of_corner[c]] += of_corner[c];
 }
 
@@ -145,7 +147,7 @@ void ImplicitBulk::account(const std::vector<Vec2>& rate, const std::vector<Vec2
         return sum;
     };
     std::vector<Vec2>&end = end_, &change = change_, &momentum = momentum_;
-    resize(end, n), resize(change, n);
+    end.resize(n), change.resize(n);
     momentum.assign(force_.size(), Vec2::Zero());
     for (Index i = 0; i < n; ++i) {
         end[i] = end_velocity(i, rate[i]);

@@ -25,11 +25,13 @@ ImplicitScheme::ImplicitScheme(const Model& model, const SchemeOptions& options)
       options_(options),
       bulk_(model, options),
       matrix_(model),
-      solver_(matrix_),
+      solver_(model, matrix_),
       bound_test_(model),
       contacts_(model),
       obstacles_(model) {
     loose_point_of_.assign(model.fan_points.size(), -1);
+    make_room(model.mesh.n_corners(), rate_, node_inertia_);
+    make_room(model.fan_points.size(), points_);
     make_room_for_joins();
 }
 
@@ -98,7 +100,7 @@ void ImplicitScheme::choose_partition(const State& begin, double h) {
 void ImplicitScheme::make_points(const State& begin, double h) {
     points_.clear();
     std::fill(loose_point_of_.begin(), loose_point_of_.end(), -1);
-    fill(node_inertia_, partition_.n_nodes(), 0.0);
+    node_inertia_.assign(partition_.n_nodes(), 0.0);
     const double stiffness_factor = options_.theta * options_.theta * h * h;
     for (Index c = 0; c < model_.mesh.n_corners(); ++c)
         node_inertia_[partition_.node_of_corner[c]] += bulk_.corner_mass(c) + stiffness_factor * bulk_.corner_stiffness(c);

@@ -43,10 +43,15 @@ double rest_of_series(std::span<const Vec2> before, std::span<const Vec2> move) 
 
 }  // namespace
 
+MultiplierLeaps::MultiplierLeaps(const Model& model) {
+    make_room(model.fan_points.size(), before_, move_);
+    make_room(model.mesh.n_corners(), pull_);
+}
+
 void MultiplierLeaps::take(const ThetaMatrix& matrix, std::vector<LoosePoint>& points, const std::vector<Vec2>& last, double least) {
     std::vector<Vec2>&move = move_, &pull = pull_;
-    resize(move, points.size());
-    fill(pull, matrix.n_nodes(), Vec2(Vec2::Zero()));
+    move.resize(points.size());
+    pull.assign(matrix.n_nodes(), Vec2::Zero());
     for (std::size_t j = 0; j < points.size(); ++j) {
         const LoosePoint& point = points[j];
         move[j] = Vec2(point.law.contact_guess, point.law.tangential_guess) - last[j];
@@ -61,7 +66,6 @@ void MultiplierLeaps::take(const ThetaMatrix& matrix, std::vector<LoosePoint>& p
             if (matrix.is_free(node, k)) largest = std::max(largest, std::abs(pull[node][k]));
         return largest;
     };
-    make_room(before_, points.size());
     before_.resize(points.size(), Vec2::Zero());
     for (std::size_t first = 0, end; first < points.size(); first = end) {
         double longest = 0, strongest = 0;

@@ -16,6 +16,8 @@ namespace knap {
 
 class MultiplierLeaps {
 public:
+    explicit MultiplierLeaps(const Model& model);
+
     /// No move is known yet.
     void begin() { before_.clear(); }
     /// After a move of the multipliers, from `last` (contact, tangential) [N s] to those in the laws: on to where it leads, in fans that moved by more than

@@ -22,6 +22,8 @@ ThetaMatrix::ThetaMatrix(const Model& model) : model_(model), dissection_(dissec
     x_.assign(2 * n_corners, 0);
     block_.assign(n_points, Eigen::Matrix2d::Zero());
     held_in_.assign(n_points, 0);
+    make_room(n_corners, corner_of_node_);
+    make_room(n_points, holding_, held_before_, friction_);
 
     first_point_of_leaf_.assign(dissection_.parts.size() + 1, 0);
     for (Index i = 0; i < n_points; ++i) ++first_point_of_leaf_[leaf_of_point(i) + 1];
@@ -41,7 +43,7 @@ bool ThetaMatrix::couples(const FanPoint& point) const {
 }
 
 void ThetaMatrix::set_nodes(const CornerPartition& partition, const std::vector<std::array<bool, 2>>& prescribed_of_node) {
-    copy(partition.corner_of_node, corner_of_node_);
+    corner_of_node_ = partition.corner_of_node;
     for (const Fan& fan : model_.fans) {
         bool same = true;
         for (Index i = fan.first_corner; i < fan.first_corner + fan.n_corners; ++i) {
@@ -153,9 +155,7 @@ bool ThetaMatrix::factorise(const std::vector<PointTangent>& points) {
     ++round_;
     std::swap(holding_, held_before_);
     holding_.clear();
-    make_room(holding_, points.size());
     friction_.clear();
-    make_room(friction_, points.size());
     hold_contacts(points);
     for (const PointTangent& point : points) {
         if (point.block != point.symmetric_block) friction_.push_back(point);
@@ -251,7 +251,7 @@ void ThetaMatrix::solve(const std::vector<Vec2>& right_hand_side, std::vector<Ve
     each_unknown([&](Index u, std::size_t node, int k) { x_[u] = right_hand_side[node][k]; });
     if (is_symmetric()) factor_.solve(x_);
     else if (!lu_unknowns_.empty() || !solve_by_gmres()) solve_by_lu();
-    fill(solution, right_hand_side.size(), Vec2(Vec2::Zero()));
+    solution.assign(right_hand_side.size(), Vec2::Zero());
     each_unknown([&](Index u, std::size_t node, int k) { solution[node][k] = x_[u]; });
 }
 
