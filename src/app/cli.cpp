@@ -47,6 +47,11 @@ std::string list_of_texts(const std::string& text) {
 
 std::vector<std::string> words(int argc, char** argv) { return {argv, argv + argc}; }
 
+/// What the help says of the value of an option that sets a key; the scenario checks it. Completion reads it there.
+std::string words_of(const char* key) { return "TEXT:{" + CLI::detail::join(find_key(key)->words, ",") + "}"; }
+
+const char* const path = "PATH";  // completion offers files for such values only
+
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
@@ -77,7 +82,7 @@ int run_command_line(int argc, char** argv) {
         return run_scenario(read(), run);
     });
     takes_scenario(run_command);
-    run_command->add_option("-o,--output", run.output, "directory of the run; default runs/<name>");
+    run_command->add_option("-o,--output", run.output, "directory of the run; default runs/<name>")->type_name(path);
     run_command->add_option("-j,--threads", run.threads, "threads; default all. Results do not depend on it")->check(CLI::Range(1, 1024));
     run_command->add_option("--until", until, "end earlier, as in 20us");
     run_command->add_flag("--force", run.force, "replace an earlier run");
@@ -103,13 +108,13 @@ int run_command_line(int argc, char** argv) {
         return study_scenario(scenario, overrides, study);
     });
     takes_scenario(study_command);
-    study_command->add_option("--refine", refine, "what a level divides: step, mesh or both");
+    study_command->add_option("--refine", refine, "what a level divides")->option_text(words_of("study.refine"));
     study_command->add_option("--levels", levels, "the divisors, as in 1,2,4,8");
     study_command->add_option("--seeds", n_seeds, "statistics over so many seeds")->check(CLI::Range(2, 10000));
-    study_command->add_option("--schemes", schemes, "pairs bulk/cohesion, as in explicit/explicit,implicit/implicit, or all");
-    study_command->add_option("--reference", reference, "auto, or finest: errors from the finest run");
+    study_command->add_option("--schemes", schemes, "pairs bulk/cohesion, as in explicit/explicit,implicit/implicit, or all")->option_text(words_of("study.schemes"));
+    study_command->add_option("--reference", reference, "what errors are taken from; finest: the finest run")->option_text(words_of("study.reference"));
     study_command->add_option("--quantity", quantities, "number of the summary that is compared; may be repeated")->allow_extra_args(false);
-    study_command->add_option("-o,--output", study.output, "directory of the study; default studies/<name>");
+    study_command->add_option("-o,--output", study.output, "directory of the study; default studies/<name>")->type_name(path);
     study_command->add_option("-j,--jobs", study.n_at_once, "runs at the same time, of one thread each")->check(CLI::Range(1, 1024));
     study_command->add_flag("--force", study.force, "repeat finished runs, replace those of another study");
     study_command->add_flag("-q,--quiet", study.quiet, "no line for every run");
@@ -123,7 +128,7 @@ int run_command_line(int argc, char** argv) {
     sweep_command->add_option("scenario", scenario, "a scenario file, or the name of a built-in one")->required();
     sweep_command->add_option("-s,--set", overrides, "KEY=VALUE,VALUE,...: every value, with all values of the others; may be repeated")->allow_extra_args(false);
     sweep_command->add_option("--seeds", seeds, "20: so many, from the scenario's seed on; or 1..20");
-    sweep_command->add_option("-o,--output", sweep.batch.output, "directory of the sweep; default sweeps/<name>");
+    sweep_command->add_option("-o,--output", sweep.batch.output, "directory of the sweep; default sweeps/<name>")->type_name(path);
     sweep_command->add_option("-j,--jobs", sweep.batch.n_at_once, "runs at the same time, of one thread each")->check(CLI::Range(1, 1024));
     sweep_command->add_flag("--force", sweep.batch.force, "repeat finished runs, replace those of another sweep");
     sweep_command->add_flag("-q,--quiet", sweep.batch.quiet, "no line for every run");
@@ -140,7 +145,7 @@ int run_command_line(int argc, char** argv) {
     bool force = false;
     CLI::App* mesh_command = add("mesh", "only make and judge the mesh", [&] { return mesh_scenario(read(), output, force); });
     takes_scenario(mesh_command);
-    mesh_command->add_option("-o,--output", output, "write it: .msh, .vtu or .svg");
+    mesh_command->add_option("-o,--output", output, "write it: .msh, .vtu or .svg")->type_name(path);
     mesh_command->add_flag("--force", force, "replace an existing file");
 
     std::filesystem::path directory;
@@ -163,7 +168,7 @@ int run_command_line(int argc, char** argv) {
     render_command->add_option("--range", range, "colour range, two values with units")->expected(2);
     render_command->add_option("--box", box, "part of the body: xmin ymin xmax ymax")->expected(4);
     render_command->add_option("--width", figure.width, "pixels")->check(CLI::Range(200, 20000));
-    render_command->add_option("-o,--output", output, "directory for the pictures; default <run>/rendered");
+    render_command->add_option("-o,--output", output, "directory for the pictures; default <run>/rendered")->type_name(path);
 
     std::vector<std::filesystem::path> runs;
     bool json = false, csv = false;
@@ -204,7 +209,7 @@ int run_command_line(int argc, char** argv) {
     BenchOptions bench_options;
     CLI::App* bench_command = add("bench", "fixed work: triangle-steps per core-second and ratios of one run", [&] { return bench(bench_options); });
     bench_command->add_flag("--full", bench_options.full, "all 80 us of the block, 151 000 and a million triangles, and what a run does beside its steps");
-    bench_command->add_option("--csv", bench_options.csv, "write what was measured to this file");
+    bench_command->add_option("--csv", bench_options.csv, "write what was measured to this file")->type_name(path);
 
     app.footer("Exit codes: 0 done, 1 internal error, 2 bad scenario or option, 3 the simulation failed or violated a gate, or no solver solved the problem,\n"
                "4 an [expect] value failed, 130 interrupted.");  // after the commands, which would have it as well

@@ -11,18 +11,17 @@
 #include <nlohmann/json.hpp>
 
 #include <fcntl.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cctype>
+#include <cerrno>
 #include <csignal>
-#include <fstream>
+#include <cstring>
 #include <map>
 #include <set>
 #include <sstream>
-
-extern char** environ;
 
 namespace knap {
 namespace {
@@ -59,25 +58,24 @@ private:
     bool interrupted_ = false;
 };
 
-std::string text_of(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
-
-enum class Found { nothing, finished, unfinished, another };
+enum class Found { nothing, finished, unfinished, another_run, no_run };
 
 /// What is in the directory of a run from earlier. A failure would only be repeated, so it counts as finished.
 Found found_in(const fs::path& run, const std::string& resolved) {
     std::error_code error;
     const bool any = fs::exists(run, error) && !fs::is_empty(run, error);
     if (!any) return Found::nothing;
-    if (never_began(run)) return Found::unfinished;
-    if (!fs::exists(run / "run.json", error)) return Found::another;
-    if (text_of(run / "resolved.toml") != resolved) return Found::another;
-    const std::string status = recorded_status(run);  // of one that cannot be read: unfinished
-    return status == "done" || (status == "failed" && !recorded_output_failed(run)) ? Found::finished : Found::unfinished;
+    const EarlierRecord record = earlier_record(run);
+    if (never_began(run, record)) return Found::unfinished;
+    if (!is_file_of(run / "resolved.toml", resolved)) return record.is_of_a_run ? Found::another_run : Found::no_run;
+    return record.status == "done" || (record.status == "failed" && !record.output_failed) ? Found::finished : Found::unfinished;
+}
+
+/// The file that takes what a run says. Never waits, as for the reader of a pipe.
+int open_log(const fs::path& path) {
+    const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC, 0666);
+    if (file < 0) throw OutputError("cannot write " + path.string() + ": " + std::strerror(errno));
+    return file;
 }
 
 /// knap run SCENARIO ... with its output in a file. One that was interrupted goes on, if this program can.
@@ -88,20 +86,17 @@ pid_t start(const std::string& scenario, const BatchRun& run, const fs::path& di
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
-    const std::string log = (directory / (run.name + ".log")).string();
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setsigmask(&attributes, &signals);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-    pid_t child = -1;
-    const int error = posix_spawn(&child, "/proc/self/exe", &actions, &attributes, arguments.data(), environ);
-    posix_spawnattr_destroy(&attributes);
-    posix_spawn_file_actions_destroy(&actions);
-    if (error != 0) throw SimulationError("cannot start a run");
+    const int log = open_log(directory / (run.name + ".log"));
+    const pid_t batch = getpid(), child = fork();
+    if (child == 0) {
+        // when the batch is gone, even by SIGKILL, the run ends as by Ctrl-C: an orphan would keep its directory from the next batch
+        if (prctl(PR_SET_PDEATHSIG, SIGTERM) != 0 || getppid() != batch) _exit(127);
+        sigprocmask(SIG_SETMASK, &signals, nullptr);
+        if (dup2(log, STDOUT_FILENO) >= 0 && dup2(log, STDERR_FILENO) >= 0) execv("/proc/self/exe", arguments.data());
+        _exit(127);
+    }
+    close(log);
+    if (child < 0) throw SimulationError(std::string("cannot start a run: ") + std::strerror(errno));
     return child;
 }
 
@@ -152,8 +147,12 @@ std::vector<const BatchRun*> runs_to_do(const std::vector<const BatchRun*>& runs
     std::vector<const BatchRun*> to_do;
     for (const BatchRun* run : runs) {
         const Found found = found_in(directory / run->name, run->resolved);
-        if (found == Found::another && !force)
-            throw UserError("runs-exist", "`" + (directory / run->name).string() + "` is not one of these runs as they are now, nothing was run",
+        const std::string there = "`" + (directory / run->name).string() + "`";
+        if (found == Found::no_run)
+            throw UserError("not-a-run", there + " was not made by knap (it has no run.json of a run), nothing was run",
+                            "choose another directory with --output, or delete this one by hand");
+        if (found == Found::another_run && !force)
+            throw UserError("runs-exist", there + " is not one of these runs as they are now, nothing was run",
                             "choose another directory with --output, or replace the old runs with --force");
         if (found != Found::finished || force) to_do.push_back(run);
     }

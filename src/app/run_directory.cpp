@@ -27,29 +27,46 @@ bool is_vacant(const fs::path& directory) {
 /// What runs make, whichever; figures and frames are in directories of their own.
 bool is_made_by_runs(fs::path name) {
     if (name.extension() == ".part") name = name.stem();
-    static const std::set<fs::path> names{"scenario.toml", "resolved.toml", "mesh.msh",   "energy.csv",        "cracks.csv",    "reactions.csv", "probes.csv", "breaks.csv",
-                                          "fragments.csv", "run.pvd",       "checkpoint", "checkpoint.previous", "stress_strain.csv", "fields",   "figures",    "lcp"};
+    static const std::set<fs::path> names{"run.json",   "log.txt",       "scenario.toml", "resolved.toml",     "mesh.msh", "energy.csv", "cracks.csv", "reactions.csv",
+                                          "probes.csv", "breaks.csv",    "fragments.csv", "stress_strain.csv", "run.pvd",  "fields",     "figures",    "lcp",
+                                          "checkpoint", "checkpoint.previous"};
     return names.contains(name);
+}
+
+/// Throws UserError where a run would wait for the reader of a pipe, or write into a device.
+void refuse_what_is_no_file(const fs::path& directory) {
+    std::error_code error;
+    for (auto at = fs::recursive_directory_iterator(directory, error); !error && at != end(at); at.increment(error)) {
+        if (at.depth() == 0 && !is_made_by_runs(at->path().filename())) at.disable_recursion_pending();
+        else if (fs::is_other(at->status(error)))
+            throw UserError("not-a-file", "`" + at->path().string() + "` is a pipe, socket or device, and a run writes a file of this name",
+                            "remove it, or choose another directory with --output");
+    }
 }
 
 /// Whether a run stands there that began with these very files.
 bool began_with(const fs::path& directory, const FirstFiles& files) {
-    return std::all_of(files.begin(), files.end(), [&](const auto& file) {
-        std::error_code none;
-        return fs::is_regular_file(directory / file.first, none) && read_whole_file(directory / file.first) == file.second;
-    });
+    return std::all_of(files.begin(), files.end(), [&](const auto& file) { return is_file_of(directory / file.first, file.second); });
+}
+
+/// What this program resolves of this scenario, to the byte: that was written by a run, whatever else of it was lost.
+bool is_resolved_as(const fs::path& directory, const FirstFiles& files) {
+    return std::any_of(files.begin(), files.end(), [&](const auto& file) { return file.first == "resolved.toml" && is_file_of(directory / file.first, file.second); });
 }
 
 /// Whether this run goes on there; else it begins. Throws UserError where it may do neither.
 bool goes_on(const fs::path& directory, const FirstFiles& files, bool force) {
-    if (never_began(directory)) return false;
-    const bool is_run = is_record_of_a_run(directory);
+    refuse_what_is_no_file(directory);
+    const EarlierRecord record = earlier_record(directory);
+    if (never_began(directory, record)) return false;
+    const bool is_run = record.is_of_a_run || is_resolved_as(directory, files);
     if (force && !is_run)
-        throw UserError("not-a-run", "`" + directory.string() + "` was not made by knap (it has no run.json of a run), so --force does not clear it");
+        throw UserError("not-a-run", "`" + directory.string() + "` was not made by knap (it has no run.json of a run), so --force does not clear it",
+                        "choose another directory with --output, or delete this one by hand");
     if (force) return false;
-    if (is_run && began_with(directory, files)) {
+    if (began_with(directory, files)) {
         if (Checkpoints::exist_in(directory)) return true;
-        if (recorded_status(directory) == "running" || recorded_output_failed(directory)) return false;
+        if (record.status == "running" || record.output_failed) return false;
     }
     throw UserError("run-exists", "`" + directory.string() + "` exists already, nothing was run",
                     std::string("choose another directory with --output") + (is_run ? ", or replace the old run with --force" : ""));
@@ -60,12 +77,26 @@ void write_record(const fs::path& directory, RunRecord record, const std::string
     write_whole_file(directory / "run.json", run_json(record));
 }
 
-/// What an earlier run made, but for the files that this one began with.
+/// While all of an earlier run is still there, so that nothing is lost where they cannot be written.
+void write_first(const fs::path& directory, const FirstFiles& files, const RunRecord& record) {
+    const bool vacant = is_vacant(directory);
+    try {
+        write_record(directory, record, "starting");
+        for (const auto& [name, text] : files) write_whole_file(directory / name, text);
+    } catch (const OutputError& error) {
+        if (vacant) throw;
+        throw OutputError(std::string(error.what()) + "; the files of the earlier run are still there: make room elsewhere, or delete `" + directory.string() +
+                          "` by hand, and give the same command again");
+    }
+}
+
+/// What an earlier run made, but for its record, its log and the files that this one began with.
 void clear(const fs::path& directory, const FirstFiles& kept) {
+    std::set<fs::path> names{"run.json", "log.txt"};
+    for (const auto& file : kept) names.insert(file.first);
     std::vector<fs::path> old;
-    const auto is_kept = [&](const fs::path& path) { return std::any_of(kept.begin(), kept.end(), [&](const auto& file) { return file.first == path.filename(); }); };
     for (const fs::path& path : fs::directory_iterator(directory))
-        if (is_made_by_runs(path.filename()) && !is_kept(path)) old.push_back(path);
+        if (is_made_by_runs(path.filename()) && !names.contains(path.filename())) old.push_back(path);
     std::error_code error;
     for (const fs::path& path : old)
         if (fs::remove_all(path, error); error) throw cannot("clear", path, error);
@@ -73,7 +104,12 @@ void clear(const fs::path& directory, const FirstFiles& kept) {
 
 }  // namespace
 
-bool never_began(const fs::path& directory) { return is_vacant(directory) || (is_record_of_a_run(directory) && recorded_status(directory) == "starting"); }
+bool never_began(const fs::path& directory, const EarlierRecord& record) { return is_vacant(directory) || (record.is_of_a_run && record.status == "starting"); }
+
+bool is_file_of(const fs::path& path, const std::string& text) {
+    std::error_code none;
+    return fs::is_regular_file(path, none) && fs::file_size(path, none) == text.size() && read_whole_file(path) == text;
+}
 
 bool holds_only(const fs::path& directory, const std::vector<std::string>& names) {
     std::error_code error;
@@ -100,8 +136,7 @@ RunDirectory::RunDirectory(const fs::path& directory, const FirstFiles& files, c
     log_.emplace(directory / "log.txt");
     resumes_ = goes_on(directory, files, force);
     if (!resumes_) {
-        write_record(directory, record, "starting");
-        for (const auto& [name, text] : files) write_whole_file(directory / name, text);
+        write_first(directory, files, record);
         clear(directory, files);
         log_->cut_to(0);
     }

@@ -25,8 +25,8 @@ using FirstFiles = std::vector<std::pair<std::string, std::string>>;
 class RunDirectory {
 public:
     /// Takes the directory for a run that begins with these files. The same run that did not come to its end goes on, or begins again where it has no
-    /// checkpoint yet. Anything else that is there is refused (UserError) unless `force`, and even then it must be an earlier run (it has a run.json), and
-    /// none under way. What is cleared are files and directories of the names that runs give; whatever else lies there stays.
+    /// checkpoint yet. Anything else that is there is refused (UserError) unless `force`, and even then it must be an earlier run (it has a run.json, or
+    /// the same resolved.toml), and none under way. What is cleared are files and directories of the names that runs give; whatever else lies there stays.
     RunDirectory(const std::filesystem::path& directory, const FirstFiles& files, const RunRecord& record, bool force);
 
     bool resumes() const { return resumes_; }  // from a checkpoint
@@ -38,7 +38,10 @@ private:
 };
 
 /// Whether a run took this directory, or was about to, and was stopped before its first files were there: any run may begin in it.
-bool never_began(const std::filesystem::path& directory);
+bool never_began(const std::filesystem::path& directory, const EarlierRecord& record);
+
+/// Whether there is a file of exactly these bytes.
+bool is_file_of(const std::filesystem::path& path, const std::string& text);
 
 /// Whether there is nothing in a directory but files of these names, or no directory at all. Throws UserError where that cannot be seen.
 bool holds_only(const std::filesystem::path& directory, const std::vector<std::string>& names);

@@ -30,18 +30,6 @@ Json scheme(const SchemeOptions& options) {
             {"assumption_1", options.respect_assumption_1 ? "respect" : "ignore"}};
 }
 
-/// The run.json in a directory; discarded where it is damaged or not there.
-Json record_in(const std::filesystem::path& directory) {
-    std::ifstream file(directory / "run.json");
-    return Json::parse(file, nullptr, false);
-}
-
-/// A value of it; null where there is none that can be read.
-Json recorded(const std::filesystem::path& directory, const char* key) {
-    const Json json = record_in(directory);
-    return json.is_object() && json.contains(key) ? json[key] : Json();
-}
-
 }  // namespace
 
 std::int64_t peak_memory() {
@@ -50,17 +38,18 @@ std::int64_t peak_memory() {
     return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
 }
 
-std::string recorded_status(const std::filesystem::path& directory) {
-    const Json status = recorded(directory, "status");
-    return status.is_string() ? status.get<std::string>() : "";
+EarlierRecord earlier_record(const std::filesystem::path& directory) {
+    std::error_code none;
+    if (!std::filesystem::is_regular_file(directory / "run.json", none)) return {};
+    std::ifstream file(directory / "run.json");
+    const Json json = Json::parse(file, nullptr, false);
+    if (json.is_discarded()) return {.is_of_a_run = true};
+    const auto recorded = [&](const char* key) { return json.is_object() && json.contains(key) ? json[key] : Json(); };
+    const Json status = recorded("status");
+    return {.is_of_a_run = !status.is_null() && !recorded("version").is_null(),
+            .status = status.is_string() ? status.get<std::string>() : "",
+            .output_failed = recorded("output_failed") == true};
 }
-
-bool is_record_of_a_run(const std::filesystem::path& directory) {
-    const Json json = record_in(directory);
-    return std::ifstream(directory / "run.json").is_open() && (json.is_discarded() || (json.is_object() && json.contains("status") && json.contains("version")));
-}
-
-bool recorded_output_failed(const std::filesystem::path& directory) { return recorded(directory, "output_failed") == true; }
 
 std::string run_json(const RunRecord& record) {
     Json json;

@@ -44,13 +44,13 @@ struct RunRecord {
 
 std::string run_json(const RunRecord& record);
 
-/// `status` of the run.json in a directory; empty where there is none that can be read.
-std::string recorded_status(const std::filesystem::path& directory);
-
-/// Whether the run.json in a directory says that the run ended because something could not be written.
-/// Whether the run.json in a directory is a run's, or is damaged so that nobody can tell.
-bool is_record_of_a_run(const std::filesystem::path& directory);
-bool recorded_output_failed(const std::filesystem::path& directory);
+/// What the run.json in a directory says; nothing where there is none.
+struct EarlierRecord {
+    bool is_of_a_run = false;    // or so damaged that nobody can tell
+    std::string status;          // empty where it cannot be read
+    bool output_failed = false;  // the run ended because something could not be written
+};
+EarlierRecord earlier_record(const std::filesystem::path& directory);
 
 /// Largest resident memory of this process so far [byte].
 std::int64_t peak_memory();

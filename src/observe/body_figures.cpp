@@ -18,7 +18,7 @@ namespace {
 
 constexpr Colour body_colour{0.90, 0.90, 0.89}, outline_colour{0.35, 0.35, 0.35}, obstacle_colour{0.70, 0.72, 0.76}, damaged_colour{0.25, 0.52, 0.78};
 constexpr double outline_width = 0.5, broken_width = 1.1, damaged_width = 0.5, precrack_width = 1, path_width = 0.6,
-                 swatch_width = 9;  // [unit]
+                 swatch_width = 9, column_gap = 8;  // [unit]
 
 template <class Values>
 Vec2 corner_mean(const Values& values, Index t) {
@@ -263,7 +263,8 @@ DrawnFigure draw_materials(const FigureOptions& options, const Frame& frame, con
     const double width = below.width / static_cast<double>(std::max<std::size_t>(n_columns, 4));
     for (std::size_t column = 0; column < n_columns; ++column) {
         const auto first = key.begin() + static_cast<std::ptrdiff_t>(2 * column), last = key.begin() + static_cast<std::ptrdiff_t>(std::min(key.size(), 2 * column + 2));
-        draw_key(page.canvas(), {first, last}, {below.left + static_cast<double>(column) * width, below.bottom, width, below.height});
+        const double left = static_cast<double>(column) * width, room = column + 1 < n_columns ? width - column_gap : below.width - left;
+        draw_key(page.canvas(), {first, last}, {below.left + left, below.bottom, room, below.height});
     }
     return page.finished(title);
 }

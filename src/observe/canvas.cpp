@@ -201,14 +201,14 @@ double Canvas::text_width(const std::string& text, double size, bool bold) const
 }
 
 std::string Canvas::fitted(const std::string& text, double size, double width, bool bold) const {
-    if (text_width(text, size, bold) <= width) return text;
-    std::string part = text;
-    while (!part.empty() && text_width(part + "…", size, bold) > width) {
-        // a character of UTF-8 ends with its first byte, going backwards
-        while (!part.empty() && (static_cast<unsigned char>(part.back()) & 0xC0) == 0x80) part.pop_back();
-        if (!part.empty()) part.pop_back();
-    }
-    return part + "…";
+    // a text may have millions of characters: no more are measured than could fit if they were a twentieth of their height wide
+    const auto most = static_cast<std::size_t>(std::max(20 * width / size, 1.));
+    std::vector<std::size_t> ends{0};  // of the characters, which in UTF-8 go on with bytes 10xxxxxx
+    for (std::size_t at = 1; at <= text.size() && ends.size() <= most; ++at)
+        if (at == text.size() || (static_cast<unsigned char>(text[at]) & 0xC0) != 0x80) ends.push_back(at);
+    if (ends.back() == text.size() && text_width(text, size, bold) <= width) return text;
+    const auto beyond = std::partition_point(ends.begin() + 1, ends.end(), [&](std::size_t end) { return text_width(text.substr(0, end) + "…", size, bold) <= width; });
+    return text.substr(0, *(beyond - 1)) + "…";
 }
 
 void Canvas::finish() {

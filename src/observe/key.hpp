@@ -17,7 +17,7 @@ struct KeyEntry {
 
 inline constexpr double type_size = 11, title_size = 12.5;  // [unit] of all figures
 
-/// Width [unit] that the key needs.
+/// Width [unit] that the key needs; of long labels the begin is shown.
 double key_width(const Canvas& canvas, const std::vector<KeyEntry>& entries);
 
 /// One entry below the other, the first one at the top of `area`.

@@ -27,7 +27,14 @@ TEST_CASE("completion offers what fits the place") {
     CHECK(offered("render --colour ''") == "opening|beta|");
     CHECK(offered("sweep bar_ramp_wave --emit s") == "slurm|snakemake|");
     CHECK(offered("lcp x --solver lem") == "lemke|");
+    CHECK(offered("study x --refine m") == "mesh|");
+    CHECK(offered("study x --reference ''") == "auto|finest|");
+    CHECK(offered("study x --schemes implicit/") == "implicit/explicit|implicit/implicit|");
+    CHECK(offered("study x --schemes all,explicit/i") == "all,explicit/implicit|");
     CHECK(offered("run --until edge") == "|");
+    CHECK(offered("run --until bi") == "|");  // where the script stands are files whose names begin so
+    CHECK(offered("study -q x --levels bi") == "|");
+    CHECK(offered("run -o bi") == "bin|");
     CHECK(offered("run -s mesh.siz") == "mesh.size=|");
     CHECK(offered("run --set 'load[0].ram'") == "load[0].ramp=|");
 }
@@ -51,4 +58,12 @@ TEST_CASE("help and manual name every command and what the exit codes mean") {
         CHECK_MESSAGE(readme.find(code) != std::string::npos, code);
     }
     for (const char* file : {"breaks.csv", "stress_strain.csv", "mesh.msh"}) CHECK_MESSAGE(page.find(file) != std::string::npos, file);
+}
+
+TEST_CASE("the compressed manual is that page and holds no time") {
+    const std::string packed = text_of(KNAP_BINARY_DIR "/knap.1.gz");
+    REQUIRE(packed.size() > 10);
+    CHECK(packed.substr(0, 2) == "\x1f\x8b");
+    CHECK(packed.substr(3, 5) == std::string(5, '\0'));  // no name, and the second in which it was packed: 0, so that the package is the same tomorrow
+    CHECK(command("--version >/dev/null; zcat '" KNAP_BINARY_DIR "/knap.1.gz'").text == text_of(KNAP_SOURCE_DIR "/tools/package/knap.1"));
 }

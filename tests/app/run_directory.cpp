@@ -145,6 +145,53 @@ TEST_CASE("run directory: what runs did not make stays") {
     }
 }
 
+TEST_CASE("run directory: on a full disk an earlier run stays and what helps is said") {
+    const Folder folder("full");
+    const std::string line = "run " + bar + "-s seed=2 -o " + folder.in_shell("run");
+    REQUIRE(command("run " + bar + "-o " + folder.in_shell("run")).code == 0);
+    const Answer full = command("--version >/dev/null; ulimit -f 0; '" KNAP_PROGRAM "' " + line + " --force");
+    CAPTURE(full.text);
+    CHECK(full.code == 3);
+    CHECK(full.has("cannot write"));
+    CHECK(full.has("make room elsewhere, or delete"));
+    CHECK(is_done(folder.path / "run"));
+    fs::remove_all(folder.path / "run");  // as it says
+    CHECK(command(line).code == 0);
+}
+
+TEST_CASE("run directory: a run whose record is lost may be replaced") {
+    const Folder folder("lost record");
+    const std::string line = "run " + bar + "-o " + folder.in_shell("run");
+    REQUIRE(command(line).code == 0);
+    fs::remove(folder.path / "run/run.json");
+    CHECK(command(line).has("replace the old run with --force"));
+    CHECK(command(line + " -s seed=2 --force").has("delete this one by hand"));
+    CHECK(command(line + " --force").code == 0);
+    CHECK(is_done(folder.path / "run"));
+}
+
+TEST_CASE("run directory: a pipe instead of one of its files is refused and not waited for") {
+    const Folder folder("pipes");
+    const std::string line = "timeout 20 '" KNAP_PROGRAM "' run " + bar + "-o " + folder.in_shell("run");
+    const auto refused = [&](const char* name, const std::string& force) {
+        const fs::path pipe = folder.path / "run" / name;
+        fs::create_directories(pipe.parent_path());
+        fs::remove(pipe);
+        REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+        const Answer answer = command("--version >/dev/null; " + line + force);
+        CAPTURE(answer.text);
+        CHECK(answer.code == 2);
+        CHECK(answer.has("run/" + std::string(name) + "` is a pipe"));
+        fs::remove(pipe);
+    };
+    for (const char* name : {"log.txt", "run.json", "run.json.part", "fields/bulk_0000.vtu"}) refused(name, "");
+    fs::remove_all(folder.path / "run");
+    REQUIRE(command("run " + bar + "-o " + folder.in_shell("run")).code == 0);
+    for (const char* name : {"log.txt", "run.json", "scenario.toml", "energy.csv", "checkpoint"}) refused(name, " --force");
+    CHECK(mkfifo((folder.path / "run/mine").c_str(), 0600) == 0);  // no matter of the run
+    CHECK(command("run " + bar + "--force -o " + folder.in_shell("run")).code == 0);
+}
+
 TEST_CASE("run directory: a volume of its own has more than nothing in it") {
     const Folder folder("volume");
     fs::create_directories(folder.path / "run/lost+found");

@@ -6,7 +6,9 @@
 #include "observe/history_csv.hpp"
 #include "support/relative.hpp"
 
+#include <fcntl.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -162,6 +164,49 @@ TEST_CASE("sweep: SIGTERM stops the run under way and the same command goes on w
     REQUIRE(text_of(run / "run.json").find("\"status\": \"interrupted\"") != std::string::npos);
     CHECK(command(sweep).code == 0);
     CHECK(text_of(run / "log.txt").find("resumed: goes on") != std::string::npos);
+}
+
+TEST_CASE("sweep: no run outlives a sweep that is killed") {
+    const Folder folder("sweep killed");
+    const fs::path run = folder.path / "s/runs/s1";
+    const std::string sweep = "sweep " + small_block() + "-s 'mesh.size=1 mm' -s output.checkpoint_every=0 --seeds 1..1 -o " + folder.in_shell("s");
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        execl("/bin/sh", "sh", "-c", ("exec '" KNAP_PROGRAM "' " + sweep + " >/dev/null 2>&1").c_str(), static_cast<char*>(nullptr));
+        _exit(127);
+    }
+    for (int i = 0; i < 60000 && !fs::exists(run / "checkpoint"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const int log = open((run / "log.txt").c_str(), O_RDONLY | O_CLOEXEC);
+    REQUIRE(flock(log, LOCK_EX | LOCK_NB) != 0);
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+    REQUIRE(flock(log, LOCK_EX) == 0);  // when the run is gone
+    close(log);
+    CHECK(text_of(run / "run.json").find("\"status\": \"interrupted\"") != std::string::npos);
+    CHECK(command(sweep).code == 0);
+    CHECK(text_of(run / "log.txt").find("resumed: goes on") != std::string::npos);
+}
+
+TEST_CASE("sweep: a run whose record is lost is done again and what is no run is not touched") {
+    const Folder folder("sweep lost record");
+    const std::string sweep = "sweep " + bar + "-q --seeds 1..2 -o " + folder.in_shell("s");
+    const fs::path runs = folder.path / "s/runs";
+    REQUIRE(command(sweep).code == 0);
+    fs::remove(runs / "s1/run.json");
+    CHECK(command(sweep).code == 0);
+    CHECK(fs::exists(runs / "s1/run.json"));
+    fs::remove(runs / "s1/run.json");
+    std::ofstream(runs / "s1/resolved.toml") << "# mine";
+    for (const char* force : {"", " --force"}) {
+        const Answer answer = command(sweep + force);
+        CAPTURE(answer.text);
+        CHECK(answer.code == 2);
+        CHECK(answer.has("delete this one by hand"));
+        CHECK_FALSE(answer.has("replace"));
+    }
+    fs::remove_all(runs / "s1");  // as it says
+    CHECK(command(sweep).code == 0);
 }
 
 TEST_CASE("sweep and study: a disk that was full at the start is no obstacle later") {

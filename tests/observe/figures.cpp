@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "observe/body_figures.hpp"
+#include "observe/canvas.hpp"
 #include "observe/contact_sheet.hpp"
 #include "observe/curve_figures.hpp"
 #include "observe/figures.hpp"
@@ -95,6 +96,29 @@ TEST_CASE("figures: every subject is drawn without a display at the asked width"
         CHECK(picture.inked > (shows_body(subject) ? 0.4 : 0.02));
         CHECK(picture.inked < 0.9);
     }
+}
+
+TEST_CASE("figures: of texts too long for their place the begin is shown") {
+    std::string endless;  // letters of two bytes; letter by letter this would take a day
+    for (int i = 0; i < 1'000'000; ++i) endless += "ä";
+    Canvas canvas(pictures() / "long.png", 300, 600);
+    for (const bool bold : {false, true}) {
+        const std::string part = canvas.fitted(endless, 12, 200, bold);
+        const std::string letters = part.substr(0, part.size() - 3);
+        CHECK(part == letters + "…");
+        CHECK(letters.size() % 2 == 0);
+        CHECK(canvas.text_width(part, 12, bold) <= 200);
+        CHECK(canvas.text_width(letters + "ä…", 12, bold) > 200);
+        CHECK(canvas.fitted(letters, 12, 200, bold) == letters);
+    }
+    CHECK(canvas.fitted("", 12, 200) == "");
+    CHECK(canvas.fitted("long", 12, 1) == "…");
+    Chart chart = probe_chart(synthetic::probes());
+    for (Curve& curve : chart.curves) curve.label = endless;
+    chart.title = endless;
+    check_type(draw_chart(chart, pictures() / "type.png", 600));
+    const Frame& frame = plate();
+    check_type(draw_materials({.width = 600}, frame, std::vector<std::string>(9, endless), endless, pictures() / "long_names.png"));
 }
 
 TEST_CASE("figures: no text leaves the page or touches another") {

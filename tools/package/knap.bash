@@ -1,12 +1,12 @@
 # Completion of knap for bash: commands, options, their values, keys and built-in scenarios as the program itself names them.
 _knap() {
-    local word="${COMP_WORDS[COMP_CWORD]}" before="${COMP_WORDS[COMP_CWORD - 1]}" knap="${COMP_WORDS[0]}" command="${COMP_WORDS[1]}" words="" files="yes" help option
+    local word="${COMP_WORDS[COMP_CWORD]}" before="${COMP_WORDS[COMP_CWORD - 1]}" knap="${COMP_WORDS[0]}" command="${COMP_WORDS[1]}" words="" files="yes" earlier="" help option
     if ((COMP_CWORD == 1)); then
         words="--help --version $("$knap" --help 2>/dev/null | sed -n '/^Subcommands:/,$ s/^  \([a-z][a-z]*\) .*/\1/p')"
         files=""
     else
         help="$("$knap" "$command" --help 2>/dev/null)"
-        option="$(grep -m 1 -E -- "^  (-[^ ]*,)?$before(,[^ ]*)? (TEXT|INT|UINT|FLOAT)" <<<"$help")"  # of what has a value
+        option="$(grep -m 1 -E -- "^  (-[^ ]*,)?$before(,[^ ]*)? (TEXT|INT|UINT|FLOAT|PATH)" <<<"$help")"  # of what has a value
         if [[ "$word" == -* ]]; then
             words="$(sed -n 's/^  \(-[^ ]*\).*/\1/p' <<<"$help" | tr ',' '\n' | sed 's/[:=].*//')"
             files=""
@@ -16,12 +16,17 @@ _knap() {
         elif [[ "$before" == -* && "$option" =~ \{([^}]*)\} ]]; then
             words="${BASH_REMATCH[1]//,/ }"
             files=""
-        elif [[ ! ("$before" == -* && -n "$option") && "$command" =~ ^(run|check|mesh|study|sweep)$ ]]; then
+            earlier="${word%"${word##*,}"}"  # of a list
+        elif [[ "$before" == -* && -n "$option" ]]; then
+            [[ "$option" =~ ^[^A-Z]*PATH ]] || files=""
+        elif [[ "$command" =~ ^(run|check|mesh|study|sweep)$ ]]; then
             words="$("$knap" list 2>/dev/null)"
         fi
     fi
-    mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
-    if [[ -n "$files" ]]; then
+    mapfile -t COMPREPLY < <(compgen -P "$earlier" -W "$words" -- "${word#"$earlier"}")
+    if [[ -z "$files" ]]; then
+        compopt +o filenames  # explicit/explicit is none
+    else
         mapfile -t -O "${#COMPREPLY[@]}" COMPREPLY < <(compgen -f -- "$word")
     fi
 }

@@ -2,7 +2,7 @@
 include(GNUInstallDirs)
 install(TARGETS knap RUNTIME)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tools/package/knap.1)
-file(ARCHIVE_CREATE OUTPUT ${CMAKE_BINARY_DIR}/knap.1.gz PATHS ${CMAKE_SOURCE_DIR}/tools/package/knap.1 FORMAT raw COMPRESSION GZip COMPRESSION_LEVEL 9)
+execute_process(COMMAND gzip -9nc ${CMAKE_SOURCE_DIR}/tools/package/knap.1 OUTPUT_FILE ${CMAKE_BINARY_DIR}/knap.1.gz COMMAND_ERROR_IS_FATAL ANY)  # -n: no time in it
 install(FILES ${CMAKE_BINARY_DIR}/knap.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES tools/package/knap.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME knap)
 install(FILES tools/package/copyright README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
