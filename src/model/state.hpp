@@ -17,7 +17,7 @@ struct PointState {
 
 /// A fan that has not come apart is one node, like in an ordinary finite element mesh; one that has is a node per corner, for ever
 /// (its corners still move together where its points stick: the fan solver clusters them).
-/// Node f (for f < number of fans) belongs to fan f, or to its first corner once split; further nodes are appended in order of release.
+/// Node f (for f < number of fans) belongs to fan f, or to its first corner once split; further nodes follow in the order of split_fans.
 struct State {
     double time = 0;           // [s]
     double last_step = 0;      // [s] the step that led here; 0 at the start
@@ -26,7 +26,7 @@ struct State {
     std::vector<Vec2> velocity;         // [m/s] per node; of the explicit bulk: at the middle of the last step
     std::vector<Vec2> rate;             // [m/s] per node, of the implicit bulk: mean velocity over the last step; empty at the start
     std::vector<Index> node_of_corner;  // per corner
-    std::vector<Index> split_fans;      // in order of release
+    std::vector<Index> split_fans;      // in order of release, but where stepper/split_order has put them in that of the fans
     std::vector<Index> first_point;     // per split fan, in that order: into `points`
     std::vector<PointState> points;     // of the split fans, in that order
     std::vector<Index> split_rank;      // per fan: its place in split_fans, or -1

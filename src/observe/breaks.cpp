@@ -6,9 +6,11 @@
 namespace knap {
 
 Breaks::Breaks(const Model& model, const State& start)
-    : model_(model), n_broken_(model.interfaces.size(), 0), shear_(model.interfaces.size(), 0.0) {
-    settled_.reserve(start.points.size());
-    for (const PointState& point : start.points) settled_.push_back(point.cohesion <= 0);
+    : model_(model), settled_(model.fan_points.size(), 0), n_broken_(model.interfaces.size(), 0), shear_(model.interfaces.size(), 0.0) {
+    for (std::size_t s = 0; s < start.split_fans.size(); ++s) {
+        const Fan& fan = model.fans[start.split_fans[s]];
+        for (Index k = 0; k < fan.n_points; ++k) settled_[fan.first_point + k] = start.points[start.first_point[s] + k].cohesion <= 0;
+    }
 }
 
 std::vector<std::string> Breaks::columns() { return {"time", "x", "y", "angle_deg", "length", "shear", "energy"}; }
@@ -25,14 +27,13 @@ bool Breaks::note(const State& now, const FanPoint& point) {
 
 std::vector<std::vector<double>> Breaks::found(const State& now) {
     std::vector<std::vector<double>> lines;
-    settled_.resize(now.points.size(), 0);
     for (std::size_t s = 0; s < now.split_fans.size(); ++s) {
         const Fan& fan = model_.fans[now.split_fans[s]];
         for (Index k = 0; k < fan.n_points; ++k) {
-            const Index at = now.first_point[s] + k;
-            if (settled_[at] || now.points[at].cohesion > 0) continue;
+            const Index at = fan.first_point + k;
+            if (settled_[at] || now.points[now.first_point[s] + k].cohesion > 0) continue;
             settled_[at] = 1;
-            const FanPoint& point = model_.fan_points[fan.first_point + k];
+            const FanPoint& point = model_.fan_points[at];
             if (!note(now, point)) continue;
             const Index interface = model_.interface_of(point.point);
             ++(is_shear(shear_[interface]) ? n_shear_ : n_tensile_);

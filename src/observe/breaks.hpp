@@ -37,7 +37,7 @@ private:
     std::vector<double> line(double time, Index interface) const;
 
     const Model& model_;
-    std::vector<std::uint8_t> settled_;   // per point of a split fan, as in State::points: broken, or never had cohesion
+    std::vector<std::uint8_t> settled_;   // per point, as in Model::fan_points: broken, or never had cohesion
     std::vector<std::uint8_t> n_broken_;  // per interface: its broken points
     std::vector<double> shear_;           // per interface: mean over its broken points, by area
     Index n_tensile_ = 0, n_shear_ = 0;

@@ -65,8 +65,9 @@ void VertexScheme::advance_inner(const MeshBlocks::Block& block, const State& be
     const MeshBlocks::Corner* corner = blocks_.corners(block);
     const auto inner = blocks_.inner(block);
     for (std::size_t i = 0; i < inner.size(); ++i) {
-        prefetch_hot(inner, i);
-        const MeshBlocks::InnerFan& fan = inner[i];
+        constexpr std::size_t soon = 4;
+        if (i + soon < inner.size() && fan_is_hot_[inner[i + soon].fan]) StrengthCircles::prefetch(circles_.of_inner(corner));
+        const MeshBlocks::BlockFan& fan = inner[i];
         const MeshBlocks::Corner *first = corner, *last = corner += fan.n_corners;
         if (const Index rank = begin.split_rank[fan.fan]; rank >= 0) {
             keep(first, last);
@@ -76,29 +77,20 @@ void VertexScheme::advance_inner(const MeshBlocks::Block& block, const State& be
         Vec2 force = Vec2::Zero();
         for (const MeshBlocks::Corner* c = first; c < last; ++c) force += work.force[*c];
         if (fan_is_hot_[fan.fan]) {
-            work.taken.resize(fan.n_corners);
-            for (Index c = 0; c < fan.n_corners; ++c) work.taken[c] = work.force[first[c]];
-            if (!surely_bound(fan.fan, force, work.taken)) {
-                keep(first, last);
-                if (!stays_bound(fan.fan, begin, free, work, report)) continue;
+            fan_is_hot_[fan.fan] = 0;
+            const auto force_on = [&](Index c) -> const Vec2& { return work.force[first[c]]; };
+            if (!StrengthCircles::hold(circles_.of_inner(first), fan.n_corners, force_on, force)) {
+                work.taken.resize(fan.n_corners);
+                for (Index c = 0; c < fan.n_corners; ++c) work.taken[c] = work.force[first[c]];
+                if (!surely_bound(fan.fan, force, work.taken)) {
+                    keep(first, last);
+                    if (!stays_bound(fan.fan, begin, free, work, report)) continue;
+                }
             }
         }
         sums.move(fan.fan, fan.mass, force, begin.velocity[fan.fan] + free.kick_time / fan.mass * force);
     }
     sums.add_to(report);
-}
-
-/// The tests of a hot fan read what else nobody does: it is asked for while the fans before it are advanced.
-void VertexScheme::prefetch_hot(std::span<const MeshBlocks::InnerFan> inner, std::size_t i) const {
-    constexpr std::size_t soon = 4, later = 8, cache_line = 64;
-    if (i + later < inner.size() && fan_is_hot_[inner[i + later].fan]) {
-        __builtin_prefetch(&model_.fans[inner[i + later].fan]);
-    }
-    if (i + soon >= inner.size() || !fan_is_hot_[inner[i + soon].fan]) return;
-    const Fan& fan = model_.fans[inner[i + soon].fan];
-    const char* point = reinterpret_cast<const char*>(model_.fan_points.data() + fan.first_point);
-    for (std::size_t byte = 0; byte < fan.n_points * sizeof(FanPoint); byte += cache_line) __builtin_prefetch(point + byte);
-    __builtin_prefetch(&mass_[fan.first_corner]);
 }
 
 /// Round a corner near an obstacle all corners are by themselves, until the fan solver says what holds them together.
@@ -113,29 +105,42 @@ StepReport VertexScheme::advance_bordering(const State& begin, const FreeMotion&
     return sum_over_blocks(blocks.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
         Workspace& work = workspaces_[omp_get_thread_num()];
         NodeSums sums(begin, free, end);
-        for (const Index f : blocks_.bordering(blocks[b])) {
+        const auto bordering = blocks_.bordering(blocks[b]);
+        const Index* next = blocks_.bordering_corners(blocks[b]);
+        for (std::size_t i = 0; i < bordering.size(); ++i) {
+            constexpr std::size_t soon = 4;
+            if (i + soon < bordering.size()) {
+                __builtin_prefetch(&begin.velocity[bordering[i + soon].fan]);
+                __builtin_prefetch(&begin.displacement[bordering[i + soon].fan]);
+            }
+            const auto& [mass, f, n_corners] = bordering[i];
+            const Index* corner = next;
+            next += n_corners;
+            for (Index c = 0; c < n_corners; ++c) __builtin_prefetch(&free.corner_force[corner[c + MeshBlocks::look_ahead]]);
             if (comes_apart_[f]) continue;
             if (const Index rank = begin.split_rank[f]; rank >= 0) {
                 if (fans_are_by_themselves()) advance_fan(rank, begin, free, end, work, report);
                 continue;
             }
-            const Fan& fan = model_.fans[f];
-            const Index* corner = &model_.fan_corners[fan.first_corner];
             Vec2 force = Vec2::Zero();
-            for (Index c = 0; c < fan.n_corners; ++c) force += free.corner_force[corner[c]];
+            for (Index c = 0; c < n_corners; ++c) force += free.corner_force[corner[c]];
             if (fan_is_hot_[f]) {
-                work.taken.resize(fan.n_corners);
-                for (Index c = 0; c < fan.n_corners; ++c) work.taken[c] = free.corner_force[corner[c]];
-                if (!surely_bound(f, force, work.taken) && !stays_bound(f, begin, free, work, report)) continue;
+                fan_is_hot_[f] = 0;
+                const auto force_on = [&](Index c) -> const Vec2& { return free.corner_force[corner[c]]; };
+                if (!StrengthCircles::hold(circles_.of_bordering(corner), n_corners, force_on, force)) {
+                    work.taken.resize(n_corners);
+                    for (Index c = 0; c < n_corners; ++c) work.taken[c] = free.corner_force[corner[c]];
+                    if (!surely_bound(f, force, work.taken) && !stays_bound(f, begin, free, work, report)) continue;
+                }
             }
-            Vec2 velocity = begin.velocity[f] + free.kick_time / fan.mass * force;
+            Vec2 velocity = begin.velocity[f] + free.kick_time / mass * force;
             const PrescribedMotion* motion = prescribed_motion(*corner);
             if (motion) {
                 const Vec2 given = prescribed_velocity(*motion, begin.displacement[f], begin, free.drift_time);
                 for (int k = 0; k < 2; ++k)
                     if (motion->component[k]) velocity[k] = given[k];
             }
-            sums.move(f, fan.mass, force, velocity);
+            sums.move(f, mass, force, velocity);
             if (motion) account_drive(f, *motion, begin, free, force, end, report);
         }
         sums.add_to(report);
@@ -158,7 +163,6 @@ void VertexScheme::account_drive(Index fan, const PrescribedMotion& motion, cons
 /// If these are admissible the fan is bound; if not, others may be, and the exact test decides. `force` [N]: on the whole fan; `forces`: on its corners,
 /// which then become what its points must give them.
 bool VertexScheme::surely_bound(Index f, const Vec2& force, std::vector<Vec2>& forces) {
-    fan_is_hot_[f] = 0;
     const Fan& fan = model_.fans[f];
     if (fan.split_at_start || prescribed_motion(model_.fan_corners[fan.first_corner])) return false;
     const FanPoint* point = model_.fan_points.data() + fan.first_point;

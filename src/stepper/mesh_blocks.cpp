@@ -33,7 +33,12 @@ MeshBlocks::MeshBlocks(const Model& model) {
         block.first_corner = static_cast<Index>(inner_corners_.size());
         block.first_kept = static_cast<Index>(kept_.size());
         block.first_bordering = static_cast<Index>(bordering_.size());
-        bordering_.insert(bordering_.end(), bordering_of_block[b].begin(), bordering_of_block[b].end());
+        block.first_bordering_corner = static_cast<Index>(bordering_corners_.size());
+        for (const Index f : bordering_of_block[b]) {
+            const Fan& fan = model.fans[f];
+            bordering_.push_back({.mass = fan.mass, .fan = f, .n_corners = fan.n_corners});
+            for (Index i = 0; i < fan.n_corners; ++i) bordering_corners_.push_back(model.fan_corners[fan.first_corner + i]);
+        }
         for (const Index f : inner_of_block[b]) {
             const Fan& fan = model.fans[f];
             inner_.push_back({.mass = fan.mass, .fan = f, .n_corners = fan.n_corners});
@@ -51,6 +56,7 @@ MeshBlocks::MeshBlocks(const Model& model) {
         block.last_load = first_load_from(per_triangle * block.last);
         blocks_.push_back(block);
     }
+    bordering_corners_.resize(bordering_corners_.size() + look_ahead, 0);
 }
 
 }  // namespace knap

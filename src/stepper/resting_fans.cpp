@@ -1,10 +1,12 @@
-// Fans that came apart, closed again and rest as a whole: two thirds of all that came apart in the edge-cracked block, where cohesion fell a little beside
-// the crack. Every point of such a fan is closed and at the kink of its friction and of its cohesion at once, so that the one linear system of the fan
-// solver (interfaces/fan_solver.hpp) is: one velocity for all corners, the impulses by walking the chain, the circulation of least norm.
+// Fans that came apart and now rest in parts that move as one: where cohesion fell a little beside the crack and the points closed again (two thirds of all in
+// the edge-cracked block), or where the crack went through and its faces fly freely (half of the others). Every point of such a fan is either held, that is
+// closed and at the kink of its friction and of its cohesion at once, or open without cohesion. So the one linear system of the fan solver
+// (interfaces/fan_solver.hpp) is: one velocity for each part, the impulses by walking the chain from an open point on; where none is open, with the
+// circulation of least norm.
 //
-//     V = sum m_i v_i_free / sum m_i,     P_after = P_before - m_i (V - v_i_free)
+//     V = sum m_i v_i_free / sum m_i,     P_after = P_before - m_i (V - v_i_free),     P = 0 where it is open
 //
-// With the operations in the solver's order the bits are the solver's. What these impulses do not hold is the solver's business.
+// With the operations in the solver's order the bits of the motion are the solver's. What these impulses do not hold, or what closes, is the solver's business.
 #include "stepper/vertex_scheme.hpp"
 
 #include "interfaces/circulation.hpp"
@@ -12,76 +14,125 @@
 #include <algorithm>
 
 namespace knap {
+namespace {
 
-/// No opening, no relative velocity, nothing beside the fan that acts on it, and no point that only touches.
-bool VertexScheme::rests(Index rank, const State& begin) const {
+constexpr double rounding = 1e-9;  // of a displacement: what opens less may as well touch
+
+/// The corners on both sides of a point, by their places in the fan.
+struct Sides {
+    Sides(const Fan& fan, Index j) : after(fan.closed ? j : j + 1), before(after > 0 ? after - 1 : fan.n_corners - 1) {}
+    Index after, before;
+};
+
+}  // namespace
+
+/// Which corners move as one. False: the fan has points that are neither held nor freely open, or something acts on it from beside.
+bool VertexScheme::find_parts(Index rank, const State& begin, double h, RestingFan& resting) const {
     if (options_.cohesion != CohesionScheme::explicit_beta || rank >= static_cast<Index>(begin.split_fans.size())) return false;
     const Index f = begin.split_fans[rank];
+    if (!contacts_.all().empty() && !(contacts_.on_edges().empty() && contacts_.of_fan(f).empty())) return false;
     const Fan& fan = model_.fans[f];
-    const Index* corner = &model_.fan_corners[fan.first_corner];
-    const Vec2 &u = begin.displacement[f], &v = begin.velocity[f];  // of the first corner
+    resting.node.resize(fan.n_corners), resting.part.resize(fan.n_corners), resting.is_open.resize(fan.n_points);
     for (Index i = 0; i < fan.n_corners; ++i) {
-        const Index node = begin.node_of_corner[corner[i]];
-        if (begin.displacement[node] != u || begin.velocity[node] != v || prescribed_motion(corner[i])) return false;
+        const Index corner = model_.fan_corners[fan.first_corner + i];
+        if (prescribed_motion(corner)) return false;
+        resting.node[i] = begin.node_of_corner[corner];
     }
     const PointState* state = begin.points.data() + begin.first_point[rank];
+    resting.first_open = -1;
+    resting.part[0] = 0;
+    Index part = 0;
     for (Index j = 0; j < fan.n_points; ++j) {
         const FanPoint& point = model_.fan_points[fan.first_point + j];
+        if (point.before == ground || point.after == ground) return false;
         const CohesiveLaw& law = model_.laws[point.law];
-        const bool held = law.breakable() && law.sigma_c > 0 && !point.cracked && state[j].cohesion > 0 && law.gamma > 0;
-        if (!held || point.before == ground || point.after == ground) return false;
+        const Sides at(fan, j);
+        const Vec2& u_after = begin.displacement[resting.node[at.after]];
+        const Vec2 u = u_after - begin.displacement[resting.node[at.before]];
+        const Vec2 v = begin.velocity[resting.node[at.after]] - begin.velocity[resting.node[at.before]];
+        const bool held = law.breakable() && law.sigma_c > 0 && !point.cracked && state[j].cohesion > 0 && law.gamma > 0 && u.isZero(0) && v.isZero(0);
+        const double u_N = point.normal.dot(u);
+        const bool open = state[j].cohesion == 0 && law.restitution == 0 && u_N > rounding * u_after.cwiseAbs().maxCoeff() && u_N + h * point.normal.dot(v) > 0;
+        if (!held && !open) return false;
+        resting.is_open[j] = open;
+        if (open && resting.first_open < 0) resting.first_open = j;
+        if (open && at.after > 0) ++part;
+        resting.part[at.after] = part;
     }
-    return contacts_.all().empty() || (contacts_.on_edges().empty() && contacts_.of_fan(f).empty());
+    if (fan.closed && !resting.is_open[0])  // the last part goes on in the first
+        for (Index i = fan.n_corners - 1; i > 0 && resting.part[i] == part; --i) resting.part[i] = 0;
+    resting.n_parts = part + 1;
+    return true;
 }
 
-/// False: the fan does not rest, or does not so stay in one piece.
+/// False: the fan does not rest, or does not so stay in its parts.
 bool VertexScheme::advance_resting(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report) const {
-    if (!rests(rank, begin)) return false;
-    const Index f = end.split_fans[rank];
-    const Fan& fan = model_.fans[f];
+    RestingFan& resting = work.resting;
+    if (!find_parts(rank, begin, free.drift_time, resting)) return false;
+    const Fan& fan = model_.fans[end.split_fans[rank]];
     const Index* corner = &model_.fan_corners[fan.first_corner];
     const double* corner_mass = &mass_[fan.first_corner];
     const FanPoint* point = model_.fan_points.data() + fan.first_point;
-    const Index first_point = end.first_point[rank];
+    const PointState* before = begin.points.data() + begin.first_point[rank];
 
-    std::vector<Vec2>&taken = work.taken, &impulse = work.impulse;
+    std::vector<Vec2>&taken = work.taken, &impulse = work.impulse, &velocity = resting.velocity;
     taken.resize(fan.n_corners), impulse.resize(fan.n_points);
-    Vec2 momentum = Vec2::Zero();
-    double mass = 0;
+    velocity.assign(resting.n_parts, Vec2::Zero()), resting.mass.assign(resting.n_parts, 0);
     for (Index i = 0; i < fan.n_corners; ++i) {
         const double inverse_mass = 1 / corner_mass[i], m = 1 / inverse_mass;
-        taken[i] = begin.velocity[f] + free.kick_time * inverse_mass * free.corner_force[corner[i]];
-        momentum += m * taken[i];
-        mass += m;
+        taken[i] = begin.velocity[resting.node[i]] + free.kick_time * inverse_mass * free.corner_force[corner[i]];
+        velocity[resting.part[i]] += m * taken[i];  // the momentum, until it is divided
+        resting.mass[resting.part[i]] += m;
     }
-    const Vec2 velocity = momentum * (1 / mass);
-    for (Index i = 0; i < fan.n_corners; ++i) taken[i] = (velocity - taken[i]) / (1 / corner_mass[i]);
+    for (Index p = 0; p < resting.n_parts; ++p)
+        if (resting.mass[p] > 0) velocity[p] *= 1 / resting.mass[p];
+    for (Index i = 0; i < fan.n_corners; ++i) taken[i] = (velocity[resting.part[i]] - taken[i]) / (1 / corner_mass[i]);
 
+    const auto strength = [&](Index j) { return free.kick_time * model_.laws[point[j].law].sigma_c * point[j].area * before[j].cohesion; };
+    const bool all_round = fan.closed && resting.first_open < 0;
+    const Index start = fan.closed ? std::max(resting.first_open, 0) : 0;
     LeastNormCirculation least;
-    const auto strength = [&](Index j) {
-        return free.kick_time * model_.laws[point[j].law].sigma_c * point[j].area * begin.points[begin.first_point[rank] + j].cohesion;
-    };
-    walk_chain(fan.n_points, fan.closed, Vec2::Zero(), [&](Index i) -> const Vec2& { return taken[i]; }, [&](Index j, const Vec2& P) {
+    Vec2 P = Vec2::Zero();
+    for (Index k = 0; k < fan.n_points; ++k) {
+        const Index j = start + k < fan.n_points ? start + k : start + k - fan.n_points;
+        if (!fan.closed) P -= taken[j];
+        if (resting.is_open[j]) P = Vec2::Zero();
         impulse[j] = P;
-        if (fan.closed) least.add(1 / strength(j), P);
-        return true;
-    });
+        if (all_round) least.add(1 / strength(j), P);
+        if (fan.closed) P -= taken[j];
+    }
     const Vec2 around = least.c();
     for (Index j = 0; j < fan.n_points; ++j) {
-        impulse[j] += around;
-        const double C = strength(j);
-        if (StrengthPolygon::at_rest(model_.laws[point[j].law], point[j].normal, C).smallest_slack(impulse[j]) < 0) return false;
+        if (resting.is_open[j]) {
+            const Sides at(fan, j);
+            const Vec2 &n = point[j].normal, v = begin.velocity[resting.node[at.after]] - begin.velocity[resting.node[at.before]];
+            const Vec2 u = begin.displacement[resting.node[at.after]] - begin.displacement[resting.node[at.before]];
+            const double touches_at = -std::max(n.dot(u) / free.drift_time, n.dot(v));
+            if (n.dot(velocity[resting.part[at.after]] - velocity[resting.part[at.before]]) < touches_at) return false;
+        } else {
+            impulse[j] += around;
+            if (StrengthPolygon::at_rest(model_.laws[point[j].law], point[j].normal, strength(j)).smallest_slack(impulse[j]) < 0) return false;
+        }
     }
 
     ++report.fan_solves, ++report.fan_iterations;
-    for (Index i = 0; i < fan.n_corners; ++i) move_corner(fan.first_corner + i, velocity, begin, free, end, report);
+    for (Index i = 0; i < fan.n_corners; ++i) move_corner(fan.first_corner + i, velocity[resting.part[i]], begin, free, end, report);
     for (Index j = 0; j < fan.n_points; ++j) {
         const CohesiveLaw& law = model_.laws[point[j].law];
-        const double C = strength(j), S = point[j].area, contact = std::max(0.0, point[j].normal.dot(impulse[j]) + C);
-        PointState& state = end.points[first_point + j];
-        state.cohesion = begin.points[begin.first_point[rank] + j].cohesion;
-        state.traction = Vec2(contact - C, turned_left(point[j].normal).dot(impulse[j])) / (free.kick_time * S);
-        report.surface += S * law.surface_energy(state.cohesion, 0, 0);
+        PointState& state = end.points[end.first_point[rank] + j];
+        state.cohesion = before[j].cohesion;
+        if (resting.is_open[j]) {
+            const Sides at(fan, j);
+            const auto displacement = [&](Index i) -> const Vec2& { return end.displacement[end.node_of_corner[corner[i]]]; };
+            const double u_N = point[j].normal.dot(displacement(at.after) - displacement(at.before));
+            state.traction = Vec2::Zero();
+            report.penetration = std::max(report.penetration, -u_N);
+            if (!point[j].cracked && law.sigma_c > 0) report.surface += point[j].area * law.surface_energy(0, u_N, 0);  // no cohesion feels no slip
+        } else {
+            const double C = strength(j), contact = std::max(0.0, point[j].normal.dot(impulse[j]) + C);
+            state.traction = Vec2(contact - C, turned_left(point[j].normal).dot(impulse[j])) / (free.kick_time * point[j].area);
+            report.surface += point[j].area * law.surface_energy(state.cohesion, 0, 0);
+        }
     }
     return true;
 }

@@ -17,13 +17,6 @@ double largest_force(const Model& model, Index corner) {
     return force_of_unit_stress(shape_gradients(mesh, t), mesh.area(t) * model.thickness, mesh.order, mesh.place_in_triangle(corner));
 }
 
-/// [N] the largest reaction, in any direction, that a point of this law and area surely holds.
-double sure_strength(const CohesiveLaw& law, double area) {
-    if (!law.breakable()) return infinite;
-    const double shear = (law.gamma + law.friction) / std::sqrt(1 + law.friction * law.friction);
-    return area * law.sigma_c * std::min(1.0, shear);
-}
-
 double threshold_of(const Model& model, const Fan& fan) {
     // a_ji: reaction at point j for a unit force on corner i
     std::vector<double> worst(fan.n_points, 0);  // sum_i |a_ji| L_i
@@ -56,6 +49,12 @@ double threshold_of(const Model& model, const Fan& fan) {
 }
 
 }  // namespace
+
+double sure_strength(const CohesiveLaw& law, double area) {
+    if (!law.breakable()) return infinite;
+    const double shear = (law.gamma + law.friction) / std::sqrt(1 + law.friction * law.friction);
+    return area * law.sigma_c * std::min(1.0, shear);
+}
 
 std::vector<double> screen_thresholds(const Model& model) {
     std::vector<double> thresholds(model.fans.size());

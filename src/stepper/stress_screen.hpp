@@ -15,4 +15,7 @@ namespace knap {
 /// for one that is split from the start, loaded, or driven.
 std::vector<double> screen_thresholds(const Model& model);
 
+/// [N] the largest reaction, in any direction, that a point of this law and area [m2] surely holds.
+double sure_strength(const CohesiveLaw& law, double area);
+
 }  // namespace knap

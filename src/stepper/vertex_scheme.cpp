@@ -1,6 +1,7 @@
 #include "stepper/vertex_scheme.hpp"
 
 #include "base/parallel.hpp"
+#include "stepper/split_order.hpp"
 
 #include <omp.h>
 
@@ -18,6 +19,7 @@ VertexScheme::VertexScheme(const Model& model, const SchemeOptions& options)
     : model_(model),
       options_(options),
       blocks_(model),
+      circles_(model, blocks_),
       fan_is_hot_(model.fans.size(), 0),
       comes_apart_(model.fans.size(), 0),
       contacts_(model),
@@ -42,17 +44,32 @@ StepReport VertexScheme::advance(const State& begin, const ExplicitBulk& bulk, F
     account_edges(begin, end, free, report);
     motion_.finish(begin, contact_wrenches(), end, report);
     report += account_loads(begin, bulk, free, end);
+    if (report.released > 0) order_split_fans(model_, end);
     report.largest_speed = std::sqrt(report.largest_speed);  // squares until here
     return report;
 }
 
-/// Gives `end` room and the partition of `begin`, which it has until fans come apart.
+/// Gives `end` room and the partition of `begin`, which it has until fans come apart. Mostly `end` is the state of the step before and lacks a few fans only.
 void VertexScheme::match(const State& begin, State& end) const {
-    if (end.split_fans != begin.split_fans || end.node_of_corner.size() != begin.node_of_corner.size()) {
+    const std::size_t known = end.split_fans.size();
+    const bool goes_on = end.node_of_corner.size() == begin.node_of_corner.size() && known <= begin.split_fans.size() &&
+                         std::equal(end.split_fans.begin(), end.split_fans.end(), begin.split_fans.begin());
+    if (!goes_on) {
         end.node_of_corner = begin.node_of_corner;
         end.split_fans = begin.split_fans;
         end.first_point = begin.first_point;
         end.split_rank = begin.split_rank;
+    }
+    for (std::size_t rank = known; goes_on && rank < begin.split_fans.size(); ++rank) {
+        const Index f = begin.split_fans[rank];
+        const Fan& fan = model_.fans[f];
+        end.split_fans.push_back(f);
+        end.first_point.push_back(begin.first_point[rank]);
+        end.split_rank[f] = begin.split_rank[f];
+        for (Index i = 0; i < fan.n_corners; ++i) {
+            const Index corner = model_.fan_corners[fan.first_corner + i];
+            end.node_of_corner[corner] = begin.node_of_corner[corner];
+        }
     }
     end.displacement.resize(begin.displacement.size());
     end.velocity.resize(begin.velocity.size());

@@ -15,6 +15,7 @@
 #include "stepper/obstacle_motion.hpp"
 #include "stepper/scheme_options.hpp"
 #include "stepper/step_report.hpp"
+#include "stepper/strength_circles.hpp"
 
 #include <memory>
 
@@ -28,12 +29,21 @@ public:
     StepReport advance(const State& begin, const ExplicitBulk& bulk, FreeMotion& free, State& end);
 
 private:
+    /// A fan that rests in parts.
+    struct RestingFan {
+        std::vector<Index> node, part;      // per corner
+        std::vector<std::uint8_t> is_open;  // per point
+        Index first_open, n_parts;          // point, or -1; the last part may be empty
+        std::vector<Vec2> velocity;         // [m/s] per part
+        std::vector<double> mass;           // [kg]
+    };
     struct alignas(128) Workspace {  // no cache line of two threads
         FanProblem problem;
         FanSolver solver;
         std::vector<LinkCohesion> cohesion;
         std::vector<Vec2> force;           // [N] on the corners of a block of triangles
         std::vector<Vec2> taken, impulse;  // per corner, per point of a fan in one piece: [N], or of one that rests [N s]
+        RestingFan resting;
     };
 
     void match(const State& begin, State& end) const;
@@ -41,7 +51,6 @@ private:
     void advance_inner(const MeshBlocks::Block& block, const State& begin, FreeMotion& free, State& end, Workspace& work, StepReport& report);
     void part_from_obstacles(const State& begin);
     StepReport advance_bordering(const State& begin, const FreeMotion& free, State& end);
-    void prefetch_hot(std::span<const MeshBlocks::InnerFan> inner, std::size_t i) const;
     bool surely_bound(Index fan, const Vec2& force, std::vector<Vec2>& forces);
     bool stays_bound(Index fan, const State& begin, const FreeMotion& free, Workspace& work, StepReport& report);
     void account_drive(Index fan, const PrescribedMotion& motion, const State& begin, const FreeMotion& free, const Vec2& force, State& end,
@@ -58,7 +67,7 @@ private:
     StepReport advance_split(const State& begin, const FreeMotion& free, State& end);
     void advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report);
     bool advance_resting(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report) const;
-    bool rests(Index rank, const State& begin) const;
+    bool find_parts(Index rank, const State& begin, double h, RestingFan& resting) const;
     void move_corner(Index in_fans, const Vec2& velocity, const State& begin, const FreeMotion& free, State& end, StepReport& report) const;
 
     FanSolution solve(Index fan, const State& begin, Workspace& work) const;
@@ -73,6 +82,7 @@ private:
     const Model& model_;
     SchemeOptions options_;
     MeshBlocks blocks_;
+    StrengthCircles circles_;
     std::vector<double> mass_;               // [kg] of the corners, in the order of Model::fan_corners: whoever asks for one of a fan asks for all
     std::vector<std::uint8_t> fan_is_hot_;   // per fan: the stress screen does not clear it
     std::vector<std::uint8_t> comes_apart_;  // per fan, in this step

@@ -2,6 +2,7 @@
 #include "base/parallel.hpp"
 #include "geometry/triangulate.hpp"
 #include "stepper/mesh_blocks.hpp"
+#include "stepper/split_order.hpp"
 #include "support/bodies.hpp"
 
 #include <doctest/doctest.h>
@@ -53,7 +54,7 @@ TEST_CASE("every fan is inside one block of triangles or borders on several") {
             next = block.last;
             const MeshBlocks::Corner* corner = blocks.corners(block);
             bool same = true;
-            for (const MeshBlocks::InnerFan& inner : blocks.inner(block)) {
+            for (const MeshBlocks::BlockFan& inner : blocks.inner(block)) {
                 const Fan& fan = model.fans[inner.fan];
                 ++n_found[inner.fan];
                 for (Index i = 0; i < fan.n_corners; ++i) same = same && *corner++ + per_triangle * block.first == model.fan_corners[fan.first_corner + i];
@@ -73,7 +74,7 @@ TEST_CASE("every fan is inside one block of triangles or borders on several") {
         CHECK(next_load == static_cast<Index>(model.corner_loads.size()));
         bool kept = true;
         for (const MeshBlocks::Block& block : blocks.blocks())
-            for (const Index f : blocks.bordering(block)) {
+            for (const auto& [mass, f, n_corners] : blocks.bordering(block)) {
                 ++n_found[f];
                 for (Index i = 0; i < model.fans[f].n_corners; ++i) kept = kept && n_kept[model.fan_corners[model.fans[f].first_corner + i]]-- == 1;
             }
@@ -126,6 +127,92 @@ TEST_CASE("fans at rest hold as much as their cohesion and no more") {
         if (left == 0.9) CHECK(largest_stress < strength);
         // of single triangles inside; a point bears what both its sides do, and one of these may be on the boundary
         else CHECK((largest_stress > 0.7 * strength && largest_stress < 1.5 * strength));
+    }
+}
+
+namespace {
+
+/// A plate 1 high that a crack at x = 1 cuts through, or only its part left of it; the other part flies off, and `back` pushes it.
+ModelInput cut_plate(int n_columns, double back) {
+    ModelInput input;
+    input.mesh = bar_mesh(n_columns, 4, 0.25 * n_columns, 1);
+    for (InteriorEdge& edge : input.mesh.interior_edges) {
+        const Vec2 a = input.mesh.corner(edge.triangle[0], edge.side[0]), b = input.mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
+        edge.cracked = a.x() == 1 && b.x() == 1;
+    }
+    input.materials = {{.density = 1, .E = 1, .nu = 0.2}};
+    input.laws = {{.sigma_c = 1e-3, .G_c = 1e-6, .gamma = 1, .friction = 0.3}};
+    input.law_of_pair = {{0}};
+    input.loads = {load(Load::Kind::traction, "left", -1e-4, 3e-5)};
+    if (n_columns > 4) input.loads.push_back(load(Load::Kind::traction, "right", -back, 0.0));
+    if (n_columns > 4) input.initial_velocities = {{.on = {.boundary = "", .box = Box{{1, 0}, {2, 1}}}, .value = {1e-4, 2e-5}}};
+    return input;
+}
+
+}  // namespace
+
+TEST_CASE("what flies off through a crack does not act on the other side until it comes back") {
+    Run half(cut_plate(4, 0)), away(cut_plate(8, 0)), returning(cut_plate(8, 1.5e-4));
+    const double h = 0.5 * half.stepper.stable_step();
+    const auto difference = [&](const Run& cut) {  // over the left part
+        double largest = 0;
+        for (Index row = 0; row < 4; ++row)
+            for (Index t = 0; t < 8; ++t)
+                for (Index k = 0; k < 3; ++k) largest = std::max(largest, (half.u(8 * row + t, k) - cut.u(16 * row + t, k)).norm());
+        return largest;
+    };
+    double largest = 0, apart = 0, after_contact = 0, deepest = 0;
+    for (int i = 0; i < 60; ++i) {
+        half.step(h), away.step(h), returning.step(h);
+        largest = std::max(largest, half.u(0, 0).norm());
+        apart = std::max(apart, difference(away));
+        after_contact = std::max(after_contact, difference(returning));
+        deepest = std::max(deepest, returning.last.penetration);
+    }
+    CHECK(largest > 1e-5);
+    CHECK(apart <= 1e-13 * largest);
+    CHECK(after_contact > 0.01 * largest);
+    CHECK(deepest <= 1e-12 * largest);
+    for (Run* run : {&half, &away, &returning}) CHECK(std::abs(run->ledger.row().residual) <= 1e-13 * (run->ledger.row().kinetic + run->ledger.row().strain));
+}
+
+TEST_CASE("the order in which fans came apart does not show in the motion") {
+    Run run(pulled_plate(0.1, 2e-3));
+    const double h = 0.5 * run.stepper.stable_step();
+    for (int i = 0; i < 20; ++i) run.step(h);
+    State ordered = run.now;
+    for (Index f = 0; f < static_cast<Index>(run.model.fans.size()); ++f)
+        if (ordered.split_rank[f] < 0 && f % 3 > 0) split(run.model, f, ordered);
+    order_split_fans(run.model, ordered);
+    State any = run.now;
+    for (Index k = static_cast<Index>(run.model.fans.size()) - 1; k >= 0; --k) {
+        const Index f = k ^ 5;  // some permutation
+        if (f < static_cast<Index>(run.model.fans.size()) && any.split_rank[f] < 0 && f % 3 > 0) split(run.model, f, any);
+    }
+    CHECK(std::ranges::is_sorted(ordered.split_fans));
+    CHECK(!std::ranges::is_sorted(any.split_fans));
+    const auto same_body = [&](const State& a, const State& b) {
+        bool same = true;
+        for (Index c = 0; c < run.model.mesh.n_corners(); ++c) {
+            same = same && a.displacement[a.node_of_corner[c]] == b.displacement[b.node_of_corner[c]];
+            same = same && a.velocity[a.node_of_corner[c]] == b.velocity[b.node_of_corner[c]];
+        }
+        for (Index p = 0; p < run.model.n_points(); ++p) same = same && cohesion(run.model, a, p) == cohesion(run.model, b, p);
+        return same;
+    };
+    CHECK(same_body(any, ordered));
+    State of_any, of_ordered, twice = any;
+    run.stepper.step(any, h, of_any);
+    run.stepper.step(ordered, h, of_ordered);
+    CHECK(same_body(of_any, of_ordered));
+    order_split_fans(run.model, twice);
+    CHECK(same_body(twice, any));
+    CHECK(same_bits(twice, ordered));
+    // into a state from before, of another order, and of none
+    for (State into : {run.now, any, of_any, of_ordered, initial_state(run.model), State()}) {
+        run.stepper.step(ordered, h, into);
+        CHECK(same_bits(into, of_ordered));
+        CHECK(same_body(into, of_ordered));
     }
 }
 
