@@ -113,6 +113,7 @@ void conclude(const Scenario& scenario, const Model& model, const State& now, co
     record.cpu_output = recorder.output_seconds();
     record.cpu_frames = recorder.frame_seconds();
     record.cpu_figures = recorder.figure_seconds();
+    record.frame_wait = recorder.frame_wait();
 }
 
 }  // namespace
@@ -242,6 +243,7 @@ ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& rec
     const InterruptGuard guard;
     const Stopwatch stepping;
     const auto save = [&] {
+        recorder.finish_frames();
         memory.log_size = log.size();
         memory.cpu = before.cpu + whole.cpu(), memory.wall = before.wall + whole.wall();
         memory.cpu_steps = before.cpu_steps + stepping.cpu() - (recorder.output_seconds() - output_before);

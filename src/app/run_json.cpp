@@ -70,6 +70,7 @@ std::string run_json(const RunRecord& record) {
     json["cpu_s"] = record.cpu;
     json["cpu_parts_s"] = {{"mesh_and_model", record.cpu_model}, {"steps", record.cpu_steps}, {"output", record.cpu_output}};
     json["cpu_output_parts_s"] = {{"frames", record.cpu_frames}, {"figures", record.cpu_figures}};
+    json["frame_wait_s"] = record.frame_wait;
     json["peak_memory_bytes"] = peak_memory();
     json["triangles"] = record.triangles;
     json["interfaces"] = record.interfaces;

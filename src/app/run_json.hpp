@@ -24,6 +24,7 @@ struct RunRecord {
     double wall = 0, cpu = 0;                                                   // [s] the whole command
     double cpu_model = 0, cpu_steps = 0, cpu_output = 0;  // [s] parts of it: mesh and model, steps, output
     double cpu_frames = 0, cpu_figures = 0;               // [s] parts of the output
+    double frame_wait = 0;                                // [s] of wall time that the steps waited for frames, which are written beside them
     Index triangles = 0, interfaces = 0;
     std::int64_t steps = 0;
     double step = 0, time = 0;       // [s] h as planned, and the time reached

@@ -105,6 +105,7 @@ std::string end_of_run(const RunRecord& record, const std::filesystem::path& dir
              record.name.c_str(), record.status.c_str(), record.time, steps_text(record).c_str(), record.triangles, record.interfaces, record.wall, record.cpu);
     add_line(text, "  processor time: mesh and model %.2f s, steps %.2f s, frames %.2f s, figures %.2f s, other output %.2f s\n", record.cpu_model, record.cpu_steps,
              record.cpu_frames, record.cpu_figures, record.cpu_output - record.cpu_frames - record.cpu_figures);
+    if (record.cpu_frames > 0) add_line(text, "  frames were written beside the steps, which waited %.3g s for them\n", record.frame_wait);
     if (!record.reason.empty()) text += "  reason: " + record.reason + "\n";
     text += solver_text(record);
     for (const auto& [name, value] : record.summary.values) add_line(text, "  %-24s %.6g\n", name.c_str(), value);

@@ -4,12 +4,14 @@
 #include "base/error.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 
 namespace knap {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
+std::atomic<int> interrupted = 0;  // the system gives a signal to any thread of the program
+static_assert(std::atomic<int>::is_always_lock_free);
 
 /// One try of a step: `now` moves on, or stays where the step is cut. Throws SimulationError where the run cannot go on.
 void try_step(const Stepping& run, State& now, State& next) {

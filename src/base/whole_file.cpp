@@ -17,6 +17,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+OutputError cannot_write(const fs::path& path, int error) { return OutputError("cannot write " + path.string() + ": " + std::strerror(error)); }
+
 /// errno of what went wrong, or 0.
 int write_bytes(const fs::path& path, std::string_view text) {
     const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
@@ -34,14 +36,25 @@ int write_bytes(const fs::path& path, std::string_view text) {
 }  // namespace
 
 void write_whole_file(const fs::path& path, std::string_view text) {
+    write_whole_file(path, [&](const fs::path& written) {
+        if (const int error = write_bytes(written, text); error != 0) throw cannot_write(path, error);
+    });
+}
+
+void write_whole_file(const fs::path& path, const std::function<void(const fs::path&)>& write) {
     std::error_code unknown;
-    const bool in_place = fs::exists(path, unknown) && !fs::is_regular_file(path, unknown);
-    const fs::path written = in_place ? path : fs::path(path.string() + ".part");
-    int error = write_bytes(written, text);
-    if (!in_place && error == 0 && std::rename(written.c_str(), path.c_str()) != 0) error = errno;
-    if (error == 0) return;
-    if (!in_place) fs::remove(written, unknown);
-    throw OutputError("cannot write " + path.string() + ": " + std::strerror(error));
+    if (fs::exists(path, unknown) && !fs::is_regular_file(path, unknown)) {
+        write(path);
+        return;
+    }
+    const fs::path written = path.string() + ".part";
+    try {
+        write(written);
+        if (std::rename(written.c_str(), path.c_str()) != 0) throw cannot_write(path, errno);
+    } catch (...) {
+        fs::remove(written, unknown);
+        throw;
+    }
 }
 
 std::string read_whole_file(const fs::path& path) {

@@ -1,6 +1,7 @@
 #pragma once
 // Files that are written and read as a whole.
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -9,6 +10,9 @@ namespace knap {
 /// Writes by a temporary name and rename, so that a reader never sees half a file and an older file stays where the new one fails; a device or a pipe is
 /// written to. Throws OutputError with path and reason.
 void write_whole_file(const std::filesystem::path& path, std::string_view text);
+
+/// The same for what others write: `write` is given the name to write by. What it throws is passed on, and no half file stays.
+void write_whole_file(const std::filesystem::path& path, const std::function<void(const std::filesystem::path&)>& write);
 
 /// All bytes of a file. Throws OutputError with path and reason.
 std::string read_whole_file(const std::filesystem::path& path);

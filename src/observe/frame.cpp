@@ -54,24 +54,31 @@ PointStatus status_of(bool cracked, double cohesion) {
     return cohesion > 0 ? PointStatus::damaged : PointStatus::broken;
 }
 
+/// Barycentric coordinates of the middle of each piece, the same in every triangle.
+std::array<Eigen::Vector3d, six.size()> middles(const Mesh& mesh) {
+    std::array<Eigen::Vector3d, six.size()> middle;
+    middle.fill(Eigen::Vector3d::Zero());
+    for (std::size_t i = 0; i < pieces(mesh).size(); ++i)
+        for (const Index k : pieces(mesh)[i]) middle[i] += coordinates(mesh, k) / 3;
+    return middle;
+}
+
 void add_bulk(const Model& model, const State& state, Frame& frame) {
     const Mesh& mesh = model.mesh;
     const Index n_pieces = static_cast<Index>(pieces(mesh).size()), n = n_pieces * mesh.n_triangles();
     frame.position.resize(3 * n), frame.displacement.resize(3 * n), frame.velocity.resize(3 * n);
     frame.stress.resize(n), frame.region.resize(n), frame.grain.resize(mesh.grain.empty() ? 0 : n);
-#pragma omp parallel for schedule(static)
+    const auto middle = middles(mesh);
     for (Index t = 0; t < mesh.n_triangles(); ++t)
         for (Index i = 0; i < n_pieces; ++i) {
             const Index piece = n_pieces * t + i;
-            Eigen::Vector3d middle = Eigen::Vector3d::Zero();
             for (Index j = 0; j < 3; ++j) {
                 const Index k = pieces(mesh)[i][j], corner = mesh.corners_per_triangle() * t + k, node = state.node_of_corner[corner];
                 frame.position[3 * piece + j] = mesh.corner(t, k);
                 frame.displacement[3 * piece + j] = state.displacement[node];
                 frame.velocity[3 * piece + j] = state.velocity[node];
-                middle += coordinates(mesh, corner) / 3;
             }
-            frame.stress[piece] = stress(model, state, t, middle);
+            frame.stress[piece] = stress(model, state, t, middle[i]);
             frame.region[piece] = mesh.region[t];
             if (!frame.grain.empty()) frame.grain[piece] = mesh.grain[t];
         }
@@ -113,7 +120,6 @@ void add_interfaces(const Model& model, const State& state, bool all, Frame& fra
     const Index n = static_cast<Index>(shown.size());
     frame.side_a.resize(n), frame.side_b.resize(n), frame.end_position.resize(2 * n), frame.cohesion.resize(2 * n), frame.opening.resize(2 * n);
     frame.slip.resize(2 * n), frame.traction.resize(2 * n), frame.status.resize(2 * n);
-#pragma omp parallel for schedule(static)
     for (Index i = 0; i < n; ++i) {
         const Index number = shown[i] / n_parts;
         const Interface& interface = model.interfaces[number];

@@ -1,6 +1,7 @@
 #include "observe/frame_vtu.hpp"
 
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
@@ -55,36 +56,25 @@ void set_geometry(vtkUnstructuredGrid* grid, const std::vector<Vec2>& position, 
     grid->SetCells(cell_type, cells);
 }
 
-/// VTK prints its errors, each several times; ours are thrown.
-class Quiet {
-public:
-    Quiet() { vtkObject::GlobalWarningDisplayOff(); }
-    ~Quiet() { vtkObject::SetGlobalWarningDisplay(before_); }
-    Quiet(const Quiet&) = delete;
-    Quiet& operator=(const Quiet&) = delete;
-
-private:
-    int before_ = vtkObject::GetGlobalWarningDisplay();
-};
-
 void write(vtkUnstructuredGrid* grid, double time, const path& file) {
     vtkNew<vtkDoubleArray> time_value;  // the name that ParaView looks for
     time_value->SetName("TimeValue");
     time_value->InsertNextValue(time);
     grid->GetFieldData()->AddArray(time_value);
-    const Quiet quiet;
     vtkNew<vtkXMLUnstructuredGridWriter> writer;
-    writer->SetFileName(file.string().c_str());
     writer->SetInputData(grid);
     writer->SetDataModeToAppended();
     writer->EncodeAppendedDataOff();
     writer->SetCompressorTypeToLZ4();
-    if (writer->Write() == 0 || writer->GetErrorCode() != vtkErrorCode::NoError)
-        throw OutputError("cannot write " + file.string() + ": " + vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
+    write_whole_file(file, [&](const path& written) {
+        writer->SetFileName(written.c_str());
+        if (writer->Write() == 0 || writer->GetErrorCode() != vtkErrorCode::NoError)
+            throw OutputError("cannot write " + file.string() + ": " + vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
+    });
 }
 
 vtkNew<vtkXMLUnstructuredGridReader> opened(const path& file) {
-    const Quiet quiet;
+    prepare_vtk();
     vtkNew<vtkXMLUnstructuredGridReader> reader;
     if (!std::filesystem::is_regular_file(file)) throw UserError("missing-file", "there is no file `" + file.string() + "`");
     reader->SetFileName(file.string().c_str());
@@ -150,6 +140,11 @@ std::vector<Index> kept_points(const Frame& frame) {
 }
 
 }  // namespace
+
+void prepare_vtk() {
+    vtkObject::GlobalWarningDisplayOff();
+    const vtkNew<vtkUnstructuredGrid> first;
+}
 
 void write_bulk(const Frame& frame, const path& file) {
     const Index n_corners = count(frame.position), n = frame.n_triangles();

@@ -8,6 +8,10 @@
 
 namespace knap {
 
+/// By one thread, before another may write: with its first object VTK makes what all share, and nobody else may be at that. It prints its errors, each several
+/// times; from here on it does not, ours are thrown.
+void prepare_vtk();
+
 /// Appended raw data with LZ4; what is computed with is float64 (positions), what is looked at is float32.
 /// Throws OutputError naming the path.
 void write_bulk(const Frame& frame, const std::filesystem::path& path);

@@ -87,38 +87,72 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
     }
     next_at_.assign(options_.figures.size(), 0);
     if (options_.goes_on) return;
-    const Stopwatch watch;
     open_files();
     write_lines(start);
     next_history_ = start.time + options_.history_every;
-    if (series_) write_frame(start);
-    next_frame_ = series_ ? start.time + options_.frame_every : never;
-    output_seconds_ = watch.cpu();
+    if (writer_) write_frame(start);
+    next_frame_ = writer_ ? start.time + options_.frame_every : never;
 }
+
+/// Adds the processor time of its block to that of output, and of one part of it. All of that is done by the thread that steps, and its time is asked for: that
+/// of the program has what is written beside in it, and what other threads of the steps did a moment ago.
+class Recorder::Timed {
+public:
+    explicit Timed(Recorder& recorder, double* part = nullptr) : recorder_(recorder), part_(part) {}
+    ~Timed() {
+        const double seconds = Stopwatch::seconds(CLOCK_THREAD_CPUTIME_ID) - begin_;
+        recorder_.output_seconds_ += seconds;
+        if (part_ != nullptr) *part_ += seconds;
+    }
+    Timed(const Timed&) = delete;
+    Timed& operator=(const Timed&) = delete;
+
+private:
+    Recorder& recorder_;
+    double* part_;
+    double begin_ = Stopwatch::seconds(CLOCK_THREAD_CPUTIME_ID);
+};
 
 void Recorder::open_files() {
     if (options_.directory.empty()) return;
+    const Timed timed(*this);
     energy_file_ = opened(options_.directory / "energy.csv", histories_.energy);
     crack_file_ = opened(options_.directory / "cracks.csv", histories_.cracks);
     if (!reactions_.empty()) reaction_file_ = opened(options_.directory / "reactions.csv", histories_.reactions);
     if (!probes_.empty()) probe_file_ = opened(options_.directory / "probes.csv", histories_.probes);
     if (breaks_) break_file_ = opened(options_.directory / "breaks.csv", histories_.breaks);
     if (specimen_) stress_strain_file_ = opened(options_.directory / "stress_strain.csv", histories_.stress_strain);
-    if (options_.frame_every > 0) series_.emplace(options_.directory, frame_times_);
+    if (options_.frame_every <= 0) return;
+    series_.emplace(options_.directory, frame_times_);
+    writer_.emplace([this](const State& then) { series_->write(make_frame(model_, then, false)); });
 }
 
 void Recorder::write_frame(const State& now) {
+    const Timed timed(*this, &frame_seconds_);
     const Stopwatch watch;
-    series_->write(make_frame(model_, now, false));
+    writer_->add(now);
     frame_times_.push_back(now.time);
-    frame_seconds_ += watch.cpu();
+    frame_wait_ += watch.wall();
+}
+
+void Recorder::finish_frames() {
+    const Stopwatch watch;
+    end_frames();
+    frame_wait_ += watch.wall();
+}
+
+void Recorder::end_frames() {
+    if (!writer_) return;
+    writer_->finish();
+    const double beside = uncounted();
+    output_seconds_ += beside, frame_seconds_ += beside, counted_ += beside;
 }
 
 void Recorder::after_step(const State& now, const StepReport& report) {
     ledger_.add(now, report);
+    if (writer_) writer_->check();
     const double reached = now.time * (1 + 1e-12);
-    const Stopwatch watch;
-    watch_step(now);
+    if (specimen_ || breaks_) watch_step(now);
     if (reached >= next_history_) {
         write_lines(now);
         next_history_ = options_.history_every * (std::floor(reached / options_.history_every) + 1);
@@ -128,25 +162,29 @@ void Recorder::after_step(const State& now, const StepReport& report) {
         next_frame_ = options_.frame_every * (std::floor(reached / options_.frame_every) + 1);
     }
     draw_due(now, false);
-    output_seconds_ += watch.cpu();
 }
 
 /// What must not miss a step between two lines.
 void Recorder::watch_step(const State& now) {
+    const Timed timed(*this);
     if (specimen_) specimen_->after_step(now);
     if (!breaks_) return;
     for (const std::vector<double>& row : breaks_->found(now)) add_line(row, histories_.breaks, break_file_, options_.directory / "breaks.csv");
 }
 
 void Recorder::finish(const State& now) {
-    const Stopwatch watch;
     if (last_line_ < now.time) write_lines(now);
-    if (series_ && series_->times().back() < now.time) write_frame(now);
-    histories_.fragments = fragment_table(find_fragments(model_, now));
-    if (!options_.directory.empty()) write_csv(histories_.fragments, options_.directory / "fragments.csv");
+    if (writer_ && frame_times_.back() < now.time) write_frame(now);
+    write_fragments(now);
     write_lost_sheets();
     draw_due(now, true);
-    output_seconds_ += watch.cpu();
+    end_frames();
+}
+
+void Recorder::write_fragments(const State& now) {
+    const Timed timed(*this);
+    histories_.fragments = fragment_table(find_fragments(model_, now));
+    if (!options_.directory.empty()) write_csv(histories_.fragments, options_.directory / "fragments.csv");
 }
 
 /// Tables that someone took away while they were written: all lines are here.
@@ -168,6 +206,7 @@ std::vector<std::string> Recorder::missing_files() const {
 }
 
 void Recorder::write_lines(const State& now) {
+    const Timed timed(*this);
     last_line_ = now.time;
     cracks_.snapshot(now.time, interface_status(model_, now));
     add_line(energy_line(ledger_.row(), now.last_step), histories_.energy, energy_file_, options_.directory / "energy.csv");
@@ -189,10 +228,9 @@ void Recorder::draw_due(const State& now, bool at_end) {
         const bool reached = next_at_[i] < figure.at.size() && now.time * (1 + 1e-9) >= figure.at[next_at_[i]];
         const bool due = figure.at.empty() || !shows_body(figure.show) ? at_end : reached;
         if (!due) continue;
-        const Stopwatch watch;
+        const Timed timed(*this, &figure_seconds_);
         if (!frame) frame = make_frame(model_, now, false);
         draw(figure, *frame);
-        figure_seconds_ += watch.cpu();
         while (next_at_[i] < figure.at.size() && now.time * (1 + 1e-9) >= figure.at[next_at_[i]]) ++next_at_[i];
     }
 }

@@ -5,6 +5,7 @@
 #include "observe/energy_ledger.hpp"
 #include "observe/figures.hpp"
 #include "observe/frame.hpp"
+#include "observe/frame_writer.hpp"
 #include "observe/probes.hpp"
 #include "observe/reactions.hpp"
 #include "observe/specimen.hpp"
@@ -45,6 +46,9 @@ public:
 
     void after_step(const State& now, const StepReport& report);
 
+    /// Comes back when all frames so far are on the disk: before a checkpoint that counts them.
+    void finish_frames();
+
     /// Last lines, last frame, and the figures of the end; also after an interruption.
     void finish(const State& now);
 
@@ -55,24 +59,30 @@ public:
     const RecorderOptions& options() const { return options_; }
     const std::vector<std::filesystem::path>& figures() const { return drawn_; }
     std::vector<std::string> missing_files() const;  // frames and figures that this run has written and someone has taken away
-    double output_seconds() const { return output_seconds_; }  // [s] processor time spent here, and on two parts of it:
-    double frame_seconds() const { return frame_seconds_; }
+    double output_seconds() const { return output_seconds_ + uncounted(); }  // [s] processor time spent here and beside the steps, and on two parts of it:
+    double frame_seconds() const { return frame_seconds_ + uncounted(); }
     double figure_seconds() const { return figure_seconds_; }
+    double frame_wait() const { return frame_wait_; }  // [s] of wall time that the steps waited for frames
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(ledger_, cracks_, histories_, next_frame_, next_history_, last_line_, frame_times_, next_at_, drawn_, output_seconds_, frame_seconds_, figure_seconds_);
+        archive(ledger_, cracks_, histories_, next_frame_, next_history_, last_line_, frame_times_, next_at_, drawn_);
+        archive(output_seconds_, frame_seconds_, figure_seconds_, frame_wait_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
     }
 
 private:
+    class Timed;
     void write_frame(const State& now);
     void watch_step(const State& now);
     void write_lines(const State& now);
+    void end_frames();
+    void write_fragments(const State& now);
     void draw_due(const State& now, bool at_end);
     void draw(const FigureOptions& figure, const Frame& frame);
     void write_lost_sheets() const;
+    double uncounted() const { return writer_ ? writer_->cpu() - counted_ : 0; }  // [s] processor time beside the steps that is in neither of the sums yet
 
     const Model& model_;
     RecorderOptions options_;
@@ -90,7 +100,9 @@ private:
     std::vector<double> frame_times_;   // [s]
     std::vector<std::size_t> next_at_;  // per figure: which of its times comes next
     std::vector<std::filesystem::path> drawn_;
-    double output_seconds_ = 0, frame_seconds_ = 0, figure_seconds_ = 0;
+    double output_seconds_ = 0, frame_seconds_ = 0, figure_seconds_ = 0, frame_wait_ = 0;
+    double counted_ = 0;
+    std::optional<FrameWriter> writer_;  // the first to go: it works with the others
 };
 
 /// Columns of energy.csv and cracks.csv.

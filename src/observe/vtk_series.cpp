@@ -39,9 +39,12 @@ void write_collection(const path& run, const std::vector<double>& times, bool ob
 }  // namespace
 
 VtkSeries::VtkSeries(path run, std::vector<double> written) : run_(std::move(run)), times_(std::move(written)) {
+    prepare_vtk();
     std::error_code error;
     std::filesystem::create_directories(run_ / "fields", error);
     if (error) throw OutputError("cannot make " + (run_ / "fields").string() + ": " + error.message());
+    for (const path& file : std::filesystem::directory_iterator(run_ / "fields", error))
+        if (file.string().ends_with(".vtu.part")) std::filesystem::remove(file, error);
 }
 
 void VtkSeries::write(const Frame& frame) {

@@ -10,10 +10,10 @@ namespace knap {
 
 class VtkSeries {
 public:
-    /// Makes <run>/fields. `written` [s]: times of frames that an earlier part of the run wrote; it goes on behind them.
+    /// Makes <run>/fields. `written` [s]: times of frames that an earlier part of the run wrote; it goes on behind them. What was half written goes.
     explicit VtkSeries(std::filesystem::path run, std::vector<double> written = {});
 
-    /// Writes the next frame and lists it: run.pvd is whole at every moment, whatever interrupts the run.
+    /// Writes the next frame and lists it: run.pvd and all files that it lists are whole at every moment, whatever interrupts the run.
     /// Throws OutputError naming the path that could not be written.
     void write(const Frame& frame);
 

@@ -57,6 +57,12 @@ void check_same_bits(const fs::path& a, const fs::path& b) {
     CHECK_FALSE(knap::Checkpoints::exist_in(b));
 }
 
+/// Each file of a frame is whole, whatever became of its run.
+void check_frames(const fs::path& whole, const fs::path& killed) {
+    for (const auto& entry : fs::directory_iterator(killed / "fields"))
+        if (entry.path().extension() == ".vtu") CHECK_MESSAGE(text_of(whole / "fields" / entry.path().filename()) == text_of(entry.path()), entry.path());
+}
+
 void kill_twenty_times(const std::string& block, const Folder& folder) {
     REQUIRE(command("run " + block + "-o " + folder.in_shell("whole")).code == 0);
     const std::string often = block + "-s output.checkpoint_every=0 ";
@@ -65,6 +71,7 @@ void kill_twenty_times(const std::string& block, const Folder& folder) {
     for (int i = 0; i < 20; ++i) {
         const int status = run_and_stop(often, folder.path / "killed", SIGKILL, std::chrono::microseconds(static_cast<int>(random.uniform(0, 10000))));
         if (!WIFSIGNALED(status)) break;
+        check_frames(folder.path / "whole", folder.path / "killed");
         ++n_kills;
     }
     CHECK(n_kills > 5);

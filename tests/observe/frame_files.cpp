@@ -7,7 +7,10 @@
 
 #include <doctest/doctest.h>
 
+#include <sys/resource.h>
+
 #include <clocale>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -162,6 +165,47 @@ TEST_CASE("frame files: a file that cannot be written or read is named") {
     CHECK(message([&] { read_frame(run, 0); }).find("bulk_0000.vtu") != std::string::npos);
     CHECK(message([&] { read_frame(run, 7); }).find("bulk_0007.vtu") != std::string::npos);
     CHECK(message([&] { frame_times(run / "none"); }).find("run.pvd") != std::string::npos);
+}
+
+TEST_CASE("frame files: no half file has the name of a frame and an older one stays where there is no room") {
+    const fs::path run = fresh("no room"), bulk = run / "fields/bulk_0000.vtu";
+    VtkSeries series(run);
+    const Frame frame = synthetic::frame(20);
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    const auto write_in = [&](rlim_t bytes) {
+        const rlimit little{.rlim_cur = bytes, .rlim_max = before.rlim_max};
+        setrlimit(RLIMIT_FSIZE, &little);
+        std::string said = "nothing";
+        try {
+            series.write(frame);
+        } catch (const OutputError& error) {
+            said = error.what();
+        }
+        setrlimit(RLIMIT_FSIZE, &before);
+        return said;
+    };
+    CHECK(write_in(1000).find(bulk.string()) != std::string::npos);
+    CHECK(fs::is_empty(run / "fields"));
+    std::ofstream(bulk) << "an older frame";
+    CHECK(write_in(1000).find(bulk.string()) != std::string::npos);
+    CHECK(contents(bulk) == "an older frame");
+    CHECK(series.times().empty());
+    CHECK(write_in(before.rlim_cur) == "nothing");
+    CHECK(fs::file_size(bulk) > 1000);
+    std::signal(SIGXFSZ, handler);
+}
+
+TEST_CASE("frame files: what a killed run left half written goes when the run goes on") {
+    const fs::path run = fresh("killed");
+    const Frame frame = synthetic::frame(5);
+    VtkSeries(run).write(frame);
+    for (const char* name : {"fields/bulk_0001.vtu.part", "fields/of_someone.part"}) std::ofstream(run / name) << "half a";
+    VtkSeries resumed(run, {frame.time});
+    CHECK_FALSE(fs::exists(run / "fields/bulk_0001.vtu.part"));
+    CHECK(fs::exists(run / "fields/of_someone.part"));
+    CHECK(resumed.missing(false).empty());
 }
 
 TEST_CASE("history files: the same bits come back whatever the locale") {
