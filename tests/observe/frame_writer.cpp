@@ -1,8 +1,14 @@
 // Frames are written beside the steps: all of them, in order, from the state as it was, and no failure is lost.
 #include "observe/frame_writer.hpp"
 
+#include "synthetic_run.hpp"
+
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "base/whole_file.hpp"
+#include "observe/body_figures.hpp"
+#include "observe/curve_figures.hpp"
+#include "observe/vtk_series.hpp"
 
 #include <doctest/doctest.h>
 
@@ -14,6 +20,7 @@
 #include <vector>
 
 using namespace knap;
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -133,6 +140,28 @@ TEST_CASE("frame writer: what waits is written before the writer goes") {
     CHECK(n_written == 2);
     CHECK_THROWS_AS(run(3), OutputError);
     CHECK(n_written == 5);
+}
+
+TEST_CASE("frame writer: frames that are written while figures are drawn are those that are written alone") {
+    const fs::path root = fs::path(KNAP_BINARY_DIR) / "test_frame_writer";
+    fs::remove_all(root);
+    const Frame frame = synthetic::frame(30);
+    VtkSeries alone(root / "alone"), beside(root / "beside");
+    for (int i = 0; i < 5; ++i) alone.write(frame);
+    FrameWriter writer([&](const State&) { beside.write(frame); });
+    for (int i = 0; i < 5; ++i) {
+        writer.add(at(i));
+        draw_chart(energy_chart(synthetic::energy()), root / "energy.png", 800);
+        draw_cracks({}, frame, "cracks", root / "cracks.png");
+    }
+    writer.finish();
+    int n_files = 0;
+    for (const auto& file : fs::recursive_directory_iterator(root / "alone")) {
+        if (!file.is_regular_file()) continue;
+        CHECK(read_whole_file(file) == read_whole_file(root / "beside" / fs::relative(file, root / "alone")));
+        ++n_files;
+    }
+    CHECK(n_files == 11);
 }
 
 TEST_CASE("frame writer: its processor time is its own") {
