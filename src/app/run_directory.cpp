@@ -85,8 +85,8 @@ void write_first(const fs::path& directory, const FirstFiles& files, const RunRe
         for (const auto& [name, text] : files) write_whole_file(directory / name, text);
     } catch (const OutputError& error) {
         if (vacant) throw;
-        throw OutputError(std::string(error.what()) + "; the files of the earlier run are still there: make room elsewhere, or delete `" + directory.string() +
-                          "` by hand, and give the same command again");
+        throw OutputError(std::string(error.what()) + "; the earlier run is still there. When that is mended, or if it is room that is wanted and you delete `" +
+                          directory.string() + "` by hand, the same command starts this one");
     }
 }
 

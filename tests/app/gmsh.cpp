@@ -64,3 +64,24 @@ TEST_CASE("a mesh that knap wrote takes the place of meshing and gives the same 
     CHECK(command("check " + folder.in_shell("s.toml")).code == 0);
     CHECK(command("check " + folder.in_shell("s.toml") + " -s 'load[0].on=lid'").code == 2);
 }
+
+TEST_CASE("a mesh with a fault ends with 2 and its line and one that can be mended is") {
+    const Folder folder("gmsh faults");
+    std::ofstream(folder.path / "s.toml") << "knap = 1\n[mesh]\nfile = \"m.msh\"\n[material.glass]\ndensity = \"2450 kg/m3\"\nE = \"32 GPa\"\nnu = 0.2\n"
+                                          << "[interface.default]\nbreakable = false\n[time]\nend = \"1 us\"\n";
+    const auto check = [&](const std::string& elements) {
+        std::ofstream(folder.path / "m.msh") << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0.1 0.9 0\n$EndNodes\n$Elements\n"
+                                             << elements << "$EndElements\n";
+        return command("check " + folder.in_shell("s.toml"));
+    };
+    CHECK(check("2\n1 2 0 1 3 2\n2 2 0 1 3 4\n").code == 0);  // clockwise
+    const auto refused = [&](const std::string& elements, const std::string& words) {
+        const Answer answer = check(elements);
+        CAPTURE(answer.text);
+        CHECK(answer.code == 2);
+        CHECK(answer.has(words));
+        CHECK(answer.has("m.msh:16"));
+    };
+    refused("3\n1 2 0 1 2 3\n2 2 0 1 3 4\n3 2 0 3 1 2\n", "in the file twice");
+    refused("3\n1 2 0 1 2 3\n2 2 0 1 3 4\n3 2 0 1 3 5\n", "same side of the edge");  // of which three triangles
+}

@@ -1,10 +1,13 @@
 // Where people run programs: full disks, foreign languages, folders with any name, files that are no scenarios.
 #include "program.hpp"
 
+#include <linux/capability.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <future>
 #include <thread>
 
 using namespace program;
@@ -27,6 +30,87 @@ TEST_CASE("a full disk ends a run with 3 and says which file") {
     CHECK(text_of(folder.path / "run/run.json").find("\"status\": \"failed\"") != std::string::npos);
     // the same command again, when there is room
     CHECK(command("run " + small_block() + "-s 'mesh.size=1 mm' -o " + folder.in_shell("run")).code == 0);
+}
+
+TEST_CASE("on a full volume nothing is lost but what had no room") {
+    const Folder folder("full volume");
+    if (std::system("unshare -rm true 2>/dev/null") != 0) return;  // who may not mount
+    // a volume of 300 kB in a name space of its own, later 50 MB
+    const std::string run = "'" KNAP_PROGRAM "' run " + small_block() + "-s output.checkpoint_every=0 -o volume/run 2>&1; echo code $?; ";
+    std::ofstream(folder.path / "script") << "mkdir volume && mount -t tmpfs -o size=300k none volume && " << run << "grep status volume/run/run.json; "
+                                          << "mount -o remount,size=50m volume && " << run << "grep status volume/run/run.json; cp volume/run/energy.csv .";
+    const Answer answer = command("--version >/dev/null; cd " + folder.in_shell("") + "; unshare -rm sh script");
+    CAPTURE(answer.text);
+    const std::size_t full = answer.text.find("No space left on device"), failed = answer.text.find("code 3\n"), done = answer.text.find("code 0\n");
+    CHECK(full < failed);
+    CHECK(failed < answer.text.find("\"failed\""));
+    CHECK(failed < done);
+    CHECK(done < answer.text.find("\"done\""));
+    REQUIRE(command("run " + small_block() + "-o " + folder.in_shell("roomy")).code == 0);
+    CHECK(text_of(folder.path / "energy.csv") == text_of(folder.path / "roomy/energy.csv"));
+}
+
+TEST_CASE("where nothing may be written that is said and read all the same") {
+    const Folder folder("read only");
+    const fs::path locked = folder.path / "locked";
+    const std::string run = "run bar_ramp_wave -q -j 1 -s 'time.end=\"2 us\"' -s expect={} ";
+    fs::create_directory(locked);
+    REQUIRE(command(run + "-o " + folder.in_shell("locked/run")).code == 0);
+    const auto permit = [&](fs::perms perms) {
+        for (const fs::path& path : {locked / "run/figures", locked / "run/fields", locked / "run", locked}) fs::permissions(path, perms);
+    };
+    permit(fs::perms::owner_read | fs::perms::owner_exec);
+    const auto answer_of = [](const std::string& arguments) {
+        return std::async(std::launch::async, [&] {
+            prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, 0, 0, 0);  // root would be let in; of this thread and what it starts
+            return command(arguments);
+        }).get();
+    };
+    for (const std::string& arguments : {run + "-o " + folder.in_shell("locked/new"), "sweep bar_ramp_wave --seeds 1 -o " + folder.in_shell("locked/new"), "new " + folder.in_shell("locked/new"),
+                                         "mesh bar_ramp_wave -o " + folder.in_shell("locked/new.svg"), "render " + folder.in_shell("locked/run")}) {
+        const Answer answer = answer_of(arguments);
+        CAPTURE(answer.text);
+        CHECK(answer.code == 2);
+        CHECK(answer.has("Permission denied"));
+    }
+    const Answer again = answer_of(run + "--force -o " + folder.in_shell("locked/run"));
+    CHECK(again.code == 3);
+    CHECK(again.has("run.json: Permission denied; the earlier run is still there"));
+    CHECK(command("info " + folder.in_shell("locked/run")).code == 0);
+    CHECK(command("render " + folder.in_shell("locked/run") + " --show speed -o " + folder.in_shell("figures")).code == 0);
+    permit(fs::perms::owner_all);
+}
+
+TEST_CASE("without an environment the results are those of any run") {
+    const Folder folder("bare");
+    const std::string run = " run bar_ramp_wave -q -j 1 -s 'time.end=\"2 us\"' -s expect={} -o ";
+    REQUIRE(command(run + folder.in_shell("usual")).code == 0);
+    REQUIRE(command("--version >/dev/null; env -i '" KNAP_PROGRAM "'" + run + folder.in_shell("bare")).code == 0);  // no display, home, path, language, terminal
+    for (const char* file : {"energy.csv", "fields/bulk_0001.vtu", "figures/opening.png"}) {
+        CHECK_MESSAGE(fs::file_size(folder.path / "bare" / file) > 0, file);
+        CHECK_MESSAGE(text_of(folder.path / "usual" / file) == text_of(folder.path / "bare" / file), file);
+    }
+}
+
+TEST_CASE("progress is rewritten on a terminal and comes in lines elsewhere") {
+    const Folder folder("terminal");
+    std::string run = "run " + small_block() + "-s figure=[] --force -o " + folder.in_shell("run");
+    run.erase(run.find("-q "), 3);
+    const Answer elsewhere = command(run);
+    CHECK(elsewhere.code == 0);
+    CHECK(elsewhere.has("100 %  t 40 us"));
+    CHECK(elsewhere.text.find('\r') == std::string::npos);
+    CHECK(elsewhere.text.find('\033') == std::string::npos);
+    if (std::system("command -v script >/dev/null") != 0) return;
+    std::ofstream(folder.path / "typed") << "stty cols 60; '" KNAP_PROGRAM "' " << run << "\n";
+    const Answer terminal = command("--version >/dev/null; script -qec \"sh " + folder.in_shell("typed") + "\" /dev/null </dev/null");
+    CAPTURE(terminal.text);
+    std::size_t n_lines = 0;
+    for (std::size_t at = terminal.text.find("\r\033[K"); at != std::string::npos; at = terminal.text.find("\r\033[K", at + 1)) {
+        ++n_lines;
+        CHECK(terminal.text.find_first_of("\r\n", at + 4) - at - 4 < 60);
+    }
+    CHECK(n_lines > 0);
 }
 
 TEST_CASE("a run directory that vanishes ends the run with 3") {
@@ -103,7 +187,9 @@ TEST_CASE("what is no scenario is refused in a few lines") {
     CHECK(empty.has("says nothing"));
     CHECK(picture.code == 2);
     CHECK(picture.has("is not a text file"));
-    const Answer large = written("large.toml", "a = \"" + std::string(21'000'000, 'x') + "\"\n");
+    written("large.toml", "knap = 1\n");
+    fs::resize_file(folder.path / "large.toml", 100'000'000);
+    const Answer large = command("check " + folder.in_shell("large.toml"));
     CHECK(large.code == 2);
     CHECK(large.has("more than 20 MB"));
     const Answer deep = written("deep.toml", "a = " + std::string(100'000, '['));
