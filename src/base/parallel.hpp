@@ -47,14 +47,14 @@ void for_blocks(std::ptrdiff_t n_blocks, const Work& work) {
 template <class Result, class Work>
 Result sum_over_blocks(std::size_t n, std::size_t block, std::vector<Result>& partial, const Work& work) {
     const std::ptrdiff_t n_blocks = static_cast<std::ptrdiff_t>((n + block - 1) / block);
-    partial.resize(n_blocks);
+    if (static_cast<std::ptrdiff_t>(partial.size()) < n_blocks) partial.resize(n_blocks);  // never shorter: so it doubles
     for_blocks(n_blocks, [&](std::ptrdiff_t i) {
         Result own{};  // neighbours in the list belong to other threads: it is written once
         work(i * block, std::min(n, (i + 1) * block), own);
         partial[i] = own;
     });
     Result total{};
-    for (const Result& part : partial) total += part;
+    for (std::ptrdiff_t i = 0; i < n_blocks; ++i) total += partial[i];
     return total;
 }
 

@@ -7,6 +7,8 @@
 #include "interfaces/fan_problem.hpp"
 #include "interfaces/link_law.hpp"
 
+#include <Eigen/Core>
+
 #include <vector>
 
 namespace knap {
@@ -18,7 +20,40 @@ struct FanLcpSolution {
     std::vector<Vec2> impulse;   // [N s] per link; zero for unbreakable ones
 };
 
-/// `laws`: one per link (not read for unbreakable ones). `speed` [m/s]: the scale of the problem.
-FanLcpSolution solve_fan_lcp(const FanProblem& problem, const std::vector<LinkLaw>& laws, double speed);
+/// Keeps its memory from one problem to the next.
+class FanLcp {
+public:
+    /// `laws`: one per link (not read for unbreakable ones). `speed` [m/s]: the scale of the problem.
+    const FanLcpSolution& solve(const FanProblem& problem, const std::vector<LinkLaw>& laws, double speed);
+
+private:
+    /// One unknown impulse of the problem: its direction at its link, and how its own row reads.
+    struct Row {
+        enum class Kind { contact, forward, backward, slack } kind;
+        Index link;
+        double velocity;            // b of a contact, k of a sign
+        double weight, of_contact;  // w0, w1 of the sign
+    };
+
+    void make_clusters();
+    void make_rows(const std::vector<LinkLaw>& laws, double speed);
+    void find_motion(const Eigen::Ref<const Eigen::VectorXd>& z);
+    Index cluster_of(Index body) const { return body < 0 ? cluster_.back() : cluster_[body]; }
+    const FanLink& link(int row) const { return problem_->links[rows_[row].link]; }
+    Vec2 direction(int row) const;
+    double response(Index i, const Vec2& a, Index j, const Vec2& impulse) const;
+    double coefficient(int i, int j) const;
+    double constant(int i) const;
+
+    const FanProblem* problem_ = nullptr;
+    // bodies that unbreakable links join move as one; the ground is the last cluster
+    std::vector<Index> cluster_;                                // per body
+    std::vector<Vec2> mass_, inverse_mass_, free_velocity_;     // per cluster
+    double speed_ = 0;          // [m/s sqrt kg] with the largest mass of the links
+    std::vector<double> unit_;  // [sqrt kg] per link: scales impulses up and velocities down, so that W has a unit diagonal
+    std::vector<Row> rows_;
+    std::vector<double> M_, q_, z_, w_;
+    FanLcpSolution found_;
+};
 
 }  // namespace knap

@@ -1,7 +1,5 @@
 #include "interfaces/fan_solver.hpp"
 
-#include "interfaces/fan_lcp.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -35,8 +33,8 @@ FanSolution FanSolver::solve(FanProblem& problem) {
     FanSolution solution;
     if (!settle_states(max_corrections, solution.iterations)) {
         solution.status = find_states_by_pivots();
-        const Attempt found = attempt();
-        if (solution.status != FanSolution::Status::searched && !settle_states(patient_corrections, solution.iterations)) go_back_to(found);
+        keep();
+        if (solution.status != FanSolution::Status::searched && !settle_states(patient_corrections, solution.iterations)) go_back();
     } else if (violation_ > usual_violation) {
         solution.status = improve_by_pivots();
     }
@@ -118,17 +116,15 @@ FanSolution::Status FanSolver::find_states_by_pivots() {
 }
 
 FanSolution::Status FanSolver::improve_by_pivots() {
-    const Attempt found = attempt();
-    if (solve_by_pivots() && violation_ < found.violation) return FanSolution::Status::pivoted;
-    go_back_to(found);
+    keep();
+    if (solve_by_pivots() && violation_ < kept_violation_) return FanSolution::Status::pivoted;
+    go_back();
     return FanSolution::Status::exact;
 }
 
-void FanSolver::go_back_to(const Attempt& found) {
-    states_ = found.states;
-    motion_ = found.motion;
-    violation_ = found.violation;
-}
+void FanSolver::keep() { kept_states_ = states_, kept_motion_ = motion_, kept_violation_ = violation_; }
+
+void FanSolver::go_back() { states_ = kept_states_, motion_ = kept_motion_, violation_ = kept_violation_; }
 
 /// Lemke's method may end without a solution where there is one: friction takes from the matrix what the method rests on. The links that ever moved take
 /// every state in turn, all others stick: first all that stay closed, then open ones too. With friction 0.7 about one fan in 10^8 of a crushed body comes here.
@@ -173,9 +169,9 @@ bool FanSolver::try_combinations(const std::vector<LinkState>& stuck, const std:
 }
 
 bool FanSolver::solve_by_pivots() {
-    std::vector<LinkLaw> laws;
-    for (const LinkState& state : states_) laws.push_back(state.law);
-    const FanLcpSolution found = solve_fan_lcp(*problem_, laws, scales_.speed);
+    laws_.clear();
+    for (const LinkState& state : states_) laws_.push_back(state.law);
+    const FanLcpSolution& found = lcp_.solve(*problem_, laws_, scales_.speed);
     if (!found.solved) return false;
     motion_.velocity = found.velocity;
     for (std::size_t i = 0; i < states_.size(); ++i) {

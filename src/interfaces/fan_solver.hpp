@@ -6,6 +6,7 @@
 // solve. A chain that sticks all round is decided by find_circulation (circulation.hpp). Should the states cycle (friction, degenerate
 // ties), Lemke's pivots find them (fan_lcp.hpp), and the active set polishes what they found; where they give up, states are searched.
 #include "interfaces/circulation.hpp"
+#include "interfaces/fan_lcp.hpp"
 #include "interfaces/fan_problem.hpp"
 #include "interfaces/fan_scales.hpp"
 #include "interfaces/linear_fan.hpp"
@@ -36,14 +37,8 @@ public:
     FanSolution solve(FanProblem& problem);
 
 private:
-    /// What has been found so far.
-    struct Attempt {
-        std::vector<LinkState> states;
-        FanMotion motion;
-        double violation;
-    };
-    Attempt attempt() const { return {states_, motion_, violation_}; }
-    void go_back_to(const Attempt& found);
+    void keep();     // what has been found so far
+    void go_back();  // to it
 
     FanSolution::Status find_states_by_pivots();  // of the laws, or else of relaxed laws
     FanSolution::Status improve_by_pivots();      // of a solution that is not as exact as usual
@@ -61,7 +56,12 @@ private:
     LinearFan linear_;
     FanMotion motion_;
     double violation_ = 0;  // relative, of all laws and the balance
+    std::vector<LinkState> kept_states_;
+    FanMotion kept_motion_;
+    double kept_violation_ = 0;
     std::vector<HalfPlane> planes_;
+    std::vector<LinkLaw> laws_;  // per link
+    FanLcp lcp_;
 };
 
 }  // namespace knap

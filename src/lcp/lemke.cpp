@@ -8,21 +8,38 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <vector>
+#include <type_traits>
 
 namespace knap {
 namespace {
 
+using MatrixIn = Eigen::Ref<const Eigen::MatrixXd>;
+using VectorIn = Eigen::Ref<const Eigen::VectorXd>;
 constexpr double golden_ratio = 0.6180339887498949;
+constexpr int few = 96;  // unknowns whose tableau is on the stack, 75 kB twice: fans of explicit steps allocate nothing
+
+/// Of `most` unknowns, on the stack, or of any number.
+template <int most>
+struct Few {
+    static constexpr int most_columns = most == Eigen::Dynamic ? most : most + 2, most_variables = most == Eigen::Dynamic ? most : 2 * most + 1;
+    using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most>;
+    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, most_columns>;
+    using List = Eigen::Array<int, Eigen::Dynamic, 1, 0, most_variables>;
+};
 
 /// basic + T nonbasic = value. Variable i is w_i, i + n is z_i, 2n is z0. Only the columns of the nonbasic variables are stored, and a pivot
 /// is only noted: a column goes through the pivots that it missed when somebody looks at it. A path of k pivots looks at k columns and at the
 /// value, so it costs k^2 n / 2 operations where pivots carried out at once take k n^2, and never more than these.
+template <int most>
 class Tableau {
 public:
-    Tableau(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const Eigen::VectorXd& cover, const LemkeOptions& options)
+    using Vector = typename Few<most>::Vector;
+    using Matrix = typename Few<most>::Matrix;
+    using List = typename Few<most>::List;
+
+    Tableau(const MatrixIn& M, const VectorIn& q, const Vector& cover, const LemkeOptions& options)
         : n_(static_cast<int>(q.size())), options_(options), columns_(n_, n_ + 2), basic_(n_), nonbasic_(n_ + 1), place_(2 * n_ + 1),
-          pivot_columns_(n_, n_), n_done_(n_ + 2, 0) {
+          pivot_rows_(n_), pivot_columns_(n_, n_), n_done_(List::Zero(n_ + 2)) {
         columns_.leftCols(n_) = -M;
         columns_.col(n_) = -cover;
         columns_.col(n_ + 1) = q;
@@ -34,7 +51,7 @@ public:
 
     int z0() const { return 2 * n_; }
     int complement(int variable) const { return variable < n_ ? variable + n_ : variable - n_; }
-    const std::vector<int>& basic() const { return basic_; }
+    const List& basic() const { return basic_; }
     double value(int row) { return column(n_ + 1)[row]; }
 
     /// Where z0 enters, so large that nothing stays negative.
@@ -59,14 +76,14 @@ public:
     /// Exchanges the entering variable and the basic one of the row, which is returned.
     int pivot(int row, int entering) {
         const int place = place_[entering], leaving = basic_[row];
-        if (n_pivots() == n_) carry_out_pivots();
+        if (n_pivots_ == n_) carry_out_pivots();
         auto entries = column(place);
-        pivot_columns_.col(n_pivots()) = entries;
-        pivot_rows_.push_back(row);
+        pivot_columns_.col(n_pivots_) = entries;
+        pivot_rows_[n_pivots_++] = row;
         const double inverse = 1 / entries[row];
         entries *= -inverse;
         entries[row] = inverse;
-        n_done_[place] = n_pivots();
+        n_done_[place] = n_pivots_;
         basic_[row] = entering;
         nonbasic_[place] = leaving;
         place_[entering] = -1 - row;
@@ -77,12 +94,10 @@ public:
 private:
     using Column = Eigen::Ref<Eigen::VectorXd>;
 
-    int n_pivots() const { return static_cast<int>(pivot_rows_.size()); }
-
     /// The column with all pivots carried out.
     Column column(int place) {
         auto entries = columns_.col(place);
-        for (int& k = n_done_[place]; k < n_pivots(); ++k) {
+        for (int& k = n_done_[place]; k < n_pivots_; ++k) {
             const int row = pivot_rows_[k];
             const double at_row = entries[row] / pivot_columns_(row, k);
             if (at_row == 0) continue;
@@ -94,8 +109,8 @@ private:
 
     void carry_out_pivots() {
         for (int place = 0; place < n_ + 2; ++place) column(place);
-        pivot_rows_.clear();
-        std::fill(n_done_.begin(), n_done_.end(), 0);
+        n_pivots_ = 0;
+        n_done_.setZero();
     }
 
     /// Lexicographic ratio test over the right-hand side and then the columns of the inverse basis; z0 leaves whenever it can.
@@ -116,61 +131,76 @@ private:
 
     int n_;
     LemkeOptions options_;
-    Eigen::MatrixXd columns_;  // of the nonbasic variables, then the value
-    std::vector<int> basic_, nonbasic_;
-    std::vector<int> place_;  // column of a nonbasic variable; -1 - row of a basic one
-    std::vector<int> pivot_rows_;    // of the pivots that are noted
-    Eigen::MatrixXd pivot_columns_;  // their entering columns
-    std::vector<int> n_done_;        // pivots that each column has gone through
+    Matrix columns_;  // of the nonbasic variables, then the value
+    List basic_, nonbasic_;
+    List place_;             // column of a nonbasic variable; -1 - row of a basic one
+    int n_pivots_ = 0;       // that are noted
+    List pivot_rows_;        // theirs
+    Matrix pivot_columns_;   // their entering columns
+    List n_done_;            // pivots that each column has gone through
 };
 
 /// z of the basis that the pivots found, from M and q themselves: without the rounding of the pivots.
-Eigen::VectorXd solved_anew(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const std::vector<int>& basic) {
+template <int most>
+typename Few<most>::Vector solved_anew(const MatrixIn& M, const VectorIn& q, const typename Few<most>::List& basic) {
+    using Vector = typename Few<most>::Vector;
+    using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, most>;
     const int n = static_cast<int>(q.size());
-    std::vector<int> active;
+    typename Few<most>::List active(n);
+    int n_active = 0;
     for (const int variable : basic)
-        if (variable >= n && variable < 2 * n) active.push_back(variable - n);
-    Eigen::VectorXd z = Eigen::VectorXd::Zero(n);
-    if (active.empty()) return z;
-    const Eigen::MatrixXd A = M(active, active);
-    const Eigen::VectorXd b = -q(active);
-    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(A);
-    Eigen::VectorXd x = lu.solve(b);
-    x += lu.solve(b - A * x);
+        if (variable >= n && variable < 2 * n) active[n_active++] = variable - n;
+    active.conservativeResize(n_active);
+    Vector z = Vector::Zero(n);
+    if (n_active == 0) return z;
+    const Square A = M(active, active);
+    const Vector b = -q(active);
+    const Eigen::PartialPivLU<Square> lu(A);
+    Vector x = lu.solve(b);
+    const Vector left = b - A * x;
+    x += lu.solve(left);
     z(active) = x;
     return z;
 }
 
-double residual(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const Eigen::VectorXd& z) {
-    return z.allFinite() ? (M * z + q).cwiseMin(z).cwiseAbs().maxCoeff() : std::numeric_limits<double>::infinity();
+template <class Vector>
+double residual(const MatrixIn& M, const VectorIn& q, const Vector& z) {
+    if (!z.allFinite()) return std::numeric_limits<double>::infinity();
+    Vector w = M * z;
+    w += q;
+    return w.cwiseMin(z).cwiseAbs().maxCoeff();
 }
 
 /// Covering vector of an attempt: ones, then other numbers of the same order.
-Eigen::VectorXd covering_vector(int n, int attempt) {
-    Eigen::VectorXd cover(n);
+template <class Vector>
+Vector covering_vector(int n, int attempt) {
+    Vector cover(n);
     for (int i = 0; i < n; ++i) cover[i] = 1 + std::fmod(golden_ratio * attempt * (i + 1), 1.0);
     return cover;
 }
 
+template <int most>
 struct Path {
     LcpStatus status;
-    Eigen::VectorXd z;
+    typename Few<most>::Vector z;
     int n_pivots;
 };
 
-Path follow_path(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const Eigen::VectorXd& cover, const LemkeOptions& options) {
+template <int most>
+Path<most> follow_path(const MatrixIn& M, const VectorIn& q, const typename Few<most>::Vector& cover, const LemkeOptions& options) {
+    using Vector = typename Few<most>::Vector;
     const int n = static_cast<int>(q.size());
-    Tableau tableau(M, q, cover, options);
+    Tableau<most> tableau(M, q, cover, options);
     int entering = tableau.complement(tableau.pivot(tableau.first_row(), tableau.z0()));
     for (int count = 1; count <= options.max_pivots_per_unknown * n; ++count) {
         const int row = tableau.leaving_row(entering);
         if (row < 0) return {LcpStatus::ray, {}, count};
         const int left = tableau.pivot(row, entering);
         if (left == tableau.z0()) {
-            Eigen::VectorXd z = Eigen::VectorXd::Zero(n);
+            Vector z = Vector::Zero(n);
             for (int i = 0; i < n; ++i)
                 if (tableau.basic()[i] >= n) z[tableau.basic()[i] - n] = std::max(0.0, tableau.value(i));
-            const Eigen::VectorXd anew = solved_anew(M, q, tableau.basic());
+            const Vector anew = solved_anew<most>(M, q, tableau.basic());
             const double before = residual(M, q, z), after = residual(M, q, anew);
             const LcpStatus status = std::min(before, after) <= options.largest_residual ? LcpStatus::solved : LcpStatus::stalled;
             return {status, after < before ? anew : z, count};
@@ -181,12 +211,14 @@ Path follow_path(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const Eigen
 }
 
 /// One path after the other, until one ends at a solution. M and q are of order one.
-Path first_path_that_leads(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, const LemkeOptions& options) {
+template <int most>
+Path<most> first_path_that_leads(const MatrixIn& M, const VectorIn& q, const LemkeOptions& options) {
+    using Vector = typename Few<most>::Vector;
     const int n = static_cast<int>(q.size());
-    if (n == 0 || q.minCoeff() >= 0) return {LcpStatus::solved, Eigen::VectorXd::Zero(n), 0};
-    Path path{LcpStatus::ray, Eigen::VectorXd::Zero(n), 0};
+    if (n == 0 || q.minCoeff() >= 0) return {LcpStatus::solved, Vector::Zero(n), 0};
+    Path<most> path{LcpStatus::ray, Vector::Zero(n), 0};
     for (int attempt = 0; attempt < options.n_covering_vectors; ++attempt) {
-        const Path next = follow_path(M, q, covering_vector(n, attempt), options);
+        const Path<most> next = follow_path<most>(M, q, covering_vector<Vector>(n, attempt), options);
         path = {next.status, next.z.size() == n ? next.z : path.z, path.n_pivots + next.n_pivots};
         if (next.status == LcpStatus::solved) break;
     }
@@ -197,13 +229,22 @@ Path first_path_that_leads(const Eigen::MatrixXd& M, const Eigen::VectorXd& q, c
 
 LcpSolution solve_by_lemke(const LcpProblem& problem, const LemkeOptions& options) {
     const ScaledLcp scaled = equilibrated(problem);
-    const Path path = first_path_that_leads(scaled.problem.M, scaled.problem.q, options);
+    const Path<Eigen::Dynamic> path = first_path_that_leads<Eigen::Dynamic>(Eigen::MatrixXd(scaled.problem.M), scaled.problem.q, options);
     return lcp_solution(problem, path.status, scaled.original_z(path.z), path.n_pivots);
 }
 
+bool solve_lcp_by_lemke(const MatrixIn& M, const VectorIn& q, Eigen::Ref<Eigen::VectorXd> z) {
+    const auto follow = [&]<int most>(std::integral_constant<int, most>) {
+        const Path<most> path = first_path_that_leads<most>(M, q, {.largest_residual = std::numeric_limits<double>::infinity()});
+        z = path.z;
+        return path.status == LcpStatus::solved;
+    };
+    return q.size() <= few ? follow(std::integral_constant<int, few>()) : follow(std::integral_constant<int, Eigen::Dynamic>());
+}
+
 Eigen::VectorXd solve_lcp_by_lemke(const Eigen::MatrixXd& M, const Eigen::VectorXd& q) {
-    const Path path = first_path_that_leads(M, q, {.largest_residual = std::numeric_limits<double>::infinity()});
-    return path.status == LcpStatus::solved ? path.z : Eigen::VectorXd();
+    Eigen::VectorXd z(q.size());
+    return solve_lcp_by_lemke(M, q, z) ? z : Eigen::VectorXd();
 }
 
 }  // namespace knap

@@ -18,8 +18,10 @@ struct LemkeOptions {
 
 LcpSolution solve_by_lemke(const LcpProblem& problem, const LemkeOptions& options = {});
 
-/// For small problems: z alone, without equilibration, so M and q should be of order one; the caller judges it. Empty when every path ends on a ray: then
-/// there is hardly a solution.
+/// For small problems: z alone, without equilibration, so M and q should be of order one; the caller judges it. False when every path ends on a ray: then
+/// there is hardly a solution. A hundred unknowns need no memory but the stack.
+bool solve_lcp_by_lemke(const Eigen::Ref<const Eigen::MatrixXd>& M, const Eigen::Ref<const Eigen::VectorXd>& q, Eigen::Ref<Eigen::VectorXd> z);
+/// Empty instead of false.
 Eigen::VectorXd solve_lcp_by_lemke(const Eigen::MatrixXd& M, const Eigen::VectorXd& q);
 
 }  // namespace knap

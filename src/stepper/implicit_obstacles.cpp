@@ -3,6 +3,7 @@
 #include "stepper/implicit_scheme.hpp"
 
 #include <algorithm>
+#include <functional>
 
 namespace knap {
 namespace {
@@ -17,11 +18,12 @@ void ImplicitScheme::find_obstacle_rates(const State& begin, double h, StepRepor
     touched.assign(model_.obstacles.size(), 0);
     for (const ObstacleContact& contact : contacts_.all()) touched[contact.obstacle] = model_.obstacles[contact.obstacle].is_free();
     if (std::find(touched.begin(), touched.end(), 1) == touched.end()) return;
-    report.residual = obstacles_.solve(begin, touched, tolerance, [&](std::vector<Vec3>& wrench) {
+    const auto response = [&](std::vector<Vec3>& wrench) {
         report.refusal = Refusal::none;  // of a trial
         solve_points(begin, h, report);
         wrench = contact_wrenches();
-    });
+    };
+    report.residual = obstacles_.solve(begin, touched, tolerance, std::cref(response));  // cref: nothing is copied
     report.refusal = Refusal::none;
 }
 

@@ -48,7 +48,8 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
 
     obstacles_.begin_theta(begin, h, options_.theta);
     contacts_.find(begin, h, obstacles_.rate(), {});
-    contact_guess_.assign(contacts_.all().size(), Vec2::Zero());
+    contact_guess_.resize(contacts_.all().size());
+    std::ranges::fill(contact_guess_, Vec2::Zero());
     find_obstacle_rates(begin, h, report);
     solve_points(begin, h, report);
     if (report.refusal == Refusal::none && options_.respect_assumption_1 && solver_.has_several_solutions(points_))

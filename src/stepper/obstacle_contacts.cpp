@@ -1,6 +1,7 @@
 #include "stepper/obstacle_contacts.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 
 namespace knap {
@@ -19,8 +20,8 @@ ObstacleContacts::ObstacleContacts(const Model& model) : model_(model) {
         const Fan& fan = model.fans[f];
         const bool inside = fan.vertex < 0 && (fan.n_corners == 2 || model.mesh.place_in_triangle(model.fan_corners[fan.first_corner]) == 6);
         if (fan.closed || inside) continue;
-        boundary_.push_back({f, model.fan_corners[fan.first_corner]});
-        if (fan.n_corners > 1) boundary_.push_back({f, model.fan_corners[fan.first_corner + fan.n_corners - 1]});
+        boundary_.push_back({.fan = f, .corner = model.fan_corners[fan.first_corner], .place = 0});
+        if (fan.n_corners > 1) boundary_.push_back({.fan = f, .corner = model.fan_corners[fan.first_corner + fan.n_corners - 1], .place = 1});
     }
     corner_size_.resize(model.mesh.n_corners());
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
@@ -34,7 +35,7 @@ ObstacleContacts::ObstacleContacts(const Model& model) : model_(model) {
 void ObstacleContacts::list_candidates(const State& begin) {
     candidates_ = boundary_;
     for (const Index f : begin.split_fans) add_pieces(f, begin);
-    std::stable_sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) { return a.fan < b.fan; });
+    std::ranges::sort(candidates_, {}, [](const Candidate& c) { return (std::int64_t(c.fan) << 32) + c.place; });
 }
 
 /// Round a fan that came apart every piece needs a contact of its own: the corner behind each point whose sides ever moved.
@@ -48,7 +49,7 @@ void ObstacleContacts::add_pieces(Index f, const State& begin) {
         if (!fan.closed && (point.after == first || point.after == last)) continue;  // the ends of a chain have theirs
         const bool together = begin.displacement[begin.node_of_corner[point.after]] == begin.displacement[begin.node_of_corner[point.before]];
         const bool intact = !point.cracked && (state[i].cohesion == 1 || !model_.laws[point.law].breakable());
-        if (!(intact && together)) candidates_.push_back({f, point.after});
+        if (!(intact && together)) candidates_.push_back({.fan = f, .corner = point.after, .place = i + 2});
     }
 }
 

@@ -57,6 +57,7 @@ public:
 private:
     struct Candidate {
         Index fan, corner;
+        Index place;  // among those of its fan
     };
     void list_candidates(const State& begin);
     void add_pieces(Index fan, const State& begin);

@@ -13,12 +13,7 @@ namespace {
 constexpr int most_steps = 60, most_secants = 20;
 constexpr double good_enough = 1e3;    // times the tolerance: the last digits are not worth a search
 constexpr double difference = 1e-6;    // of the speeds, for the derivative: exact up to rounding, since Q is piecewise linear
-
-struct Component {
-    Index obstacle;
-    int k;
-    double mass;  // [kg] or [kg m2]
-};
+constexpr int few = 12;                // components, on the stack
 
 }  // namespace
 
@@ -95,22 +90,30 @@ void ObstacleMotion::finish(const State& begin, const std::vector<Vec3>& wrench,
 }
 
 double ObstacleMotion::solve(const State& begin, const std::vector<std::uint8_t>& touched, double tolerance, const Response& response) {
-    std::vector<Component> free;
+    free_.clear();
     for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o)
         for (int k = 0; k < 3 && touched[o]; ++k)
-            if (model_.obstacles[o].is_free(k)) free.push_back({o, k, model_.obstacles[o].inertia_of(k)});
-    const Eigen::Index n = static_cast<Eigen::Index>(free.size());
-    if (n == 0) return 0;
+            if (model_.obstacles[o].is_free(k)) free_.push_back({o, k, model_.obstacles[o].inertia_of(k)});
+    if (free_.empty()) return 0;
+    return free_.size() <= few ? find_rates<few>(begin, tolerance, response) : find_rates<Eigen::Dynamic>(begin, tolerance, response);
+}
 
+template <int most>
+double ObstacleMotion::find_rates(const State& begin, double tolerance, const Response& response) {
+    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, most>;
+    using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most, 1>;
+    const std::vector<Component>& free = free_;
+    const Eigen::Index n = static_cast<Eigen::Index>(free.size());
     // in units of sqrt(mass) all components weigh alike
-    const std::vector<Vec3> without_contact = rate_;
-    std::vector<Vec3> wrench(rate_.size());
+    without_contact_ = rate_;
+    std::vector<Vec3>& wrench = wrench_;
+    wrench.resize(rate_.size());
     double scale = 0;  // [sqrt(kg) m/s]
-    const auto at = [&](const Eigen::VectorXd& x) {
-        rate_ = without_contact;
+    const auto at = [&](const Vector& x) {
+        rate_ = without_contact_;
         for (Eigen::Index i = 0; i < n; ++i) rate_[free[i].obstacle][free[i].k] += x[i] / std::sqrt(free[i].mass);
         response(wrench);
-        Eigen::VectorXd error(n);
+        Vector error(n);
         for (Eigen::Index i = 0; i < n; ++i) {
             const double given = theta_ * wrench[free[i].obstacle][free[i].k] / std::sqrt(free[i].mass);
             scale = std::max({scale, std::abs(given), std::abs(x[i])});
@@ -125,21 +128,21 @@ double ObstacleMotion::solve(const State& begin, const std::vector<std::uint8_t>
     }
     // without friction the error is the gradient of a convex function: the zero of its slope along Newton's step is the length of the step
     scale = 0.01 * speed;  // an impulse is a difference of momenta: near their rounding nothing can be decided
-    Eigen::VectorXd x(n);  // the reaction of the last step goes on
+    Vector x(n);  // the reaction of the last step goes on
     for (Eigen::Index i = 0; i < n; ++i) x[i] = theta_ * kick_time_ * begin.obstacles[free[i].obstacle].reaction[free[i].k] / std::sqrt(free[i].mass);
-    Eigen::VectorXd error = at(x);
-    Eigen::PartialPivLU<Eigen::MatrixXd> slope;
+    Vector error = at(x);
+    Eigen::PartialPivLU<Matrix> slope;
     bool slope_is_known = false;
     for (int step = 0; step < most_steps && error.norm() > tolerance * scale; ++step) {
         if (!slope_is_known) {
             const double delta = difference * std::max(speed, scale);
-            Eigen::MatrixXd columns(n, n);
-            for (Eigen::Index j = 0; j < n; ++j) columns.col(j) = (at(x + delta * Eigen::VectorXd::Unit(n, j)) - error) / delta;
+            Matrix columns(n, n);
+            for (Eigen::Index j = 0; j < n; ++j) columns.col(j) = (at(x + delta * Vector::Unit(n, j)) - error) / delta;
             slope.compute(columns);
         }
-        const Eigen::VectorXd change = -slope.solve(error);
+        const Vector change = -slope.solve(error);
         const double before = error.norm();
-        Eigen::VectorXd tried = x + change, found = at(tried);
+        Vector tried = x + change, found = at(tried);
         if (found.norm() > 0.1 * before && before > good_enough * tolerance * scale) {
             const double at_0 = change.dot(error), at_1 = change.dot(found);
             const bool changes_sign = at_0 < 0 && at_1 > 0;

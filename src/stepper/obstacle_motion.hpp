@@ -34,11 +34,21 @@ public:
     void finish(const State& begin, const std::vector<Vec3>& wrench, State& end, StepReport& report) const;
 
 private:
+    struct Component {
+        Index obstacle;
+        int k;
+        double mass;  // [kg] or [kg m2]
+    };
+    template <int most>
+    double find_rates(const State& begin, double tolerance, const Response& response);
+
     const Model& model_;
     bool theta_scheme_ = false;
     double kick_time_ = 0, drift_time_ = 0, theta_ = 1;
     std::vector<Vec3> rate_, end_velocity_;  // of what is prescribed
     std::vector<Vec3> force_;                // [N, N, N m]
+    std::vector<Component> free_;            // that something may meet
+    std::vector<Vec3> without_contact_, wrench_;  // of find_rates: W where no contact acts, and what the body gives
 };
 
 }  // namespace knap

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace knap {
 namespace {
@@ -15,15 +16,17 @@ constexpr int swift_sweeps = 10, most_sweeps = 500;
 
 void VertexScheme::find_obstacle_velocities(const State& begin, const FreeMotion& free, StepReport& report) {
     const std::vector<ObstacleContact>& contacts = contacts_.all();
-    std::vector<std::uint8_t> touched(model_.obstacles.size(), 0);
+    std::vector<std::uint8_t>& touched = touched_;
+    touched.assign(model_.obstacles.size(), 0);
     for (const ObstacleContact& contact : contacts) touched[contact.obstacle] = model_.obstacles[contact.obstacle].is_free();
     if (std::find(touched.begin(), touched.end(), 1) == touched.end()) return;
 
-    std::vector<Index> fans;
+    std::vector<Index>& fans = touching_fans_;
+    fans.clear();
     for (std::size_t i = 0; i < contacts_.n_at_corners(); ++i)
         if (touched[contacts[i].obstacle] && (fans.empty() || fans.back() != contacts[i].fan)) fans.push_back(contacts[i].fan);
     Workspace& work = workspaces_.front();
-    const double error = motion_.solve(begin, touched, 1e-14, [&](std::vector<Vec3>& wrench) {
+    const auto response = [&](std::vector<Vec3>& wrench) {
         StepReport of_trial;
         find_edge_impulses(begin, free, of_trial);
         for (const Index f : fans) {
@@ -34,7 +37,8 @@ void VertexScheme::find_obstacle_velocities(const State& begin, const FreeMotion
                 contact_impulse_[&of_fan[j] - contacts.data()] = work.problem.links[model_.fans[f].n_points + j].impulse;
         }
         wrench = contact_wrenches();
-    });
+    };
+    const double error = motion_.solve(begin, touched, 1e-14, std::cref(response));  // cref: nothing is copied
     report.residual = std::max(report.residual, error);
     if (error <= most_error) return;
     // a body squeezed with friction has several solutions, or none, and which one its fan finds may jump: smaller steps tell them apart
@@ -42,8 +46,9 @@ void VertexScheme::find_obstacle_velocities(const State& begin, const FreeMotion
     report.where = model_.mesh.corner(contacts.front().corner);
 }
 
-std::vector<Vec3> VertexScheme::contact_wrenches() const {
-    std::vector<Vec3> wrench(model_.obstacles.size(), Vec3::Zero());
+const std::vector<Vec3>& VertexScheme::contact_wrenches() {
+    std::vector<Vec3>& wrench = wrench_;
+    wrench.assign(model_.obstacles.size(), Vec3::Zero());
     for (std::size_t i = 0; i < contact_impulse_.size(); ++i) {
         const ObstacleContact& contact = contacts_.all()[i];
         wrench[contact.obstacle] -= wrench_of(contact_impulse_[i], contact.arm);
@@ -78,21 +83,21 @@ Vec2 VertexScheme::end_velocity_at(const ObstacleContact& contact, const State& 
 void VertexScheme::find_edge_impulses(const State& begin, const FreeMotion& free, StepReport& report) {
     const auto edges = contacts_.on_edges();
     edge_links_.resize(edges.size());
-    std::vector<double> mobility;  // [1/kg]
+    edge_answers_.clear();
     for (const ObstacleContact& e : edges)
-        mobility.push_back((1 - e.share) * (1 - e.share) / model_.fans[e.fan].mass + e.share * e.share / model_.fans[e.fan_beside].mass);
-    std::vector<Vec2> last_velocity(edges.size(), Vec2::Zero()), last_change(edges.size(), Vec2::Zero());
+        edge_answers_.push_back({.mobility = (1 - e.share) * (1 - e.share) / model_.fans[e.fan].mass + e.share * e.share / model_.fans[e.fan_beside].mass});
     Workspace& work = workspaces_.front();
-    FanProblem single;
+    FanProblem& single = edge_problem_;
     double change = 1, largest = 0;
     for (int sweep = 0; sweep < most_sweeps && change > edge_tolerance * largest && !edges.empty(); ++sweep) {
         change = 0;
         for (std::size_t i = 0; i < edges.size(); ++i) {
             const ObstacleContact& contact = edges[i];
+            auto& [mobility, last_velocity, last_change] = edge_answers_[i];
             Vec2& impulse = contact_impulse_[contacts_.n_at_corners() + i];
             const Vec2 velocity = end_velocity_at(contact, begin, free, work);
-            const double secant = last_change[i].dot(velocity - last_velocity[i]) / last_change[i].squaredNorm();
-            if (secant > 0 && std::isfinite(secant)) mobility[i] = sweep < swift_sweeps ? secant : std::max(mobility[i], secant);
+            const double secant = last_change.dot(velocity - last_velocity) / last_change.squaredNorm();
+            if (secant > 0 && std::isfinite(secant)) mobility = sweep < swift_sweeps ? secant : std::max(mobility, secant);
             const CohesiveLaw& law = model_.obstacles[contact.obstacle].contact;
             single.drift_time = free.drift_time;
             single.bodies = {{.velocity = velocity_at(begin.obstacles[contact.obstacle].velocity, contact),
@@ -100,17 +105,17 @@ void VertexScheme::find_edge_impulses(const State& begin, const FreeMotion& free
                               .inverse_mass = Vec2::Zero(),
                               .end_velocity = Vec2::Zero()},
                              {.velocity = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }),
-                              .free_velocity = velocity - mobility[i] * impulse,
-                              .inverse_mass = Vec2::Constant(mobility[i]),
+                              .free_velocity = velocity - mobility * impulse,
+                              .inverse_mass = Vec2::Constant(mobility),
                               .end_velocity = Vec2::Zero()}};
             single.links = {{.before = 0, .after = 1, .normal = contact.normal, .u_N = contact.gap, .u_T = 0, .cohesive = 0, .gamma = 0,
                              .friction = law.friction, .restitution = law.restitution, .unbreakable = false}};
             work.solver.solve(single);
             edge_links_[i] = single.links.front();
-            last_velocity[i] = velocity;
-            last_change[i] = edge_links_[i].impulse - impulse;
+            last_velocity = velocity;
+            last_change = edge_links_[i].impulse - impulse;
             impulse = edge_links_[i].impulse;
-            change = std::max(change, last_change[i].norm());
+            change = std::max(change, last_change.norm());
             largest = std::max(largest, impulse.norm());
         }
     }

@@ -34,7 +34,8 @@ StepReport VertexScheme::advance(const State& begin, const ExplicitBulk& bulk, F
     StepReport report = sweep_blocks(begin, bulk, free, end);
     motion_.begin_explicit(begin, free.kick_time, free.drift_time);
     contacts_.find(begin, free.drift_time, motion_.rate(), free.corner_force);
-    contact_impulse_.assign(contacts_.all().size(), Vec2::Zero());
+    contact_impulse_.resize(contacts_.all().size());
+    std::ranges::fill(contact_impulse_, Vec2::Zero());
     part_from_obstacles(begin);
     report += advance_bordering(begin, free, end);
     release(begin, end, report);

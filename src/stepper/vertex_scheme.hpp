@@ -46,6 +46,12 @@ private:
         RestingFan resting;
     };
 
+    /// What the body at a contact on an edge answers to its impulse.
+    struct EdgeAnswer {
+        double mobility;  // [1/kg]
+        Vec2 last_velocity = Vec2::Zero(), last_change = Vec2::Zero();
+    };
+
     void match(const State& begin, State& end) const;
     StepReport sweep_blocks(const State& begin, const ExplicitBulk& bulk, FreeMotion& free, State& end);
     void advance_inner(const MeshBlocks::Block& block, const State& begin, FreeMotion& free, State& end, Workspace& work, StepReport& report);
@@ -58,7 +64,7 @@ private:
     void release(const State& begin, State& end, StepReport& report);
     void find_edge_impulses(const State& begin, const FreeMotion& free, StepReport& report);
     Vec2 end_velocity_at(const ObstacleContact& contact, const State& begin, const FreeMotion& free, Workspace& work) const;
-    std::vector<Vec3> contact_wrenches() const;  // [N s, N s, N m s] of the body on each obstacle
+    const std::vector<Vec3>& contact_wrenches();  // [N s, N s, N m s] of the body on each obstacle
     Vec2 edge_impulse_on(Index corner) const;    // [N s] of the contacts on edges
     void account_edges(const State& begin, const State& end, const FreeMotion& free, StepReport& report) const;
     void find_obstacle_velocities(const State& begin, const FreeMotion& free, StepReport& report);
@@ -90,6 +96,11 @@ private:
     ObstacleMotion motion_;
     std::vector<Vec2> contact_impulse_;      // [N s] per contact, on the body
     std::vector<FanLink> edge_links_;        // of the contacts on edges, solved
+    std::vector<EdgeAnswer> edge_answers_;   // likewise
+    FanProblem edge_problem_;
+    std::vector<std::uint8_t> touched_;      // per obstacle: it is free, and something may meet it
+    std::vector<Index> touching_fans_;
+    std::vector<Vec3> wrench_;               // per obstacle
     std::vector<Workspace> workspaces_;      // one a thread
     std::vector<StepReport> partial_;
 };
