@@ -1,15 +1,17 @@
 #include "stepper/split_order.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace knap {
 
-void order_split_fans(const Model& model, State& state) {
+void order_split_fans(const Model& model, State& state, State& before) {
     constexpr std::ptrdiff_t most = 16;  // one in so many may be out of order
     const std::ptrdiff_t n_ordered = std::ranges::is_sorted_until(state.split_fans) - state.split_fans.begin();
     const auto n_split = static_cast<std::ptrdiff_t>(state.split_fans.size());
     if (most * (n_split - n_ordered) <= n_split) return;
-    const State before = state;
+    std::swap(before, state);  // so that both come to have room for all fans
+    state = before;
     std::ranges::sort(state.split_fans);
     std::size_t node = model.fans.size();
     Index point = 0;

@@ -5,7 +5,7 @@
 
 namespace knap {
 
-/// The same state of the body with its split fans in ascending order, if more than one in sixteen is not.
-void order_split_fans(const Model& model, State& state);
+/// The same state of the body with its split fans in ascending order, if more than one in sixteen is not. `before` is overwritten: its memory is used again.
+void order_split_fans(const Model& model, State& state, State& before);
 
 }  // namespace knap

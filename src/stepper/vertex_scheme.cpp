@@ -45,7 +45,7 @@ StepReport VertexScheme::advance(const State& begin, const ExplicitBulk& bulk, F
     account_edges(begin, end, free, report);
     motion_.finish(begin, contact_wrenches(), end, report);
     report += account_loads(begin, bulk, free, end);
-    if (report.released > 0) order_split_fans(model_, end);
+    if (report.released > 0) order_split_fans(model_, end, unordered_);
     report.largest_speed = std::sqrt(report.largest_speed);  // squares until here
     return report;
 }

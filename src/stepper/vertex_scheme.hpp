@@ -103,6 +103,7 @@ private:
     std::vector<Vec3> wrench_;               // per obstacle
     std::vector<Workspace> workspaces_;      // one a thread
     std::vector<StepReport> partial_;
+    State unordered_;
 };
 
 }  // namespace knap
