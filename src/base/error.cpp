@@ -7,6 +7,7 @@ namespace {
 
 constexpr std::size_t most_shown = 50;  // messages
 constexpr int widest = 160;             // characters of a source line
+constexpr int longest = 1000;           // of a message, which may quote what somebody wrote
 
 /// The part of a source line that is shown, and the column in it that is meant.
 struct Excerpt {
@@ -14,27 +15,36 @@ struct Excerpt {
     int column;
 };
 
+/// From i on, the first place that is not within a character of UTF-8.
+int whole(const std::string& text, int i) {
+    while (i < static_cast<int>(text.size()) && (text[i] & 0xC0) == 0x80) ++i;
+    return i;
+}
+
 Excerpt excerpt(const std::string& line, int column) {
     if (static_cast<int>(line.size()) <= widest) return {line, column};
     const int size = static_cast<int>(line.size());
-    const auto whole = [&](int i) {  // not within a character of UTF-8
-        while (i < size && (line[i] & 0xC0) == 0x80) ++i;
-        return i;
-    };
-    const int begin = whole(std::clamp(column - 1 - widest / 2, 0, size - widest)), end = whole(std::min(begin + widest, size));
+    const int begin = whole(line, std::clamp(column - 1 - widest / 2, 0, size - widest)), end = whole(line, std::min(begin + widest, size));
     const std::string before = begin > 0 ? "..." : "", after = end < size ? "..." : "";
     return {before + line.substr(begin, end - begin) + after, column - begin + static_cast<int>(before.size())};
+}
+
+/// Its begin and its end, where it is too long to be read.
+std::string readable(const std::string& message) {
+    const int size = static_cast<int>(message.size());
+    if (size <= longest) return message;
+    return message.substr(0, whole(message, longest / 2)) + " ... " + message.substr(whole(message, size - longest / 2));
 }
 
 }  // namespace
 
 std::string format(const Diagnostic& d) {
     std::string text = d.severity == Diagnostic::Severity::error ? "error" : "warning";
-    text += "[" + d.code + "]: " + d.message + "\n";
+    text += "[" + d.code + "]: " + readable(d.message) + "\n";
     const std::string number = d.line > 0 ? std::to_string(d.line) : "";
     const std::string margin(number.size() + 1, ' ');
     if (!d.file.empty()) {
-        text += margin + "--> " + d.file;
+        text += margin + "--> " + readable(d.file);
         if (d.line > 0) text += ":" + number + ":" + std::to_string(std::max(d.column, 1));
         text += "\n";
     }

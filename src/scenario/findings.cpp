@@ -1,11 +1,14 @@
 #include "scenario/findings.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <iterator>
 #include <tuple>
 
 namespace knap {
 namespace {
+
+constexpr std::size_t most_quoted = 10'000'000;  // a line of a megabyte may be wrong in a hundred thousand places
 
 int n_characters(std::string_view utf8) {
     return static_cast<int>(std::count_if(utf8.begin(), utf8.end(), [](unsigned char c) { return (c & 0xC0) != 0x80; }));
@@ -42,28 +45,23 @@ Source::Source(std::string name, std::string text) : name_(std::move(name)), tex
     if (!line.empty()) lines_.push_back(std::move(line));
 }
 
-void Source::point(Diagnostic& d, const Place& place) const {
-    d.file = name_;
+void Source::point(Diagnostic& d, const Node& node) const { point(d, node, node.place); }
+
+void Source::point_at_name(Diagnostic& d, const Node& node) const { point(d, node, node.name_place.line > 0 ? node.name_place : node.place); }
+
+void Source::point(Diagnostic& d, const Node& node, const Place& place) const {
+    d.file = node.set_by.empty() ? name_ : node.set_by;
+    if (!node.set_by.empty()) return;
     d.line = place.line;
     d.column = place.column;
-    if (place.line < 1 || place.line > static_cast<int>(lines_.size())) return;
-    d.source_line = lines_[place.line - 1];
-    const int to_the_end = n_characters(d.source_line) - place.column + 1;
-    d.length = std::max(1, std::min(place.length, to_the_end));
+    d.length = place.length;
 }
 
-void Source::point(Diagnostic& d, const Node& node) const {
-    if (node.set_by.empty())
-        point(d, node.place);
-    else
-        d.file = node.set_by;
-}
-
-void Source::point_at_name(Diagnostic& d, const Node& node) const {
-    if (node.set_by.empty())
-        point(d, node.name_place.line > 0 ? node.name_place : node.place);
-    else
-        d.file = node.set_by;
+void Source::quote(Diagnostic& d) const {
+    if (d.file != name_ || d.line < 1 || d.line > static_cast<int>(lines_.size())) return;
+    d.source_line = lines_[d.line - 1];
+    const int to_the_end = n_characters(d.source_line) - d.column + 1;
+    d.length = std::max(1, std::min(d.length, to_the_end));
 }
 
 Diagnostic& Findings::error(const std::string& code, const std::string& message, const Node& at) {
@@ -96,6 +94,11 @@ std::vector<Diagnostic> Findings::sorted(Diagnostic::Severity severity) const {
     std::copy_if(found_.begin(), found_.end(), std::back_inserter(list), [&](const Diagnostic& d) { return d.severity == severity; });
     const auto rank = [](const Diagnostic& d) { return std::make_tuple(d.line == 0, d.line, d.column); };
     std::stable_sort(list.begin(), list.end(), [&](const Diagnostic& a, const Diagnostic& b) { return rank(a) < rank(b); });
+    std::size_t n_quoted = 0;  // characters
+    for (auto d = list.begin(); d != list.end() && n_quoted < most_quoted; ++d) {
+        source_.quote(*d);
+        n_quoted += d->source_line.size();
+    }
     return list;
 }
 
@@ -103,6 +106,7 @@ const std::string* nearest(std::string_view word, const std::vector<std::string>
     const std::string* best = nullptr;
     int least = 2 + static_cast<int>(word.size()) / 3;  // a third of the letters may be wrong
     for (const std::string& candidate : candidates) {
+        if (std::abs(static_cast<int>(word.size()) - static_cast<int>(candidate.size())) >= least) continue;  // so many are missing
         const int distance = edit_distance(word, candidate);
         const bool nothing_alike = distance > 0 && distance >= static_cast<int>(std::min(word.size(), candidate.size()));
         if (distance >= least || nothing_alike) continue;

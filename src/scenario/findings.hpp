@@ -16,13 +16,14 @@ public:
     const std::string& name() const { return name_; }  // as the user wrote it, for messages
     const std::string& text() const { return text_; }  // verbatim
 
-    /// Fills in file, line, column, length and source line.
-    void point(Diagnostic& diagnostic, const Place& place) const;
-    /// The same, or the `--set` that the node came from.
+    /// Fills in file, line, column and length, or the `--set` that the node came from.
     void point(Diagnostic& diagnostic, const Node& node) const;
     void point_at_name(Diagnostic& diagnostic, const Node& node) const;
+    /// Adds the line that it points at, and ends the marks with it.
+    void quote(Diagnostic& diagnostic) const;
 
 private:
+    void point(Diagnostic& diagnostic, const Node& node, const Place& place) const;
     std::string name_, text_;
     std::vector<std::string> lines_;
 };
@@ -38,7 +39,7 @@ public:
     Diagnostic& warning(const std::string& code, const std::string& message, const Node& at);
 
     bool has_errors() const;
-    /// In the order of the file; what has no line comes last.
+    /// In the order of the file, each with its line as far as all can be; what has no line comes last.
     std::vector<Diagnostic> sorted(Diagnostic::Severity severity) const;
     const Source& source() const { return source_; }
 

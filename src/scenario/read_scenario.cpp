@@ -1,9 +1,8 @@
 #include "scenario/read_scenario.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 
+#include "base/whole_file.hpp"
 #include "scenario/assemble.hpp"
 #include "scenario/built_in.hpp"
 #include "scenario/overrides.hpp"
@@ -66,11 +65,11 @@ std::string text_of_file(const std::filesystem::path& file) {
     if (!std::filesystem::is_regular_file(file, code)) refuse("not-a-file", "`" + name + "` is not a regular file", "", "");
     if (std::filesystem::file_size(file, code) > largest_file)
         refuse("too-large", "`" + name + "` has more than " + std::to_string(largest_file / 1'000'000) + " MB", "", "large meshes are read by mesh.file");
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    if (!in) refuse("unreadable-file", "cannot read `" + name + "`", "", "");
-    return text.str();
+    try {
+        return read_whole_file(file);
+    } catch (const OutputError& error) {
+        refuse("unreadable-file", error.what(), "", "");
+    }
 }
 
 /// "holes[1]" of a Shape -> "domain.hole[1]" of the scenario.
@@ -164,6 +163,7 @@ Diagnostic locate(const ReadResult& result, const std::string& key_path) {
         const Entry* entry = result.values.find(path);
         if (entry && (entry->node.place.line > 0 || !entry->node.set_by.empty())) {
             result.source.point(d, entry->node);
+            result.source.quote(d);
             return d;
         }
         const std::size_t cut = path.find_last_of(".[");

@@ -228,6 +228,27 @@ TEST_CASE("mistakes: as the user sees them") {
           "   = known here: breakable, sigma_c, G_c, delta_c, gamma, friction, restitution, scatter\n");
 }
 
+TEST_CASE("mistakes: very many in one line and very long ones are said in few words") {
+    std::string points;
+    for (int i = 0; i < 5000; ++i) points += "[" + std::to_string(i) + ", \"é\"], ";
+    const std::vector<Diagnostic> many = mistakes("knap = 1\n[domain]\nshape = \"polygon\"\npoints = [" + points + "]\n");
+    REQUIRE(many.size() > 5000);
+    std::size_t n_quoted = 0;
+    for (const Diagnostic& d : many) n_quoted += d.source_line.size();
+    CHECK(n_quoted < 20'000'000);  // copies of this line would be 400 MB
+    CHECK(many[49].source_line.size() > points.size());  // those that are shown
+    CHECK(format(many[49]).size() < 1000);
+    std::string long_text;
+    for (int i = 0; i < 100'000; ++i) long_text += "ß";
+    for (const std::string& text : {"knap = 1\n\"" + long_text + "\" = 1\n", "knap = 1\n[domain]\nshape = \"" + long_text + "\"\n", "knap = 1\n[material.\"" + long_text + "\"]\nE = 1\n"})
+        for (const Diagnostic& d : mistakes(text)) {
+            const std::string said = format(d);
+            CHECK(said.size() < 4000);
+            const auto n_bytes = [&](int top) { return std::count_if(said.begin(), said.end(), [top](char c) { return (c & 0xC0) == top; }); };
+            CHECK(n_bytes(0xC0) == n_bytes(0x80));  // no letter is cut in two
+        }
+}
+
 TEST_CASE("mistakes: about files") {
     const std::filesystem::path directory = std::filesystem::path(KNAP_BINARY_DIR) / "test_scenario_files";
     std::filesystem::create_directories(directory);
