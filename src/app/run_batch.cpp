@@ -80,9 +80,8 @@ int open_log(const fs::path& path) {
 
 /// knap run SCENARIO ... with its output in a file. One that was interrupted goes on, if this program can.
 pid_t start(const std::string& scenario, const BatchRun& run, const fs::path& directory, bool force, const sigset_t& signals) {
-    std::vector<std::string> words{"knap", "run", scenario, "-j", "1", "-q", "-o", (directory / run.name).string()};
-    if (force || !Checkpoints::usable_in(directory / run.name)) words.emplace_back("--force");
-    for (const std::string& set : run.overrides) words.insert(words.end(), {"-s", set});
+    std::vector<std::string> words{"knap"};
+    append_arguments(scenario, run, directory, force || !Checkpoints::usable_in(directory / run.name), words);
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
@@ -159,6 +158,12 @@ std::vector<const BatchRun*> runs_to_do(const std::vector<const BatchRun*>& runs
     return to_do;
 }
 
+void append_arguments(const std::string& scenario, const BatchRun& run, const fs::path& place, bool force, std::vector<std::string>& words) {
+    words.insert(words.end(), {"run", scenario, "-j", "1", "-q", "-o", (place / run.name).string()});
+    if (force) words.emplace_back("--force");
+    for (const std::string& set : run.overrides) words.insert(words.end(), {"-s", set});
+}
+
 bool do_runs(const std::string& scenario, const std::vector<const BatchRun*>& to_do, const fs::path& directory, const BatchOptions& options) {
     HeldSignals signals;
     std::map<pid_t, const BatchRun*> running;
@@ -180,6 +185,7 @@ bool do_runs(const std::string& scenario, const std::vector<const BatchRun*>& to
             running.erase(found);
         }
     }
+    if (signals.interrupted()) std::fprintf(stderr, "interrupted; the same command goes on where it stopped\n");
     return !signals.interrupted();
 }
 

@@ -36,7 +36,10 @@ void check_names(const std::vector<const BatchRun*>& runs, const std::string& no
 /// The runs that are not there yet, or all of them. Throws UserError when a directory holds something else, except by `force`.
 std::vector<const BatchRun*> runs_to_do(const std::vector<const BatchRun*>& runs, const std::filesystem::path& directory, bool force);
 
-/// Does them; false when interrupted.
+/// What comes after `knap` on the command line of a run in a directory of `place`.
+void append_arguments(const std::string& scenario, const BatchRun& run, const std::filesystem::path& place, bool force, std::vector<std::string>& words);
+
+/// Does them; false when interrupted, and said so.
 bool do_runs(const std::string& scenario, const std::vector<const BatchRun*>& to_do, const std::filesystem::path& directory, const BatchOptions& options);
 
 template <class Runs>

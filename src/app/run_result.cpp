@@ -99,6 +99,25 @@ std::string why_refused(const fs::path& log) {
 
 }  // namespace
 
+std::string RunResult::trouble() const {
+    if (status == "done") return gates_hold ? "" : "a gate is violated";
+    constexpr std::size_t longest = 120;
+    std::size_t end = std::min(reason.size(), longest);
+    while (end < reason.size() && (reason[end] & 0xC0) == 0x80) ++end;  // not within a character of UTF-8
+    return status + ": " + reason.substr(0, end);
+}
+
+ExitCode exit_code_of(const std::vector<RunResult>& results) {
+    return std::all_of(results.begin(), results.end(), [](const RunResult& result) { return result.trouble().empty(); }) ? exit_done : exit_failed;
+}
+
+DisplayUnit unit_of_column(const std::vector<RunResult>& results, std::size_t quantity, const std::string& unit) {
+    double largest = 0;
+    for (const RunResult& result : results)
+        if (std::isfinite(result.values[quantity])) largest = std::max(largest, std::abs(result.values[quantity]));
+    return display_unit(largest, unit);
+}
+
 RunResult read_result(const fs::path& run, const std::vector<StudyQuantity>& quantities) {
     RunResult result{.status = "refused"};
     result.values.assign(quantities.size(), NAN);

@@ -1,5 +1,7 @@
 #pragma once
 // The numbers of one finished run, read from its directory.
+#include "app/run.hpp"
+#include "observe/ticks.hpp"
 #include "scenario/study_options.hpp"
 
 #include <cmath>
@@ -18,7 +20,16 @@ struct RunResult {
     double step = NAN;            // [s] the largest, as planned
     double cpu = NAN;             // [s] processor time without output
     std::vector<double> values;   // per quantity
+
+    /// What stands in the place of its numbers where there are none, or where a gate was lost; empty for a good run.
+    std::string trouble() const;
 };
 RunResult read_result(const std::filesystem::path& run, const std::vector<StudyQuantity>& quantities);
+
+/// done where all runs are good.
+ExitCode exit_code_of(const std::vector<RunResult>& results);
+
+/// For the column of a quantity: with the prefix of its largest value.
+DisplayUnit unit_of_column(const std::vector<RunResult>& results, std::size_t quantity, const std::string& unit);
 
 }  // namespace knap

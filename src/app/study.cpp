@@ -2,21 +2,17 @@
 
 #include "base/whole_file.hpp"
 
-
-#include <algorithm>
 #include <cstdio>
 
 namespace knap {
+
 ExitCode study_scenario(const std::string& scenario, const std::vector<std::string>& overrides, const BatchOptions& command) {
     Study study{.plan = plan_study(scenario, overrides)};
     const std::filesystem::path directory = command.output.empty() ? std::filesystem::path("studies") / study.plan.name : command.output;
     check_batch_directory(directory, "study");
     const auto to_do = runs_to_do(batch_of(study.plan.runs), directory / "runs", command.force);
     make_batch_directory(directory, "study", resolved_for_run(open_scenario(scenario, overrides)));
-    if (!do_runs(scenario, to_do, directory / "runs", command)) {
-        std::fprintf(stderr, "interrupted; the same command goes on where it stopped\n");
-        return exit_interrupted;
-    }
+    if (!do_runs(scenario, to_do, directory / "runs", command)) return exit_interrupted;
     for (const StudyRun& run : study.plan.runs) study.results.push_back(read_result(directory / "runs" / run.name, study.plan.options.quantities));
     if (!study.is_statistics()) judge_study(study);
     const std::string text = study_text(study);
@@ -27,8 +23,7 @@ ExitCode study_scenario(const std::string& scenario, const std::vector<std::stri
     std::fputs(text.c_str(), stdout);
     std::printf("\nstudy:   %s\n", directory.string().c_str());
     for (const auto& figure : draw_study(study, directory / "figures")) std::printf("figure:  %s\n", figure.string().c_str());
-    const bool all_done = std::all_of(study.results.begin(), study.results.end(), [](const RunResult& r) { return r.status == "done" && r.gates_hold; });
-    return all_done ? exit_done : exit_failed;
+    return exit_code_of(study.results);
 }
 
 }  // namespace knap

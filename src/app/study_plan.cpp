@@ -1,15 +1,19 @@
 // Which runs a study consists of.
 #include "app/step_plan.hpp"
 #include "app/study.hpp"
+#include "base/error.hpp"
 #include "scenario/units.hpp"
 
 #include <algorithm>
 #include <optional>
+#include <set>
 
 namespace knap {
 namespace {
 
 using Overrides = std::vector<std::string>;
+
+constexpr std::size_t longest_name = 150;  // of a quantity, which is part of the names of figures
 
 void append(Overrides& all, const Overrides& more) { all.insert(all.end(), more.begin(), more.end()); }
 
@@ -54,12 +58,24 @@ std::string scheme_name(const Scenario& scenario) {
            (scheme.cohesion == CohesionScheme::explicit_beta ? "explicit" : "implicit");
 }
 
+/// Throws UserError where two quantities would have one figure, or one none.
+void check_quantities(const std::vector<StudyQuantity>& quantities) {
+    std::set<std::string> names;
+    for (const StudyQuantity& quantity : quantities) {
+        const std::string name = plain_name(quantity.name);
+        if (name.size() > longest_name)
+            throw UserError("bad-name", "the name of a quantity has " + std::to_string(name.size()) + " letters", "at most " + std::to_string(longest_name));
+        if (!names.insert(name).second) throw UserError("duplicate-name", "two quantities would be called `" + quantity.name + "`", "give each a name of its own, and each once");
+    }
+}
+
 }  // namespace
 
 StudyPlan plan_study(const std::string& scenario, const Overrides& overrides) {
     const ReadResult read = open_scenario(scenario, overrides);
     StudyPlan plan{.options = read.scenario.study, .name = read.scenario.name};
     StudyOptions& options = plan.options;
+    check_quantities(options.quantities);
     // a study of single runs needs events to the step; statistics can do with the lines that the scenario writes
     Overrides common = options.n_seeds > 0 ? Overrides{} : Overrides{"output.history_every=" + shortest(1e-9 * read.scenario.time.end)};
     append(common, overrides);

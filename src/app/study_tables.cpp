@@ -10,13 +10,7 @@
 namespace knap {
 namespace {
 
-/// A column in one unit: its prefix is that of the largest value.
-DisplayUnit unit_of(const Study& study, std::size_t q) {
-    double largest = 0;
-    for (const RunResult& result : study.results)
-        if (std::isfinite(result.values[q])) largest = std::max(largest, std::abs(result.values[q]));
-    return display_unit(largest, study.plan.options.quantities[q].unit);
-}
+DisplayUnit unit_of(const Study& study, std::size_t q) { return unit_of_column(study.results, q, study.plan.options.quantities[q].unit); }
 
 std::string with_prefix(double value, const char* unit) {
     const DisplayUnit shown = display_unit(std::abs(value), unit);
@@ -35,12 +29,6 @@ Row what_it_was(const Study& study, std::size_t i, bool first_of_line) {
 }
 const Row what_it_was_header{"line", "mesh", "step", "steps", "triangles", "solves, factorisations a step", "processor time"};
 
-/// What stands in the place of the numbers of a run that has none, or has lost a gate.
-std::string trouble(const RunResult& result) {
-    if (result.status != "done") return result.status + ": " + result.reason.substr(0, 90);
-    return result.gates_hold ? "" : "a gate is violated";
-}
-
 std::string reference_text(const Study& study, std::size_t q) {
     const StudyErrors& errors = study.errors[q];
     const DisplayUnit unit = unit_of(study, q);
@@ -54,13 +42,13 @@ std::vector<Row> error_rows(const Study& study, std::size_t q) {
     const StudyErrors& errors = study.errors[q];
     const DisplayUnit unit = unit_of(study, q);
     std::vector<Row> rows{what_it_was_header};
-    rows[0].insert(rows[0].end(), {"value" + (unit.unit.empty() ? "" : " [" + unit.unit + "]"), "error", "order"});
+    rows[0].insert(rows[0].end(), {with_unit("value", unit.unit), "error", "order"});
     for (std::size_t i = 0; i < study.results.size(); ++i) {
         Row row = what_it_was(study, i, first_of_line(study, i));
         const bool reference = i == errors.reference_run;
         row.insert(row.end(), {number_text(study.results[i].values[q] * unit.factor, "%.7g"), reference ? "reference" : number_text(errors.error[i], "%.2e"),
                                number_text(errors.order[i], "%.2f")});
-        if (const std::string what = trouble(study.results[i]); !what.empty()) row.push_back(what);
+        if (const std::string what = study.results[i].trouble(); !what.empty()) row.push_back(what);
         rows.push_back(std::move(row));
     }
     drop_empty(rows, what_it_was_header.size());
@@ -118,7 +106,7 @@ Row sample_row(const Study& study, const Sample& sample) {
 std::vector<Row> spread_rows(const Study& study, std::size_t q) {
     const DisplayUnit unit = unit_of(study, q);
     std::vector<Row> rows{what_it_was_header};
-    rows[0].insert(rows[0].end(), {"happened", "mean" + (unit.unit.empty() ? "" : " [" + unit.unit + "]"), "deviation", "smallest", "largest"});
+    rows[0].insert(rows[0].end(), {"happened", with_unit("mean", unit.unit), "deviation", "smallest", "largest"});
     for (const Sample& sample : samples(study)) {
         const Spread s = sample.of(study, q);
         Row row = sample_row(study, sample);
@@ -196,8 +184,7 @@ std::string study_markdown(const Study& study) {
     std::vector<DisplayUnit> units;
     for (std::size_t q = 0; q < quantities.size(); ++q) {
         units.push_back(unit_of(study, q));
-        const std::string title = quantities[q].name + (units[q].unit.empty() ? "" : " [" + units[q].unit + "]");
-        rows[0].push_back(title);
+        rows[0].push_back(with_unit(quantities[q].name, units[q].unit));
         if (!study.is_statistics()) rows[0].insert(rows[0].end(), {"error", "order"});
     }
     if (study.is_statistics()) {
@@ -213,7 +200,7 @@ std::string study_markdown(const Study& study) {
                 row.insert(row.end(), {number_text(study.results[i].values[q] * units[q].factor, "%.5g"),
                                        i == study.errors[q].reference_run ? "reference" : number_text(study.errors[q].error[i], "%.1e"),
                                        number_text(study.errors[q].order[i], "%.2f")});
-            if (const std::string what = trouble(study.results[i]); !what.empty()) row.back() = what;
+            if (const std::string what = study.results[i].trouble(); !what.empty()) row.back() = what;
             rows.push_back(std::move(row));
         }
     }

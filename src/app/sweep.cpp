@@ -44,15 +44,15 @@ ExitCode emit(const SweepPlan& plan, const std::vector<const BatchRun*>& to_do, 
     const std::string there = seen_from(directory, scenario), knap = program(command.command.empty() ? "knap" : command.command.front());
     std::vector<std::vector<std::string>> jobs;
     for (const BatchRun* run : to_do) {
-        std::vector<std::string> words{knap, "run", there, "-j", "1", "-q", "-o", "runs/" + run->name};
-        for (const std::string& set : run->overrides) words.insert(words.end(), {"-s", set});
-        jobs.push_back(std::move(words));
+        jobs.push_back({knap});
+        append_arguments(there, *run, "runs", command.batch.force, jobs.back());
     }
     std::vector<std::string> collect{knap, "sweep", there, "-q", "-o", "."};
     for (const std::string& set : overrides) collect.insert(collect.end(), {"-s", set});
     const std::string how = emit_jobs(command.emit, jobs, collect, plan.name, directory);
-    std::printf("%zu of %zu runs are to be done; in %s:  %s\nthen the same command without --emit makes table and contact sheet\n", to_do.size(), plan.runs.size(),
-                directory.string().c_str(), how.c_str());
+    std::printf("%zu of %zu runs are to be done; ", to_do.size(), plan.runs.size());
+    if (!jobs.empty()) std::printf("in %s:  %s\nthen ", directory.string().c_str(), how.c_str());
+    std::printf("the same command without --emit makes table and contact sheet\n");
     return exit_done;
 }
 
@@ -68,10 +68,7 @@ ExitCode sweep_scenario(const std::string& scenario, const std::vector<std::stri
     const auto to_do = runs_to_do(batch_of(plan.runs), directory / "runs", command.batch.force);
     make_batch_directory(directory, "sweep", record);
     if (!command.emit.empty()) return emit(plan, to_do, scenario, overrides, command, directory);
-    if (!do_runs(scenario, to_do, directory / "runs", command.batch)) {
-        std::fprintf(stderr, "interrupted; the same command goes on where it stopped\n");
-        return exit_interrupted;
-    }
+    if (!do_runs(scenario, to_do, directory / "runs", command.batch)) return exit_interrupted;
     std::vector<RunResult> results;
     for (const SweepRun& run : plan.runs) results.push_back(read_result(directory / "runs" / run.name, plan.quantities));
     const std::string text = sweep_text(plan, results);
@@ -80,8 +77,7 @@ ExitCode sweep_scenario(const std::string& scenario, const std::vector<std::stri
     if (plan.has_seeds) write_whole_file(directory / "statistics.csv", sweep_statistics_csv(plan, results));
     std::fputs(text.c_str(), stdout);
     std::printf("\nsweep:   %s\nfigure:  %s\n", directory.string().c_str(), draw_sheet(plan, directory).string().c_str());
-    const bool all_done = std::all_of(results.begin(), results.end(), [](const RunResult& r) { return r.status == "done" && r.gates_hold; });
-    return all_done ? exit_done : exit_failed;
+    return exit_code_of(results);
 }
 
 }  // namespace knap

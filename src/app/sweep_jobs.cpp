@@ -2,7 +2,6 @@
 #include "app/sweep.hpp"
 #include "base/whole_file.hpp"
 
-
 #include <algorithm>
 
 namespace knap {

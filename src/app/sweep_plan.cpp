@@ -13,6 +13,8 @@ namespace {
 
 using Overrides = std::vector<std::string>;
 
+constexpr double most_runs = 100'000;  // each is resolved before the first begins, which takes about a millisecond
+
 /// Later entries take the place of earlier ones for the same key.
 void add_keys(const Overrides& set, std::vector<SweepKey>& keys) {
     for (const std::string& text : set) {
@@ -49,6 +51,13 @@ std::string directory_name(const SweepPlan& plan, const SweepRun& run) {
     for (std::size_t k = 0; k < plan.keys.size(); ++k) name += (name.empty() ? "" : "_") + plain_name(plan.keys[k].name() + " " + run.values[k]);
     if (plan.has_seeds || name.empty()) name += (name.empty() ? "s" : "_s") + std::to_string(run.seed);
     return name.size() <= 120 ? name : "run_" + std::to_string(plan.runs.size() + 1);
+}
+
+void check_number(const SweepPlan& plan) {
+    double n = static_cast<double>(plan.n_seeds);
+    for (const SweepKey& key : plan.keys) n *= static_cast<double>(key.values.size());
+    if (n > most_runs)
+        throw UserError("too-many-runs", "this sweep has " + shortest(n) + " runs", "at most " + shortest(most_runs) + "; fewer values or seeds, or several sweeps");
 }
 
 /// All combinations of values, the last key fastest.
@@ -96,20 +105,21 @@ SweepKey sweep_key(const std::string& set) {
     const std::size_t equals = set.find('=');
     if (equals == std::string::npos || equals == 0)
         throw UserError("bad-override", "`" + set + "` is not of the form KEY=VALUE or KEY=VALUE,VALUE,...", "for example mesh.size=1 mm,2 mm");
-    SweepKey found{.key = set.substr(0, equals), .values = {""}};
+    SweepKey found{.key = set.substr(0, equals)};
     char quote = 0;
     int depth = 0;
-    for (const char c : set.substr(equals + 1)) {
-        if (c == ',' && !quote && depth == 0) {
-            found.values.emplace_back();
-            continue;
-        }
-        if (quote) quote = c == quote ? 0 : quote;
+    std::size_t begin = equals + 1;
+    const auto end_value = [&](std::size_t end) { found.values.emplace_back(trimmed(std::string_view(set).substr(begin, end - begin))), begin = end + 1; };
+    for (std::size_t at = begin; at < set.size(); ++at) {
+        const char c = set[at];
+        if (quote == '"' && c == '\\') ++at;  // \" ends no text
+        else if (quote) quote = c == quote ? 0 : quote;
         else if (c == '"' || c == '\'') quote = c;
         else if (c == '[' || c == '{') ++depth;
         else if (c == ']' || c == '}') --depth;
-        if (c != ' ' || !found.values.back().empty()) found.values.back() += c;
+        else if (c == ',' && depth == 0) end_value(at);
     }
+    end_value(set.size());
     return found;
 }
 
@@ -133,6 +143,7 @@ SweepPlan plan_sweep(const std::string& scenario, const Overrides& overrides) {
     }
     plan.has_seeds = options.n_seeds > 0;
     plan.n_seeds = static_cast<std::size_t>(std::max(options.n_seeds, 1));
+    check_number(plan);
     // what is not for the single run: its fields, its figures but one, its [expect], the sweep itself; breaks go on being noted
     Overrides bare{"output.fields=false", sheet_figure(read.scenario, options.show), "expect=", "study=", "sweep="};
     if (read.scenario.output.breaks) bare.push_back("output.breaks=true");

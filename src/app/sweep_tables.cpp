@@ -26,13 +26,6 @@ std::vector<Combination> combinations(const SweepPlan& plan) {
     return found;
 }
 
-DisplayUnit unit_of(const SweepPlan& plan, const std::vector<RunResult>& results, std::size_t q) {
-    double largest = 0;
-    for (const RunResult& result : results)
-        if (std::isfinite(result.values[q])) largest = std::max(largest, std::abs(result.values[q]));
-    return display_unit(largest, plan.quantities[q].unit);
-}
-
 double cost(const std::vector<RunResult>& results, const Combination& combination) {
     double sum = 0;
     for (std::size_t i = combination.first; i < combination.first + combination.n; ++i)
@@ -50,10 +43,8 @@ std::string cell(const Spread& s, std::size_t n_runs, double factor) {
 
 std::string trouble(const SweepPlan& plan, const std::vector<RunResult>& results) {
     std::string text;
-    for (std::size_t i = 0; i < results.size(); ++i) {
-        if (results[i].status == "done" && results[i].gates_hold) continue;
-        text += plan.runs[i].name + ": " + (results[i].status == "done" ? "a gate is violated" : results[i].status + ": " + results[i].reason.substr(0, 120)) + "\n";
-    }
+    for (std::size_t i = 0; i < results.size(); ++i)
+        if (const std::string what = results[i].trouble(); !what.empty()) text += plan.runs[i].name + ": " + what + "\n";
     return text;
 }
 
@@ -77,7 +68,7 @@ std::string sweep_text(const SweepPlan& plan, const std::vector<RunResult>& resu
     rows[0].push_back("done");
     std::vector<DisplayUnit> units;
     for (std::size_t q = 0; q < plan.quantities.size(); ++q) {
-        units.push_back(unit_of(plan, results, q));
+        units.push_back(unit_of_column(results, q, plan.quantities[q].unit));
         rows[0].push_back(with_unit(plan.quantities[q].name, units[q].unit));
     }
     rows[0].push_back("processor time");

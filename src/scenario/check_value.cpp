@@ -8,8 +8,6 @@
 namespace knap {
 namespace {
 
-std::string quoted(const std::string& text) { return "\"" + text + "\""; }
-
 /// "a length [m]", for one number of a key.
 std::string kind_of_number(std::string_view unit) {
     if (unit == "*") return "a number or a text with a unit";
@@ -232,6 +230,8 @@ std::string type_name(const Node& node) {
     }
     return "";
 }
+
+std::string quoted(const std::string& text) { return "\"" + text + "\""; }
 
 std::string describe(const Key& key) { return describe_with(key, key.unit); }
 

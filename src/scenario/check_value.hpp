@@ -15,6 +15,9 @@ std::optional<Node> check_value(Findings& findings, const Key& key, const Node& 
 /// What a node is, for messages: "the number 3", "a list of 2".
 std::string type_name(const Node& node);
 
+/// A text as a scenario has it, for messages.
+std::string quoted(const std::string& text);
+
 /// What a key's value looks like: "a length [m]", "two values [a, b], each a pressure [Pa]".
 std::string describe(const Key& key);
 

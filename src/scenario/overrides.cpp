@@ -6,6 +6,7 @@
 #include "scenario/keys.hpp"
 #include "scenario/toml_depth.hpp"
 #include "scenario/toml_tree.hpp"
+#include "scenario/units.hpp"
 
 namespace knap {
 namespace {
@@ -14,11 +15,6 @@ void mark(Node& node, const std::string& set_by) {
     node.set_by = set_by;
     node.place = node.name_place = {};
     for (Node& child : node.children) mark(child, set_by);
-}
-
-std::string trimmed(const std::string& text) {
-    const std::size_t begin = text.find_first_not_of(" \t"), end = text.find_last_not_of(" \t");
-    return begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
 }
 
 Node value_of(const std::string& text) {
@@ -82,7 +78,7 @@ void leave_out(Node& root, const std::string& path, const std::string& set_by, F
     for (std::size_t i = 0; i < parts.size() && table; ++i) {
         Node* list = parts[i].good ? table->find(parts[i].name) : nullptr;
         Node* child = list;
-        if (list && parts[i].index) child = *parts[i].index < list->children.size() ? &list->children[*parts[i].index] : nullptr;
+        if (list && parts[i].index) child = list->type == Node::Type::array && *parts[i].index < list->children.size() ? &list->children[*parts[i].index] : nullptr;
         if (child && i + 1 == parts.size()) {
             std::vector<Node>& from = parts[i].index ? list->children : table->children;
             from.erase(from.begin() + (child - from.data()));
@@ -142,7 +138,7 @@ void apply_overrides(Node& root, const std::vector<std::string>& overrides, Find
             findings.error("bad-override", "`" + text + "` is not KEY=VALUE", Node{.set_by = set_by});
         else if (!is_utf8(text))
             findings.error("bad-override", "this is not text in UTF-8", Node{.set_by = set_by});
-        else if (const std::string path = trimmed(text.substr(0, equals)), value = trimmed(text.substr(equals + 1)); value.empty())
+        else if (const std::string path(trimmed(std::string_view(text).substr(0, equals))), value(trimmed(std::string_view(text).substr(equals + 1))); value.empty())
             leave_out(root, path, set_by, findings);
         else
             set(root, path, value, set_by, findings);

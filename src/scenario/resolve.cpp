@@ -10,8 +10,6 @@
 namespace knap {
 namespace {
 
-std::string quoted(const std::string& text) { return "\"" + text + "\""; }
-
 void forget_places(Node& node) {
     node.place = node.name_place = {};
     for (Node& child : node.children) forget_places(child);
@@ -109,7 +107,7 @@ private:
             const std::string when(key.when);
             const std::size_t equals = when.find('=');
             std::vector<std::string> values = alternatives(std::string_view(when).substr(equals + 1));
-            for (std::string& value : values) value = "\"" + value + "\"";
+            for (std::string& value : values) value = quoted(value);
             findings_.error_at_name("exclusive-keys", "`" + here + "` belongs to " + when.substr(0, equals) + " = " + joined(values, " or "), *node)
                 .note = "here " + when.substr(0, equals) + " = " + quoted(table.find(when.substr(0, equals))->text);
         } else if (node) {

@@ -181,13 +181,13 @@ std::optional<double> shifted(std::string_view decimal, int power) {
     return value;
 }
 
+}  // namespace
+
 std::string_view trimmed(std::string_view text) {
     while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
     while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
     return text;
 }
-
-}  // namespace
 
 Quantity parse_quantity(std::string_view text) {
     text = trimmed(text);

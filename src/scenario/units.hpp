@@ -29,6 +29,9 @@ Dimension dimension_of(std::string_view unit);
 /// "a length", "a pressure", ...; for what has no name, its unit.
 std::string kind_name(const Dimension& dimension);
 
+/// Without blanks and tabs at its ends.
+std::string_view trimmed(std::string_view text);
+
 /// The shortest decimal text that reads back as the same double.
 std::string shortest(double value);
 

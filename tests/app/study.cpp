@@ -208,6 +208,8 @@ TEST_CASE("study: mistakes are reported before anything runs") {
     fails("--levels 1,1", "duplicate-name");
     fails("--schemes explicit", "explicit/implicit");
     fails("--refine stepp", "did you mean `step`?");
+    fails("--quantity dissipated --quantity dissipated", "two quantities would be called `dissipated`");
+    fails("-s 'study.quantity=[{ of = \"time\", name = \"" + std::string(200, 'a') + "\" }]'", "at most 150");
     fails("-s 'study.set=[\"mesh.sise=1\"]'", "did you mean `size`?");
     fails("-s 'study.line=[{ set = [\"time.theta=2\"] }]'", "time.theta");
     fails("--schemes all -s 'study.line=[{ name = \"a\" }]'", "only one of them");

@@ -70,6 +70,10 @@ TEST_CASE("sweep: values of a key are split at commas outside of quotes and brac
     CHECK(sweep_key("mesh.size=1 mm, 2 mm").values == Texts{"1 mm", "2 mm"});
     CHECK(sweep_key("domain.size=[1, 2],[3,4]").values == Texts{"[1, 2]", "[3,4]"});
     CHECK(sweep_key("title=\"a, b\",\"it's\"").values == Texts{"\"a, b\"", "\"it's\""});
+    CHECK(sweep_key("title=\"say \\\"a, b\\\"\",'\\'").values == Texts{"\"say \\\"a, b\\\"\"", "'\\'"});
+    CHECK(sweep_key("mesh.size= 1 mm ,\t2 mm ").values == Texts{"1 mm", "2 mm"});
+    CHECK(sweep_key("title=a\\").values == Texts{"a\\"});
+    CHECK(sweep_key("title=\"a\\").values == Texts{"\"a\\"});
     CHECK(sweep_key("figure=").values == Texts{""});
     CHECK(sweep_key("interface.a-b.sigma_c=1,2").name() == "sigma_c");
     CHECK_THROWS_AS(sweep_key("mesh.size"), UserError);
@@ -101,6 +105,9 @@ TEST_CASE("sweep: the full product with the last key fastest and the seeds faste
     // what a run would refuse is refused before any is started, and so are two runs of one name
     CHECK_THROWS_AS(plan_sweep("bar_pulled_apart", {"mesh.size=1 mm,2 Pa"}), UserError);
     CHECK_THROWS_AS(plan_sweep("bar_pulled_apart", {"mesh.size=1 mm,1 mm"}), UserError);
+    std::string values = "0";  // 100^4 combinations have no room
+    for (int i = 1; i < 100; ++i) values += "," + std::to_string(i);
+    CHECK_THROWS_WITH_AS(plan_sweep("bar_pulled_apart", {"mesh.size=" + values, "time.end=" + values, "seed=" + values, "title=" + values}), doctest::Contains("too-many-runs"), UserError);
 }
 
 TEST_CASE("sweep: what the scenario says and --set instead of it") {
@@ -245,5 +252,10 @@ TEST_CASE("sweep: job lists are done by GNU parallel and by a Slurm array and by
     CHECK_FALSE(collected.has("run 1 of"));
     check_whole(collected, sweep);
     // nothing is left for a second list
-    CHECK(command("sweep " + both + out + " --emit parallel").has("0 of 4 runs are to be done"));
+    const Answer nothing = command("sweep " + both + out + " --emit parallel");
+    CHECK(nothing.has("0 of 4 runs are to be done"));
+    CHECK_FALSE(nothing.has("joblog"));
+    // runs that are there are replaced only by what says so
+    CHECK(command("sweep " + both + out + " --emit parallel --force").has("4 of 4 runs are to be done"));
+    CHECK(shell_in(sweep, "sh -c \"$(head -n 1 jobs.txt)\"") == 0);
 }
