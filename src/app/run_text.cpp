@@ -49,6 +49,8 @@ std::string solver_text(const RunRecord& record) {
         add_line(text, "  solver  %.2f linear solves and %.2f factorisations a step, which takes %.3g s of processor time, %.3g s a solve\n",
                  static_cast<double>(record.counts.linear_solves) / n, static_cast<double>(record.counts.factorisations) / n, record.cpu_steps / n,
                  record.cpu_steps / static_cast<double>(record.counts.linear_solves));
+        if (record.counts.fan_fallbacks > 0)
+            add_line(text, "  pivots  found %lld steps that this solver did not\n", static_cast<long long>(record.counts.fan_fallbacks));
         if (record.factor.unknowns > 0)
             add_line(text, "  factor  of %lld unknowns with %lld entries, %.1f an unknown\n", static_cast<long long>(record.factor.unknowns),
                      static_cast<long long>(record.factor.entries), static_cast<double>(record.factor.entries) / static_cast<double>(record.factor.unknowns));

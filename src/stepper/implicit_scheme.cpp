@@ -67,18 +67,21 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
 }
 
 void ImplicitScheme::solve_points(const State& begin, double h, StepReport& report) {
+    bool pivoted = false;
     for (int pass = 0;; ++pass) {
         choose_partition(begin, h);  // bound fans are one node
         guess_multipliers(begin, h);
         const auto status = solver_.solve(bulk_, points_, rate_, scale_, largest_scale_);
         report.linear_solves += solver_.counts().linear_solves;
         report.factorisations += solver_.counts().factorisations;
+        if (status != AugmentedLagrangian::Status::solved && !pivoted && (pivoted = start_from_pivots(begin, h))) continue;
         if (status != AugmentedLagrangian::Status::solved || pass == most_passes) {
             report.refusal = Refusal::not_converged;
             return;
         }
-        if (!loosen_what_opens(h, report)) return;
+        if (!loosen_what_opens(h, report)) break;
     }
+    report.fan_fallbacks += pivoted;
 }
 
 void ImplicitScheme::choose_partition(const State& begin, double h) {

@@ -37,6 +37,7 @@ public:
 
 private:
     void solve_points(const State& begin, double h, StepReport& report);  // all loose points, until nothing more opens
+    bool start_from_pivots(const State& begin, double h);  // all that can be loose, rates and multipliers of another solver
     void choose_partition(const State& begin, double h);
     void make_points(const State& begin, double h);
     LoosePoint make_point(const State& begin, double h, Index fan, Index fan_point) const;
