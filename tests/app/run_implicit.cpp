@@ -180,11 +180,11 @@ TEST_CASE("steps to store are chosen by number or by range") {
 }
 
 TEST_CASE("a run says how many steps were found by pivots") {
-    RunRecord record;
+    knap::RunRecord record;
     record.status = "done";
     record.steps = 10;
     record.counts.linear_solves = 40;
-    CHECK(end_of_run(record, "somewhere").find("pivots") == std::string::npos);
+    CHECK(knap::end_of_run(record, "somewhere").find("pivots") == std::string::npos);
     record.counts.fan_fallbacks = 3;
-    CHECK(end_of_run(record, "somewhere").find("pivots  found 3 steps that this solver did not") != std::string::npos);
+    CHECK(knap::end_of_run(record, "somewhere").find("pivots  found 3 steps that this solver did not") != std::string::npos);
 }
