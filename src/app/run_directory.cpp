@@ -85,7 +85,7 @@ void write_first(const fs::path& directory, const FirstFiles& files, const RunRe
         for (const auto& [name, text] : files) write_whole_file(directory / name, text);
     } catch (const OutputError& error) {
         if (vacant) throw;
-        throw OutputError(std::string(error.what()) + "; the earlier run is still there. When that is mended, or if it is room that is wanted and you delete `" +
+        throw OutputError(std::string(error.what()) + "; files of the earlier run are still there. When that is mended, or if it is room that is wanted and you delete `" +
                           directory.string() + "` by hand, the same command starts this one");
     }
 }

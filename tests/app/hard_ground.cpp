@@ -75,7 +75,7 @@ TEST_CASE("where nothing may be written that is said and read all the same") {
     }
     const Answer again = answer_of(run + "--force -o " + folder.in_shell("locked/run"));
     CHECK(again.code == 3);
-    CHECK(again.has("run.json: Permission denied; the earlier run is still there"));
+    CHECK(again.has("run.json: Permission denied; files of the earlier run are still there"));
     CHECK(command("info " + folder.in_shell("locked/run")).code == 0);
     CHECK(command("render " + folder.in_shell("locked/run") + " --show speed -o " + folder.in_shell("figures")).code == 0);
     permit(fs::perms::owner_all);

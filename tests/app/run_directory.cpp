@@ -153,7 +153,7 @@ TEST_CASE("run directory: on a full disk an earlier run stays and what helps is 
     CAPTURE(full.text);
     CHECK(full.code == 3);
     CHECK(full.has("cannot write"));
-    CHECK(full.has("the earlier run is still there"));
+    CHECK(full.has("files of the earlier run are still there"));
     CHECK(is_done(folder.path / "run"));
     fs::remove_all(folder.path / "run");  // as it says
     CHECK(command(line).code == 0);
