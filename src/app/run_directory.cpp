@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <set>
+#include <sstream>
 
 namespace knap {
 
@@ -44,14 +45,41 @@ void refuse_what_is_no_file(const fs::path& directory) {
     }
 }
 
-/// Whether a run stands there that began with these very files.
+/// Whether a run stands there that began with this scenario, however that was written: what it resolves to counts, and the files that it reads.
 bool began_with(const fs::path& directory, const FirstFiles& files) {
-    return std::all_of(files.begin(), files.end(), [&](const auto& file) { return is_file_of(directory / file.first, file.second); });
+    return std::all_of(files.begin(), files.end(), [&](const auto& file) { return file.first == "scenario.toml" || is_file_of(directory / file.first, file.second); });
 }
 
 /// What this program resolves of this scenario, to the byte: that was written by a run, whatever else of it was lost.
 bool is_resolved_as(const fs::path& directory, const FirstFiles& files) {
     return std::any_of(files.begin(), files.end(), [&](const auto& file) { return file.first == "resolved.toml" && is_file_of(directory / file.first, file.second); });
+}
+
+/// Whether the same command would go on with the run that stands there, or begin it again.
+bool is_unfinished(const fs::path& directory, const EarlierRecord& record) {
+    return Checkpoints::exist_in(directory) || record.status == "running" || record.output_failed;
+}
+
+/// Where two resolved scenarios, which have a key a line, part from each other; empty where they do not.
+std::string first_difference(const std::string& there, const std::string& here) {
+    std::istringstream old_lines(there), new_lines(here);
+    std::string table, was, is;
+    do {
+        if (was.starts_with('[')) table = " in " + was;
+        const bool old_ended = !std::getline(old_lines, was), new_ended = !std::getline(new_lines, is);
+        if (old_ended && new_ended) return "";
+    } while (was == is);
+    return "; they differ first" + table + ": `" + was + "` there, `" + is + "` here";
+}
+
+UserError unfinished_run_of_another(const fs::path& directory, const FirstFiles& files) {
+    const auto resolved = std::find_if(files.begin(), files.end(), [](const auto& file) { return file.first == "resolved.toml"; });
+    const fs::path old = directory / "resolved.toml";
+    const std::string run = "`" + directory.string() + "` holds an unfinished run of another scenario, nothing was run", other = "choose another directory with --output";
+    std::error_code none;
+    if (resolved == files.end() || !fs::is_regular_file(old, none)) return UserError("run-exists", run, other + "; --force throws the unfinished run away");
+    return UserError("run-exists", run + first_difference(read_whole_file(old), resolved->second),
+                     other + "; `knap run " + old.string() + " -o " + directory.string() + "` goes on with the unfinished run, --force throws it away");
 }
 
 /// Whether this run goes on there; else it begins. Throws UserError where it may do neither.
@@ -64,9 +92,9 @@ bool goes_on(const fs::path& directory, const FirstFiles& files, bool force) {
         throw UserError("not-a-run", "`" + directory.string() + "` was not made by knap (it has no run.json of a run), so --force does not clear it",
                         "choose another directory with --output, or delete this one by hand");
     if (force) return false;
-    if (began_with(directory, files)) {
-        if (Checkpoints::exist_in(directory)) return true;
-        if (record.status == "running" || record.output_failed) return false;
+    if (is_run && is_unfinished(directory, record)) {
+        if (!began_with(directory, files)) throw unfinished_run_of_another(directory, files);
+        return Checkpoints::exist_in(directory);
     }
     throw UserError("run-exists", "`" + directory.string() + "` exists already, nothing was run",
                     std::string("choose another directory with --output") + (is_run ? ", or replace the old run with --force" : ""));

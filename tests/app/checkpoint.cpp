@@ -137,8 +137,22 @@ TEST_CASE("an interrupted run goes on when it is started again") {
         CHECK(text_of(folder.path / "run/energy.csv") == energy);
     }
     SUBCASE("not as another scenario") {
-        CHECK(command("run " + block + "-s seed=3 -o " + folder.in_shell("run")).has("run-exists"));
+        const Answer other = command("run " + block + "-s seed=3 -o " + folder.in_shell("run"));
+        CHECK(other.has("run-exists"));
+        CHECK(other.has("holds an unfinished run of another scenario"));
+        CHECK(other.has("they differ first: `seed = 4` there, `seed = 3` here"));
+        CHECK(other.has("--force throws it away"));
+        CHECK(command("run " + block + "-s mesh.grading=0.2 -o " + folder.in_shell("run")).has("first in [mesh]: `grading = 0.3` there, `grading = 0.2` here"));
         CHECK(knap::Checkpoints::exist_in(folder.path / "run"));
+        // as the message says
+        CHECK(command("run " + folder.in_shell("run/resolved.toml") + " -q -j 1 -o " + folder.in_shell("run")).code == 0);
+        check_same_bits(folder.path / "whole", folder.path / "run");
+    }
+    SUBCASE("where its file has another comment") {
+        std::ofstream(folder.path / "other.toml") << "# a remark\n" << text_of(folder.path / "run/scenario.toml");
+        std::string of_file = block;
+        CHECK(command("run " + of_file.replace(0, of_file.find(' '), folder.in_shell("other.toml")) + "-o " + folder.in_shell("run")).code == 0);
+        CHECK(text_of(folder.path / "run/log.txt").find("resumed: goes on from the checkpoint at t = ") != std::string::npos);
     }
 }
 

@@ -106,7 +106,7 @@ TEST_CASE("run directory: a start that was killed is started again and nobody el
     }
     SUBCASE("a record of someone else") {
         write(folder.path / "run/run.json", "{\"status\": \"running\"}");
-        CHECK(command(run).has("run-exists"));
+        CHECK(command(run).has("exists already"));
         CHECK(text_of(folder.path / "run/run.json") == "{\"status\": \"running\"}");
         return;
     }
