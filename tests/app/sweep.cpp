@@ -152,17 +152,27 @@ TEST_CASE("sweep: every run and table is there and finished runs are kept") {
     CHECK_FALSE(fs::exists(folder.path / "n"));
 }
 
+namespace {
+
+/// knap with these words, once it has made the file.
+pid_t started(const std::string& words, const fs::path& file) {
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        execl("/bin/sh", "sh", "-c", ("exec '" KNAP_PROGRAM "' " + words + " >/dev/null 2>&1").c_str(), static_cast<char*>(nullptr));
+        _exit(127);
+    }
+    for (int i = 0; i < 60000 && !fs::exists(file); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return child;
+}
+
+}  // namespace
+
 TEST_CASE("sweep: SIGTERM stops the run under way and the same command goes on with it") {
     const Folder folder("sweep terminated");
     const fs::path run = folder.path / "s/runs/s1";
     const std::string sweep = "sweep " + small_block() + "-s 'mesh.size=1 mm' -s output.checkpoint_every=0 --seeds 1..1 -o " + folder.in_shell("s");
-    const pid_t child = fork();
-    REQUIRE(child >= 0);
-    if (child == 0) {
-        execl("/bin/sh", "sh", "-c", ("exec '" KNAP_PROGRAM "' " + sweep + " >/dev/null 2>&1").c_str(), static_cast<char*>(nullptr));
-        _exit(127);
-    }
-    for (int i = 0; i < 60000 && !fs::exists(run / "checkpoint"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const pid_t child = started(sweep, run / "checkpoint");
     for (int i = 0; i < 3; ++i) kill(child, SIGTERM);
     int status = 0;
     waitpid(child, &status, 0);
@@ -177,13 +187,7 @@ TEST_CASE("sweep: no run outlives a sweep that is killed") {
     const Folder folder("sweep killed");
     const fs::path run = folder.path / "s/runs/s1";
     const std::string sweep = "sweep " + small_block() + "-s 'mesh.size=1 mm' -s output.checkpoint_every=0 --seeds 1..1 -o " + folder.in_shell("s");
-    const pid_t child = fork();
-    REQUIRE(child >= 0);
-    if (child == 0) {
-        execl("/bin/sh", "sh", "-c", ("exec '" KNAP_PROGRAM "' " + sweep + " >/dev/null 2>&1").c_str(), static_cast<char*>(nullptr));
-        _exit(127);
-    }
-    for (int i = 0; i < 60000 && !fs::exists(run / "checkpoint"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    const pid_t child = started(sweep, run / "checkpoint");
     const int log = open((run / "log.txt").c_str(), O_RDONLY | O_CLOEXEC);
     REQUIRE(flock(log, LOCK_EX | LOCK_NB) != 0);
     kill(child, SIGKILL);
