@@ -1,5 +1,6 @@
 // knap bench: the edge-cracked block as fixed work. Prints triangle-steps per core-second, all interface work included, ratios of one run, and what
 // the kernels of a step take against what the machine could do.
+#include "app/bench_beside.hpp"
 #include "app/bench_machine.hpp"
 #include "app/commands.hpp"
 #include "app/new_file.hpp"
@@ -115,6 +116,32 @@ Measured measure(double size, double until, int threads, Table& table) {
     return measured;
 }
 
+/// What a frame and a figure cost, as they are after some steps.
+void measure_output(double size, double until, Table& table) {
+    Block block(size);
+    block.run(until);
+    const OutputTimes times = time_output(block.model(), block.now());
+    const int n = block.model().mesh.n_triangles();
+    std::printf("%9d triangles  a frame of fields %.4f s  a figure %.3f s\n", n, times.frame, times.figure);
+    table.add(std::to_string(n) + " triangles: a frame of fields [s]", times.frame);
+    table.add(std::to_string(n) + " triangles: a figure [s]", times.figure);
+}
+
+void measure_implicit(Table& table) {
+    const ImplicitWork work = implicit_work();
+    const auto of = [&](std::int64_t n) { return static_cast<double>(n); };
+    std::printf("implicit bulk and cohesion, 1 mm, to 40 us: %lld steps, %.3g s each: %.3g solves, %.3g factors a step, %.3g ms a solve; factor of %lld unknowns: %lld entries\n",
+                static_cast<long long>(work.steps), work.seconds / of(work.steps), of(work.linear_solves) / of(work.steps), of(work.factorisations) / of(work.steps),
+                1e3 * work.seconds / of(work.linear_solves), static_cast<long long>(work.unknowns), static_cast<long long>(work.entries));
+    table.add("implicit 1 mm to 40 us: steps", of(work.steps));
+    table.add("implicit 1 mm to 40 us: a step [s]", work.seconds / of(work.steps));
+    table.add("implicit 1 mm to 40 us: linear solves a step", of(work.linear_solves) / of(work.steps));
+    table.add("implicit 1 mm to 40 us: factorisations a step", of(work.factorisations) / of(work.steps));
+    table.add("implicit 1 mm to 40 us: all that a solve takes [ms]", 1e3 * work.seconds / of(work.linear_solves));
+    table.add("implicit 1 mm to 40 us: unknowns of the factor", of(work.unknowns));
+    table.add("implicit 1 mm to 40 us: entries of the factor", of(work.entries));
+}
+
 /// [s] of processor time for the forces of all triangles, block by block as in a step; the best of many.
 double time_of_forces(const Model& model, const State& state) {
     ElasticForces forces(model.mesh, model.materials, model.plane, model.thickness);
@@ -187,11 +214,18 @@ ExitCode bench(const BenchOptions& options) {
     std::printf("same bits with 1 and 2 threads:                     %s\n", block.hash == twice.hash ? "yes" : "NO");
     if (options.full) {
         constexpr double early = 4e-6;
+        const Measured late = measure(0.25e-3, until, 1, table);
+        ratio("cost of a triangle-step, 0.25 mm to 1 mm", coarse.per_core_second / late.per_core_second);
         const Measured small = measure(1e-3, early, 1, table), middle = measure(0.5e-3, early, 1, table), large = measure(0.25e-3, early, 1, table);
         const Measured million = measure(0.0972e-3, 1e-6, 1, table);
         ratio("cost before the crack runs, 0.5 mm to 1 mm", small.per_core_second / middle.per_core_second);
         ratio("cost before the crack runs, 0.25 mm to 1 mm", small.per_core_second / large.per_core_second);
         ratio("cost before the crack runs, 0.1 mm to 1 mm", small.per_core_second / million.per_core_second);
+    }
+    if (options.full) {
+        measure_output(0.5e-3, 20e-6, table);
+        measure_output(0.0972e-3, 0, table);
+        measure_implicit(table);
     }
     const Machine machine = measure_machine();
     table.add("machine [bytes/s]", machine.bytes), table.add("machine [flops/s]", machine.flops);

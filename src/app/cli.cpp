@@ -208,7 +208,7 @@ int run_command_line(int argc, char** argv) {
 
     BenchOptions bench_options;
     CLI::App* bench_command = add("bench", "fixed work: triangle-steps per core-second and ratios of one run", [&] { return bench(bench_options); });
-    bench_command->add_flag("--full", bench_options.full, "all 80 us of the block, 151 000 and a million triangles, and what a run does beside its steps");
+    bench_command->add_flag("--full", bench_options.full, "all 80 us of the block, 151 000 and a million triangles, meshes, frames, figures, implicit steps");
     bench_command->add_option("--csv", bench_options.csv, "write what was measured to this file")->type_name(path);
 
     app.footer("Exit codes: 0 done, 1 internal error, 2 bad scenario or option, 3 the simulation failed or violated a gate, or no solver solved the problem,\n"
