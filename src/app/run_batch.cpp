@@ -5,6 +5,7 @@
 #include "app/read_run.hpp"
 #include "app/run_directory.hpp"
 #include "app/run_json.hpp"
+#include "app/run_result.hpp"
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
 
@@ -99,12 +100,22 @@ pid_t start(const std::string& scenario, const BatchRun& run, const fs::path& di
     return child;
 }
 
-std::string outcome(const fs::path& run, bool interrupted) {
+/// What became of a run that ended with this status, as of wait().
+std::string outcome(const fs::path& run, int ended, bool interrupted) {
     if (!fs::exists(run / "run.json")) return interrupted ? "not begun" : "refused";
     const auto record = read_run_json(run);
+    const std::string status = record.value("status", "");
     std::ostringstream text;
-    text << record.value("status", "") << ", " << record.value("steps", 0LL) << " steps, " << record.value("cpu_s", 0.0) << " s";
+    const bool is_whole = !is_under_way(status) && !record.value("output_failed", false);  // the record, which counts no steps where they could not be written
+    if (is_whole) text << status << ", " << record.value("steps", 0LL) << " steps, " << record.value("cpu_s", 0.0) << " s";
+    else if (WIFSIGNALED(ended)) text << "killed by signal " << WTERMSIG(ended);
+    else text << "failed: " << said_in(run.string() + ".log");
     return text.str();
+}
+
+void make_directory(const fs::path& directory) {
+    std::error_code error;
+    if (fs::create_directories(directory, error); error) throw UserError("cannot-write", "cannot make `" + directory.string() + "`: " + error.message());
 }
 
 }  // namespace
@@ -119,21 +130,18 @@ std::string plain_name(const std::string& text) {
     return name;
 }
 
-void check_batch_directory(const fs::path& directory, const std::string& what) {
+DirectoryLock take_batch_directory(const fs::path& directory, const std::string& what) {
     std::error_code none;
-    if (holds_only(directory, {what + ".toml.part"}) || fs::exists(directory / (what + ".toml"), none)) return;
-    throw UserError("not-a-" + what, "`" + directory.string() + "` was not made by knap " + what + " (no " + what + ".toml), so it is left alone",
-                    "choose another directory with --output");
+    if (!holds_only(directory, {what + ".toml.part"}) && !fs::exists(directory / (what + ".toml"), none))
+        throw UserError("not-a-" + what, "`" + directory.string() + "` was not made by knap " + what + " (no " + what + ".toml), so it is left alone",
+                        "choose another directory with --output");
+    make_directory(directory);
+    return DirectoryLock(directory);
 }
 
-void make_batch_directory(const fs::path& directory, const std::string& what, const std::string& scenario) {
-    const auto make = [](const fs::path& part) {
-        std::error_code error;
-        if (fs::create_directories(part, error); error) throw UserError("cannot-write", "cannot make `" + part.string() + "`: " + error.message());
-    };
-    make(directory);
+void begin_batch(const fs::path& directory, const std::string& what, const std::string& scenario) {
     write_whole_file(directory / (what + ".toml"), scenario);  // first, so that it can be told from a directory of someone else
-    make(directory / "runs");
+    make_directory(directory / "runs");
 }
 
 void check_names(const std::vector<const BatchRun*>& runs, const std::string& note) {
@@ -168,6 +176,7 @@ bool do_runs(const std::string& scenario, const std::vector<const BatchRun*>& to
     HeldSignals signals;
     std::map<pid_t, const BatchRun*> running;
     std::size_t next = 0, n_done = 0;
+    int status = 0;  // of the run that ended
     while (!running.empty() || (next < to_do.size() && !signals.interrupted())) {
         if (next < to_do.size() && !signals.interrupted() && running.size() < static_cast<std::size_t>(options.n_at_once)) {
             running[start(scenario, *to_do[next], directory, options.force, signals.before())] = to_do[next];
@@ -176,12 +185,12 @@ bool do_runs(const std::string& scenario, const std::vector<const BatchRun*>& to
         }
         if (signals.next_interrupts())  // Ctrl-C reaches the runs by itself, SIGTERM may not
             for (const auto& [child, run] : running) kill(child, SIGTERM);
-        for (pid_t ended; (ended = waitpid(-1, nullptr, WNOHANG)) > 0;) {
+        for (pid_t ended; (ended = waitpid(-1, &status, WNOHANG)) > 0;) {
             const auto found = running.find(ended);
             if (found == running.end()) continue;
             ++n_done;
             const std::string& name = found->second->name;
-            if (!options.quiet) std::fprintf(stderr, "run %zu of %zu: %s: %s\n", n_done, to_do.size(), name.c_str(), outcome(directory / name, signals.interrupted()).c_str());
+            if (!options.quiet) std::fprintf(stderr, "run %zu of %zu: %s: %s\n", n_done, to_do.size(), name.c_str(), outcome(directory / name, status, signals.interrupted()).c_str());
             running.erase(found);
         }
     }

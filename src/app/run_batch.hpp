@@ -1,5 +1,7 @@
 #pragma once
 // Many runs of one scenario, each a process of its own in a directory of its own; what is there is kept.
+#include "app/directory_lock.hpp"
+
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -24,11 +26,12 @@ struct BatchRun {
 /// Letters, digits, - and . of a text, with _ between: for names of files.
 std::string plain_name(const std::string& text);
 
-/// Throws UserError for a directory that holds anything but an earlier `what` ("study": it has a study.toml).
-void check_batch_directory(const std::filesystem::path& directory, const std::string& what);
+/// Makes the directory of a `what` where there is none, for this process alone. Throws UserError where another process has it, it cannot be made, or it holds
+/// anything but an earlier `what` ("study": it has a study.toml).
+DirectoryLock take_batch_directory(const std::filesystem::path& directory, const std::string& what);
 
-/// Makes it, with runs/ and the scenario in it. Throws UserError where it cannot be made.
-void make_batch_directory(const std::filesystem::path& directory, const std::string& what, const std::string& scenario);
+/// Writes the scenario into it, and makes runs/. Throws UserError where it cannot be made.
+void begin_batch(const std::filesystem::path& directory, const std::string& what, const std::string& scenario);
 
 /// Throws UserError where two runs would share a directory.
 void check_names(const std::vector<const BatchRun*>& runs, const std::string& note);

@@ -1,9 +1,9 @@
 #include "app/run_log.hpp"
 
+#include "app/directory_lock.hpp"
 #include "base/error.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,10 +14,7 @@ namespace knap {
 
 RunLog::RunLog(std::filesystem::path path) : path_(std::move(path)), file_(open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
     if (file_ < 0) throw UserError("cannot-write", "cannot write `" + path_.string() + "`: " + std::strerror(errno));
-    if (flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {  // other errors: a file system without locks
-        close(file_);
-        throw UserError("run-busy", "another process is running in `" + path_.parent_path().string() + "`", "wait for it, or choose another directory with --output");
-    }
+    lock_or_refuse(file_, path_.parent_path());
     size_ = lseek(file_, 0, SEEK_END);
 }
 

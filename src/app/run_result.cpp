@@ -89,14 +89,6 @@ double value_of(const StudyQuantity& quantity, const Json& summary, const fs::pa
     return quantity.largest ? *std::max_element(column.value.begin(), column.value.end()) : column.value.back();
 }
 
-/// The first error of the log of a run that did not begin.
-std::string why_refused(const fs::path& log) {
-    std::ifstream file(log);
-    for (std::string line; std::getline(file, line);)
-        if (line.starts_with("error")) return line.substr(std::min(line.find(": ") + 2, line.size()));
-    return "see " + log.filename().string();
-}
-
 }  // namespace
 
 std::string RunResult::trouble() const {
@@ -105,6 +97,15 @@ std::string RunResult::trouble() const {
     std::size_t end = std::min(reason.size(), longest);
     while (end < reason.size() && (reason[end] & 0xC0) == 0x80) ++end;  // not within a character of UTF-8
     return status + ": " + reason.substr(0, end);
+}
+
+bool is_under_way(const std::string& status) { return status == "running" || status == "starting"; }
+
+std::string said_in(const fs::path& log) {
+    std::ifstream file(log);
+    for (std::string line; std::getline(file, line);)
+        if (line.starts_with("error")) return line.substr(std::min(line.find(": ") + 2, line.size()));
+    return "see " + log.filename().string();
 }
 
 ExitCode exit_code_of(const std::vector<RunResult>& results) {
@@ -122,12 +123,12 @@ RunResult read_result(const fs::path& run, const std::vector<StudyQuantity>& qua
     RunResult result{.status = "refused"};
     result.values.assign(quantities.size(), NAN);
     if (!fs::exists(run / "run.json")) {
-        result.reason = why_refused(run.string() + ".log");
+        result.reason = said_in(run.string() + ".log");
         return result;
     }
     const Json record = read_run_json(run);
     result.status = record.value("status", "");
-    result.reason = record.value("reason", "");
+    result.reason = is_under_way(result.status) ? said_in(run.string() + ".log") : record.value("reason", "");
     result.bulk = record["scheme"].value("bulk", "");
     result.cohesion = record["scheme"].value("cohesion", "");
     for (const Json& gate : record["gates"]) result.gates_hold = result.gates_hold && gate.value("pass", false);

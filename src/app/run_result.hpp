@@ -26,6 +26,12 @@ struct RunResult {
 };
 RunResult read_result(const std::filesystem::path& run, const std::vector<StudyQuantity>& quantities);
 
+/// Whether a record says that its run is at work, as it does for ever where the last one could not be written.
+bool is_under_way(const std::string& status);
+
+/// The first error in the log of a run of a batch.
+std::string said_in(const std::filesystem::path& log);
+
 /// done where all runs are good.
 ExitCode exit_code_of(const std::vector<RunResult>& results);
 

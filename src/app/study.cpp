@@ -9,9 +9,9 @@ namespace knap {
 ExitCode study_scenario(const std::string& scenario, const std::vector<std::string>& overrides, const BatchOptions& command) {
     Study study{.plan = plan_study(scenario, overrides)};
     const std::filesystem::path directory = command.output.empty() ? std::filesystem::path("studies") / study.plan.name : command.output;
-    check_batch_directory(directory, "study");
+    const DirectoryLock lock = take_batch_directory(directory, "study");
     const auto to_do = runs_to_do(batch_of(study.plan.runs), directory / "runs", command.force);
-    make_batch_directory(directory, "study", resolved_for_run(open_scenario(scenario, overrides)));
+    begin_batch(directory, "study", resolved_for_run(open_scenario(scenario, overrides)));
     if (!do_runs(scenario, to_do, directory / "runs", command)) return exit_interrupted;
     for (const StudyRun& run : study.plan.runs) study.results.push_back(read_result(directory / "runs" / run.name, study.plan.options.quantities));
     if (!study.is_statistics()) judge_study(study);

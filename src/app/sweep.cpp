@@ -64,9 +64,9 @@ ExitCode sweep_scenario(const std::string& scenario, const std::vector<std::stri
     std::string record = "# knap sweep " + quoted_for_shell(scenario);
     for (const std::string& set : overrides) record += " -s " + quoted_for_shell(set);
     record += "\n";
-    check_batch_directory(directory, "sweep");
+    const DirectoryLock lock = take_batch_directory(directory, "sweep");
     const auto to_do = runs_to_do(batch_of(plan.runs), directory / "runs", command.batch.force);
-    make_batch_directory(directory, "sweep", record);
+    begin_batch(directory, "sweep", record);
     if (!command.emit.empty()) return emit(plan, to_do, scenario, overrides, command, directory);
     if (!do_runs(scenario, to_do, directory / "runs", command.batch)) return exit_interrupted;
     std::vector<RunResult> results;

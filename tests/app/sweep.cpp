@@ -220,6 +220,52 @@ TEST_CASE("sweep: a run whose record is lost is done again and what is no run is
     CHECK(command(sweep).code == 0);
 }
 
+TEST_CASE("sweep and study: one process at a time in a directory") {
+    const Folder folder("batch busy");
+    for (const std::string& what : {"sweep " + bar + "--seeds 1..2 ", "study " + bar + "--levels 1 "}) {
+        const fs::path directory = folder.path / what.substr(0, 5);
+        const std::string line = what + "-q -o '" + directory.string() + "'";
+        fs::create_directory(directory);
+        const int lock = open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);  // as one who is at work there
+        REQUIRE(flock(lock, LOCK_EX | LOCK_NB) == 0);
+        for (const char* force : {"", " --force"}) {
+            const Answer other = command(line + force);
+            CHECK(other.code == 2);
+            CHECK(other.has("run-busy"));
+        }
+        CHECK(fs::is_empty(directory));
+        close(lock);
+        CHECK(command(line).code == 0);
+    }
+}
+
+TEST_CASE("sweep: what a run said is shown where its results have no room") {
+    const Folder folder("sweep no room");
+    const std::string line = "sweep " + bar + "--seeds 1..1 -o " + folder.in_shell("s");
+    const Answer full = command("--version >/dev/null; ulimit -f 8; '" KNAP_PROGRAM "' " + line);
+    CAPTURE(full.text);
+    CHECK(full.has("run 1 of 1: s1: failed: cannot write"));
+    CHECK(command(line).code == 0);
+}
+
+TEST_CASE("sweep: what a run said is shown where even its record has no room") {
+    const Folder folder("sweep no record");
+    const fs::path run = folder.path / "s/runs/s1";
+    std::thread vandal([&] {  // takes the names that whole files are written under
+        for (int i = 0; i < 60000 && !fs::exists(run / "checkpoint"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        for (const char* name : {"run.json.part", "checkpoint.part"})
+            for (std::error_code error; fs::exists(run) && !fs::create_directory(run / name, error);) std::this_thread::yield();
+    });
+    const std::string block = small_block().erase(small_block().find("-q "), 3);
+    const Answer full = command("sweep " + block + "-s 'mesh.size=1 mm' -s output.checkpoint_every=0 --seeds 1..1 -o " + folder.in_shell("s"));
+    vandal.join();
+    CAPTURE(full.text);
+    CHECK(text_of(run / "run.json").find("\"status\": \"running\"") != std::string::npos);
+    CHECK(full.code == 3);
+    CHECK(full.has("run 1 of 1: s1: failed: cannot write"));
+    CHECK(full.has("s1: running: cannot write"));
+}
+
 TEST_CASE("sweep and study: a disk that was full at the start is no obstacle later") {
     const Folder folder("batch full disk");
     for (const std::string& what : {"sweep " + bar + "--seeds 1..1 ", "study " + bar + "--levels 1 "}) {
