@@ -1,4 +1,5 @@
 #include "app/cli.hpp"
+#include "app/interrupt.hpp"
 #include "app/run.hpp"
 #include "app/threads.hpp"
 #include "base/error.hpp"
@@ -35,6 +36,7 @@ int main(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);  // a reader of the messages who goes away ends nothing
     std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
     knap::let_waiting_threads_sleep(argv);
+    knap::end_when_interrupted();
     try {
         const int code = knap::run_command_line(argc, argv);
         const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;

@@ -17,10 +17,9 @@ const char* const names[] = {"checkpoint", "checkpoint.previous"};
 
 void Checkpoints::write(RunMemory& memory) {
     const fs::path newest = directory_ / names[0];
-    std::error_code error;
-    if (newest_is_whole_ && fs::exists(newest, error)) fs::rename(newest, directory_ / names[1], error);
-    if (error) throw OutputError("cannot write " + newest.string() + ": " + error.message());
-    write_whole_file(newest, packed_checkpoint(bytes_of(memory)));
+    const std::string bytes = packed_checkpoint(bytes_of(memory));
+    if (newest_is_whole_) replace_whole_file(newest, directory_ / names[1], bytes);
+    else write_whole_file(newest, bytes);
     newest_is_whole_ = true;
     watch_ = Stopwatch();
 }

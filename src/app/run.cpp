@@ -1,6 +1,7 @@
 #include "app/run.hpp"
 
 #include "app/checkpoint.hpp"
+#include "app/interrupt.hpp"
 #include "app/run_directory.hpp"
 #include "app/run_json.hpp"
 #include "app/run_log.hpp"
@@ -215,7 +216,7 @@ void resume(const Prepared& run, Checkpoints& checkpoints, RunMemory& memory, Ru
     log.cut_to(memory.log_size);
     memory.recorder.open_files();
     said += resumed_text(memory.now) + missing_text(memory.recorder.missing_files());
-    if (!run.options.quiet) std::fputs(said.c_str(), stderr);
+    std::fputs(said.c_str(), stderr);  // also where progress is not wanted
     log.add(said);
 }
 
@@ -239,8 +240,7 @@ ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& rec
     const RunMemory before = memory;  // its times
     const double output_before = recorder.output_seconds();
     const double until = std::min(options.until, scenario.time.end);
-    Progress progress(options.quiet ? nullptr : stderr, until, record.triangles);
-    const InterruptGuard guard;
+    Progress progress(options.quiet ? nullptr : stderr, now, until, record.triangles);
     const Stopwatch stepping;
     const auto save = [&] {
         recorder.finish_frames();
@@ -318,6 +318,7 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
     const std::string warnings = collect_warnings(read, record);
     if (!options.quiet) std::fputs(warnings.c_str(), stderr);
 
+    const InterruptGuard guard;  // what is begun in the directory is ended there
     RunDirectory place(directory, first_files(read), record, options.force);
     try {
         return carry_out({read, options, directory, model, plan, stepper, warnings, whole}, place, record);

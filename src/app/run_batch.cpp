@@ -2,6 +2,7 @@
 #include "app/run_batch.hpp"
 
 #include "app/checkpoint.hpp"
+#include "app/interrupt.hpp"
 #include "app/read_run.hpp"
 #include "app/run_directory.hpp"
 #include "app/run_json.hpp"
@@ -29,25 +30,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// SIGINT, SIGTERM and the end of a run wait until they are asked for.
+/// SIGINT, SIGTERM, SIGHUP and the end of a run wait until they are asked for.
 class HeldSignals {
 public:
     HeldSignals() {
         std::signal(SIGCHLD, SIG_DFL);
         sigemptyset(&held_);
         for (const int which : {SIGINT, SIGTERM, SIGCHLD}) sigaddset(&held_, which);
+        if (!ignores_hangup()) sigaddset(&held_, SIGHUP);  // a signal that is held is not ignored
         sigprocmask(SIG_BLOCK, &held_, &before_);
     }
     /// What comes again after the first is of no interest until all is over.
     ~HeldSignals() {
         if (interrupted_)
-            for (const int which : {SIGINT, SIGTERM}) std::signal(which, SIG_IGN);
+            for (const int which : {SIGINT, SIGTERM, SIGHUP}) std::signal(which, SIG_IGN);
         sigprocmask(SIG_SETMASK, &before_, nullptr);
     }
     /// Waits for one; true for the first that is to end all.
     bool next_interrupts() {
         const int which = sigwaitinfo(&held_, nullptr);
-        const bool first = (which == SIGINT || which == SIGTERM) && !interrupted_;
+        const bool first = (which == SIGINT || which == SIGTERM || which == SIGHUP) && !interrupted_;
         interrupted_ = interrupted_ || first;
         return first;
     }

@@ -1,17 +1,13 @@
 #include "app/step_loop.hpp"
 
+#include "app/interrupt.hpp"
 #include "app/run_text.hpp"
 #include "base/error.hpp"
 
 #include <algorithm>
-#include <atomic>
-#include <csignal>
 
 namespace knap {
 namespace {
-
-std::atomic<int> interrupted = 0;  // the system gives a signal to any thread of the program
-static_assert(std::atomic<int>::is_always_lock_free);
 
 /// One try of a step: `now` moves on, or stays where the step is cut. Throws SimulationError where the run cannot go on.
 void try_step(const Stepping& run, State& now, State& next) {
@@ -34,21 +30,11 @@ void try_step(const Stepping& run, State& now, State& next) {
 
 }  // namespace
 
-InterruptGuard::InterruptGuard() {
-    interrupted = 0;
-    std::signal(SIGINT, [](int) { interrupted = 1, std::signal(SIGINT, SIG_DFL); });
-    std::signal(SIGTERM, [](int) { interrupted = 1; });
-}
-
-InterruptGuard::~InterruptGuard() {
-    for (const int which : {SIGINT, SIGTERM}) std::signal(which, SIG_DFL);
-}
-
 void step_to_end(const Stepping& run, double until, const Checkpoints& checkpoints, const std::function<void()>& save, State& now, RunRecord& record) {
     State next = now;
     try {
         while (record.status == "running" && !StepControl::has_reached(now, until)) {
-            if (interrupted) {
+            if (InterruptGuard::interrupted()) {
                 record.status = "interrupted";
                 break;
             }

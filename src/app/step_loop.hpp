@@ -11,14 +11,6 @@
 
 namespace knap {
 
-/// Ctrl-C and SIGTERM end the run after the step under way. A second Ctrl-C kills as usual; SIGTERM may come again: schedulers send it to a sweep and to its
-/// runs, and the sweep to its runs as well.
-class InterruptGuard {
-public:
-    InterruptGuard();
-    ~InterruptGuard();
-};
-
 /// What steps a run and who watches it.
 struct Stepping {
     const Scenario& scenario;

@@ -20,7 +20,7 @@ namespace {
 OutputError cannot_write(const fs::path& path, int error) { return OutputError("cannot write " + path.string() + ": " + std::strerror(error)); }
 
 /// errno of what went wrong, or 0.
-int write_bytes(const fs::path& path, std::string_view text) {
+int error_of_writing(const fs::path& path, std::string_view text) {
     const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (file < 0) return errno;
     int error = 0;
@@ -37,7 +37,14 @@ int write_bytes(const fs::path& path, std::string_view text) {
 
 void write_whole_file(const fs::path& path, std::string_view text) {
     write_whole_file(path, [&](const fs::path& written) {
-        if (const int error = write_bytes(written, text); error != 0) throw cannot_write(path, error);
+        if (const int error = error_of_writing(written, text); error != 0) throw cannot_write(path, error);
+    });
+}
+
+void replace_whole_file(const fs::path& path, const fs::path& older, std::string_view text) {
+    write_whole_file(path, [&](const fs::path& written) {
+        if (const int error = error_of_writing(written, text); error != 0) throw cannot_write(path, error);
+        if (std::rename(path.c_str(), older.c_str()) != 0 && errno != ENOENT) throw cannot_write(older, errno);
     });
 }
 

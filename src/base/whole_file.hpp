@@ -14,6 +14,9 @@ void write_whole_file(const std::filesystem::path& path, std::string_view text);
 /// The same for what others write: `write` is given the name to write by. What it throws is passed on, and no half file stays.
 void write_whole_file(const std::filesystem::path& path, const std::function<void(const std::filesystem::path&)>& write);
 
+/// The same, where what stood there becomes `older`, in place of that. Both stay as they are until the new one is whole.
+void replace_whole_file(const std::filesystem::path& path, const std::filesystem::path& older, std::string_view text);
+
 /// All bytes of a file. Throws OutputError with path and reason.
 std::string read_whole_file(const std::filesystem::path& path);
 

@@ -32,21 +32,21 @@ std::string fitted(std::string line, std::FILE* terminal) {
 
 }  // namespace
 
-Progress::Progress(std::FILE* file, double end, Index n_triangles)
-    : file_(file), terminal_(file != nullptr && isatty(fileno(file))), end_(end), n_triangles_(n_triangles) {}
+Progress::Progress(std::FILE* file, const State& start, double end, Index n_triangles)
+    : file_(file), terminal_(file != nullptr && isatty(fileno(file))), start_(start.time), first_step_(start.n_steps), end_(end), n_triangles_(n_triangles) {}
 
 std::string Progress::line(const State& now, const Recorder& recorder) const {
     const CrackPattern& cracks = recorder.cracks().pattern();
     const EnergyLedger& ledger = recorder.ledger();
     const double part = now.time / end_, wall = watch_.wall();
     std::string text = formatted("%3.0f %%", 100 * part) + "  t " + scaled(now.time, "s");
-    if (part < 1 && part > 0) text += formatted("  %.0f s left", wall * (1 - part) / part);
+    if (part < 1 && now.time > start_) text += formatted("  %.0f s left", wall * (end_ - now.time) / (now.time - start_));
     text += "  crack " + scaled(cracks.main_length, "m");
     const double speed = recorder.histories().cracks.rows.empty() ? std::nan("") : recorder.histories().cracks.rows.back()[10];
     if (std::isfinite(speed)) text += formatted("  v/cR %.2f", speed);
     text += "  tips " + std::to_string(cracks.tips.size()) + "  branches " + std::to_string(cracks.n_branches());
     text += formatted("  dE %.0e", ledger.largest_residual() / std::max(ledger.largest_energy(), 1e-300));
-    text += formatted("  %.2e triangle-steps/s", static_cast<double>(now.n_steps) * n_triangles_ / std::max(wall, 1e-9));
+    text += formatted("  %.2e triangle-steps/s", static_cast<double>(now.n_steps - first_step_) * n_triangles_ / std::max(wall, 1e-9));
     return text;
 }
 

@@ -10,8 +10,8 @@ namespace knap {
 
 class Progress {
 public:
-    /// `file`: where the lines go (null: nowhere); `end` [s].
-    Progress(std::FILE* file, double end, Index n_triangles);
+    /// `file`: where the lines go (null: nowhere); `start`: where this process begins, from which rate and time left are counted; `end` [s].
+    Progress(std::FILE* file, const State& start, double end, Index n_triangles);
 
     void after_step(const State& now, const Recorder& recorder);
     void finish(const State& now, const Recorder& recorder);
@@ -21,7 +21,9 @@ private:
 
     std::FILE* file_;
     bool terminal_;
-    double end_;
+    double start_;  // [s]
+    std::int64_t first_step_;
+    double end_;  // [s]
     Index n_triangles_;
     Stopwatch watch_;
     double next_wall_ = 0;  // [s] on a terminal

@@ -111,8 +111,12 @@ TEST_CASE("an interrupted run goes on when it is started again") {
     SUBCASE("from the older checkpoint where the newest is damaged") {
         flip_a_byte(folder.path / "run/checkpoint");
         REQUIRE(fs::exists(folder.path / "run/checkpoint.previous"));
-        CHECK(command("run " + block + "-o " + folder.in_shell("run")).code == 0);
-        CHECK(text_of(folder.path / "run/log.txt").find("is not used: its checksum is wrong") != std::string::npos);
+        const Answer again = command("run " + block + "-o " + folder.in_shell("run"));
+        CHECK(again.code == 0);
+        for (const std::string& said : {again.text, text_of(folder.path / "run/log.txt")}) {  // with -q, too
+            CHECK(said.find("is not used: its checksum is wrong") != std::string::npos);
+            CHECK(said.find("resumed: goes on from the checkpoint at t = ") != std::string::npos);
+        }
         check_same_bits(folder.path / "whole", folder.path / "run");
     }
     SUBCASE("without the frames that were taken away and says so") {
@@ -164,6 +168,23 @@ TEST_CASE("a run that goes on from its older checkpoint keeps that until it has 
         if (std::string(until) != "10us") flip_a_byte(folder.path / "run/checkpoint");
     }
     CHECK(command(run + " --until 12us").code == 0);  // from 10 us
+}
+
+TEST_CASE("both checkpoints stay where a newer one cannot be written") {
+    const Folder folder("no third");
+    const fs::path run = folder.path / "run", in_the_way = run / "checkpoint.part/something";
+    const std::string block = "run " + explicit_block + "-s 'output.checkpoint_every=1 h' -o " + folder.in_shell("run");
+    for (const char* until : {"10us", "20us"}) REQUIRE(command(block + " --until " + until).code == 0);
+    const std::string newest = text_of(run / "checkpoint"), previous = text_of(run / "checkpoint.previous");
+    fs::create_directories(in_the_way);
+    const Answer answer = command(block + " --until 30us");
+    CHECK(answer.code == 3);
+    CHECK(answer.has("cannot write"));
+    CHECK(text_of(run / "checkpoint") == newest);
+    CHECK(text_of(run / "checkpoint.previous") == previous);
+    fs::remove_all(in_the_way.parent_path());
+    CHECK(command(block + " --until 30us").code == 0);
+    CHECK(text_of(run / "checkpoint.previous") == newest);
 }
 
 TEST_CASE("tables that are deleted while a run goes on are whole at its end") {

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <functional>
 #include <future>
 #include <thread>
 
@@ -127,22 +128,74 @@ TEST_CASE("a run directory that vanishes ends the run with 3") {
     CHECK(answer.has("cannot write"));
 }
 
-TEST_CASE("SIGTERM ends a run as Ctrl-C does") {
-    const Folder folder("terminate");
-    const fs::path run = folder.path / "run";
+namespace {
+
+/// Starts the program as a shell would, with `before` done to it, and its messages in `said`.
+pid_t started(const std::string& arguments, const fs::path& said, const std::string& before = "") {
     const pid_t child = fork();
     REQUIRE(child >= 0);
     if (child == 0) {
-        execl(KNAP_PROGRAM, KNAP_PROGRAM, "run", "edge_cracked_block", "-q", "-j", "1", "-o", run.c_str(), nullptr);
+        execl("/bin/sh", "sh", "-c", (before + "exec '" KNAP_PROGRAM "' " + arguments + " >'" + said.string() + "' 2>&1").c_str(), nullptr);
         _exit(127);
     }
-    for (int i = 0; i < 600 && !fs::exists(run / "fields/bulk_0001.vtu"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    kill(child, SIGTERM);
+    return child;
+}
+
+int exit_code_of(pid_t child) {
     int status = 0;
     waitpid(child, &status, 0);
     REQUIRE(WIFEXITED(status));
-    CHECK(WEXITSTATUS(status) == 130);
-    CHECK(text_of(run / "run.json").find("\"status\": \"interrupted\"") != std::string::npos);
+    return WEXITSTATUS(status);
+}
+
+/// Whether a process is the program by now, and has said what is to be done at this signal.
+bool catches(pid_t process, int signal) {
+    std::error_code none;
+    if (!fs::equivalent("/proc/" + std::to_string(process) + "/exe", KNAP_PROGRAM, none)) return false;
+    const std::string status = text_of("/proc/" + std::to_string(process) + "/status");
+    const std::size_t at = status.find("SigCgt:");
+    return at != std::string::npos && (std::stoull(status.substr(at + 7), nullptr, 16) >> (signal - 1) & 1) != 0;
+}
+
+void wait_for(const std::function<bool()>& happened) {
+    for (int i = 0; i < 30000 && !happened(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+}  // namespace
+
+TEST_CASE("SIGTERM and SIGHUP end a run as Ctrl-C does") {
+    const Folder folder("terminate");
+    const fs::path run = folder.path / "run";
+    for (const int signal : {SIGTERM, SIGHUP}) {
+        CAPTURE(signal);
+        const pid_t child = started("run edge_cracked_block -q -j 1 --force -o " + folder.in_shell("run"), folder.path / "said");
+        wait_for([&] { return fs::exists(run / "fields/bulk_0001.vtu"); });
+        kill(child, signal);
+        CHECK(exit_code_of(child) == 130);
+        CHECK(text_of(run / "run.json").find("\"status\": \"interrupted\"") != std::string::npos);
+        fs::remove_all(run);
+    }
+}
+
+TEST_CASE("a run that is ended while it makes its mesh says so and leaves nothing") {
+    const Folder folder("no mesh");
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        CAPTURE(signal);
+        const pid_t child = started("run edge_cracked_block -j 1 -s mesh.size=0.1mm -o " + folder.in_shell("run"), folder.path / "said");
+        for (int i = 0; i < 1000 && !catches(child, signal); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        kill(child, signal);
+        CHECK(exit_code_of(child) == 130);
+        CHECK(text_of(folder.path / "said") == "interrupted\n");
+        CHECK_FALSE(fs::exists(folder.path / "run"));
+    }
+}
+
+TEST_CASE("a run under nohup outlives its terminal") {
+    const Folder folder("nohup");
+    const pid_t child = started("run " + small_block() + "-s figure=[] -o " + folder.in_shell("run"), folder.path / "said", "trap '' HUP; ");
+    wait_for([&] { return fs::exists(folder.path / "run/fields/bulk_0001.vtu"); });
+    kill(child, SIGHUP);
+    CHECK(exit_code_of(child) == 0);
 }
 
 TEST_CASE("a run goes on when nobody reads what it says") {

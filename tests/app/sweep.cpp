@@ -168,12 +168,15 @@ pid_t started(const std::string& words, const fs::path& file) {
 
 }  // namespace
 
-TEST_CASE("sweep: SIGTERM stops the run under way and the same command goes on with it") {
+TEST_CASE("sweep: SIGTERM and SIGHUP stop the run under way and the same command goes on with it") {
     const Folder folder("sweep terminated");
+    int signal = SIGTERM;
+    SUBCASE("SIGTERM") {}
+    SUBCASE("SIGHUP") { signal = SIGHUP; }
     const fs::path run = folder.path / "s/runs/s1";
     const std::string sweep = "sweep " + small_block() + "-s 'mesh.size=1 mm' -s output.checkpoint_every=0 --seeds 1..1 -o " + folder.in_shell("s");
     const pid_t child = started(sweep, run / "checkpoint");
-    for (int i = 0; i < 3; ++i) kill(child, SIGTERM);
+    for (int i = 0; i < 3; ++i) kill(child, signal);
     int status = 0;
     waitpid(child, &status, 0);
     REQUIRE(WIFEXITED(status));
