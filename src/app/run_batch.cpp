@@ -192,7 +192,8 @@ bool do_runs(const std::string& scenario, const std::vector<const BatchRun*>& to
             if (found == running.end()) continue;
             ++n_done;
             const std::string& name = found->second->name;
-            if (!options.quiet) std::fprintf(stderr, "run %zu of %zu: %s: %s\n", n_done, to_do.size(), name.c_str(), outcome(directory / name, status, signals.interrupted()).c_str());
+            const std::string became = outcome(directory / name, status, signals.interrupted());
+            if (!options.quiet) std::fprintf(stderr, "run %zu of %zu: %s: %s\n", n_done, to_do.size(), name.c_str(), became.c_str());
             running.erase(found);
         }
     }
