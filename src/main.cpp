@@ -3,6 +3,7 @@
 #include "app/run.hpp"
 #include "app/threads.hpp"
 #include "base/error.hpp"
+#include "base/printable.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -11,6 +12,8 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <new>
+#include <string>
 
 namespace {
 
@@ -27,6 +30,8 @@ bool reader_is_gone(int file) {
     pollfd asked{.fd = file, .events = POLLOUT, .revents = 0};
     return poll(&asked, 1, 0) > 0 && (asked.revents & POLLERR) != 0;
 }
+
+void say(const std::string& message) { std::fprintf(stderr, "%s\n", knap::printable(message).c_str()); }
 
 }  // namespace
 
@@ -48,13 +53,16 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "%zu error%s, nothing was run.\n", n, n == 1 ? "" : "s");
         return knap::exit_bad_input;
     } catch (const knap::SimulationError& error) {
-        std::fprintf(stderr, "error[failed]: %s\n", error.what());
+        say("error[failed]: " + std::string(error.what()));
         return knap::exit_failed;
     } catch (const std::filesystem::filesystem_error& error) {  // about a path that the user gave
-        std::fprintf(stderr, "error[file]: `%s`: %s\n", error.path1().c_str(), error.code().message().c_str());
+        say("error[file]: `" + error.path1().string() + "`: " + error.code().message());
         return knap::exit_bad_input;
+    } catch (const std::bad_alloc&) {  // said without taking any
+        std::fputs("error[out-of-memory]: there is not enough memory for this\n = a larger mesh.size and mesh.order = 1 need less\n", stderr);
+        return knap::exit_failed;
     } catch (const std::exception& error) {
-        std::fprintf(stderr, "error[internal]: %s\n", error.what());
+        say("error[internal]: " + std::string(error.what()));
         return knap::exit_internal;
     }
 }

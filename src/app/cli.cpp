@@ -5,6 +5,7 @@
 #include "app/sweep.hpp"
 #include "app/version.hpp"
 #include "base/error.hpp"
+#include "base/printable.hpp"
 #include "lcp/solvers.hpp"
 #include "scenario/findings.hpp"
 #include "scenario/keys.hpp"
@@ -17,6 +18,8 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <iostream>
+#include <sstream>
 
 namespace knap {
 namespace {
@@ -211,7 +214,7 @@ int run_command_line(int argc, char** argv) {
     bench_command->add_flag("--full", bench_options.full, "all 80 us of the block, 151 000 and a million triangles, meshes, frames, figures, implicit steps");
     bench_command->add_option("--csv", bench_options.csv, "write what was measured to this file")->type_name(path);
 
-    app.footer("Exit codes: 0 done, 1 internal error, 2 bad scenario or option, 3 the simulation failed or violated a gate, or no solver solved the problem,\n"
+    app.footer("Exit codes: 0 done, 1 internal error, 2 bad scenario or option, 3 the simulation failed, ran out of memory or violated a gate, or no solver solved the problem,\n"
                "4 an [expect] value failed, 130 interrupted.");  // after the commands, which would have it as well
     std::vector<std::string> commands;
     for (const CLI::App* command : app.get_subcommands({})) commands.push_back(command->get_name());
@@ -223,7 +226,9 @@ int run_command_line(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        const int code = app.exit(error);
+        std::ostringstream said;
+        const int code = app.exit(error, std::cout, said);
+        std::fputs(printable(said.str()).c_str(), stderr);
         return code == 0 ? exit_done : exit_bad_input;
     }
     return chosen();

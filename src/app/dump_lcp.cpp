@@ -5,6 +5,7 @@
 #include "stepper/corner_partition.hpp"
 #include "stepper/step_lcp.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <numeric>
@@ -68,6 +69,22 @@ bool StepSelection::contains(std::int64_t step) const {
     for (const auto& [first, stride, last] : ranges_)
         if (step >= first && step <= last && (step - first) % stride == 0) return true;
     return false;
+}
+
+std::string StepSelection::outside(std::int64_t first, std::int64_t last) const {
+    std::string text;
+    for (const auto& [from, stride, limit] : ranges_) {
+        const auto number = [&](std::int64_t k) { return from + k * stride; };
+        const auto n_until = [&](std::int64_t step) { return step < from ? 0 : (std::min(step, limit) - from) / stride + 1; };
+        const auto add = [&](std::int64_t begin, std::int64_t end) {
+            if (begin >= end) return;
+            text += (text.empty() ? "" : ",") + std::to_string(number(begin));
+            if (begin + 1 < end) text += (stride > 1 ? ":" + std::to_string(stride) : "") + ":" + std::to_string(number(end - 1));
+        };
+        add(0, n_until(first - 1));
+        add(n_until(last), n_until(limit));
+    }
+    return text;
 }
 
 void check_dump(const Model& model, const SchemeOptions& scheme) {

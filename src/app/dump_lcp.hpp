@@ -16,6 +16,8 @@ public:
     /// "10", "10,20", "10:20" (every step from the first to the last), "10:5:40" (every fifth). Throws UserError.
     static StepSelection parse(const std::string& text);
     bool contains(std::int64_t step) const;
+    /// Those beside the steps from the first to the last, as one would type them.
+    std::string outside(std::int64_t first, std::int64_t last) const;
     bool empty() const { return ranges_.empty(); }
 
 private:

@@ -238,6 +238,7 @@ ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& rec
     Checkpoints checkpoints(directory, scenario.output.checkpoint_every);
     if (place.resumes()) resume(prepared, checkpoints, memory, log);
     const RunMemory before = memory;  // its times
+    const std::int64_t steps_before = now.n_steps;
     const double output_before = recorder.output_seconds();
     const double until = std::min(options.until, scenario.time.end);
     Progress progress(options.quiet ? nullptr : stderr, now, until, record.triangles);
@@ -265,10 +266,11 @@ ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& rec
     record.cpu_steps = before.cpu_steps + stepping.cpu() - (recorder.output_seconds() - output_before);
     progress.finish(now, recorder);
     recorder.finish(now);
-    if (const std::string missing = missing_text(recorder.missing_files()); !missing.empty()) {
-        std::fputs(missing.c_str(), stderr);
-        log.add(missing);
-        record.warnings.push_back(missing.substr(0, missing.size() - 1));
+    for (const std::string& warning : {missing_text(recorder.missing_files()), not_dumped_text(options.dump_lcp, steps_before, now.n_steps)}) {
+        if (warning.empty()) continue;
+        std::fputs(warning.c_str(), stderr);
+        log.add(warning);
+        record.warnings.push_back(warning.substr(0, warning.size() - 1));
     }
 
     // what came of it

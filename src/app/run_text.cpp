@@ -89,6 +89,13 @@ std::string missing_text(const std::vector<std::string>& files) {
     return "warning[missing-file]: " + files.front() + others + " which this run wrote cannot be found; the rest is as it would be, --force makes all of it again\n";
 }
 
+std::string not_dumped_text(const StepSelection& asked, std::int64_t before, std::int64_t now) {
+    const std::string steps = asked.outside(before + 1, now);
+    if (steps.empty()) return "";
+    const std::string taken = now > before ? "took steps " + std::to_string(before + 1) + " to " + std::to_string(now) : "took no step";
+    return "warning[dump-lcp]: --dump-lcp did not store " + steps + "; this command " + taken + "\n";
+}
+
 std::string violated_text(const Gates& gates, const State& now, const Vec2& fastest) {
     std::string text, of;  // the gate that the others may come from
     for (const Gate& gate : gates) {

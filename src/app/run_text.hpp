@@ -1,5 +1,6 @@
 #pragma once
 // What a run says to people: in log.txt, on the screen at its end, and as the reason of a failure.
+#include "app/dump_lcp.hpp"
 #include "app/run_json.hpp"
 #include "stepper/step_control.hpp"
 
@@ -19,6 +20,9 @@ std::string resumed_text(const State& now);
 
 /// That files which a run wrote are gone; empty where none is.
 std::string missing_text(const std::vector<std::string>& files);
+
+/// That steps whose problems were asked for are not among those that a command took, all after `before`; empty where none is.
+std::string not_dumped_text(const StepSelection& asked, std::int64_t before, std::int64_t now);
 
 /// Why a run was stopped by gates, all that are violated, and where to look.
 std::string violated_text(const Gates& gates, const State& now, const Vec2& fastest);

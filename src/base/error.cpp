@@ -1,5 +1,7 @@
 #include "base/error.hpp"
 
+#include "base/printable.hpp"
+
 #include <algorithm>
 
 namespace knap {
@@ -58,7 +60,7 @@ std::string format(const Diagnostic& d) {
         text += margin + "= help: " + d.hint + "\n";
     }
     if (!d.note.empty()) text += margin + "= " + d.note + "\n";
-    return text;
+    return printable(text);
 }
 
 namespace {

@@ -3,6 +3,7 @@
 
 #include "app/run_text.hpp"
 #include "app/step_plan.hpp"
+#include "base/printable.hpp"
 #include "scenario/read_scenario.hpp"
 
 #include <sys/stat.h>
@@ -205,3 +206,30 @@ TEST_CASE("check judges the process zone of a foundation") {
     // 9 pi/32 of twice E' G_c/sigma_c^2 = 2 * 2700 * 0.14/45^2 mm: the body and its mirror
     CHECK(found.has("process zone 0.33 mm"));
 }
+
+TEST_CASE("no message steers the terminal") {
+    const Folder folder("escapes");
+    const std::string escape = "\033[31m";
+    std::ofstream(folder.path / "bad.toml") << "[" << escape << "foo]\n";
+    std::ofstream(folder.path / "title.toml") << "knap = 1\n\t# \xc2\x9b" << "31m \xc3\xa9\n\"\\u001B[31mfoo\" = 2\n";
+    for (const std::string& arguments : {"check " + folder.in_shell("bad.toml"), "check " + folder.in_shell("title.toml"), "info '" + escape + "'",
+                                         "sweep bar_pulled_apart -j '" + escape + "'", "new '/proc/" + escape + "/a'", "'" + escape + "'"}) {
+        const Answer answer = command(arguments);
+        CAPTURE(arguments);
+        CHECK(answer.code == 2);
+        CHECK(answer.has("?[31m"));
+        CHECK_FALSE(answer.has("\033"));
+    }
+    CHECK(knap::printable("a\xc2\x9b" "b\x7f\r\a\tc\n\xc3\xa9\xc2") == "a?b???\tc\n\xc3\xa9\xc2");
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which take more than there is
+TEST_CASE("what has no room in memory is no internal error") {
+    const Folder folder("memory");
+    const Answer large = command("--version >/dev/null; ulimit -v 200000; '" KNAP_PROGRAM "' run edge_cracked_block -q -j 1 -s 'mesh.size=0.2 mm' -o " + folder.in_shell("run"));
+    CAPTURE(large.text);
+    CHECK(large.code == 3);
+    CHECK(large.has("error[out-of-memory]"));
+    CHECK(large.has("larger mesh.size"));
+}
+#endif

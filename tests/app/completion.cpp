@@ -52,7 +52,7 @@ TEST_CASE("help and manual name every command and what the exit codes mean") {
         CHECK_MESSAGE((page.find("\n.BI " + name + " ") != std::string::npos || page.find("\n.B " + name + "\n") != std::string::npos), name);
     }
     CHECK(n_commands == 12);
-    for (const char* code : {"0 done", "1 internal error", "2 bad scenario or option", "3 the simulation failed or violated a gate, or no solver solved the problem", "130 interrupted"}) {
+    for (const char* code : {"0 done", "1 internal error", "2 bad scenario or option", "3 the simulation failed, ran out of memory or violated a gate, or no solver solved the problem", "130 interrupted"}) {
         CHECK_MESSAGE(help.str().find(code) != std::string::npos, code);
         CHECK_MESSAGE(page.find(code) != std::string::npos, code);
         CHECK_MESSAGE(readme.find(code) != std::string::npos, code);

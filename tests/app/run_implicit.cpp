@@ -153,6 +153,16 @@ TEST_CASE("complementarity problems of chosen steps are stored and can be solved
     const Answer solved = command("lcp " + folder.in_shell("run/lcp/step_000030"));
     CHECK(solved.code == 0);
     CHECK(solved.has("solved"));
+    // what lies beyond the end of a run, or behind the command that goes on with it, is said
+    CHECK_FALSE(run.has("dump-lcp"));
+    const Answer beyond = command("run " + bar + "--until 2us --dump-lcp 1,3:5:100000 -o " + folder.in_shell("early"));
+    CAPTURE(beyond.text);
+    CHECK(beyond.has("warning[dump-lcp]: --dump-lcp did not store "));
+    CHECK(beyond.has(":5:99998; this command took steps 1 to "));
+    CHECK(command("run " + bar + "--until 6us --dump-lcp 1 -o " + folder.in_shell("early")).has("did not store 1; this command took steps "));
+    CHECK(knap::StepSelection::parse("1:4,5,9:3:20").outside(3, 12) == "1:2,15:3:18");
+    CHECK(knap::StepSelection::parse("1:4,5,9:3:20").outside(1, 20) == "");
+    CHECK(knap::StepSelection::parse("7,10:9223372036854775807:9223372036854775807").outside(8, 9) == "7,10");
     CHECK(command("run bar_pulled_apart --dump-lcp 1 -o " + folder.in_shell("explicit")).has("time.bulk = \"implicit\""));
     const Answer large = command("run edge_cracked_block -s 'domain.crack=[]' -s 'interface.default.breakable=true' -s time.bulk=implicit "
                                  "-s 'mesh.size=0.25 mm' -s time.cohesion=implicit --dump-lcp 1 -o " + folder.in_shell("large"));
