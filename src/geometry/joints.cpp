@@ -6,12 +6,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 namespace knap {
 namespace {
 
 constexpr int most_trials = 20;
+constexpr double most_traces = 1e6;  // that are looked at; those beside the body too
 const double least_sine = std::sin(15 * std::numbers::pi / 180);
 
 struct Line {
@@ -77,7 +79,9 @@ std::vector<Vec2> outline(const Line& trace, double thickness) {
 }
 
 /// Some of it lies in the body: a few places along it are tried.
-bool reaches_body(const Shape& shape, const Line& trace) {
+bool reaches_body(const Shape& shape, const Box& box, const Line& trace) {
+    const Vec2 low = trace.a.cwiseMin(trace.b), high = trace.a.cwiseMax(trace.b);
+    if ((low.array() > box.high.array()).any() || (high.array() < box.low.array()).any()) return false;
     constexpr int n = 64;
     for (int i = 0; i < n; ++i)
         if (in_body(shape, trace.a + (i + 0.5) / n * (trace.b - trace.a))) return true;
@@ -92,6 +96,13 @@ int place_joints(Shape& shape, const JointOptions& options, std::uint64_t seed, 
     const Box box = bounding_box(shape.outer.points);
     const Vec2 middle = 0.5 * (box.low + box.high);
     const double reach = 0.6 * box.diagonal();  // every row crosses the body
+    const double bridge = options.persistence < 1 ? options.length * (1 - options.persistence) / options.persistence : 0;
+    const double n_rows = 2 * reach / options.spacing, n_traces = n_rows * (options.persistence < 1 ? 2 * reach / (options.length + bridge) : 1);
+    if (!(n_traces <= most_traces)) {
+        char text[160];
+        std::snprintf(text, sizeof text, "asks for some %.2g traces across a body of %.4g m; at most %.0e are placed", n_traces, box.diagonal(), most_traces);
+        throw ShapeError(part, text);
+    }
     Drawing drawing = drawing_of(shape);
     int n_left_out = 0;
 
@@ -105,7 +116,7 @@ int place_joints(Shape& shape, const JointOptions& options, std::uint64_t seed, 
     const auto place = [&](double offset, double from, double to) {
         for (int trial = 0; trial < most_trials; ++trial) {
             const Line trace = trace_at(offset + (trial == 0 ? 0 : random.uniform(-0.3, 0.3) * options.spacing), from, to);
-            if (!reaches_body(body, trace)) return;
+            if (!reaches_body(body, box, trace)) return;
             const std::vector<Vec2> points = outline(trace, options.thickness);
             std::vector<Line> own;
             add_sides(points, points.size() > 2, own);
@@ -123,7 +134,6 @@ int place_joints(Shape& shape, const JointOptions& options, std::uint64_t seed, 
             place(offset, -2 * reach, 2 * reach);
             continue;
         }
-        const double bridge = options.length * (1 - options.persistence) / options.persistence;
         for (double at = -reach - random.uniform() * (options.length + bridge); at < reach;) {
             const double length = options.length * random.uniform(0.5, 1.5);
             place(offset, at, at + length);

@@ -20,7 +20,8 @@ struct JointOptions {
 };
 
 /// Adds the traces to a shape as cracks, or as regions (veins). A trace that would cross another line under less than 15 degree or pass
-/// nearer than `nearest` is drawn again, and left out after twenty times. Returns how many were left out.
+/// nearer than `nearest` is drawn again, and left out after twenty times. Returns how many were left out. Throws ShapeError for
+/// more than a million traces.
 int place_joints(Shape& shape, const JointOptions& options, std::uint64_t seed, const std::string& part);
 
 }  // namespace knap

@@ -88,7 +88,12 @@ void joints(Assembly& assembly, const std::string& path, std::size_t number) {
         options.joint = static_cast<Index>(scenario.law_of_joint.size());
         scenario.law_of_joint.push_back(-1);  // found with the laws
     }
-    const int n_left_out = place_joints(scenario.shape, options, scenario.seed, "joints " + std::to_string(number));
+    int n_left_out = 0;
+    try {
+        n_left_out = place_joints(scenario.shape, options, scenario.seed, "joints " + std::to_string(number));
+    } catch (const ShapeError& error) {
+        assembly.findings.error("geometry", "`" + path + "` " + error.what(), assembly.at(path + ".spacing")).note = "a larger spacing or length, or a smaller body";
+    }
     if (n_left_out > 0)
         assembly.findings.warning("geometry", std::to_string(n_left_out) + " traces of `" + path + "` found no place beside the other lines", assembly.at(path));
 }

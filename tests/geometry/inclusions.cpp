@@ -97,6 +97,14 @@ TEST_CASE("joints have the spacing and direction and persistence asked for") {
     CHECK(std::sqrt(turn_squares / n) == relative(4 * degree, 0.1));
 }
 
+TEST_CASE("more joints than anybody could place are refused at once") {
+    Shape shape;
+    shape.outer = {.points = {{0, 0}, {50, 0}, {50, 3e5}, {0, 3e5}}, .boundary = {0, 0, 0, 0}};
+    shape.boundary_names = {"outer"};
+    CHECK_THROWS_AS(place_joints(shape, {.direction = 1, .spacing = 3, .persistence = 0.8, .length = 6, .nearest = 0.4}, 1, "joints 0"), ShapeError);
+    CHECK(shape.cracks.empty());
+}
+
 TEST_CASE("two sets of joints and pores mesh without needles") {
     for (int seed = 1; seed <= 30; ++seed) {
         CAPTURE(seed);
