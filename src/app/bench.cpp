@@ -221,8 +221,6 @@ ExitCode bench(const BenchOptions& options) {
         ratio("cost before the crack runs, 0.5 mm to 1 mm", small.per_core_second / middle.per_core_second);
         ratio("cost before the crack runs, 0.25 mm to 1 mm", small.per_core_second / large.per_core_second);
         ratio("cost before the crack runs, 0.1 mm to 1 mm", small.per_core_second / million.per_core_second);
-    }
-    if (options.full) {
         measure_output(0.5e-3, 20e-6, table);
         measure_output(0.0972e-3, 0, table);
         measure_implicit(table);

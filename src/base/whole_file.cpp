@@ -19,10 +19,10 @@ namespace {
 
 OutputError cannot_write(const fs::path& path, int error) { return OutputError("cannot write " + path.string() + ": " + std::strerror(error)); }
 
-/// errno of what went wrong, or 0.
-int error_of_writing(const fs::path& path, std::string_view text) {
+/// Of what goes wrong the final name is said.
+void write_bytes(const fs::path& path, std::string_view text, const fs::path& final_name) {
     const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (file < 0) return errno;
+    if (file < 0) throw cannot_write(final_name, errno);
     int error = 0;
     while (!text.empty() && error == 0) {
         const ssize_t n = write(file, text.data(), text.size());
@@ -30,20 +30,18 @@ int error_of_writing(const fs::path& path, std::string_view text) {
         else if (errno != EINTR) error = errno;
     }
     if (close(file) != 0 && error == 0) error = errno;
-    return error;
+    if (error != 0) throw cannot_write(final_name, error);
 }
 
 }  // namespace
 
 void write_whole_file(const fs::path& path, std::string_view text) {
-    write_whole_file(path, [&](const fs::path& written) {
-        if (const int error = error_of_writing(written, text); error != 0) throw cannot_write(path, error);
-    });
+    write_whole_file(path, [&](const fs::path& written) { write_bytes(written, text, path); });
 }
 
 void replace_whole_file(const fs::path& path, const fs::path& older, std::string_view text) {
     write_whole_file(path, [&](const fs::path& written) {
-        if (const int error = error_of_writing(written, text); error != 0) throw cannot_write(path, error);
+        write_bytes(written, text, path);
         if (std::rename(path.c_str(), older.c_str()) != 0 && errno != ENOENT) throw cannot_write(older, errno);
     });
 }

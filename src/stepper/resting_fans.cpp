@@ -32,7 +32,7 @@ bool VertexScheme::find_parts(Index rank, const State& begin, double h, RestingF
     const Index f = begin.split_fans[rank];
     if (!contacts_.all().empty() && !(contacts_.on_edges().empty() && contacts_.of_fan(f).empty())) return false;
     const Fan& fan = model_.fans[f];
-    resting.node.resize(fan.n_corners), resting.part.resize(fan.n_corners), resting.is_open.resize(fan.n_points);
+    resting.node.resize(fan.n_corners), resting.part.resize(fan.n_corners), resting.is_open.resize(fan.n_points), resting.bound.resize(fan.n_points);
     for (Index i = 0; i < fan.n_corners; ++i) {
         const Index corner = model_.fan_corners[fan.first_corner + i];
         if (prescribed_motion(corner)) return false;
@@ -51,10 +51,11 @@ bool VertexScheme::find_parts(Index rank, const State& begin, double h, RestingF
         const Vec2 u = u_after - begin.displacement[resting.node[at.before]];
         const Vec2 v = begin.velocity[resting.node[at.after]] - begin.velocity[resting.node[at.before]];
         const bool held = law.breakable() && law.sigma_c > 0 && !point.cracked && state[j].cohesion > 0 && law.gamma > 0 && u.isZero(0) && v.isZero(0);
-        const double u_N = point.normal.dot(u);
-        const bool open = state[j].cohesion == 0 && law.restitution == 0 && u_N > rounding * u_after.cwiseAbs().maxCoeff() && u_N + h * point.normal.dot(v) > 0;
+        const double u_N = point.normal.dot(u), v_N = point.normal.dot(v);
+        const bool open = state[j].cohesion == 0 && law.restitution == 0 && u_N > rounding * u_after.cwiseAbs().maxCoeff() && u_N + h * v_N > 0;
         if (!held && !open) return false;
         resting.is_open[j] = open;
+        resting.bound[j] = -std::max(u_N / h, v_N);
         if (open && resting.first_open < 0) resting.first_open = j;
         if (open && at.after > 0) ++part;
         resting.part[at.after] = part;
@@ -105,10 +106,8 @@ bool VertexScheme::advance_resting(Index rank, const State& begin, const FreeMot
     for (Index j = 0; j < fan.n_points; ++j) {
         if (resting.is_open[j]) {
             const Sides at(fan, j);
-            const Vec2 &n = point[j].normal, v = begin.velocity[resting.node[at.after]] - begin.velocity[resting.node[at.before]];
-            const Vec2 u = begin.displacement[resting.node[at.after]] - begin.displacement[resting.node[at.before]];
-            const double touches_at = -std::max(n.dot(u) / free.drift_time, n.dot(v));
-            if (n.dot(velocity[resting.part[at.after]] - velocity[resting.part[at.before]]) < touches_at) return false;
+            const Vec2 after = velocity[resting.part[at.after]] - velocity[resting.part[at.before]];
+            if (point[j].normal.dot(after) < resting.bound[j]) return false;
         } else {
             impulse[j] += around;
             if (StrengthPolygon::at_rest(model_.laws[point[j].law], point[j].normal, strength(j)).smallest_slack(impulse[j]) < 0) return false;

@@ -33,6 +33,7 @@ private:
     struct RestingFan {
         std::vector<Index> node, part;      // per corner
         std::vector<std::uint8_t> is_open;  // per point
+        std::vector<double> bound;          // [m/s] per point, of an open one: below it the sides would touch
         Index first_open, n_parts;          // point, or -1; the last part may be empty
         std::vector<Vec2> velocity;         // [m/s] per part
         std::vector<double> mass;           // [kg]
