@@ -1,0 +1,58 @@
+// What the key table says of a path.
+#include "scenario/keys.hpp"
+#include "scenario/units.hpp"
+
+namespace knap {
+
+bool Range::contains(double value) const {
+    return (low_included ? value >= low : value > low) && (high_included ? value <= high : value < high);
+}
+
+std::string Range::text() const {
+    const bool has_low = low > -std::numeric_limits<double>::infinity(), has_high = high < std::numeric_limits<double>::infinity();
+    std::string text;
+    if (has_low) text += (low_included ? "at least " : "greater than ") + shortest(low);
+    if (has_low && has_high) text += " and ";
+    if (has_high) text += (high_included ? "at most " : "less than ") + shortest(high);
+    return text;
+}
+
+std::string_view Key::name() const {
+    std::string_view name = path.substr(path.rfind('.') + 1);
+    if (name.ends_with("[]")) name.remove_suffix(2);
+    return name;
+}
+
+std::string_view Key::parent() const {
+    const std::size_t dot = path.rfind('.');
+    return dot == std::string_view::npos ? std::string_view() : path.substr(0, dot);
+}
+
+const Key* find_key(std::string_view pattern) {
+    for (const Key& key : keys())
+        if (key.path == pattern) return &key;
+    return nullptr;
+}
+
+std::vector<const Key*> keys_below(std::string_view pattern) {
+    std::vector<const Key*> below;
+    for (const Key& key : keys())
+        if (key.parent() == pattern) below.push_back(&key);
+    return below;
+}
+
+std::string pattern_of(std::string_view path) {
+    std::string pattern;
+    while (!path.empty()) {
+        const std::size_t dot = path.find('.');
+        std::string part(path.substr(0, dot));
+        path.remove_prefix(dot == std::string_view::npos ? path.size() : dot + 1);
+        if (const std::size_t bracket = part.find('['); bracket != std::string::npos) part = part.substr(0, bracket) + "[]";
+        const Key* parent = find_key(pattern);
+        if (parent && parent->kind == Kind::names) part = "*";
+        pattern += (pattern.empty() ? "" : ".") + part;
+    }
+    return pattern;
+}
+
+}  // namespace knap
