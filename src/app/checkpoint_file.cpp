@@ -12,7 +12,7 @@ namespace knap {
 namespace {
 
 constexpr const char* magic = "knap-checkpoint";
-constexpr int layout = 3;
+constexpr int layout = 4;
 
 std::string program() { return version() + "-" + git_hash() + (git_dirty() ? "-changed" : ""); }
 

@@ -29,6 +29,13 @@
 namespace knap {
 namespace {
 
+double largest_critical_opening(const Scenario& scenario) {
+    double largest = 0;
+    for (const NamedLaw& law : scenario.laws)
+        if (law.law.breakable()) largest = std::max(largest, law.law.delta_c());
+    return largest;
+}
+
 RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const std::filesystem::path& directory, bool goes_on) {
     const double end = scenario.time.end, edge = mean_edge(model.mesh);
     double process_zone = 0;
@@ -41,6 +48,8 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .materials = material_names(scenario),
             .mass = scenario.time.scheme.mass,
             .cracks = crack_options(edge, process_zone),
+            .critical_opening = largest_critical_opening(scenario),
+            .allowed_limits = scenario.allowed_limits,
             .figures = scenario.figures,
             .probes = scenario.probes,
             .breaks = scenario.output.breaks,
@@ -49,17 +58,10 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .goes_on = goes_on};
 }
 
-double largest_critical_opening(const Scenario& scenario) {
-    double largest = 0;
-    for (const NamedLaw& law : scenario.laws)
-        if (law.law.breakable()) largest = std::max(largest, law.law.delta_c());
-    return largest;
-}
-
 ExitCode exit_code(const RunRecord& record) {
     if (record.status == "interrupted") return exit_interrupted;
     if (record.status == "failed") return exit_failed;
-    if (!std::all_of(record.gates.begin(), record.gates.end(), [](const Gate& g) { return g.pass; })) return exit_failed;
+    if (!std::all_of(record.gates.begin(), record.gates.end(), [](const Gate& g) { return g.pass(); })) return exit_failed;
     return std::all_of(record.expect.begin(), record.expect.end(), [](const ExpectResult& e) { return e.pass; }) ? exit_done : exit_expectation;
 }
 
@@ -106,8 +108,8 @@ void conclude(const Scenario& scenario, const Model& model, const State& now, co
     record.largest_step = control.largest_taken();
     record.n_cuts = control.n_cuts();
     record.summary = summarise(model, now, recorder, record.rayleigh_speed);
-    const Gates gates = recorder.ledger().gates(largest_critical_opening(scenario), diagonal(model.mesh.vertices));
-    record.gates.assign(gates.begin(), gates.end());
+    record.gates = recorder.gates().gates();
+    for (const auto& [gate, text] : recorder.gates().said()) record.warnings.push_back(text.substr(0, text.size() - 1));
     if (record.status == "done" && StepControl::has_reached(now, scenario.time.end))
         record.expect = judge_expectations(scenario.expect, record.summary, record.rayleigh_speed);
     record.figures = recorder.figures();
@@ -259,9 +261,7 @@ ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& rec
                        .recorder = recorder,
                        .progress = progress,
                        .log = log,
-                       .smallest_step = prepared.plan.limits.smallest,
-                       .critical_opening = largest_critical_opening(scenario),
-                       .size = diagonal(model.mesh.vertices)};
+                       .smallest_step = prepared.plan.limits.smallest};
     step_to_end(run, until, checkpoints, save, now, record);
     record.cpu_steps = before.cpu_steps + stepping.cpu() - (recorder.output_seconds() - output_before);
     progress.finish(now, recorder);

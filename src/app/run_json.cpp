@@ -30,6 +30,16 @@ Json scheme(const SchemeOptions& options) {
             {"assumption_1", options.respect_assumption_1 ? "respect" : "ignore"}};
 }
 
+Json gate_json(const Gate& gate) {
+    Json json{{"name", gate.name}, {"value", number(gate.value)}, {"unit", gate.unit}, {"limit", number(gate.limit)}, {"pass", gate.pass()}};
+    json["level"] = name_of(gate.level);
+    if (gate.warning < gate.limit) json["warning"] = number(gate.warning);
+    if (gate.place) json["place_m"] = {number(gate.place->x()), number(gate.place->y())};
+    json["meaning"] = gate.meaning;
+    if (gate.level != GateLevel::ok) json["cure"] = gate.cure;
+    return json;
+}
+
 }  // namespace
 
 std::int64_t peak_memory() {
@@ -97,8 +107,7 @@ std::string run_json(const RunRecord& record) {
     json["summary"] = Json::object();
     for (const auto& [name, value] : record.summary.values) json["summary"][name] = number(value);
     json["gates"] = Json::array();
-    for (const Gate& gate : record.gates)
-        json["gates"].push_back({{"name", gate.name}, {"value", number(gate.value)}, {"limit", number(gate.limit)}, {"pass", gate.pass}, {"meaning", gate.meaning}});
+    for (const Gate& gate : record.gates) json["gates"].push_back(gate_json(gate));
     json["expect"] = Json::array();
     for (const ExpectResult& result : record.expect)
         json["expect"].push_back({{"name", result.name}, {"value", number(result.value)}, {"limit", result.limit}, {"pass", result.pass}});

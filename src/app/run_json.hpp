@@ -1,7 +1,7 @@
 #pragma once
 // run.json: what a run was, how it ended, and what it found. Its keys are promised to other programs; new ones may come, none goes.
 #include "app/expectations.hpp"
-#include "observe/energy_ledger.hpp"
+#include "observe/gates.hpp"
 #include "observe/summary.hpp"
 #include "stepper/step_control.hpp"
 #include "stepper/step_scheme.hpp"
@@ -37,7 +37,7 @@ struct RunRecord {
     StepReport counts;               // of the local problems and the linear solves
     FactorSize factor;               // at the end, of the implicit bulk
     Summary summary;
-    std::vector<Gate> gates;
+    Gates gates;
     std::vector<ExpectResult> expect;
     std::vector<std::filesystem::path> figures;
     std::vector<std::string> warnings;

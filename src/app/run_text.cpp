@@ -1,5 +1,6 @@
 #include "app/run_text.hpp"
 
+#include <cmath>
 #include <cstdio>
 
 namespace knap {
@@ -21,14 +22,18 @@ const char* advice(CutReason reason) {
     return "a smaller time.step_min";
 }
 
-/// What a violated gate usually comes from, and what to change.
-const char* advice(std::string_view gate) {
-    if (gate == "largest_speed" || gate == "energy_residual") return "Usual cause: a step beyond the stable one, or a load that is absurd in its unit; try a smaller time.step";
-    if (gate == "penetration") return "Usual cause: a body driven against itself faster than a step can follow; try a smaller time.step, and look at the prescribed motions";
-    if (gate == "interface_residual")
-        return "The solver of the interfaces found no lawful motion. Usual cause: a body driven into what does not give way, very large friction, or slivers; try a "
-               "smaller time.step, less friction, a better mesh, and look at the prescribed motions";
-    return "Usual cause: an interface problem at the limit of rounding (very large friction, slivers); try a smaller time.step, a better mesh, or less friction";
+/// "6.3 deg", or "6.3"
+std::string with_unit(double value, std::string_view unit) {
+    std::string text;
+    add_line(text, "%.4g%s%s", value, unit.empty() ? "" : " ", std::string(unit).c_str());
+    return text;
+}
+
+/// " at (x, y) = (0.01, 0.02) m", or nothing.
+std::string place_text(const std::optional<Vec2>& place) {
+    std::string text;
+    if (place) add_line(text, " at (x, y) = (%.6g, %.6g) m", place->x(), place->y());
+    return text;
 }
 
 /// "steps of 1e-06 s", or from the smallest to the largest.
@@ -96,16 +101,26 @@ std::string not_dumped_text(const StepSelection& asked, std::int64_t before, std
     return "warning[dump-lcp]: --dump-lcp did not store " + steps + "; this command " + taken + "\n";
 }
 
+std::string warning_text(const Gate& gate, const State& now) {
+    std::string text;
+    add_line(text, "warning[%s]: t = %.9g s%s: %s: %s, more than %s", gate.name.data(), now.time, place_text(gate.place).c_str(), gate.meaning.data(),
+             with_unit(gate.value, gate.unit).c_str(), with_unit(gate.warning, gate.unit).c_str());
+    if (std::isfinite(gate.limit)) text += "; the run ends beyond " + with_unit(gate.limit, gate.unit);
+    return text + ". " + std::string(gate.cure) + "\n";
+}
+
 std::string violated_text(const Gates& gates, const State& now, const Vec2& fastest) {
-    std::string text, of;  // the gate that the others may come from
+    std::string text;
+    const Gate* cause = nullptr;  // the gate that the others may come from
     for (const Gate& gate : gates) {
-        if (gate.pass) continue;
-        add_line(text, "gate %s violated at t = %.9g s (step %lld): %.4g, limit %.4g: %s. ", gate.name.data(), now.time, static_cast<long long>(now.n_steps), gate.value,
-                 gate.limit, gate.meaning.data());
-        if (of.empty() || gate.name == "interface_residual") of = gate.name;
+        if (gate.pass()) continue;
+        add_line(text, "gate %s violated at t = %.9g s (step %lld): %s%s, limit %s: %s. ", gate.name.data(), now.time, static_cast<long long>(now.n_steps),
+                 with_unit(gate.value, gate.unit).c_str(), place_text(gate.place).c_str(), with_unit(gate.limit, gate.unit).c_str(), gate.meaning.data());
+        if (cause == nullptr || gate.name == "interface_residual") cause = &gate;
     }
-    add_line(text, "The body moves fastest at (x, y) = (%.6g, %.6g) m. %s", fastest.x(), fastest.y(), advice(of));
-    return text;
+    if (cause == nullptr) return text;
+    if (!cause->place) add_line(text, "The body moves fastest at (x, y) = (%.6g, %.6g) m. ", fastest.x(), fastest.y());
+    return text + std::string(cause->cure);
 }
 
 std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory) {
@@ -119,7 +134,8 @@ std::string end_of_run(const RunRecord& record, const std::filesystem::path& dir
     text += solver_text(record);
     for (const auto& [name, value] : record.summary.values) add_line(text, "  %-24s %.6g\n", name.c_str(), value);
     for (const Gate& gate : record.gates)
-        add_line(text, "  gate   %-20s %-12.4g limit %-12.4g %s\n", gate.name.data(), gate.value, gate.limit, gate.pass ? "ok" : "VIOLATED");
+        add_line(text, "  gate   %-20s %-12s limit %-12s %s%s\n", gate.name.data(), with_unit(gate.value, gate.unit).c_str(), with_unit(gate.limit, gate.unit).c_str(),
+                 gate.pass() ? name_of(gate.level).data() : "VIOLATED", gate.level == GateLevel::ok ? "" : place_text(gate.place).c_str());
     for (const ExpectResult& result : record.expect)
         add_line(text, "  expect %-20s %-12.6g %-24s %s\n", result.name.c_str(), result.value, result.limit.c_str(), result.pass ? "ok" : "FAILED");
     text += "run:     " + directory.string() + "\n";

@@ -24,6 +24,9 @@ std::string missing_text(const std::vector<std::string>& files);
 /// That steps whose problems were asked for are not among those that a command took, all after `before`; empty where none is.
 std::string not_dumped_text(const StepSelection& asked, std::int64_t before, std::int64_t now);
 
+/// That a gate warns, as a line of the log: what, where, when, and what to change.
+std::string warning_text(const Gate& gate, const State& now);
+
 /// Why a run was stopped by gates, all that are violated, and where to look.
 std::string violated_text(const Gates& gates, const State& now, const Vec2& fastest);
 

@@ -4,10 +4,20 @@
 #include "app/run_text.hpp"
 #include "base/error.hpp"
 
-#include <algorithm>
-
 namespace knap {
 namespace {
+
+/// Says of gates that warn, once; throws SimulationError where one is violated.
+void keep_gates(const Stepping& run, const State& now) {
+    GateKeeper& gates = run.recorder.gates();
+    for (const Gate* gate : gates.new_warnings()) {
+        const std::string text = warning_text(*gate, now);
+        run.progress.say(text);
+        run.log.add(text);
+        gates.warned(*gate, text);
+    }
+    if (!gates.pass()) throw SimulationError(violated_text(gates.gates(), now, place_of_largest_speed(run.model, now)));
+}
 
 /// One try of a step: `now` moves on, or stays where the step is cut. Throws SimulationError where the run cannot go on.
 void try_step(const Stepping& run, State& now, State& next) {
@@ -23,9 +33,7 @@ void try_step(const Stepping& run, State& now, State& next) {
     std::swap(now, next);
     run.recorder.after_step(now, report);
     run.progress.after_step(now, run.recorder);
-    const Gates gates = run.recorder.ledger().gates(run.critical_opening, run.size);
-    if (std::all_of(gates.begin(), gates.end(), [](const Gate& gate) { return gate.pass; })) return;
-    throw SimulationError(violated_text(gates, now, place_of_largest_speed(run.model, now)));
+    keep_gates(run, now);
 }
 
 }  // namespace

@@ -22,8 +22,7 @@ struct Stepping {
     Recorder& recorder;
     Progress& progress;
     RunLog& log;
-    double smallest_step;           // [s]
-    double critical_opening, size;  // [m] what the gates measure with
+    double smallest_step;  // [s]
 };
 
 /// Steps until the end, or until the run fails or is interrupted, which the record then says.

@@ -73,23 +73,4 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     worst_ += extremes;
 }
 
-Gates EnergyLedger::gates(double largest_delta_c, double length) const {
-    const double scale = largest_energy_ > 0 ? largest_energy_ : 1;
-    const auto at_most = [](const char* name, double value, double limit, const char* meaning) { return Gate{name, value, limit, value <= limit, meaning}; };
-    // Rates are exact to what the solvers leave, which is rounding times the condition of what they solve. Usual is 1e-16; of 20 000 random runs with
-    // friction up to 1000, solved vertex by vertex, three were above 1e-14, the worst had 4.5e-14.
-    const double sign = 1e-12;
-    // no point can be faster than if all energy that ever was in the body sat in a mass as small as its parts allow; the mean is the scale
-    const double speed = std::sqrt(2 * scale / mass_);
-    return {at_most("energy_residual", largest_residual_ / scale, 1e-10, "error of the discrete energy identity over the largest energy"),
-            at_most("impact_work", worst_.worst_impact_work / scale, sign,
-                    "largest work of one impact in one step over the largest energy; a positive one injects energy"),
-            at_most("friction_work", worst_.worst_friction_work / scale, sign,
-                    "largest work of one sliding point in one step over the largest energy; a positive one injects energy"),
-            at_most("cohesion_growth", worst_.largest_beta_growth, 0, "largest growth of the cohesion; it never heals"),
-            at_most("interface_residual", worst_.residual, most_residual, "worst violation of the interface laws, scaled"),
-            at_most("largest_speed", worst_.largest_speed, 100 * speed, "[m/s] against 100 times the speed that all energy gives the whole mass"),
-            at_most("penetration", worst_.penetration, std::max(largest_delta_c, 1e-3 * length), "[m] against the critical opening, or a thousandth of the body")};
-}
-
 }  // namespace knap

@@ -1,5 +1,5 @@
 #pragma once
-// The energy books of a run and the gates it must pass (formulation: energy ledger).
+// The energy books of a run (formulation: energy ledger).
 //
 //     kinetic + strain - (start) = external - cohesive + impact + friction - (dissipation of theta > 1/2)      to rounding: the identity of the discrete scheme
 //     law lag = cohesive work - crossing loss - (Psi of the state)              what freezing beta costs; falls with h
@@ -11,9 +11,6 @@
 #include "model/state.hpp"
 #include "stepper/scheme_options.hpp"
 #include "stepper/step_report.hpp"
-
-#include <array>
-#include <string_view>
 
 namespace knap {
 
@@ -34,14 +31,6 @@ struct EnergyRow {
     }
 };
 
-struct Gate {
-    std::string_view name;  // of a literal
-    double value, limit;
-    bool pass;
-    std::string_view meaning;
-};
-using Gates = std::array<Gate, 7>;
-
 class EnergyLedger {
 public:
     /// `mass`: the one whose kinetic energy the reports have.
@@ -55,8 +44,7 @@ public:
     double largest_residual() const { return largest_residual_; }  // [J] over all steps
     double largest_law_lag() const { return largest_law_lag_; }    // [J] over all steps
 
-    /// The universal gates of a run; speeds and lengths are judged by what the loads and the law can give.
-    Gates gates(double largest_delta_c, double length) const;
+    double mass() const { return mass_; }  // [kg] of the body
 
     template <class Archive>
     void serialize(Archive& archive) { archive(start_energy_, largest_energy_, largest_residual_, largest_law_lag_, mass_, row_, worst_); }

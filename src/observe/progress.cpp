@@ -70,4 +70,9 @@ void Progress::finish(const State& now, const Recorder& recorder) {
     std::fprintf(file_, "\r\033[K%s\n", fitted(line(now, recorder), file_).c_str());
 }
 
+void Progress::say(const std::string& text) const {
+    if (terminal_) std::fputs("\r\033[K", file_);
+    std::fputs(text.c_str(), stderr);
+}
+
 }  // namespace knap

@@ -16,6 +16,9 @@ public:
     void after_step(const State& now, const Recorder& recorder);
     void finish(const State& now, const Recorder& recorder);
 
+    /// To stderr, above the line that is rewritten; also where no progress is wanted.
+    void say(const std::string& text) const;
+
 private:
     std::string line(const State& now, const Recorder& recorder) const;
 

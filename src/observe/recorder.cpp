@@ -68,6 +68,7 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
     : model_(model),
       options_(std::move(options)),
       ledger_(model, start, options_.mass),
+      gates_(options_.critical_opening, diagonal(model.mesh.vertices), options_.allowed_limits),
       cracks_(interface_graph(model), options_.cracks),
       reactions_(model),
       probes_(model, options_.probes) {
@@ -86,6 +87,7 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
         for (const char* count : {"tensile_breaks", "shear_breaks"}) histories_.stress_strain.columns.emplace_back(count);
     }
     next_at_.assign(options_.figures.size(), 0);
+    gates_.judge(ledger_);
     if (options_.goes_on) return;
     open_files();
     write_lines(start);
@@ -150,6 +152,7 @@ void Recorder::end_frames() {
 
 void Recorder::after_step(const State& now, const StepReport& report) {
     ledger_.add(now, report);
+    gates_.judge(ledger_);
     if (writer_) writer_->check();
     const double reached = now.time * (1 + 1e-12);
     if (specimen_ || breaks_) watch_step(now);

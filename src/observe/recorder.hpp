@@ -6,6 +6,7 @@
 #include "observe/figures.hpp"
 #include "observe/frame.hpp"
 #include "observe/frame_writer.hpp"
+#include "observe/gates.hpp"
 #include "observe/probes.hpp"
 #include "observe/reactions.hpp"
 #include "observe/specimen.hpp"
@@ -27,6 +28,8 @@ struct RecorderOptions {
     std::vector<std::string> materials;  // names, by region
     MassMatrix mass = MassMatrix::lumped;
     CrackOptions cracks;
+    double critical_opening = 0;             // [m] the largest of the laws that can break
+    std::vector<AllowedLimit> allowed_limits;
     std::vector<FigureOptions> figures;
     std::vector<ProbeOptions> probes;
     bool breaks = false;  // note every interface that breaks; a specimen needs it
@@ -55,6 +58,8 @@ public:
     const EnergyLedger& ledger() const { return ledger_; }
     const CrackHistory& cracks() const { return cracks_; }
     const Reactions& reactions() const { return reactions_; }
+    const GateKeeper& gates() const { return gates_; }  // as they stand after the last step
+    GateKeeper& gates() { return gates_; }
     const Histories& histories() const { return histories_; }
     const RecorderOptions& options() const { return options_; }
     const std::vector<std::filesystem::path>& figures() const { return drawn_; }
@@ -66,7 +71,7 @@ public:
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(ledger_, cracks_, histories_, next_frame_, next_history_, last_line_, frame_times_, next_at_, drawn_);
+        archive(ledger_, gates_, cracks_, histories_, next_frame_, next_history_, last_line_, frame_times_, next_at_, drawn_);
         archive(output_seconds_, frame_seconds_, figure_seconds_, frame_wait_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
@@ -87,6 +92,7 @@ private:
     const Model& model_;
     RecorderOptions options_;
     EnergyLedger ledger_;
+    GateKeeper gates_;
     CrackHistory cracks_;
     Reactions reactions_;
     Probes probes_;

@@ -94,6 +94,7 @@ void assemble(Assembly& assembly) {
     assemble_probes(assembly);
     assemble_specimen(assembly);
     assemble_figures(assembly);
+    assemble_limits(assembly);
     assemble_expectations(assembly);
     assemble_study(assembly);
     assemble_sweep(assembly);

@@ -52,6 +52,7 @@ void assemble_output(Assembly& assembly);
 void assemble_probes(Assembly& assembly);
 void assemble_specimen(Assembly& assembly);    // after loads, obstacles and probes, which it names
 void assemble_figures(Assembly& assembly);
+void assemble_limits(Assembly& assembly);
 void assemble_expectations(Assembly& assembly);
 void assemble_study(Assembly& assembly);       // last: it may name probes, loads and expectations
 void assemble_sweep(Assembly& assembly);

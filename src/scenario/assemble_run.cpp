@@ -1,6 +1,7 @@
-// [time], [output], [[figure]] and [expect].
+// [time], [output], [[figure]], [limits] and [expect].
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -176,6 +177,15 @@ void assemble_figures(Assembly& assembly) {
             if (!(range->x() < range->y())) assembly.findings.error("out-of-range", "`" + path + ".range` does not ascend", assembly.at(path + ".range"));
         }
         assembly.scenario.figures.push_back(std::move(figure));
+    }
+}
+
+void assemble_limits(Assembly& assembly) {
+    for (const GateRule& rule : gate_rules()) {
+        const std::string path = "limits." + std::string(rule.name);
+        const auto allow = [&](double limit) { assembly.scenario.allowed_limits.push_back({std::string(rule.name), limit}); };
+        if (const auto limit = assembly.values.number(path)) allow(*limit);
+        else if (assembly.values.text(path) == "none") allow(std::numeric_limits<double>::infinity());
     }
 }
 

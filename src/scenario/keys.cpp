@@ -281,6 +281,11 @@ const std::vector<Key>& table() {
     {.path = "figure[].width", .kind = Kind::integer, .range = {.low = 200, .high = 20000}, .standard = "1600", .doc = "width in pixels"},
     {.path = "figure[].title", .kind = Kind::text, .standard = "\"\"", .doc = "title above the picture"},
 
+    {.path = "limits", .kind = Kind::table,
+     .doc = "how far a run may go beyond what knap computes (README, Limits) before it ends; a warning comes as early as without"},
+    {.path = "limits.penetration", .kind = Kind::number, .unit = "m", .range = positive, .words = {"none"}, .otherwise = "the critical opening, or a thousandth of the body",
+     .doc = "overlap of two sides in contact"},
+
     {.path = "expect", .kind = Kind::names, .doc = "what the run must find, by number of its summary: a bound, or value and within"},
     {.path = "expect.*", .kind = Kind::table, .words = summary_names(), .doc = "bounds on one number"},
     {.path = "expect.*.below", .kind = Kind::number, .unit = "*", .doc = "less than this; a speed may be a multiple of the Rayleigh speed, \"0.65 cR\""},

@@ -11,6 +11,7 @@
 #include "model/loads.hpp"
 #include "model/obstacle.hpp"
 #include "observe/figures.hpp"
+#include "observe/gates.hpp"
 #include "observe/probes.hpp"
 #include "observe/specimen.hpp"
 #include "scenario/study_options.hpp"
@@ -118,6 +119,7 @@ struct Scenario {
     std::vector<ProbeOptions> probes;
     std::optional<SpecimenOptions> specimen;
     std::vector<FigureOptions> figures;
+    std::vector<AllowedLimit> allowed_limits;  // of [limits]
     std::vector<Expectation> expect;
     StudyOptions study;
     SweepOptions sweep;

@@ -167,15 +167,19 @@ TEST_CASE("the step plan of the implicit bulk is not bound by the stable step") 
 }
 
 TEST_CASE("a run that violates several gates names them all") {
-    using namespace std::string_view_literals;
-    knap::Gates gates;
-    gates.fill({"impact_work"sv, 0, 1, true, "holds"sv});
+    knap::Gates gates(7, {.name = "impact_work", .value = 0, .limit = 1, .level = knap::GateLevel::ok, .meaning = "holds"});
+    const auto violated = [](const char* name, double value, double limit) {
+        for (const knap::GateRule& rule : knap::gate_rules())
+            if (rule.name == name)
+                return knap::Gate{.name = rule.name, .unit = rule.unit, .value = value, .limit = limit, .level = knap::GateLevel::violated, .meaning = rule.meaning, .cure = rule.cure};
+        throw std::invalid_argument(name);
+    };
     const auto text = [&] { return knap::violated_text(gates, {}, {0, 0}); };
-    gates[0] = {"energy_residual"sv, 2e-3, 1e-10, false, "error of the energy"sv};
+    gates[0] = violated("energy_residual", 2e-3, 1e-10);
     CHECK(text().find("beyond the stable one") != std::string::npos);
-    gates[4] = {"interface_residual"sv, 1.1, 1e-10, false, "violation of the laws"sv};
-    gates[6] = {"penetration"sv, 1, 0.1, false, "too deep"sv};
-    for (const char* words : {"energy_residual violated", "0.002, limit 1e-10", "interface_residual violated", "1.1, limit 1e-10", "penetration violated", "solver of the interfaces"})
+    gates[4] = violated("interface_residual", 1.1, 1e-10);
+    gates[6] = violated("penetration", 1, 0.1);
+    for (const char* words : {"energy_residual violated", "0.002, limit 1e-10", "interface_residual violated", "1.1, limit 1e-10", "penetration violated", "1 m, limit 0.1 m", "solver of the interfaces"})
         CHECK_MESSAGE(text().find(words) != std::string::npos, words);
     CHECK(text().find("impact_work") == std::string::npos);
     CHECK(text().find("stable one") == std::string::npos);

@@ -1,6 +1,6 @@
 // The energy books at their start, and the figure in which they must close.
 #include "observe/curve_figures.hpp"
-#include "observe/energy_ledger.hpp"
+#include "observe/gates.hpp"
 
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
@@ -38,11 +38,14 @@ TEST_CASE("books: what is no number violates the gate and stays no number beside
     EnergyLedger ledger(model, start);
     StepReport report;
     ledger.add(start, report);
-    CHECK(ledger.gates(1, 1)[0].pass);
+    Gates gates;
+    judge({ledger, 1, 1}, {}, gates);
+    CHECK(gates[0].pass());
     report.external_work = std::numeric_limits<double>::quiet_NaN();
     ledger.add(start, report);
-    CHECK_FALSE(ledger.gates(1, 1)[0].pass);
-    CHECK(std::isnan(ledger.gates(1, 1)[0].value));
+    judge({ledger, 1, 1}, {}, gates);
+    CHECK_FALSE(gates[0].pass());
+    CHECK(std::isnan(gates[0].value));
 }
 
 TEST_CASE("books: a preload is energy of the start and no work") {

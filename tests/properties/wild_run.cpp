@@ -1,6 +1,7 @@
 #include "properties/wild_run.hpp"
 
 #include "base/error.hpp"
+#include "observe/gates.hpp"
 #include "stepper/step_control.hpp"
 
 #include <cmath>
@@ -71,7 +72,9 @@ public:
     std::string end() {
         found_.clear();
         if (rests()) return found_;
-        for (const Gate& gate : ledger_.gates(0, 0))
+        Gates gates;
+        judge({ledger_, 0, 0}, {}, gates);
+        for (const Gate& gate : gates)
             if (gate.name != "penetration" && gate.name != "largest_speed") at_most(gate.name.data(), gate.value, gate.limit);
         return found_;
     }

@@ -161,6 +161,8 @@ file = "b.pdf"
 show = "stress_xy"
 at = ["20 us", "40 us"]
 range = ["-1 MPa", "1 MPa"]
+[limits]
+penetration = "2 um"
 [expect]
 energy_residual = { below = 1e-3, above = -1 }
 max_tip_speed = { below = "0.65 cR" }
@@ -430,6 +432,7 @@ const Case cases[] = {
     {rectangle, "figure[1].range", "[-1e+06, 1e+06]"},
     {rectangle, "figure[0].width", "800"},
     {rectangle, "figure[0].title", "\"Cracks\""},
+    {rectangle, "limits.penetration", "2e-06"},
     {rectangle, "expect.energy_residual.below", "0.001"},
     {rectangle, "expect.energy_residual.above", "-1"},
     {rectangle, "expect.max_tip_speed.below", "\"0.65 cR\""},

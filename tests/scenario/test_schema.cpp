@@ -1,5 +1,6 @@
 #include "scenario/schema.hpp"
 
+#include "observe/gates.hpp"
 #include "scenario/keys.hpp"
 
 #include <doctest/doctest.h>
@@ -140,4 +141,18 @@ TEST_CASE("schema: text and Markdown name every key") {
     for (const char* row : {"| `domain.size` |", "| `[[load]]` |", "| `[material.NAME]` |", "| `expect.*.below` |"})
         CHECK(markdown.find(row) != std::string::npos);
     for (const SummaryKey& key : summary_keys()) CHECK(text.find(std::string(key.name)) != std::string::npos);
+}
+
+TEST_CASE("schema: there is a key for every gate that a scenario may move and for no other") {
+    std::size_t n = 0;
+    for (const GateRule& rule : gate_rules()) {
+        const Key* key = find_key("limits." + std::string(rule.name));
+        CAPTURE(std::string(rule.name));
+        REQUIRE((key != nullptr) == rule.allowed);
+        if (key == nullptr) continue;
+        ++n;
+        CHECK(key->unit == rule.unit);
+        CHECK(key->words == std::vector<std::string>{"none"});
+    }
+    CHECK(keys_below("limits").size() == n);
 }
