@@ -36,14 +36,15 @@ void print_materials(const Scenario& scenario) {
 }
 
 /// `step`: [s] the one in which cohesion may fall.
-void print_resolution(const Scenario& scenario, double finest, double step) {
+void print_resolution(const Scenario& scenario, double mean_edge, double step) {
+    const std::vector<Resolution> found = judge_resolution(scenario, mean_edge);
     std::printf("interfaces\n");
-    for (const Resolution& r : judge_resolution(scenario, finest))
+    for (const Resolution& r : found)
         std::printf("  %-12s law %s: process zone %.3g mm (at rest), %.1f edges; cohesive length %.3g mm\n", r.material.c_str(), r.law.c_str(),
                     1e3 * r.process_zone, r.n_edges, 1e3 * r.cohesive_length);
     const SchemeOptions& scheme = scenario.time.scheme;
-    for (const Resolution& r : judge_resolution(scenario, finest)) {
-        const double limit = assumption_1_step(r, finest, scheme.theta);
+    for (const Resolution& r : found) {
+        const double limit = assumption_1_step(r, finest_edge(scenario, mean_edge), scheme.theta);
         const char* what = scheme.cohesion == CohesionScheme::explicit_beta ? "of an implicit cohesion; explicit beta has no such limit"
                            : limit >= step                                  ? "holds for every step"
                            : scheme.respect_assumption_1                    ? "may not hold where cohesion falls: such steps are cut"
@@ -113,13 +114,12 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     const Model model = model_of(read);
     const StepPlan plan = plan_of(read, model, scenario.time.end);
     const double edge = mean_edge(model.mesh);
-    const double finest = finest_edge(scenario, edge);
 
     if (full) std::fputs(full_listing(read).c_str(), stdout);
     std::printf("%s: %s\n", scenario.name.c_str(), scenario.title.c_str());
     print_mesh(judge(model.mesh));
     print_materials(scenario);
-    print_resolution(scenario, finest, plan.limits.cracking);
+    print_resolution(scenario, edge, plan.limits.cracking);
     print_parts(scenario, model);
 
     std::printf("run\n  stable step %.4g s, h = %.4g s (%.3g CFL), %lld steps, %.3g triangle-steps\n", plan.stable_step, plan.limits.largest,

@@ -22,7 +22,7 @@ struct RunMemory {
     Recorder& recorder;
     std::int64_t log_size = 0;         // [byte] of log.txt by then
     double cpu = 0, wall = 0;          // [s] spent so far by all parts of the run
-    double cpu_steps = 0;              // [s] of it in steps
+    double cpu_model = 0, cpu_preload = 0, cpu_steps = 0;  // [s] of it in mesh and model, in the start in equilibrium, in steps
 };
 
 class Checkpoints {

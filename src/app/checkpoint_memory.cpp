@@ -76,7 +76,7 @@ void serialize(Archive& archive, cereal::NameValuePair<T>& pair) { archive(pair.
 
 template <class Archive>
 void serve(Archive& archive, RunMemory& memory) {
-    archive(memory.now, memory.control, memory.recorder, memory.log_size, memory.cpu, memory.wall, memory.cpu_steps);
+    archive(memory.now, memory.control, memory.recorder, memory.log_size, memory.cpu, memory.wall, memory.cpu_model, memory.cpu_preload, memory.cpu_steps);
 }
 
 }  // namespace

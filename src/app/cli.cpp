@@ -187,13 +187,14 @@ int run_command_line(int argc, char** argv) {
     new_command->add_option("name", name, "name of the scenario")->required();
     new_command->add_flag("--force", force, "replace an existing file");
 
-    bool markdown = false;
+    bool markdown = false, outputs = false;
     CLI::App* schema_command = add("schema", "every key of a scenario", [&] {
-        std::fputs((json ? json_schema() : markdown ? schema_markdown() : schema_text()).c_str(), stdout);
+        std::fputs((outputs ? outputs_markdown() : json ? json_schema() : markdown ? schema_markdown() : schema_text()).c_str(), stdout);
         return exit_done;
     });
     schema_command->add_flag("--json", json, "as JSON Schema, for an editor");
     schema_command->add_flag("--markdown", markdown, "as a Markdown table");
+    schema_command->add_flag("--outputs", outputs, "instead every number, column and array that a run writes, as Markdown");
 
     add("list", "names of the built-in scenarios", [&] {
         for (const std::string& built_in : built_in_scenarios()) std::printf("%s\n", built_in.c_str());

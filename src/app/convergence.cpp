@@ -29,6 +29,17 @@ double fitted_order(const std::vector<double>& h, const std::vector<double>& err
     return n >= 2 && spread > 1e-12 * n * xx ? (n * xy - x * y) / spread : unknown;
 }
 
+Trend trend_of(const std::vector<double>& gaps) {
+    std::vector<double> known;
+    std::copy_if(gaps.begin(), gaps.end(), std::back_inserter(known), [](double gap) { return std::isfinite(gap); });
+    if (known.empty()) return Trend::unknown;
+    if (std::all_of(known.begin(), known.end(), [](double gap) { return gap == 0; })) return Trend::same;
+    if (known.size() < 2) return Trend::unknown;
+    for (std::size_t i = 1; i < known.size(); ++i)
+        if (known[i] > 0 && known[i] >= known[i - 1]) return Trend::does_not_fall;
+    return Trend::falls;
+}
+
 std::optional<Extrapolation> extrapolate(double ratio, double coarse, double middle, double fine) {
     // q(rh) - q(h) = C h^p (r^p - 1), so two differences in a row are in the ratio r^p
     const double p = std::log((coarse - middle) / (middle - fine)) / std::log(ratio);
@@ -44,8 +55,10 @@ std::optional<Extrapolation> extrapolate(const std::vector<double>& h, const std
     };
     const std::size_t n = h.size();
     if (n < 3) return std::nullopt;
+    std::vector<double> gaps;
+    for (std::size_t i = 1; i < n; ++i) gaps.push_back(std::abs(value[i] - value[i - 1]));
     const auto found = of_three(n - 1);
-    if (!found || found->order > 6) return std::nullopt;
+    if (!found || found->order < 0.5 || found->order > 3 || trend_of(gaps) != Trend::falls) return std::nullopt;
     if (n == 3) return found;
     const auto before = of_three(n - 2);
     if (!before || std::abs(before->order - found->order) > 0.3) return std::nullopt;

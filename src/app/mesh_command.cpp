@@ -43,7 +43,7 @@ ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& outp
                 report.smallest_angle_percentiles[0], report.smallest_angle_percentiles[1], report.smallest_angle_percentiles[2]);
     std::printf("%-28s %.2f\n", "largest angle [degree]", report.largest_angle);
     std::printf("%-28s %.4g\n", "stable step [s]", *std::min_element(steps.begin(), steps.end()));
-    for (const Resolution& r : judge_resolution(read.scenario, report.mean_edge / read.scenario.order))
+    for (const Resolution& r : judge_resolution(read.scenario, mean_edge(model.mesh)))
         std::printf("%-28s %.1f (%s, %.3g m)\n", "edges per process zone", r.n_edges, r.material.c_str(), r.process_zone);
     if (report.n_paths > 0) {
         std::printf("%-28s %.4f, spread over directions %.4f; without the ends of the paths %.4f\n", "path excess", report.mean_path_excess,

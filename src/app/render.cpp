@@ -4,6 +4,8 @@
 #include "app/run_directory.hpp"
 #include "base/error.hpp"
 #include "observe/history_csv.hpp"
+#include "observe/outputs.hpp"
+#include "observe/ticks.hpp"
 #include "observe/vtk_series.hpp"
 
 #include <nlohmann/json.hpp>
@@ -16,6 +18,17 @@ namespace knap {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// Of a number of the summary; of an old run, which does not say, as it is now.
+std::string unit_in(const Json& record, const std::string& name) {
+    if (record.contains("summary_units") && record["summary_units"].contains(name)) return record["summary_units"].value(name, "");
+    return std::string(unit_of("summary", name));
+}
+
+/// The value of a gate or an expectation, with its unit.
+std::string with_value(const Json& judged) {
+    return value_text(judged["value"].is_null() ? NAN : judged["value"].get<double>(), judged.value("unit", ""));
+}
 
 }  // namespace
 
@@ -68,8 +81,8 @@ namespace {
 void print_table(const Json& all) {
     // one line a run, every number of the summary a column; empty for what never happened
     if (all.empty()) return;
-    std::string header = "run,name,status,seed,triangles,steps,cpu_s";
-    for (const auto& item : all[0]["summary"].items()) header += "," + item.key();
+    std::string header = "run,name,status,seed,triangles,steps,cpu [s]";
+    for (const auto& item : all[0]["summary"].items()) header += "," + with_unit(item.key(), unit_in(all[0], item.key()));
     std::printf("%s\n", header.c_str());
     for (const Json& record : all) {
         std::string line = record["directory"].get<std::string>() + "," + record.value("name", "") + "," + record.value("status", "");
@@ -105,11 +118,11 @@ ExitCode show_runs(const std::vector<std::filesystem::path>& runs, RunFormat for
         std::printf("  %d triangles, %lld steps, %.1f s of processor time\n", record.value("triangles", 0),
                     static_cast<long long>(record.value("steps", 0LL)), record.value("cpu_s", 0.0));
         for (const auto& [name, value] : record["summary"].items())
-            std::printf("  %-24s %s\n", name.c_str(), value.is_null() ? "never" : value.dump().c_str());
+            std::printf("  %-24s %s\n", name.c_str(), value_text(value.is_null() ? NAN : value.get<double>(), unit_in(record, name)).c_str());
         for (const Json& gate : record["gates"])
-            if (!gate.value("pass", false)) std::printf("  gate %s VIOLATED: %s\n", gate.value("name", "").c_str(), gate["value"].dump().c_str());
+            if (!gate.value("pass", false)) std::printf("  gate %s VIOLATED: %s\n", gate.value("name", "").c_str(), with_value(gate).c_str());
         for (const Json& result : record["expect"])
-            std::printf("  expect %s %s: %s, %s\n", result.value("name", "").c_str(), result.value("limit", "").c_str(), result["value"].dump().c_str(),
+            std::printf("  expect %s %s: %s, %s\n", result.value("name", "").c_str(), result.value("limit", "").c_str(), with_value(result).c_str(),
                         result.value("pass", false) ? "ok" : "FAILED");
     }
     return exit_done;

@@ -141,7 +141,7 @@ Model model_of(const ReadResult& read) {
 
 std::vector<Diagnostic> resolution_warnings(const ReadResult& read, double mean_edge) {
     std::vector<Diagnostic> warnings;
-    for (const Resolution& r : judge_resolution(read.scenario, finest_edge(read.scenario, mean_edge))) {
+    for (const Resolution& r : judge_resolution(read.scenario, mean_edge)) {
         if (r.n_edges >= 5) continue;
         Diagnostic warning = locate(read, read.scenario.given ? "mesh.file" : "mesh.size");
         warning.severity = Diagnostic::Severity::warning;
@@ -175,6 +175,7 @@ void check_until_is_ahead(double until, const State& now, const std::filesystem:
 void describe(const Scenario& scenario, const Model& model, const StepPlan& plan, RunRecord& record) {
     record.triangles = model.mesh.n_triangles();
     record.interfaces = static_cast<Index>(model.interfaces.size());
+    record.thickness = model.thickness;
     record.step = plan.limits.largest;
     record.scheme = scenario.time.scheme;
     record.mean_edge = mean_edge(model.mesh);
@@ -233,13 +234,17 @@ ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& rec
     RunLog& log = place.log();
     if (!place.resumes()) log.add(prepared.warnings);
 
+    const Stopwatch preload;
     State now = place.resumes() ? initial_state(model) : start_of(model, scenario, stepper, record);
+    if (scenario.time.start_in_equilibrium && !place.resumes()) record.cpu_preload = preload.cpu();
     Recorder recorder(model, now, recorder_options(scenario, model, directory, place.resumes()));
     StepControl control(prepared.plan.limits);
     RunMemory memory{.now = now, .control = control, .recorder = recorder};
     Checkpoints checkpoints(directory, scenario.output.checkpoint_every);
     if (place.resumes()) resume(prepared, checkpoints, memory, log);
     const RunMemory before = memory;  // its times
+    record.cpu_model += before.cpu_model;
+    record.cpu_preload += before.cpu_preload;
     const std::int64_t steps_before = now.n_steps;
     const double output_before = recorder.output_seconds();
     const double until = std::min(options.until, scenario.time.end);
@@ -249,6 +254,7 @@ ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& rec
         recorder.finish_frames();
         memory.log_size = log.size();
         memory.cpu = before.cpu + whole.cpu(), memory.wall = before.wall + whole.wall();
+        memory.cpu_model = record.cpu_model, memory.cpu_preload = record.cpu_preload;
         memory.cpu_steps = before.cpu_steps + stepping.cpu() - (recorder.output_seconds() - output_before);
         checkpoints.write(memory);
     };

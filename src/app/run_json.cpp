@@ -1,6 +1,7 @@
 #include "app/run_json.hpp"
 
 #include "app/version.hpp"
+#include "observe/outputs.hpp"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -15,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number(double value) { return std::isfinite(value) ? Json(value + 0.0) : Json(nullptr); }  // no minus zero
 
 std::string host() {
     char name[256] = {};
@@ -78,12 +79,13 @@ std::string run_json(const RunRecord& record) {
     json["threads"] = record.threads;
     json["wall_s"] = record.wall;
     json["cpu_s"] = record.cpu;
-    json["cpu_parts_s"] = {{"mesh_and_model", record.cpu_model}, {"steps", record.cpu_steps}, {"output", record.cpu_output}};
-    json["cpu_output_parts_s"] = {{"frames", record.cpu_frames}, {"figures", record.cpu_figures}};
+    json["cpu_parts_s"] = {{"mesh_and_model", record.cpu_model}, {"preload", record.cpu_preload}, {"steps", record.cpu_steps}, {"output", record.cpu_output}, {"other", record.cpu_other()}};
+    json["cpu_output_parts_s"] = {{"frames", record.cpu_frames}, {"figures", record.cpu_figures}, {"other", record.cpu_output - record.cpu_frames - record.cpu_figures}};
     json["frame_wait_s"] = record.frame_wait;
     json["peak_memory_bytes"] = peak_memory();
     json["triangles"] = record.triangles;
     json["interfaces"] = record.interfaces;
+    json["thickness_m"] = record.thickness;
     json["steps"] = record.steps;
     json["step_s"] = record.step;
     json["smallest_step_s"] = record.smallest_step;
@@ -105,12 +107,14 @@ std::string run_json(const RunRecord& record) {
                             {"bound_tests", record.counts.bound_tests},
                             {"released", record.counts.released}};
     json["summary"] = Json::object();
-    for (const auto& [name, value] : record.summary.values) json["summary"][name] = number(value);
+    json["summary_units"] = Json::object();
+    for (const auto& [name, value] : record.summary.values) json["summary"][name] = number(value), json["summary_units"][name] = unit_of("summary", name);
+    if (!record.summary.reaction_of.empty()) json["reaction_of"] = record.summary.reaction_of;
     json["gates"] = Json::array();
     for (const Gate& gate : record.gates) json["gates"].push_back(gate_json(gate));
     json["expect"] = Json::array();
     for (const ExpectResult& result : record.expect)
-        json["expect"].push_back({{"name", result.name}, {"value", number(result.value)}, {"limit", result.limit}, {"pass", result.pass}});
+        json["expect"].push_back({{"name", result.name}, {"value", number(result.value)}, {"limit", result.limit}, {"unit", unit_of("summary", result.name)}, {"pass", result.pass}});
     json["figures"] = Json::array();
     for (const auto& figure : record.figures) json["figures"].push_back("figures/" + figure.filename().string());
     json["warnings"] = record.warnings;

@@ -22,10 +22,12 @@ struct RunRecord {
     std::uint64_t seed = 0;
     int threads = 1;
     double wall = 0, cpu = 0;                                                   // [s] the whole command
-    double cpu_model = 0, cpu_steps = 0, cpu_output = 0;  // [s] parts of it: mesh and model, steps, output
+    double cpu_model = 0, cpu_preload = 0, cpu_steps = 0, cpu_output = 0;  // [s] parts of it: mesh and model, start in equilibrium, steps, output
     double cpu_frames = 0, cpu_figures = 0;               // [s] parts of the output
+    double cpu_other() const { return cpu - cpu_model - cpu_preload - cpu_steps - cpu_output; }  // [s] reading, checkpoints read, the end
     double frame_wait = 0;                                // [s] of wall time that the steps waited for frames, which are written beside them
     Index triangles = 0, interfaces = 0;
+    double thickness = 0;  // [m]
     std::int64_t steps = 0;
     double step = 0, time = 0;       // [s] h as planned, and the time reached
     double smallest_step = 0, largest_step = 0;                 // [s] that were taken

@@ -1,5 +1,7 @@
 #include "app/run_text.hpp"
 
+#include "observe/outputs.hpp"
+
 #include <cmath>
 #include <cstdio>
 
@@ -20,13 +22,6 @@ const char* advice(CutReason reason) {
     if (reason == CutReason::not_converged)
         return "a theta above 1/2, a smaller time.step_min, less friction where it wedges the body, or cohesion = \"explicit\"";
     return "a smaller time.step_min";
-}
-
-/// "6.3 deg", or "6.3"
-std::string with_unit(double value, std::string_view unit) {
-    std::string text;
-    add_line(text, "%.4g%s%s", value, unit.empty() ? "" : " ", std::string(unit).c_str());
-    return text;
 }
 
 /// " at (x, y) = (0.01, 0.02) m", or nothing.
@@ -104,8 +99,8 @@ std::string not_dumped_text(const StepSelection& asked, std::int64_t before, std
 std::string warning_text(const Gate& gate, const State& now) {
     std::string text;
     add_line(text, "warning[%s]: t = %.9g s%s: %s: %s, more than %s", gate.name.data(), now.time, place_text(gate.place).c_str(), gate.meaning.data(),
-             with_unit(gate.value, gate.unit).c_str(), with_unit(gate.warning, gate.unit).c_str());
-    if (std::isfinite(gate.limit)) text += "; the run ends beyond " + with_unit(gate.limit, gate.unit);
+             value_text(gate.value, gate.unit, 4).c_str(), value_text(gate.warning, gate.unit, 4).c_str());
+    if (std::isfinite(gate.limit)) text += "; the run ends beyond " + value_text(gate.limit, gate.unit, 4);
     return text + ". " + std::string(gate.cure) + "\n";
 }
 
@@ -115,7 +110,7 @@ std::string violated_text(const Gates& gates, const State& now, const Vec2& fast
     for (const Gate& gate : gates) {
         if (gate.pass()) continue;
         add_line(text, "gate %s violated at t = %.9g s (step %lld): %s%s, limit %s: %s. ", gate.name.data(), now.time, static_cast<long long>(now.n_steps),
-                 with_unit(gate.value, gate.unit).c_str(), place_text(gate.place).c_str(), with_unit(gate.limit, gate.unit).c_str(), gate.meaning.data());
+                 value_text(gate.value, gate.unit, 4).c_str(), place_text(gate.place).c_str(), value_text(gate.limit, gate.unit, 4).c_str(), gate.meaning.data());
         if (cause == nullptr || gate.name == "interface_residual") cause = &gate;
     }
     if (cause == nullptr) return text;
@@ -127,17 +122,25 @@ std::string end_of_run(const RunRecord& record, const std::filesystem::path& dir
     std::string text;
     add_line(text, "%s: %s at t = %.6g s after %s; %d triangles, %d interfaces; %.1f s (%.1f s of processor time)\n",
              record.name.c_str(), record.status.c_str(), record.time, steps_text(record).c_str(), record.triangles, record.interfaces, record.wall, record.cpu);
-    add_line(text, "  processor time: mesh and model %.2f s, steps %.2f s, frames %.2f s, figures %.2f s, other output %.2f s\n", record.cpu_model, record.cpu_steps,
-             record.cpu_frames, record.cpu_figures, record.cpu_output - record.cpu_frames - record.cpu_figures);
+    add_line(text, "  processor time: mesh and model %.2f s, ", record.cpu_model);
+    if (record.cpu_preload > 0) add_line(text, "preload %.2f s, ", record.cpu_preload);
+    add_line(text, "steps %.2f s, frames %.2f s, figures %.2f s, other output %.2f s, all else %.2f s\n", record.cpu_steps, record.cpu_frames, record.cpu_figures,
+             record.cpu_output - record.cpu_frames - record.cpu_figures, record.cpu_other());
     if (record.cpu_frames > 0) add_line(text, "  frames were written beside the steps, which waited %.3g s for them\n", record.frame_wait);
     if (!record.reason.empty()) text += "  reason: " + record.reason + "\n";
     text += solver_text(record);
-    for (const auto& [name, value] : record.summary.values) add_line(text, "  %-24s %.6g\n", name.c_str(), value);
+    if (!record.summary.values.empty()) add_line(text, "  energies and forces are those of the thickness of %s\n", value_text(record.thickness, "m").c_str());
+    for (const auto& [name, value] : record.summary.values) {
+        const bool of_driver = name == "reaction_x" || name == "reaction_y" || name == "largest_reaction";
+        const std::string whose = of_driver && !record.summary.reaction_of.empty() ? " (of " + record.summary.reaction_of + ")" : "";
+        add_line(text, "  %-24s %s%s\n", name.c_str(), value_text(value, unit_of("summary", name)).c_str(), whose.c_str());
+    }
     for (const Gate& gate : record.gates)
-        add_line(text, "  gate   %-20s %-12s limit %-12s %s%s\n", gate.name.data(), with_unit(gate.value, gate.unit).c_str(), with_unit(gate.limit, gate.unit).c_str(),
+        add_line(text, "  gate   %-20s %-16s limit %-16s %s%s\n", gate.name.data(), value_text(gate.value, gate.unit, 4).c_str(), value_text(gate.limit, gate.unit, 4).c_str(),
                  gate.pass() ? name_of(gate.level).data() : "VIOLATED", gate.level == GateLevel::ok ? "" : place_text(gate.place).c_str());
     for (const ExpectResult& result : record.expect)
-        add_line(text, "  expect %-20s %-12.6g %-24s %s\n", result.name.c_str(), result.value, result.limit.c_str(), result.pass ? "ok" : "FAILED");
+        add_line(text, "  expect %-20s %-16s %-24s %s\n", result.name.c_str(), value_text(result.value, unit_of("summary", result.name)).c_str(), result.limit.c_str(),
+                 result.pass ? "ok" : "FAILED");
     text += "run:     " + directory.string() + "\n";
     for (const auto& figure : record.figures) text += "figure:  " + figure.string() + "\n";
     return text;

@@ -51,10 +51,11 @@ Model build_model(const Scenario& scenario) {
 
 std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_edge) {
     std::vector<Resolution> found;
+    const double edge = finest_edge(scenario, mean_edge);
     const auto judge_law = [&](const std::string& where, const NamedLaw& law, double modulus, double wave_speed) {
         if (!law.law.breakable() || law.law.sigma_c <= 0) return;
         const double length = modulus * law.law.G_c / (law.law.sigma_c * law.law.sigma_c), zone = 9 * std::numbers::pi / 32 * length;
-        found.push_back({where, law.name, length, zone, zone / mean_edge, wave_speed});
+        found.push_back({where, law.name, length, zone, zone / edge, wave_speed});
     };
     const auto modulus = [&](const NamedMaterial& material) { return material.elastic.plane_modulus(scenario.plane); };
     const auto speed = [&](const NamedMaterial& material) { return material.elastic.dilatational_speed(scenario.plane); };

@@ -15,10 +15,10 @@ struct Resolution {
     std::string material, law;
     double cohesive_length;  // [m] E' G_c/sigma_c^2
     double process_zone;     // [m] 9 pi/32 of it: a crack at rest (J. R. Rice 1968); shrinks as the crack gets faster
-    double n_edges;          // mean edges along it
+    double n_edges;          // edges along it, of those where cracks are to run
     double wave_speed;       // [m/s] dilatational, of the faster material
 };
-/// `mean_edge` [m]: of the part of the mesh that matters (the smallest wanted size).
+/// `mean_edge` [m]: of the mesh; finest_edge() is what it is held against.
 std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_edge);
 
 /// Steps [s] of an implicit cohesion for which Assumption 1 surely holds on a mesh of edges `edge` [m] that can break everywhere

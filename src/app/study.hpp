@@ -6,6 +6,7 @@
 //     RunResult      what came of a run  from its run.json and histories
 //     judge_study    errors and orders   or statistics over seeds
 //     tables and figures
+#include "app/convergence.hpp"
 #include "app/run.hpp"
 #include "app/run_batch.hpp"
 #include "app/run_result.hpp"
@@ -40,8 +41,11 @@ struct StudyErrors {
     double reference = NAN;
     bool exact = false;                 // known beforehand; else from the finest run
     std::size_t reference_run = 0;      // that one; beyond the last if exact
-    std::vector<double> error, order;   // the order: from the run before to this one
-    std::vector<double> fitted;         // order, per line
+    bool relative = true;               // errors are over the scale or the reference; else in the unit of the quantity, since the reference is 0
+    std::vector<double> error, order;   // the order: from the run before to this one, where the line converges
+    std::vector<std::vector<double>> gaps;  // per line: what orders are judged by, errors or differences between neighbours
+    std::vector<Trend> trend;               // per line: of these
+    std::vector<double> fitted;             // order, per line; NaN where they do not fall
     std::vector<std::optional<double>> extrapolated, extrapolated_order;  // per line; only where the orders are clean
 };
 

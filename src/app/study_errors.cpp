@@ -17,8 +17,11 @@ std::size_t finest_run(const Study& study, std::size_t q) {
     return 0;
 }
 
-/// None between values that are the same but for rounding, as times of events in coarse steps can be.
-double difference(double a, double b) { return std::abs(a - b) > 1e-9 * std::abs(b) ? std::abs(a - b) : NAN; }
+constexpr double rounding = 1e-9;
+constexpr double least_order = 0.25;  // what goes to and fro and settles slowly is below; singular fields have 1/2
+
+/// 0 between values that are the same but for rounding, as times of events in coarse steps can be.
+double difference(double a, double b) { return std::abs(a - b) <= rounding * std::abs(b) ? 0 : std::abs(a - b); }
 
 /// Orders of one line. Beside the finest run errors are too small where the steps are nearly as fine, and the order would come out too
 /// large; the differences between neighbours fall with the same order and are free of that.
@@ -27,10 +30,18 @@ void judge_line(const Study& study, std::size_t q, std::size_t line, StudyErrors
     const std::vector<double> h = study.h(line);
     std::vector<double> value, gap;
     for (const std::size_t run : runs) value.push_back(study.results[run].values[q]);
-    for (std::size_t i = 0; i < runs.size(); ++i) gap.push_back(errors.exact ? errors.error[runs[i]] : i + 1 < runs.size() ? difference(value[i], value[i + 1]) : NAN);
-    for (std::size_t i = 1; i < runs.size(); ++i) errors.order[runs[i]] = observed_order(h[i - 1], gap[i - 1], h[i], gap[i]);
-    errors.fitted.push_back(fitted_order(h, gap));
-    const auto beyond = extrapolate(h, value);
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+        const double error = errors.error[runs[i]];
+        gap.push_back(errors.exact ? (error <= rounding ? 0 : error) : i + 1 < runs.size() ? difference(value[i], value[i + 1]) : NAN);
+    }
+    const double fitted = fitted_order(h, gap);
+    const Trend trend = trend_of(gap) == Trend::falls && fitted < least_order ? Trend::does_not_fall : trend_of(gap);
+    const bool falls = trend == Trend::falls;
+    for (std::size_t i = 1; i < runs.size() && falls; ++i) errors.order[runs[i]] = observed_order(h[i - 1], gap[i - 1], h[i], gap[i]);
+    errors.fitted.push_back(falls ? fitted : NAN);
+    errors.gaps.push_back(gap);
+    errors.trend.push_back(trend);
+    const auto beyond = falls ? extrapolate(h, value) : std::nullopt;
     errors.extrapolated.push_back(beyond ? std::optional(beyond->value) : std::nullopt);
     errors.extrapolated_order.push_back(beyond ? std::optional(beyond->order) : std::nullopt);
 }
@@ -43,6 +54,7 @@ StudyErrors judge_quantity(const Study& study, std::size_t q) {
     errors.order.assign(n, NAN);
     errors.reference_run = errors.exact ? n : finest_run(study, q);
     errors.reference = errors.exact ? *quantity.exact : study.results[errors.reference_run].values[q];
+    errors.relative = quantity.scale || errors.reference != 0;
     const double scale = quantity.scale ? *quantity.scale : errors.reference != 0 ? std::abs(errors.reference) : 1;
     for (std::size_t i = 0; i < n; ++i)
         if (i != errors.reference_run) errors.error[i] = std::abs(study.results[i].values[q] - errors.reference) / scale;

@@ -55,13 +55,26 @@ std::vector<Row> error_rows(const Study& study, std::size_t q) {
     return rows;
 }
 
+/// "differences of 12 mm, 15 mm"
+std::string gaps_text(const Study& study, std::size_t q, std::size_t line) {
+    const StudyErrors& errors = study.errors[q];
+    std::string list;
+    for (const double gap : errors.gaps[line])
+        if (std::isfinite(gap))
+            list += (list.empty() ? "" : ", ") + (errors.exact && errors.relative ? number_text(gap, "%.2g") : with_prefix(gap, study.plan.options.quantities[q].unit.c_str()));
+    return (errors.exact ? "errors of " : "differences of ") + list;
+}
+
 std::string orders_text(const Study& study, std::size_t q) {
     const StudyErrors& errors = study.errors[q];
     const DisplayUnit unit = unit_of(study, q);
     std::string text;
     for (std::size_t line = 0; line < errors.fitted.size(); ++line) {
+        const std::string& name = study.plan.options.lines[line].name;
+        if (errors.trend[line] == Trend::does_not_fall) text += name + ": no convergence seen, " + gaps_text(study, q, line) + " do not fall with h\n";
+        if (errors.trend[line] == Trend::same) text += name + ": the same on all levels but for rounding\n";
         if (!std::isfinite(errors.fitted[line])) continue;
-        text += study.plan.options.lines[line].name + ": order " + number_text(errors.fitted[line], "%.2f") + " (fitted)";
+        text += name + ": order " + number_text(errors.fitted[line], "%.2f") + " (fitted)";
         if (errors.extrapolated[line])
             text += "; extrapolated to " + number_text(*errors.extrapolated[line] * unit.factor, "%.8g") + (unit.unit.empty() ? "" : " " + unit.unit) + " with order " +
                     number_text(*errors.extrapolated_order[line], "%.2f");
@@ -141,11 +154,11 @@ std::string study_text(const Study& study) {
 }
 
 std::string study_csv(const Study& study) {
-    std::string text = "line,level,seed,status,bulk,cohesion,size_m,step_s,triangles,steps,cuts,linear_solves,factorisations,cpu_s";
+    std::string text = csv_header("study.csv");
     const auto& quantities = study.plan.options.quantities;
     for (const StudyQuantity& quantity : quantities) {
-        text += "," + csv_text(quantity.name);
-        if (!study.is_statistics()) text += "," + csv_text("error of " + quantity.name) + "," + csv_text("order of " + quantity.name);
+        text += "," + csv_text(with_unit(quantity.name, quantity.unit));
+        if (!study.is_statistics()) text += "," + csv_text(with_unit("error of " + quantity.name, study.errors[static_cast<std::size_t>(&quantity - quantities.data())].relative ? "" : quantity.unit)) + "," + csv_text("order of " + quantity.name);
     }
     text += "\n";
     for (std::size_t i = 0; i < study.results.size(); ++i) {
@@ -163,14 +176,14 @@ std::string study_csv(const Study& study) {
 }
 
 std::string statistics_csv(const Study& study) {
-    std::string text = "line,level,runs,quantity,happened,mean,deviation,smallest,largest\n";
+    std::string text = csv_header("statistics.csv") + "\n";
     const auto& quantities = study.plan.options.quantities;
     for (const Sample& sample : samples(study)) {
         const StudyRun& run = study.plan.runs[sample.runs.front()];
         for (std::size_t q = 0; q < quantities.size(); ++q) {
             const Spread s = sample.of(study, q);
             text += csv_text(study.plan.options.lines[run.line].name) + "," + shortest(run.level) + "," + std::to_string(sample.runs.size()) + "," +
-                    csv_text(quantities[q].name) + "," + std::to_string(s.n);
+                    csv_text(quantities[q].name) + "," + quantities[q].unit + "," + std::to_string(s.n);
             for (const double v : {s.mean, s.deviation, s.smallest, s.largest}) text += "," + csv_number(v);
             text += "\n";
         }

@@ -40,8 +40,7 @@ std::string sheet_figure(const Scenario& scenario, const std::string& show) {
 std::vector<StudyQuantity> quantities_of(const std::vector<std::string>& names) {
     std::vector<StudyQuantity> quantities;
     for (const std::string& name : names) {
-        const auto key = std::find_if(summary_keys().begin(), summary_keys().end(), [&](const SummaryKey& k) { return k.name == name; });
-        quantities.push_back({.name = name, .of = name, .unit = key == summary_keys().end() ? "" : std::string(key->unit)});
+        quantities.push_back({.name = name, .of = name, .unit = std::string(unit_of("summary", name))});
     }
     return quantities;
 }

@@ -85,8 +85,8 @@ std::string sweep_text(const SweepPlan& plan, const std::vector<RunResult>& resu
 }
 
 std::string sweep_csv(const SweepPlan& plan, const std::vector<RunResult>& results) {
-    std::string text = "run," + csv_keys(plan) + "seed,status,triangles,steps,cpu_s";
-    for (const StudyQuantity& quantity : plan.quantities) text += "," + csv_text(quantity.name);
+    std::string text = "run," + csv_keys(plan) + "seed,status,triangles,steps," + with_unit("cpu", "s");
+    for (const StudyQuantity& quantity : plan.quantities) text += "," + csv_text(with_unit(quantity.name, quantity.unit));
     text += "\n";
     for (std::size_t i = 0; i < results.size(); ++i) {
         const RunResult& r = results[i];
@@ -99,11 +99,11 @@ std::string sweep_csv(const SweepPlan& plan, const std::vector<RunResult>& resul
 }
 
 std::string sweep_statistics_csv(const SweepPlan& plan, const std::vector<RunResult>& results) {
-    std::string text = csv_keys(plan) + "runs,quantity,happened,mean,deviation,smallest,largest\n";
+    std::string text = csv_keys(plan) + "runs,quantity,unit,happened,mean,deviation,smallest,largest\n";
     for (const Combination& combination : combinations(plan))
         for (std::size_t q = 0; q < plan.quantities.size(); ++q) {
             const Spread s = combination.of(results, q);
-            text += csv_values(plan, plan.runs[combination.first]) + std::to_string(combination.n) + "," + csv_text(plan.quantities[q].name) + "," + std::to_string(s.n);
+            text += csv_values(plan, plan.runs[combination.first]) + std::to_string(combination.n) + "," + csv_text(plan.quantities[q].name) + "," + plan.quantities[q].unit + "," + std::to_string(s.n);
             for (const double v : {s.mean, s.deviation, s.smallest, s.largest}) text += "," + csv_number(v);
             text += "\n";
         }

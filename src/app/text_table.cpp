@@ -1,5 +1,7 @@
 #include "app/text_table.hpp"
 
+#include "observe/history_csv.hpp"
+#include "observe/outputs.hpp"
 #include "scenario/units.hpp"
 
 #include <algorithm>
@@ -55,7 +57,13 @@ void drop_empty(std::vector<Row>& rows, std::size_t first) {
     }
 }
 
-std::string csv_number(double value) { return std::isfinite(value) ? shortest(value) : ""; }
+std::string csv_header(const std::string& table) {
+    std::vector<std::string> names;
+    for (const Output& row : output_table(table).rows) names.emplace_back(row.name);
+    return csv_line(header_of(table, names));
+}
+
+std::string csv_number(double value) { return std::isfinite(value) ? shortest(value + 0.0) : ""; }
 
 std::string csv_text(const std::string& text) {
     if (text.find_first_of(",\"\n") == std::string::npos) return text;

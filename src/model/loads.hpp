@@ -40,11 +40,14 @@ struct Load {
         body_force,    // [N/m3]
         acceleration   // [m/s2] a body force proportional to the density (gravity)
     };
+    std::string name;  // empty: "load" and its number, from 0
     Kind kind = Kind::traction;
     Selection on;
     std::array<std::optional<double>, 2> value;  // x, y; absent = free (velocity, displacement) or zero
     std::array<double, 3> stress{};              // xx, yy, xy; tension positive
     TimeFunction history;                        // multiplies the value
+
+    bool drives() const { return kind == Kind::velocity || kind == Kind::displacement; }
 };
 
 /// A rigid, fixed foundation that a boundary stands on, glued by a cohesive law or only in contact.

@@ -281,7 +281,10 @@ Model make_model(ModelInput input) {
 
     make_interfaces_and_fans(input, foundations_of(model.mesh, input.foundations), model);
     LoadMaker loads(model);
-    for (std::size_t i = 0; i < input.loads.size(); ++i) loads.add(input.loads[i], i);
+    for (std::size_t i = 0; i < input.loads.size(); ++i) {
+        loads.add(input.loads[i], i);
+        model.load_names.push_back(input.loads[i].name.empty() ? "load" + std::to_string(i) : input.loads[i].name);
+    }
     std::ranges::stable_sort(model.corner_loads, {}, &CornerLoad::corner);
     set_initial_velocities(input.initial_velocities, model);
     start_as_driven(model);

@@ -100,7 +100,8 @@ struct Model {
     std::vector<Index> fan_of_corner;
     std::vector<Index> fan_point_of;  // per point: its index in fan_points
 
-    std::vector<TimeFunction> histories;
+    std::vector<TimeFunction> histories;      // those of the loads first
+    std::vector<std::string> load_names;
     std::vector<CornerLoad> corner_loads;  // in the order of the corners
     std::vector<PrescribedMotion> prescribed;
     std::vector<Index> prescribed_of_corner;  // per corner: into `prescribed`, or -1

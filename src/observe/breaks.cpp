@@ -1,9 +1,25 @@
 #include "observe/breaks.hpp"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
 namespace knap {
+namespace {
+
+constexpr std::array columns{
+    Measure<Break>{"time", "s", "end of the step in which the last point of the interface lost its cohesion", [](const Break& b) { return b.time; }},
+    Measure<Break>{"x", "m", "middle of the interface in the undeformed body", [](const Break& b) { return b.middle.x(); }},
+    Measure<Break>{"y", "m", "likewise", [](const Break& b) { return b.middle.y(); }},
+    Measure<Break>{"angle", "deg", "of the edge from the x axis, 0 to 180", [](const Break& b) { return b.angle; }},
+    Measure<Break>{"length", "m", "of the edge", [](const Break& b) { return b.length; }},
+    Measure<Break>{"shear", "", "part of sliding in the opening at which it broke: 0 opened, 1 slid; above 1/2 it counts as a shear break", [](const Break& b) { return b.shear; }},
+    Measure<Break>{"energy", "J", "G_c of the interface", [](const Break& b) { return b.energy; }},
+};
+
+}  // namespace
+
+std::span<const Measure<Break>> break_columns() { return columns; }
 
 Breaks::Breaks(const Model& model, const State& start)
     : model_(model), settled_(model.fan_points.size(), 0), n_broken_(model.interfaces.size(), 0), shear_(model.interfaces.size(), 0.0) {
@@ -12,8 +28,6 @@ Breaks::Breaks(const Model& model, const State& start)
         for (Index k = 0; k < fan.n_points; ++k) settled_[fan.first_point + k] = start.points[start.first_point[s] + k].cohesion <= 0;
     }
 }
-
-std::vector<std::string> Breaks::columns() { return {"time", "x", "y", "angle_deg", "length", "shear", "energy"}; }
 
 bool Breaks::note(const State& now, const FanPoint& point) {
     const CohesiveLaw& law = model_.laws[point.law];
@@ -49,7 +63,8 @@ std::vector<double> Breaks::line(double time, Index i) const {
     double angle = std::atan2(along.y(), along.x()) * 180 / std::numbers::pi;
     if (angle < 0) angle += 180;
     if (angle >= 180) angle -= 180;
-    return {time, middle.x(), middle.y(), angle, interface.length, shear_[i], model_.laws[interface.law].G_c * interface.length * model_.thickness};
+    const double energy = model_.laws[interface.law].G_c * interface.length * model_.thickness;
+    return values_of(break_columns(), Break{time, middle, angle, interface.length, shear_[i], energy});
 }
 
 }  // namespace knap

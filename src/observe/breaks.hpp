@@ -9,20 +9,28 @@
 // which is the part of the fracture energy that sliding took, where both openings grew in proportion. Above 1/2 it is a shear break.
 #include "model/state.hpp"
 #include "observe/frame.hpp"
+#include "observe/outputs.hpp"
 
 #include <vector>
 
 namespace knap {
 
+/// An interface that broke: what a line of breaks.csv is about.
+struct Break {
+    double time;    // [s]
+    Vec2 middle;    // [m] in the body as it was
+    double angle;   // [deg] of the edge
+    double length;  // [m]
+    double shear;   // [-]
+    double energy;  // [J]
+};
+std::span<const Measure<Break>> break_columns();
+
 class Breaks {
 public:
     Breaks(const Model& model, const State& start);
 
-    /// Columns of breaks.csv: time, x, y (middle, in the body as it was), angle_deg (of the edge, from the x axis, 0 to 180), length, shear,
-    /// energy (G_c of the interface).
-    static std::vector<std::string> columns();
-
-    /// A line for each interface that is broken now and was not before.
+    /// A line of break_columns() for each interface that is broken now and was not before.
     std::vector<std::vector<double>> found(const State& now);
 
     Index n_tensile() const { return n_tensile_; }

@@ -83,7 +83,7 @@ Chart crack_length_chart(const History& cracks) {
     const auto add = [&](const char* label, const char* name, const Colour& colour) {
         if (cracks.has(name)) chart.curves.push_back({label, time, cracks.column(name), colour});
     };
-    add("main crack", "length", black);
+    add("main crack", "main_length", black);
     add("all branches", "crack_length", blue);
     add("broken edges", "broken_length", vermilion);
     return chart;
@@ -91,7 +91,7 @@ Chart crack_length_chart(const History& cracks) {
 
 Chart crack_speed_chart(const History& cracks, double rayleigh_speed) {
     Chart chart{.title = "Crack speed", .x_quantity = "time", .x_unit = "s", .y_quantity = "speed of the main tip", .y_unit = "m/s"};
-    chart.curves.push_back({"speed", cracks.column("time"), cracks.column("speed"), blue, 1.4});
+    chart.curves.push_back({"speed", cracks.column("time"), cracks.column("tip_speed"), blue, 1.4});
     if (rayleigh_speed > 0) chart.levels = {{"0.65 c_{R}", 0.65 * rayleigh_speed}, {"c_{R}", rayleigh_speed}};
     return chart;
 }

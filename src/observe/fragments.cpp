@@ -115,10 +115,30 @@ double Fragment::angle() const {
     return degrees < 0 ? degrees + 180 : degrees;
 }
 
+std::span<const Measure<FragmentLine>> fragment_columns() {
+    using L = FragmentLine;
+    static constexpr std::array columns{
+        Measure<L>{"fragment", "", "number, the heaviest is 0", [](const L& l) { return static_cast<double>(l.number); }},
+        Measure<L>{"triangles", "", "number of its triangles", [](const L& l) { return static_cast<double>(l.fragment.n_triangles); }},
+        Measure<L>{"area", "m2", "area", [](const L& l) { return l.fragment.area; }},
+        Measure<L>{"mass", "kg", "mass", [](const L& l) { return l.fragment.mass; }},
+        Measure<L>{"centre_x", "m", "centre of mass, where it is at the end", [](const L& l) { return l.fragment.centre.x(); }},
+        Measure<L>{"centre_y", "m", "likewise", [](const L& l) { return l.fragment.centre.y(); }},
+        Measure<L>{"velocity_x", "m/s", "of the centre of mass", [](const L& l) { return l.fragment.velocity.x(); }},
+        Measure<L>{"velocity_y", "m/s", "likewise", [](const L& l) { return l.fragment.velocity.y(); }},
+        Measure<L>{"diameter", "m", "of the circle of the same area", [](const L& l) { return l.fragment.diameter(); }},
+        Measure<L>{"mass_part", "", "its mass over the mass of all", [](const L& l) { return l.mass_part; }},
+        Measure<L>{"passing", "", "part of the mass of all in fragments of this diameter or less", [](const L& l) { return l.passing; }},
+        Measure<L>{"elongation", "", "longest over shortest axis of the ellipse with the same moments", [](const L& l) { return l.fragment.elongation(); }},
+        Measure<L>{"angle", "deg", "of the longest axis from the x axis, 0 to 180", [](const L& l) { return l.fragment.angle(); }},
+        Measure<L>{"spin", "rad/s", "angular momentum about the centre of mass over the moment of inertia", [](const L& l) { return l.fragment.spin(); }},
+        Measure<L>{"kinetic_energy", "J", "kinetic energy", [](const L& l) { return l.fragment.kinetic_energy; }},
+    };
+    return columns;
+}
+
 History fragment_table(const Fragments& fragments) {
-    History table{.columns = {"fragment", "triangles", "area_m2", "mass_kg", "centre_x_m", "centre_y_m", "velocity_x_m_s", "velocity_y_m_s", "diameter_m", "mass_part",
-                              "passing", "elongation", "angle_deg", "spin_rad_s", "kinetic_energy_J"},
-                  .rows = {}};
+    History table{.columns = names_of(fragment_columns()), .rows = {}};
     std::vector<std::pair<double, double>> sizes;  // diameter, mass
     double mass = 0;
     for (const Fragment& f : fragments.pieces) sizes.emplace_back(f.diameter(), f.mass), mass += f.mass;
@@ -129,15 +149,14 @@ History fragment_table(const Fragments& fragments) {
         const Fragment& f = fragments.pieces[p];
         const auto larger = std::upper_bound(sizes.begin(), sizes.end(), f.diameter(), [](double d, const auto& size) { return d < size.first; });
         const double passing = up_to[static_cast<std::size_t>(larger - sizes.begin())] / up_to.back();
-        table.rows.push_back({static_cast<double>(p), static_cast<double>(f.n_triangles), f.area, f.mass, f.centre.x(), f.centre.y(), f.velocity.x(), f.velocity.y(),
-                              f.diameter(), f.mass / mass, passing, f.elongation(), f.angle(), f.spin(), f.kinetic_energy});
+        table.rows.push_back(values_of(fragment_columns(), FragmentLine{p, f, f.mass / mass, passing}));
     }
     return table;
 }
 
 double diameter_passing(const History& table, double part) {
     double smallest = std::nan("");
-    const std::vector<double> diameter = table.column("diameter_m"), passing = table.column("passing");
+    const std::vector<double> diameter = table.column("diameter"), passing = table.column("passing");
     for (std::size_t i = 0; i < diameter.size(); ++i)
         if (passing[i] >= part * (1 - 1e-12)) smallest = std::fmin(smallest, diameter[i]);
     return smallest;

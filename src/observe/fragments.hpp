@@ -1,6 +1,7 @@
 #pragma once
 // Fragments: the largest sets of triangles that unbroken interfaces hold together.
 #include "observe/frame.hpp"
+#include "observe/outputs.hpp"
 
 #include <array>
 #include <span>
@@ -50,7 +51,15 @@ Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<c
 /// An interface holds as long as one of its points has cohesion left. Positions are current ones.
 Fragments find_fragments(const Model& model, const State& state);
 
-/// fragments.csv: one line a fragment, heaviest first; mass_part is of all, passing the part of the mass in fragments of this diameter or less.
+/// What a line of fragments.csv is about.
+struct FragmentLine {
+    std::size_t number;  // the heaviest is 0
+    const Fragment& fragment;
+    double mass_part, passing;  // [-]
+};
+std::span<const Measure<FragmentLine>> fragment_columns();
+
+/// fragments.csv: one line a fragment, heaviest first.
 History fragment_table(const Fragments& fragments);
 
 /// Diameter [m] that this part of the mass does not exceed: the smallest one of a fragment that as much passes.

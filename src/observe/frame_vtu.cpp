@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
+#include "observe/outputs.hpp"
 
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
@@ -9,6 +10,8 @@
 #include <vtkErrorCode.h>
 #include <vtkFieldData.h>
 #include <vtkFloatArray.h>
+#include <vtkInformation.h>
+#include <vtkInformationStringKey.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -56,7 +59,17 @@ void set_geometry(vtkUnstructuredGrid* grid, const std::vector<Vec2>& position, 
     grid->SetCells(cell_type, cells);
 }
 
-void write(vtkUnstructuredGrid* grid, double time, const path& file) {
+/// Where readers of VTK look for units.
+void add_units(vtkDataSetAttributes* arrays, const char* table) {
+    for (int i = 0; i < arrays->GetNumberOfArrays(); ++i)
+        if (const std::string unit(unit_of(table, arrays->GetArray(i)->GetName())); !unit.empty())
+            arrays->GetArray(i)->GetInformation()->Set(vtkDataArray::UNITS_LABEL(), unit.c_str());
+}
+
+/// `table`: of the list of outputs.
+void write(vtkUnstructuredGrid* grid, const char* table, double time, const path& file) {
+    add_units(grid->GetPointData(), table);
+    add_units(grid->GetCellData(), table);
     vtkNew<vtkDoubleArray> time_value;  // the name that ParaView looks for
     time_value->SetName("TimeValue");
     time_value->InsertNextValue(time);
@@ -161,7 +174,7 @@ void write_bulk(const Frame& frame, const path& file) {
     grid->GetCellData()->AddArray(filled<vtkTypeInt32Array>("region", n, 1, [&](Index t, int) { return frame.region[t]; }));
     if (!frame.grain.empty())
         grid->GetCellData()->AddArray(filled<vtkTypeInt32Array>("grain", n, 1, [&](Index t, int) { return frame.grain[t]; }));
-    write(grid, frame.time, file);
+    write(grid, "fields/bulk", frame.time, file);
 }
 
 void write_interfaces(const Frame& frame, const path& file) {
@@ -185,14 +198,14 @@ void write_interfaces(const Frame& frame, const path& file) {
         const Index p = kept[i];
         return (j == 0 ? frame.side_a : frame.side_b)[p / 2][p % 2];
     }));
-    write(grid, frame.time, file);
+    write(grid, "fields/interfaces", frame.time, file);
 }
 
 void write_obstacles(const Frame& frame, const path& file) {
     vtkNew<vtkUnstructuredGrid> grid;
     set_geometry(grid, frame.obstacle_position, VTK_POLYGON, n_outline_points);
     grid->GetPointData()->AddArray(filled<vtkDoubleArray>("displacement", count(frame.obstacle_position), 3, in_plane(frame.obstacle_displacement)));
-    write(grid, frame.time, file);
+    write(grid, "fields/obstacles", frame.time, file);
 }
 
 void read_bulk(const path& file, Frame& frame) {

@@ -2,9 +2,12 @@
 
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
+#include "observe/outputs.hpp"
 
 #include <charconv>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <string_view>
 
 namespace knap {
@@ -12,6 +15,8 @@ namespace knap {
 namespace {
 
 std::string shortest(double value) {
+    if (std::isnan(value)) return "";
+    value += 0.0;  // no minus zero
     char text[32];
     const auto end = std::to_chars(text, text + sizeof text, value).ptr;
     return {text, end};
@@ -44,12 +49,12 @@ std::string csv_line(const std::vector<std::string>& columns) {
 
 std::string csv_line(const std::vector<double>& row) {
     std::string line;
-    for (const double value : row) line += (line.empty() ? "" : ",") + shortest(value);
+    for (std::size_t i = 0; i < row.size(); ++i) line += (i == 0 ? "" : ",") + shortest(row[i]);
     return line;
 }
 
 void write_csv(const History& history, const std::filesystem::path& path) {
-    std::string text = csv_line(history.columns) + '\n';
+    std::string text = csv_line(header_of(path.filename().string(), history.columns)) + '\n';
     for (const auto& row : history.rows) text += csv_line(row) + '\n';
     write_whole_file(path, text);
 }
@@ -59,13 +64,17 @@ History read_csv(const std::filesystem::path& path) {
     std::string line;
     if (!in || !next_line(in, line)) throw UserError("missing-file", "cannot read `" + path.string() + "`");
     History history{.file = path.string()};
-    for (const std::string_view name : cells(line)) history.columns.emplace_back(name);
+    for (const std::string_view name : cells(line)) history.columns.emplace_back(name_in_header(name));
     while (next_line(in, line)) {
         if (line.empty()) continue;
         const std::string place = path.string() + ":" + std::to_string(history.rows.size() + 2);
         auto& row = history.rows.emplace_back();
         for (const std::string_view cell : cells(line)) {
-            double value = 0;
+            double value = std::numeric_limits<double>::quiet_NaN();
+            if (cell.empty() && row.size() + 1 < history.columns.size()) {  // what never happened; every table ends with what always is, so a line that was cut is told
+                row.push_back(value);
+                continue;
+            }
             const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
             if (error != std::errc() || end != cell.data() + cell.size()) throw UserError("damaged-file", place + ": `" + std::string(cell) + "` is not a number");
             row.push_back(value);

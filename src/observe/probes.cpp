@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 
+#include <array>
 #include <limits>
 
 namespace knap {
@@ -43,13 +44,28 @@ Probes::Probes(const Model& model, const std::vector<ProbeOptions>& probes) : mo
     }
 }
 
+std::span<const Output> place_columns() {
+    static constexpr std::array columns{Output{"_u_x", "m", "displacement of a place"}, Output{"_u_y", "m", "likewise"}, Output{"_v_x", "m/s", "velocity of a place"},
+                                        Output{"_v_y", "m/s", "likewise"}};
+    return columns;
+}
+
+std::span<const Output> interface_columns() {
+    static constexpr std::array columns{Output{"_opening", "m", "opening of an interface, mean over its points"}, Output{"_slip", "m", "slip, likewise"},
+                                        Output{"_cohesion", "", "beta, likewise: 1 intact, 0 broken"}};
+    return columns;
+}
+
+std::vector<std::string> probe_columns(const ProbeOptions& probe) {
+    std::vector<std::string> names;
+    for (const Output& column : probe.interface ? interface_columns() : place_columns()) names.push_back(probe.name + std::string(column.name));
+    return names;
+}
+
 std::vector<std::string> Probes::columns() const {
     std::vector<std::string> names{"time"};
-    for (const Probe& probe : probes_) {
-        const bool vertex = probe.interface < 0;
-        for (const char* quantity : vertex ? std::vector{"_u_x", "_u_y", "_v_x", "_v_y"} : std::vector{"_opening", "_slip", "_cohesion"})
-            names.push_back(probe.name + quantity);
-    }
+    for (const Probe& probe : probes_)
+        for (const std::string& column : probe_columns({.name = probe.name, .at = {}, .interface = probe.interface >= 0})) names.push_back(column);
     return names;
 }
 

@@ -2,6 +2,7 @@
 // Displacement and velocity of chosen places, opening and cohesion of chosen interfaces, over time.
 #include "model/state.hpp"
 #include "observe/corner_weights.hpp"
+#include "observe/outputs.hpp"
 
 #include <string>
 #include <vector>
@@ -13,6 +14,13 @@ struct ProbeOptions {
     Vec2 at;                 // [m]
     bool interface = false;  // an interface that can break, the one nearest to the place
 };
+
+/// Columns of probes.csv of a probe that watches a place, and of one that watches an interface, by the part behind its name.
+std::span<const Output> place_columns();
+std::span<const Output> interface_columns();
+
+/// Those of one probe, by name.
+std::vector<std::string> probe_columns(const ProbeOptions& probe);
 
 class Probes {
 public:

@@ -41,8 +41,8 @@ std::string Progress::line(const State& now, const Recorder& recorder) const {
     const double part = now.time / end_, wall = watch_.wall();
     std::string text = formatted("%3.0f %%", 100 * part) + "  t " + scaled(now.time, "s");
     if (part < 1 && now.time > start_) text += formatted("  %.0f s left", wall * (end_ - now.time) / (now.time - start_));
-    text += "  crack " + scaled(cracks.main_length, "m");
-    const double speed = recorder.histories().cracks.rows.empty() ? std::nan("") : recorder.histories().cracks.rows.back()[10];
+    text += "  main crack " + scaled(cracks.main_length, "m");
+    const double speed = recorder.cracks().tip_speed() / recorder.options().rayleigh_speed;
     if (std::isfinite(speed)) text += formatted("  v/cR %.2f", speed);
     text += "  tips " + std::to_string(cracks.tips.size()) + "  branches " + std::to_string(cracks.n_branches());
     text += formatted("  dE %.0e", ledger.largest_residual() / std::max(ledger.largest_energy(), 1e-300));

@@ -1,6 +1,7 @@
 #include "observe/reactions.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace knap {
 
@@ -41,15 +42,46 @@ std::vector<Reaction> Reactions::at(const State& state) const {
     return found;
 }
 
-std::vector<std::string> Reactions::columns() const {
+std::span<const Output> driver_columns() {
+    static constexpr std::array columns{Output{"_force_x", "N", "force on the body of a load that prescribes a motion, or of an obstacle; mean over the last step"},
+                                        Output{"_force_y", "N", "likewise"},
+                                        Output{"_u_x", "m", "displacement: mean over the corners that the load holds, or of the obstacle"},
+                                        Output{"_u_y", "m", "likewise"}};
+    return columns;
+}
+
+std::span<const Output> obstacle_columns() {
+    static constexpr std::array columns{Output{"_moment", "N m", "moment on the body about the reference point of the obstacle, mean over the last step"},
+                                        Output{"_angle", "rad", "by which the obstacle has turned"},
+                                        Output{"_v_x", "m/s", "velocity of the obstacle"},
+                                        Output{"_v_y", "m/s", "likewise"},
+                                        Output{"_spin", "rad/s", "angular velocity of the obstacle"}};
+    return columns;
+}
+
+std::vector<std::string> reaction_columns(const std::vector<std::string>& loads, const std::vector<std::string>& obstacles) {
     std::vector<std::string> names{"time"};
-    for (const Index load : loads_)
-        for (const char* quantity : {"_force_x", "_force_y", "_u_x", "_u_y"}) names.push_back("load" + std::to_string(load) + quantity);
-    for (const Obstacle& obstacle : model_.obstacles)
-        for (const char* quantity : {"_force_x", "_force_y", "_u_x", "_u_y"}) names.push_back(obstacle.name + quantity);
-    for (const Obstacle& obstacle : model_.obstacles)
-        for (const char* quantity : {"_moment", "_angle", "_v_x", "_v_y", "_spin"}) names.push_back(obstacle.name + quantity);
+    const auto add = [&](const std::vector<std::string>& of, std::span<const Output> columns) {
+        for (const std::string& name : of)
+            for (const Output& column : columns) names.push_back(name + std::string(column.name));
+    };
+    add(loads, driver_columns());
+    add(obstacles, driver_columns());
+    add(obstacles, obstacle_columns());
     return names;
+}
+
+std::vector<std::string> Reactions::names() const {
+    std::vector<std::string> names;
+    for (const Index load : loads_) names.push_back(model_.load_names[load]);
+    for (const Obstacle& obstacle : model_.obstacles) names.push_back(obstacle.name);
+    return names;
+}
+
+std::vector<std::string> Reactions::columns() const {
+    const std::vector<std::string> all = names();
+    const auto first_obstacle = all.begin() + static_cast<std::ptrdiff_t>(loads_.size());
+    return reaction_columns({all.begin(), first_obstacle}, {first_obstacle, all.end()});
 }
 
 std::vector<double> Reactions::line(const State& state) const {

@@ -1,6 +1,7 @@
 #pragma once
 // What it takes to drive a body: resultant force and mean displacement of every load that prescribes a motion, and of every obstacle.
 #include "model/state.hpp"
+#include "observe/outputs.hpp"
 
 #include <string>
 #include <vector>
@@ -12,6 +13,13 @@ struct Reaction {
     Vec2 force;         // [N] resultant on the body, mean over the last step; 0 in components that this load leaves free
     Vec2 displacement;  // [m] mean over the corners that it holds; of an obstacle its own
 };
+
+/// Columns of reactions.csv after the time: of every load and obstacle that drives, then of every obstacle; by the part behind its name.
+std::span<const Output> driver_columns();
+std::span<const Output> obstacle_columns();
+
+/// The names of all of them for such loads and obstacles.
+std::vector<std::string> reaction_columns(const std::vector<std::string>& loads, const std::vector<std::string>& obstacles);
 
 class Reactions {
 public:
@@ -27,7 +35,10 @@ public:
     /// In the order of loads(), then of the obstacles.
     std::vector<Reaction> at(const State& state) const;
 
-    /// Columns and line of reactions.csv: time, then force and displacement of each load and obstacle, then how each obstacle turns and moves.
+    /// Names of loads and obstacles, in the order of at().
+    std::vector<std::string> names() const;
+
+    /// Columns and line of reactions.csv.
     std::vector<std::string> columns() const;
     std::vector<double> line(const State& state) const;
 

@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "observe/fragments.hpp"
+#include "observe/history_columns.hpp"
 #include "observe/history_csv.hpp"
 #include "observe/interface_status.hpp"
 
@@ -15,29 +16,6 @@ namespace knap {
 namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
-
-std::vector<double> energy_line(const EnergyRow& row, double step) {
-    return {row.time,        row.kinetic,  row.strain,  row.surface,       row.external_work,      row.cohesive_work,    row.friction_work,
-            row.impact_work, row.residual, row.law_lag, row.crossing_loss, row.scheme_dissipation, row.step_change_work, step};
-}
-
-std::vector<double> crack_line(double time, const CrackHistory& history, double rayleigh_speed) {
-    const CrackPattern& cracks = history.pattern();
-    const Vec2 tip = cracks.main_end ? cracks.main_end->position : Vec2::Constant(std::nan(""));
-    return {time,
-            cracks.main_length,
-            cracks.crack_length,
-            cracks.broken_length,
-            cracks.damaged_length,
-            static_cast<double>(cracks.tips.size()),
-            static_cast<double>(cracks.n_branches()),
-            tip.x(),
-            tip.y(),
-            history.tip_speed(),
-            rayleigh_speed > 0 ? history.tip_speed() / rayleigh_speed : 0,
-            static_cast<double>(cracks.n_broken),
-            static_cast<double>(cracks.n_damaged)};
-}
 
 /// The file with all lines so far, open for the next ones.
 std::ofstream opened(const std::filesystem::path& path, const History& history) {
@@ -54,16 +32,6 @@ void add_line(const std::vector<double>& row, History& history, std::ofstream& f
 
 }  // namespace
 
-std::vector<std::string> energy_columns() {
-    return {"time",        "kinetic",  "strain",  "surface",       "external_work",      "cohesive_work",    "friction_work",
-            "impact_work", "residual", "law_lag", "crossing_loss", "scheme_dissipation", "step_change_work", "step"};
-}
-
-std::vector<std::string> crack_columns() {
-    return {"time",  "length", "crack_length", "broken_length", "damaged_length", "tips",    "branches",
-            "tip_x", "tip_y",  "speed",        "speed_over_cR", "n_broken",       "n_damaged"};
-}
-
 Recorder::Recorder(const Model& model, const State& start, RecorderOptions options)
     : model_(model),
       options_(std::move(options)),
@@ -72,13 +40,13 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
       cracks_(interface_graph(model), options_.cracks),
       reactions_(model),
       probes_(model, options_.probes) {
-    histories_.energy.columns = energy_columns();
-    histories_.cracks.columns = crack_columns();
+    histories_.energy.columns = names_of(energy_columns());
+    histories_.cracks.columns = names_of(crack_columns());
     if (!reactions_.empty()) histories_.reactions.columns = reactions_.columns();
     if (!probes_.empty()) histories_.probes.columns = probes_.columns();
     if (options_.breaks || options_.specimen) {
         breaks_.emplace(model, start);
-        histories_.breaks.columns = Breaks::columns();
+        histories_.breaks.columns = names_of(break_columns());
     }
     if (options_.specimen) {
         specimen_.emplace(model, reactions_, *options_.specimen);
@@ -212,8 +180,8 @@ void Recorder::write_lines(const State& now) {
     const Timed timed(*this);
     last_line_ = now.time;
     cracks_.snapshot(now.time, interface_status(model_, now));
-    add_line(energy_line(ledger_.row(), now.last_step), histories_.energy, energy_file_, options_.directory / "energy.csv");
-    add_line(crack_line(now.time, cracks_, options_.rayleigh_speed), histories_.cracks, crack_file_, options_.directory / "cracks.csv");
+    add_line(values_of(energy_columns(), EnergyMoment{ledger_.row(), now.last_step}), histories_.energy, energy_file_, options_.directory / "energy.csv");
+    add_line(values_of(crack_columns(), CrackMoment{now.time, cracks_, options_.rayleigh_speed}), histories_.cracks, crack_file_, options_.directory / "cracks.csv");
     if (!reactions_.empty()) add_line(reactions_.line(now), histories_.reactions, reaction_file_, options_.directory / "reactions.csv");
     if (!probes_.empty()) add_line(probes_.line(now), histories_.probes, probe_file_, options_.directory / "probes.csv");
     if (specimen_) {

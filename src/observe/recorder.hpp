@@ -111,8 +111,4 @@ private:
     std::optional<FrameWriter> writer_;  // the first to go: it works with the others
 };
 
-/// Columns of energy.csv and cracks.csv.
-std::vector<std::string> energy_columns();
-std::vector<std::string> crack_columns();
-
 }  // namespace knap

@@ -75,7 +75,7 @@ Chart break_chart(const History& breaks, double begin, double end) {
 Chart fragment_size_chart(const History& fragments) {
     Chart chart{.title = "Size of fragments", .x_quantity = "diameter of the circle of the same area", .x_unit = "m", .y_quantity = "mass passing [%]", .x_logarithmic = true};
     std::vector<std::pair<double, double>> sizes;  // diameter, part of the mass
-    const Column diameter = fragments.column("diameter_m"), part = fragments.column("mass_part");
+    const Column diameter = fragments.column("diameter"), part = fragments.column("mass_part");
     for (std::size_t i = 0; i < diameter.size(); ++i) sizes.emplace_back(diameter[i], part[i]);
     std::sort(sizes.begin(), sizes.end());
     Column x, rise;

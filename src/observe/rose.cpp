@@ -42,7 +42,7 @@ void ring_label(Canvas& canvas, const Vec2& at, const std::string& text) {
 
 std::vector<Petal> petals(const History& breaks) {
     std::vector<Petal> found(n_petals);
-    const std::vector<double> angle = breaks.column("angle_deg"), length = breaks.column("length"), shear = breaks.column("shear");
+    const std::vector<double> angle = breaks.column("angle"), length = breaks.column("length"), shear = breaks.column("shear");
     for (std::size_t i = 0; i < angle.size(); ++i) {
         Petal& petal = found[std::clamp(static_cast<int>(angle[i] / petal_width), 0, n_petals - 1)];
         (is_shear(shear[i]) ? petal.shear : petal.tensile) += length[i];

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 
+#include <array>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -74,6 +75,19 @@ Specimen::Specimen(const Model& model, const Reactions& reactions, const Specime
     }
     if (options.axial) axial_ = Gauge(model, reactions, *options.axial, axis, height);
     if (options.lateral) lateral_ = Gauge(model, reactions, *options.lateral, across, width);
+}
+
+std::span<const Output> stress_strain_columns() {
+    static constexpr std::array columns{
+        Output{"time", "s", "mean time of the steps since the line before, whose means stress and strains are"},
+        Output{"stress", "Pa", "of the specimen, from the force of what drives it; positive as its test says"},
+        Output{"axial_strain", "", "along the axis, positive as the stress"},
+        Output{"lateral_strain", "", "across, same sign; with a lateral gauge"},
+        Output{"volumetric_strain", "", "their sum, positive when the area shrinks; in compression"},
+        Output{"tensile_breaks", "", "number of interfaces so far that broke more by opening than by sliding"},
+        Output{"shear_breaks", "", "number of interfaces so far that broke more by sliding"},
+    };
+    return columns;
 }
 
 std::vector<std::string> Specimen::columns() const {

@@ -11,6 +11,7 @@
 // distance: boundaries (the mean along them), probes, or what drives (its travel, over height or width). Stress and strains of a line are means over the
 // time since the line before, of all steps: forces of single steps ring, and both means belong to the same time.
 #include "observe/corner_weights.hpp"
+#include "observe/outputs.hpp"
 #include "observe/reactions.hpp"
 
 #include <array>
@@ -65,6 +66,9 @@ private:
 struct StressStrain {
     double stress = 0, axial = 0, lateral = 0;
 };
+
+/// All columns that stress_strain.csv may have; of lateral gauges, compression and breaks only where there are such.
+std::span<const Output> stress_strain_columns();
 
 class Specimen {
 public:

@@ -4,6 +4,7 @@
 #include "observe/strength.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -17,116 +18,177 @@ double Summary::operator[](const std::string& name) const {
 
 namespace {
 
-/// The reaction of the first load or obstacle that moves, or else of the first that holds anything.
-struct Driver {
-    Vec2 force = Vec2::Constant(std::nan(""));  // [N] at the end
-    double largest = std::nan("");              // [N] over the lines of reactions.csv
-};
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-Driver driver(const Recorder& recorder, const State& end) {
-    if (recorder.reactions().empty()) return {};
-    const std::vector<Reaction> all = recorder.reactions().at(end);
-    const auto moves = [](const Reaction& reaction) { return !reaction.displacement.isZero(0); };
-    const std::size_t found = std::find_if(all.begin(), all.end(), moves) - all.begin(), load = found < all.size() ? found : 0;
-    Driver driver{.force = all[load].force, .largest = all[load].force.norm()};
+/// The largest force [N] of a load or obstacle over the lines of reactions.csv, and at the end.
+double largest_force(const Recorder& recorder, std::size_t number, const Reaction& at_end) {
+    double largest = at_end.force.norm();
     for (const std::vector<double>& row : recorder.histories().reactions.rows)
-        driver.largest = std::max(driver.largest, std::hypot(row[1 + 4 * load], row[2 + 4 * load]));
-    return driver;
+        largest = std::max(largest, std::hypot(row[1 + 4 * number], row[2 + 4 * number]));
+    return largest;
 }
 
 /// [m/s] slope of the length of the main crack over the second half of its growth.
 double mean_tip_speed(const Recorder& recorder) {
     const History& cracks = recorder.histories().cracks;
-    if (cracks.rows.empty()) return std::nan("");
-    const std::vector<double> time = cracks.column("time"), length = cracks.column("length");
+    if (cracks.rows.empty()) return none;
+    const std::vector<double> time = cracks.column("time"), length = cracks.column("main_length");
     std::vector<std::pair<double, double>> samples;
     for (std::size_t i = 0; i < time.size() && (i == 0 || length[i - 1] < length.back()); ++i)
         if (length[i] >= 0.5 * length.back()) samples.emplace_back(time[i], length[i]);
-    if (samples.size() < 2) return std::nan("");
+    if (samples.size() < 2) return none;
     return speed_over_window(samples, samples.back().second - samples.front().second);
 }
 
-using Values = std::vector<std::pair<std::string, double>>;
+/// What a summary is made of.
+struct Facts {
+    Facts(const Model& model, const State& end, const Recorder& recorder, double rayleigh_speed);
 
-void add_breaks(const Recorder& recorder, Values& values) {
-    const History& breaks = recorder.histories().breaks;
-    if (breaks.columns.empty()) return;
-    const std::vector<double> shear = breaks.column("shear");
-    const auto n_shear = static_cast<double>(std::count_if(shear.begin(), shear.end(), is_shear));
-    values.insert(values.end(), {{"tensile_breaks", static_cast<double>(shear.size()) - n_shear}, {"shear_breaks", n_shear}});
-}
+    double part(double energy) const { return energy / (ledger.largest_energy() > 0 ? ledger.largest_energy() : 1); }
+    bool has_breaks() const { return !recorder.histories().breaks.columns.empty(); }
+    const SpecimenOptions* specimen() const { return recorder.options().specimen ? &*recorder.options().specimen : nullptr; }
 
-void add_strength(const Recorder& recorder, PlaneModel plane, Values& values) {
-    if (!recorder.options().specimen) return;
-    const SpecimenOptions& specimen = *recorder.options().specimen;
-    const Strength s = strength_of(recorder.histories().stress_strain, specimen.modulus_between);
-    values.insert(values.end(), {{"peak_stress", s.peak_stress}, {"peak_strain", s.peak_strain}, {"tangent_modulus", s.tangent_modulus}});
-    if (specimen.lateral) {
-        const MaterialConstants material = material_constants(s, plane);
-        values.insert(values.end(), {{"youngs_modulus", material.E}, {"poisson_ratio", material.nu}});
-    }
-    values.emplace_back("crack_initiation_stress", s.crack_initiation);
-    if (specimen.lateral && specimen.test == SpecimenOptions::Test::compression)
-        values.insert(values.end(), {{"dilatancy_stress", s.dilatancy}, {"crack_damage_stress", s.crack_damage}});
-}
+    const Recorder& recorder;
+    const EnergyLedger& ledger;
+    const EnergyRow& energy;
+    const CrackHistory& cracks;
+    const CrackPattern& pattern;
+    double rayleigh_speed;  // [m/s]
+    Vec2 momentum = Vec2::Zero(), mean_displacement = Vec2::Zero();  // [kg m/s], [m]
+    std::vector<Reaction> reactions;  // at the end
+    std::optional<std::size_t> driver;  // the first load or obstacle that moves, or else the first one
+    History fragments;
+    double n_tensile = none, n_shear = none;
+    Strength strength;
+    MaterialConstants material{none, none};
+};
 
-}  // namespace
-
-Summary summarise(const Model& model, const State& end, const Recorder& recorder, double rayleigh_speed) {
-    const EnergyLedger& ledger = recorder.ledger();
-    const EnergyRow& energy = ledger.row();
-    const CrackHistory& cracks = recorder.cracks();
-    const CrackPattern& pattern = cracks.pattern();
-    const double scale = ledger.largest_energy() > 0 ? ledger.largest_energy() : 1;
-    constexpr double never = std::numeric_limits<double>::quiet_NaN();
-    const auto branching = cracks.first_branching();
-
-    const Driver driven = driver(recorder, end);
-    Vec2 momentum = Vec2::Zero(), moment = Vec2::Zero();
+Facts::Facts(const Model& model, const State& end, const Recorder& of, double speed)
+    : recorder(of), ledger(of.ledger()), energy(ledger.row()), cracks(of.cracks()), pattern(cracks.pattern()), rayleigh_speed(speed) {
     double mass = 0;
+    Vec2 moment = Vec2::Zero();
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
         momentum += model.corner_mass[c] * end.velocity[end.node_of_corner[c]];
         moment += model.corner_mass[c] * end.displacement[end.node_of_corner[c]];
         mass += model.corner_mass[c];
     }
-    const History fragments = fragment_table(find_fragments(model, end));
-    Summary summary{{
-        {"energy_residual", ledger.largest_residual() / scale},
-        {"law_lag", ledger.largest_law_lag() / scale},
-        {"crossing_loss", energy.crossing_loss / scale},
-        {"external_work", energy.external_work},
-        {"dissipated", energy.surface},
-        {"friction_work", energy.friction_work},
-        {"impact_work", energy.impact_work},
-        {"scheme_dissipation", energy.scheme_dissipation},
-        {"kinetic_energy", energy.kinetic},
-        {"strain_energy", energy.strain},
-        {"momentum_x", momentum.x()},
-        {"momentum_y", momentum.y()},
-        {"mean_displacement_x", moment.x() / mass},
-        {"mean_displacement_y", moment.y() / mass},
-        {"reaction_x", driven.force.x()},
-        {"reaction_y", driven.force.y()},
-        {"largest_reaction", driven.largest},
-        {"broken_length", pattern.broken_length},
-        {"crack_length", pattern.crack_length},
-        {"first_growth_time", cracks.first_growth_time().value_or(never)},
-        {"max_tip_speed", cracks.max_tip_speed()},
-        {"mean_tip_speed", mean_tip_speed(recorder)},
-        {"max_tip_speed_over_cR", rayleigh_speed > 0 ? cracks.max_tip_speed() / rayleigh_speed : never},
-        {"tips", static_cast<double>(pattern.tips.size())},
-        {"branches", static_cast<double>(pattern.n_branches())},
-        {"first_branch_time", branching ? branching->time : never},
-        {"first_branch_x", branching ? branching->position.x() : never},
-        {"first_branch_y", branching ? branching->position.y() : never},
-        {"fragments", static_cast<double>(fragments.rows.size())},
-        {"largest_fragment", fragments.column("mass_part").front()},
-        {"median_fragment", diameter_passing(fragments, 0.5)},
-        {"largest_penetration", ledger.worst().penetration},
-        {"largest_speed", ledger.worst().largest_speed},
-    }};
-    add_breaks(recorder, summary.values);
-    add_strength(recorder, model.plane, summary.values);
+    mean_displacement = moment / mass;
+    fragments = fragment_table(find_fragments(model, end));
+    if (!recorder.reactions().empty()) {
+        reactions = recorder.reactions().at(end);
+        const auto moves = [](const Reaction& reaction) { return !reaction.displacement.isZero(0); };
+        const std::size_t found = std::find_if(reactions.begin(), reactions.end(), moves) - reactions.begin();
+        driver = found < reactions.size() ? found : 0;
+    }
+    if (has_breaks()) {
+        const std::vector<double> shear = recorder.histories().breaks.column("shear");
+        n_shear = static_cast<double>(std::count_if(shear.begin(), shear.end(), is_shear));
+        n_tensile = static_cast<double>(shear.size()) - n_shear;
+    }
+    if (!specimen()) return;
+    strength = strength_of(recorder.histories().stress_strain, specimen()->modulus_between);
+    if (specimen()->lateral) material = material_constants(strength, model.plane);
+}
+
+using F = Facts;
+
+bool always(const F&) { return true; }
+bool with_breaks(const F& f) { return f.has_breaks(); }
+bool of_specimen(const F& f) { return f.specimen() != nullptr; }
+bool with_gauge(const F& f) { return f.specimen() != nullptr && f.specimen()->lateral; }
+bool in_compression(const F& f) { return with_gauge(f) && f.specimen()->test == SpecimenOptions::Test::compression; }
+
+struct SummaryRow {
+    std::string_view name, unit, doc;
+    double (*of)(const F&);         // NaN: never happened
+    bool (*is_there)(const F&) = always;  // whether a run has this number at all
+};
+
+constexpr std::array rows{
+    SummaryRow{"energy_residual", "", "largest error of the energy balance over the run, relative to the largest energy", [](const F& f) { return f.part(f.ledger.largest_residual()); }},
+    SummaryRow{"law_lag", "", "largest lag of the cohesive law of explicit beta over the run, relative to the largest energy", [](const F& f) { return f.part(f.ledger.largest_law_lag()); }},
+    SummaryRow{"crossing_loss", "", "energy lost where slips cross zero, relative to the largest energy", [](const F& f) { return f.part(f.energy.crossing_loss); }},
+    SummaryRow{"external_work", "J", "work of loads and prescribed motions", [](const F& f) { return f.energy.external_work; }},
+    SummaryRow{"dissipated", "J", "surface energy of broken and damaged interfaces", [](const F& f) { return f.energy.surface; }},
+    SummaryRow{"friction_work", "J", "work of friction, never positive", [](const F& f) { return f.energy.friction_work; }},
+    SummaryRow{"impact_work", "J", "work of all impacts, never positive", [](const F& f) { return f.energy.impact_work; }},
+    SummaryRow{"scheme_dissipation", "J", "what theta > 1/2 took away, never negative", [](const F& f) { return f.energy.scheme_dissipation; }},
+    SummaryRow{"kinetic_energy", "J", "at the end", [](const F& f) { return f.energy.kinetic; }},
+    SummaryRow{"strain_energy", "J", "at the end", [](const F& f) { return f.energy.strain; }},
+    SummaryRow{"momentum_x", "kg m/s", "of the whole body at the end", [](const F& f) { return f.momentum.x(); }},
+    SummaryRow{"momentum_y", "kg m/s", "likewise", [](const F& f) { return f.momentum.y(); }},
+    SummaryRow{"mean_displacement_x", "m", "of the centre of mass at the end", [](const F& f) { return f.mean_displacement.x(); }},
+    SummaryRow{"mean_displacement_y", "m", "likewise", [](const F& f) { return f.mean_displacement.y(); }},
+    SummaryRow{"reaction_x", "N", "force on the body, at the end, of the load or obstacle that run.json calls reaction_of: the first that moves",
+               [](const F& f) { return f.driver ? f.reactions[*f.driver].force.x() : none; }},
+    SummaryRow{"reaction_y", "N", "likewise", [](const F& f) { return f.driver ? f.reactions[*f.driver].force.y() : none; }},
+    SummaryRow{"largest_reaction", "N", "its largest size over the run",
+               [](const F& f) { return f.driver ? largest_force(f.recorder, *f.driver, f.reactions[*f.driver]) : none; }},
+    SummaryRow{"broken_length", "m", "length of all broken interfaces", [](const F& f) { return f.pattern.broken_length; }},
+    SummaryRow{"crack_length", "m", "length of all cracks that count, without single broken interfaces", [](const F& f) { return f.pattern.crack_length; }},
+    SummaryRow{"main_length", "m", "length of the main crack, along chords", [](const F& f) { return f.pattern.main_length; }},
+    SummaryRow{"first_growth_time", "s", "first crack growth", [](const F& f) { return f.cracks.first_growth_time().value_or(none); }},
+    SummaryRow{"max_tip_speed", "m/s", "largest speed of the main crack tip", [](const F& f) { return f.cracks.max_tip_speed(); }},
+    SummaryRow{"mean_tip_speed", "m/s", "its mean over the second half of the crack's growth", [](const F& f) { return mean_tip_speed(f.recorder); }},
+    SummaryRow{"max_tip_speed_over_cR", "", "max_tip_speed over the Rayleigh speed",
+               [](const F& f) { return f.rayleigh_speed > 0 ? f.cracks.max_tip_speed() / f.rayleigh_speed : none; }},
+    SummaryRow{"tips", "", "number of crack tips at the end", [](const F& f) { return static_cast<double>(f.pattern.tips.size()); }},
+    SummaryRow{"branches", "", "number of branchings at the end", [](const F& f) { return static_cast<double>(f.pattern.n_branches()); }},
+    SummaryRow{"first_branch_time", "s", "first branching", [](const F& f) { return f.cracks.first_branching() ? f.cracks.first_branching()->time : none; }},
+    SummaryRow{"first_branch_x", "m", "where it was", [](const F& f) { return f.cracks.first_branching() ? f.cracks.first_branching()->position.x() : none; }},
+    SummaryRow{"first_branch_y", "m", "likewise", [](const F& f) { return f.cracks.first_branching() ? f.cracks.first_branching()->position.y() : none; }},
+    SummaryRow{"fragments", "", "number of pieces at the end", [](const F& f) { return static_cast<double>(f.fragments.rows.size()); }},
+    SummaryRow{"largest_fragment", "", "its part of the mass, at the end", [](const F& f) { return f.fragments.column("mass_part").front(); }},
+    SummaryRow{"median_fragment", "m", "diameter that half of the mass does not exceed (circle of the same area), at the end",
+               [](const F& f) { return diameter_passing(f.fragments, 0.5); }},
+    SummaryRow{"tensile_breaks", "", "number of interfaces that broke more by opening than by sliding; with output.breaks", [](const F& f) { return f.n_tensile; }, with_breaks},
+    SummaryRow{"shear_breaks", "", "number of interfaces that broke more by sliding; with output.breaks", [](const F& f) { return f.n_shear; }, with_breaks},
+    SummaryRow{"peak_stress", "Pa", "largest stress of the specimen: its strength", [](const F& f) { return f.strength.peak_stress; }, of_specimen},
+    SummaryRow{"peak_strain", "", "axial strain there", [](const F& f) { return f.strength.peak_strain; }, of_specimen},
+    SummaryRow{"tangent_modulus", "Pa", "slope of stress over axial strain, in the plane, of a specimen", [](const F& f) { return f.strength.tangent_modulus; }, of_specimen},
+    SummaryRow{"youngs_modulus", "Pa", "of the material of a specimen: in plane strain the tangent modulus times 1 - nu^2, which needs a lateral gauge",
+               [](const F& f) { return f.material.E; }, with_gauge},
+    SummaryRow{"poisson_ratio", "", "of the material of a specimen with a lateral gauge", [](const F& f) { return f.material.nu; }, with_gauge},
+    SummaryRow{"crack_initiation_stress", "Pa", "stress of a specimen with 1 % of the breaks of the peak (Potyondy and Cundall 2004)",
+               [](const F& f) { return f.strength.crack_initiation; }, of_specimen},
+    SummaryRow{"dilatancy_stress", "Pa", "stress from which the crack volumetric strain leaves zero (Martin and Chandler 1994); compression with a lateral gauge",
+               [](const F& f) { return f.strength.dilatancy; }, in_compression},
+    SummaryRow{"crack_damage_stress", "Pa", "stress at which the volumetric strain turns from shrinking to growing (Martin and Chandler 1994); likewise",
+               [](const F& f) { return f.strength.crack_damage; }, in_compression},
+    SummaryRow{"largest_penetration", "m", "largest overlap of two sides in contact over the run", [](const F& f) { return f.ledger.worst().penetration; }},
+    SummaryRow{"largest_speed", "m/s", "largest speed of any corner over the run", [](const F& f) { return f.ledger.worst().largest_speed; }},
+};
+
+/// Of every load and obstacle that drives, after its name.
+struct Driver {
+    const Recorder& recorder;
+    std::size_t number;
+    const Reaction& at_end;
+};
+constexpr std::array driver_rows{
+    Measure<Driver>{"*_force_x", "N", "force on the body, at the end, of each load that prescribes a motion and each obstacle, by its name", [](const Driver& d) { return d.at_end.force.x(); }},
+    Measure<Driver>{"*_force_y", "N", "likewise", [](const Driver& d) { return d.at_end.force.y(); }},
+    Measure<Driver>{"*_largest_force", "N", "its largest size over the lines of reactions.csv", [](const Driver& d) { return largest_force(d.recorder, d.number, d.at_end); }},
+};
+
+}  // namespace
+
+std::vector<Output> summary_outputs() {
+    std::vector<Output> outputs;
+    for (const SummaryRow& row : rows) outputs.push_back({row.name, row.unit, row.doc});
+    for (const auto& row : driver_rows) outputs.push_back({row.name, row.unit, row.doc});
+    return outputs;
+}
+
+Summary summarise(const Model& model, const State& end, const Recorder& recorder, double rayleigh_speed) {
+    const Facts facts(model, end, recorder, rayleigh_speed);
+    Summary summary;
+    for (const SummaryRow& row : rows)
+        if (row.is_there(facts)) summary.values.emplace_back(row.name, row.of(facts));
+    const std::vector<std::string> names = recorder.reactions().names();
+    for (std::size_t i = 0; i < facts.reactions.size(); ++i)
+        for (const auto& row : driver_rows) summary.values.emplace_back(names[i] + std::string(row.name.substr(1)), row.of({recorder, i, facts.reactions[i]}));
+    if (facts.driver) summary.reaction_of = names[*facts.driver];
     return summary;
 }
 

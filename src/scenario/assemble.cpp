@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "observe/outputs.hpp"
 #include "scenario/built_in.hpp"
 
 namespace knap {
@@ -65,6 +66,34 @@ std::optional<Index> Assembly::material_at(const std::string& path) const {
     if (found != known.end()) return static_cast<Index>(found - known.begin());
     unknown_name(path, "material", *name, known);
     return std::nullopt;
+}
+
+void Assembly::check_name(const std::string& path, const std::string& what, const std::string& name) const {
+    const auto plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-'; };
+    if (name.empty() || !std::all_of(name.begin(), name.end(), plain))
+        findings.error("bad-name", "`" + name + "` cannot be the name of " + what, at(path)).note = "letters, digits, _ and -";
+    const auto taken = [&](const std::string& kind) {
+        findings.error("duplicate-name", "`" + name + "` is the name of " + kind + " already, and both have columns", at(path)).note = "choose another name";
+    };
+    if (std::ranges::find(scenario.loads, name, &Load::name) != scenario.loads.end()) taken("a load");
+    else if (std::ranges::find(scenario.obstacles, name, &Obstacle::name) != scenario.obstacles.end()) taken("an obstacle");
+    else if (std::ranges::find(scenario.probes, name, &ProbeOptions::name) != scenario.probes.end()) taken("a probe");
+}
+
+std::vector<std::string> Assembly::drivers() const {
+    std::vector<std::string> names;
+    for (const Load& load : scenario.loads)
+        if (load.drives()) names.push_back(load.name);
+    for (const Obstacle& obstacle : scenario.obstacles) names.push_back(obstacle.name);
+    return names;
+}
+
+void Assembly::check_summary_number(const std::string& path, const std::string& name) const {
+    const Output* row = find_output("summary", name);
+    if (!row || !row->name.starts_with('*')) return;
+    const std::string of = name.substr(0, name.size() + 1 - row->name.size());
+    const std::vector<std::string> known = drivers();
+    if (std::find(known.begin(), known.end(), of) == known.end()) unknown_name(path, "load that prescribes a motion, or obstacle,", of, known);
 }
 
 void assemble(Assembly& assembly) {

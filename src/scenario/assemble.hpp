@@ -33,6 +33,12 @@ struct Assembly {
     /// Number of the material that a key names; nothing, and a finding, when there is none.
     std::optional<Index> material_at(const std::string& path) const;
     void unknown_name(const std::string& path, const std::string& what, const std::string& name, const std::vector<std::string>& known) const;
+    /// Says so when a name is not one that a column or a number may begin with, or when something else that has columns is called the same.
+    void check_name(const std::string& path, const std::string& what, const std::string& name) const;
+    /// Loads that prescribe a motion, then obstacles.
+    std::vector<std::string> drivers() const;
+    /// Whether the run will have such a number of its summary; of "NAME_force_x" there must be a NAME that drives, else it says so.
+    void check_summary_number(const std::string& path, const std::string& name) const;
 };
 
 void assemble_materials(Assembly& assembly);  // before shape and laws

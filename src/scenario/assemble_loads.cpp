@@ -109,7 +109,9 @@ void assemble_foundations(Assembly& assembly) {
 void assemble_loads(Assembly& assembly) {
     for (std::size_t i = 0; i < assembly.values.count("load"); ++i) {
         const std::string path = item("load", i);
-        Load load{.on = selection(assembly, path + ".on")};
+        Load load{.name = assembly.values.text(path + ".name").value_or("load" + std::to_string(i)), .on = selection(assembly, path + ".on")};
+        if (!assembly.values.given(path + ".name")) assembly.values.compute(path + ".name", Node::of_text(load.name));
+        assembly.check_name(path + ".name", "a load", load.name);
         const std::optional<std::string> which =
             assembly.the_one(path, {"traction", "pressure", "stress", "force", "velocity", "displacement", "body_force", "acceleration"}, true);
         for (const auto& [name, kind] : kinds)

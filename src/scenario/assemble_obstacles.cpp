@@ -107,12 +107,7 @@ void assemble_obstacles(Assembly& assembly) {
         assemble_drives(assembly, path, history, obstacle);
         assemble_free_motion(assembly, path, history, obstacle);
         if (!assembly.values.given(path + ".name")) assembly.values.compute(path + ".name", Node::of_text(obstacle.name));
-        const auto plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-'; };
-        if (obstacle.name.empty() || !std::all_of(obstacle.name.begin(), obstacle.name.end(), plain))
-            assembly.findings.error("bad-name", "`" + obstacle.name + "` cannot be the name of an obstacle", assembly.at(path + ".name")).note = "letters, digits, _ and -";
-        const auto same = [&](const Obstacle& other) { return other.name == obstacle.name; };
-        if (std::any_of(assembly.scenario.obstacles.begin(), assembly.scenario.obstacles.end(), same))
-            assembly.findings.error("duplicate-name", "there are two obstacles `" + obstacle.name + "`", assembly.at(path + ".name"));
+        assembly.check_name(path + ".name", "an obstacle", obstacle.name);
         assembly.scenario.obstacles.push_back(std::move(obstacle));
     }
 }

@@ -192,6 +192,7 @@ void assemble_limits(Assembly& assembly) {
 void assemble_expectations(Assembly& assembly) {
     for (const std::string& name : assembly.values.names("expect")) {
         check_bounds(assembly, "expect." + name);
+        assembly.check_summary_number("expect." + name, name);
         assembly.scenario.expect.push_back(expectation(assembly, name));
     }
 }

@@ -11,16 +11,13 @@ using Test = SpecimenOptions::Test;
 constexpr std::array tests{std::pair{"compression", Test::compression}, std::pair{"tension", Test::tension}, std::pair{"brazilian", Test::brazilian},
                            std::pair{"bending", Test::bending}};
 
-/// What drives and can be named: obstacles, and loads that prescribe motion as "load0".
+/// What drives and can be named: obstacles, and loads that prescribe a motion.
 std::vector<std::pair<std::string, GaugeEnd>> drivers(const Scenario& scenario) {
     std::vector<std::pair<std::string, GaugeEnd>> found;
     for (std::size_t i = 0; i < scenario.obstacles.size(); ++i)
         found.emplace_back(scenario.obstacles[i].name, GaugeEnd{.kind = GaugeEnd::Kind::obstacle, .number = static_cast<Index>(i)});
-    for (std::size_t i = 0; i < scenario.loads.size(); ++i) {
-        const Load::Kind kind = scenario.loads[i].kind;
-        if (kind == Load::Kind::velocity || kind == Load::Kind::displacement)
-            found.emplace_back("load" + std::to_string(i), GaugeEnd{.kind = GaugeEnd::Kind::load, .number = static_cast<Index>(i)});
-    }
+    for (std::size_t i = 0; i < scenario.loads.size(); ++i)
+        if (scenario.loads[i].drives()) found.emplace_back(scenario.loads[i].name, GaugeEnd{.kind = GaugeEnd::Kind::load, .number = static_cast<Index>(i)});
     return found;
 }
 

@@ -1,33 +1,31 @@
 // [study].
 #include <algorithm>
 
-#include "observe/recorder.hpp"
+#include "observe/history_columns.hpp"
+#include "observe/probes.hpp"
+#include "observe/reactions.hpp"
 #include "scenario/assemble.hpp"
 #include "scenario/units.hpp"
 
 namespace knap {
 namespace {
 
-bool in_summary(const std::string& name) {
-    return std::any_of(summary_keys().begin(), summary_keys().end(), [&](const SummaryKey& key) { return key.name == name; });
-}
+bool in_summary(const std::string& name) { return find_output("summary", name) != nullptr; }
 
 /// Columns of the histories that the run will have.
 std::vector<std::string> history_columns(const Scenario& scenario) {
-    std::vector<std::string> names = energy_columns();
-    for (const std::string& name : crack_columns()) names.push_back(name);
-    for (std::size_t i = 0; i < scenario.loads.size(); ++i) {
-        const Load::Kind kind = scenario.loads[i].kind;
-        if (kind != Load::Kind::velocity && kind != Load::Kind::displacement) continue;
-        for (const char* of : {"_force_x", "_force_y", "_u_x", "_u_y"}) names.push_back("load" + std::to_string(i) + of);
-    }
-    for (const Obstacle& obstacle : scenario.obstacles)
-        for (const char* of : {"_force_x", "_force_y", "_u_x", "_u_y", "_v_x", "_v_y"}) names.push_back(obstacle.name + of);
-    if (scenario.specimen) names.insert(names.end(), {"stress", "axial_strain", "tensile_breaks", "shear_breaks"});
-    if (scenario.specimen && scenario.specimen->lateral) names.emplace_back("lateral_strain");
-    for (const ProbeOptions& probe : scenario.probes)
-        for (const char* of : probe.interface ? std::vector{"_opening", "_slip", "_cohesion"} : std::vector{"_u_x", "_u_y", "_v_x", "_v_y"})
-            names.push_back(probe.name + of);
+    std::vector<std::string> names = names_of(energy_columns());
+    const auto add = [&](const std::vector<std::string>& more) { names.insert(names.end(), more.begin(), more.end()); };
+    add(names_of(crack_columns()));
+    std::vector<std::string> loads, obstacles;
+    for (const Load& load : scenario.loads)
+        if (load.drives()) loads.push_back(load.name);
+    for (const Obstacle& obstacle : scenario.obstacles) obstacles.push_back(obstacle.name);
+    add(reaction_columns(loads, obstacles));
+    if (scenario.specimen) add({"stress", "axial_strain", "tensile_breaks", "shear_breaks"});
+    if (scenario.specimen && scenario.specimen->lateral) add({"lateral_strain"});
+    if (scenario.specimen && scenario.specimen->lateral && scenario.specimen->test == SpecimenOptions::Test::compression) add({"volumetric_strain"});
+    for (const ProbeOptions& probe : scenario.probes) add(probe_columns(probe));
     return names;
 }
 
@@ -50,10 +48,11 @@ void check_quantity(const Assembly& assembly, const std::string& path, const Stu
         assembly.findings.error("missing-key", "`" + path + ".since` needs reaches", assembly.at(path + ".since")).note = "the value whose times are compared";
     if (!quantity.since.empty() && std::find(columns.begin(), columns.end(), quantity.since) == columns.end())
         assembly.unknown_name(path + ".since", "column of a history", quantity.since, columns);
+    if (!is_column && n == 0 && in_summary(quantity.of)) assembly.check_summary_number(path + ".of", quantity.of);
     if (is_column || (n == 0 && in_summary(quantity.of))) return;
     std::vector<std::string> known = columns;
     if (n == 0)
-        for (const SummaryKey& key : summary_keys()) known.emplace_back(key.name);
+        for (const Output& row : output_table("summary").rows) known.emplace_back(row.name);
     assembly.unknown_name(path + ".of", n == 0 ? "number or column" : "column of a history", quantity.of, known);
 }
 
@@ -84,9 +83,8 @@ void assemble_quantities(Assembly& assembly) {
     if (quantities.empty())
         for (const char* name : {"external_work", "dissipated", "strain_energy", "kinetic_energy"}) quantities.push_back(of_summary(name));
     for (StudyQuantity& quantity : quantities) {
-        const auto key = std::find_if(summary_keys().begin(), summary_keys().end(), [&](const SummaryKey& k) { return k.name == quantity.of; });
-        const bool summary = !quantity.from_history() && key != summary_keys().end();
-        quantity.unit = quantity.reaches ? "s" : std::string(summary ? key->unit : quantity.slope ? unit_of_slope(quantity.of) : unit_of_column(quantity.of));
+        const bool summary = !quantity.from_history() && in_summary(quantity.of);
+        quantity.unit = quantity.reaches ? "s" : std::string(summary ? unit_of("summary", quantity.of) : quantity.slope ? unit_of_slope(quantity.of) : unit_of_column(quantity.of));
         if (!summary || quantity.exact) continue;
         for (const Expectation& expected : expect)
             if (expected.key == quantity.of && expected.unit.empty()) quantity.exact = expected.value;

@@ -29,6 +29,7 @@ void assemble_sweep(Assembly& assembly) {
     sweep.n_seeds = values.has("sweep.seeds") ? static_cast<int>(values.find("sweep.seeds")->node.integer) : 0;
     sweep.quantities = texts(values, "sweep.quantities");
     sweep.show = values.text("sweep.show").value_or(sweep.show);
+    for (const std::string& name : sweep.quantities) assembly.check_summary_number("sweep.quantities", name);
     if (sweep.quantities.empty()) sweep.quantities = standard_quantities(assembly.scenario);
 }
 

@@ -148,7 +148,7 @@ private:
     }
 
     std::optional<Node> word(const Key& key, const Node& node, const std::string& path) {
-        if (key.words.empty() || std::find(key.words.begin(), key.words.end(), node.text) != key.words.end()) return node;
+        if (key.words.empty() || is_word(key.words, node.text)) return node;
         Diagnostic& d = findings_.error("unknown-word", "`" + path + "` cannot be " + quoted(node.text), node);
         d.hint = did_you_mean(node.text, key.words);
         d.note = "allowed: " + joined(key.words);

@@ -2,6 +2,8 @@
 #include "scenario/keys.hpp"
 #include "scenario/units.hpp"
 
+#include <algorithm>
+
 namespace knap {
 
 bool Range::contains(double value) const {
@@ -26,6 +28,12 @@ std::string_view Key::name() const {
 std::string_view Key::parent() const {
     const std::size_t dot = path.rfind('.');
     return dot == std::string_view::npos ? std::string_view() : path.substr(0, dot);
+}
+
+bool is_word(const std::vector<std::string>& words, std::string_view text) {
+    return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+        return word.starts_with('*') ? text.size() >= word.size() && text.ends_with(word.substr(1)) : text == word;
+    });
 }
 
 const Key* find_key(std::string_view pattern) {

@@ -1,6 +1,7 @@
 #include "scenario/keys.hpp"
 
 #include "observe/figures.hpp"
+#include "observe/outputs.hpp"
 
 namespace knap {
 namespace {
@@ -10,7 +11,7 @@ const Range not_negative{.low = 0};
 
 std::vector<std::string> summary_names() {
     std::vector<std::string> names;
-    for (const SummaryKey& key : summary_keys()) names.emplace_back(key.name);
+    for (const Output& output : output_table("summary").rows) names.emplace_back(output.name);
     return names;
 }
 
@@ -163,6 +164,8 @@ const std::vector<Key>& table() {
 
     {.path = "load[]", .kind = Kind::list,
      .doc = "exactly one of traction, pressure, stress, force, velocity, displacement, body_force, acceleration; at most one of ramp, table, csv (none: constant)"},
+    {.path = "load[].name", .kind = Kind::text, .otherwise = "load0, load1, ...",
+     .doc = "letters, digits, _ and -: names its columns of reactions.csv, its force in the summary, in specimen.force, expect and studies"},
     {.path = "load[].on", .kind = Kind::table, .shorthand = "boundary",
      .doc = "where: a boundary, a box, or a boundary inside a box; body_force and acceleration without it act everywhere"},
     {.path = "load[].on.boundary", .kind = Kind::text, .doc = "name of a boundary"},
@@ -251,7 +254,7 @@ const std::vector<Key>& table() {
      .doc = "what the stress is: force over width x thickness, of a disc 2 P/(pi height thickness), of a beam 3 P span/(2 height^2 thickness); "
             "compression and shortening are positive but in tension"},
     {.path = "specimen.force", .kind = Kind::text, .required = true,
-     .doc = "whose reaction is the force: name of an obstacle, or load0, load1, ... (number of a [[load]] that prescribes motion)"},
+     .doc = "whose reaction is the force: name of an obstacle, or of a load that prescribes a motion"},
     {.path = "specimen.axis", .kind = Kind::text, .words = {"x", "y"}, .standard = "\"y\"", .doc = "direction of the test"},
     {.path = "specimen.height", .kind = Kind::number, .unit = "m", .range = positive, .otherwise = "that of the body",
      .doc = "along the axis: diameter of a disc, height of a beam (of the ligament above a notch)"},

@@ -46,7 +46,7 @@ struct Key {
     std::string_view unit = {};         // of plain numbers; "*" where it depends on another key (unit_of)
     std::string_view second_unit = "="; // of the second number of a point, where it is another one
     Range range = {};
-    std::vector<std::string> words = {};  // the texts that are allowed; of a number: besides numbers
+    std::vector<std::string> words = {};  // the texts that are allowed, "*_force_x" with any begin; of a number: besides numbers
     std::string_view standard = {};       // the default, as TOML
     std::string_view otherwise = {};      // the default in words, where it is computed
     bool required = false;                // within its table
@@ -67,20 +67,10 @@ const Key* find_key(std::string_view pattern);
 /// Rows directly below a table's row.
 std::vector<const Key*> keys_below(std::string_view pattern);
 
+/// Whether a text is one of the words of a key.
+bool is_word(const std::vector<std::string>& words, std::string_view text);
+
 /// "load[2].on.box" -> "load[].on.box", "material.glass.E" -> "material.*.E"
 std::string pattern_of(std::string_view path);
-
-/// A number of the run's summary (run.json) that [expect] may bound.
-struct SummaryKey {
-    std::string_view name, unit, doc;
-};
-std::span<const SummaryKey> summary_keys();
-
-/// Unit of a column of energy.csv, cracks.csv, reactions.csv, probes.csv or stress_strain.csv; "" for none.
-std::string_view unit_of_column(std::string_view column);
-std::string_view unit_of_slope(std::string_view column);  // its change in time
-
-/// Unit of the colour range of a figure that shows `field`; "" for none.
-std::string_view unit_of_field(std::string_view field);
 
 }  // namespace knap

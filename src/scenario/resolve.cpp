@@ -4,6 +4,7 @@
 #include <cassert>
 #include <set>
 
+#include "observe/outputs.hpp"
 #include "scenario/check_value.hpp"
 #include "scenario/toml_tree.hpp"
 
@@ -191,7 +192,7 @@ private:
         const Key& row = *find_key(std::string(key.path) + ".*");
         for (const Node& child : node.children) {
             const std::string here = below(path, child.name);
-            if (!row.words.empty() && std::find(row.words.begin(), row.words.end(), child.name) == row.words.end()) {
+            if (!row.words.empty() && !is_word(row.words, child.name)) {
                 Diagnostic& d = findings_.error_at_name("unknown-key", "`" + here + "` is not a key of a scenario", child);
                 d.hint = did_you_mean(child.name, row.words);
                 d.note = "known here: " + joined(row.words);
@@ -220,9 +221,7 @@ private:
     }
 
     static std::string_view unit_of_summary(std::string_view name) {
-        for (const SummaryKey& summary : summary_keys())
-            if (summary.name == name) return summary.unit;
-        return "";
+        return knap::unit_of("summary", name);
     }
 
     /// Of what a [[study.quantity]] is compared with: a time, or as what it is made of.
@@ -231,7 +230,7 @@ private:
         const Node* of = table.find("of");
         if (!of) return "";
         if (table.find("slope")) return unit_of_slope(of->text);
-        const bool in_summary = std::any_of(summary_keys().begin(), summary_keys().end(), [&](const SummaryKey& s) { return s.name == of->text; });
+        const bool in_summary = find_output("summary", of->text) != nullptr;
         const bool from_history = table.find("at") || table.find("reaches") || table.find("largest");
         return in_summary && !from_history ? unit_of_summary(of->text) : unit_of_column(of->text);
     }

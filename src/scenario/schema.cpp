@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "observe/outputs.hpp"
 #include "scenario/check_value.hpp"
 #include "scenario/findings.hpp"
 #include "scenario/keys.hpp"
@@ -44,9 +45,12 @@ std::string json_text(std::string_view text) {
 }
 
 std::string json_words(const std::vector<std::string>& words) {
-    std::string list;
-    for (const std::string& word : words) list += (list.empty() ? "" : ", ") + json_text(word);
-    return "{\"enum\": [" + list + "]}";
+    std::string list, endings;
+    for (const std::string& word : words)
+        if (word.starts_with('*')) endings += (endings.empty() ? "" : "|") + word.substr(1);
+        else list += (list.empty() ? "" : ", ") + json_text(word);
+    const std::string exact = "{\"enum\": [" + list + "]}";
+    return endings.empty() ? exact : "{\"anyOf\": [" + exact + ", {\"type\": \"string\", \"pattern\": " + json_text(".(" + endings + ")$") + "}]}";
 }
 
 std::string json_range(const Range& range) {
@@ -138,8 +142,8 @@ std::string schema_text() {
                std::string(key.doc) + "\n";
     }
     out += "\nNumbers that [expect] can bound\n";
-    for (const SummaryKey& key : summary_keys())
-        out += "    " + std::string(key.name) + (key.unit.empty() ? "" : " [" + std::string(key.unit) + "]") + ": " + std::string(key.doc) + "\n";
+    for (const Output& row : output_table("summary").rows)
+        out += "    " + std::string(row.name) + (row.unit.empty() ? "" : " [" + std::string(row.unit) + "]") + ": " + std::string(row.doc) + "\n";
     out += "\nA number is in the unit shown, or a text with a unit: \"40 mm\", \"3.08 MPa\", \"3 J/m2\", \"2450 kg/m3\", \"80 us\", \"1 mm/ms\".\n";
     return out;
 }

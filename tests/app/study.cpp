@@ -3,6 +3,7 @@
 
 #include "app/convergence.hpp"
 #include "app/study.hpp"
+#include "observe/outputs.hpp"
 #include "support/relative.hpp"
 
 #include <algorithm>
@@ -28,7 +29,8 @@ std::vector<double> column(const fs::path& study, const std::string& name) {
     std::string line;
     std::getline(text, line);
     // the name of a line may hold a comma, so columns are counted from the end
-    const auto header = cells(line);
+    auto header = cells(line);
+    for (std::string& cell : header) cell = name_in_header(cell);
     const auto from_end = header.end() - std::find(header.begin(), header.end(), name);
     REQUIRE(from_end > 0);
     std::vector<double> values;
@@ -54,12 +56,55 @@ TEST_CASE("convergence: orders and extrapolation and spread of known numbers") {
     CHECK(found->order == tests::relative(1.5, 1e-10));
     CHECK(found->value == tests::relative(7, 1e-10));
     CHECK_FALSE(extrapolate({0.4, 0.2, 0.1}, {1, 2, 1.5}));        // to and fro
+    CHECK_FALSE(extrapolate({0.8, 0.4, 0.2, 0.1}, {1, 1.05, 2, 1.5}));
+    CHECK_FALSE(extrapolate({0.4, 0.2, 0.1}, {1, 0.2, 0.19}));     // of order 6
+    CHECK(trend_of({4, 2, 1, NAN}) == Trend::falls);
+    CHECK(trend_of({4, NAN, 1, 0}) == Trend::falls);
+    CHECK(trend_of({4, 1, 2}) == Trend::does_not_fall);
+    CHECK(trend_of({0, 1}) == Trend::does_not_fall);
+    CHECK(trend_of({0, 0, NAN}) == Trend::same);
+    CHECK(trend_of({4, NAN}) == Trend::unknown);
     CHECK_FALSE(extrapolate({0.4, 0.2, 0.1, 0.05}, {9, 8.9, 8.0, 7.9}));  // no clean order
     const Spread spread = spread_of({1, NAN, 3});
     CHECK(spread.n == 2);
     CHECK(spread.mean == 2);
     CHECK(spread.deviation == tests::relative(std::sqrt(2.0), 1e-15));
     CHECK(spread_of({NAN}).n == 0);
+}
+
+TEST_CASE("study: where differences do not fall no order is stated") {
+    Study study;
+    study.plan.options.lines = {{.name = "to and fro", .set = {}, .levels = {1, 2, 4, 8}}, {.name = "second order", .set = {}, .levels = {1, 2, 4, 8}}};
+    study.plan.options.quantities = {{.name = "broken_length", .of = "broken_length", .unit = "m"}};
+    for (std::size_t line = 0; line < 2; ++line)
+        for (const double level : {1, 2, 4, 8}) {
+            StudyRun run;
+            run.name = "r" + std::to_string(level);
+            run.line = line;
+            run.level = level;
+            study.plan.runs.push_back(run);
+            const double value = line == 0 ? (level == 1 ? 12e-3 : level == 2 ? 30e-3 : level == 4 ? 13e-3 : 29e-3) : 20e-3 * (1 + 1 / (level * level));
+            RunResult result{.status = "done", .step = 1e-6 / level, .cpu = 1};
+            result.values = {value};
+            study.results.push_back(result);
+        }
+    judge_study(study);
+    const std::string text = study_text(study);
+    CAPTURE(text);
+    CHECK(text.find("to and fro: no convergence seen, differences of 18 mm, 17 mm, 16 mm do not fall with h\n") != std::string::npos);  // to speak of
+    study.results[3].values[0] = 40e-3;
+    study.errors.clear();
+    judge_study(study);
+    const std::string again = study_text(study);
+    CAPTURE(again);
+    CHECK(again.find("to and fro: no convergence seen, differences of 18 mm, 17 mm, 27 mm do not fall with h\n") != std::string::npos);
+    CHECK(again.find("to and fro: order") == std::string::npos);
+    CHECK(again.find("second order: order 2.00 (fitted); extrapolated to 20 mm with order 2.00") != std::string::npos);
+    for (std::size_t i = 0; i < 4; ++i) CHECK(std::isnan(study.errors[0].order[i]));
+    CHECK(study.errors[0].order[6] == tests::relative(2, 1e-9));
+    CHECK_FALSE(study.errors[0].extrapolated[0]);
+    CHECK(study_markdown(study).find("nan") == std::string::npos);
+    CHECK(study_csv(study).find("nan") == std::string::npos);
 }
 
 TEST_CASE("study: theta 1/2 and central differences are of second order in the step and theta 1 of first") {
@@ -175,8 +220,8 @@ TEST_CASE("study: statistics over seeds") {
     CAPTURE(statistics);
     std::ostringstream mean;
     mean << (values[3] + values[4] + values[5]) / 3;
-    CHECK(statistics.find("1,3,dissipated,3," + mean.str().substr(0, 5)) != std::string::npos);
-    CHECK(statistics.find("first_branch_time,0,,,,") != std::string::npos);  // nothing branches in 40 us at 2 mm
+    CHECK(statistics.find("1,3,dissipated,J,3," + mean.str().substr(0, 5)) != std::string::npos);
+    CHECK(statistics.find("first_branch_time,s,0,,,,") != std::string::npos);  // nothing branches in 40 us at 2 mm
     CHECK(fs::exists(folder.path / "s" / "figures" / "statistics_dissipated.png"));
 }
 

@@ -48,7 +48,7 @@ void check_whole(const Answer& answer, const fs::path& sweep) {
     CHECK(answer.code == 0);
     const std::vector<Texts> rows = rows_of(sweep / "sweep.csv");
     REQUIRE(rows.size() == 5);
-    CHECK(rows[0] == Texts{"run", "interface.left-right.G_c", "seed", "status", "triangles", "steps", "cpu_s", "broken_length", "dissipated", "fragments"});
+    CHECK(rows[0] == Texts{"run", "interface.left-right.G_c", "seed", "status", "triangles", "steps", "cpu [s]", "broken_length [m]", "dissipated [J]", "fragments"});
     const Texts values{"1.5", "1.5", "3", "3"}, seeds{"1", "2", "1", "2"};
     for (std::size_t i = 0; i < 4; ++i) {
         const Texts& row = rows[i + 1];
@@ -127,8 +127,9 @@ TEST_CASE("sweep: every run and table is there and finished runs are kept") {
     const std::vector<Texts> statistics = rows_of(sweep / "statistics.csv");
     REQUIRE(statistics.size() == 1 + 2 * 3);
     CHECK(statistics[2][2] == "dissipated");
-    CHECK(std::stod(statistics[2][4]) == tests::relative(6e-3, 1e-9));
-    CHECK(std::stod(statistics[2][5]) < 1e-11);
+    CHECK(statistics[2][3] == "J");
+    CHECK(std::stod(statistics[2][5]) == tests::relative(6e-3, 1e-9));
+    CHECK(std::stod(statistics[2][6]) < 1e-11);
     // one is lost: it alone is made again; more seeds are added
     const fs::path kept = sweep / "runs/G_c_3_s1/run.json";
     const auto written = fs::last_write_time(kept);

@@ -54,14 +54,14 @@ TEST_CASE("fragments: table with the size distribution") {
     const History table = fragment_table(find_fragments(triangles, {}));
     CHECK(table.columns[2] == "area_m2");
     REQUIRE(table.rows.size() == 3);
-    CHECK(table.column("mass_kg") == std::vector<double>{4, 3, 1});
-    CHECK(table.column("centre_y_m") == std::vector<double>{0, 6, 0});
-    CHECK(table.column("velocity_x_m_s") == std::vector<double>{0, 0, 4});
+    CHECK(table.column("mass") == std::vector<double>{4, 3, 1});
+    CHECK(table.column("centre_y") == std::vector<double>{0, 6, 0});
+    CHECK(table.column("velocity_x") == std::vector<double>{0, 0, 4});
     CHECK(table.column("mass_part") == std::vector<double>{0.5, 0.375, 0.125});
     CHECK(table.column("passing") == std::vector<double>{1, 0.5, 0.125});
     const double d = std::sqrt(4 * 2 / std::numbers::pi);  // of an area of 2
-    CHECK(table.column("diameter_m")[2] == Approx(d));
-    CHECK(table.column("diameter_m")[0] == Approx(2 * d));
+    CHECK(table.column("diameter")[2] == Approx(d));
+    CHECK(table.column("diameter")[0] == Approx(2 * d));
     CHECK(diameter_passing(table, 0.1) == Approx(d));
     CHECK(diameter_passing(table, 0.5) == Approx(std::sqrt(3.0) * d));
     CHECK(diameter_passing(table, 0.51) == Approx(2 * d));

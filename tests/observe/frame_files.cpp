@@ -10,6 +10,7 @@
 #include <sys/resource.h>
 
 #include <clocale>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -218,9 +219,23 @@ TEST_CASE("history files: the same bits come back whatever the locale") {
     std::setlocale(LC_ALL, before.c_str());
     CHECK(read.columns == written.columns);
     CHECK(read.rows == written.rows);
-    CHECK(contents(file).starts_with("time,value\n0,-0.1\n"));
+    CHECK(contents(file).starts_with("time [s],value\n0,-0.1\n"));
     CHECK(read.column("value")[1] == 1e300);
     CHECK_THROWS_WITH_AS(read.column("speed"), doctest::Contains("energy.csv"), UserError);
+}
+
+TEST_CASE("history files: names carry units, what never happened is an empty field, and there is no minus zero") {
+    const History written{{"time", "tip_x", "tips", "tip_speed", "branches"}, {{-0.0, std::nan(""), 2, -std::nan(""), -0.0}}};
+    const fs::path file = fresh("history_none") / "cracks.csv";
+    write_csv(written, file);
+    CHECK(contents(file) == "time [s],tip_x [m],tips,tip_speed [m/s],branches\n0,,2,,0\n");
+    const History read = read_csv(file);
+    CHECK(read.columns == written.columns);
+    CHECK(std::isnan(read.column("tip_x")[0]));
+    CHECK(std::isnan(read.column("tip_speed")[0]));
+    CHECK(read.column("tips")[0] == 2);
+    std::ofstream(file) << "time,tips\n1e-6,2\n";  // as runs before had them
+    CHECK(read_csv(file).column("tips")[0] == 2);
 }
 
 TEST_CASE("history files: a broken line is named") {

@@ -114,7 +114,7 @@ inline History energy(int n = 400) {
 }
 
 inline History cracks(int n = 400) {
-    History h{{"time", "length", "crack_length", "broken_length", "damaged_length", "tips", "branches", "tip_x", "tip_y", "speed", "speed_over_cR", "n_broken", "n_damaged"}, {}};
+    History h{{"time", "main_length", "crack_length", "broken_length", "damaged_length", "tips", "branches", "tip_x", "tip_y", "tip_speed", "tip_speed_over_cR", "n_broken", "n_damaged"}, {}};
     Random random(3, "speed");
     double length = 0;
     for (int i = 0; i <= n; ++i) {
@@ -156,7 +156,7 @@ inline History stress_strain(int n = 400) {
 }
 
 inline History breaks(int n = 200) {
-    History h{{"time", "x", "y", "angle_deg", "length", "shear", "energy"}, {}};
+    History h{{"time", "x", "y", "angle", "length", "shear", "energy"}, {}};
     Random random(5, "breaks");
     for (int i = 0; i < n; ++i)
         h.rows.push_back({80e-6 * (0.3 + 0.6 * i / n), 0.05, 0.02, std::fmod(180 + 90 + 40 * (random.uniform() + random.uniform() - 1), 180), 5e-4, random.uniform(0, 0.8), 1e-3});
@@ -164,7 +164,7 @@ inline History breaks(int n = 200) {
 }
 
 inline History fragments(int n = 60) {
-    History h{{"fragment", "diameter_m", "mass_part", "passing"}, {}};
+    History h{{"fragment", "diameter", "mass_part", "passing"}, {}};
     for (int i = 0; i < n; ++i) h.rows.push_back({static_cast<double>(i), 0.02 * std::pow(0.93, i), 1. / n, 1 - static_cast<double>(i) / n});
     return h;
 }

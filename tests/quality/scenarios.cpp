@@ -68,3 +68,12 @@ TEST_CASE("the list of scenario keys is up to date") {
     const bool same = text_of(source_tree::read(source_tree::root() / "scenarios" / "KEYS.md")) == schema;
     CHECK_MESSAGE(same, "write it anew: knap schema --markdown > scenarios/KEYS.md");
 }
+
+// scenarios/OUTPUTS.md is `knap schema --outputs`.
+TEST_CASE("the list of outputs is up to date") {
+    if (program.empty()) return;
+    const std::string outputs = output_of("'" + program + "' schema --outputs");
+    REQUIRE(outputs.size() > 1000);
+    const bool same = text_of(source_tree::read(source_tree::root() / "scenarios" / "OUTPUTS.md")) == outputs;
+    CHECK_MESSAGE(same, "write it anew: knap schema --outputs > scenarios/OUTPUTS.md");
+}

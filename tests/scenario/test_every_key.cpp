@@ -80,6 +80,7 @@ on = "left"
 interface = "glue"
 gap = "1 um"
 [[load]]
+name = "weight"
 on = "top"
 traction = ["1 MPa", 2e6]
 ramp = "10 us"
@@ -357,6 +358,7 @@ const Case cases[] = {
     {rectangle, "foundation[0].interface", "\"glue\""},
     {rectangle, "foundation[0].glued", "true"},
     {rectangle, "foundation[1].gap", "1e-06"},
+    {rectangle, "load[0].name", "\"weight\""},
     {rectangle, "load[0].on.boundary", "\"top\""},
     {rectangle, "load[0].traction", "[1e+06, 2e+06]"},
     {rectangle, "load[0].ramp", "1e-05"},

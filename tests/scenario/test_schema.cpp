@@ -1,6 +1,7 @@
 #include "scenario/schema.hpp"
 
 #include "observe/gates.hpp"
+#include "observe/outputs.hpp"
 #include "scenario/keys.hpp"
 
 #include <doctest/doctest.h>
@@ -140,7 +141,7 @@ TEST_CASE("schema: text and Markdown name every key") {
     }
     for (const char* row : {"| `domain.size` |", "| `[[load]]` |", "| `[material.NAME]` |", "| `expect.*.below` |"})
         CHECK(markdown.find(row) != std::string::npos);
-    for (const SummaryKey& key : summary_keys()) CHECK(text.find(std::string(key.name)) != std::string::npos);
+    for (const Output& row : output_table("summary").rows) CHECK(text.find(std::string(row.name)) != std::string::npos);
 }
 
 TEST_CASE("schema: there is a key for every gate that a scenario may move and for no other") {
