@@ -272,6 +272,7 @@ ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& rec
     record.cpu_steps = before.cpu_steps + stepping.cpu() - (recorder.output_seconds() - output_before);
     progress.finish(now, recorder);
     recorder.finish(now);
+    say_new_warnings(run, now);
     for (const std::string& warning : {missing_text(recorder.missing_files()), not_dumped_text(options.dump_lcp, steps_before, now.n_steps)}) {
         if (warning.empty()) continue;
         std::fputs(warning.c_str(), stderr);

@@ -7,18 +7,6 @@
 namespace knap {
 namespace {
 
-/// Says of gates that warn, once; throws SimulationError where one is violated.
-void keep_gates(const Stepping& run, const State& now) {
-    GateKeeper& gates = run.recorder.gates();
-    for (const Gate* gate : gates.new_warnings()) {
-        const std::string text = warning_text(*gate, now);
-        run.progress.say(text);
-        run.log.add(text);
-        gates.warned(*gate, text);
-    }
-    if (!gates.pass()) throw SimulationError(violated_text(gates.gates(), now, place_of_largest_speed(run.model, now)));
-}
-
 /// One try of a step: `now` moves on, or stays where the step is cut. Throws SimulationError where the run cannot go on.
 void try_step(const Stepping& run, State& now, State& next) {
     const double h = run.control.next(now);
@@ -33,10 +21,22 @@ void try_step(const Stepping& run, State& now, State& next) {
     std::swap(now, next);
     run.recorder.after_step(now, report);
     run.progress.after_step(now, run.recorder);
-    keep_gates(run, now);
+    say_new_warnings(run, now);
+    const GateKeeper& gates = run.recorder.gates();
+    if (!gates.pass()) throw SimulationError(violated_text(gates.gates(), now, place_of_largest_speed(run.model, now)));
 }
 
 }  // namespace
+
+void say_new_warnings(const Stepping& run, const State& now) {
+    GateKeeper& gates = run.recorder.gates();
+    for (const Gate* gate : gates.new_warnings()) {
+        const std::string text = warning_text(*gate, now);
+        run.progress.say(text);
+        run.log.add(text);
+        gates.warned(*gate, text);
+    }
+}
 
 void step_to_end(const Stepping& run, double until, const Checkpoints& checkpoints, const std::function<void()>& save, State& now, RunRecord& record) {
     State next = now;

@@ -25,6 +25,9 @@ struct Stepping {
     double smallest_step;  // [s]
 };
 
+/// Of gates that warn: each is said once in a run.
+void say_new_warnings(const Stepping& run, const State& now);
+
 /// Steps until the end, or until the run fails or is interrupted, which the record then says.
 void step_to_end(const Stepping& run, double until, const Checkpoints& checkpoints, const std::function<void()>& save, State& now, RunRecord& record);
 

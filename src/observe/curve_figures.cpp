@@ -1,6 +1,7 @@
 #include "observe/curve_figures.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace knap {
@@ -55,25 +56,40 @@ void add_curve(Chart& chart, const std::string& label, const Column& x, const Co
 }  // namespace
 
 Chart energy_chart(const History& energy) {
-    const Column time = energy.column("time"), kinetic = column_or_zero(energy, "kinetic"), strain = column_or_zero(energy, "strain"),
-                 surface = column_or_zero(energy, "surface"), friction = negated(column_or_zero(energy, "friction_work")),
-                 impact = negated(column_or_zero(energy, "impact_work")), damped = column_or_zero(energy, "scheme_dissipation");
+    // Where the work of the loads went: with the energy of the start their sum is the work, to rounding. What is physical is drawn through, what is of the
+    // numbers is dashed.
+    struct Part {
+        const char *label, *column;
+        double sign;
+        Colour colour;
+        bool dashed, always;
+    };
+    const bool parted = energy.has("dissipated");  // older runs have only the sum of the two
+    const std::array parts{Part{"kinetic", "kinetic", 1, blue, false, true},
+                           Part{"strain", "strain", 1, orange, false, true},
+                           Part{parted ? "dissipated" : "surface", parted ? "dissipated" : "surface", 1, vermilion, false, true},
+                           Part{"recoverable", "recoverable", 1, green, false, false},
+                           Part{"lost in friction", "friction_work", -1, purple, false, false},
+                           Part{"lost in impact", "impact_work", -1, sky, false, false},
+                           Part{"law lag", "law_lag", 1, vermilion, true, false},
+                           Part{"crossing loss", "crossing_loss", 1, purple, true, false},
+                           Part{"damped by the scheme", "scheme_dissipation", 1, green, true, false},
+                           Part{"lost in changes of step", "step_change_work", -1, blue, true, false}};
+    std::vector<Column> values;
+    for (const Part& part : parts) values.push_back(part.sign > 0 ? column_or_zero(energy, part.column) : negated(column_or_zero(energy, part.column)));
+
+    const Column time = energy.column("time");
     // a body that moves or is loaded at the start has energy before any work is done
-    const double start = time.empty() ? 0 : kinetic.front() + strain.front();
+    const double start = time.empty() ? 0 : values[0].front() + values[1].front();
     Column given = column_or_zero(energy, "external_work");
     for (double& work : given) work += start;
     Chart chart{.title = "Energy", .x_quantity = "time", .x_unit = "s", .y_quantity = "energy", .y_unit = "J"};
     // the sum lies broad and pale below the dashed work of the loads: one look tells whether the balance closes
-    chart.curves.push_back({"sum of all", time, sum({kinetic, strain, surface, friction, impact, damped}), light_grey, 4});
+    chart.curves.push_back({"sum of all", time, sum(values), light_grey, 4});
     chart.curves.push_back({start > 0 ? "start + external work" : "external work", time, given, black, 1.4, true});
-    chart.curves.push_back({"kinetic", time, kinetic, blue});
-    chart.curves.push_back({"strain", time, strain, orange});
-    chart.curves.push_back({"surface", time, surface, vermilion});
-    // what would lie on the axis is left out
-    const double visible = 1e-3 * largest(given);
-    if (largest(friction) > visible) chart.curves.push_back({"lost in friction", time, friction, purple});
-    if (largest(impact) > visible) chart.curves.push_back({"lost in impact", time, impact, sky});
-    if (largest(damped) > visible) chart.curves.push_back({"damped by the scheme", time, damped, green});
+    const double visible = 1e-3 * largest(given);  // what would lie on the axis is left out
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        if (parts[i].always || largest(values[i]) > visible) chart.curves.push_back({parts[i].label, time, values[i], parts[i].colour, 1.6, parts[i].dashed});
     return chart;
 }
 

@@ -53,7 +53,9 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.time = end.time;
     row_.kinetic = report.kinetic;
     row_.strain = report.strain;
-    row_.surface = report.surface;
+    const double surface_before = row_.surface();
+    row_.dissipated = report.dissipated;
+    row_.recoverable = report.recoverable;
     row_.external_work += report.external_work;
     row_.cohesive_work += report.cohesive_work;
     row_.friction_work += report.friction_work;
@@ -63,10 +65,15 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     const double given = row_.external_work - row_.cohesive_work + row_.friction_work + row_.impact_work + row_.step_change_work - row_.scheme_dissipation;
     row_.residual = row_.kinetic + row_.strain - start_energy_ - given;
     row_.crossing_loss += report.crossing_loss;
-    row_.law_lag = row_.cohesive_work - row_.crossing_loss - row_.surface;
-    largest_energy_ = std::max({largest_energy_, row_.kinetic, row_.strain, std::abs(row_.external_work), row_.surface});
+    row_.law_lag = row_.cohesive_work - row_.crossing_loss - row_.surface();
+    largest_energy_ = std::max({largest_energy_, row_.kinetic, row_.strain, std::abs(row_.external_work), row_.surface()});
     if (!(std::abs(row_.residual) <= largest_residual_)) largest_residual_ = std::abs(row_.residual);  // what is no number is the worst of all
-    largest_law_lag_ = std::max(largest_law_lag_, std::abs(row_.law_lag));
+    largest_recoverable_ = std::max(largest_recoverable_, row_.recoverable);
+    const bool explicit_bulk = end.rate.empty();
+    const double lag = row_.law_lag + (explicit_bulk ? 0.5 * (row_.surface() - surface_before) : 0);
+    const auto over = [&](double scale) { return scale > 0 ? lag / scale : 0; };
+    law_lag_ = over(dissipation_scale());
+    if (const double now = over(dissipation_scale(1e-2)); !(std::abs(now) <= std::abs(largest_law_lag_))) largest_law_lag_ = now;
 
     StepReport extremes = report;
     extremes.largest_speed = std::max(worst_.largest_speed, report.largest_speed);

@@ -2,7 +2,8 @@
 // The energy books of a run (formulation: energy ledger).
 //
 //     kinetic + strain - (start) = external - cohesive + impact + friction - (dissipation of theta > 1/2)      to rounding: the identity of the discrete scheme
-//     law lag = cohesive work - crossing loss - (Psi of the state)              what freezing beta costs; falls with h
+//     law lag = cohesive work - crossing loss - (Psi of the state)              what the steps make of the law; falls with h
+//     Psi = dissipated + recoverable                                            G_c f(beta), and beta sigma_c s
 //     crossing loss: a slip that crosses zero is caught by the implicit sign of the tangential cohesion, which takes a little of its
 //     kinetic energy; high-frequency slips die by it
 //
@@ -12,21 +13,26 @@
 #include "stepper/scheme_options.hpp"
 #include "stepper/step_report.hpp"
 
+#include <algorithm>
+
 namespace knap {
 
 /// Energies and cumulated works [J].
 struct EnergyRow {
     double time = 0;
-    double kinetic = 0, strain = 0, surface = 0;
+    double kinetic = 0, strain = 0;
+    double dissipated = 0, recoverable = 0;  // of the interfaces: G_c f(beta), which stays, and beta sigma_c s, which closing gives back
     double external_work = 0, cohesive_work = 0, friction_work = 0, impact_work = 0, step_change_work = 0;
     double scheme_dissipation = 0;  // by theta > 1/2
     double residual = 0;  // of the identity
     double crossing_loss = 0;  // of the cohesive work, where slips cross zero
     double law_lag = 0;
 
+    double surface() const { return dissipated + recoverable; }  // Psi
+
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(time, kinetic, strain, surface, external_work, cohesive_work, friction_work, impact_work, step_change_work, scheme_dissipation, residual,
+        archive(time, kinetic, strain, dissipated, recoverable, external_work, cohesive_work, friction_work, impact_work, step_change_work, scheme_dissipation, residual,
                 crossing_loss, law_lag);
     }
 };
@@ -42,15 +48,24 @@ public:
     const StepReport& worst() const { return worst_; }  // extremes and counts over all steps
     double largest_energy() const { return largest_energy_; }
     double largest_residual() const { return largest_residual_; }  // [J] over all steps
-    double largest_law_lag() const { return largest_law_lag_; }    // [J] over all steps
+    /// [J] What losses are measured against: the dissipated energy; the largest recoverable one where that is more, since points that begin to soften have
+    /// dissipated next to nothing; and at least this part of the largest energy.
+    double dissipation_scale(double least = 1e-6) const { return std::max({row_.dissipated, largest_recoverable_, least * largest_energy_}); }
+    /// Over that scale, signed: positive where the interfaces took more than their law asks for. Of the explicit bulk in the middle of the last step, where the
+    /// works belong. Now; and the largest of all steps, where less than a hundredth of the largest energy counts as that: no alarm about the first points.
+    double law_lag() const { return law_lag_; }
+    double largest_law_lag() const { return largest_law_lag_; }
 
     double mass() const { return mass_; }  // [kg] of the body
 
     template <class Archive>
-    void serialize(Archive& archive) { archive(start_energy_, largest_energy_, largest_residual_, largest_law_lag_, mass_, row_, worst_); }
+    void serialize(Archive& archive) {
+        archive(start_energy_, largest_energy_, largest_recoverable_, largest_residual_, law_lag_, largest_law_lag_, mass_, row_, worst_);
+    }
 
 private:
-    double start_energy_, largest_energy_, largest_residual_ = 0, largest_law_lag_ = 0, mass_;
+    double start_energy_, largest_energy_, largest_recoverable_ = 0, largest_residual_ = 0, mass_;
+    double law_lag_ = 0, largest_law_lag_ = 0;
     EnergyRow row_;
     StepReport worst_;
 };

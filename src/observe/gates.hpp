@@ -43,6 +43,7 @@ struct GateView {
     const EnergyLedger& ledger;
     double critical_opening;  // [m] the largest of the laws that can break
     double size;              // [m] diagonal of the body
+    bool ended = false;       // no step follows: what is a part of the dissipated energy can be judged
 };
 
 struct GateValue {
@@ -69,8 +70,8 @@ class GateKeeper {
 public:
     GateKeeper(double critical_opening, double size, std::vector<AllowedLimit> allowed) : critical_opening_(critical_opening), size_(size), allowed_(std::move(allowed)) {}
 
-    const Gates& judge(const EnergyLedger& ledger) {
-        knap::judge({ledger, critical_opening_, size_}, allowed_, gates_);
+    const Gates& judge(const EnergyLedger& ledger, bool ended = false) {
+        knap::judge({ledger, critical_opening_, size_, ended}, allowed_, gates_);
         return gates_;
     }
     const Gates& gates() const { return gates_; }

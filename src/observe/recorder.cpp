@@ -144,6 +144,7 @@ void Recorder::watch_step(const State& now) {
 }
 
 void Recorder::finish(const State& now) {
+    gates_.judge(ledger_, true);
     if (last_line_ < now.time) write_lines(now);
     if (writer_ && frame_times_.back() < now.time) write_frame(now);
     write_fragments(now);

@@ -106,10 +106,13 @@ struct SummaryRow {
 
 constexpr std::array rows{
     SummaryRow{"energy_residual", "", "largest error of the energy balance over the run, relative to the largest energy", [](const F& f) { return f.part(f.ledger.largest_residual()); }},
-    SummaryRow{"law_lag", "", "largest lag of the cohesive law of explicit beta over the run, relative to the largest energy", [](const F& f) { return f.part(f.ledger.largest_law_lag()); }},
+    SummaryRow{"law_lag", "", "work of the interfaces beyond what their law takes, over the dissipated energy, at the end", [](const F& f) { return f.ledger.law_lag(); }},
+    SummaryRow{"largest_law_lag", "", "law_lag where it was farthest from zero over the run; less than a hundredth of the largest energy counts as that",
+               [](const F& f) { return f.ledger.largest_law_lag(); }},
     SummaryRow{"crossing_loss", "", "energy lost where slips cross zero, relative to the largest energy", [](const F& f) { return f.part(f.energy.crossing_loss); }},
     SummaryRow{"external_work", "J", "work of loads and prescribed motions", [](const F& f) { return f.energy.external_work; }},
-    SummaryRow{"dissipated", "J", "surface energy of broken and damaged interfaces", [](const F& f) { return f.energy.surface; }},
+    SummaryRow{"dissipated", "J", "energy that broken and damaged interfaces have taken for ever: G_c (1 - beta)^2, at the end", [](const F& f) { return f.energy.dissipated; }},
+    SummaryRow{"recoverable", "J", "energy that damaged interfaces give back when they close: beta sigma_c s, at the end", [](const F& f) { return f.energy.recoverable; }},
     SummaryRow{"friction_work", "J", "work of friction, never positive", [](const F& f) { return f.energy.friction_work; }},
     SummaryRow{"impact_work", "J", "work of all impacts, never positive", [](const F& f) { return f.energy.impact_work; }},
     SummaryRow{"scheme_dissipation", "J", "what theta > 1/2 took away, never negative", [](const F& f) { return f.energy.scheme_dissipation; }},

@@ -141,7 +141,6 @@ void assemble_time(Assembly& assembly) {
     if (scheme.mass == MassMatrix::one_point) check_one_point_mass(assembly);
     if (!values.has("time.bulk") || implicit_bulk) return;
     if (scheme.mass != MassMatrix::lumped) needs_implicit_bulk(assembly, "time.mass", "a mass that is not lumped");
-    if (time.step_cracking.value > 0) needs_implicit_bulk(assembly, "time.step_cracking", "a step of its own while the crack runs");
 }
 
 void assemble_output(Assembly& assembly) {

@@ -103,7 +103,7 @@ std::vector<double> numbers(const Values& values, const std::string& path) {
     return list;
 }
 
-/// A pair bulk/cohesion. The explicit bulk has no step of its own while the crack runs, and a lumped mass.
+/// A pair bulk/cohesion. The explicit bulk has a lumped mass, and steps below the stable one all along.
 StudyLine line_of_scheme(const std::string& pair) {
     const std::string bulk = pair.substr(0, pair.find('/')), cohesion = pair.substr(pair.find('/') + 1);
     StudyLine line{.set = {"time.bulk=" + bulk, "time.cohesion=" + cohesion}};

@@ -1,6 +1,7 @@
 #include "stepper/implicit_scheme.hpp"
 
 #include "base/room.hpp"
+#include "stepper/cohesion_books.hpp"
 #include "stepper/contact_bound.hpp"
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 namespace knap {
 namespace {
 
-constexpr double least_loss = 1e-12;  // of the cohesion in a step: less is rounding of an opening, not softening
 constexpr double rounding = 1e-14;    // of the rates
 constexpr int most_passes = 40;
 // Over momenta, loads and strengths: what presses harder is jammed, and no measure of what else may be off. Where a body that is driven against
@@ -294,9 +294,7 @@ void ImplicitScheme::account_points(double h, StepReport& report) const {
         const CohesiveLaw& material = model_.laws[at.law];
         report.crossing_loss += (cohesive_T * w.y() - law.gamma * cohesive_N * (std::abs(u_T) - std::abs(law.u_T)) / h) / theta;
         const double cohesion = at.cracked ? 0 : material.next_cohesion(law.cohesion, u_N, u_T);
-        report.softened += law.cohesion - cohesion > least_loss;
-        report.largest_beta_growth = std::max(report.largest_beta_growth, cohesion - law.cohesion);
-        if (!at.cracked && material.sigma_c > 0) report.surface += at.area * material.surface_energy(cohesion, u_N, u_T);
+        account_cohesion(at, material, law.cohesion, cohesion, material.equivalent_opening(u_N, u_T), report);
     }
 }
 

@@ -10,6 +10,7 @@
 #include "stepper/vertex_scheme.hpp"
 
 #include "interfaces/circulation.hpp"
+#include "stepper/cohesion_books.hpp"
 
 #include <algorithm>
 
@@ -120,17 +121,16 @@ bool VertexScheme::advance_resting(Index rank, const State& begin, const FreeMot
         const CohesiveLaw& law = model_.laws[point[j].law];
         PointState& state = end.points[end.first_point[rank] + j];
         state.cohesion = before[j].cohesion;
+        account_cohesion(point[j], law, state.cohesion, state.cohesion, 0, report);  // held, or without the cohesion that feels an opening
         if (resting.is_open[j]) {
             const Sides at(fan, j);
             const auto displacement = [&](Index i) -> const Vec2& { return end.displacement[end.node_of_corner[corner[i]]]; };
             const double u_N = point[j].normal.dot(displacement(at.after) - displacement(at.before));
             state.traction = Vec2::Zero();
             report.penetration = std::max(report.penetration, -u_N);
-            if (!point[j].cracked && law.sigma_c > 0) report.surface += point[j].area * law.surface_energy(0, u_N, 0);  // no cohesion feels no slip
         } else {
             const double C = strength(j), contact = std::max(0.0, point[j].normal.dot(impulse[j]) + C);
             state.traction = Vec2(contact - C, turned_left(point[j].normal).dot(impulse[j])) / (free.kick_time * point[j].area);
-            report.surface += point[j].area * law.surface_energy(state.cohesion, 0, 0);
         }
     }
     return true;

@@ -7,7 +7,8 @@ namespace knap {
 StepReport& StepReport::operator+=(const StepReport& other) {
     kinetic += other.kinetic;
     strain += other.strain;
-    surface += other.surface;
+    dissipated += other.dissipated;
+    recoverable += other.recoverable;
     external_work += other.external_work;
     cohesive_work += other.cohesive_work;
     crossing_loss += other.crossing_loss;

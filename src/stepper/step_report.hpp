@@ -19,7 +19,8 @@ enum class Refusal {
 struct StepReport {
     double kinetic = 0;          // 1/2 v' M v after the step
     double strain = 0;           // 1/2 u_n' K u_{n+1}
-    double surface = 0;          // sum of S Psi over all points, after the step
+    double dissipated = 0;       // sum of S G_c f(beta) over all points, after the step: what closing them does not give back
+    double recoverable = 0;      // sum of S beta sigma_c s, after the step: what closing them gives back
     double external_work = 0;    // of loads and prescribed motions
     double cohesive_work = 0;    // spent against the interface forces that Psi belongs to (positive: taken from the body)
     double crossing_loss = 0;    // part of the cohesive work that no energy stores: lost where a slip crosses zero within a step
@@ -38,7 +39,7 @@ struct StepReport {
     std::int64_t fan_fallbacks = 0;
     std::int64_t bound_tests = 0;    // exact tests of fans in one piece
     std::int64_t released = 0;       // fans that came apart in this step
-    std::int64_t softened = 0;       // points that lost cohesion in this step
+    std::int64_t softened = 0;       // points that lost cohesion in this step, with either bulk (account_cohesion)
     std::int64_t linear_solves = 0;  // of the implicit bulk
     std::int64_t factorisations = 0;
     Refusal refusal = Refusal::none;
@@ -46,7 +47,7 @@ struct StepReport {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(kinetic, strain, surface, external_work, cohesive_work, crossing_loss, impact_work, friction_work, step_change_work, scheme_dissipation,
+        archive(kinetic, strain, dissipated, recoverable, external_work, cohesive_work, crossing_loss, impact_work, friction_work, step_change_work, scheme_dissipation,
                 worst_impact_work, worst_friction_work, residual, penetration, largest_speed, largest_beta_growth, fan_solves, fan_iterations,
                 fan_fallbacks, bound_tests, released, softened, linear_solves, factorisations, refusal, where);
     }

@@ -1,6 +1,7 @@
 #include "stepper/vertex_scheme.hpp"
 
 #include "base/parallel.hpp"
+#include "stepper/cohesion_books.hpp"
 #include "stepper/split_order.hpp"
 
 #include <omp.h>
@@ -303,8 +304,7 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
         const double u_N = link.u_N + free.drift_time * n.dot(after), u_T = link.u_T + free.drift_time * t.dot(after);
         const double cohesion = point.cracked ? 0 : cohesion_before(f, i, begin);
         state.cohesion = law.next_cohesion(cohesion, u_N, u_T);
-        report.largest_beta_growth = std::max(report.largest_beta_growth, state.cohesion - cohesion);
-        if (!point.cracked && law.sigma_c > 0) report.surface += S * law.surface_energy(state.cohesion, u_N, u_T);
+        account_cohesion(point, law, cohesion, state.cohesion, law.equivalent_opening(u_N, u_T), report);
         report.penetration = std::max(report.penetration, -u_N);
     }
 

@@ -74,24 +74,36 @@ TEST_CASE("books: what the scheme damps closes the balance") {
     CHECK(ledger.row().residual == 0);
 }
 
-TEST_CASE("figures: the energy figure closes from the energy of the start and with what the scheme damps") {
+TEST_CASE("figures: the energy figure closes from the energy of the start and with all that the numbers take") {
     History energy;
-    energy.columns = {"time", "kinetic", "strain", "surface", "external_work", "friction_work", "impact_work", "scheme_dissipation"};
-    energy.rows = {{0, 2, 1, 0, 0, 0, 0, 0}, {1, 2, 2, 1, 4, -0.5, -0.25, 1.25}};
+    energy.columns = {"time",        "kinetic", "strain",        "surface",            "dissipated",      "recoverable", "external_work", "friction_work",
+                      "impact_work", "law_lag", "crossing_loss", "scheme_dissipation", "step_change_work"};
+    energy.rows = {{0, 2, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, {1, 2, 2, 1, 0.75, 0.25, 4, -0.5, -0.25, -0.5, 0.125, 1.25, -0.375}};
     const Chart chart = energy_chart(energy);
-    const auto curve = [&](const std::string& label) -> const Curve* {
-        for (const Curve& c : chart.curves)
+    const auto curve = [](const Chart& drawn, const std::string& label) -> const Curve* {
+        for (const Curve& c : drawn.curves)
             if (c.label == label) return &c;
         return nullptr;
     };
-    REQUIRE(curve("sum of all"));
-    REQUIRE(curve("start + external work"));
-    REQUIRE(curve("damped by the scheme"));
-    CHECK(curve("sum of all")->y == std::vector<double>{3, 7});
-    CHECK(curve("start + external work")->y == std::vector<double>{3, 7});
+    REQUIRE(curve(chart, "sum of all"));
+    REQUIRE(curve(chart, "start + external work"));
+    CHECK(curve(chart, "sum of all")->y == std::vector<double>{3, 7});
+    CHECK(curve(chart, "start + external work")->y == std::vector<double>{3, 7});
+    double drawn = 0;
+    for (std::size_t i = 2; i < chart.curves.size(); ++i) drawn += chart.curves[i].y[1];
+    CHECK(drawn == 7);
+    for (const char* label : {"dissipated", "recoverable", "law lag", "crossing loss", "damped by the scheme", "lost in changes of step"})
+        CHECK_MESSAGE(curve(chart, label), label);
 
-    energy.rows = {{0, 0, 0, 0, 0, 0, 0, 0}, {1, 2, 2, 0, 4, 0, 0, 0}};
+    energy.rows = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, {1, 2, 2, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0}};
     const Chart plain = energy_chart(energy);
-    for (const Curve& c : plain.curves) CHECK(c.label != "damped by the scheme");
+    CHECK(plain.curves.size() == 5);
+    for (const char* label : {"recoverable", "law lag", "crossing loss", "damped by the scheme", "lost in changes of step"}) CHECK_MESSAGE(!curve(plain, label), label);
     CHECK(plain.curves[1].label == "external work");
+
+    energy.columns = {"time", "kinetic", "strain", "surface", "external_work"};  // of an older run
+    energy.rows = {{0, 0, 0, 0, 0}, {1, 2, 1, 1, 4}};
+    const Chart older = energy_chart(energy);
+    REQUIRE(curve(older, "surface"));
+    CHECK(curve(older, "sum of all")->y == std::vector<double>{0, 4});
 }

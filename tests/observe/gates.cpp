@@ -50,3 +50,54 @@ TEST_CASE("gates: a limit of the scenario holds for the gate that it names where
     judge({ledger, 0.25, 1}, std::vector<AllowedLimit>{{"penetration", none}}, gates);
     CHECK(named(gates, "penetration").pass());
 }
+
+TEST_CASE("gates: the law lag is a signed part of the dissipated energy without an alarm at the first softened point") {
+    const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));
+    State implicit = initial_state(model);
+    implicit.rate.assign(implicit.velocity.size(), Vec2::Zero());
+    const State of_explicit = initial_state(model);
+    Gates gates;
+    const auto level = [&](const EnergyLedger& ledger, std::span<const AllowedLimit> allowed = {}) {
+        judge({ledger, 1, 1}, allowed, gates);
+        return named(gates, "law_lag").level;
+    };
+
+    EnergyLedger first(model, of_explicit);  // explicit bulk: its work is that of half the step, so far, and nothing is dissipated
+    first.add(of_explicit, {.kinetic = 1, .dissipated = 1e-6, .recoverable = 2e-3, .external_work = 1, .cohesive_work = 1.01e-3});
+    CHECK(first.row().law_lag == doctest::Approx(-0.991e-3).epsilon(1e-12).scale(0));
+    CHECK(std::abs(first.law_lag()) < 0.01);
+    CHECK(level(first) == GateLevel::ok);
+
+    EnergyLedger broken(model, implicit);
+    broken.add(implicit, {.kinetic = 1, .dissipated = 0.5, .external_work = 1, .cohesive_work = 0.45});
+    CHECK(broken.law_lag() == doctest::Approx(-0.1).epsilon(1e-12).scale(0));
+    CHECK(level(broken) == GateLevel::warning);
+    CHECK(level(broken, std::vector<AllowedLimit>{{"law_lag", 0.05}}) == GateLevel::violated);
+    broken.add(implicit, {.kinetic = 1, .dissipated = 0.5, .cohesive_work = 0.15});
+    CHECK(broken.law_lag() == doctest::Approx(0.2).epsilon(1e-12).scale(0));
+    broken.add(implicit, {.kinetic = 1, .dissipated = 0.5, .cohesive_work = 0.05});
+    CHECK(level(broken) == GateLevel::violated);
+    broken.add(implicit, {.kinetic = 1, .dissipated = 0.5, .cohesive_work = -0.15});
+    CHECK(broken.law_lag() == doctest::Approx(0).epsilon(1e-12));
+    CHECK(broken.largest_law_lag() == doctest::Approx(0.3).epsilon(1e-12).scale(0));
+    CHECK(level(broken) == GateLevel::violated);  // it was
+    CHECK(level(broken, std::vector<AllowedLimit>{{"law_lag", none}}) == GateLevel::warning);
+}
+
+TEST_CASE("gates: what the numbers lose warns from 5 percent of the dissipated energy at the end") {
+    const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));
+    const State now = initial_state(model);
+    EnergyLedger ledger(model, now), elastic(model, now);
+    ledger.add(now, {.kinetic = 1, .dissipated = 0.5, .external_work = 2, .cohesive_work = 0.54, .crossing_loss = 0.04, .scheme_dissipation = 0.02});
+    elastic.add(now, {.kinetic = 1, .external_work = 2, .scheme_dissipation = 1});
+    Gates gates;
+    for (const bool ended : {false, true}) {
+        judge({ledger, 1, 1, ended}, {}, gates);
+        CHECK(named(gates, "crossing_loss").level == (ended ? GateLevel::warning : GateLevel::ok));
+        CHECK(named(gates, "scheme_dissipation").level == GateLevel::ok);
+        judge({elastic, 1, 1, ended}, {}, gates);
+        CHECK(named(gates, "scheme_dissipation").level == GateLevel::ok);  // no crack to compare with
+    }
+    judge({ledger, 1, 1, true}, {}, gates);
+    CHECK(named(gates, "crossing_loss").value == doctest::Approx(0.08).epsilon(1e-12).scale(0));
+}

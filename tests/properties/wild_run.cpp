@@ -90,7 +90,8 @@ private:
     }
 
     void finite(const State& end, const StepReport& report) {
-        double sum = report.kinetic + report.strain + report.surface + report.external_work + report.cohesive_work + report.friction_work + report.impact_work;
+        double sum = report.kinetic + report.strain + report.dissipated + report.recoverable;
+        sum += report.external_work + report.cohesive_work + report.friction_work + report.impact_work;
         for (const Vec2& u : end.displacement) sum += u.sum();
         for (const Vec2& v : end.velocity) sum += v.sum();
         for (const PointState& point : end.points) sum += point.traction.sum();
@@ -114,8 +115,10 @@ private:
     void books_close(const StepReport& report) {
         const EnergyRow& row = ledger_.row();
         at_most("minus the damping of the scheme", -report.scheme_dissipation, 1e-12 * ledger_.largest_energy());
-        at_most("minus the surface energy", -row.surface, 0);
-        at_most("surface energy", row.surface, energy_of_all_interfaces(model_) * (1 + 1e-12));
+        at_most("minus the recoverable energy", -row.recoverable, 0);
+        at_most("fall of the dissipated energy", dissipated_ - row.dissipated, 1e-13 * row.dissipated);
+        dissipated_ = row.dissipated;
+        at_most("surface energy", row.surface(), energy_of_all_interfaces(model_) * (1 + 1e-12));
         // sides that have gone into each other were drawn in by their cohesion, which they lose again on their way out; and central differences
         // begin with half a kick
         if (is_explicit(wild_)) deepest_ = std::max(deepest_, longest_ * fastest_);
@@ -133,7 +136,7 @@ private:
     EnergyLedger ledger_;
     double strength_ = 0;  // [N] of all points
     double rounding_ = 0;  // [J/s2] a motion of less energy in a step of 1 s is rounding of the strengths
-    double longest_ = 0, fastest_ = 0, deepest_ = 0;
+    double longest_ = 0, fastest_ = 0, deepest_ = 0, dissipated_ = 0;
     std::string found_;
 };
 

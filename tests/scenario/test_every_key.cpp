@@ -164,6 +164,7 @@ at = ["20 us", "40 us"]
 range = ["-1 MPa", "1 MPa"]
 [limits]
 penetration = "2 um"
+law_lag = 0.3
 [expect]
 energy_residual = { below = 1e-3, above = -1 }
 max_tip_speed = { below = "0.65 cR" }
@@ -435,6 +436,7 @@ const Case cases[] = {
     {rectangle, "figure[0].width", "800"},
     {rectangle, "figure[0].title", "\"Cracks\""},
     {rectangle, "limits.penetration", "2e-06"},
+    {rectangle, "limits.law_lag", "0.3"},
     {rectangle, "expect.energy_residual.below", "0.001"},
     {rectangle, "expect.energy_residual.above", "-1"},
     {rectangle, "expect.max_tip_speed.below", "\"0.65 cR\""},

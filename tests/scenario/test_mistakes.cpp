@@ -147,7 +147,6 @@ const Case cases[] = {
     {"a stress of two", with(load + "stress = [0, 1]\n"), "wrong-type", 18, 10, 6, "three values [a, b, c]"},
     {"pressure and traction", with(load + "pressure = 1\ntraction = [0, 1]\n"), "exclusive-keys", 18, 1, 8, "exactly one of: traction, pressure"},
     {"pressure in a length", with(load + "pressure = \"1 m\"\n"), "wrong-unit", 18, 12, 5, "must be a pressure"},
-    {"cracking step without implicit bulk", with("cohesion = \"implicit\"\nstep_cracking = 1e-9\n"), "exclusive-keys", 17, 17, 4, "bulk = \"implicit\""},
     {"theta for an impact", changed("G_c = 3", "G_c = 3\nrestitution = 0.8", with("bulk = \"implicit\"\ntheta = 0.6\n")), "out-of-range", 18, 9, 3,
      "0.5555555555555556 of the law `default`"},
     {"theta for the impact of an obstacle", with("bulk = \"implicit\"\ntheta = 0.6\n" + disc + "restitution = 1\n"), "out-of-range", 17, 9, 3, "of the obstacle `obstacle1`"},

@@ -88,7 +88,7 @@ std::vector<std::pair<double, double>> front(Run& run, double until, double h, s
         REQUIRE(run.now.time < 3 * until);
         while (next < points.size() && cohesion(run.model, run.now, points[next].second) == 0) {
             found.push_back({run.now.time, points[next].first});
-            surface.push_back(run.ledger.row().surface);
+            surface.push_back(run.ledger.row().surface());
             while (next < points.size() && points[next].first <= found.back().second) ++next;
         }
     }
@@ -132,7 +132,7 @@ TEST_CASE("C1 a debonding strip has the exact speed of its crack") {
             from = ends[phase];
         }
         // energy per length: the surface energy of what is broken, and of the zone ahead (a third of w l_cz or so)
-        const double broken = path.back().second - strip.a_0(), zone_length = strip.l_cz(speeds.back()), spent = run.ledger.row().surface / strip.G_c();
+        const double broken = path.back().second - strip.a_0(), zone_length = strip.l_cz(speeds.back()), spent = run.ledger.row().surface() / strip.G_c();
         CHECK(spent > broken);
         CHECK(spent < broken + zone_length);
         std::vector<std::pair<double, double>> late;  // place and energy, at the speed of the last phase

@@ -51,7 +51,7 @@ void check_books(const Run& run, double residual = 0) {
     CHECK(worst.worst_impact_work <= 1e-14 * scale);
     CHECK(worst.largest_beta_growth == 0);
     CHECK(worst.residual <= 1e-10);
-    CHECK(run.ledger.row().surface <= energy_of_all_interfaces(run.model) * (1 + 1e-12));
+    CHECK(run.ledger.row().surface() <= energy_of_all_interfaces(run.model) * (1 + 1e-12));
 }
 
 }  // namespace

@@ -175,7 +175,7 @@ TEST_CASE("a block rests on a rough platen with its weight") {
     while (run.now.time < 6) run.step(h);
     CHECK(std::abs(run.now.obstacles[0].reaction.x()) < 1e-2);
     CHECK(run.now.obstacles[0].reaction.y() == doctest::Approx(-1).epsilon(0.1));
-    CHECK(run.ledger.row().surface == 0);
+    CHECK(run.ledger.row().surface() == 0);
     check_books(run);
 }
 

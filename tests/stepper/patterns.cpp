@@ -122,7 +122,7 @@ struct Strip {
             if (run.now.time > 4 * ramp) FAIL("the crack stands at ", front());
             go(run, run.now.time + 10 * h, h);
         }
-        return run.ledger.row().surface;
+        return run.ledger.row().surface();
     }
 };
 
@@ -136,7 +136,7 @@ TEST_CASE("E13 the broken set converges with the step") {
     const auto at_20_us = [&](const SchemeOptions& path, double safety) {
         Run run(pulled(mesh, 3.08e6, 1e6), path);
         go(run, 20e-6, safety * stable);
-        return std::pair{broken(run), run.ledger.row().surface};
+        return std::pair{broken(run), run.ledger.row().surface()};
     };
     const auto [reference, energy] = at_20_us(both_explicit, 0.05);
     CHECK(reference.size() > mesh.interior_edges.size() / 100);

@@ -132,7 +132,7 @@ TEST_CASE("E1 patch test: a uniform strain is at rest with all edges cohesive") 
             double worst = 0;
             for (Index c = 0; c < mesh.n_corners(); ++c) worst = std::max(worst, (run.u(c / 3, c % 3) - gradient * mesh.corner(c / 3, c % 3)).norm());
             verify_small("largest error of the displacement over the strain, " + std::to_string(n_steps) + " steps" + (sliver ? ", with slivers" : ""), worst / gradient.norm(), {1e-10});
-            CHECK(run.ledger.row().surface == 0);
+            CHECK(run.ledger.row().surface() == 0);
         }
 }
 

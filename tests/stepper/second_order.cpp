@@ -104,7 +104,7 @@ TEST_CASE("second order: pure bending is at rest with all edges cohesive") {
         const double moved = distance(run, bending) / bending.curvature;
         if (order == 2) CHECK(moved <= 1e-11);
         else CHECK(moved > 1e-2);
-        CHECK(run.ledger.row().surface == 0);
+        CHECK(run.ledger.row().surface() == 0);
     }
 }
 
@@ -153,7 +153,7 @@ TEST_CASE("second order: both paths break a plate with the energy identity to ro
             const Vec2 u = opening(run.model, run.now, at.point);
             surface += at.area * law.surface_energy(cohesion(run.model, run.now, at.point), u.x(), u.y());
         }
-        CHECK(ledger.row().surface == relative(surface, 1e-9));
+        CHECK(ledger.row().surface() == relative(surface, 1e-9));
     }
 }
 

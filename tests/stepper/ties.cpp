@@ -72,7 +72,7 @@ void check_books(const Run& run) {
     CHECK(worst.worst_impact_work <= 1e-14 * run.ledger.largest_energy());
     CHECK(worst.largest_beta_growth == 0);
     CHECK(worst.residual <= 1e-10);  // at least 1 where a fan had no solution
-    CHECK(run.ledger.row().surface <= energy_of_all_interfaces(run.model) * (1 + 1e-12));
+    CHECK(run.ledger.row().surface() <= energy_of_all_interfaces(run.model) * (1 + 1e-12));
 }
 
 /// Every edge of a block is a crack with friction and restitution; the triangles have random velocities.
@@ -159,7 +159,7 @@ TEST_CASE("E3 all interfaces of a homogeneous bar reach their strength in one st
     verify_at_most("fans whose states cycled, of all that were solved", static_cast<double>(run.ledger.worst().fan_fallbacks) / static_cast<double>(run.ledger.worst().fan_solves), 1e-3);
     CHECK(std::abs(run.ledger.row().residual - residual) <= 1e-12 * run.ledger.largest_energy());
     verify_small("residual of the interface laws", run.ledger.worst().residual, {1e-10});
-    verify_at_most("surface energy over that of breaking all", run.ledger.row().surface / energy_of_all_interfaces(run.model), 1);
+    verify_at_most("surface energy over that of breaking all", run.ledger.row().surface() / energy_of_all_interfaces(run.model), 1);
 }
 
 TEST_CASE("a fracture run gives the same bits with one thread and with two") {
@@ -208,7 +208,7 @@ TEST_CASE("E20 the same events in SI and in mm and g and ms") {
     verify_that("the same fans apart and the same points broken after every step", a.now.split_fans == b.now.split_fans);
     equal("kinetic energies", in_si.kinetic, in_mm.kinetic);
     equal("strain energies", in_si.strain, in_mm.strain);
-    equal("surface energies", in_si.surface, in_mm.surface);
+    equal("surface energies", in_si.surface(), in_mm.surface());
     equal("external works", in_si.external_work, in_mm.external_work);
     equal("friction works", in_si.friction_work, in_mm.friction_work);
     equal("impact works", in_si.impact_work, in_mm.impact_work);

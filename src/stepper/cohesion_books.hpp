@@ -1,0 +1,22 @@
+#pragma once
+// What a point's cohesion at the end of a step means for the books, with either bulk. The energy Psi = beta sigma_c s + G_c f(beta) has two parts: what is
+// left of it when the point closes, Psi(s = 0) = G_c f(beta), is dissipated; beta sigma_c s, the work of the constant traction over the opening, is given back.
+#include "model/model.hpp"
+#include "stepper/step_report.hpp"
+
+#include <algorithm>
+
+namespace knap {
+
+constexpr double least_loss = 1e-12;  // of the cohesion in a step: less is rounding of an opening, not softening
+
+/// `before`, `after`: beta at the begin and at the end of the step [-]; `opening`: equivalent opening s at its end [m].
+inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, double before, double after, double opening, StepReport& report) {
+    report.softened += before - after > least_loss;
+    report.largest_beta_growth = std::max(report.largest_beta_growth, after - before);
+    if (point.cracked || law.sigma_c <= 0) return;
+    report.dissipated += point.area * law.surface_energy(after, 0, 0);
+    report.recoverable += point.area * after * law.sigma_c * opening;
+}
+
+}  // namespace knap

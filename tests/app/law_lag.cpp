@@ -1,0 +1,35 @@
+// Cracks that cost more or less than G_c since the steps are too large: a warning, the end of the run, and what the scenario allows.
+#include "program.hpp"
+
+using namespace program;
+
+namespace {
+
+/// A block that a crack runs through in steps of a few crossings of a triangle, damped.
+const std::string coarse = "edge_cracked_block -q -j 1 -s 'mesh.size=4 mm' -s 'time={ end=\"40 us\", bulk=\"implicit\", cohesion=\"implicit\", theta=1, step=\"10 CFL\" }' "
+                           "-s output.fields=false -s 'figure=[]' -s 'expect={}' ";
+
+}  // namespace
+
+TEST_CASE("law lag: a crack that is all but free ends the run and is told what to change") {
+    const Folder folder("law lag");
+    const Answer run = command("run " + coarse + "-o " + folder.in_shell("run"));
+    CAPTURE(run.text);
+    CHECK(run.code == 3);
+    for (const char* words : {"law_lag", "does not cost G_c", "limit 0.2", "time.step_cracking", "limits.law_lag", "warning[law_lag]"}) CHECK_MESSAGE(run.has(words), words);
+    const std::string json = text_of(folder.path / "run/run.json");
+    for (const char* words : {"\"largest_law_lag\": -", "\"recoverable\": "}) CHECK_MESSAGE(json.find(words) != std::string::npos, words);
+
+    const Answer allowed = command("run " + coarse + "-s limits.law_lag=2 -o " + folder.in_shell("allowed"));
+    CAPTURE(allowed.text);
+    CHECK(allowed.code == 0);
+    CHECK(allowed.has("warning[law_lag]"));
+    CHECK(allowed.has("warning[scheme_dissipation]"));  // at the end: theta = 1
+    CHECK(allowed.has("theta nearer 1/2"));
+
+    const Answer small = command("run " + coarse + "-s time.theta=0.5 -s 'time.step=0.5 CFL' -o " + folder.in_shell("small"));
+    CAPTURE(small.text);
+    CHECK(small.code == 0);
+    CHECK_FALSE(small.has("VIOLATED"));
+    CHECK_FALSE(small.has("warning[scheme_dissipation]"));
+}
