@@ -29,7 +29,7 @@ bool is_vacant(const fs::path& directory) {
 bool is_made_by_runs(fs::path name) {
     if (name.extension() == ".part") name = name.stem();
     static const std::set<fs::path> names{"run.json",   "log.txt",       "scenario.toml", "resolved.toml",     "mesh.msh", "energy.csv", "cracks.csv", "reactions.csv",
-                                          "probes.csv", "breaks.csv",    "fragments.csv", "stress_strain.csv", "run.pvd",  "fields",     "figures",    "lcp",
+                                          "probes.csv", "breaks.csv",    "fragments.csv", "arms.csv", "stress_strain.csv", "run.pvd",  "fields",     "figures",    "lcp",
                                           "checkpoint", "checkpoint.previous"};
     return names.contains(name);
 }

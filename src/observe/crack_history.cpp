@@ -1,19 +1,31 @@
 #include "observe/crack_history.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 namespace knap {
 
+CrackOptions crack_options(double mean_edge, double process_zone) {
+    return {.pruning_length = 10 * mean_edge,
+            .gap_length = 2 * mean_edge,
+            .chord_length = 10 * mean_edge,
+            .speed_window = std::max(20 * mean_edge, 1.5 * process_zone)};
+}
+
 double speed_over_window(std::span<const std::pair<double, double>> samples, double window) {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-    if (samples.empty()) return unknown;
-    std::size_t first = samples.size();
-    while (first > 0 && samples.back().second - samples[first - 1].second < window) --first;
-    if (first == 0) return unknown;
-    const auto used = samples.subspan(first - 1);
-    if (used.size() < 3) return unknown;
+    if (samples.size() < 3 || samples.back().second < 0.5 * window) return unknown;
+    const double end = samples.back().second, now = samples.back().first;
+    std::size_t first = samples.size() - 1, last = samples.size() - 1;  // of the growth
+    while (first > 0 && end - samples[first].second < window) --first;
+    while (last > first && samples[last - 1].second == end) --last;
+    const double duration = samples[last].first - samples[first].first;
+    std::size_t begin = samples.size() - 3;
+    while (begin > 0 && now - samples[begin].first < duration * (1 - 1e-9)) --begin;
+    const auto used = samples.subspan(begin);
+    if (used.front().second == used.back().second) return 0;
     double mean_time = 0, mean_position = 0;
     for (const auto& [t, s] : used) mean_time += t, mean_position += s;
     mean_time /= static_cast<double>(used.size());
@@ -26,42 +38,194 @@ double speed_over_window(std::span<const std::pair<double, double>> samples, dou
     return ts / tt;
 }
 
-std::vector<std::pair<double, double>> CrackHistory::front() const {
-    std::vector<std::pair<double, double>> broken;  // time, position
-    for (const PathStep& step : pattern_.main_path) broken.emplace_back(broken_since_[step.interface], step.position);
-    std::sort(broken.begin(), broken.end());
-    std::vector<std::pair<double, double>> front;
-    double position = 0;
-    std::size_t next = 0;
-    for (const double time : times_) {
-        for (; next < broken.size() && broken[next].first <= time; ++next) position = std::max(position, broken[next].second);
-        if (position > 0) front.emplace_back(time, position);  // waiting for the first growth is no part of it
-    }
-    return front;
-}
-
-CrackHistory::CrackHistory(InterfaceGraph graph, const CrackOptions& options)
-    : graph_(std::move(graph)),
-      options_(options),
-      broken_since_(graph_.ends.size(), std::numeric_limits<double>::infinity()) {}
+CrackHistory::CrackHistory(InterfaceGraph graph, const CrackOptions& options) : arms_(std::move(graph), options), options_(options) {}
 
 const CrackPattern& CrackHistory::snapshot(double time, std::span<const InterfaceStatus> status) {
-    for (std::size_t i = 0; i < status.size(); ++i) {
-        if (status[i] == InterfaceStatus::broken && broken_since_[i] > time) broken_since_[i] = time;
-    }
     times_.push_back(time);
-    pattern_ = find_cracks(graph_, status, options_);
-    speed_ = speed_over_window(front(), options_.speed_window);
-    max_speed_ = std::fmax(max_speed_, speed_);  // ignores what is not known
-
-    if (!first_growth_ && !pattern_.counted.empty()) first_growth_ = time;
-    if (!first_branching_ && !pattern_.branchings.empty()) {
-        const auto first = std::min_element(pattern_.branchings.begin(), pattern_.branchings.end(), [&](const Branching& a, const Branching& b) {
-            return broken_since_[a.first_interface] < broken_since_[b.first_interface];
-        });
-        first_branching_ = {broken_since_[first->first_interface], first->position};
-    }
+    arms_.grow(time, status);
+    add_lengths();
+    find_speeds();
+    find_main();
     return pattern_;
+}
+
+void CrackHistory::add_lengths() {
+    const auto length = [&](const std::vector<Index>& edges) {
+        double sum = 0;
+        for (const Index e : edges) sum += arms_.graph().length[e];
+        return sum;
+    };
+    const CrackedEdges& edges = arms_.edges();
+    pattern_.n_broken = static_cast<Index>(edges.broken().size());
+    pattern_.n_damaged = static_cast<Index>(edges.damaged().size());
+    pattern_.broken_length = length(edges.broken());
+    pattern_.damaged_length = length(edges.damaged());
+}
+
+CrackTip CrackHistory::tip_of(Index arm) const {
+    const CrackNode& node = arms_.nodes()[arms_.arms()[arm].tip()];
+    return {arm, node.vertex, arms_.graph().vertices[node.vertex], arms_.arms()[arm].path_length, speeds_[arm], node.ends};
+}
+
+void CrackHistory::find_speeds() {
+    for (std::size_t i = 0; i < arms_.arms().size(); ++i) {
+        const Index arm = static_cast<Index>(i), tip = arms_.arms()[i].tip();
+        if (i == speeds_.size()) speeds_.push_back(unknown), tips_.push_back(-1);
+        if (tips_[i] == tip && speeds_[i] == 0) continue;  // it stands
+        tips_[i] = tip;
+        speeds_[i] = speed_at(growth(arm), times_.back());
+        max_speed_ = std::fmax(max_speed_, speeds_[i]);  // ignores what is not known
+    }
+}
+
+CrackHistory::Growth CrackHistory::growth(Index arm) const {
+    const std::vector<CrackNode>& nodes = arms_.nodes();
+    Growth growth{.way = arms_.way_in_crack(arms_.arms()[arm].tip()), .position = {}, .reached = {}};
+    std::vector<Index> vertices;
+    for (const Index n : growth.way) vertices.push_back(nodes[n].vertex);
+    growth.position = along_chords(vertices);
+    growth.reached.resize(growth.way.size());
+    double time = std::numeric_limits<double>::infinity();
+    for (std::size_t i = growth.way.size(); i-- > 1;) growth.reached[i] = time = std::min(time, nodes[growth.way[i]].since);
+    growth.reached[0] = time;  // waiting for the first growth is no part of it
+    return growth;
+}
+
+/// How far the tip had come at each snapshot from one time to another.
+CrackHistory::Samples CrackHistory::samples(const Growth& growth, double from, double to) const {
+    Samples samples;
+    auto next = growth.reached.begin();
+    for (auto t = std::lower_bound(times_.begin(), times_.end(), std::max(from, growth.reached.front())); t != times_.end() && *t <= to; ++t) {
+        next = std::upper_bound(next, growth.reached.end(), *t);
+        samples.emplace_back(*t, growth.position[next - growth.reached.begin() - 1]);
+    }
+    return samples;
+}
+
+double CrackHistory::speed_at(const Growth& growth, double time) const {
+    const auto reached = std::upper_bound(growth.reached.begin(), growth.reached.end(), time);
+    if (reached == growth.reached.begin()) return unknown;
+    const double begin = growth.position[reached - growth.reached.begin() - 1] - options_.speed_window;
+    const auto first = std::upper_bound(growth.position.begin(), growth.position.end(), begin) - growth.position.begin();  // in the window
+    // three snapshots before the first of the window, so that there are three however few fall into it
+    const auto at = std::lower_bound(times_.begin(), times_.end(), growth.reached[first]) - times_.begin();
+    return speed_over_window(samples(growth, times_[std::max<std::ptrdiff_t>(at - 3, 0)], time), options_.speed_window);
+}
+
+double CrackHistory::mean_tip_speed() const {
+    if (main_arm_ < 0) return unknown;
+    const Growth way = growth(main_arm_);
+    const auto half = std::lower_bound(way.position.begin(), way.position.end(), 0.5 * way.position.back()) - way.position.begin();
+    const Samples second_half = samples(way, way.reached[half], way.reached.back());
+    return second_half.empty() ? unknown : speed_over_window(second_half, second_half.back().second - second_half.front().second);
+}
+
+/// Distances from the first vertex: between knots about a chord apart the edges share the chord's length.
+std::vector<double> CrackHistory::along_chords(const std::vector<Index>& vertices) const {
+    const std::vector<Vec2>& x = arms_.graph().vertices;
+    std::vector<double> position(vertices.size(), 0);
+    double since_knot = 0;
+    std::size_t knot = 0;
+    for (std::size_t k = 1; k < vertices.size(); ++k) {
+        since_knot += (x[vertices[k]] - x[vertices[k - 1]]).norm();
+        position[k] = since_knot;
+        if (k + 1 < vertices.size() && since_knot < options_.chord_length) continue;
+        const double chord = (x[vertices[k]] - x[vertices[knot]]).norm();
+        for (std::size_t i = knot + 1; i <= k; ++i) position[i] = position[knot] + (since_knot > 0 ? position[i] * chord / since_knot : 0);
+        since_knot = 0;
+        knot = k;
+    }
+    return position;
+}
+
+void CrackHistory::find_main() {
+    const auto& arms = arms_.arms();
+    pattern_.tips.clear();
+    const auto grew_at = [&](double time) { first_growth_ = std::min(first_growth_.value_or(time), time); };
+    double length = 0;
+    const std::vector<std::uint8_t> passed = arms_.passed();
+    const bool speed_known = main_arm_ >= 0 && std::isfinite(speeds_[main_arm_]);
+    Index longest = -1;
+    for (std::size_t i = 0; i < arms.size(); ++i) {
+        const Index arm = static_cast<Index>(i);
+        length += arms_.length(arm);
+        const CrackTip tip = tip_of(arm);
+        if (!tip.arrived && !passed[i] && arms[i].nodes.size() > 1) pattern_.tips.push_back(tip);
+        for (std::size_t k = 1; k < arms[i].nodes.size(); ++k) grew_at(arms_.nodes()[arms[i].nodes[k]].since);
+        if (speed_known && std::isnan(speeds_[i])) continue;  // the main tip's speed stays known
+        if (longest < 0 || arms[i].path_length > arms[longest].path_length) longest = arm;
+    }
+    if (main_arm_ < 0 || arms[longest].path_length > arms[main_arm_].path_length + 0.5 * options_.pruning_length) main_arm_ = longest;
+    pattern_.n_cracks = arms_.n_cracks();
+    pattern_.n_branches = static_cast<Index>(arms_.branchings().size());
+    std::vector<Index> vertices;
+    if (main_arm_ >= 0) {
+        const Index tip = arms[main_arm_].tip();
+        pattern_.main_end = tip_of(main_arm_);
+        for (const Index n : arms_.way(tip)) vertices.push_back(arms_.nodes()[n].vertex);
+        pattern_.main_start = arms_.cracks()[arms_.first_of(arms_.nodes()[tip].crack)].start;
+    } else if (const LooseStretch& loose = arms_.longest_loose(); loose.length > 0) {
+        vertices = loose.way;
+        length = loose.length;
+        for (const Index e : loose.edges) grew_at(arms_.edges().since(e));
+        pattern_.n_cracks = 1;
+        pattern_.main_start = loose.start;
+        pattern_.main_end = {-1, vertices.back(), arms_.graph().vertices[vertices.back()], 0, unknown, loose.ends};
+        if (!loose.ends) pattern_.tips.push_back(*pattern_.main_end);
+    }
+    pattern_.crack_length = std::max(pattern_.crack_length, length);
+    if (!vertices.empty()) pattern_.main_length = std::max(pattern_.main_length, along_chords(vertices).back());
+}
+
+std::vector<double> CrackHistory::lengths_over_time() const {
+    std::vector<double> lengths(times_.size(), 0);
+    for (std::size_t arm = 0; arm < arms_.arms().size(); ++arm) {
+        const Growth way = growth(static_cast<Index>(arm));
+        const std::vector<CrackNode>& nodes = arms_.nodes();
+        const Index start = arms_.arms()[arm].nodes.front();
+        std::size_t next = way.way.size() - arms_.arms()[arm].nodes.size() + 1;  // of the way: the first that is its own
+        double length = 0;
+        for (std::size_t t = 0; t < times_.size(); ++t) {
+            for (; next < way.way.size() && way.reached[next] <= times_[t]; ++next) length = nodes[way.way[next]].distance - nodes[start].distance;
+            lengths[t] += length;
+        }
+    }
+    return lengths;
+}
+
+std::span<const Output> CrackHistory::arm_columns() {
+    static constexpr std::array columns{Output{"arm", "", "its number, from 0 in the order of their beginning"},
+                                        Output{"parent", "", "number of the arm that it left; -1: the first of its crack"},
+                                        Output{"time", "s", "when its tip had come past this place"},
+                                        Output{"x", "m", "place of a vertex of the arm"},
+                                        Output{"y", "m", "likewise"},
+                                        Output{"length", "m", "of the arm up to there, along edges"},
+                                        Output{"speed", "m/s", "of its tip then"}};
+    return columns;
+}
+
+std::vector<std::vector<double>> CrackHistory::arm_rows() const {
+    std::vector<std::vector<double>> rows;
+    for (std::size_t arm = 0; arm < arms_.arms().size(); ++arm) {
+        const CrackArm& a = arms_.arms()[arm];
+        if (a.nodes.size() < 2) continue;
+        const Growth way = growth(static_cast<Index>(arm));
+        const std::size_t start = way.way.size() - a.nodes.size();
+        for (std::size_t i = start; i < way.way.size(); ++i) {
+            const double time = way.reached[std::max(i, start + 1)];
+            const CrackNode& node = arms_.nodes()[way.way[i]];
+            const Vec2& x = arms_.graph().vertices[node.vertex];
+            rows.push_back({static_cast<double>(arm), static_cast<double>(a.parent), time, x.x(), x.y(), node.distance - arms_.nodes()[a.nodes.front()].distance, speed_at(way, time)});
+        }
+    }
+    return rows;
+}
+
+std::optional<FirstBranching> CrackHistory::first_branching() const {
+    const auto& all = arms_.branchings();
+    if (all.empty()) return {};
+    const Branching& first = *std::min_element(all.begin(), all.end(), [](const Branching& a, const Branching& b) { return a.time < b.time; });
+    return FirstBranching{first.time, arms_.graph().vertices[arms_.nodes()[first.node].vertex]};
 }
 
 }  // namespace knap

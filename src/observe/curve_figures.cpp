@@ -100,7 +100,7 @@ Chart crack_length_chart(const History& cracks) {
         if (cracks.has(name)) chart.curves.push_back({label, time, cracks.column(name), colour});
     };
     add("main crack", "main_length", black);
-    add("all branches", "crack_length", blue);
+    add("all arms", "crack_length", blue);
     add("broken edges", "broken_length", vermilion);
     return chart;
 }

@@ -44,6 +44,7 @@ std::vector<OutputTable> all_tables() {
     add_named(place_columns(), probes);
     add_named(interface_columns(), probes);
     const std::span<const Output> stress_strain = stress_strain_columns();
+    const std::span<const Output> arms = CrackHistory::arm_columns();
     std::vector<OutputTable> tables{
         {"summary", "numbers of a run: `summary` of run.json, log.txt, stdout, `knap info`; what [expect], studies and sweeps may name", summary_outputs()},
         {"energy.csv", "energies and works so far; a line every output.history_every", rows_of(energy_columns())},
@@ -52,6 +53,7 @@ std::vector<OutputTable> all_tables() {
         {"probes.csv", "places and interfaces that are watched, at the same times, each after its name", probes},
         {"breaks.csv", "a line for every interface when it breaks; with output.breaks", rows_of(break_columns())},
         {"stress_strain.csv", "the specimen of a rock test, at the same times", {stress_strain.begin(), stress_strain.end()}},
+        {"arms.csv", "a line for the start of every arm of a crack and for each of its edges, at the end", {arms.begin(), arms.end()}},
         {"fragments.csv", "a line a piece of the body, at the end, the heaviest first", rows_of(fragment_columns())},
     };
     OutputTable& gates = tables.emplace_back(

@@ -44,7 +44,7 @@ std::string Progress::line(const State& now, const Recorder& recorder) const {
     text += "  main crack " + scaled(cracks.main_length, "m");
     const double speed = recorder.cracks().tip_speed() / recorder.options().rayleigh_speed;
     if (std::isfinite(speed)) text += formatted("  v/cR %.2f", speed);
-    text += "  tips " + std::to_string(cracks.tips.size()) + "  branches " + std::to_string(cracks.n_branches());
+    text += "  tips " + std::to_string(cracks.tips.size()) + "  branches " + std::to_string(cracks.n_branches);
     text += formatted("  dE %.0e", ledger.largest_residual() / std::max(ledger.largest_energy(), 1e-300));
     text += formatted("  %.2e triangle-steps/s", static_cast<double>(now.n_steps - first_step_) * n_triangles_ / std::max(wall, 1e-9));
     return text;

@@ -7,6 +7,7 @@
 #include "observe/history_csv.hpp"
 #include "observe/interface_status.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -148,6 +149,7 @@ void Recorder::finish(const State& now) {
     if (last_line_ < now.time) write_lines(now);
     if (writer_ && frame_times_.back() < now.time) write_frame(now);
     write_fragments(now);
+    write_arms();
     write_lost_sheets();
     draw_due(now, true);
     end_frames();
@@ -157,6 +159,19 @@ void Recorder::write_fragments(const State& now) {
     const Timed timed(*this);
     histories_.fragments = fragment_table(find_fragments(model_, now));
     if (!options_.directory.empty()) write_csv(histories_.fragments, options_.directory / "fragments.csv");
+}
+
+/// The arms as they are known in the end: an arm counts when it is long, but grew from its first edge on, and so do the lengths of all arms in cracks.csv.
+void Recorder::write_arms() {
+    if (cracks_.arms().arms().empty()) return;
+    const Timed timed(*this);
+    const std::vector<double> lengths = cracks_.lengths_over_time();
+    for (std::size_t i = 0; i < lengths.size(); ++i) histories_.cracks.rows[i][2] = std::max(histories_.cracks.rows[i][2], lengths[i]);
+    if (options_.directory.empty()) return;
+    crack_file_ = opened(options_.directory / "cracks.csv", histories_.cracks);
+    History arms{.rows = cracks_.arm_rows()};
+    for (const Output& column : CrackHistory::arm_columns()) arms.columns.emplace_back(column.name);
+    write_csv(arms, options_.directory / "arms.csv");
 }
 
 /// Tables that someone took away while they were written: all lines are here.

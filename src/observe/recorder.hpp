@@ -84,6 +84,7 @@ private:
     void write_lines(const State& now);
     void end_frames();
     void write_fragments(const State& now);
+    void write_arms();
     void draw_due(const State& now, bool at_end);
     void draw(const FigureOptions& figure, const Frame& frame);
     void write_lost_sheets() const;

@@ -28,18 +28,6 @@ double largest_force(const Recorder& recorder, std::size_t number, const Reactio
     return largest;
 }
 
-/// [m/s] slope of the length of the main crack over the second half of its growth.
-double mean_tip_speed(const Recorder& recorder) {
-    const History& cracks = recorder.histories().cracks;
-    if (cracks.rows.empty()) return none;
-    const std::vector<double> time = cracks.column("time"), length = cracks.column("main_length");
-    std::vector<std::pair<double, double>> samples;
-    for (std::size_t i = 0; i < time.size() && (i == 0 || length[i - 1] < length.back()); ++i)
-        if (length[i] >= 0.5 * length.back()) samples.emplace_back(time[i], length[i]);
-    if (samples.size() < 2) return none;
-    return speed_over_window(samples, samples.back().second - samples.front().second);
-}
-
 /// What a summary is made of.
 struct Facts {
     Facts(const Model& model, const State& end, const Recorder& recorder, double rayleigh_speed);
@@ -128,15 +116,15 @@ constexpr std::array rows{
     SummaryRow{"largest_reaction", "N", "its largest size over the run",
                [](const F& f) { return f.driver ? largest_force(f.recorder, *f.driver, f.reactions[*f.driver]) : none; }},
     SummaryRow{"broken_length", "m", "length of all broken interfaces", [](const F& f) { return f.pattern.broken_length; }},
-    SummaryRow{"crack_length", "m", "length of all cracks that count, without single broken interfaces", [](const F& f) { return f.pattern.crack_length; }},
+    SummaryRow{"crack_length", "m", "length of all arms of cracks, along edges, without twigs and single broken interfaces", [](const F& f) { return f.pattern.crack_length; }},
     SummaryRow{"main_length", "m", "length of the main crack, along chords", [](const F& f) { return f.pattern.main_length; }},
-    SummaryRow{"first_growth_time", "s", "first crack growth", [](const F& f) { return f.cracks.first_growth_time().value_or(none); }},
-    SummaryRow{"max_tip_speed", "m/s", "largest speed of the main crack tip", [](const F& f) { return f.cracks.max_tip_speed(); }},
-    SummaryRow{"mean_tip_speed", "m/s", "its mean over the second half of the crack's growth", [](const F& f) { return mean_tip_speed(f.recorder); }},
+    SummaryRow{"first_growth_time", "s", "first edge of a crack that counts", [](const F& f) { return f.cracks.first_growth_time().value_or(none); }},
+    SummaryRow{"max_tip_speed", "m/s", "largest speed of any crack tip", [](const F& f) { return f.cracks.max_tip_speed(); }},
+    SummaryRow{"mean_tip_speed", "m/s", "of the tip of the main crack, its mean over the second half of the growth", [](const F& f) { return f.cracks.mean_tip_speed(); }},
     SummaryRow{"max_tip_speed_over_cR", "", "max_tip_speed over the Rayleigh speed",
                [](const F& f) { return f.rayleigh_speed > 0 ? f.cracks.max_tip_speed() / f.rayleigh_speed : none; }},
-    SummaryRow{"tips", "", "number of crack tips at the end", [](const F& f) { return static_cast<double>(f.pattern.tips.size()); }},
-    SummaryRow{"branches", "", "number of branchings at the end", [](const F& f) { return static_cast<double>(f.pattern.n_branches()); }},
+    SummaryRow{"tips", "", "number of crack tips at the end that have not arrived at a boundary or at another crack", [](const F& f) { return static_cast<double>(f.pattern.tips.size()); }},
+    SummaryRow{"branches", "", "number of branchings at the end", [](const F& f) { return static_cast<double>(f.pattern.n_branches); }},
     SummaryRow{"first_branch_time", "s", "first branching", [](const F& f) { return f.cracks.first_branching() ? f.cracks.first_branching()->time : none; }},
     SummaryRow{"first_branch_x", "m", "where it was", [](const F& f) { return f.cracks.first_branching() ? f.cracks.first_branching()->position.x() : none; }},
     SummaryRow{"first_branch_y", "m", "likewise", [](const F& f) { return f.cracks.first_branching() ? f.cracks.first_branching()->position.y() : none; }},

@@ -49,7 +49,7 @@ int run_and_stop(const std::string& arguments, const fs::path& run, int signal, 
 
 /// All that a run found: its histories, fragments and every field frame.
 void check_same_bits(const fs::path& a, const fs::path& b) {
-    std::vector<fs::path> files{"energy.csv", "cracks.csv", "breaks.csv", "fragments.csv", "run.pvd"};
+    std::vector<fs::path> files{"energy.csv", "cracks.csv", "arms.csv", "breaks.csv", "fragments.csv", "run.pvd"};
     for (const auto& entry : fs::directory_iterator(a / "fields")) files.push_back(fs::path("fields") / entry.path().filename());
     CHECK(files.size() > 10);
     for (const fs::path& file : files) CHECK_MESSAGE(text_of(a / file) == text_of(b / file), file);

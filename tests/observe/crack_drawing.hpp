@@ -48,7 +48,7 @@ struct Drawing {
 };
 
 /// Arms shorter than 4 mm are twigs.
-inline CrackOptions options() { return {.pruning_length = 4e-3, .chord_length = 0, .speed_window = 10e-3}; }
+inline CrackOptions options() { return {.pruning_length = 4e-3, .gap_length = 0, .chord_length = 0, .speed_window = 10e-3}; }
 
 inline constexpr double mm = 1e-3;
 

@@ -3,6 +3,7 @@
 
 #include "model/model.hpp"
 #include "model/state.hpp"
+#include "observe/crack_history.hpp"
 #include "observe/fragments.hpp"
 #include "support/bodies.hpp"
 
@@ -64,11 +65,10 @@ TEST_CASE("status of interfaces follows the cohesion of their points") {
 TEST_CASE("a bar cut half and then in two") {
     const Model model = bar();
     State state = initial_state(model);
-    const InterfaceGraph graph = interface_graph(model);
-    const CrackOptions options{.pruning_length = 3, .chord_length = 0, .speed_window = 3};
+    CrackHistory history(interface_graph(model), {.pruning_length = 3, .gap_length = 0, .chord_length = 0, .speed_window = 3});
 
     weaken(model, state, 3, 1, 0.0);
-    CrackPattern cracks = find_cracks(graph, interface_status(model, state), options);
+    CrackPattern cracks = history.snapshot(1, interface_status(model, state));
     CHECK(cracks.crack_length == Approx(1));
     CHECK(cracks.main_start == CrackStart::boundary);
     REQUIRE(cracks.tips.size() == 1);
@@ -76,7 +76,7 @@ TEST_CASE("a bar cut half and then in two") {
     CHECK(find_fragments(model, state).pieces.size() == 1);
 
     weaken(model, state, 3, 2, 0.0);
-    cracks = find_cracks(graph, interface_status(model, state), options);
+    cracks = history.snapshot(2, interface_status(model, state));
     CHECK(cracks.crack_length == Approx(2));
     CHECK(cracks.tips.empty());
 

@@ -1,0 +1,140 @@
+// Cracks of whole runs: what cracks.csv and arms.csv say, held against the broken interfaces of breaks.csv, which know nothing of arms.
+#include "observe/history_csv.hpp"
+#include "program.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <queue>
+#include <vector>
+
+using namespace program;
+using knap::History;
+
+namespace {
+
+/// The broken interfaces of a run, as a graph.
+class Broken {
+public:
+    explicit Broken(const History& breaks) {
+        const std::vector<double> x = breaks.column("x"), y = breaks.column("y"), angle = breaks.column("angle_deg"), length = breaks.column("length");
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            const double a = angle[i] * std::acos(-1.0) / 180, dx = 0.5 * length[i] * std::cos(a), dy = 0.5 * length[i] * std::sin(a);
+            const int p = vertex(x[i] - dx, y[i] - dy), q = vertex(x[i] + dx, y[i] + dy);
+            around_[p].emplace_back(q, length[i]), around_[q].emplace_back(p, length[i]);
+        }
+    }
+
+    /// The vertex within 0.1 um, or a new one.
+    int vertex(double x, double y) {
+        const long i = std::lround(x * 1e7), j = std::lround(y * 1e7);
+        for (long k = i - 1; k <= i + 1; ++k)
+            for (long l = j - 1; l <= j + 1; ++l)
+                if (const auto found = vertices_.find({k, l}); found != vertices_.end()) return found->second;
+        around_.emplace_back();
+        return vertices_[{i, j}] = static_cast<int>(around_.size()) - 1;
+    }
+
+    /// Distances along broken edges from the nearest of these vertices [m]; infinite where none leads.
+    std::vector<double> distances(const std::vector<int>& from) const {
+        std::vector<double> distance(around_.size(), HUGE_VAL);
+        std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>> queue;
+        for (const int v : from) queue.emplace(distance[v] = 0, v);
+        while (!queue.empty()) {
+            const auto [d, v] = queue.top();
+            queue.pop();
+            if (d > distance[v]) continue;
+            for (const auto& [w, length] : around_[v])
+                if (d + length < distance[w]) queue.emplace(distance[w] = d + length, w);
+        }
+        return distance;
+    }
+
+private:
+    std::map<std::pair<long, long>, int> vertices_;
+    std::vector<std::vector<std::pair<int, double>>> around_;
+};
+
+double number_in(const std::string& json, const std::string& name) {
+    const std::size_t at = json.find("\"" + name + "\": ");
+    REQUIRE(at != std::string::npos);
+    return std::stod(json.substr(at + name.size() + 4));
+}
+
+/// Lengths never fall, speeds that are known stay so, and all that broke lies within ten edges of an arm, or is shorter than that.
+void check_cracks(const fs::path& run) {
+    const double pruned = 10 * number_in(text_of(run / "run.json"), "mean_edge_m");
+    const History cracks = knap::read_csv(run / "cracks.csv"), arms = knap::read_csv(run / "arms.csv");
+    for (const char* column : {"length", "crack_length", "broken_length", "branches", "n_broken"}) {
+        const std::vector<double> values = cracks.column(column);
+        for (std::size_t i = 1; i < values.size(); ++i) CHECK_MESSAGE(values[i] >= values[i - 1], column << " at line " << i);
+    }
+    const std::vector<double> speed = cracks.column("speed");
+    for (std::size_t i = 1; i < speed.size(); ++i) CHECK((std::isnan(speed[i - 1]) || std::isfinite(speed[i])));
+    CHECK(std::isfinite(speed.back()));
+
+    // each arm grows from its start on, and the last lengths of all are the whole
+    const std::vector<double> number = arms.column("arm"), time = arms.column("time"), length = arms.column("length"), x = arms.column("x"), y = arms.column("y");
+    double sum = 0;
+    for (std::size_t i = 0; i < number.size(); ++i) {
+        const bool first = i == 0 || number[i] != number[i - 1], last = i + 1 == number.size() || number[i + 1] != number[i];
+        if (first) CHECK(length[i] == 0);
+        if (!first) CHECK(length[i] > length[i - 1]);
+        if (!first) CHECK(time[i] >= time[i - 1]);
+        if (last) sum += length[i];
+    }
+    CHECK(sum == doctest::Approx(cracks.column("crack_length").back()).epsilon(1e-9));
+
+    Broken broken(knap::read_csv(run / "breaks.csv"));
+    std::vector<int> on_arms;
+    for (std::size_t i = 0; i < x.size(); ++i) on_arms.push_back(broken.vertex(x[i], y[i]));
+    const std::vector<double> distance = broken.distances(on_arms);
+    for (std::size_t v = 0; v < distance.size(); ++v) {
+        if (std::isfinite(distance[v])) {
+            CHECK(distance[v] < pruned);  // a twig
+            continue;
+        }
+        const std::vector<double> in_stretch = broken.distances({static_cast<int>(v)});
+        for (const double d : in_stretch) CHECK((d < pruned || std::isinf(d)));
+    }
+}
+
+void run_block(int seed, const std::string& options, const Folder& folder) {
+    CAPTURE(seed);
+    const std::string name = std::to_string(seed);
+    const Answer run = command("run edge_cracked_block -q -j 1 -s output.fields=false -s output.breaks=true -s 'expect={}' -s 'figure=[]' " + options + "-s seed=" + name + " -o " + folder.in_shell(name));
+    CAPTURE(run.text);
+    REQUIRE(run.code == 0);
+    check_cracks(folder.path / name);
+}
+
+}  // namespace
+
+TEST_CASE("the starter plate forks as its picture shows") {
+    const Folder folder("starter");
+    REQUIRE(command("new " + folder.in_shell("plate.toml")).code == 0);
+    const Answer run = command("run " + folder.in_shell("plate.toml") + " -q -j 1 -s output.fields=false -s output.breaks=true -s 'figure=[]' -s 'expect={ branches = { at_least = 1, at_most = 1 }, tips = { at_least = 2, at_most = 2 } }' -o " +
+                               folder.in_shell("run"));
+    CAPTURE(run.text);
+    REQUIRE(run.code == 0);
+    check_cracks(folder.path / "run");
+    // both arms of the fork at 77 mm are long, and the speed is known for two thirds of the growth
+    const History arms = knap::read_csv(folder.path / "run/arms.csv");
+    const std::vector<double> number = arms.column("arm"), x = arms.column("x"), length = arms.column("length");
+    CHECK(x.back() > 85e-3);
+    CHECK(length.back() > 10e-3);
+    CHECK(number.back() == 1);
+    const std::vector<double> speed = knap::read_csv(folder.path / "run/cracks.csv").column("speed");
+    CHECK(std::count_if(speed.begin(), speed.end(), [](double v) { return v > 0; }) > 200);
+}
+
+TEST_CASE("coarse blocks: no length falls and no arm of ten edges is lost") {
+    const Folder folder("coarse_blocks");
+    for (int seed = 1; seed <= 4; ++seed) run_block(seed, "-s 'mesh.size=2 mm' ", folder);
+    run_block(5, "-s 'mesh.size=1 mm' ", folder);
+}
+
+TEST_CASE("twenty blocks: no length falls and no arm of ten edges is lost" * doctest::test_suite("slow")) {
+    const Folder folder("twenty_blocks");
+    for (int seed = 1; seed <= 20; ++seed) run_block(seed, "", folder);
+}
