@@ -251,11 +251,13 @@ void weigh_obstacles(const std::vector<Load>& loads, Model& model) {
 /// Obstacles begin beside the body.
 void check_obstacles(const Model& model) {
     const Mesh& mesh = model.mesh;
+    Vec2 low = mesh.vertices.front(), high = low;
+    for (const Vec2& x : mesh.vertices) low = low.cwiseMin(x), high = high.cwiseMax(x);
     for (const Obstacle& obstacle : model.obstacles) {
         for (const BoundaryEdge& edge : mesh.boundary_edges) {
             const Vec2 a = mesh.corner(edge.triangle, edge.side), b = mesh.corner(edge.triangle, (edge.side + 1) % 3);
             const double depth = -distance_to(obstacle.outline, obstacle.start, a).gap;
-            if (depth <= 1e-6 * (b - a).norm()) continue;
+            if (depth <= std::min(1e-6 * (high - low).norm(), 1e-2 * (b - a).norm())) continue;  // of rounded coordinates; contact keeps it from growing
             char text[200];
             std::snprintf(text, sizeof text, " lies in the body at the start, by %.3g m at (%.6g, %.6g) m", depth, a.x(), a.y());
             throw UserError("overlap", "obstacle `" + obstacle.name + "`" + text);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace knap {
 
@@ -46,10 +45,13 @@ EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix ma
     for (std::size_t o = 0; o < model.obstacles.size(); ++o) row_.kinetic += kinetic_energy(model.obstacles[o], start.obstacles[o].velocity);
     row_.time = start.time;
     start_energy_ = largest_energy_ = row_.kinetic + row_.strain;
-    mass_ = std::accumulate(model.corner_mass.begin(), model.corner_mass.end(), 0.0);
+    given_ = start_energy_;
+    smallest_mass_ = *std::min_element(model.corner_mass.begin(), model.corner_mass.end());
 }
 
 void EnergyLedger::add(const State& end, const StepReport& report) {
+    ++n_steps_;
+    given_ += std::max(0.0, report.external_work);
     row_.time = end.time;
     row_.kinetic = report.kinetic;
     row_.strain = report.strain;

@@ -56,16 +56,19 @@ public:
     double law_lag() const { return law_lag_; }
     double largest_law_lag() const { return largest_law_lag_; }
 
-    double mass() const { return mass_; }  // [kg] of the body
+    double given() const { return given_; }                        // [J] the energy of the start and all that loads and prescribed motions have put in since
+    std::int64_t n_steps() const { return n_steps_; }
+    double smallest_mass() const { return smallest_mass_; }        // [kg] of the parts that triangles give their corners
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(start_energy_, largest_energy_, largest_recoverable_, largest_residual_, law_lag_, largest_law_lag_, mass_, row_, worst_);
+        archive(start_energy_, largest_energy_, largest_recoverable_, largest_residual_, law_lag_, largest_law_lag_, given_, n_steps_, row_, worst_);
     }
 
 private:
-    double start_energy_, largest_energy_, largest_recoverable_ = 0, largest_residual_ = 0, mass_;
+    double start_energy_, largest_energy_, largest_recoverable_ = 0, largest_residual_ = 0, given_ = 0, smallest_mass_;
     double law_lag_ = 0, largest_law_lag_ = 0;
+    std::int64_t n_steps_ = 0;
     EnergyRow row_;
     StepReport worst_;
 };

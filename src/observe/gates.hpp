@@ -4,6 +4,7 @@
 //
 // One list of rules makes them all (gates.cpp): a new gate is a row of it. A rule that bounds what knap can compute, not whether it computed rightly, may be
 // given another limit by the scenario: [limits] has a key of the same name.
+#include "observe/deformation_watch.hpp"
 #include "observe/energy_ledger.hpp"
 
 #include <cmath>
@@ -44,12 +45,14 @@ struct GateView {
     double critical_opening;  // [m] the largest of the laws that can break
     double size;              // [m] diagonal of the body
     bool ended = false;       // no step follows: what is a part of the dissipated energy can be judged
+    const DeformationWatch* deformation = nullptr;  // null: not watched
 };
 
 struct GateValue {
     double value;                                // [unit]
     std::optional<Vec2> place = std::nullopt;    // [m]
-    std::optional<double> limit = std::nullopt;  // [unit] where it depends on the scene: in the place of the rule's
+    std::optional<double> limit = std::nullopt;    // [unit] where they depend on the scene: in the place of the rule's
+    std::optional<double> warning = std::nullopt;
     bool judged = true;                          // false: there was nothing to judge
 };
 
@@ -70,8 +73,8 @@ class GateKeeper {
 public:
     GateKeeper(double critical_opening, double size, std::vector<AllowedLimit> allowed) : critical_opening_(critical_opening), size_(size), allowed_(std::move(allowed)) {}
 
-    const Gates& judge(const EnergyLedger& ledger, bool ended = false) {
-        knap::judge({ledger, critical_opening_, size_, ended}, allowed_, gates_);
+    const Gates& judge(const EnergyLedger& ledger, const DeformationWatch& deformation, bool ended = false) {
+        knap::judge({.ledger = ledger, .critical_opening = critical_opening_, .size = size_, .ended = ended, .deformation = &deformation}, allowed_, gates_);
         return gates_;
     }
     const Gates& gates() const { return gates_; }

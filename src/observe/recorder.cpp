@@ -18,6 +18,10 @@ namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
+// of the deformation a run, at least, and for overlaps; and steps of the explicit bulk between two
+constexpr double n_looks = 200, n_searches = 40;
+constexpr std::int64_t steps_between_looks = 32;
+
 /// The file with all lines so far, open for the next ones.
 std::ofstream opened(const std::filesystem::path& path, const History& history) {
     write_csv(history, path);
@@ -37,6 +41,7 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
     : model_(model),
       options_(std::move(options)),
       ledger_(model, start, options_.mass),
+      deformation_(model),
       gates_(options_.critical_opening, diagonal(model.mesh.vertices), options_.allowed_limits),
       cracks_(interface_graph(model), options_.cracks),
       reactions_(model),
@@ -56,7 +61,7 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
         for (const char* count : {"tensile_breaks", "shear_breaks"}) histories_.stress_strain.columns.emplace_back(count);
     }
     next_at_.assign(options_.figures.size(), 0);
-    gates_.judge(ledger_);
+    gates_.judge(ledger_, deformation_);
     if (options_.goes_on) return;
     open_files();
     write_lines(start);
@@ -121,7 +126,8 @@ void Recorder::end_frames() {
 
 void Recorder::after_step(const State& now, const StepReport& report) {
     ledger_.add(now, report);
-    gates_.judge(ledger_);
+    watch_deformation(now);
+    gates_.judge(ledger_, deformation_);
     if (writer_) writer_->check();
     const double reached = now.time * (1 + 1e-12);
     if (specimen_ || breaks_) watch_step(now);
@@ -136,6 +142,21 @@ void Recorder::after_step(const State& now, const StepReport& report) {
     draw_due(now, false);
 }
 
+/// Some hundred times a run, at frames and at the end; a look takes a part of an explicit step, so there are steps between two.
+void Recorder::watch_deformation(const State& now) {
+    const double reached = now.time * (1 + 1e-12);
+    const bool framed = reached >= next_frame_, at_end = options_.end > 0 && reached >= options_.end;
+    const bool due = reached >= next_look_ && now.n_steps >= looked_ + (now.rate.empty() ? steps_between_looks : 1);
+    if (!due && !framed && !at_end) return;
+    const Timed timed(*this);
+    deformation_.look_at(now);
+    looked_ = now.n_steps;
+    next_look_ = now.time + options_.end / n_looks;
+    if (!framed && !at_end && reached < next_search_) return;
+    deformation_.look_for_overlap(now);
+    next_search_ = now.time + options_.end / n_searches;
+}
+
 /// What must not miss a step between two lines.
 void Recorder::watch_step(const State& now) {
     const Timed timed(*this);
@@ -145,7 +166,7 @@ void Recorder::watch_step(const State& now) {
 }
 
 void Recorder::finish(const State& now) {
-    gates_.judge(ledger_, true);
+    gates_.judge(ledger_, deformation_, true);
     if (last_line_ < now.time) write_lines(now);
     if (writer_ && frame_times_.back() < now.time) write_frame(now);
     write_fragments(now);

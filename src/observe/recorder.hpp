@@ -2,6 +2,7 @@
 // Watches a run: energy ledger, crack history, CSV lines, field frames, figures at their times. Knows nothing of the stepper's insides.
 #include "observe/breaks.hpp"
 #include "observe/crack_history.hpp"
+#include "observe/deformation_watch.hpp"
 #include "observe/energy_ledger.hpp"
 #include "observe/figures.hpp"
 #include "observe/frame.hpp"
@@ -56,6 +57,7 @@ public:
     void finish(const State& now);
 
     const EnergyLedger& ledger() const { return ledger_; }
+    const DeformationWatch& deformation() const { return deformation_; }
     const CrackHistory& cracks() const { return cracks_; }
     const Reactions& reactions() const { return reactions_; }
     const GateKeeper& gates() const { return gates_; }  // as they stand after the last step
@@ -71,7 +73,7 @@ public:
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(ledger_, gates_, cracks_, histories_, next_frame_, next_history_, last_line_, frame_times_, next_at_, drawn_);
+        archive(ledger_, deformation_, next_look_, looked_, next_search_, gates_, cracks_, histories_, next_frame_, next_history_, last_line_, frame_times_, next_at_, drawn_);
         archive(output_seconds_, frame_seconds_, figure_seconds_, frame_wait_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
@@ -81,6 +83,7 @@ private:
     class Timed;
     void write_frame(const State& now);
     void watch_step(const State& now);
+    void watch_deformation(const State& now);
     void write_lines(const State& now);
     void end_frames();
     void write_fragments(const State& now);
@@ -93,6 +96,7 @@ private:
     const Model& model_;
     RecorderOptions options_;
     EnergyLedger ledger_;
+    DeformationWatch deformation_;
     GateKeeper gates_;
     CrackHistory cracks_;
     Reactions reactions_;
@@ -103,6 +107,8 @@ private:
     std::ofstream energy_file_, crack_file_, reaction_file_, probe_file_, break_file_, stress_strain_file_;
     std::optional<VtkSeries> series_;
     double next_frame_ = 0, next_history_ = 0;
+    double next_look_ = 0, next_search_ = 0;  // [s] of the deformation, and for overlaps
+    std::int64_t looked_ = 0;                 // number of the step of the last look
     double last_line_ = -1;             // [s] time of the last line
     std::vector<double> frame_times_;   // [s]
     std::vector<std::size_t> next_at_;  // per figure: which of its times comes next

@@ -33,12 +33,14 @@ struct Facts {
     Facts(const Model& model, const State& end, const Recorder& recorder, double rayleigh_speed);
 
     double part(double energy) const { return energy / (ledger.largest_energy() > 0 ? ledger.largest_energy() : 1); }
+    bool overlaps() const { return deformation.overlap().value > 0; }
     bool has_breaks() const { return !recorder.histories().breaks.columns.empty(); }
     const SpecimenOptions* specimen() const { return recorder.options().specimen ? &*recorder.options().specimen : nullptr; }
 
     const Recorder& recorder;
     const EnergyLedger& ledger;
     const EnergyRow& energy;
+    const DeformationWatch& deformation;
     const CrackHistory& cracks;
     const CrackPattern& pattern;
     double rayleigh_speed;  // [m/s]
@@ -52,7 +54,7 @@ struct Facts {
 };
 
 Facts::Facts(const Model& model, const State& end, const Recorder& of, double speed)
-    : recorder(of), ledger(of.ledger()), energy(ledger.row()), cracks(of.cracks()), pattern(cracks.pattern()), rayleigh_speed(speed) {
+    : recorder(of), ledger(of.ledger()), energy(ledger.row()), deformation(of.deformation()), cracks(of.cracks()), pattern(cracks.pattern()), rayleigh_speed(speed) {
     double mass = 0;
     Vec2 moment = Vec2::Zero();
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
@@ -148,6 +150,13 @@ constexpr std::array rows{
                [](const F& f) { return f.strength.crack_damage; }, in_compression},
     SummaryRow{"largest_penetration", "m", "largest overlap of two sides in contact over the run", [](const F& f) { return f.ledger.worst().penetration; }},
     SummaryRow{"largest_speed", "m/s", "largest speed of any corner over the run", [](const F& f) { return f.ledger.worst().largest_speed; }},
+    SummaryRow{"largest_rotation", "deg", "largest rotation of a triangle over the run", [](const F& f) { return f.deformation.rotation().value; }},
+    SummaryRow{"largest_area_change", "", "largest change of the area of a triangle over its area, over the run", [](const F& f) { return f.deformation.area_change().value; }},
+    SummaryRow{"largest_slip", "", "largest slip of a point under pressure over the run, in lengths of its edge; along a straight foundation none",
+               [](const F& f) { return f.deformation.slip().value; }},
+    SummaryRow{"overlap_area", "m2", "largest area that the deformed body covers twice, at the times of frames", [](const F& f) { return f.deformation.overlap().value; }},
+    SummaryRow{"overlap_x", "m", "where its largest part is, in the deformed body", [](const F& f) { return f.overlaps() ? f.deformation.overlap().place.x() : none; }},
+    SummaryRow{"overlap_y", "m", "likewise", [](const F& f) { return f.overlaps() ? f.deformation.overlap().place.y() : none; }},
 };
 
 /// Of every load and obstacle that drives, after its name.

@@ -165,6 +165,10 @@ range = ["-1 MPa", "1 MPa"]
 [limits]
 penetration = "2 um"
 law_lag = 0.3
+rotation = "60 deg"
+area_change = "50 %"
+slip = "none"
+overlap = "3 mm2"
 [expect]
 energy_residual = { below = 1e-3, above = -1 }
 max_tip_speed = { below = "0.65 cR" }
@@ -437,6 +441,10 @@ const Case cases[] = {
     {rectangle, "figure[0].title", "\"Cracks\""},
     {rectangle, "limits.penetration", "2e-06"},
     {rectangle, "limits.law_lag", "0.3"},
+    {rectangle, "limits.rotation", "60"},
+    {rectangle, "limits.area_change", "0.5"},
+    {rectangle, "limits.slip", "\"none\""},
+    {rectangle, "limits.overlap", "3e-06"},
     {rectangle, "expect.energy_residual.below", "0.001"},
     {rectangle, "expect.energy_residual.above", "-1"},
     {rectangle, "expect.max_tip_speed.below", "\"0.65 cR\""},

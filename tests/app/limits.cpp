@@ -1,0 +1,149 @@
+// A run that leaves what knap computes says so, goes on, and ends where its results would mislead; [limits] moves that end.
+#include "program.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+using namespace program;
+
+namespace {
+
+using Json = nlohmann::json;
+
+Json record_of(const Folder& folder) { return Json::parse(text_of(folder.path / "run/run.json")); }
+
+Json gate_of(const Json& record, const std::string& name) {
+    for (const Json& gate : record["gates"])
+        if (gate["name"] == name) return gate;
+    return {};
+}
+
+std::size_t count(const std::string& text, const std::string& words) {
+    std::size_t n = 0;
+    for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) ++n;
+    return n;
+}
+
+const std::string rock = "[material.rock]\ndensity = 2600\nE = 20e9\nnu = 0.2\n";
+const std::string unbreakable = "[interface.default]\nbreakable = false\n";
+
+/// A free bar that turns by some 54 degrees in 4 ms.
+const std::string spin = "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [0.04, 0.01]\norigin = [-0.02, -0.005]\n[mesh]\nsize = 0.005\n" + rock + unbreakable +
+                         "[[initial]]\nvelocity = [0, 5]\nbox = [0, -0.005, 0.02, 0.005]\n[[initial]]\nvelocity = [0, -5]\nbox = [-0.02, -0.005, 0, 0.005]\n"
+                         "[time]\nend = \"4 ms\"\n[output]\nfields = false\n";
+
+/// A soft block with a slot that is squeezed shut.
+const std::string slot = "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [0.04, 0.02]\n[[domain.hole]]\n"
+                         "points = [[0.005, 0.0095], [0.035, 0.0095], [0.035, 0.0105], [0.005, 0.0105]]\n[mesh]\nsize = 0.0014\n"
+                         "[material.gel]\ndensity = 1000\nE = 1e6\nnu = 0.3\n" + unbreakable +
+                         "[[load]]\non = \"bottom\"\ndisplacement = [0, 0]\n[[load]]\non = \"top\"\nvelocity = [0, -0.5]\nramp = \"1 ms\"\n[time]\nend = \"6 ms\"\n"
+                         "[output]\nfields = false\n";
+
+/// The upper half of a cracked block slides over the lower one, pressed.
+const std::string slide = "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [0.04, 0.02]\n[[domain.crack]]\npoints = [[0, 0.01], [0.04, 0.01]]\n[mesh]\nsize = 0.0025\n" + rock +
+                          "[interface.default]\nsigma_c = 1e8\nG_c = 100\n[[load]]\non = \"bottom\"\ndisplacement = [0, 0]\n[[load]]\non = \"top\"\ntraction = [0, -1e6]\n"
+                          "[[initial]]\nvelocity = [60, 0]\nbox = [0, 0.01, 0.04, 0.02]\n[time]\nend = \"0.1 ms\"\n[output]\nfields = false\n";
+
+Answer run(const Folder& folder, const std::string& scenario, const std::string& more = "") {
+    std::ofstream(folder.path / "scene.toml") << scenario;
+    return command("run " + folder.in_shell("scene.toml") + " -q -j 1 --force -o " + folder.in_shell("run") + " " + more);
+}
+
+}  // namespace
+
+TEST_CASE("limits: a bar that turns is warned of from 5 degrees and ends its run at 30") {
+    const Folder folder("spin");
+    const Answer turned = run(folder, spin);
+    CHECK(turned.code == 3);
+    CHECK(count(turned.text, "warning[rotation]") == 1);
+    CHECK(turned.has("gate rotation violated"));
+    const Json record = record_of(folder);
+    CHECK(record["status"] == "failed");
+    const Json gate = gate_of(record, "rotation");
+    CHECK(gate["level"] == "violated");
+    CHECK(gate["pass"] == false);
+    CHECK(gate["value"].get<double>() > 30);
+    CHECK(gate["value"].get<double>() < 31);  // it is looked at often enough
+    CHECK(gate["place_m"].size() == 2);
+    CHECK(record["summary"]["largest_rotation"] == gate["value"]);
+    CHECK(fs::exists(folder.path / "run/energy.csv"));
+    CHECK(count(text_of(folder.path / "run/log.txt"), "warning[rotation]") == 1);
+
+    SUBCASE("a shorter run is warned of and done") {
+        const Answer part = run(folder, spin, "-s 'time.end=1 ms'");
+        CHECK(part.code == 0);
+        CHECK(count(part.text, "warning[rotation]") == 1);
+        const Json warned = record_of(folder);
+        CHECK(warned["status"] == "done");
+        CHECK(gate_of(warned, "rotation")["level"] == "warning");
+        CHECK(gate_of(warned, "rotation")["pass"] == true);
+        const auto& said = warned["warnings"];
+        CHECK(std::count_if(said.begin(), said.end(), [](const Json& one) { return one.get<std::string>().find("largest rotation") != std::string::npos; }) == 1);
+    }
+    SUBCASE("a very short one is not") {
+        const Answer part = run(folder, spin, "-s 'time.end=0.1 ms'");
+        CHECK(part.code == 0);
+        CHECK_FALSE(part.has("warning["));
+        CHECK(gate_of(record_of(folder), "rotation")["level"] == "ok");
+    }
+    SUBCASE("the scenario may allow it") {
+        const Answer allowed = run(folder, spin, "-s limits.rotation=none -s limits.area_change=none");
+        CHECK(allowed.code == 0);
+        CHECK(count(allowed.text, "warning[rotation]") == 1);
+        CHECK(gate_of(record_of(folder), "rotation")["value"].get<double>() > 50);
+        CHECK(gate_of(record_of(folder), "rotation")["limit"].is_null());
+        CHECK(run(folder, spin, "-s 'limits.rotation=40 deg' -s limits.area_change=none").code == 3);
+        CHECK(gate_of(record_of(folder), "rotation")["value"].get<double>() == doctest::Approx(40.5).epsilon(0.015));
+    }
+}
+
+TEST_CASE("limits: the two sides of a slot that go through each other are found") {
+    const Folder folder("slot");
+    const Answer shut = run(folder, slot, "-s limits.area_change=none");
+    CHECK(shut.code == 3);
+    CHECK(shut.has("gate overlap violated"));
+    const Json summary = record_of(folder)["summary"];
+    CHECK(summary["overlap_area"].get<double>() > 1e-6);
+    CHECK(summary["overlap_x"].get<double>() == doctest::Approx(0.02).epsilon(0.2));
+    CHECK(summary["overlap_y"].get<double>() > 0.005);
+    CHECK(summary["overlap_y"].get<double>() < 0.01);
+    CHECK(run(folder, slot, "-s limits.area_change=none -s limits.overlap=none").code == 0);
+    CHECK(record_of(folder)["summary"]["overlap_area"].get<double>() > summary["overlap_area"].get<double>());
+}
+
+TEST_CASE("limits: faces that slid by more than an edge under pressure end the run") {
+    const Folder folder("slide");
+    const Answer slid = run(folder, slide);
+    CHECK(slid.code == 3);
+    CHECK(count(slid.text, "warning[slip]") == 1);
+    CHECK(slid.has("gate slip violated"));
+    CHECK(record_of(folder)["time_s"].get<double>() == doctest::Approx(2.5e-3 / 60).epsilon(0.3));  // an edge at 60 m/s
+    CHECK(run(folder, slide, "-s limits.slip=none -s limits.overlap=none").code == 0);
+    CHECK(record_of(folder)["summary"]["largest_slip"].get<double>() > 1.5);
+}
+
+TEST_CASE("limits: loads on few light parts stop no run") {
+    const Folder folder("light");
+    // a point load, whose vertex has all the energy of the first step
+    const std::string block = "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n[mesh]\nsize = 0.002\n" + rock + unbreakable;
+    const std::string point = "[[load]]\non = { box = [0.0487, 0.0399, 0.0513, 0.0401] }\nforce = [0, -100]\nramp = \"5 us\"\n[time]\nend = \"10 us\"\n[output]\nfields = false\n";
+    CHECK(run(folder, block + point).code == 0);
+    CHECK(gate_of(record_of(folder), "largest_speed")["pass"] == true);
+}
+
+TEST_CASE("limits: an obstacle that begins a few nanometres in the body is beside it") {
+    const Folder folder("touching");
+    const auto block = [](const std::string& height) {
+        return "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [0.04, 0.02]\n[mesh]\nsize = 0.002\n" + rock + unbreakable +
+               "[[obstacle]]\nshape = \"half plane\"\nat = [0, \"" + height + "\"]\nnormal = [0, 1]\n[[load]]\nacceleration = [0, -9.81]\n"
+               "[time]\nend = \"20 us\"\n[output]\nfields = false\n";
+    };
+    CHECK(run(folder, block("5 nm")).code == 0);
+    const Json summary = record_of(folder)["summary"];
+    CHECK(summary["largest_penetration"].get<double>() <= 6e-9);
+    CHECK(summary["largest_speed"].get<double>() <= 1e-3);  // 9.81 m/s2 for 20 us, and waves; it is not thrown out, 5 nm in a step
+    const Answer deep = run(folder, block("5 um"));
+    CHECK(deep.code == 2);
+    CHECK(deep.has("lies in the body at the start, by 5e-06 m"));
+}
