@@ -157,7 +157,7 @@ int run_command_line(int argc, char** argv) {
     CLI::App* render_command = add("render", "draw figures from a finished run", [&] {
         if (figure.file.empty()) figure.file = figure.show + ".png";
         for (const std::string& text : at) figure.at.push_back(quantity(text, "s"));
-        for (const std::string& text : range) figure.range.push_back(quantity(text, unit_of_field(figure.show)));
+        for (const std::string& text : range) figure.range.push_back(quantity(text, unit_of_figure(figure.show, figure.colour)));
         if (!box.empty())
             figure.box = Box{{quantity(box[0], "m"), quantity(box[1], "m")}, {quantity(box[2], "m"), quantity(box[3], "m")}};
         return render_run(directory, figure, output);
@@ -167,6 +167,8 @@ int run_command_line(int argc, char** argv) {
     render_command->add_option("--file", figure.file, "name of the picture: .png, .svg or .pdf");
     render_command->add_option("--at", at, "times, as in 40us");
     render_command->add_option("--colour", figure.colour, "of cracks")->check(CLI::IsMember(figure_colours()));
+    render_command->add_option("--over", figure.over, "what reactions are drawn over")->check(CLI::IsMember(figure_abscissas()));
+    render_command->add_option("--aspect", figure.aspect, "how much larger the short side is drawn than the long one");
     render_command->add_option("--deform", figure.deform, "exaggeration of the displacement");
     render_command->add_option("--range", range, "colour range, two values with units")->expected(2);
     render_command->add_option("--box", box, "part of the body: xmin ymin xmax ymax")->expected(4);

@@ -1,18 +1,19 @@
 // knap render and knap info: finished runs.
 #include "app/commands.hpp"
+#include "app/finished_run.hpp"
 #include "app/read_run.hpp"
 #include "app/run_directory.hpp"
 #include "base/error.hpp"
-#include "observe/history_csv.hpp"
 #include "observe/outputs.hpp"
+#include "observe/sequence.hpp"
 #include "observe/ticks.hpp"
 #include "observe/vtk_series.hpp"
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 
 namespace knap {
 namespace {
@@ -30,49 +31,46 @@ std::string with_value(const Json& judged) {
     return value_text(judged["value"].is_null() ? NAN : judged["value"].get<double>(), judged.value("unit", ""));
 }
 
+/// The frames nearest to the times that a figure asks for. Throws UserError for a time that the run has not reached.
+FrameList frames_for(const FigureOptions& figure, const FinishedRun& run) {
+    const std::vector<double>& times = run.frame_times;
+    if (times.empty()) throw UserError("no-frames", "`" + run.directory.string() + "` has no field frames, so no `" + figure.show + "`", "run with output.fields = true");
+    FrameList list{.run = run.directory};
+    for (const double time : figure.at.empty() ? std::vector{times.back()} : figure.at) {
+        const double slack = 1e-6 * times.back();
+        if (!(time >= times.front() - slack && time <= times.back() + slack))
+            throw UserError("no-frames", "`" + run.directory.string() + "` has no frame at " + time_text(time),
+                            "it has " + std::to_string(times.size()) + " from " + time_text(times.front()) + " to " + time_text(times.back()));
+        const std::size_t k = nearest_frame(times, time);
+        if (std::abs(times[k] - time) > slack) std::fprintf(stderr, "note: no frame at %.6g s; the nearest is at %.6g s\n", time, times[k]);
+        if (std::find(list.frames.begin(), list.frames.end(), k) == list.frames.end()) list.frames.push_back(k);
+    }
+    return list;
+}
+
+std::vector<std::filesystem::path> draw(const FigureOptions& figure, const FinishedRun& run, const std::filesystem::path& directory) {
+    check_figure(figure, run.histories);
+    if (!shows_body(figure.show)) return {draw_figure(figure, Frame{}, run.histories, run.context, directory)};
+    const FrameList list = frames_for(figure, run);
+    FigureOptions drawn = figure;  // named by the times that are drawn, not by those that were asked for
+    drawn.at.clear();
+    if (figure.at.size() > 1)
+        for (const std::size_t k : list.frames) drawn.at.push_back(run.frame_times[k]);
+    if (figure.at.size() > 1 && drawn.at.size() == 1) drawn.at.push_back(drawn.at.front());
+    return draw_frames(drawn, list, run.histories, run.context, directory, scale_of(drawn, list, run.histories, run.context));
+}
+
 }  // namespace
 
 ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figure, const std::filesystem::path& output) {
-    const Json record = read_run_json(run);
+    const FinishedRun finished = read_finished_run(run);
     std::vector<FigureOptions> figures{figure};
     if (figure.show.empty()) figures = read_scenario(run / "resolved.toml").scenario.figures;
-    const std::string title = record.value("title", "");
-    const FigureContext context{.title = title.empty() ? record.value("name", "") : title,
-                                .rayleigh_speed = record.value("rayleigh_speed_m_per_s", 0.0),
-                                .materials = record.value("materials", std::vector<std::string>{})};
-    const auto read_if_there = [&](const char* name) { return std::filesystem::exists(run / name) ? read_csv(run / name) : History{}; };
-    const auto read_lines = [&](const char* name) {
-        History history = read_csv(run / name);
-        if (history.rows.empty()) throw UserError("damaged-file", "`" + (run / name).string() + "` has no line of numbers");
-        return history;
-    };
-    const Histories histories{.energy = read_lines("energy.csv"),
-                              .cracks = read_lines("cracks.csv"),
-                              .reactions = read_if_there("reactions.csv"),
-                              .probes = read_if_there("probes.csv"),
-                              .breaks = read_if_there("breaks.csv"),
-                              .stress_strain = read_if_there("stress_strain.csv"),
-                              .fragments = read_if_there("fragments.csv")};
+    for (const FigureOptions& one : figures) check_figure(one, finished.histories);
     const std::filesystem::path directory = output.empty() ? run / "rendered" : output;
     std::filesystem::create_directories(directory);
-    for (const FigureOptions& wanted : figures) {
-        std::vector<double> at = wanted.at;
-        if (!shows_body(wanted.show)) {
-            for (const auto& path : draw_figure(wanted, Frame{}, histories, context, directory)) std::printf("figure:  %s\n", path.string().c_str());
-            continue;
-        }
-        const std::vector<double> times = frame_times(run);
-        if (times.empty()) throw UserError("no-frames", "`" + run.string() + "` has no field frames", "run with output.fields = true");
-        if (at.empty()) at = {times.back()};
-        for (const double time : at) {
-            const Frame frame = read_frame(run, nearest_frame(times, time));
-            if (std::abs(frame.time - time) > 1e-6 * times.back())
-                std::fprintf(stderr, "note: no frame at %.6g s; the nearest is at %.6g s\n", time, frame.time);
-            FigureOptions one = wanted;  // named by the time that is drawn, not by the one that was asked for
-            if (at.size() > 1) one.at.assign(2, frame.time);
-            for (const auto& path : draw_figure(one, frame, histories, context, directory)) std::printf("figure:  %s\n", path.string().c_str());
-        }
-    }
+    for (const FigureOptions& one : figures)
+        for (const auto& path : draw(one, finished, directory)) std::printf("figure:  %s\n", path.string().c_str());
     return exit_done;
 }
 

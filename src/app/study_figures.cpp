@@ -33,7 +33,7 @@ std::string title_of(const Study& study, std::size_t q) {
 }
 
 void add_line(const Study& study, std::size_t q, std::size_t line, bool over_cost, Chart& chart) {
-    Curve curve{.label = study.plan.options.lines[line].name, .colour = curve_colour(line), .marker = marker(line)};
+    Curve curve{.label = study.plan.options.lines[line].name, .colour = curve_colour(line), .dash = curve_dash(line), .marker = marker(line)};
     for (const std::size_t run : study.runs_of(line)) {
         curve.x.push_back(over_cost ? study.results[run].cpu : fineness(study, run));
         curve.y.push_back(study.errors[q].error[run]);
@@ -56,7 +56,7 @@ void add_guides(Chart& chart) {
                                 .y = {0.6 * y_high * std::pow(x_low / x_high, order), 0.6 * y_high},
                                 .colour = grey,
                                 .width = 1,
-                                .dashed = order == 1});
+                                .dash = order == 1 ? 1 : 0});
 }
 
 Chart error_chart(const Study& study, std::size_t q, bool over_cost) {
@@ -76,7 +76,7 @@ Chart value_chart(const Study& study, std::size_t q) {
     chart.y_quantity = "value";
     chart.y_unit = quantity.unit;
     for (std::size_t line = 0; line < study.plan.options.lines.size(); ++line) {
-        Curve curve{.label = study.plan.options.lines[line].name, .colour = curve_colour(line), .marker = marker(line)};
+        Curve curve{.label = study.plan.options.lines[line].name, .colour = curve_colour(line), .dash = curve_dash(line), .marker = marker(line)};
         const std::vector<std::size_t> runs = study.runs_of(line);
         for (std::size_t i = 0; i < runs.size();) {
             std::vector<double> sample;

@@ -1,13 +1,16 @@
 #include "app/sweep.hpp"
 
+#include "app/finished_run.hpp"
 #include "app/version.hpp"
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
 #include "observe/contact_sheet.hpp"
+#include "observe/vtk_series.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 namespace knap {
 namespace {
@@ -22,12 +25,42 @@ std::size_t n_columns(const SweepPlan& plan) {
     return std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(n)))), 1, 12);
 }
 
+/// What the panel of a run is drawn from; none where it has nothing to show, as one that failed before its end.
+std::optional<FinishedRun> panel_source(const fs::path& directory, const FigureOptions& sheet) {
+    try {
+        FinishedRun run = read_finished_run(directory);
+        check_figure(sheet, run.histories);
+        if (shows_body(sheet.show) && run.frame_times.empty()) return {};
+        return run;
+    } catch (const UserError&) {
+        return {};
+    }
+}
+
+/// Draws the panels of all runs again, with the ranges of all, and the sheet of them.
 fs::path draw_sheet(const SweepPlan& plan, const fs::path& directory) {
+    FigureOptions sheet = plan.sheet;
+    sheet.at.clear();
+    const bool body = shows_body(sheet.show);
+    const auto frame_of = [&](const FinishedRun& run) { return body ? read_frame(run.directory, run.frame_times.size() - 1) : Frame{}; };
+    const auto directory_of = [&](const SweepRun& run) { return directory / "runs" / run.name; };
+    FigureScale common;
+    for (const SweepRun& run : plan.runs)
+        if (const auto source = panel_source(directory_of(run), sheet)) common = joined(common, scale_of(sheet, frame_of(*source), source->histories, source->context));
+    Legend legend;
     std::vector<Tile> tiles;
-    for (const SweepRun& run : plan.runs) tiles.push_back({directory / "runs" / run.name / "figures" / "sheet.png", plan.caption(run)});
+    for (const SweepRun& run : plan.runs) {
+        tiles.push_back({directory_of(run) / "figures" / sheet.file, plan.caption(run)});
+        const auto source = panel_source(directory_of(run), sheet);
+        if (!source) continue;
+        const Frame frame = frame_of(*source);
+        fs::create_directories(tiles.back().picture.parent_path());
+        draw_figure(sheet, frame, source->histories, source->context, tiles.back().picture.parent_path(), &common);
+        join(legend, panel_legend(sheet, frame, source->histories, source->context, common));
+    }
     const std::size_t columns = std::min(n_columns(plan), tiles.size());
     const int pixels = std::clamp<int>(static_cast<int>(420 * columns), 1200, 6000);
-    return draw_contact_sheet(tiles, columns, plan.title.empty() ? plan.name : plan.title, directory / "sweep.png", pixels).file;
+    return draw_contact_sheet(tiles, columns, plan.title.empty() ? plan.name : plan.title, directory / "sweep.png", pixels, legend).file;
 }
 
 /// A scenario's file seen from a directory; a built-in name stays one.

@@ -37,6 +37,7 @@ struct SweepPlan {
     std::vector<StudyQuantity> quantities;
     std::vector<SweepRun> runs;
     bool has_seeds = false;  // they are varied
+    FigureOptions sheet;     // a panel for each run
     std::string caption(const SweepRun& run) const;  // "size 1 mm, seed 3"
 };
 

@@ -28,7 +28,8 @@ void add_keys(const Overrides& set, std::vector<SweepKey>& keys) {
 std::string sheet_figure(const Scenario& scenario, const std::string& show) {
     const auto own = std::find_if(scenario.figures.begin(), scenario.figures.end(), [&](const FigureOptions& f) { return f.show == show; });
     const FigureOptions figure = own == scenario.figures.end() ? FigureOptions{} : *own;
-    std::string text = "figure=[{ file = \"sheet.png\", show = \"" + show + "\", width = 800, colour = \"" + figure.colour + "\", deform = " + shortest(figure.deform);
+    std::string text = "figure=[{ file = \"sheet.png\", show = \"" + show + "\", panel = true, width = 800, colour = \"" + figure.colour + "\", over = \"" + figure.over +
+                       "\", deform = " + shortest(figure.deform) + ", aspect = " + shortest(figure.aspect);
     if (figure.range.size() == 2) text += ", range = [" + shortest(figure.range[0]) + ", " + shortest(figure.range[1]) + "]";
     if (figure.box) {
         const Box& box = *figure.box;
@@ -156,7 +157,9 @@ SweepPlan plan_sweep(const std::string& scenario, const Overrides& overrides) {
             run.overrides.insert(run.overrides.end(), bare.begin(), bare.end());
             if (plan.has_seeds) run.overrides.push_back("seed=" + std::to_string(run.seed));
             run.name = directory_name(plan, run);
-            run.resolved = resolved_for_run(open_scenario(scenario, run.overrides));
+            const ReadResult resolved = open_scenario(scenario, run.overrides);
+            run.resolved = resolved_for_run(resolved);
+            plan.sheet = resolved.scenario.figures.front();
             plan.runs.push_back(std::move(run));
         }
     check_names(batch_of(plan.runs), "give every value once");

@@ -1,152 +1,93 @@
 #include "observe/body_figures.hpp"
 
-#include "observe/body_raster.hpp"
-#include "observe/body_view.hpp"
-#include "observe/colour_bar.hpp"
-#include "observe/key.hpp"
-
-#include <cairo.h>
+#include "observe/body_page.hpp"
+#include "observe/crack_colours.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 
 namespace knap {
 
 namespace {
 
-constexpr Colour body_colour{0.90, 0.90, 0.89}, outline_colour{0.35, 0.35, 0.35}, obstacle_colour{0.70, 0.72, 0.76}, damaged_colour{0.25, 0.52, 0.78};
-constexpr double outline_width = 0.5, broken_width = 1.1, damaged_width = 0.5, precrack_width = 1, path_width = 0.6,
-                 swatch_width = 9, column_gap = 8;  // [unit]
+constexpr Colour body_colour{0.90, 0.90, 0.89}, damaged_colour{0.10, 0.38, 0.66};
+constexpr double broken_width = 1.3, damaged_width = 0.8, precrack_width = 1, path_width = 0.6, swatch_width = 9;  // [unit]
+constexpr double outside_of_cracks = 0.02, outside_of_fields = 0.005;                                            // parts of the values that a range leaves out
 
 template <class Values>
 Vec2 corner_mean(const Values& values, Index t) {
     return (values[3 * t] + values[3 * t + 1] + values[3 * t + 2]) / 3;
 }
 
-enum class Kind { intact, damaged, broken, precrack };
-
-Kind kind_of(const Frame& frame, Index i) {
-    const PointStatus a = frame.status[2 * i], b = frame.status[2 * i + 1];
-    const bool on_foundation = frame.side_a[i][0] < 0 || frame.side_b[i][0] < 0;  // resting on it is no crack
-    if (a == PointStatus::precrack) return on_foundation ? Kind::intact : Kind::precrack;
-    if (a == PointStatus::broken && b == PointStatus::broken) return Kind::broken;
-    return a == PointStatus::intact && b == PointStatus::intact ? Kind::intact : Kind::damaged;
+const BodyField& field_of(const std::string& name) {
+    return *std::find_if(body_fields().begin(), body_fields().end(), [&](const BodyField& f) { return f.name == name; });
 }
 
-std::vector<Index> interfaces_of(const Frame& frame, Kind kind) {
-    std::vector<Index> found;
-    for (Index i = 0; i < frame.n_interfaces(); ++i)
-        if (kind_of(frame, i) == kind) found.push_back(i);
-    return found;
+bool is_seen(const FigureOptions& options, const Frame& frame, Index corner) { return corner >= 0 && options.box->contains(deformed(frame, corner, options.deform)); }
+
+/// Colours come from what lies inside the box.
+ValueSpan field_span(const FigureOptions& options, const Frame& frame, const BodyField& field) {
+    std::vector<double> values;
+    for (Index t = 0; t < frame.n_triangles(); ++t)
+        if (!options.box || is_seen(options, frame, 3 * t) || is_seen(options, frame, 3 * t + 1) || is_seen(options, frame, 3 * t + 2)) values.push_back(field.value(frame, t));
+    return span_of(std::move(values), outside_of_fields);
 }
 
-double mean_opening(const Frame& frame, Index i) { return std::max(0.0, 0.5 * (frame.opening[2 * i] + frame.opening[2 * i + 1])); }
-double mean_cohesion(const Frame& frame, Index i) { return 0.5 * (frame.cohesion[2 * i] + frame.cohesion[2 * i + 1]); }
-
-/// A page with a body on it.
-class BodyPage {
-public:
-    BodyPage(const FigureOptions& options, const Frame& frame, const std::filesystem::path& file)
-        : options_(options), frame_(frame), file_(file), view_(frame, options), canvas_(file, view_.page_height(), options.width) {}
-
-    Canvas& canvas() { return canvas_; }
-    const BodyView& view() const { return view_; }
-
-    template <class ColourOf>
-    void fill_triangles(ColourOf colour) {
-        BodyRaster raster(canvas_, view_.plot());
-        for (Index t = 0; t < frame_.n_triangles(); ++t) raster.triangle({corner(3 * t), corner(3 * t + 1), corner(3 * t + 2)}, colour(t));
-        raster.paint(canvas_);
+ValueSpan crack_span(const FigureOptions& options, const Frame& frame, const std::vector<double>& of_interfaces) {
+    std::vector<double> values;
+    for (Index i = 0; i < frame.n_interfaces(); ++i) {
+        const auto &a = frame.side_a[i], &b = frame.side_b[i];
+        if (!options.box || is_seen(options, frame, a[0]) || is_seen(options, frame, a[1]) || is_seen(options, frame, b[0]) || is_seen(options, frame, b[1]))
+            values.push_back(of_interfaces[i]);
     }
+    return span_of(std::move(values), outside_of_cracks);
+}
 
-    /// Both faces of each interface; they are one line as long as it is closed.
-    void draw_interfaces(const std::vector<Index>& interfaces, const Colour& colour, double width) {
-        std::vector<Vec2> ends;
-        for (const Index i : interfaces)
-            for (const auto& side : {frame_.side_a[i], frame_.side_b[i]})
-                if (side[0] >= 0) ends.insert(ends.end(), {corner(side[0]), corner(side[1])});
-        canvas_.segments(ends, colour, width);
-    }
-
-    void fill_obstacles() {
-        for (Index o = 0; o < frame_.n_obstacles(); ++o) {
-            std::vector<Vec2> outline;
-            for (Index i = o * n_outline_points; i < (o + 1) * n_outline_points; ++i)
-                outline.push_back(view_.on_page(frame_.obstacle_position[i] + options_.deform * frame_.obstacle_displacement[i]));
-            canvas_.fill(outline, obstacle_colour);
-            outline.push_back(Vec2(outline.front()));
-            canvas_.line(outline, outline_colour, outline_width);
-        }
-    }
-
-    /// The edges that only one triangle has.
-    void draw_outline() {
-        using Place = std::pair<double, double>;
-        std::map<std::pair<Place, Place>, std::pair<Index, Index>> lonely;
-        const auto place = [&](Index c) { return Place(frame_.position[c].x(), frame_.position[c].y()); };
-        for (Index c = 0; c < 3 * frame_.n_triangles(); ++c) {
-            const Index next = c % 3 == 2 ? c - 2 : c + 1;
-            if (lonely.erase({place(next), place(c)}) == 0) lonely[{place(c), place(next)}] = {c, next};
-        }
-        std::vector<Vec2> ends;
-        for (const auto& [places, corners] : lonely) ends.insert(ends.end(), {corner(corners.first), corner(corners.second)});
-        canvas_.segments(ends, outline_colour, outline_width);
-    }
-
-    /// Lines of the body stay inside the plot.
-    template <class Draw>
-    void inside_plot(Draw draw) {
-        const Area& p = view_.plot();
-        cairo_save(canvas_.cairo());
-        cairo_new_path(canvas_.cairo());
-        cairo_rectangle(canvas_.cairo(), p.left, p.bottom, p.width, p.height);
-        cairo_clip(canvas_.cairo());
-        draw();
-        cairo_restore(canvas_.cairo());
-    }
-
-    DrawnFigure finished(const std::string& title) {
-        view_.draw_axes(canvas_);
-        std::string moment = "t = " + time_text(frame_.time);
-        if (options_.deform != 1) moment += ", displacements × " + short_number(options_.deform);
-        view_.draw_title(canvas_, title, moment);
-        canvas_.finish();
-        return {file_, canvas_.height(), canvas_.texts()};
-    }
-
-private:
-    Vec2 corner(Index c) const { return view_.on_page(deformed(frame_, c, options_.deform)); }
-
-    const FigureOptions& options_;
-    const Frame& frame_;
-    std::filesystem::path file_;
-    BodyView view_;
-    Canvas canvas_;
-};
-
-/// The limits asked for, or round ones for these values.
-void set_range(ColourScale& scale, const FigureOptions& options, const std::vector<double>& values, const ColourRange& from_data) {
+/// The limits asked for, or those of the quantity.
+ColourScale with_range(ColourScale scale, const FigureOptions& options, const ValueSpan& values, const ColourRange& otherwise) {
     const bool given = options.range.size() == 2 && options.range[0] < options.range[1];
-    scale.low = given ? options.range[0] : from_data.low;
-    scale.high = given ? options.range[1] : from_data.high;
-    for (const double v : values) {
-        scale.more_below = scale.more_below || v < scale.low;
-        scale.more_above = scale.more_above || v > scale.high;
-    }
+    scale.low = given ? options.range[0] : otherwise.low;
+    scale.high = given ? options.range[1] : otherwise.high;
+    scale.more_below = values.least < scale.low;
+    scale.more_above = values.most > scale.high;
+    return scale;
 }
 
-/// The paler the less damaged: a process zone is a haze and not a net.
+ColourScale field_scale(const FigureOptions& options, const ValueSpan& values) {
+    const BodyField& field = field_of(options.show);
+    const ColourScale scale{.map = field.is_signed ? ColourMap::diverging() : ColourMap::viridis(), .quantity = field.quantity, .unit = field.unit, .about_zero = field.is_signed};
+    return with_range(scale, options, values, round_limits(values.low, values.high, field.is_signed));
+}
+
+ColourScale crack_scale(const FigureOptions& options, const ValueSpan& values) {
+    const CrackColour& colour = crack_colour(options.colour);
+    const ColourScale scale{.map = colour.map, .quantity = colour.quantity, .unit = colour.unit};
+    ColourRange range = round_limits(values.low, values.high, false);
+    if (colour.unit == "m") range = {0, values.high > 0 ? range.high : 1e-6};  // of sizes, from none on
+    return with_range(scale, options, values, colour.range.value_or(range));
+}
+
+/// The paler the less damaged: a process zone is a haze, and is still seen in print.
 void draw_damaged(BodyPage& page, const Frame& frame, const std::vector<Index>& damaged) {
     constexpr int n_shades = 12;
+    constexpr double palest = 0.3;
     std::vector<std::vector<Index>> of_shade(n_shades);
     for (const Index i : damaged) of_shade[std::clamp(static_cast<int>((1 - mean_cohesion(frame, i)) * n_shades), 0, n_shades - 1)].push_back(i);
     for (int shade = 0; shade < n_shades; ++shade) {
         Colour colour = damaged_colour;
-        colour.alpha = (shade + 0.5) / n_shades;
+        colour.alpha = palest + (1 - palest) * (shade + 0.5) / n_shades;
         page.draw_interfaces(of_shade[shade], colour, damaged_width);
     }
+}
+
+/// Cracks as thin black lines over colours.
+void draw_paths(BodyPage& page, const Frame& frame, bool on_white) {
+    std::vector<Index> paths = interfaces_of(frame, Kind::broken);
+    for (const Index i : interfaces_of(frame, Kind::precrack)) paths.push_back(i);
+    page.draw_open_faces(interfaces_of(frame, Kind::damaged));
+    if (on_white) page.draw_interfaces(paths, {1, 1, 1, 0.75}, 3 * path_width);
+    page.draw_interfaces(paths, black, path_width);
 }
 
 /// Light enough for black cracks; grains of one material differ in lightness.
@@ -157,6 +98,29 @@ Colour material_colour(std::int32_t region, std::int32_t grain) {
     if (grain < 0) return colour;
     const double shade = 0.86 + 0.05 * static_cast<double>((static_cast<std::uint32_t>(grain) * 2654435769u) >> 30);  // one of four
     return {shade * colour.red, shade * colour.green, shade * colour.blue};
+}
+
+
+Legend crack_legend(const FigureOptions& options, const FigureScale& scale) {
+    const CrackColour& colour = crack_colour(options.colour);
+    Legend legend;
+    if (std::isfinite(scale.values.low)) legend.bar = crack_scale(options, scale.values);
+    else legend.note = colour.needs_breaks ? "nothing has broken" : "no broken interface";
+    if (!colour.precracks && scale.precracks) legend.key.push_back({"pre-crack", black, precrack_width});
+    if (!colour.damaged && scale.damaged) legend.key.push_back({"damaged, not broken", damaged_colour, damaged_width});
+    return legend;
+}
+
+Legend material_legend(const Frame& frame, const std::vector<std::string>& materials) {
+    Legend legend;
+    std::vector<std::int32_t> present = frame.region;
+    std::sort(present.begin(), present.end());
+    present.erase(std::unique(present.begin(), present.end()), present.end());
+    for (const std::int32_t region : present) {
+        const bool named = region < static_cast<std::int32_t>(materials.size());
+        legend.key.push_back({named ? materials[region] : "material " + std::to_string(region), material_colour(region, -1), swatch_width});
+    }
+    return legend;
 }
 
 }  // namespace
@@ -177,96 +141,73 @@ const std::vector<BodyField>& body_fields() {
     return fields;
 }
 
-DrawnFigure draw_cracks(const FigureOptions& options, const Frame& frame, const std::string& title, const std::filesystem::path& file) {
-    const bool by_cohesion = options.colour == "beta";
-    std::vector<Index> coloured = interfaces_of(frame, Kind::broken);
-    const std::vector<Index> damaged = interfaces_of(frame, Kind::damaged), precracks = interfaces_of(frame, Kind::precrack);
-    if (by_cohesion) coloured.insert(coloured.end(), damaged.begin(), damaged.end());
-    const auto value = [&](Index i) { return by_cohesion ? mean_cohesion(frame, i) : mean_opening(frame, i); };
-    std::vector<double> values;
-    for (const Index i : coloured) values.push_back(value(i));
+FigureScale body_scale(const FigureOptions& options, const Frame& frame, const History* breaks) {
+    FigureScale scale{.seen = seen_part(options, frame)};
+    if (options.show == "cracks") {
+        scale.values = crack_span(options, frame, crack_values(crack_colour(options.colour), frame, breaks));
+        scale.damaged = !interfaces_of(frame, Kind::damaged).empty();
+        scale.precracks = !interfaces_of(frame, Kind::precrack).empty();
+    } else if (options.show != "materials") scale.values = field_span(options, frame, field_of(options.show));
+    return scale;
+}
 
-    ColourScale scale{.map = ColourMap::plasma(), .quantity = by_cohesion ? "cohesion β" : "opening", .unit = by_cohesion ? "" : "m"};
-    const double largest = robust_range(values, 0.02, false).high;
-    set_range(scale, options, values, by_cohesion ? ColourRange{0, 1} : ColourRange{0, largest > 0 ? largest : 1e-6});
+Legend body_legend(const FigureOptions& options, const Frame& frame, const std::vector<std::string>& materials, const FigureScale& scale) {
+    if (options.show == "cracks") return crack_legend(options, scale);
+    if (options.show == "materials") return material_legend(frame, materials);
+    return {.bar = field_scale(options, scale.values)};
+}
+
+DrawnFigure draw_cracks(const FigureOptions& options, const Frame& frame, const std::string& title, const std::filesystem::path& file, const BodyExtras& extras) {
+    const CrackColour& colour = crack_colour(options.colour);
+    const std::vector<double> values = crack_values(colour, frame, extras.breaks);
+    const FigureScale own = extras.scale ? *extras.scale : body_scale(options, frame, extras.breaks);
+    const ColourScale scale = crack_scale(options, own.values);
+    std::vector<Index> coloured, others;
+    for (Index i = 0; i < frame.n_interfaces(); ++i)
+        if (std::isfinite(values[i])) coloured.push_back(i);
+        else if (kind_of(frame, i) == Kind::broken) others.push_back(i);
     // what is of most interest is drawn last: the widest, or the most broken
-    std::sort(coloured.begin(), coloured.end(), [&](Index a, Index b) { return by_cohesion ? value(a) > value(b) : value(a) < value(b); });
+    std::sort(coloured.begin(), coloured.end(), [&](Index a, Index b) { return colour.falls ? values[a] > values[b] : values[a] < values[b]; });
+    const std::vector<Index> damaged = interfaces_of(frame, Kind::damaged);
 
-    BodyPage page(options, frame, file);
+    BodyPage page(options, frame, own.seen, title, crack_legend(options, own), file);
     page.inside_plot([&] { page.fill_obstacles(); });
     page.fill_triangles([](Index) { return body_colour; });
     page.inside_plot([&] {
         page.draw_outline();
-        if (!by_cohesion) draw_damaged(page, frame, damaged);
-        page.draw_interfaces(precracks, black, precrack_width);
-        for (const Index i : coloured) page.draw_interfaces({i}, scale(value(i)), broken_width);
+        page.draw_open_faces(damaged);
+        if (!colour.damaged) draw_damaged(page, frame, damaged);
+        if (!colour.precracks) page.draw_interfaces(interfaces_of(frame, Kind::precrack), black, precrack_width);
+        page.draw_interfaces(others, outline_colour, path_width);
+        for (const Index i : coloured) page.draw_interfaces({i}, scale(values[i]), broken_width);
     });
-    std::vector<KeyEntry> key;
-    if (!precracks.empty()) key.push_back({"pre-crack", black, precrack_width});
-    if (!damaged.empty() && !by_cohesion) key.push_back({"damaged, not broken", damaged_colour, damaged_width});
-    const Area below = page.view().below();
-    if (coloured.empty())
-        page.canvas().text({below.left, below.top() - 5}, "no broken interface", {.size = type_size, .along = Along::middle});
-    else
-        draw_colour_bar(page.canvas(), scale, {below.left, below.bottom, 0.58 * below.width, below.height});
-    draw_key(page.canvas(), key, {below.left + 0.66 * below.width, below.bottom, 0.34 * below.width, below.height});
-    return page.finished(title);
+    return page.finished();
 }
 
-DrawnFigure draw_field(const FigureOptions& options, const Frame& frame, const std::string& title, const std::filesystem::path& file) {
-    const auto field = std::find_if(body_fields().begin(), body_fields().end(), [&](const BodyField& f) { return f.name == options.show; });
-    std::vector<double> values;
-    for (Index t = 0; t < frame.n_triangles(); ++t) values.push_back(field->value(frame, t));
-    ColourScale scale{.map = field->is_signed ? ColourMap::diverging() : ColourMap::viridis(),
-                      .quantity = field->quantity,
-                      .unit = field->unit,
-                      .about_zero = field->is_signed};
-    set_range(scale, options, values, robust_range(values, 0.005, field->is_signed));
-
-    BodyPage page(options, frame, file);
+DrawnFigure draw_field(const FigureOptions& options, const Frame& frame, const std::string& title, const std::filesystem::path& file, const BodyExtras& extras) {
+    const BodyField& field = field_of(options.show);
+    const FigureScale own = extras.scale ? *extras.scale : body_scale(options, frame, nullptr);
+    const ColourScale scale = field_scale(options, own.values);
+    BodyPage page(options, frame, own.seen, title, {.bar = scale}, file);
     page.inside_plot([&] { page.fill_obstacles(); });
-    page.fill_triangles([&](Index t) { return scale(values[t]); });
+    page.fill_triangles([&](Index t) { return scale(field.value(frame, t)); });
     page.inside_plot([&] {
         page.draw_outline();
-        // black on white, to be seen on dark colours too
-        std::vector<Index> paths = interfaces_of(frame, Kind::broken);
-        for (const Index i : interfaces_of(frame, Kind::precrack)) paths.push_back(i);
-        page.draw_interfaces(paths, {1, 1, 1, 0.75}, 3 * path_width);
-        page.draw_interfaces(paths, black, path_width);
+        draw_paths(page, frame, true);  // to be seen on dark colours too
     });
-    const Area below = page.view().below();
-    draw_colour_bar(page.canvas(), scale, {below.left + 0.15 * below.width, below.bottom, 0.7 * below.width, below.height});
-    return page.finished(title);
+    return page.finished();
 }
 
 DrawnFigure draw_materials(const FigureOptions& options, const Frame& frame, const std::vector<std::string>& materials, const std::string& title,
-                           const std::filesystem::path& file) {
-    BodyPage page(options, frame, file);
+                           const std::filesystem::path& file, const BodyExtras& extras) {
+    BodyPage page(options, frame, extras.scale ? extras.scale->seen : seen_part(options, frame), title, material_legend(frame, materials), file);
+    page.inside_plot([&] { page.fill_obstacles(); });
     page.fill_triangles([&](Index t) { return material_colour(frame.region[t], frame.grain.empty() ? -1 : frame.grain[t]); });
     page.inside_plot([&] {
         page.draw_outline();
-        std::vector<Index> paths = interfaces_of(frame, Kind::broken);
-        for (const Index i : interfaces_of(frame, Kind::precrack)) paths.push_back(i);
-        page.draw_interfaces(paths, black, path_width);
+        draw_paths(page, frame, false);
     });
-    std::vector<KeyEntry> key;
-    std::vector<std::int32_t> present = frame.region;
-    std::sort(present.begin(), present.end());
-    present.erase(std::unique(present.begin(), present.end()), present.end());
-    for (const std::int32_t region : present) {
-        const bool named = region < static_cast<std::int32_t>(materials.size());
-        key.push_back({named ? materials[region] : "material " + std::to_string(region), material_colour(region, -1), swatch_width});
-    }
-    // two below each other, up to four beside each other
-    const Area below = page.view().below();
-    const std::size_t n_columns = (key.size() + 1) / 2;
-    const double width = below.width / static_cast<double>(std::max<std::size_t>(n_columns, 4));
-    for (std::size_t column = 0; column < n_columns; ++column) {
-        const auto first = key.begin() + static_cast<std::ptrdiff_t>(2 * column), last = key.begin() + static_cast<std::ptrdiff_t>(std::min(key.size(), 2 * column + 2));
-        const double left = static_cast<double>(column) * width, room = column + 1 < n_columns ? width - column_gap : below.width - left;
-        draw_key(page.canvas(), {first, last}, {below.left + left, below.bottom, room, below.height});
-    }
-    return page.finished(title);
+    return page.finished();
 }
 
 }  // namespace knap

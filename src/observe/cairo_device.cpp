@@ -1,5 +1,7 @@
 #include "observe/cairo_device.hpp"
 
+#include "observe/marker.hpp"
+
 #include <vtkBrush.h>
 #include <vtkMatrix3x3.h>
 #include <vtkObjectFactory.h>
@@ -24,16 +26,6 @@ void set_colour(cairo_t* cairo, const unsigned char* colour, int n_components, c
     const unsigned char* c = colour ? colour : own;
     const double alpha = !colour || n_components > 3 ? c[3] / 255.0 : 1.0;
     cairo_set_source_rgba(cairo, c[0] / 255.0, c[1] / 255.0, c[2] / 255.0, alpha);
-}
-
-std::vector<double> dashes(int line_type, double width) {
-    switch (line_type) {
-        case vtkPen::DASH_LINE: return {4 * width, 2.5 * width};
-        case vtkPen::DOT_LINE: return {0.1 * width, 2.2 * width};
-        case vtkPen::DASH_DOT_LINE: return {4 * width, 2.2 * width, 0.1 * width, 2.2 * width};
-        case vtkPen::DASH_DOT_DOT_LINE: return {4 * width, 2.2 * width, 0.1 * width, 2.2 * width, 0.1 * width, 2.2 * width};
-        default: return {};
-    }
 }
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
@@ -79,7 +71,7 @@ void CairoDevice::stroke(const unsigned char* colors, int n_components) {
         return;
     }
     const double width = Pen->GetWidth();
-    const std::vector<double> pattern = dashes(Pen->GetLineType(), width);
+    const std::vector<double> pattern = line_pattern(Pen->GetLineType() - vtkPen::SOLID_LINE, width);
     set_colour(cairo, colors, n_components, Pen->GetColorObject().GetData());
     cairo_set_line_width(cairo, width);
     cairo_set_line_cap(cairo, CAIRO_LINE_CAP_BUTT);
@@ -189,7 +181,7 @@ void CairoDevice::DrawMathTextString(float* point, const vtkStdString& string) {
 void CairoDevice::ComputeStringBounds(const vtkStdString& string, float bounds[4]) {
     const TextStyle style = text_style();
     bounds[0] = bounds[1] = 0;
-    bounds[2] = static_cast<float>(canvas_->text_width(string, style.size, style.bold));
+    bounds[2] = static_cast<float>(knap::text_width(string, style.size, style.bold));
     bounds[3] = string.empty() ? 0 : static_cast<float>(style.size);
     if (std::abs(std::remainder(style.angle, 180)) > 45) std::swap(bounds[2], bounds[3]);
 }

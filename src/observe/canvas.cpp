@@ -196,19 +196,52 @@ void Canvas::text(const Vec2& at, const std::string& text, const TextStyle& styl
     texts_.push_back({text, {box_low.x(), box_low.y(), box_high.x() - box_low.x(), box_high.y() - box_low.y()}});
 }
 
-double Canvas::text_width(const std::string& text, double size, bool bold) const {
-    return lay_out(cairo_, text, size, bold, [](const std::string&, double, double, const cairo_text_extents_t&) {});
+namespace {
+
+/// A page of one pixel to measure texts on; metrics are not hinted, so they are those of every page.
+cairo_t* measuring_page() {
+    struct Page {
+        cairo_surface_t* surface = cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1);
+        cairo_t* cairo = cairo_create(surface);
+        ~Page() {
+            cairo_destroy(cairo);
+            cairo_surface_destroy(surface);
+        }
+    };
+    thread_local const Page page;
+    return page.cairo;
 }
 
-std::string Canvas::fitted(const std::string& text, double size, double width, bool bold) const {
-    // a text may have millions of characters: no more are measured than could fit if they were a twentieth of their height wide
+/// Ends of the characters that can be needed to fill `width`, which in UTF-8 go on with bytes 10xxxxxx. A text may have millions: no more are looked at than
+/// would fit if they were a twentieth of their height wide.
+std::vector<std::size_t> character_ends(const std::string& text, double size, double width) {
     const auto most = static_cast<std::size_t>(std::max(20 * width / size, 1.));
-    std::vector<std::size_t> ends{0};  // of the characters, which in UTF-8 go on with bytes 10xxxxxx
+    std::vector<std::size_t> ends{0};
     for (std::size_t at = 1; at <= text.size() && ends.size() <= most; ++at)
         if (at == text.size() || (static_cast<unsigned char>(text[at]) & 0xC0) != 0x80) ends.push_back(at);
+    return ends;
+}
+
+/// The end of the last of them up to which text and `after` fit.
+std::size_t last_fitting(const std::vector<std::size_t>& ends, const std::string& text, const std::string& after, double size, double width, bool bold) {
+    const auto beyond = std::partition_point(ends.begin() + 1, ends.end(), [&](std::size_t end) { return text_width(text.substr(0, end) + after, size, bold) <= width; });
+    return *(beyond - 1);
+}
+
+}  // namespace
+
+double text_width(const std::string& text, double size, bool bold) {
+    return lay_out(measuring_page(), text, size, bold, [](const std::string&, double, double, const cairo_text_extents_t&) {});
+}
+
+std::size_t fitting_bytes(const std::string& text, double size, double width, bool bold) {
+    return last_fitting(character_ends(text, size, width), text, "", size, width, bold);
+}
+
+std::string fitted_text(const std::string& text, double size, double width, bool bold) {
+    const std::vector<std::size_t> ends = character_ends(text, size, width);
     if (ends.back() == text.size() && text_width(text, size, bold) <= width) return text;
-    const auto beyond = std::partition_point(ends.begin() + 1, ends.end(), [&](std::size_t end) { return text_width(text.substr(0, end) + "…", size, bold) <= width; });
-    return text.substr(0, *(beyond - 1)) + "…";
+    return text.substr(0, last_fitting(ends, text, "…", size, width, bold)) + "…";
 }
 
 void Canvas::finish() {

@@ -40,6 +40,13 @@ struct TextStyle {
     bool bold = false;
 };
 
+/// Width [unit] of a text, and how much of it fits into a width: without a page, to find out how large that must be.
+double text_width(const std::string& text, double size, bool bold = false);
+/// In bytes, whole characters.
+std::size_t fitting_bytes(const std::string& text, double size, double width, bool bold = false);
+/// The text, or as much of it as fits into `width` units, with an ellipsis.
+std::string fitted_text(const std::string& text, double size, double width, bool bold = false);
+
 struct DrawnText {
     std::string text;
     Area box;  // what is inked
@@ -64,9 +71,6 @@ public:
     void rectangle(const Area& area, const Colour& colour, double width);
 
     void text(const Vec2& at, const std::string& text, const TextStyle& style);
-    double text_width(const std::string& text, double size, bool bold = false) const;
-    /// The text, or as much of it as fits into `width` units, with an ellipsis.
-    std::string fitted(const std::string& text, double size, double width, bool bold = false) const;
     const std::vector<DrawnText>& texts() const { return texts_; }
 
     /// Writes the file. Throws OutputError naming it; an older one stays then.

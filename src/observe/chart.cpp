@@ -25,7 +25,10 @@ namespace knap {
 
 namespace {
 
-constexpr double page_height = 330, room_left = 58, room_right = 16, room_below = 42, room_above = 28, gap = 12;  // [unit]
+constexpr double plot_height = 260, room_right = 16, gap = 12;       // [unit]
+constexpr double room_left = 58, room_below = 42, room_above = 14;  // [unit] of type of the usual size, without a title
+constexpr double panel_type = 1.8;                                  // of that of a figure by itself
+constexpr double highest_key = 900;                                 // [unit]
 
 /// From SI to what VTK draws: the unit shown, or its decimal logarithm.
 struct Scale {
@@ -39,16 +42,13 @@ struct Scale {
     double part(double value) const { return ((*this)(value) - low) / (high - low); }  // 0 .. 1 along the axis
 };
 
-/// All values along an axis [SI]; an even axis begins at 0.
+/// All values along an axis [SI]; an even axis has 0 on it.
 struct Range {
     explicit Range(bool logarithmic) : logarithmic(logarithmic), low(logarithmic ? INFINITY : 0), high(logarithmic ? -INFINITY : 0) {}
     void add(double value) {
         if (!std::isfinite(value) || (logarithmic && value <= 0)) return;
         low = std::min(low, value);
         high = std::max(high, value);
-    }
-    void add(const std::vector<double>& values) {
-        for (const double value : values) add(value);
     }
     Scale scale(const std::string& unit) {
         if (logarithmic && !(low <= high)) low = high = 1;
@@ -59,17 +59,42 @@ struct Range {
     double low, high;
 };
 
+/// All that a chart shows, and `more`.
+std::array<Range, 2> ranges_of(const Chart& chart, const std::optional<AxisRanges>& more) {
+    Range x(chart.x_logarithmic), y(chart.y_logarithmic);
+    for (const Curve& curve : chart.curves)
+        for (std::size_t i = 0; i < curve.x.size(); ++i) {
+            const bool beyond = chart.x_within && (curve.x[i] < (*chart.x_within)[0] || curve.x[i] > (*chart.x_within)[1]);
+            x.add(chart.x_within ? std::clamp(curve.x[i], (*chart.x_within)[0], (*chart.x_within)[1]) : curve.x[i]);
+            for (const auto* values : {&curve.y, &curve.low, &curve.high})
+                if (i < values->size() && !beyond) y.add((*values)[i]);
+        }
+    for (const Level& level : chart.levels) y.add(1.08 * level.y);
+    if (more) x.add(more->x[0]), x.add(more->x[1]), y.add(more->y[0]), y.add(more->y[1]);
+    return {x, y};
+}
+
 unsigned char byte(double channel) { return static_cast<unsigned char>(std::lround(255 * channel)); }
 
-void set_font(vtkTextProperty* text) {
-    text->SetFontSize(static_cast<int>(type_size));
+void set_font(vtkTextProperty* text, double size) {
+    text->SetFontSize(static_cast<int>(std::lround(size)));
     text->SetColor(ink.red, ink.green, ink.blue);
     text->SetBold(false);
 }
 
+/// As many round ticks as have room beside each other on a length [unit].
+Ticks ticks_of(const Scale& scale, int most, double length, double size, bool upright) {
+    if (scale.logarithmic) return logarithmic_ticks(scale.low, scale.high);
+    for (int n = most;; --n) {
+        Ticks ticks = round_ticks(scale.low, scale.high, n);
+        double widest = 0;
+        for (const std::string& label : ticks.labels) widest = std::max(widest, upright ? size : text_width(label, size));
+        if (n <= 2 || widest + 0.6 * size < ticks.step / (scale.high - scale.low) * length) return ticks;
+    }
+}
+
 /// One axis: round ticks in the unit that is shown, thin lines, light grid.
-void set_axis(vtkAxis* axis, const std::string& quantity, const Scale& scale, int n_ticks) {
-    const Ticks ticks = scale.logarithmic ? logarithmic_ticks(scale.low, scale.high) : round_ticks(scale.low, scale.high, n_ticks);
+void set_axis(vtkAxis* axis, const std::string& quantity, const Scale& scale, const Ticks& ticks, double size) {
     vtkNew<vtkDoubleArray> positions;
     vtkNew<vtkStringArray> labels;
     for (std::size_t i = 0; i < ticks.at.size(); ++i) {
@@ -86,8 +111,8 @@ void set_axis(vtkAxis* axis, const std::string& quantity, const Scale& scale, in
     axis->GetPen()->SetWidth(0.8f);
     axis->GetGridPen()->SetColorF(0.88, 0.88, 0.88);
     axis->GetGridPen()->SetWidth(0.5f);
-    set_font(axis->GetTitleProperties());
-    set_font(axis->GetLabelProperties());
+    set_font(axis->GetTitleProperties(), size);
+    set_font(axis->GetLabelProperties(), size);
 }
 
 void add_curve(vtkChartXY* chart, const Curve& curve, const Scale& x_scale, const Scale& y_scale) {
@@ -112,16 +137,8 @@ void add_curve(vtkChartXY* chart, const Curve& curve, const Scale& x_scale, cons
     plot->SetInputData(table, 0, 1);
     plot->SetColor(byte(curve.colour.red), byte(curve.colour.green), byte(curve.colour.blue), byte(curve.colour.alpha));
     plot->SetWidth(static_cast<float>(curve.width));
-    plot->GetPen()->SetLineType(curve.dashed ? vtkPen::DASH_LINE : vtkPen::SOLID_LINE);
+    plot->GetPen()->SetLineType(vtkPen::SOLID_LINE + curve.dash % n_line_patterns);
     plot->SetLabel(curve.label);
-}
-
-/// What VTK's own legend would say, beside the chart and so never over a curve.
-std::vector<KeyEntry> key_of(const Chart& chart) {
-    std::vector<KeyEntry> entries;
-    if (chart.curves.size() > 1)
-        for (const Curve& curve : chart.curves) entries.push_back({curve.label, curve.colour, curve.width, curve.dashed, curve.marker});
-    return entries;
 }
 
 /// VTK draws axes, grid and curves with the corners of the axes on `area`.
@@ -130,7 +147,7 @@ void draw_plot(Canvas& canvas, vtkChartXY* plot, const Area& area) {
     plot->SetSize(vtkRectf(area.left, area.bottom, area.width, area.height));
     plot->SetRenderEmpty(true);
     vtkNew<vtkContextScene> scene;
-    scene->SetGeometry(static_cast<int>(page_width), static_cast<int>(page_height));
+    scene->SetGeometry(static_cast<int>(page_width), static_cast<int>(std::lround(canvas.height())));
     scene->AddItem(plot);
     vtkNew<CairoDevice> device;
     device->draw_on(canvas);
@@ -140,13 +157,32 @@ void draw_plot(Canvas& canvas, vtkChartXY* plot, const Area& area) {
     context->End();
 }
 
-void draw_levels(Canvas& canvas, const Area& area, const std::vector<Level>& levels, const Scale& y_scale) {
+bool overlap(const Area& a, const Area& b) { return a.left < b.right() && b.left < a.right() && a.bottom < b.top() && b.bottom < a.top(); }
+
+/// Where the name of a level touches no other one: above its line or below, at the side that it wants or the other.
+void name_level(Canvas& canvas, const Area& area, const Level& level, double at, double size, std::vector<Area>& taken) {
+    const double width = text_width(level.label, size), height = 1.1 * size;
+    Area place;
+    for (const bool other_side : {false, true})
+        for (const bool below : {false, true}) {
+            const bool right = level.name_right != other_side;
+            place = {right ? area.right() - 4 - width : area.left + 8, below ? at - 3 - height : at + 3, width, height};
+            const bool free = std::none_of(taken.begin(), taken.end(), [&](const Area& t) { return overlap(t, place); });
+            if (!free || place.bottom < area.bottom || place.top() > area.top()) continue;
+            canvas.fill({{place.left - 2, place.bottom}, {place.right() + 2, place.bottom}, {place.right() + 2, place.top()}, {place.left - 2, place.top()}}, {1, 1, 1, 0.8});
+            canvas.text({place.left, place.bottom + 0.25 * size}, level.label, {.size = size});
+            taken.push_back(place);
+            return;
+        }
+}
+
+void draw_levels(Canvas& canvas, const Area& area, const std::vector<Level>& levels, const Scale& y_scale, double size) {
+    std::vector<Area> taken;
     for (const Level& level : levels) {
         const double at = area.bottom + area.height * y_scale.part(level.y);
         canvas.line({{area.left, at}, {area.right(), at}}, ink, 0.8, {5, 3});
-        const double x = level.name_right ? area.right() - 4 : area.left + 8;
-        canvas.text({x, at + 4}, level.label, {.size = type_size, .across = level.name_right ? Across::right : Across::left});
     }
+    for (const Level& level : levels) name_level(canvas, area, level, area.bottom + area.height * y_scale.part(level.y), size, taken);
 }
 
 /// Bars and markers, which lie over all curves.
@@ -194,34 +230,48 @@ Colour curve_colour(std::size_t i) {
     return colours[i % colours.size()];
 }
 
-DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, int pixels) {
-    Range x_range(chart.x_logarithmic), y_range(chart.y_logarithmic);
-    for (const Curve& curve : chart.curves) {
-        x_range.add(curve.x);
-        for (const auto* values : {&curve.y, &curve.low, &curve.high}) y_range.add(*values);
-    }
-    for (const Level& level : chart.levels) y_range.add(1.08 * level.y);
+AxisRanges axis_ranges(const Chart& chart) {
+    const auto [x, y] = ranges_of(chart, {});
+    return {.x = {x.low, x.high}, .y = {y.low, y.high}};
+}
+
+std::vector<KeyEntry> key_of(const Chart& chart) {
+    std::vector<KeyEntry> entries;
+    if (chart.curves.size() > 1)
+        for (const Curve& curve : chart.curves) entries.push_back({curve.label, curve.colour, curve.width, curve.dash, curve.marker});
+    return entries;
+}
+
+DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, int pixels, const ChartPlace& place) {
+    auto [x_range, y_range] = ranges_of(chart, place.axes);
     Scale x = x_range.scale(chart.x_unit), y = y_range.scale(chart.y_unit);
     chart.x_logarithmic ? fit(x, x_range) : fit_x(x, x_range);
     fit(y, y_range);
 
+    const double larger = place.panel ? panel_type : 1, size = larger * type_size;
+    const std::vector<KeyEntry> key = place.panel ? std::vector<KeyEntry>() : key_of(chart);
+    const double beside = key.empty() ? 0 : key_width(key) + gap;
+    const double height = std::max(plot_height, std::min(static_cast<double>(key.size()) * key_leading * type_size, highest_key));
+    const Ticks y_ticks = ticks_of(y, place.panel ? 5 : 8, height, size, true);
+    double left = larger * room_left;
+    for (const std::string& label : y_ticks.labels) left = std::max(left, text_width(label, size) + 2.6 * size);
+    Area area{left, larger * room_below, page_width - left - room_right - beside, height};
+    const Ticks x_ticks = ticks_of(x, place.panel ? 5 : 9, area.width, size, false);
+    const Title title = fitted_title(chart.title, "", page_width - left - room_right);
+
     vtkNew<vtkChartXY> plot;
-    set_axis(plot->GetAxis(vtkAxis::BOTTOM), chart.x_quantity, x, 9);
-    set_axis(plot->GetAxis(vtkAxis::LEFT), chart.y_quantity, y, 8);
+    set_axis(plot->GetAxis(vtkAxis::BOTTOM), chart.x_quantity, x, x_ticks, size);
+    set_axis(plot->GetAxis(vtkAxis::LEFT), chart.y_quantity, y, y_ticks, size);
     for (const Curve& curve : chart.curves) add_curve(plot, curve, x, y);
 
-    Canvas canvas(file, page_height, pixels);
-    const std::vector<KeyEntry> key = key_of(chart);
-    const double beside = key.empty() ? 0 : key_width(canvas, key) + gap;
-    const Area area{room_left, room_below, page_width - room_left - room_right - beside, page_height - room_below - room_above};
+    Canvas canvas(file, area.top() + (place.panel ? room_above : title.height()), pixels);
     draw_plot(canvas, plot, area);
     draw_minor_ticks(canvas, area, x, true);
     draw_minor_ticks(canvas, area, y, false);
     for (const Curve& curve : chart.curves) draw_points(canvas, area, curve, x, y);
     draw_key(canvas, key, {area.right() + gap, area.bottom, beside, area.height});
-    canvas.text({area.left, area.top() + 9}, canvas.fitted(chart.title, title_size, page_width - room_left - room_right, true),
-                {.size = title_size, .bold = true});
-    draw_levels(canvas, area, chart.levels, y);
+    if (!place.panel) draw_title(canvas, title, area.left, page_width - room_right, area.top());
+    draw_levels(canvas, area, chart.levels, y, size);
     canvas.finish();
     return {file, canvas.height(), canvas.texts()};
 }

@@ -1,8 +1,10 @@
 #pragma once
 // Curves over one axis, drawn by VTK's charts; axes even or logarithmic.
-#include "observe/marker.hpp"
+#include "observe/key.hpp"
 
+#include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +15,7 @@ struct Curve {
     std::vector<double> x, y;  // SI; not finite (on a logarithmic axis: or not positive) = left out
     Colour colour;
     double width = 1.6;  // [unit]
-    bool dashed = false;
+    int dash = 0;        // of line_pattern
     Marker marker = Marker::none;     // at every point
     std::vector<double> low, high;    // SI; a bar from one to the other at every point, or empty
 };
@@ -32,10 +34,29 @@ struct Chart {
     std::vector<Curve> curves;
     std::vector<Level> levels;
     bool x_logarithmic = false, y_logarithmic = false;
+    std::optional<std::array<double, 2>> x_within;  // SI; what lies beyond does not widen the axis, and is cut off
 };
 
-/// The i-th colour of curves: M. Okabe, K. Ito, "Color universal design" (2008), told apart by the colour-blind.
+/// The i-th colour of curves: M. Okabe, K. Ito, "Color universal design" (2008), told apart by the colour-blind. Curves of one colour have the pattern
+/// curve_dash(i) each, up to n_curve_colours x n_line_patterns of them.
 Colour curve_colour(std::size_t i);
+inline constexpr std::size_t n_curve_colours = 6;
+inline int curve_dash(std::size_t i) { return static_cast<int>(i / n_curve_colours % n_line_patterns); }
+
+/// Limits of both axes [SI].
+struct AxisRanges {
+    std::array<double, 2> x, y;
+};
+/// Of all that a chart shows; [INFINITY, -INFINITY] where it has nothing.
+AxisRanges axis_ranges(const Chart& chart);
+
+struct ChartPlace {
+    std::optional<AxisRanges> axes;  // at least; none: those of the chart
+    bool panel = false;              // one of several: larger type, no title, no key
+};
+
+/// Lines and names of its curves.
+std::vector<KeyEntry> key_of(const Chart& chart);
 
 /// What has been drawn, for who wants to check it.
 struct DrawnFigure {
@@ -44,7 +65,7 @@ struct DrawnFigure {
     std::vector<DrawnText> texts;
 };
 
-/// Throws SimulationError when the file cannot be written.
-DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, int pixels);
+/// Throws OutputError when the file cannot be written.
+DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, int pixels, const ChartPlace& place = {});
 
 }  // namespace knap

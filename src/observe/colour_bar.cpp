@@ -11,6 +11,11 @@ namespace knap {
 namespace {
 constexpr int n_ticks = 7;
 constexpr double bar_height = 9, tick = 3, point = 8;  // [unit]
+
+/// Labels of ticks so far apart [unit] do not touch.
+bool have_room(const Ticks& ticks, double apart) {
+    return std::all_of(ticks.labels.begin(), ticks.labels.end(), [&](const std::string& label) { return text_width(label, type_size) + 0.6 * type_size < apart; });
+}
 }
 
 Colour ColourScale::operator()(double value) const {
@@ -18,12 +23,8 @@ Colour ColourScale::operator()(double value) const {
     return map(about_zero ? 0.5 + 0.5 * shown / std::max(std::abs(low), std::abs(high)) : (shown - low) / (high - low));
 }
 
-ColourRange robust_range(std::vector<double> values, double outside, bool symmetric) {
-    std::erase_if(values, [](double v) { return !std::isfinite(v); });
-    if (values.empty()) return {};
-    std::sort(values.begin(), values.end());
-    const auto skipped = static_cast<std::size_t>(outside * static_cast<double>(values.size()));
-    double low = values[skipped], high = values[values.size() - 1 - skipped];
+ColourRange round_limits(double low, double high, bool symmetric) {
+    if (!(low <= high)) return {};
     if (symmetric) {
         high = std::max(std::abs(low), std::abs(high));
         low = -high;
@@ -61,7 +62,9 @@ void draw_colour_bar(Canvas& canvas, const ColourScale& scale, const Area& area)
     canvas.line(outline, ink, 0.5);
 
     const DisplayUnit unit = display_unit(std::max(std::abs(scale.low), std::abs(scale.high)), scale.unit);
-    const Ticks ticks = round_ticks(scale.low * unit.factor, scale.high * unit.factor, n_ticks);
+    Ticks ticks = round_ticks(scale.low * unit.factor, scale.high * unit.factor, n_ticks);
+    for (int n = n_ticks - 1; n >= 2 && !have_room(ticks, ticks.step / ((scale.high - scale.low) * unit.factor) * bar.width); --n)
+        ticks = round_ticks(scale.low * unit.factor, scale.high * unit.factor, n);
     for (std::size_t i = 0; i < ticks.at.size(); ++i) {
         const double x = bar.left + bar.width * (ticks.at[i] / unit.factor - scale.low) / (scale.high - scale.low);
         canvas.line({{x, bar.bottom}, {x, bar.bottom - tick}}, ink, 0.6);

@@ -21,9 +21,8 @@ struct ColourRange {
     double low = 0, high = 1;
 };
 
-/// Round limits that leave out at most the `outside` part of the values at either end (a crack tip's peak says little about the body);
-/// `symmetric` about zero for signed values. Values that are all equal get a range round them.
-ColourRange robust_range(std::vector<double> values, double outside, bool symmetric);
+/// Round limits round [low, high]; `symmetric` about zero for signed values. One value alone gets a range round it.
+ColourRange round_limits(double low, double high, bool symmetric);
 
 /// A horizontal bar in the upper part of `area`, its numbers and name below it. Ends are pointed where there are values beyond.
 void draw_colour_bar(Canvas& canvas, const ColourScale& scale, const Area& area);

@@ -10,6 +10,7 @@ class ColourMap {
 public:
     static ColourMap viridis();    // sizes: dark blue, green, yellow
     static ColourMap plasma();     // lines on a light ground: dark blue, magenta, orange
+    static ColourMap fading();     // what goes to nothing: from dark purple by red to the grey of what is still whole
     static ColourMap diverging();  // signed values: blue, nearly white at the middle, red
 
     /// Colour at `x` in [0, 1]; what lies outside gets the end's colour.

@@ -35,23 +35,34 @@ void draw_image(Canvas& canvas, const Image& image, const Area& area) {
 
 }  // namespace
 
-DrawnFigure draw_contact_sheet(const std::vector<Tile>& tiles, std::size_t n_columns, const std::string& title, const std::filesystem::path& file, int pixels) {
-    constexpr double margin = 10, head = 24;  // [unit]
+DrawnFigure draw_contact_sheet(const std::vector<Tile>& tiles, std::size_t n_columns, const std::string& title, const std::filesystem::path& file, int pixels,
+                               const Legend& legend) {
+    constexpr double margin = 10;  // [unit]
+    const Title heading = fitted_title(title, "", page_width - 2 * margin);
+    const double head = heading.height() - 4, foot = legend_height(legend, page_width - 2 * margin);
     const std::size_t n_rows = std::max<std::size_t>(1, (tiles.size() + n_columns - 1) / n_columns);
     const double column = (page_width - margin) / static_cast<double>(n_columns), type = std::clamp(column / 20, 3.5, 9.), width = column - margin;
     double shape = 0;  // of the tallest picture
     for (const Tile& tile : tiles)
         if (const Image image = image_of(tile); is_there(image)) shape = std::max(shape, shape_of(image));
     if (shape == 0) shape = 0.5;
-    const double row = shape * width + 1.6 * type + margin;
-    Canvas canvas(file, head + margin + static_cast<double>(n_rows) * row, pixels);
-    canvas.text({margin, canvas.height() - 16}, canvas.fitted(title, title_size, page_width - 2 * margin, true), {.size = title_size, .bold = true});
+    std::vector<std::vector<std::string>> captions;
+    std::size_t n_lines = 1;
+    for (const Tile& tile : tiles) {
+        captions.push_back(broken_lines(tile.caption, type, 0.99 * width, false, 4));
+        n_lines = std::max(n_lines, captions.back().size());
+    }
+    const double row = shape * width + (0.4 + 1.2 * static_cast<double>(n_lines)) * type + margin;
+    Canvas canvas(file, head + margin + static_cast<double>(n_rows) * row + foot, pixels);
+    draw_title(canvas, heading, margin, page_width - margin, canvas.height() - head);
+    draw_legend(canvas, legend, {margin, 0, page_width - 2 * margin, foot});
     for (std::size_t i = 0; i < tiles.size(); ++i) {
         const double left = margin + static_cast<double>(i % n_columns) * column, top = canvas.height() - head - static_cast<double>(i / n_columns) * row;
         const Area area{left, top - shape * width, width, shape * width};
         if (const Image image = image_of(tiles[i]); is_there(image)) draw_image(canvas, image, area);
         else canvas.text({left + 0.5 * width, top - 0.5 * shape * width}, "no picture", {.size = type, .across = Across::centre});
-        canvas.text({left + 0.5 * width, area.bottom - 1.2 * type}, canvas.fitted(tiles[i].caption, type, width), {.size = type, .across = Across::centre});
+        double y = area.bottom;
+        for (const std::string& line : captions[i]) canvas.text({left + 0.5 * width, y -= 1.2 * type}, line, {.size = type, .across = Across::centre});
     }
     canvas.finish();
     return {file, canvas.height(), canvas.texts()};

@@ -1,6 +1,7 @@
 #pragma once
-// Many pictures on one page, with a line of text below each.
+// Many pictures on one page, with a line of text below each and one legend for all.
 #include "observe/chart.hpp"
+#include "observe/legend.hpp"
 
 #include <filesystem>
 #include <string>
@@ -14,6 +15,7 @@ struct Tile {
 };
 
 /// Row by row, `n_columns` in a row. Throws SimulationError when the file cannot be written.
-DrawnFigure draw_contact_sheet(const std::vector<Tile>& tiles, std::size_t n_columns, const std::string& title, const std::filesystem::path& file, int pixels);
+DrawnFigure draw_contact_sheet(const std::vector<Tile>& tiles, std::size_t n_columns, const std::string& title, const std::filesystem::path& file, int pixels,
+                               const Legend& legend = {});
 
 }  // namespace knap

@@ -50,7 +50,8 @@ std::vector<std::string> names_before(const History& history, const std::string&
 }
 
 void add_curve(Chart& chart, const std::string& label, const Column& x, const Column& y) {
-    chart.curves.push_back({label, x, y, curve_colour(chart.curves.size())});
+    const std::size_t i = chart.curves.size();
+    chart.curves.push_back({.label = label, .x = x, .y = y, .colour = curve_colour(i), .dash = curve_dash(i)});
 }
 
 }  // namespace
@@ -62,19 +63,20 @@ Chart energy_chart(const History& energy) {
         const char *label, *column;
         double sign;
         Colour colour;
-        bool dashed, always;
+        int dash;
+        bool always;
     };
     const bool parted = energy.has("dissipated");  // older runs have only the sum of the two
-    const std::array parts{Part{"kinetic", "kinetic", 1, blue, false, true},
-                           Part{"strain", "strain", 1, orange, false, true},
-                           Part{parted ? "dissipated" : "surface", parted ? "dissipated" : "surface", 1, vermilion, false, true},
-                           Part{"recoverable", "recoverable", 1, green, false, false},
-                           Part{"lost in friction", "friction_work", -1, purple, false, false},
-                           Part{"lost in impact", "impact_work", -1, sky, false, false},
-                           Part{"law lag", "law_lag", 1, vermilion, true, false},
-                           Part{"crossing loss", "crossing_loss", 1, purple, true, false},
-                           Part{"damped by the scheme", "scheme_dissipation", 1, green, true, false},
-                           Part{"lost in changes of step", "step_change_work", -1, blue, true, false}};
+    const std::array parts{Part{"kinetic", "kinetic", 1, blue, 0, true},
+                           Part{"strain", "strain", 1, orange, 0, true},
+                           Part{parted ? "dissipated" : "surface", parted ? "dissipated" : "surface", 1, vermilion, 0, true},
+                           Part{"recoverable", "recoverable", 1, green, 0, false},
+                           Part{"lost in friction", "friction_work", -1, purple, 0, false},
+                           Part{"lost in impact", "impact_work", -1, sky, 0, false},
+                           Part{"law lag", "law_lag", 1, vermilion, 1, false},
+                           Part{"crossing loss", "crossing_loss", 1, purple, 1, false},
+                           Part{"damped by the scheme", "scheme_dissipation", 1, green, 1, false},
+                           Part{"lost in changes of step", "step_change_work", -1, blue, 1, false}};
     std::vector<Column> values;
     for (const Part& part : parts) values.push_back(part.sign > 0 ? column_or_zero(energy, part.column) : negated(column_or_zero(energy, part.column)));
 
@@ -86,10 +88,10 @@ Chart energy_chart(const History& energy) {
     Chart chart{.title = "Energy", .x_quantity = "time", .x_unit = "s", .y_quantity = "energy", .y_unit = "J"};
     // the sum lies broad and pale below the dashed work of the loads: one look tells whether the balance closes
     chart.curves.push_back({"sum of all", time, sum(values), light_grey, 4});
-    chart.curves.push_back({start > 0 ? "start + external work" : "external work", time, given, black, 1.4, true});
+    chart.curves.push_back({start > 0 ? "start + external work" : "external work", time, given, black, 1.4, 1});
     const double visible = 1e-3 * largest(given);  // what would lie on the axis is left out
     for (std::size_t i = 0; i < parts.size(); ++i)
-        if (parts[i].always || largest(values[i]) > visible) chart.curves.push_back({parts[i].label, time, values[i], parts[i].colour, 1.6, parts[i].dashed});
+        if (parts[i].always || largest(values[i]) > visible) chart.curves.push_back({parts[i].label, time, values[i], parts[i].colour, 1.6, parts[i].dash});
     return chart;
 }
 
@@ -112,10 +114,20 @@ Chart crack_speed_chart(const History& cracks, double rayleigh_speed) {
     return chart;
 }
 
-Chart reaction_chart(const History& reactions) {
+Chart reaction_chart(const History& reactions, bool over_time) {
     Chart chart{.title = "Force and displacement", .x_quantity = "displacement", .x_unit = "m", .y_quantity = "force", .y_unit = "N"};
+    if (over_time) chart.title = "Reactions", chart.x_quantity = "time", chart.x_unit = "s";
     const std::vector<std::string> loads = names_before(reactions, "_force_x");
     const auto moves = [&](const std::string& load) { return range(reactions.column(load + "_u_x")) > 0 || range(reactions.column(load + "_u_y")) > 0; };
+    if (over_time) {  // also of what stands still, in both directions, where it can be seen
+        double visible = 0;
+        for (const std::string& load : loads)
+            for (const char* axis : {"_force_x", "_force_y"}) visible = std::max(visible, 1e-3 * largest(reactions.column(load + axis)));
+        for (const std::string& load : loads)
+            for (const char* axis : {"_x", "_y"})
+                if (const Column force = reactions.column(load + "_force" + axis); largest(force) > visible) add_curve(chart, load + axis, reactions.column("time"), force);
+        return chart;
+    }
     const bool any_moves = std::any_of(loads.begin(), loads.end(), moves);
     for (const std::string& load : loads) {
         if (any_moves && !moves(load)) continue;
@@ -125,17 +137,32 @@ Chart reaction_chart(const History& reactions) {
     return chart;
 }
 
-Chart probe_chart(const History& probes) {
-    Chart chart{.title = "Displacement", .x_quantity = "time", .x_unit = "s", .y_quantity = "displacement", .y_unit = "m"};
+namespace {
+
+/// Those among the columns with these endings that can be seen beside the largest.
+void add_visible(Chart& chart, const History& probes, const std::vector<const char*>& endings) {
     std::vector<std::string> shown;
     double visible = 0;
-    for (const char* ending : {"_u_x", "_u_y", "_opening", "_slip"})
+    for (const char* ending : endings)
         for (const std::string& name : names_before(probes, ending)) {
             shown.push_back(name + ending);
             visible = std::max(visible, 1e-3 * largest(probes.column(shown.back())));
         }
     for (const std::string& name : shown)
         if (largest(probes.column(name)) >= visible) add_curve(chart, name, probes.column("time"), probes.column(name));
+}
+
+}  // namespace
+
+Chart probe_chart(const History& probes) {
+    Chart chart{.title = "Displacement", .x_quantity = "time", .x_unit = "s", .y_quantity = "displacement", .y_unit = "m"};
+    add_visible(chart, probes, {"_u_x", "_u_y", "_opening", "_slip"});
+    return chart;
+}
+
+Chart probe_velocity_chart(const History& probes) {
+    Chart chart{.title = "Velocity", .x_quantity = "time", .x_unit = "s", .y_quantity = "velocity", .y_unit = "m/s"};
+    add_visible(chart, probes, {"_v_x", "_v_y"});
     return chart;
 }
 

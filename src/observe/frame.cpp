@@ -151,6 +151,7 @@ void add_obstacles(const Model& model, const State& state, Frame& frame) {
     for (const Vec2& x : model.mesh.vertices) low = low.cwiseMin(x), high = high.cwiseMax(x);
     for (std::size_t o = 0; o < model.obstacles.size(); ++o) {
         const Pose &start = model.obstacles[o].start, &now = state.obstacles[o].pose;
+        frame.half_plane.push_back(model.obstacles[o].outline.kind == Outline::Kind::half_plane ? 1 : 0);
         for (const Vec2& p : outline_points(model.obstacles[o], 0.5 * (low + high), (high - low).norm())) {
             frame.obstacle_position.push_back(start.position + start.turned(p));
             frame.obstacle_displacement.push_back(now.position + now.turned(p) - frame.obstacle_position.back());

@@ -44,7 +44,9 @@ struct Frame {
     // obstacles: the outline of each as a polygon, n_outline_points one after the other (half planes as a strip)
     std::vector<Vec2> obstacle_position;      // [m] reference
     std::vector<Vec2> obstacle_displacement;  // [m]
+    std::vector<std::uint8_t> half_plane;     // per obstacle: 1 = the strip is the upper part of a half plane (points 0 and 1 are on its surface, 2 is below 1)
 
+    bool is_half_plane(Index obstacle) const { return !half_plane.empty() && half_plane[obstacle] != 0; }
     Index n_obstacles() const { return static_cast<Index>(obstacle_position.size()) / n_outline_points; }
     Index n_triangles() const { return static_cast<Index>(region.size()); }
     Index n_interfaces() const { return static_cast<Index>(side_a.size()); }

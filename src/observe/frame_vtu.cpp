@@ -205,6 +205,7 @@ void write_obstacles(const Frame& frame, const path& file) {
     vtkNew<vtkUnstructuredGrid> grid;
     set_geometry(grid, frame.obstacle_position, VTK_POLYGON, n_outline_points);
     grid->GetPointData()->AddArray(filled<vtkDoubleArray>("displacement", count(frame.obstacle_position), 3, in_plane(frame.obstacle_displacement)));
+    grid->GetCellData()->AddArray(filled<vtkUnsignedCharArray>("half_plane", frame.n_obstacles(), 1, [&](Index o, int) { return frame.is_half_plane(o) ? 1 : 0; }));
     write(grid, "fields/obstacles", frame.time, file);
 }
 
@@ -255,6 +256,9 @@ void read_obstacles(const path& file, Frame& frame) {
     const auto reader = opened(file);
     frame.obstacle_position = positions(reader->GetOutput());
     frame.obstacle_displacement = vectors({reader->GetOutput()->GetPointData(), "displacement", 3, file});
+    if (!reader->GetOutput()->GetCellData()->HasArray("half_plane")) return;  // older runs have none
+    const Values half_plane(reader->GetOutput()->GetCellData(), "half_plane", 1, file);
+    for (Index o = 0; o < half_plane.size(); ++o) frame.half_plane.push_back(static_cast<std::uint8_t>(half_plane(o)));
 }
 
 }  // namespace knap

@@ -1,6 +1,7 @@
 #pragma once
 // Lines and what they stand for.
 #include "observe/marker.hpp"
+#include "observe/title.hpp"
 
 #include <string>
 #include <vector>
@@ -11,16 +12,17 @@ struct KeyEntry {
     std::string label;
     Colour colour;
     double width;  // [unit]
-    bool dashed = false;
+    int dash = 0;  // of line_pattern
     Marker marker = Marker::none;
 };
 
-inline constexpr double type_size = 11, title_size = 12.5;  // [unit] of all figures
+inline constexpr double type_size = 11;                // [unit] of all figures
+inline constexpr double key_leading = 15.0 / type_size;  // distance of entries over the size of the type
 
 /// Width [unit] that the key needs; of long labels the begin is shown.
-double key_width(const Canvas& canvas, const std::vector<KeyEntry>& entries);
+double key_width(const std::vector<KeyEntry>& entries, double size = type_size);
 
-/// One entry below the other, the first one at the top of `area`.
-void draw_key(Canvas& canvas, const std::vector<KeyEntry>& entries, const Area& area);
+/// One entry below the other, the first one at the top of `area`; where there is no room for all, the last line says how many more there are.
+void draw_key(Canvas& canvas, const std::vector<KeyEntry>& entries, const Area& area, double size = type_size);
 
 }  // namespace knap

@@ -6,6 +6,16 @@
 
 namespace knap {
 
+std::vector<double> line_pattern(int kind, double width) {
+    switch (kind % n_line_patterns) {
+        case 1: return {4 * width, 2.5 * width};
+        case 2: return {1.2 * width, 1.8 * width};
+        case 3: return {4 * width, 1.8 * width, 1.2 * width, 1.8 * width};
+        case 4: return {4 * width, 1.8 * width, 1.2 * width, 1.8 * width, 1.2 * width, 1.8 * width};
+        default: return {};
+    }
+}
+
 Marker marker(std::size_t i) {
     constexpr std::array all{Marker::circle, Marker::square, Marker::triangle, Marker::diamond, Marker::cross};
     return all[i % all.size()];

@@ -1,6 +1,5 @@
 #include "observe/outputs.hpp"
 
-#include "observe/body_figures.hpp"
 #include "observe/breaks.hpp"
 #include "observe/fragments.hpp"
 #include "observe/gates.hpp"
@@ -101,12 +100,6 @@ std::string_view unit_of_column(std::string_view column) {
 std::string_view unit_of_slope(std::string_view column) {
     const std::string_view unit = unit_of_column(column);
     return unit == "J" ? "W" : unit == "m" ? "m/s" : unit == "m/s" ? "m/s2" : unit == "N" ? "N/s" : unit == "Pa" ? "Pa/s" : unit == "s" ? "" : "1/s";
-}
-
-std::string_view unit_of_field(std::string_view field) {
-    if (field == "cracks") return "m";
-    const auto found = std::ranges::find(body_fields(), field, &BodyField::name);
-    return found == body_fields().end() ? "" : std::string_view(found->unit);
 }
 
 std::vector<std::string> header_of(const std::string& table, const std::vector<std::string>& columns) {

@@ -57,9 +57,6 @@ std::string_view unit_of(std::string_view table, std::string_view name);
 std::string_view unit_of_column(std::string_view column);
 std::string_view unit_of_slope(std::string_view column);
 
-/// Of what a figure shows of the body, "" for none.
-std::string_view unit_of_field(std::string_view field);
-
 /// Column names as they stand in the header of a table: "time [s]". A pure number has no brackets.
 std::vector<std::string> header_of(const std::string& table, const std::vector<std::string>& columns);
 /// "time [s]" -> "time"

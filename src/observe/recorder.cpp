@@ -6,6 +6,7 @@
 #include "observe/history_columns.hpp"
 #include "observe/history_csv.hpp"
 #include "observe/interface_status.hpp"
+#include "observe/sequence.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -66,8 +67,9 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
     open_files();
     write_lines(start);
     next_history_ = start.time + options_.history_every;
-    if (writer_) write_frame(start);
-    next_frame_ = writer_ ? start.time + options_.frame_every : never;
+    const bool fields = writer_ && options_.frame_every > 0;
+    if (fields) write_frame(start);
+    next_frame_ = fields ? start.time + options_.frame_every : never;
 }
 
 /// Adds the processor time of its block to that of output, and of one part of it. All of that is done by the thread that steps, and its time is asked for: that
@@ -98,7 +100,7 @@ void Recorder::open_files() {
     if (!probes_.empty()) probe_file_ = opened(options_.directory / "probes.csv", histories_.probes);
     if (breaks_) break_file_ = opened(options_.directory / "breaks.csv", histories_.breaks);
     if (specimen_) stress_strain_file_ = opened(options_.directory / "stress_strain.csv", histories_.stress_strain);
-    if (options_.frame_every <= 0) return;
+    if (options_.frame_every <= 0 && std::none_of(options_.figures.begin(), options_.figures.end(), waits_for_the_end)) return;
     series_.emplace(options_.directory, frame_times_);
     writer_.emplace([this](const State& then) { series_->write(make_frame(model_, then, false)); });
 }
@@ -135,8 +137,10 @@ void Recorder::after_step(const State& now, const StepReport& report) {
         write_lines(now);
         next_history_ = options_.history_every * (std::floor(reached / options_.history_every) + 1);
     }
+    bool kept = reached >= next_frame_;
+    for (std::size_t i = 0; i < options_.figures.size() && writer_; ++i) kept = kept || (is_due(i, now) && waits_for_the_end(options_.figures[i]));
+    if (kept) write_frame(now);
     if (reached >= next_frame_) {
-        write_frame(now);
         next_frame_ = options_.frame_every * (std::floor(reached / options_.frame_every) + 1);
     }
     draw_due(now, false);
@@ -168,12 +172,13 @@ void Recorder::watch_step(const State& now) {
 void Recorder::finish(const State& now) {
     gates_.judge(ledger_, deformation_, true);
     if (last_line_ < now.time) write_lines(now);
-    if (writer_ && frame_times_.back() < now.time) write_frame(now);
+    if (writer_ && options_.frame_every > 0 && frame_times_.back() < now.time) write_frame(now);
     write_fragments(now);
     write_arms();
     write_lost_sheets();
     draw_due(now, true);
     end_frames();
+    draw_sequences();
 }
 
 void Recorder::write_fragments(const State& now) {
@@ -228,24 +233,44 @@ void Recorder::write_lines(const State& now) {
     }
 }
 
+/// Whether one of its times has come.
+bool Recorder::is_due(std::size_t i, const State& now) const {
+    const std::vector<double>& at = options_.figures[i].at;
+    return next_at_[i] < at.size() && now.time * (1 + 1e-9) >= at[next_at_[i]];
+}
+
 void Recorder::draw_due(const State& now, bool at_end) {
     if (options_.directory.empty()) return;
     std::optional<Frame> frame;
     for (std::size_t i = 0; i < options_.figures.size(); ++i) {
         const FigureOptions& figure = options_.figures[i];
-        const bool reached = next_at_[i] < figure.at.size() && now.time * (1 + 1e-9) >= figure.at[next_at_[i]];
+        const bool reached = is_due(i, now);
+        if (!reached && !at_end) continue;
         const bool due = figure.at.empty() || !shows_body(figure.show) ? at_end : reached;
-        if (!due) continue;
-        const Timed timed(*this, &figure_seconds_);
-        if (!frame) frame = make_frame(model_, now, false);
-        draw(figure, *frame);
-        while (next_at_[i] < figure.at.size() && now.time * (1 + 1e-9) >= figure.at[next_at_[i]]) ++next_at_[i];
+        if (due && !waits_for_the_end(figure)) {
+            const Timed timed(*this, &figure_seconds_);
+            if (!frame) frame = make_frame(model_, now, false);
+            drawn_.push_back(draw_figure(figure, *frame, histories_, figure_context(), options_.directory / "figures"));
+        }
+        while (is_due(i, now)) ++next_at_[i];
     }
 }
 
-void Recorder::draw(const FigureOptions& figure, const Frame& frame) {
-    const FigureContext context{.title = options_.title, .rayleigh_speed = options_.rayleigh_speed, .materials = options_.materials};
-    for (const auto& path : draw_figure(figure, frame, histories_, context, options_.directory / "figures")) drawn_.push_back(path);
+/// Figures of several times: only now it is known what their pictures have in common. Frames that someone has taken away are missed elsewhere.
+void Recorder::draw_sequences() {
+    const Timed timed(*this, &figure_seconds_);
+    for (const FigureOptions& figure : options_.figures) {
+        if (!writer_ || !waits_for_the_end(figure)) continue;
+        FrameList list{.run = options_.directory};
+        for (const double time : figure.at) {
+            const auto k = static_cast<std::size_t>(std::lower_bound(frame_times_.begin(), frame_times_.end(), time * (1 - 1e-9)) - frame_times_.begin());
+            if (k < frame_times_.size() && series_->has(k) && (list.frames.empty() || list.frames.back() != k)) list.frames.push_back(k);
+        }
+        const FigureScale common = scale_of(figure, list, histories_, figure_context());
+        for (const auto& file : draw_frames(figure, list, histories_, figure_context(), options_.directory / "figures", common)) drawn_.push_back(file);
+    }
 }
+
+FigureContext Recorder::figure_context() const { return {.title = options_.title, .rayleigh_speed = options_.rayleigh_speed, .materials = options_.materials}; }
 
 }  // namespace knap

@@ -23,7 +23,7 @@ namespace knap {
 struct RecorderOptions {
     std::filesystem::path directory;  // of the run; empty: nothing is written
     double end = 0;                   // [s]
-    double frame_every = 0;           // [s] 0 = no fields
+    double frame_every = 0;           // [s] 0 = no fields but those of figures that are drawn at the end
     double history_every = 0;         // [s]
     double rayleigh_speed = 0;        // [m/s]
     std::vector<std::string> materials;  // names, by region
@@ -88,8 +88,10 @@ private:
     void end_frames();
     void write_fragments(const State& now);
     void write_arms();
+    bool is_due(std::size_t figure, const State& now) const;
     void draw_due(const State& now, bool at_end);
-    void draw(const FigureOptions& figure, const Frame& frame);
+    void draw_sequences();
+    FigureContext figure_context() const;
     void write_lost_sheets() const;
     double uncounted() const { return writer_ ? writer_->cpu() - counted_ : 0; }  // [s] processor time beside the steps that is in neither of the sums yet
 

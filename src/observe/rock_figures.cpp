@@ -17,13 +17,6 @@ Column percent(Column values) {
     return values;
 }
 
-/// Without what lies beyond `limit`.
-Column within(Column values, double limit) {
-    for (double& value : values)
-        if (std::abs(value) > limit) value = std::nan("");
-    return values;
-}
-
 /// A count that goes up by `rise` at each x.
 Curve staircase(const std::string& label, const Column& x, const Column& rise, const Colour& colour, double first, double last) {
     Curve curve{.label = label, .x = {first}, .y = {0}, .colour = colour};
@@ -43,21 +36,26 @@ Curve staircase(const std::string& label, const Column& x, const Column& rise, c
 Chart stress_strain_chart(const History& stress_strain) {
     Chart chart{.title = "Stress and strain", .x_quantity = "strain [%]", .y_quantity = "stress", .y_unit = "Pa"};
     const Column stress = stress_strain.column("stress"), axial = stress_strain.column("axial_strain");
+    // the axis is that of the axial curve, and as much on the other side: beyond it is fragments that fly
     double largest = 0;
-    for (const double strain : axial) largest = std::max(largest, std::abs(strain));
-    // beyond three times the largest axial strain it is fragments that fly, and the rest would be a line beside them
+    for (const double strain : axial)
+        if (std::isfinite(strain)) largest = std::max(largest, 100 * std::abs(strain));
+    if (largest > 0) chart.x_within = {-largest, largest};
     for (const auto& [name, label] : {std::pair{"axial_strain", "axial"}, std::pair{"lateral_strain", "lateral"}, std::pair{"volumetric_strain", "volumetric"}})
-        if (stress_strain.has(name)) chart.curves.push_back({label, percent(within(stress_strain.column(name), 3 * largest)), stress, curve_colour(chart.curves.size())});
+        if (stress_strain.has(name)) chart.curves.push_back({label, percent(stress_strain.column(name)), stress, curve_colour(chart.curves.size())});
     const Strength strength = strength_of(stress_strain, SpecimenOptions{}.modulus_between);
     chart.curves.push_back({.label = "peak", .x = {100 * strength.peak_strain}, .y = {strength.peak_stress}, .colour = black, .width = 0, .marker = Marker::diamond});
-    // names of levels that lie close would lie over each other
-    double last = -1;
-    std::vector<Level> levels{{"crack initiation", strength.crack_initiation, true}, {"dilatancy", strength.dilatancy, true}, {"crack damage", strength.crack_damage, true}};
-    std::sort(levels.begin(), levels.end(), [](const Level& a, const Level& b) { return a.y < b.y; });
-    for (const Level& level : levels) {
-        if (!std::isfinite(level.y)) continue;
-        if (last >= 0 && level.y - last < 0.06 * strength.peak_stress) chart.levels.back().label += ", " + level.label;
-        else chart.levels.push_back(level), last = level.y;
+    for (const Level& level : {Level{"crack initiation", strength.crack_initiation, true}, Level{"dilatancy", strength.dilatancy, true}, Level{"crack damage", strength.crack_damage, true}})
+        if (std::isfinite(level.y)) chart.levels.push_back(level);
+    std::sort(chart.levels.begin(), chart.levels.end(), [](const Level& a, const Level& b) { return a.y < b.y; });
+    // of levels that lie on each other one name is left
+    for (std::size_t i = 1; i < chart.levels.size();) {
+        if (chart.levels[i].y - chart.levels[i - 1].y >= 0.02 * strength.peak_stress) {
+            ++i;
+            continue;
+        }
+        chart.levels[i - 1].label += ", " + chart.levels[i].label;
+        chart.levels.erase(chart.levels.begin() + static_cast<std::ptrdiff_t>(i));
     }
     return chart;
 }

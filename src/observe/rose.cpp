@@ -11,7 +11,7 @@
 namespace knap {
 namespace {
 
-constexpr double page_height = 380, degree = std::numbers::pi / 180, petal_width = 180. / n_petals;  // [unit], [deg]
+constexpr double plot_top = 352, degree = std::numbers::pi / 180, petal_width = 180. / n_petals;  // [unit], [deg]
 constexpr Colour ring_colour{0.8, 0.8, 0.8};
 
 Vec2 direction(double angle) { return {std::cos(angle * degree), std::sin(angle * degree)}; }
@@ -33,7 +33,7 @@ std::vector<Vec2> sector(const Vec2& centre, double inner, double outer, double 
 
 /// On white, so that it is read over petals.
 void ring_label(Canvas& canvas, const Vec2& at, const std::string& text) {
-    const double half = 0.5 * canvas.text_width(text, 9) + 1.5;
+    const double half = 0.5 * text_width(text, 9) + 1.5;
     canvas.fill({at + Vec2(-half, -5.5), at + Vec2(half, -5.5), at + Vec2(half, 5.5), at + Vec2(-half, 5.5)}, {1, 1, 1, 0.85});
     canvas.text(at, text, {.size = 9, .across = Across::centre, .along = Along::middle});
 }
@@ -51,7 +51,8 @@ std::vector<Petal> petals(const History& breaks) {
 }
 
 DrawnFigure draw_rose(const History& breaks, const std::string& title, const std::filesystem::path& file, int pixels) {
-    Canvas canvas(file, page_height, pixels);
+    const Title heading = fitted_title(title, "", page_width - 60);
+    Canvas canvas(file, plot_top + heading.height(), pixels);
     const Vec2 centre(200, 172);
     constexpr double radius = 138;
     const std::vector<Petal> all = petals(breaks);
@@ -82,7 +83,7 @@ DrawnFigure draw_rose(const History& breaks, const std::string& title, const std
         const Across across = out.x() > 0.3 ? Across::left : out.x() < -0.3 ? Across::right : Across::centre;
         canvas.text(centre + (radius + 8) * out, std::to_string(angle % 180) + "°", {.size = type_size, .across = across, .along = Along::middle});
     }
-    canvas.text({centre.x() - radius - 30, page_height - 18}, canvas.fitted(title, title_size, page_width - 60, true), {.size = title_size, .bold = true});
+    draw_title(canvas, heading, centre.x() - radius - 30, page_width - 30, plot_top);
     const double beside = centre.x() + radius + 52;
     draw_key(canvas, {{"tension", curve_colour(0), 9}, {"shear", curve_colour(1), 9}}, {beside, 0, page_width - beside, 300});
     canvas.text({beside, 252}, "area: part of the", {.size = type_size});

@@ -55,6 +55,11 @@ void VtkSeries::write(const Frame& frame) {
     write_collection(run_, times_, frame.n_obstacles() > 0);
 }
 
+bool VtkSeries::has(std::size_t frame) const {
+    std::error_code none;
+    return std::filesystem::exists(run_ / file_of("bulk", frame), none) && std::filesystem::exists(run_ / file_of("interfaces", frame), none);
+}
+
 std::vector<std::string> VtkSeries::missing(bool obstacles) const {
     std::vector<const char*> parts{"bulk", "interfaces"};
     if (obstacles) parts.push_back("obstacles");

@@ -19,6 +19,9 @@ public:
 
     const std::vector<double>& times() const { return times_; }  // [s]
 
+    /// Whether the files of this one are there.
+    bool has(std::size_t frame) const;
+
     /// Files of these frames that are gone: "fields/bulk_0003.vtu".
     std::vector<std::string> missing(bool obstacles) const;
 

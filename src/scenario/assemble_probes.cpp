@@ -12,8 +12,11 @@ void check_figure(const Assembly& assembly, const std::string& path) {
     if (show == "reactions" && assembly.drivers().empty())
         assembly.findings.error("nothing-to-show", "`" + path + "` shows reactions, but no load prescribes a motion and there is no obstacle", assembly.at(path + ".show")).note =
             "a reaction is the force of a load with velocity or displacement";
-    if (show == "probes" && assembly.values.count("probe") == 0)
+    if ((show == "probes" || show == "probe_velocities") && assembly.values.count("probe") == 0)
         assembly.findings.error("nothing-to-show", "`" + path + "` shows probes, but there is none", assembly.at(path + ".show")).note = "add a [[probe]]";
+    const std::vector<ProbeOptions>& probes = assembly.scenario.probes;
+    if (show == "probe_velocities" && !probes.empty() && std::all_of(probes.begin(), probes.end(), [](const ProbeOptions& probe) { return probe.interface; }))
+        assembly.findings.error("nothing-to-show", "`" + path + "` shows velocities, but all probes watch interfaces", assembly.at(path + ".show")).note = "add a [[probe]] that watches a place";
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ void assemble_times(Assembly& assembly, const std::string& path, FigureOptions& 
         assembly.values.compute(path, std::move(list));
     }
     for (const Node* time : assembly.values.items(path)) {
-        figure.at.push_back(time->number);
+        figure.at.insert(std::upper_bound(figure.at.begin(), figure.at.end(), time->number), time->number);
         if (end > 0 && time->number > end)
             assembly.findings.warning("never-drawn", "`" + path + "`: the run ends at " + shortest(end) + " s, before " + shortest(time->number) + " s", *time);
     }
@@ -170,6 +170,9 @@ void assemble_figures(Assembly& assembly) {
         figure.box = values.box(path + ".box");
         figure.width = static_cast<int>(values.number(path + ".width").value_or(figure.width));
         figure.title = values.text(path + ".title").value_or("");
+        figure.over = values.text(path + ".over").value_or(figure.over);
+        figure.aspect = values.number(path + ".aspect").value_or(figure.aspect);
+        figure.panel = values.flag(path + ".panel").value_or(figure.panel);
         assemble_times(assembly, path + ".at", figure);
         if (const auto range = values.pair(path + ".range")) {
             figure.range = {range->x(), range->y()};

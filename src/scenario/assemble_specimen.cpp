@@ -96,7 +96,8 @@ void assemble_breaks(Assembly& assembly, bool specimen) {
     std::string shown;  // the first figure that needs them
     for (std::size_t i = 0; i < values.count("figure") && shown.empty(); ++i) {
         const std::string show = values.text(item("figure", i) + ".show").value_or("");
-        if (show == "breaks" || show == "rose") shown = item("figure", i) + ".show";
+        const std::string colour = values.text(item("figure", i) + ".colour").value_or("opening");
+        if (needs_breaks(show.empty() ? "cracks" : show, colour)) shown = item("figure", i) + (show == "breaks" || show == "rose" ? ".show" : ".colour");
         if (show != "stress_strain" || specimen) continue;
         const std::string path = item("figure", i);
         assembly.findings.error("nothing-to-show", "`" + path + "` shows stress and strain, but there is no specimen", assembly.at(path + ".show")).note = "add a [specimen]";

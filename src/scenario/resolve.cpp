@@ -5,6 +5,7 @@
 #include <set>
 
 #include "observe/outputs.hpp"
+#include "observe/figures.hpp"
 #include "scenario/check_value.hpp"
 #include "scenario/toml_tree.hpp"
 
@@ -108,9 +109,9 @@ private:
             const std::string when(key.when);
             const std::size_t equals = when.find('=');
             std::vector<std::string> values = alternatives(std::string_view(when).substr(equals + 1));
-            for (std::string& value : values) value = quoted(value);
+            for (std::string& value : values) value = knap::quoted(value);
             findings_.error_at_name("exclusive-keys", "`" + here + "` belongs to " + when.substr(0, equals) + " = " + joined(values, " or "), *node)
-                .note = "here " + when.substr(0, equals) + " = " + quoted(table.find(when.substr(0, equals))->text);
+                .note = "here " + when.substr(0, equals) + " = " + knap::quoted(table.find(when.substr(0, equals))->text);
         } else if (node) {
             present(key, *node, table, here);
         } else if (applies(key, table) == Applies::yes && !misspelt_.contains(here)) {
@@ -216,8 +217,7 @@ private:
         if (path.starts_with("expect.")) return unit_of_summary(path.substr(7, path.rfind('.') - 7));
         if (path.starts_with("study.")) return unit_of_quantity(key, table);
         const Node *show = table.find("show"), *colour = table.find("colour");
-        if (colour && colour->text == "beta" && (!show || show->text == "cracks")) return "";
-        return unit_of_field(show ? show->text : "cracks");
+        return unit_of_figure(show ? show->text : "cracks", colour ? colour->text : "opening");
     }
 
     static std::string_view unit_of_summary(std::string_view name) {

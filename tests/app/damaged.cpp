@@ -87,4 +87,13 @@ TEST_CASE("what a figure cannot be is said before it is drawn") {
         CHECK(answer.code == 2);
         CHECK(answer.has("error["));
     }
+    // nor is there a picture of what the run does not have
+    for (const char* option : {"--show reactions", "--show stress_strain", "--show breaks", "--show cracks --colour mode", "--show probe_velocities", "--show speed --at 1s"}) {
+        CAPTURE(option);
+        const Answer answer = command("render " + folder.in_shell("run") + " " + option);
+        CHECK(answer.code == 2);
+        CHECK(answer.has("it has "));
+    }
+    CHECK_FALSE(fs::exists(folder.path / "run" / "rendered" / "reactions.png"));
+    CHECK(command("render " + folder.in_shell("run") + " --show speed --at 1us --aspect 10").code == 0);
 }

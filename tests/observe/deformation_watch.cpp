@@ -92,7 +92,7 @@ TEST_CASE("deformation: the gates warn of a rotation beyond 5 degrees and are vi
         DeformationWatch watch(model);
         watch.look_at(stretched(model, Eigen::Rotation2Dd(degrees * M_PI / 180).toRotationMatrix() - Eigen::Matrix2d::Identity()));
         Gates gates;
-        judge({ledger, 1, 1, &watch}, allowed, gates);
+        judge({ledger, 1, 1, false, &watch}, allowed, gates);
         return std::find_if(gates.begin(), gates.end(), [](const Gate& gate) { return gate.name == "rotation"; })->level;
     };
     CHECK(level(4.99) == GateLevel::ok);

@@ -1,6 +1,8 @@
 // The list of what a run writes.
 #include "observe/outputs.hpp"
 
+#include "observe/figures.hpp"
+
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -49,8 +51,8 @@ TEST_CASE("outputs: units by name, also where the scenario gave a part of it") {
     CHECK(unit_of_column("a_cohesion") == "");
     CHECK(unit_of_column("tip_speed") == "m/s");
     CHECK(unit_of_slope("surface") == "W");
-    CHECK(unit_of_field("stress_xy") == "Pa");
-    CHECK(unit_of_field("cracks") == "m");
+    CHECK(unit_of_figure("stress_xy", "opening") == "Pa");
+    CHECK(unit_of_figure("cracks", "opening") == "m");
     CHECK(header_of("probes.csv", {"time", "a_v_x", "a_cohesion"}) == std::vector<std::string>{"time [s]", "a_v_x [m/s]", "a_cohesion"});
     CHECK(name_in_header("a_v_x [m/s]") == "a_v_x");
     CHECK(name_in_header("tips") == "tips");

@@ -1,5 +1,6 @@
 #include "observe/colour_bar.hpp"
 #include "observe/ticks.hpp"
+#include "observe/value_span.hpp"
 #include "support/relative.hpp"
 
 #include <doctest/doctest.h>
@@ -71,6 +72,15 @@ TEST_CASE("ticks: times read well") {
     CHECK(time_text(40e-6, true) == "40us");
     CHECK(time_text(0.0125, true) == "12.5ms");
 }
+
+namespace {
+
+ColourRange robust_range(const std::vector<double>& values, double outside, bool symmetric) {
+    const ValueSpan span = span_of(values, outside);
+    return round_limits(span.low, span.high, symmetric);
+}
+
+}  // namespace
 
 TEST_CASE("colour range: a few peaks do not set it and a constant field has one") {
     std::vector<double> values(1000, 1e6);

@@ -48,7 +48,7 @@ bool same(const CohesiveLaw& a, const CohesiveLaw& b) {
 
 bool same(const FigureOptions& a, const FigureOptions& b) {
     return a.file == b.file && a.show == b.show && a.at == b.at && a.colour == b.colour && a.deform == b.deform && same(a.box, b.box) &&
-           a.range == b.range && a.width == b.width && a.title == b.title;
+           a.range == b.range && a.width == b.width && a.title == b.title && a.over == b.over && a.aspect == b.aspect && a.panel == b.panel;
 }
 
 bool same(const Expectation& a, const Expectation& b) {

@@ -157,6 +157,9 @@ box = [0, 0, 0.01, 0.02]
 range = [0, 1]
 width = 800
 title = "Cracks"
+over = "time"
+aspect = 5
+panel = true
 [[figure]]
 file = "b.pdf"
 show = "stress_xy"
@@ -445,6 +448,9 @@ const Case cases[] = {
     {rectangle, "limits.area_change", "0.5"},
     {rectangle, "limits.slip", "\"none\""},
     {rectangle, "limits.overlap", "3e-06"},
+    {rectangle, "figure[0].over", "\"time\""},
+    {rectangle, "figure[0].aspect", "5"},
+    {rectangle, "figure[0].panel", "true"},
     {rectangle, "expect.energy_residual.below", "0.001"},
     {rectangle, "expect.energy_residual.above", "-1"},
     {rectangle, "expect.max_tip_speed.below", "\"0.65 cR\""},
