@@ -1,5 +1,6 @@
 // knap check: what people ask before they run.
 #include "app/commands.hpp"
+#include "app/model_findings.hpp"
 #include "app/setup.hpp"
 #include "app/step_plan.hpp"
 #include "base/stopwatch.hpp"
@@ -112,12 +113,14 @@ void print_cost(const Scenario& scenario, const Model& model, const StepPlan& pl
 ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool time) {
     const Scenario& scenario = read.scenario;
     const Model model = model_of(read);
+    refuse_unheld_body(read, model);
     const StepPlan plan = plan_of(read, model, scenario.time.end);
     const double edge = mean_edge(model.mesh);
 
     if (full) std::fputs(full_listing(read).c_str(), stdout);
     std::printf("%s: %s\n", scenario.name.c_str(), scenario.title.c_str());
     print_mesh(judge(model.mesh));
+    std::fputs(random_sets_text(scenario).c_str(), stdout);
     print_materials(scenario);
     print_resolution(scenario, edge, plan.limits.cracking);
     print_parts(scenario, model);
@@ -131,7 +134,7 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     print_cost(scenario, model, plan, time);
 
     std::vector<Diagnostic> warnings = read.warnings;
-    for (const Diagnostic& warning : resolution_warnings(read, edge)) warnings.push_back(warning);
+    for (const Diagnostic& warning : findings_of_model(read, model, plan)) warnings.push_back(warning);
     for (const Diagnostic& warning : warnings) std::fputs(format(warning).c_str(), stderr);
     return strict && !warnings.empty() ? exit_bad_input : exit_done;
 }

@@ -1,5 +1,6 @@
 // knap mesh: only make, or judge, the mesh.
 #include "app/commands.hpp"
+#include "app/model_findings.hpp"
 #include "app/new_file.hpp"
 #include "app/setup.hpp"
 #include "base/error.hpp"
@@ -33,7 +34,8 @@ void print_grains(const Scenario& scenario, const Mesh& mesh) {
 ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& output, bool force) {
     const Model model = model_of(read);
     const MeshReport report = judge(model.mesh);
-    for (const Diagnostic& warning : read.warnings) std::fputs(format(warning).c_str(), stderr);
+    for (const auto& warnings : {read.warnings, findings_of_places(read, model)})
+        for (const Diagnostic& warning : warnings) std::fputs(format(warning).c_str(), stderr);
     const std::vector<double> steps = stable_steps(model.mesh, model.materials, model.plane);
     std::printf("%-28s %d\n%-28s %d\n%-28s %d\n%-28s %d\n", "triangles", report.n_triangles, "vertices", report.n_vertices, "interfaces",
                 report.n_interior_edges, "pre-cracked edges", report.n_cracked_edges);
@@ -51,6 +53,7 @@ ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& outp
         for (int i = 0; i < MeshReport::n_directions; ++i)
             std::printf("  %5.1f degree  %.4f\n", 180.0 * i / MeshReport::n_directions, report.path_excess[i]);
     }
+    std::fputs(random_sets_text(read.scenario).c_str(), stdout);
     if (!model.mesh.grain.empty()) print_grains(read.scenario, model.mesh);
     if (output.empty()) return exit_done;
     const std::string ending = output.extension().string();

@@ -2,6 +2,7 @@
 
 #include "app/checkpoint.hpp"
 #include "app/interrupt.hpp"
+#include "app/model_findings.hpp"
 #include "app/run_directory.hpp"
 #include "app/run_json.hpp"
 #include "app/run_log.hpp"
@@ -130,7 +131,9 @@ std::string resolved_for_run(const ReadResult& read) {
 
 Model model_of(const ReadResult& read) {
     try {
-        return build_model(read.scenario);
+        Model model = build_model(read.scenario);
+        refuse_contradictions(read, model);
+        return model;
     } catch (const ShapeError& error) {
         throw UserError({locate(read, error)});
     } catch (const EmptySelection& error) {
@@ -184,9 +187,9 @@ void describe(const Scenario& scenario, const Model& model, const StepPlan& plan
 }
 
 /// As text, and as lines of the record.
-std::string collect_warnings(const ReadResult& read, RunRecord& record) {
+std::string collect_warnings(const ReadResult& read, const std::vector<Diagnostic>& of_model, RunRecord& record) {
     std::string text;
-    for (const auto& warnings : {resolution_warnings(read, record.mean_edge), read.warnings})
+    for (const auto& warnings : {of_model, read.warnings})
         for (const Diagnostic& warning : warnings) text += format(warning), record.warnings.push_back(warning.message);
     return text;
 }
@@ -232,7 +235,7 @@ ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& rec
     MoreauJean& stepper = prepared.stepper;
     const Stopwatch& whole = prepared.whole;
     RunLog& log = place.log();
-    if (!place.resumes()) log.add(prepared.warnings);
+    if (!place.resumes()) log.add(prepared.warnings + random_sets_text(scenario));
 
     const Stopwatch preload;
     State now = place.resumes() ? initial_state(model) : start_of(model, scenario, stepper, record);
@@ -319,12 +322,13 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
     // mesh and model; nothing is written before they are known to be possible
     const Model model = model_of(read);
     check_specimen(read, model);
+    refuse_unheld_body(read, model);
     const StepPlan plan = plan_of(read, model, options.until);
     if (!options.dump_lcp.empty()) check_dump(model, scenario.time.scheme);
     MoreauJean stepper(model, scenario.time.scheme);
     record.cpu_model = whole.cpu();
     describe(scenario, model, plan, record);
-    const std::string warnings = collect_warnings(read, record);
+    const std::string warnings = collect_warnings(read, findings_of_model(read, model, plan), record);
     if (!options.quiet) std::fputs(warnings.c_str(), stderr);
 
     const InterruptGuard guard;  // what is begun in the directory is ended there

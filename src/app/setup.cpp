@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numbers>
 
@@ -94,6 +95,18 @@ std::vector<std::string> material_names(const Scenario& scenario) {
     std::vector<std::string> names;
     for (const NamedMaterial& material : scenario.materials) names.push_back(material.name);
     return names;
+}
+
+std::string random_sets_text(const Scenario& scenario) {
+    std::string text;
+    for (const RandomSet& set : scenario.random_sets) {
+        char line[160];
+        std::snprintf(line, sizeof line, "  %-14s %d placed", set.path.c_str(), set.n);
+        text += line;
+        if (set.fraction > 0) std::snprintf(line, sizeof line, ", %.4g %% of the area of the body", 100 * set.fraction), text += line;
+        text += "\n";
+    }
+    return text;
 }
 
 double rayleigh_speed(const Scenario& scenario) { return scenario.materials.front().elastic.rayleigh_speed(scenario.plane); }

@@ -1,10 +1,12 @@
 #include "app/step_plan.hpp"
 
 #include "bulk/triangle_matrices.hpp"
+#include "geometry/size_field.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace knap {
 namespace {
@@ -61,10 +63,36 @@ StepPlan plan_steps(const Scenario& scenario, double stable_step, double until) 
             .stable_step = stable_step};
 }
 
+namespace {
+
+/// [s] The stable step of the median triangle, in wave passages through the size that is wanted where it lies, times the shortest of these passages.
+double usual_step(const Scenario& scenario, const Model& model, const std::vector<double>& stable) {
+    if (scenario.given) return 0;
+    const SizeField size(scenario.mesh, 1);
+    std::vector<double> speed, in_passages;
+    for (const Elastic& material : model.materials) speed.push_back(material.dilatational_speed(model.plane));
+    double shortest = std::numeric_limits<double>::infinity();
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
+        const Vec2 x = (model.mesh.corner(t, 0) + model.mesh.corner(t, 1) + model.mesh.corner(t, 2)) / 3;
+        const double passage = size(x) / speed[model.mesh.region[t]];
+        shortest = std::min(shortest, passage);
+        in_passages.push_back(stable[t] / passage);
+    }
+    const auto middle = in_passages.begin() + static_cast<std::ptrdiff_t>(in_passages.size() / 2);
+    std::nth_element(in_passages.begin(), middle, in_passages.end());
+    return *middle * shortest;
+}
+
+}  // namespace
+
 StepPlan plan_of(const ReadResult& read, const Model& model, double until) {
     const std::vector<double> stable = stable_steps(model.mesh, model.materials, model.plane);
+    const auto least = std::min_element(stable.begin(), stable.end());
     try {
-        return plan_steps(read.scenario, *std::min_element(stable.begin(), stable.end()), until);
+        StepPlan plan = plan_steps(read.scenario, *least, until);
+        plan.slowest_triangle = static_cast<Index>(least - stable.begin());
+        plan.usual_step = usual_step(read.scenario, model, stable);
+        return plan;
     } catch (const BadStep& error) {
         throw located(read, error.key, error);
     }

@@ -14,6 +14,8 @@ struct StepPlan {
     StepLimits limits;
     std::int64_t n_steps;  // if all are as large as they may be
     double stable_step;    // [s] of the explicit bulk: of the worst free triangle
+    Index slowest_triangle = 0;  // that one
+    double usual_step = 0;       // [s] of the median triangle of the smallest wanted size; 0 of a mesh that was read
 };
 
 /// A step that the mesh does not allow, or steps that are in the wrong order.

@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "bulk/triangle_matrices.hpp"
 #include "model/fans.hpp"
+#include "model/selections.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,18 +20,6 @@ std::string described(const Selection& on) {
 
 [[noreturn]] void selects_nothing(const std::string& what, const Selection& on, EmptySelection::List list, std::size_t number) {
     throw EmptySelection(list, number, what + " on " + described(on) + " selects nothing of the mesh");
-}
-
-/// Indices of the boundary edges whose middle is selected.
-std::vector<std::size_t> selected_edges(const Mesh& mesh, const Selection& on) {
-    std::vector<std::size_t> found;
-    for (std::size_t i = 0; i < mesh.boundary_edges.size(); ++i) {
-        const BoundaryEdge& edge = mesh.boundary_edges[i];
-        const Vec2 middle = 0.5 * (mesh.corner(edge.triangle, edge.side) + mesh.corner(edge.triangle, (edge.side + 1) % 3));
-        const bool named = on.boundary.empty() || mesh.boundary_names[edge.boundary] == on.boundary;
-        if (named && (!on.box || on.box->contains(middle))) found.push_back(i);
-    }
-    return found;
 }
 
 Vec2 centroid(const Mesh& mesh, Index t) { return (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3; }
@@ -92,27 +81,14 @@ private:
         if (!any) selects_nothing("a body force", load.on, EmptySelection::loads, number_);
     }
 
-    /// Which corners are at the selected vertices.
-    std::vector<char> selected_corners(const std::string& what, const Load& load) const {
-        const Mesh& mesh = model_.mesh;
-        std::vector<char> selected(mesh.n_corners(), 0);
-        if (load.on.boundary.empty()) {
-            for (Index c = 0; c < mesh.n_corners(); ++c) selected[c] = !load.on.box || load.on.box->contains(mesh.corner(c));
-        } else {
-            for (const std::size_t i : selected_edges(mesh, load.on)) {
-                const auto& [triangle, side, boundary] = mesh.boundary_edges[i];
-                const Index first = mesh.corners_per_triangle() * triangle;
-                selected[first + side] = selected[first + (side + 1) % 3] = 1;
-                if (mesh.order == 2) selected[first + 3 + side] = 1;
-            }
-        }
-        if (std::find(selected.begin(), selected.end(), 1) == selected.end()) selects_nothing(what, load.on, EmptySelection::loads, number_);
-        return selected;
+    void check_not_empty(const std::string& what, const Load& load, const std::vector<char>& corners) const {
+        if (std::find(corners.begin(), corners.end(), 1) == corners.end()) selects_nothing(what, load.on, EmptySelection::loads, number_);
     }
 
     void add_force(const Load& load, Index history) {
         const Mesh& mesh = model_.mesh;
-        std::vector<char> selected = selected_corners("a force", load);
+        std::vector<char> selected = selected_corners(mesh, load.on);
+        check_not_empty("a force", load, selected);
         std::vector<Index> n_corners(mesh.vertices.size(), 0);  // selected ones, per vertex
         const auto vertex_of = [&](Index c) { return mesh.triangles[mesh.triangle_of(c)][mesh.place_in_triangle(c)]; };
         for (Index c = 0; c < mesh.n_corners(); ++c) {
@@ -126,28 +102,16 @@ private:
     }
 
     void add_motion(const Load& load, Index history) {
-        std::vector<char> held = selected_corners("a prescribed motion", load);
-        for (std::size_t f = 0; f < model_.fans.size(); ++f) {
-            spread_over_bonds(model_.fans[f], held);
+        const std::vector<char> held = held_corners(model_, load.on);
+        check_not_empty("a prescribed motion", load, held);
+        for (std::size_t f = 0; f < model_.fans.size(); ++f)
             for (Index i = 0; i < model_.fans[f].n_corners; ++i) {
                 const Index corner = model_.fan_corners[model_.fans[f].first_corner + i];
                 if (held[corner]) prescribe(corner, static_cast<Index>(f), load, history);
             }
-        }
     }
 
-    /// What holds one corner holds all that are bonded to it round the vertex; a crack ends it.
-    void spread_over_bonds(const Fan& fan, std::vector<char>& held) const {
-        for (int pass = 0; pass < 2; ++pass)  // forth and back; a second time round for closed fans
-            for (Index step = 0; step < 2 * fan.n_points; ++step) {
-                const Index j = pass == 0 ? step % fan.n_points : fan.n_points - 1 - step % fan.n_points;
-                const FanPoint& point = model_.fan_points[fan.first_point + j];
-                if (point.cracked || point.before == ground || point.after == ground) continue;
-                if (held[point.before] || held[point.after]) held[point.before] = held[point.after] = 1;
-            }
-    }
-
-    /// Later loads win component by component.
+    /// Later loads replace earlier ones component by component; a scenario may not ask for that (find_contradictions).
     void prescribe(Index corner, Index fan, const Load& load, Index history) {
         if (model_.prescribed_of_corner[corner] < 0) {
             model_.prescribed_of_corner[corner] = static_cast<Index>(model_.prescribed.size());

@@ -5,6 +5,7 @@
 
 #include "observe/outputs.hpp"
 #include "scenario/built_in.hpp"
+#include "scenario/names.hpp"
 
 namespace knap {
 
@@ -68,10 +69,12 @@ std::optional<Index> Assembly::material_at(const std::string& path) const {
     return std::nullopt;
 }
 
-void Assembly::check_name(const std::string& path, const std::string& what, const std::string& name) const {
-    const auto plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-'; };
-    if (name.empty() || !std::all_of(name.begin(), name.end(), plain))
-        findings.error("bad-name", "`" + name + "` cannot be the name of " + what, at(path)).note = "letters, digits, _ and -";
+void check_name(const Assembly& assembly, const std::string& path, const std::string& name, const std::string& what) {
+    if (!is_name(name)) assembly.findings.error("bad-name", "`" + name + "` cannot be the name of " + what, assembly.at(path)).note = rule_for_names;
+}
+
+void Assembly::check_column_name(const std::string& path, const std::string& name, const std::string& what) const {
+    check_name(*this, path, name, what);
     const auto taken = [&](const std::string& kind) {
         findings.error("duplicate-name", "`" + name + "` is the name of " + kind + " already, and both have columns", at(path)).note = "choose another name";
     };
@@ -127,6 +130,7 @@ void assemble(Assembly& assembly) {
     assemble_expectations(assembly);
     assemble_study(assembly);
     assemble_sweep(assembly);
+    assemble_plausibility(assembly);
 }
 
 }  // namespace knap

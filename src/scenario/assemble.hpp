@@ -33,8 +33,8 @@ struct Assembly {
     /// Number of the material that a key names; nothing, and a finding, when there is none.
     std::optional<Index> material_at(const std::string& path) const;
     void unknown_name(const std::string& path, const std::string& what, const std::string& name, const std::vector<std::string>& known) const;
-    /// Says so when a name is not one that a column or a number may begin with, or when something else that has columns is called the same.
-    void check_name(const std::string& path, const std::string& what, const std::string& name) const;
+    /// Says so where a name breaks the rule of all names, or where something else that has columns is called the same.
+    void check_column_name(const std::string& path, const std::string& name, const std::string& what) const;
     /// Loads that prescribe a motion, then obstacles.
     std::vector<std::string> drivers() const;
     /// Whether the run will have such a number of its summary; of "NAME_force_x" there must be a NAME that drives, else it says so.
@@ -62,6 +62,11 @@ void assemble_limits(Assembly& assembly);
 void assemble_expectations(Assembly& assembly);
 void assemble_study(Assembly& assembly);       // last: it may name probes, loads and expectations
 void assemble_sweep(Assembly& assembly);
+
+void assemble_plausibility(Assembly& assembly);  // last: warns of values that hardly anybody means
+
+/// Says so where a name of the scenario breaks the rule of all names; `what` it is of: "a probe".
+void check_name(const Assembly& assembly, const std::string& path, const std::string& name, const std::string& what);
 
 /// The history of a load or an obstacle: its ramp, table or csv.
 TimeFunction assemble_history(Assembly& assembly, const std::string& table);

@@ -35,16 +35,19 @@ void inclusions(Assembly& assembly, const std::string& path, std::size_t number)
     InclusionOptions options;
     options.size = values.number(path + ".size").value_or(0);
     options.spread = values.number(path + ".spread").value_or(0);
+    const std::optional<std::string> amount = assembly.the_one(path, {"fraction", "number"}, true);
     options.fraction = values.number(path + ".fraction").value_or(0);
+    options.number = static_cast<int>(values.number(path + ".number").value_or(0));
     if (!values.given(path + ".distance") && size > 0) values.compute(path + ".distance", Node::of_number(0.5 * size));
     options.distance = values.number(path + ".distance").value_or(0);
     options.corners = static_cast<int>(values.number(path + ".corners").value_or(0));
     options.elongation = values.number(path + ".elongation").value_or(1);
     if (const auto direction = values.number(path + ".direction")) options.direction = radians(*direction);
     options.tag = assembly.material_at(path + ".material");
-    options.side = size;
+    options.mesh = scenario.mesh;
     const bool pores = !values.given(path + ".material");
     if (pores && !values.given(path + ".name")) values.compute(path + ".name", Node::of_text("pores"));
+    if (const auto name = values.text(path + ".name")) check_name(assembly, path + ".name", *name, "a boundary");
     if (!pores && values.given(path + ".name"))
         assembly.findings.error_at_name("exclusive-keys", "`" + path + ".name` belongs to pores, which have no material", assembly.at(path + ".name"));
     if (values.has(path + ".size") && options.size < 1.5 * size)
@@ -52,13 +55,19 @@ void inclusions(Assembly& assembly, const std::string& path, std::size_t number)
             "larger inclusions or a finer mesh";
     if (values.has(path + ".distance") && options.distance < 0.2 * size)
         assembly.findings.error("out-of-range", "`" + path + ".distance` is below a fifth of mesh.size", assembly.at(path + ".distance"));
-    if (!has_body(assembly, path)) return;
+    if (!amount || !has_body(assembly, path)) return;
     if (pores) options.boundary = boundary_number(scenario.shape, values.text(path + ".name").value_or("pores"));
+    RandomSet set{.path = path, .part = pores ? RandomSet::Part::holes : RandomSet::Part::regions};
+    set.first = pores ? scenario.shape.holes.size() : scenario.shape.regions.size();
     try {
-        place_inclusions(scenario.shape, options, scenario.seed, "inclusions " + std::to_string(number));
+        const PlacedInclusions placed = place_inclusions(scenario.shape, options, scenario.seed, "inclusions " + std::to_string(number));
+        set.n = placed.n;
+        set.fraction = placed.fraction;
     } catch (const ShapeError& error) {
-        assembly.findings.error("geometry", "`" + path + "` " + error.what(), assembly.at(path + ".fraction")).note = "a smaller fraction, or a smaller distance";
+        assembly.findings.error("geometry", "`" + path + "` " + error.what(), assembly.at(path + "." + *amount)).note =
+            "a smaller " + *amount + ", a smaller distance" + (options.number > 0 ? ", or smaller inclusions" : "");
     }
+    scenario.random_sets.push_back(set);
 }
 
 void joints(Assembly& assembly, const std::string& path, std::size_t number) {
@@ -88,12 +97,17 @@ void joints(Assembly& assembly, const std::string& path, std::size_t number) {
         options.joint = static_cast<Index>(scenario.law_of_joint.size());
         scenario.law_of_joint.push_back(-1);  // found with the laws
     }
+    RandomSet set{.path = path, .part = options.tag ? RandomSet::Part::regions : RandomSet::Part::cracks};
+    const auto size_of_part = [&] { return options.tag ? scenario.shape.regions.size() : scenario.shape.cracks.size(); };
+    set.first = size_of_part();
     int n_left_out = 0;
     try {
         n_left_out = place_joints(scenario.shape, options, scenario.seed, "joints " + std::to_string(number));
     } catch (const ShapeError& error) {
         assembly.findings.error("geometry", "`" + path + "` " + error.what(), assembly.at(path + ".spacing")).note = "a larger spacing or length, or a smaller body";
     }
+    set.n = static_cast<int>(size_of_part() - set.first);
+    scenario.random_sets.push_back(set);
     if (n_left_out > 0)
         assembly.findings.warning("geometry", std::to_string(n_left_out) + " traces of `" + path + "` found no place beside the other lines", assembly.at(path));
 }

@@ -91,7 +91,7 @@ void name_pair(Assembly& assembly, const std::string& name, const std::pair<Inde
 
 /// Pairs without a law of their own take the default.
 void fill_pairs(Assembly& assembly, Index standard, const std::vector<std::string>& materials) {
-    if (!assembly.values.given("interface")) return;  // reported as missing
+    if (!assembly.values.has("interface")) return;  // reported as missing, or as without a name
     auto& of_pair = assembly.scenario.law_of_pair;
     std::vector<std::string> without;
     for (std::size_t a = 0; a < of_pair.size(); ++a)
@@ -119,7 +119,7 @@ void assemble_materials(Assembly& assembly) {
                                                 .E = values.number(path + ".E").value_or(0),
                                                 .nu = values.number(path + ".nu").value_or(0)}});
     }
-    if (values.given("material") && assembly.scenario.materials.empty())
+    if (values.has("material") && assembly.scenario.materials.empty())
         assembly.findings.error("missing-key", "there is no material", assembly.at("material")).note = "write [material.NAME]";
 }
 
@@ -168,7 +168,7 @@ void assemble_laws(Assembly& assembly) {
         const std::optional<std::string> name = assembly.values.text(path);
         if (!name) continue;
         const auto found = std::find(names.begin(), names.end(), *name);
-        if (found == names.end()) assembly.unknown_name(path, "interface law", *name, names);
+        if (found == names.end() && assembly.values.has("interface")) assembly.unknown_name(path, "interface law", *name, names);
         if (joint < scenario.law_of_joint.size()) scenario.law_of_joint[joint++] = found == names.end() ? 0 : static_cast<Index>(found - names.begin());
     }
     for (std::size_t i = 0; i < scenario.foundations.size(); ++i) {
@@ -177,7 +177,7 @@ void assemble_laws(Assembly& assembly) {
         if (!name) continue;
         const auto found = std::find(names.begin(), names.end(), *name);
         if (found == names.end()) {
-            assembly.unknown_name(path + ".interface", "interface law", *name, names);
+            if (assembly.values.has("interface")) assembly.unknown_name(path + ".interface", "interface law", *name, names);
             continue;
         }
         Foundation& foundation = scenario.foundations[i];

@@ -111,7 +111,7 @@ void assemble_loads(Assembly& assembly) {
         const std::string path = item("load", i);
         Load load{.name = assembly.values.text(path + ".name").value_or("load" + std::to_string(i)), .on = selection(assembly, path + ".on")};
         if (!assembly.values.given(path + ".name")) assembly.values.compute(path + ".name", Node::of_text(load.name));
-        assembly.check_name(path + ".name", "a load", load.name);
+        assembly.check_column_name(path + ".name", load.name, "a load");
         const std::optional<std::string> which =
             assembly.the_one(path, {"traction", "pressure", "stress", "force", "velocity", "displacement", "body_force", "acceleration"}, true);
         for (const auto& [name, kind] : kinds)

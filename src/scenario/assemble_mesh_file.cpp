@@ -1,5 +1,6 @@
 // mesh.file: the mesh is read; its physical surfaces are materials, its physical curves boundaries and cracks.
 #include <algorithm>
+#include <cstdio>
 
 #include "geometry/gmsh_mesh.hpp"
 #include "scenario/assemble.hpp"
@@ -87,6 +88,17 @@ void mark_cracks(const Assembly& assembly, GmshMesh& read) {
     }
 }
 
+/// A drawing in millimetres would become a mountain.
+void warn_of_metres(const Assembly& assembly, const std::string& file, const Mesh& mesh) {
+    if (mesh.vertices.empty()) return;
+    Vec2 low = mesh.vertices.front(), high = low;
+    for (const Vec2& x : mesh.vertices) low = low.cwiseMin(x), high = high.cwiseMax(x);
+    char text[80];
+    std::snprintf(text, sizeof text, "%.6g m x %.6g m", high.x() - low.x(), high.y() - low.y());
+    assembly.findings.warning("no-unit", "`" + file + "` is read in metres, since `mesh.unit` is missing: the body is " + text, assembly.at("mesh.file")).note =
+        "unit = \"1 m\" in [mesh] if that is right, else what 1 in the file is, as in \"1 mm\"";
+}
+
 }  // namespace
 
 void assemble_mesh_file(Assembly& assembly) {
@@ -102,6 +114,7 @@ void assemble_mesh_file(Assembly& assembly) {
     given.mesh = std::move(read->mesh);
     const double unit = assembly.values.number("mesh.unit").value_or(1);
     for (Vec2& x : given.mesh.vertices) x *= unit;
+    if (!assembly.values.given("mesh.unit")) warn_of_metres(assembly, *file, given.mesh);
     for (Index& region : given.mesh.region) region = material[region];
     for (const std::string& name : given.mesh.boundary_names)
         if (!name.empty()) assembly.scenario.shape.boundary_names.push_back(name);

@@ -107,7 +107,7 @@ void assemble_obstacles(Assembly& assembly) {
         assemble_drives(assembly, path, history, obstacle);
         assemble_free_motion(assembly, path, history, obstacle);
         if (!assembly.values.given(path + ".name")) assembly.values.compute(path + ".name", Node::of_text(obstacle.name));
-        assembly.check_name(path + ".name", "an obstacle", obstacle.name);
+        assembly.check_column_name(path + ".name", obstacle.name, "an obstacle");
         assembly.scenario.obstacles.push_back(std::move(obstacle));
     }
 }

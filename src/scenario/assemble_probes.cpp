@@ -27,7 +27,7 @@ void assemble_probes(Assembly& assembly) {
         const std::string path = item("probe", i);
         if (!values.given(path + ".name")) assembly.values.compute(path + ".name", Node::of_text("probe" + std::to_string(i + 1)));
         const std::string name = values.text(path + ".name").value_or("");
-        assembly.check_name(path + ".name", "a probe", name);
+        assembly.check_column_name(path + ".name", name, "a probe");
         if (const auto at = values.pair(path + ".at")) assembly.scenario.probes.push_back({.name = name, .at = *at, .interface = values.text(path + ".watch") == "interface"});
     }
     for (std::size_t i = 0; i < values.count("figure"); ++i) check_figure(assembly, item("figure", i));

@@ -1,8 +1,10 @@
 // [domain] and [mesh]: outer ring, holes, cracks, regions, sizes.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
+#include "geometry/arcs.hpp"
 #include "scenario/assemble.hpp"
 
 namespace knap {
@@ -19,18 +21,63 @@ Index boundary_number(Shape& shape, const std::string& name) {
 
 std::vector<Vec2> rectangle(const Vec2& low, const Vec2& high) { return {low, {high.x(), low.y()}, high, {low.x(), high.y()}}; }
 
-/// A circle as a polygon with sides of about the mesh size.
+bool too_fine(const Assembly& assembly, const std::string& path, const Arc& arc) {
+    const MeshOptions& mesh = assembly.scenario.mesh;
+    const bool fine = arc.length() > most_sides * SizeField(mesh, 1).smallest() && sides_of(arc, SizeField(mesh, 1)) > most_sides;
+    if (fine) assembly.findings.error("out-of-range", "`" + path + "` is too large for the mesh size", assembly.at(path));
+    return fine;
+}
+
+/// A circle as a polygon with sides of about the local mesh size.
 std::vector<Vec2> round(const Assembly& assembly, const std::string& table) {
     const std::optional<Vec2> centre = assembly.values.pair(table + ".centre");
     const std::optional<double> radius = assembly.values.number(table + ".radius");
-    const double size = assembly.scenario.mesh.size;
-    if (!centre || !radius || !(size > 0)) return {};
-    const double n_sides = std::max(12.0, std::ceil(2 * std::numbers::pi * *radius / size));
-    if (n_sides > most_sides) {
-        assembly.findings.error("out-of-range", "`" + table + ".radius` is too large for the mesh size", assembly.at(table + ".radius"));
-        return {};
+    if (!centre || !radius || !(assembly.scenario.mesh.size > 0)) return {};
+    if (too_fine(assembly, table + ".radius", {*centre, *radius, 0, 2 * std::numbers::pi})) return {};
+    return circle(*centre, *radius, SizeField(assembly.scenario.mesh, 1));
+}
+
+/// A polygon some of whose sides are arcs, and the side that each of its pieces belongs to.
+struct Curve {
+    std::vector<Vec2> points;
+    std::vector<std::size_t> side;
+};
+
+/// The arcs of a table, by side from 0.
+std::map<std::size_t, Arc> arcs(const Assembly& assembly, const std::string& table, const std::vector<Vec2>& corners) {
+    std::map<std::size_t, Arc> found;
+    for (std::size_t i = 0; i < assembly.values.count(table + ".arcs"); ++i) {
+        const std::string path = item(table + ".arcs", i);
+        const std::optional<double> number = assembly.values.number(path + ".side");
+        const std::optional<Vec2> through = assembly.values.pair(path + ".through");
+        if (!number || !through || corners.empty()) continue;
+        if (*number > static_cast<double>(corners.size())) {
+            assembly.findings.error("out-of-range", "`" + path + ".side` is " + std::to_string(static_cast<long long>(*number)) + ", and there are " +
+                                                        std::to_string(corners.size()) + " sides",
+                                    assembly.at(path + ".side")).note = "side 1 leads from the first point to the second, the last one back to the first";
+            continue;
+        }
+        const std::size_t side = static_cast<std::size_t>(*number) - 1;
+        const std::optional<Arc> arc = arc_through(corners[side], *through, corners[(side + 1) % corners.size()]);
+        if (!arc)
+            assembly.findings.error("out-of-range", "`" + path + ".through` lies on the straight line of its side, so there is no arc", assembly.at(path + ".through")).note =
+                "a point of the arc between the two corners, beside their line; a straight side needs no arc";
+        else if (!too_fine(assembly, path + ".through", *arc) && !found.emplace(side, *arc).second)
+            assembly.findings.error("duplicate-name", "`" + path + "` is the second arc of side " + std::to_string(side + 1), assembly.at(path + ".side"));
     }
-    return circle(*centre, *radius, static_cast<int>(n_sides));
+    return found;
+}
+
+Curve curved(const Assembly& assembly, const std::string& table, const std::vector<Vec2>& corners) {
+    Curve curve;
+    const std::map<std::size_t, Arc> arc_of = assembly.scenario.mesh.size > 0 ? arcs(assembly, table, corners) : std::map<std::size_t, Arc>{};
+    for (std::size_t side = 0; side < corners.size(); ++side) {
+        curve.points.push_back(corners[side]);
+        if (const auto arc = arc_of.find(side); arc != arc_of.end())
+            for (const Vec2& p : points_within(arc->second, SizeField(assembly.scenario.mesh, 1))) curve.points.push_back(p);
+        curve.side.resize(curve.points.size(), side);
+    }
+    return curve;
 }
 
 std::vector<Vec2> points(const Assembly& assembly, const std::string& path, std::size_t least) {
@@ -46,8 +93,10 @@ std::vector<Vec2> curve(const Assembly& assembly, const std::string& table, bool
     const bool is_round = which == "radius";
     if (is_round != assembly.values.given(table + ".centre") && which)
         assembly.findings.error("missing-key", "`" + table + "`: centre and radius belong together", assembly.at(table + (is_round ? "" : ".centre")));
+    if (which && which != "points" && assembly.values.count(table + ".arcs") > 0)
+        assembly.findings.error_at_name("exclusive-keys", "`" + table + ".arcs` belongs to points", assembly.at(item(table + ".arcs", 0)));
     if (is_round) return round(assembly, table);
-    if (which == "points") return points(assembly, table + ".points", 3);
+    if (which == "points") return curved(assembly, table, points(assembly, table + ".points", 3)).points;
     if (const std::optional<Box> box = assembly.values.box(table + ".box")) return rectangle(box->low, box->high);
     return {};
 }
@@ -76,15 +125,22 @@ void assemble_outer(Assembly& assembly) {
         shape.outer.points = round(assembly, "domain");
         shape.outer.boundary.assign(shape.outer.points.size(), boundary_number(shape, "rim"));
     } else if (kind == "polygon") {
-        shape.outer.points = points(assembly, "domain.points", 3);
-        const std::size_t n = shape.outer.points.size();
+        const std::vector<Vec2> corners = points(assembly, "domain.points", 3);
+        const Curve outline = curved(assembly, "domain", corners);
+        shape.outer.points = outline.points;
+        const std::size_t n = corners.size();
         if (!values.given("domain.sides")) {
             Node names{.type = Node::Type::array};
             for (std::size_t i = 1; i <= n; ++i) names.children.push_back(Node::of_text("side" + std::to_string(i)));
             if (n > 0) assembly.values.compute("domain.sides", std::move(names));
         }
         const auto names = values.items("domain.sides");
-        for (const Node* name : names) shape.outer.boundary.push_back(boundary_number(shape, name->text));
+        std::vector<Index> of_side;
+        for (const Node* name : names) {
+            check_name(assembly, "domain.sides", name->text, "a boundary");
+            of_side.push_back(boundary_number(shape, name->text));
+        }
+        for (const std::size_t side : outline.side) shape.outer.boundary.push_back(side < of_side.size() ? of_side[side] : 0);
         if (n > 0 && values.has("domain.sides") && names.size() != n)
             assembly.findings.error("out-of-range", "`domain.sides` has " + std::to_string(names.size()) + " names for " + std::to_string(n) + " sides",
                                     assembly.at("domain.sides"));
@@ -97,6 +153,7 @@ void assemble_holes(Assembly& assembly) {
         const std::string hole = item("domain.hole", i);
         if (!assembly.values.given(hole + ".name")) assembly.values.compute(hole + ".name", Node::of_text("hole" + std::to_string(i + 1)));
         Ring ring{.points = curve(assembly, hole, false)};
+        if (const auto name = assembly.values.text(hole + ".name")) check_name(assembly, hole + ".name", *name, "a boundary");
         if (const auto name = assembly.values.text(hole + ".name")) ring.boundary.assign(ring.points.size(), boundary_number(shape, *name));
         shape.holes.push_back(std::move(ring));
     }

@@ -178,6 +178,7 @@ private:
         if (!quantity.problem.empty()) {
             Diagnostic& d = findings_.error("wrong-unit", "`" + path + "`: " + quoted(node.text) + " " + quantity.problem, node);
             d.hint = did_you_mean(node.text, key.words);
+            if (d.hint.empty() && quantity.unknown_unit) d.hint = unit_meant(quantity.unit, unit);
             d.note = "wanted: " + kind_of_value(key, unit);
             return false;
         }

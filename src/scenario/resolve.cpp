@@ -7,6 +7,7 @@
 #include "observe/outputs.hpp"
 #include "observe/figures.hpp"
 #include "scenario/check_value.hpp"
+#include "scenario/names.hpp"
 #include "scenario/toml_tree.hpp"
 
 namespace knap {
@@ -184,31 +185,38 @@ private:
         }
     }
 
+    /// [interface] with the keys of an [interface.NAME].
+    static bool lacks_name(const Key& row, const Node& node) {
+        const auto rows = keys_below(row.path);
+        return std::any_of(node.children.begin(), node.children.end(), [&](const Node& child) {
+            return child.type != Node::Type::table && std::any_of(rows.begin(), rows.end(), [&](const Key* key) { return key->name() == child.name; });
+        });
+    }
+
     void present_names(const Key& key, const Node& node, const std::string& path) {
         if (node.type != Node::Type::table) {
             findings_.error("wrong-type", "`" + path + "` must be a table, not " + type_name(node), node).note = "write [" + path + ".NAME]";
             return;
         }
-        add_table(key, path, node);
         const Key& row = *find_key(std::string(key.path) + ".*");
+        if (lacks_name(row, node)) {
+            const std::string name = key.path == "interface" ? "default" : "NAME";
+            findings_.error_at_name("missing-name", "`[" + path + "]` has no name", node).note = "write [" + path + "." + name + "]: " + std::string(key.doc);
+            return add(key, path, node, false);
+        }
+        add_table(key, path, node);
         for (const Node& child : node.children) {
             const std::string here = below(path, child.name);
             if (!row.words.empty() && !is_word(row.words, child.name)) {
                 Diagnostic& d = findings_.error_at_name("unknown-key", "`" + here + "` is not a key of a scenario", child);
                 d.hint = did_you_mean(child.name, row.words);
                 d.note = "known here: " + joined(row.words);
-            } else if (!is_plain_name(child.name)) {
-                findings_.error_at_name("bad-name", "`" + child.name + "` cannot be a name here", child).note = "letters, digits, _ and -";
+            } else if (!is_name(child.name)) {
+                findings_.error_at_name("bad-name", "`" + child.name + "` cannot be a name here", child).note = rule_for_names;
             } else {
                 present_table(row, child, here);
             }
         }
-    }
-
-    static bool is_plain_name(const std::string& name) {
-        return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
-            return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-        });
     }
 
     /// The unit of a key's plain numbers, also where it depends on a neighbour or on a name.

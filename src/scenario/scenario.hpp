@@ -93,6 +93,15 @@ struct NamedFile {
     std::string bytes;
 };
 
+/// What a set of inclusions or joints became: a stretch of one of the lists of the shape.
+struct RandomSet {
+    std::string path;  // "inclusions[0]"
+    enum class Part { regions, holes, cracks } part;
+    std::size_t first = 0;
+    int n = 0;
+    double fraction = 0;  // [-] of the area of the body; inclusions
+};
+
 struct Scenario {
     std::string name, title;
     std::uint64_t seed = 1;
@@ -107,6 +116,7 @@ struct Scenario {
     std::vector<std::vector<Index>> law_of_pair;
     std::vector<Index> law_within;    // a grain, by material
     std::vector<Index> law_of_joint;  // by number of the joint set; of those that have cohesion
+    std::vector<RandomSet> random_sets;
     std::vector<GrainedRock> rocks;
     std::vector<MaterialMap> maps;
     std::vector<NamedFile> files;  // that a run directory keeps

@@ -6,6 +6,7 @@
 #include "scenario/check_value.hpp"
 #include "scenario/findings.hpp"
 #include "scenario/keys.hpp"
+#include "scenario/names.hpp"
 #include "scenario/units.hpp"
 
 namespace knap {
@@ -144,7 +145,8 @@ std::string schema_text() {
     out += "\nNumbers that [expect] can bound\n";
     for (const Output& row : output_table("summary").rows)
         out += "    " + std::string(row.name) + (row.unit.empty() ? "" : " [" + std::string(row.unit) + "]") + ": " + std::string(row.doc) + "\n";
-    out += "\nA number is in the unit shown, or a text with a unit: \"40 mm\", \"3.08 MPa\", \"3 J/m2\", \"2450 kg/m3\", \"80 us\", \"1 mm/ms\".\n";
+    out += "\nA number is in the unit shown, or a text with a unit: \"40 mm\", \"3.08 MPa\", \"3 J/m2\", \"2450 kg/m3\", \"80 us\", \"1 mm/ms\".\n\nUnits\n" + units_markdown();
+    out += "\nNames: " + std::string(rule_for_names) + "\n";
     return out;
 }
 
@@ -161,6 +163,10 @@ std::string schema_markdown() {
     for (const Key& key : keys())
         out += "| `" + (is_table(key) ? header(key) : std::string(key.path)) + "` | " + (is_table(key) ? "" : escaped(describe(key))) + " | " +
                escaped(conditions(key)) + " | " + escaped(std::string(key.doc)) + " |\n";
+    out += "\n## Units\n\nA number is in the unit shown above, or a text with a unit of the same kind: `\"40 mm\"`, `\"3.08 MPa\"`, `\"3 J/m2\"`.\n\n" + units_markdown();
+    out += "\n## Names\n\nMaterials, interfaces, boundaries, probes and obstacles have names by one rule: " + std::string(rule_for_names) +
+           ". A name with blanks stands in quotes where it is a key: `[material.\"hard rock\"]`. A material's name has no `-`, which joins two of them in `[interface.A-B]`. "
+           "Names of boundaries that come from a Gmsh file are taken as they are.\n";
     return out;
 }
 

@@ -6,6 +6,11 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scenario/findings.hpp"
 
 namespace knap {
 namespace {
@@ -202,6 +207,7 @@ Quantity parse_quantity(std::string_view text) {
     const std::optional<Scale> scale = unit_scale(unit);
     if (!scale) {
         quantity.problem = "has the unknown unit `" + std::string(unit) + "`";
+        quantity.unknown_unit = true;
         return quantity;
     }
     const std::optional<double> value = shifted(number, scale->power_of_ten);
@@ -212,6 +218,77 @@ Quantity parse_quantity(std::string_view text) {
     quantity.value = *value * scale->factor;
     quantity.dimension = scale->dimension;
     return quantity;
+}
+
+namespace {
+
+/// Prefixes that are usual with a unit, the likelier of two that differ by case only first.
+std::vector<std::string_view> usual_prefixes(const Unit& unit) {
+    if (!unit.takes_prefix) return {""};
+    if (unit.dimension == length || unit.dimension == mass || unit.dimension == time) return {"", "m", "k", "c", "u", "n"};
+    return {"", "M", "G", "k", "m", "u"};
+}
+
+/// Words for units that are not theirs.
+std::string_view unit_of_word(std::string word) {
+    for (char& c : word) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    if (word.size() > 3 && word.ends_with('s')) word.pop_back();
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 20> words{
+        {{"sec", "s"},      {"second", "s"}, {"msec", "ms"},  {"usec", "us"},    {"micron", "um"}, {"meter", "m"},   {"metre", "m"},
+         {"pascal", "Pa"},  {"newton", "N"}, {"joule", "J"},  {"degree", "deg"}, {"\u00b0", "deg"}, {"hour", "h"},    {"minute", "min"},
+         {"tonne", "t"},    {"ton", "t"},    {"gram", "g"},   {"kilogram", "kg"}, {"percent", "%"}, {"radian", "rad"}}};
+    for (const auto& [written, meant] : words)
+        if (word == written) return meant;
+    return "";
+}
+
+std::string with_plain_powers(std::string text) {
+    for (const auto& [from, to] : {std::pair{"\u00b2", "2"}, {"\u00b3", "3"}, {"\u00b7", "*"}})
+        for (std::size_t at; (at = text.find(from)) != std::string::npos;) text.replace(at, std::string_view(from).size(), to);
+    return text;
+}
+
+std::string asked(const std::string& unit) { return "did you mean `" + unit + "`?"; }
+
+}  // namespace
+
+std::string unit_meant(std::string_view unknown, std::string_view wanted) {
+    const std::string text = with_plain_powers(std::string(unknown));
+    if (unit_scale(text)) return asked(text);
+    std::size_t begin = 0, end = 0;  // of the first symbol that is not known
+    do {
+        begin = end;
+        while (begin < text.size() && (joins(text[begin]) || is_digit(text[begin]) || text[begin] == '^' || text[begin] == '-')) ++begin;
+        for (end = begin; end < text.size() && !joins(text[end]) && !is_digit(text[end]) && text[end] != '^' && text[end] != '-';) ++end;
+    } while (begin < text.size() && symbol_scale(text.substr(begin, end - begin)));
+    const std::string symbol = text.substr(begin, end - begin);
+    if (symbol.empty()) return "";
+    const auto with = [&](std::string_view instead) { return text.substr(0, begin) + std::string(instead) + text.substr(end); };
+    if (const std::string_view meant = unit_of_word(symbol); !meant.empty() && unit_scale(with(meant))) return asked(with(meant));
+    std::vector<std::string> fitting, others;
+    for (const Unit& unit : units)
+        for (const std::string_view prefix : usual_prefixes(unit)) {
+            const std::string candidate = std::string(prefix) + std::string(unit.symbol);
+            const std::optional<Scale> scale = unit_scale(with(candidate));
+            if (scale) (scale->dimension == dimension_of(wanted) ? fitting : others).push_back(candidate);
+        }
+    const std::string* meant = nearest(symbol, fitting);
+    if (!meant) meant = nearest(symbol, others);
+    return meant ? asked(with(*meant)) : "";
+}
+
+std::string units_markdown() {
+    std::string out = "| unit | is | 1 of it in SI | takes prefixes |\n|---|---|---|---|\n";
+    for (const Unit& unit : units) {
+        std::string si = unit.dimension == mass ? "kg" : "";
+        for (const Unit& other : units)
+            if (si.empty() && other.dimension == unit.dimension && other.power_of_ten == 0 && other.factor == 1) si = other.symbol;
+        const std::string value = shortest(*shifted(shortest(unit.factor), unit.power_of_ten));
+        out += "| `" + std::string(unit.symbol) + "` | " + kind_name(unit.dimension) + " | " + value + (si.empty() ? "" : " " + si) + " | " + (unit.takes_prefix ? "yes" : "") + " |\n";
+    }
+    out += "\nPrefixes: ";
+    for (const Prefix& prefix : prefixes) out += (prefix.symbol == prefixes.front().symbol ? "`" : ", `") + std::string(prefix.symbol) + "` 1e" + std::to_string(prefix.power_of_ten);
+    return out + ". Units are joined by `/`, `*`, `.` or a blank and raised by a whole number behind them: `J/m2`, `kg/m^3`, `N*s`, `mm/ms`, `m s-2`.\n";
 }
 
 Dimension dimension_of(std::string_view unit) {

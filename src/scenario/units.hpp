@@ -17,6 +17,7 @@ struct Quantity {
     Dimension dimension;
     std::string unit;     // as it was written
     std::string problem;  // what is wrong with the text; empty = nothing
+    bool unknown_unit = false;  // that is what is wrong
 };
 
 /// Reads a number and a unit; says in `problem` why it could not. Does not depend on the locale. Powers of ten are applied to the
@@ -28,6 +29,12 @@ Dimension dimension_of(std::string_view unit);
 
 /// "a length", "a pressure", ...; for what has no name, its unit.
 std::string kind_name(const Dimension& dimension);
+
+/// What was probably meant by a unit that is not known: "did you mean GPa?"; where several come near, one of the dimension of `wanted` ("Pa").
+std::string unit_meant(std::string_view unknown, std::string_view wanted);
+
+/// All units, for people: one a line of a Markdown table.
+std::string units_markdown();
 
 /// Without blanks and tabs at its ends.
 std::string_view trimmed(std::string_view text);

@@ -33,14 +33,20 @@ std::string parent(const std::string& path) {
 
 bool is_table(const Entry& entry) { return entry.key->kind == Kind::table || entry.key->kind == Kind::list || entry.key->kind == Kind::names; }
 
-/// "domain.hole[1]" -> "[[domain.hole]]", "load[0].on" -> "[load.on]"
+/// As TOML has it: in quotes where it has blanks or letters that are not those of English.
+std::string key_text(const std::string& name) {
+    const auto bare = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-'; };
+    return std::all_of(name.begin(), name.end(), bare) ? name : quoted(name);
+}
+
+/// "domain.hole[1]" -> "[[domain.hole]]", "load[0].on" -> "[load.on]", "material.hard rock" -> "[material."hard rock"]"
 std::string header(const std::string& path) {
     std::string plain;
-    bool skip = false;
-    for (const char c : path) {
-        if (c == '[') skip = true;
-        if (!skip) plain += c;
-        if (c == ']') skip = false;
+    for (std::size_t begin = 0; begin <= path.size();) {
+        const std::size_t end = std::min(path.find('.', begin), path.size());
+        const std::string part = path.substr(begin, end - begin);
+        plain += (plain.empty() ? "" : ".") + key_text(part.substr(0, part.find('[')));
+        begin = end + 1;
     }
     return path.ends_with(']') ? "[[" + plain + "]]" : "[" + plain + "]";
 }

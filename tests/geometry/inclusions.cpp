@@ -36,7 +36,7 @@ TEST_CASE("inclusions meet their fraction and keep their distance") {
     for (const int corners : {0, 4})
         for (int seed = 1; seed <= 5; ++seed) {
             Shape shape = block();
-            place_inclusions(shape, {.size = 0.004, .spread = 0.2, .fraction = 0.3, .distance = 0.0004, .corners = corners, .tag = 1, .side = 0.001}, seed, "test");
+            place_inclusions(shape, {.size = 0.004, .spread = 0.2, .fraction = 0.3, .distance = 0.0004, .corners = corners, .tag = 1, .mesh = {.size = 0.001}}, seed, "test");
             double area = 0;
             for (const Region& region : shape.regions) area += std::abs(signed_area(region.points));
             CHECK(area == relative(0.3 * 0.004, 0.01));  // half of a small one of a hundred
@@ -48,9 +48,31 @@ TEST_CASE("inclusions meet their fraction and keep their distance") {
         }
 }
 
+TEST_CASE("as many inclusions as are wanted and round ones with sides of the local mesh size") {
+    Shape shape = block();
+    const MeshOptions mesh{.size = 0.002, .refine = {{{0, 0}, {0.05, 0.04}, 0.0005}}};
+    const PlacedInclusions placed = place_inclusions(shape, {.size = 0.004, .spread = 0.2, .number = 30, .distance = 0.0004, .tag = 1, .mesh = mesh}, 1, "test");
+    CHECK(placed.n == 30);
+    REQUIRE(shape.regions.size() == 30);
+    double area = 0;
+    bool some_fine = false, some_coarse = false;
+    for (const Region& region : shape.regions) {
+        area += std::abs(signed_area(region.points));
+        const double side = (region.points[1] - region.points[0]).norm(), x = region.points[0].x();
+        some_fine = some_fine || x < 0.045, some_coarse = some_coarse || x > 0.06;
+        if (x < 0.045) CHECK(side < 0.0008);
+        if (x > 0.06) CHECK(side > 0.0009);
+    }
+    CHECK(some_fine);
+    CHECK(some_coarse);
+    CHECK(placed.fraction == relative(area / 0.004, 1e-12));
+    CHECK(placed.fraction == relative(30 * std::numbers::pi * 0.002 * 0.002 / 0.004, 0.1));
+    CHECK_THROWS_AS(place_inclusions(shape, {.size = 0.004, .number = 1000, .distance = 0.001, .tag = 1, .mesh = mesh}, 1, "test"), ShapeError);
+}
+
 TEST_CASE("elongated inclusions lie in their direction") {
     Shape shape = block();
-    place_inclusions(shape, {.size = 0.004, .fraction = 0.1, .distance = 0.0004, .elongation = 2, .direction = 30 * degree, .tag = 1, .side = 0.0002}, 1, "test");
+    place_inclusions(shape, {.size = 0.004, .fraction = 0.1, .distance = 0.0004, .elongation = 2, .direction = 30 * degree, .tag = 1, .mesh = {.size = 0.0002}}, 1, "test");
     for (const Region& region : shape.regions) {
         Vec2 a = region.points[0], b = a;  // the two points farthest apart
         for (const Vec2& p : region.points)
@@ -63,7 +85,7 @@ TEST_CASE("elongated inclusions lie in their direction") {
 
 TEST_CASE("pores are holes with a boundary and where there is no room it is said") {
     Shape shape = block();
-    place_inclusions(shape, {.size = 0.005, .fraction = 0.1, .distance = 0.001, .boundary = 4, .side = 0.001}, 3, "test");
+    place_inclusions(shape, {.size = 0.005, .fraction = 0.1, .distance = 0.001, .boundary = 4, .mesh = {.size = 0.001}}, 3, "test");
     const Mesh mesh = triangulate(shape, {.size = 0.001});
     double length = 0;
     for (const BoundaryEdge& edge : mesh.boundary_edges)
@@ -71,7 +93,7 @@ TEST_CASE("pores are holes with a boundary and where there is no room it is said
     CHECK(length == relative(static_cast<double>(shape.holes.size()) * std::numbers::pi * 0.005, 0.02));
     CHECK(judge(mesh).area == relative(0.9 * 0.004, 0.005));
     Shape full = block();
-    CHECK_THROWS_AS(place_inclusions(full, {.size = 0.004, .fraction = 0.58, .distance = 0.001, .tag = 1, .side = 0.001}, 1, "test"), ShapeError);
+    CHECK_THROWS_AS(place_inclusions(full, {.size = 0.004, .fraction = 0.58, .distance = 0.001, .tag = 1, .mesh = {.size = 0.001}}, 1, "test"), ShapeError);
 }
 
 TEST_CASE("joints have the spacing and direction and persistence asked for") {
@@ -109,7 +131,7 @@ TEST_CASE("two sets of joints and pores mesh without needles") {
     for (int seed = 1; seed <= 30; ++seed) {
         CAPTURE(seed);
         Shape shape = block();
-        place_inclusions(shape, {.size = 0.006, .spread = 0.3, .fraction = 0.08, .distance = 0.001, .boundary = 4, .side = 0.001}, seed, "pores");
+        place_inclusions(shape, {.size = 0.006, .spread = 0.3, .fraction = 0.08, .distance = 0.001, .boundary = 4, .mesh = {.size = 0.001}}, seed, "pores");
         place_joints(shape, {.direction = 70 * degree, .spread = 8 * degree, .spacing = 0.01, .nearest = 0.0002}, seed, "joints 0");
         place_joints(shape, {.direction = -10 * degree, .spread = 8 * degree, .spacing = 0.01, .persistence = 0.5, .length = 0.02, .joint = 0, .nearest = 0.0002},
                      seed, "joints 1");

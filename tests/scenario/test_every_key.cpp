@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -27,6 +28,7 @@ model = "plane stress"
 thickness = "2 mm"
 [[domain.hole]]
 points = [["1 mm", "2 mm"], ["3 mm", "2 mm"], ["3 mm", "4 mm"]]
+arcs = [{ side = 2, through = ["3.5 mm", "3 mm"] }]
 name = "window"
 [[domain.hole]]
 centre = ["20 mm", "20 mm"]
@@ -42,6 +44,7 @@ radius = "3 mm"
 material = "steel"
 [[domain.region]]
 points = [["-30 mm", "30 mm"], ["-25 mm", "30 mm"], ["-25 mm", "35 mm"]]
+arcs = [{ side = 1, through = ["-27 mm", "29 mm"] }]
 material = "glass"
 [mesh]
 size = "1 mm"
@@ -219,6 +222,7 @@ exact = "3 kW"
 const std::string polygon = samples::changed("shape = \"rectangle\"\nsize = [0.1, 0.04]\n", R"(shape = "polygon"
 points = [[0, 0], ["10 mm", 0], ["10 mm", "10 mm"], [0, "10 mm"]]
 sides = ["floor", "wall", "lid", "wall"]
+arcs = [{ side = 3, through = ["5 mm", "12 mm"] }]
 )");
 
 const std::string disc = samples::changed("shape = \"rectangle\"\nsize = [0.1, 0.04]\n", R"(shape = "disc"
@@ -277,7 +281,7 @@ direction = 10
 material = "quartz"
 [[inclusions]]
 size = "3 mm"
-fraction = 0.02
+number = 12
 name = "bubbles"
 [[joints]]
 direction = "60 deg"
@@ -335,6 +339,10 @@ const Case cases[] = {
     {rectangle, "domain.thickness", "0.002"},
     {rectangle, "domain.hole[0].points", "[[0.001, 0.002], [0.003, 0.002], [0.003, 0.004]]"},
     {rectangle, "domain.hole[0].name", "\"window\""},
+    {rectangle, "domain.hole[0].arcs[0].side", "2"},
+    {rectangle, "domain.hole[0].arcs[0].through", "[0.0035, 0.003]"},
+    {rectangle, "domain.region[2].arcs[0].side", "1"},
+    {rectangle, "domain.region[2].arcs[0].through", "[-0.027, 0.029]"},
     {rectangle, "domain.hole[1].centre", "[0.02, 0.02]"},
     {rectangle, "domain.hole[1].radius", "0.002"},
     {rectangle, "domain.hole[1].name", "\"hole2\""},
@@ -484,6 +492,8 @@ const Case cases[] = {
     {rectangle, "study.quantity[4].exact", "3000"},
     {schemes, "study.schemes", "[\"explicit/explicit\", \"implicit/implicit\"]"},
     {polygon, "domain.points", "[[0, 0], [0.01, 0], [0.01, 0.01], [0, 0.01]]"},
+    {polygon, "domain.arcs[0].side", "3"},
+    {polygon, "domain.arcs[0].through", "[0.005, 0.012]"},
     {polygon, "domain.sides", "[\"floor\", \"wall\", \"lid\", \"wall\"]"},
     {disc, "domain.centre", "[0.001, 0.002]"},
     {disc, "domain.radius", "0.01"},
@@ -514,6 +524,7 @@ const Case cases[] = {
     {rock, "inclusions[0].elongation", "2"},
     {rock, "inclusions[0].direction", "10"},
     {rock, "inclusions[0].material", "\"quartz\""},
+    {rock, "inclusions[1].number", "12"},
     {rock, "inclusions[1].distance", "5e-04"},
     {rock, "inclusions[1].name", "\"bubbles\""},
     {rock, "joints[0].direction", "60"},
@@ -575,7 +586,8 @@ TEST_CASE("scenario: the structs hold what the file says") {
     CHECK(s.shape.boundary_names == std::vector<std::string>{"bottom", "right", "top", "left", "window", "hole2"});
     CHECK(s.shape.outer.boundary == std::vector<Index>{0, 1, 2, 3});
     REQUIRE(s.shape.holes.size() == 2);
-    CHECK(s.shape.holes[0].boundary == std::vector<Index>{4, 4, 4});
+    CHECK(s.shape.holes[0].boundary == std::vector<Index>(s.shape.holes[0].points.size(), 4));
+    CHECK(s.shape.holes[0].points.size() == 3 + 4);  // an arc of 2.32 mm in sides of 0.5 mm
     CHECK(s.shape.holes[1].points.size() == 13);  // 2 pi 2 mm / 1 mm
     REQUIRE(s.shape.regions.size() == 3);
     REQUIRE(s.materials.size() == 2);
@@ -693,7 +705,10 @@ TEST_CASE("scenario: defaults") {
 TEST_CASE("scenario: polygon and disc") {
     const Scenario p = samples::read(polygon).scenario;
     CHECK(p.shape.boundary_names == std::vector<std::string>{"floor", "wall", "lid"});
-    CHECK(p.shape.outer.boundary == std::vector<Index>{0, 1, 2, 1});
+    std::vector<Index> in_order = p.shape.outer.boundary;
+    in_order.erase(std::unique(in_order.begin(), in_order.end()), in_order.end());
+    CHECK(in_order == std::vector<Index>{0, 1, 2, 1});
+    CHECK(p.shape.outer.points.size() == 4 + 11);  // a lid of 11.03 mm
     const std::string unnamed = samples::changed("sides = [\"floor\", \"wall\", \"lid\", \"wall\"]\n", "", polygon);
     CHECK(samples::read(unnamed).scenario.shape.boundary_names == std::vector<std::string>{"side1", "side2", "side3", "side4"});
     const Scenario d = samples::read(disc).scenario;

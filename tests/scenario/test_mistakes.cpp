@@ -1,4 +1,6 @@
 // Every kind of mistake, with the exact place of the marks.
+#include "scenario/write_scenario.hpp"
+
 #include "samples.hpp"
 
 #include <doctest/doctest.h>
@@ -56,7 +58,7 @@ const Case cases[] = {
     {"turns and spins", with(disc + "mass = 1\nturns = true\nspin = 1\n"), "exclusive-keys", 22, 8, 1, "cannot turn freely"},
     {"a force on what is driven", with(plane + "velocity = [0, 1]\nforce = [0, 1]\n"), "exclusive-keys", 21, 1, 5, "moves freely"},
     {"two obstacles of one name", with(disc + "name = \"a\"\n" + disc + "name = \"a\"\n"), "duplicate-name", 25, 8, 3, "`a` is the name of an obstacle already"},
-    {"an obstacle with a strange name", with(disc + "name = \"a b\"\n"), "bad-name", 20, 8, 5, "letters"},
+    {"an obstacle with a strange name", with(disc + "name = \"a,b\"\n"), "bad-name", 20, 8, 5, "letters"},
     {"an outline that is not convex", with("[[obstacle]]\nshape = \"polygon\"\npoints = [[0, 0], [2, 0], [1, 0.5], [1, 2]]\n"), "out-of-range", 18, 10, 34, "no convex polygon"},
     {"misspelt key", changed("sigma_c", "sigmac"), "unknown-key", 12, 1, 6, "did you mean `sigma_c`?"},
     {"misspelt table", changed("[mesh]", "[mehs]"), "unknown-key", 5, 2, 4, "did you mean `mesh`?"},
@@ -141,7 +143,29 @@ const Case cases[] = {
     {"figure of another type", with("[[figure]]\nfile = \"a.gif\"\n"), "bad-name", 17, 8, 7, "a plain name"},
     {"material with a dash", with("[material.a-b]\ndensity = 1\nE = 1\nnu = 0\n"), "bad-name", 16, 11, 3, "use _"},
     {"name with a slash", changed("knap = 1", "knap = 1\nname = \"a/b\""), "bad-name", 2, 8, 5, "run directory"},
-    {"name that is no word", with("[material.\"a b\"]\ndensity = 1\nE = 1\nnu = 0\n"), "bad-name", 16, 11, 5, "letters"},
+    {"name with a dot", with("[material.\"a.b\"]\ndensity = 1\nE = 1\nnu = 0\n"), "bad-name", 16, 11, 5, "letters, digits, blanks"},
+    {"name with a blank at its end", with("[material.\"a \"]\ndensity = 1\nE = 1\nnu = 0\n"), "bad-name", 16, 11, 4, "no blank at its ends"},
+    {"boundary with a comma", changed("shape = \"rectangle\"\nsize = [0.1, 0.04]", "shape = \"polygon\"\npoints = [[0, 0], [1, 0], [1, 1]]\nsides = [\"a\", \"b,c\", \"d\"]"),
+     "bad-name", 5, 9, 17, "name of a boundary"},
+    {"probe with a slash", with("[[probe]]\nat = [0, 0]\nname = \"a/b\"\n"), "bad-name", 18, 8, 5, "name of a probe"},
+    {"a law without a name", changed("interface.default", "interface", with("[interface.floor]\nsigma_c = 0\n[[foundation]]\non = \"bottom\"\ninterface = \"default\"\n")), "missing-name", 11, 2, 9,
+     "write [interface.default]"},
+    {"a material without a name", changed("material.glass", "material"), "missing-name", 7, 2, 8, "write [material.NAME]"},
+    {"a unit in the wrong case", changed("32e9", "\"32 Gpa\""), "wrong-unit", 9, 5, 8, "did you mean `GPa`?"},
+    {"a unit in small letters", changed("32e9", "\"32 mpa\""), "wrong-unit", 9, 5, 8, "did you mean `MPa`?"},
+    {"a unit as a word", changed("80e-6", "\"80 microns\""), "wrong-unit", 15, 7, 12, "did you mean `um`?"},
+    {"a unit in a fraction", changed("G_c = 3", "G_c = \"3 Joule/m2\""), "wrong-unit", 13, 7, 12, "did you mean `J/m2`?"},
+    {"a unit with a raised two", changed("G_c = 3", "G_c = \"3 J/m\u00b2\""), "wrong-unit", 13, 7, 8, "did you mean `J/m2`?"},
+    {"a density of kilograms", changed("2450", "\"2450 Kg/m^3\""), "wrong-unit", 8, 11, 13, "did you mean `kg/m^3`?"},
+    {"an arc of a side that is not there", with("[[domain.hole]]\npoints = [[0.02, 0.02], [0.03, 0.02], [0.03, 0.03]]\narcs = [{ side = 4, through = [0.02, 0.03] }]\n"), "out-of-range", 18, 18, 1,
+     "there are 3 sides"},
+    {"an arc that is straight", with("[[domain.hole]]\npoints = [[0.02, 0.02], [0.03, 0.02], [0.03, 0.03]]\narcs = [{ side = 1, through = [0.025, 0.02] }]\n"), "out-of-range", 18, 31, 13,
+     "no arc"},
+    {"two arcs of one side",
+     with("[[domain.hole]]\npoints = [[0.02, 0.02], [0.03, 0.02], [0.03, 0.03]]\narcs = [{ side = 1, through = [0.025, 0.01] }, { side = 1, through = [0.025, 0.011] }]\n"),
+     "duplicate-name", 18, 57, 1, "second arc of side 1"},
+    {"an arc of a disc", with("[[domain.hole]]\ncentre = [0.05, 0.02]\nradius = 0.005\narcs = [{ side = 1, through = [0.025, 0.01] }]\n"), "exclusive-keys", 19, 9, 37, "belongs to points"},
+    {"an arc of a rectangle", changed("size = [0.1, 0.04]", "size = [0.1, 0.04]\narcs = [{ side = 1, through = [0.05, -0.01] }]"), "exclusive-keys", 5, 1, 4, "belongs to shape"},
     {"consistent mass without implicit bulk", with("mass = \"consistent\"\n"), "exclusive-keys", 16, 8, 12, "needs the implicit bulk"},
     {"one-point mass where every edge may break", with("bulk = \"implicit\"\nmass = \"one point\"\n"), "exclusive-keys", 17, 8, 11, "does not break inside"},
     {"a stress of two", with(load + "stress = [0, 1]\n"), "wrong-type", 18, 10, 6, "three values [a, b, c]"},
@@ -281,6 +305,66 @@ TEST_CASE("warnings: a figure after the end") {
     CHECK(result.warnings[0].line == 18);
     CHECK(result.warnings[0].column == 16);
     CHECK(result.warnings[0].length == 7);
+}
+
+namespace {
+
+/// The one warning of a text.
+Diagnostic warning_of(const std::string& text, const std::vector<std::string>& overrides = {}) {
+    const ReadResult result = samples::read(text, overrides);
+    REQUIRE(result.warnings.size() == 1);
+    CHECK(result.warnings[0].severity == Diagnostic::Severity::warning);
+    return result.warnings[0];
+}
+
+bool says(const Diagnostic& d, const std::string& words) { return (d.message + d.hint + d.note).find(words) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("warnings: values that hardly anybody means with their place and what was meant") {
+    const Diagnostic soft = warning_of(changed("32e9", "3.2e2", changed("3.08e6", "30")));
+    CHECK(soft.code == "implausible");
+    CHECK(soft.line == 9);
+    CHECK(soft.column == 5);
+    CHECK(soft.length == 5);
+    CHECK(soft.message == "`material.glass.E` = 320 Pa is softer than any gel");
+    CHECK(soft.hint == "did you mean \"320 GPa\"?");
+    CHECK(says(soft, "plausible: 1000 to 2e+12 Pa"));
+    CHECK(warning_of(changed("2450", "2.45")).hint == "did you mean \"2.45 g/cm3\"?");
+    CHECK(says(warning_of(changed("3.08e6", "3.08")), "weaker than any gel"));
+    CHECK(says(warning_of(changed("G_c = 3", "delta_c = 1.5")), "did you mean \"1.5 um\"?"));
+    CHECK(says(warning_of(changed("G_c = 3", "G_c = 3\nfriction = 30")), "tan(30 deg) = 0.577"));
+    CHECK(says(warning_of(changed("3.08e6", "\"33 GPa\"")), "above the largest E, 3.2e+10 Pa"));
+    CHECK(says(warning_of(with(load + "pressure = \"4 GPa\"\n")), "a stress of 4e+09 Pa"));
+    CHECK(says(warning_of(with(load + "velocity = [0, \"16 km/s\"]\n")), "faster than waves"));
+    CHECK(warning_of(least, {"material.glass.E=32"}).file == "--set material.glass.E=32");
+    CHECK(samples::read(changed("32e9", "2e3", changed("3.08e6", "500", changed("G_c = 3", "G_c = 0.1")))).warnings.empty());  // a gel
+    CHECK(samples::read(changed("sigma_c = 3.08e6\nG_c = 3", "sigma_c = 0")).warnings.empty());
+}
+
+TEST_CASE("warnings: what begins after the end") {
+    const Diagnostic table = warning_of(with(load + "traction = [0, 1]\ntable = [[90, 0], [100, 1]]\n"));
+    CHECK(table.code == "after-the-end");
+    CHECK(table.line == 19);
+    CHECK(says(table, "begins at 90 s, and the run ends at 8e-05 s: its factor is 0 all the time"));
+    CHECK(samples::read(with(load + "traction = [0, 1]\ntable = [[0, 0], [100, 1]]\n")).warnings.empty());
+    CHECK(says(warning_of(with("[[study.quantity]]\nof = \"surface\"\nat = \"1 ms\"\n")), "there is no such value"));
+}
+
+TEST_CASE("names may have blanks everywhere and the resolved scenario reads back") {
+    const std::string text = changed("shape = \"rectangle\"\nsize = [0.1, 0.04]", "shape = \"polygon\"\npoints = [[0, 0], [1, 0], [1, 1]]\nsides = [\"the floor\", \"b\", \"H\u00e4nge\"]\n"
+                                                                                    "[[domain.hole]]\ncentre = [0.7, 0.3]\nradius = 0.1\nname = \"round hole\"",
+                                     changed("size = 0.001", "size = 0.05", changed("material.glass", "material.\"hard glass\"",
+                                     changed("interface.default", "interface.\"hard glass-hard glass\"", with("[interface.\"on the floor\"]\nsigma_c = 0\n[[foundation]]\n"
+                                     "on = \"the floor\"\ninterface = \"on the floor\"\n[[probe]]\nat = [0.5, 0.1]\nname = \"near the floor\"\n" + disc + "name = \"a ball\"\n")))));
+    const ReadResult once = samples::read(text, {"material.hard glass.nu=0.25"});
+    CHECK(once.scenario.materials[0].elastic.nu == 0.25);
+    CHECK(once.scenario.law_of_pair[0][0] == 0);
+    const ReadResult twice = samples::read(resolved_toml(once));
+    CHECK(resolved_toml(twice) == resolved_toml(once));
+    CHECK(twice.scenario.materials[0].name == "hard glass");
+    CHECK(twice.scenario.probes[0].name == "near the floor");
+    CHECK(twice.scenario.obstacles[0].name == "a ball");
 }
 
 TEST_CASE("mistakes: keys and brackets that go too deep") {

@@ -1,0 +1,100 @@
+// What a mesh says of a scenario before it runs: loads that contradict each other, jumps, what lies outside, what makes a run endless.
+#include "program.hpp"
+
+using namespace program;
+
+namespace {
+
+/// A plate of 100 mm x 40 mm; `more` comes behind its first tables.
+std::string plate(const Folder& folder, const std::string& more, const std::string& domain = "") {
+    std::ofstream(folder.path / "plate.toml") << "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [\"100 mm\", \"40 mm\"]\n" + domain +
+                                                     "[mesh]\nsize = \"4 mm\"\n[material.rock]\ndensity = 2650\nE = \"40 GPa\"\nnu = 0.2\n"
+                                                     "[interface.default]\nsigma_c = \"5 MPa\"\nG_c = 50\n[time]\nend = \"20 us\"\n" + more;
+    return "check " + folder.in_shell("plate.toml") + " ";
+}
+
+const std::string top = "[[load]]\non = \"top\"\ndisplacement = [0, \"1 mm\"]\nramp = \"1 ms\"\n", left = "[[load]]\non = \"left\"\nvelocity = [\"-1 m/s\", \"free\"]\n";
+
+}  // namespace
+
+TEST_CASE("loads that contradict each other are refused with both lines") {
+    const Folder folder("contradictions");
+    const Answer corner = command(plate(folder, top + left));
+    CAPTURE(corner.text);
+    CHECK(corner.code == 2);
+    CHECK(corner.has("error[contradiction]: `load[0]` (line 16) and `load[1]` (line 20) prescribe different motions in x of what they share at (0, 0.04) m: "
+                     "displacement 0 m on `top`, velocity -1 m/s on `left`"));
+    CHECK(corner.has("plate.toml:20:1"));
+    CHECK(corner.has("make x of one of them \"free\""));
+    CHECK(command("run " + folder.in_shell("plate.toml") + " -q -o " + folder.in_shell("run")).code == 2);
+    CHECK_FALSE(fs::exists(folder.path / "run"));
+    CHECK(command("check " + folder.in_shell("plate.toml") + " -s 'load[0].displacement=[\"free\", \"1 mm\"]'").code == 0);
+    const Answer traction = command(plate(folder, top + "[[load]]\non = \"top\"\ntraction = [0, \"1 MPa\"]\n"));
+    CHECK(traction.code == 2);
+    CHECK(traction.has("`load[0]` (line 16) and `load[1]` (line 20) give a traction and a motion in y to the same edges"));
+    CHECK(command(plate(folder, top + "[[load]]\non = \"left\"\ntraction = [0, \"1 MPa\"]\n")).code == 0);
+}
+
+TEST_CASE("a displacement without a ramp is said to be a jump") {
+    const Folder folder("jump");
+    const Answer jump = command(plate(folder, top) + "-s load[0].ramp=");
+    CAPTURE(jump.text);
+    CHECK(jump.code == 0);
+    CHECK(jump.has("warning[jump]: `load[0].displacement` jumps by 0.001 m at once: in a step of 4e-07 s that is a velocity of 2.5e+03 m/s, 0.61 times the speed of waves"));
+    CHECK(jump.has("plate.toml:18:16"));
+    CHECK(jump.has("ramp = \"0.001 s\""));
+    CHECK_FALSE(command(plate(folder, top)).has("warning[jump]"));
+    CHECK(command(plate(folder, top) + "-s load[0].ramp= -s 'load[0].table=[[0, 0], [1e-5, 0], [1e-5, 1]]'").has("warning[jump]"));
+    CHECK_FALSE(command(plate(folder, top) + "-s load[0].ramp= -s time.start=equilibrium").has("warning[jump]"));
+}
+
+TEST_CASE("what lies outside the body is said with its place") {
+    const Folder folder("outside");
+    const std::string domain = "[[domain.region]]\nbox = [1, 1, 2, 2]\nmaterial = \"rock\"\n[[domain.hole]]\ncentre = [\"50 mm\", \"20 mm\"]\nradius = \"8 mm\"\n";
+    const Answer check = command(plate(folder, "[[probe]]\nat = [\"50 mm\", \"20 mm\"]\nname = \"in the hole\"\n[[probe]]\nat = [\"58 mm\", \"20 mm\"]\n"
+                                               "[[figure]]\nfile = \"a.png\"\nbox = [50, 0, 60, 20]\n", domain) + "-s 'mesh.refine=[{ inside = [1, 1, 2, 2], size = 0.001 }]'");
+    CAPTURE(check.text);
+    CHECK(check.code == 0);
+    CHECK(check.has("probe `in the hole` at (0.05, 0.02) m lies outside the body, 0.0077"));
+    CHECK_FALSE(check.has("probe `probe2`"));  // on the curve of the hole
+    CHECK(check.has("`domain.region[0]` covers no triangle of the body: it lies from (1, 1) m to (2, 2) m"));
+    CHECK(check.has("`mesh.refine[0].inside` lies outside the body"));
+    CHECK(check.has("`figure[0].box` lies outside the body: from (50, 0) m to (60, 20) m"));
+    CHECK(check.has("the body reaches from (0, 0) m to (0.1, 0.04) m"));
+}
+
+TEST_CASE("a run that nobody can mean is said to be one") {
+    const Folder folder("endless");
+    const Answer check = command(plate(folder, "[output]\nevery = \"1 us\"\nhistory_every = \"1 us\"\n") + "-s 'time.end=10 h'");
+    CAPTURE(check.text);
+    CHECK(check.has("warning[too-long]: `time.end` = 36000 s is "));
+    CHECK(check.has("days of one core"));
+    CHECK(check.has("warning[too-many]: `output.every` = 1e-06 s in a run of 36000 s makes 3.6e+10 frames"));
+    CHECK(check.has("warning[too-many]: `output.history_every` = 1e-06 s"));
+}
+
+TEST_CASE("two lines that cut the stable step are named with their place") {
+    const Folder folder("detail");
+    const std::string near = "[[domain.crack]]\npoints = [[\"20 mm\", \"10 mm\"], [\"44 mm\", \"10 mm\"]]\n"
+                             "[[domain.crack]]\npoints = [[\"20 mm\", \"10.22 mm\"], [\"44 mm\", \"10.22 mm\"]]\n";
+    const Answer check = command(plate(folder, "", near));
+    CAPTURE(check.text);
+    CHECK(check.has("warning[small-step]: `domain.crack["));
+    CHECK(check.has("all triangles step with it"));
+    CHECK_FALSE(command(plate(folder, "", "[[domain.crack]]\npoints = [[\"20 mm\", \"10 mm\"], [\"44 mm\", \"10 mm\"]]\n")).has("small-step"));
+}
+
+TEST_CASE("check and mesh and the log of a run say what was placed") {
+    const Folder folder("placed");
+    const std::string set = "[[inclusions]]\nsize = \"8 mm\"\nnumber = 5\n";
+    for (const std::string verb : {"check ", "mesh "}) {
+        plate(folder, set);
+        CHECK(command(verb + folder.in_shell("plate.toml")).has("inclusions[0]  5 placed, 6.28"));  // 5 pi 16/4000 %
+    }
+    CHECK(command("run " + folder.in_shell("plate.toml") + " -q -s 'time.end=1 us' -o " + folder.in_shell("run")).code == 0);
+    CHECK(text_of(folder.path / "run/log.txt").find("inclusions[0]  5 placed, 6.28") != std::string::npos);
+    const Answer full = command(plate(folder, set) + "-s inclusions[0].number=500");
+    CHECK(full.code == 2);
+    CHECK(full.has("500 are wanted"));
+    CHECK(full.has("a smaller number"));
+}
