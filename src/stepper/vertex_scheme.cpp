@@ -116,6 +116,14 @@ double VertexScheme::cohesion_before(Index fan, Index point, const State& begin)
     return model_.laws[model_.fan_points[model_.fans[fan].first_point + point].law].sigma_c > 0 ? 1 : 0;
 }
 
+/// [N] of the bulk and the loads on a whole fan.
+Vec2 VertexScheme::force_on(Index f, const FreeMotion& free) const {
+    const Fan& fan = model_.fans[f];
+    Vec2 force = Vec2::Zero();
+    for (Index i = 0; i < fan.n_corners; ++i) force += free.corner_force[model_.fan_corners[fan.first_corner + i]];
+    return force;
+}
+
 void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, FanProblem& problem) const {
     const Fan& fan = model_.fans[f];
     problem.closed = fan.closed;
@@ -159,6 +167,14 @@ void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, Fan
                             .friction = law.friction,
                             .restitution = law.restitution,
                             .unbreakable = unbreakable};
+        if (law.restitution == 0) continue;
+        FanLink& link = problem.links[i];
+        const auto kick = [&](Index corner, Index body) -> Vec2 {
+            if (corner == ground) return Vec2::Zero();
+            return problem.bodies[body].inverse_mass.cwiseProduct(free.kick_time * free.corner_force[corner]);
+        };
+        const Vec2 mobility = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
+        link.push = link.normal.dot(kick(point.before, link.before) - kick(point.after, link.after) + mobility.cwiseProduct(link.cohesive * link.normal));
     }
     for (const ObstacleContact& contact : contacts_.of_fan(f)) {
         const Index* corner = &model_.fan_corners[fan.first_corner];
@@ -174,7 +190,8 @@ void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, Fan
                                  .gamma = 0,
                                  .friction = rubs ? obstacle.contact.friction : 0,
                                  .restitution = obstacle.contact.restitution,
-                                 .unbreakable = false});
+                                 .unbreakable = false,
+                                 .push = obstacle.contact.restitution > 0 ? -free.kick_time * contact.normal.dot(force_on(f, free)) / fan.mass : 0});
         problem.bodies.push_back({.velocity = velocity_at(begin.obstacles[contact.obstacle].velocity, contact),
                                   .free_velocity = velocity_at(motion_.rate()[contact.obstacle], contact),
                                   .inverse_mass = Vec2::Zero(),
@@ -197,6 +214,7 @@ FanSolution VertexScheme::solve(Index f, const State& begin, Workspace& work) co
 namespace {
 
 constexpr double rounding = 1e-14;  // of the velocities of a fan
+constexpr double caught = 1e-9;     // of the tangential cohesion: what pulls with less is held where the slip is zero
 
 /// [m/s] Size of what the velocities of a fan are sums of: impulses that hold a body together cancel.
 double speed_scale(const FanProblem& problem) {
@@ -213,9 +231,9 @@ double speed_scale(const FanProblem& problem) {
 /// gamma beta sigma_c |u_T| S, both between the middles of the steps, which is what the mean velocity of an impulse covers.
 double crossing_loss(const FanLink& link, double v_T_before, double v_T_after, double last_step, const FreeMotion& free) {
     const double from = link.u_T - 0.5 * last_step * v_T_before, to = link.u_T + 0.5 * free.drift_time * v_T_after;
-    const double end = link.u_T + free.drift_time * v_T_after;
-    if (link.cohesive == 0 || (from >= 0 && to >= 0 && end > 0) || (from <= 0 && to <= 0 && end < 0)) return 0;
-    const double work = -(link.tangential - link.friction_part) * 0.5 * (v_T_before + v_T_after);
+    const double held = link.friction_part - link.tangential, full = link.gamma * link.cohesive * (1 - caught);
+    if (link.cohesive == 0 || (from >= 0 && to >= 0 && held >= full) || (from <= 0 && to <= 0 && held <= -full)) return 0;
+    const double work = held * 0.5 * (v_T_before + v_T_after);
     return work - link.gamma * link.cohesive / free.kick_time * (std::abs(to) - std::abs(from));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 // Random bodies without mercy: laws, shapes, units, steps and loads far outside of what anybody would simulate on purpose, but legal.
+#include "support/obstacle_shapes.hpp"
 #include "support/random_bodies.hpp"
 
 #include <string>
@@ -17,7 +18,7 @@ struct WildBody {
 
 class WildBodies {
 public:
-    explicit WildBodies(std::uint64_t seed) : seed_(seed), random_(seed, "wild") {}
+    explicit WildBodies(std::uint64_t seed) : seed_(seed), random_(seed, "wild"), pressing_(seed, "press") {}
 
     WildBody body() {
         WildBody made{.body = RandomBodies(seed_, {.units = false, .most_cells = 4}).body()};
@@ -27,6 +28,7 @@ public:
         add_cracks(made.body.input.mesh);
         choose_scheme(made);
         reverse_loads(made);
+        press(made);
         in_units(made.body, std::pow(10, random_.uniform(-9, 6)), std::pow(10, random_.uniform(-12, 9)), std::pow(10, random_.uniform(-9, 6)));
         return made;
     }
@@ -95,8 +97,39 @@ private:
         }
     }
 
+    /// Lasting pressure, with restitution in between: what it closes bounces and comes to rest again and again. The numbers are of a stream of
+    /// their own, so that the other bodies stay what they are.
+    void press(WildBody& made) {
+        if (made.body.scheme.bulk != BulkScheme::explicit_lumped || pressing_.uniform() > 0.15) return;
+        ModelInput& input = made.body.input;
+        const auto draw_contact = [&](CohesiveLaw& law) {
+            law.restitution = pressing_.uniform(0.02, 0.98);
+            law.friction = std::max(0.0, pressing_.uniform(-0.3, 1));
+        };
+        draw_contact(input.laws[0]);
+        input.loads.clear();
+        input.foundations.clear();
+        double width = 0, height = 0;
+        for (const Vec2& x : input.mesh.vertices) width = std::max(width, x.x()), height = std::max(height, x.y());
+        const double pressure = std::min(0.1 * input.materials[0].E, std::pow(10, pressing_.uniform(-1, 0.5)));  // the strength is 1
+        Obstacle floor = platen({0, 0}, {0, 1});
+        draw_contact(floor.contact);
+        input.obstacles.push_back(floor);
+        if (pressing_.uniform() < 0.5) {
+            input.loads.push_back(load(Load::Kind::traction, "top", std::nullopt, -pressure));
+        } else {  // by a weight that moves up and down
+            Obstacle weight = platen({0, height}, {0, -1});
+            draw_contact(weight.contact);
+            weight.drive[1].kind = Drive::Kind::free;
+            weight.mass = width * height * input.thickness;
+            weight.forces.push_back({.value = Vec3(0, -pressure * width * input.thickness, 0), .history = {}});
+            input.obstacles.push_back(weight);
+        }
+        made.n_steps = 100 + static_cast<int>(pressing_.uniform(0, 200));
+    }
+
     std::uint64_t seed_;
-    Random random_;
+    Random random_, pressing_;
 };
 
 }  // namespace knap::tests

@@ -25,6 +25,24 @@ struct RandomBody {
     double step;  // [s] a part of what Assumption 1 asks of a single triangle
 };
 
+/// The same obstacle with numbers that are larger by these factors of length, mass and time.
+inline void in_units(Obstacle& obstacle, double length, double mass, double time) {
+    for (Vec2& p : obstacle.outline.points) p *= length;
+    obstacle.outline.radius *= length;
+    obstacle.start.position *= length;
+    obstacle.mass *= mass;
+    obstacle.inertia *= mass * length * length;
+    for (int k = 0; k < 3; ++k) {
+        const double way = k < 2 ? length : 1;
+        obstacle.initial_velocity[k] *= way / time;
+        obstacle.drive[k].value *= obstacle.drive[k].kind == Drive::Kind::velocity ? way / time : way;
+        for (double& t : obstacle.drive[k].history.time) t *= time;
+        for (ObstacleForce& force : obstacle.forces) force.value[k] *= mass * length * way / (time * time);
+    }
+    for (ObstacleForce& force : obstacle.forces)
+        for (double& t : force.history.time) t *= time;
+}
+
 /// The same body with numbers that are larger by these factors of length, mass and time.
 inline void in_units(RandomBody& made, double length, double mass, double time) {
     const double pressure = mass / (length * time * time), speed = length / time;
@@ -45,6 +63,7 @@ inline void in_units(RandomBody& made, double length, double mass, double time) 
             if (value) *value *= unit;
         for (double& t : each.history.time) t *= time;
     }
+    for (Obstacle& obstacle : input.obstacles) in_units(obstacle, length, mass, time);
     for (Vec2& v : made.velocity) v *= speed;
     made.step *= time;
 }
