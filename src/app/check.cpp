@@ -1,11 +1,11 @@
 // knap check: what people ask before they run.
 #include "app/commands.hpp"
+#include "app/cost.hpp"
 #include "app/model_findings.hpp"
 #include "app/setup.hpp"
 #include "app/step_plan.hpp"
 #include "base/stopwatch.hpp"
 #include "scenario/write_scenario.hpp"
-#include "stepper/moreau_jean.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,9 +13,6 @@
 
 namespace knap {
 namespace {
-
-constexpr double memory_of_factor = 2e-3;  // [MB] a triangle, of an intact body
-constexpr double usual_speed = 2e7;  // triangle-steps per core-second; --time measures it instead
 
 void print_mesh(const MeshReport& mesh) {
     std::printf("mesh\n  triangles %d, vertices %d, interfaces %d, pre-cracked edges %d\n", mesh.n_triangles, mesh.n_vertices,
@@ -79,40 +76,21 @@ void print_parts(const Scenario& scenario, const Model& model) {
     std::printf("%s\n", implicit_bulk ? "all interfaces together: method of multipliers, sparse factorisations" : "one exact problem per vertex that may open");
 }
 
-/// [s] of processor time a step takes at the begin, after the first.
-double measured_step(const Model& model, MoreauJean& stepper, double step, int least, double at_least_for) {
-    State now = initial_state(model), next = now;
-    stepper.step(now, step, next);
-    const Stopwatch watch;
-    std::int64_t n = 0;
-    for (; n < least || watch.cpu() < at_least_for; ++n)
-        if (stepper.step(now, step, next).refusal == Refusal::none) std::swap(now, next);
-    return watch.cpu() / static_cast<double>(n);
-}
-
-void print_cost(const Scenario& scenario, const Model& model, const StepPlan& plan, bool measure) {
-    const auto n_steps = static_cast<double>(plan.n_steps);
-    const double triangles = model.mesh.n_triangles();
-    const bool implicit = scenario.time.scheme.bulk == BulkScheme::implicit_theta;
-    MoreauJean stepper(model, scenario.time.scheme);
-    if (implicit) {
-        const double intact = measured_step(model, stepper, plan.limits.largest, measure ? 5 : 1, 0);
-        std::printf("  at least %.3g s of one core (an intact step takes %.2g s now; one in which cracks run many times that)", n_steps * intact, intact);
-    } else {
-        const double speed = measure ? triangles / measured_step(model, stepper, plan.limits.largest, 5, 0.5) : usual_speed;
-        std::printf("  about %.0f s of one core (at %.1e triangle-steps/s, %s)", n_steps * triangles / speed, speed,
-                    measure ? "measured now" : "usual; --time measures");
-    }
-    const double frames = scenario.output.fields ? std::min(std::ceil(scenario.time.end / scenario.output.every), n_steps) + 1 : 0;
-    const double memory = 60 + ((implicit ? memory_of_factor : 0) + 1.8e-3) * triangles;
-    std::printf(", %.0f MB of memory, %.0f MB of disk for %.0f frames\n", memory, frames * 85e-6 * triangles, frames);
+void print_cost(const Cost& cost, bool long_measured) {
+    std::printf("  about %.3g s of one core: mesh and model %.2g, steps %.2g, frames %.2g, figures %.2g, tables %.2g\n", cost.total(), cost.model, cost.steps, cost.frames,
+                cost.figures, cost.lines);
+    std::printf("  a step takes %.2g s now (measured%s), %.1f times that on the mean, as in the gallery; within a factor of 2 there, more where all goes to pieces\n",
+                cost.first_step, long_measured ? "" : ", shortly; --time takes longer", cost.mean_over_first);
+    std::printf("  %.0f MB of memory, %.0f MB of disk for %.0f frames\n", cost.memory, cost.disk, cost.n_frames);
 }
 
 }  // namespace
 
 ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool time) {
     const Scenario& scenario = read.scenario;
+    const Stopwatch watch;
     const Model model = model_of(read);
+    const double model_seconds = watch.cpu();
     refuse_unheld_body(read, model);
     const StepPlan plan = plan_of(read, model, scenario.time.end);
     const double edge = mean_edge(model.mesh);
@@ -131,7 +109,7 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     if (plan.limits.cracking < plan.limits.largest)
         std::printf("  from the first loss of cohesion on h = %.4g s (%.3g CFL): up to %.0f steps\n", plan.limits.cracking,
                     plan.limits.cracking / plan.stable_step, std::ceil(scenario.time.end / plan.limits.cracking));
-    print_cost(scenario, model, plan, time);
+    print_cost(estimate_cost(scenario, model, plan, model_seconds, time ? 0.5 : 0.05), time);
 
     std::vector<Diagnostic> warnings = read.warnings;
     for (const Diagnostic& warning : findings_of_model(read, model, plan)) warnings.push_back(warning);

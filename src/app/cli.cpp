@@ -142,7 +142,7 @@ int run_command_line(int argc, char** argv) {
     takes_scenario(check_command);
     check_command->add_flag("--full", full, "print every key with its value and where it came from");
     check_command->add_flag("--strict", strict, "warnings are errors");
-    check_command->add_flag("--time", time, "measure the speed on this machine");
+    check_command->add_flag("--time", time, "measure the first steps longer");
 
     std::filesystem::path output;
     bool force = false;

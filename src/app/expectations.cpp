@@ -1,5 +1,7 @@
 #include "app/expectations.hpp"
 
+#include "observe/outputs.hpp"
+
 #include <cmath>
 #include <cstdio>
 
@@ -18,7 +20,7 @@ std::vector<ExpectResult> judge_expectations(const std::vector<Expectation>& exp
     std::vector<ExpectResult> results;
     for (const Expectation& expected : expectations) {
         const double unit = expected.unit == "cR" ? rayleigh_speed : 1, value = summary[expected.key];
-        const std::string tail = expected.unit.empty() ? "" : " " + expected.unit;
+        const std::string said(expected.unit.empty() ? unit_of("summary", expected.key) : expected.unit), tail = said.empty() ? "" : " " + said;
         const auto bound = [&](const std::optional<double>& limit, const char* word, auto holds) {
             if (limit) results.push_back({expected.key, word + number(*limit) + tail, value, holds(value, *limit * unit)});
         };

@@ -79,7 +79,11 @@ std::string run_json(const RunRecord& record) {
     json["threads"] = record.threads;
     json["wall_s"] = record.wall;
     json["cpu_s"] = record.cpu;
-    json["cpu_parts_s"] = {{"mesh_and_model", record.cpu_model}, {"preload", record.cpu_preload}, {"steps", record.cpu_steps}, {"output", record.cpu_output}, {"other", record.cpu_other()}};
+    json["cpu_parts_s"] = {{"mesh_and_model", record.cpu_model},
+                           {"preload", record.cpu_preload},
+                           {"steps", record.cpu_steps},
+                           {"output", record.cpu_output},
+                           {"other", record.cpu_other()}};
     json["cpu_output_parts_s"] = {{"frames", record.cpu_frames}, {"figures", record.cpu_figures}, {"other", record.cpu_output - record.cpu_frames - record.cpu_figures}};
     json["frame_wait_s"] = record.frame_wait;
     json["peak_memory_bytes"] = peak_memory();
@@ -114,7 +118,8 @@ std::string run_json(const RunRecord& record) {
     for (const Gate& gate : record.gates) json["gates"].push_back(gate_json(gate));
     json["expect"] = Json::array();
     for (const ExpectResult& result : record.expect)
-        json["expect"].push_back({{"name", result.name}, {"value", number(result.value)}, {"limit", result.limit}, {"unit", unit_of("summary", result.name)}, {"pass", result.pass}});
+        json["expect"].push_back(
+            {{"name", result.name}, {"value", number(result.value)}, {"limit", result.limit}, {"unit", unit_of("summary", result.name)}, {"pass", result.pass}});
     json["figures"] = Json::array();
     for (const auto& figure : record.figures) json["figures"].push_back("figures/" + figure.filename().string());
     json["warnings"] = record.warnings;

@@ -158,7 +158,9 @@ std::string study_csv(const Study& study) {
     const auto& quantities = study.plan.options.quantities;
     for (const StudyQuantity& quantity : quantities) {
         text += "," + csv_text(with_unit(quantity.name, quantity.unit));
-        if (!study.is_statistics()) text += "," + csv_text(with_unit("error of " + quantity.name, study.errors[static_cast<std::size_t>(&quantity - quantities.data())].relative ? "" : quantity.unit)) + "," + csv_text("order of " + quantity.name);
+        if (study.is_statistics()) continue;
+        const bool relative = study.errors[static_cast<std::size_t>(&quantity - quantities.data())].relative;
+        text += "," + csv_text(with_unit("error of " + quantity.name, relative ? "" : quantity.unit)) + "," + csv_text("order of " + quantity.name);
     }
     text += "\n";
     for (std::size_t i = 0; i < study.results.size(); ++i) {

@@ -103,7 +103,8 @@ std::string sweep_statistics_csv(const SweepPlan& plan, const std::vector<RunRes
     for (const Combination& combination : combinations(plan))
         for (std::size_t q = 0; q < plan.quantities.size(); ++q) {
             const Spread s = combination.of(results, q);
-            text += csv_values(plan, plan.runs[combination.first]) + std::to_string(combination.n) + "," + csv_text(plan.quantities[q].name) + "," + plan.quantities[q].unit + "," + std::to_string(s.n);
+            text += csv_values(plan, plan.runs[combination.first]) + std::to_string(combination.n);
+            text += "," + csv_text(plan.quantities[q].name) + "," + plan.quantities[q].unit + "," + std::to_string(s.n);
             for (const double v : {s.mean, s.deviation, s.smallest, s.largest}) text += "," + csv_number(v);
             text += "\n";
         }

@@ -73,8 +73,8 @@ Chart energy_chart(const History& energy) {
                            Part{"recoverable", "recoverable", 1, green, 0, false},
                            Part{"lost in friction", "friction_work", -1, purple, 0, false},
                            Part{"lost in impact", "impact_work", -1, sky, 0, false},
-                           Part{"law lag", "law_lag", 1, vermilion, 1, false},
-                           Part{"crossing loss", "crossing_loss", 1, purple, 1, false},
+                           Part{"law lag", "law_lag_energy", 1, vermilion, 1, false},
+                           Part{"crossing loss", "crossing_loss_energy", 1, purple, 1, false},
                            Part{"damped by the scheme", "scheme_dissipation", 1, green, 1, false},
                            Part{"lost in changes of step", "step_change_work", -1, blue, 1, false}};
     std::vector<Column> values;

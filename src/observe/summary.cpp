@@ -134,11 +134,14 @@ constexpr std::array rows{
     SummaryRow{"largest_fragment", "", "its part of the mass, at the end", [](const F& f) { return f.fragments.column("mass_part").front(); }},
     SummaryRow{"median_fragment", "m", "diameter that half of the mass does not exceed (circle of the same area), at the end",
                [](const F& f) { return diameter_passing(f.fragments, 0.5); }},
-    SummaryRow{"tensile_breaks", "", "number of interfaces that broke more by opening than by sliding; with output.breaks", [](const F& f) { return f.n_tensile; }, with_breaks},
-    SummaryRow{"shear_breaks", "", "number of interfaces that broke more by sliding; with output.breaks", [](const F& f) { return f.n_shear; }, with_breaks},
+    SummaryRow{"tensile_breaks", "", "number of interfaces that broke more by opening than by sliding; with output.breaks",
+               [](const F& f) { return f.n_tensile; }, with_breaks},
+    SummaryRow{"shear_breaks", "", "number of interfaces that broke more by sliding; with output.breaks",
+               [](const F& f) { return f.n_shear; }, with_breaks},
     SummaryRow{"peak_stress", "Pa", "largest stress of the specimen: its strength", [](const F& f) { return f.strength.peak_stress; }, of_specimen},
     SummaryRow{"peak_strain", "", "axial strain there", [](const F& f) { return f.strength.peak_strain; }, of_specimen},
-    SummaryRow{"tangent_modulus", "Pa", "slope of stress over axial strain, in the plane, of a specimen", [](const F& f) { return f.strength.tangent_modulus; }, of_specimen},
+    SummaryRow{"tangent_modulus", "Pa", "slope of stress over axial strain, in the plane, of a specimen",
+               [](const F& f) { return f.strength.tangent_modulus; }, of_specimen},
     SummaryRow{"youngs_modulus", "Pa", "of the material of a specimen: in plane strain the tangent modulus times 1 - nu^2, which needs a lateral gauge",
                [](const F& f) { return f.material.E; }, with_gauge},
     SummaryRow{"poisson_ratio", "", "of the material of a specimen with a lateral gauge", [](const F& f) { return f.material.nu; }, with_gauge},
@@ -148,7 +151,8 @@ constexpr std::array rows{
                [](const F& f) { return f.strength.dilatancy; }, in_compression},
     SummaryRow{"crack_damage_stress", "Pa", "stress at which the volumetric strain turns from shrinking to growing (Martin and Chandler 1994); likewise",
                [](const F& f) { return f.strength.crack_damage; }, in_compression},
-    SummaryRow{"largest_penetration", "m", "largest overlap of two sides in contact over the run", [](const F& f) { return f.ledger.worst().penetration; }},
+    SummaryRow{"largest_penetration", "m", "largest overlap of two sides in contact over the run",
+               [](const F& f) { return f.ledger.worst().penetration; }},
     SummaryRow{"largest_speed", "m/s", "largest speed of any corner over the run", [](const F& f) { return f.ledger.worst().largest_speed; }},
     SummaryRow{"largest_rotation", "deg", "largest rotation of a triangle over the run", [](const F& f) { return f.deformation.rotation().value; }},
     SummaryRow{"largest_area_change", "", "largest change of the area of a triangle over its area, over the run", [](const F& f) { return f.deformation.area_change().value; }},
@@ -166,9 +170,11 @@ struct Driver {
     const Reaction& at_end;
 };
 constexpr std::array driver_rows{
-    Measure<Driver>{"*_force_x", "N", "force on the body, at the end, of each load that prescribes a motion and each obstacle, by its name", [](const Driver& d) { return d.at_end.force.x(); }},
+    Measure<Driver>{"*_force_x", "N", "force on the body, at the end, of each load that prescribes a motion and each obstacle, by its name",
+                    [](const Driver& d) { return d.at_end.force.x(); }},
     Measure<Driver>{"*_force_y", "N", "likewise", [](const Driver& d) { return d.at_end.force.y(); }},
-    Measure<Driver>{"*_largest_force", "N", "its largest size over the lines of reactions.csv", [](const Driver& d) { return largest_force(d.recorder, d.number, d.at_end); }},
+    Measure<Driver>{"*_largest_force", "N", "its largest size over the lines of reactions.csv",
+                    [](const Driver& d) { return largest_force(d.recorder, d.number, d.at_end); }},
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "scenario/read_scenario.hpp"
 
 #include <sys/stat.h>
+#include <regex>
 
 using namespace program;
 
@@ -21,7 +22,7 @@ TEST_CASE("check says what would happen") {
     CHECK(command("check edge_cracked_block --strict -s 'mesh.size=2.5 mm'").code == 2);
     const Answer full = command("check edge_cracked_block --full -s 'mesh.size=2 mm'");
     for (const char* key : {"mesh.size", "interface.default.friction", "time.theta"}) CHECK_MESSAGE(full.has(key), key);
-    CHECK(command("check edge_cracked_block --time -s 'mesh.size=2 mm'").has("measured now"));
+    CHECK(command("check edge_cracked_block --time -s 'mesh.size=2 mm'").has("now (measured)"));
 }
 
 TEST_CASE("check says what the implicit path would do") {
@@ -30,7 +31,7 @@ TEST_CASE("check says what the implicit path would do") {
     CAPTURE(check.text);
     CHECK(check.code == 0);
     for (const char* words : {"implicit bulk (theta 0.7, consistent mass)", "implicit beta", "Assumption 1 margin 0.97", "such steps are cut",
-                              "from the first loss of cohesion on", "(5 CFL)", "an intact step takes"})
+                              "from the first loss of cohesion on", "(5 CFL)", "a step takes"})
         CHECK_MESSAGE(check.has(words), words);
     CHECK(command(bar + "-s 'time.step=2 CFL'").has("holds for every step"));
     CHECK(command(bar + "-s time.assumption_1=ignore").has("one of several solutions is taken"));
@@ -164,6 +165,21 @@ TEST_CASE("the step plan of the implicit bulk is not bound by the stable step") 
     CHECK(key_of({0.02}, {0.01}, {0.011}) == "time.step_min");
     CHECK(key_of({0.02}, {}, {0.03}) == "time.step_min");
     CHECK(key_of({0.02}, {0.02}, {0.02}) == "");
+}
+
+TEST_CASE("mesh and check agree on edges per process zone") {
+    for (const char* scene : {"edge_cracked_block -s 'mesh.size=2 mm'", "edge_cracked_block -s 'mesh.size=2 mm' -s mesh.order=2 -s time.bulk=implicit",
+                              "edge_cracked_block -s 'mesh.size=4 mm' -s 'mesh.refine=[{inside=[\"40 mm\",\"10 mm\",\"100 mm\",\"30 mm\"],size=\"1 mm\"}]'"}) {
+        const std::string mesh = command(std::string("mesh ") + scene).text, check = command(std::string("check ") + scene).text;
+        CAPTURE(mesh);
+        CAPTURE(check);
+        std::smatch by_mesh, by_check;
+        REQUIRE(std::regex_search(mesh, by_mesh, std::regex("edges per process zone +([0-9.]+)")));
+        REQUIRE(std::regex_search(check, by_check, std::regex("process zone [^:;]*, ([0-9.]+) edges")));
+        CHECK(by_mesh[1] == by_check[1]);
+        std::smatch by_warning;
+        if (std::regex_search(check, by_warning, std::regex("covered by ([0-9.]+) edges"))) CHECK(by_warning[1] == by_mesh[1]);
+    }
 }
 
 TEST_CASE("a run that violates several gates names them all") {

@@ -26,7 +26,7 @@ Balance balance_of(const Folder& folder, const std::string& arguments) {
     const auto column = [&](const char* name) { return found.energy.column(name); };
     const std::vector<double> external = column("external_work");
     std::vector<double> sum(external.size(), 0.0);
-    for (const char* name : {"kinetic", "strain", "dissipated", "recoverable", "law_lag", "crossing_loss", "scheme_dissipation"})
+    for (const char* name : {"kinetic", "strain", "dissipated", "recoverable", "law_lag_energy", "crossing_loss_energy", "scheme_dissipation"})
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += column(name)[i];
     for (const char* name : {"friction_work", "impact_work", "step_change_work"})
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] -= column(name)[i];
@@ -53,8 +53,8 @@ void check_closes(const Balance& balance) {
 TEST_CASE("energy balance: a cracked block with friction") {
     const Balance balance = balance_of(Folder("energy block"), "edge_cracked_block -s 'mesh.size=2 mm' -s 'time.end=60 us' -s interface.default.friction=0.3");
     check_closes(balance);
-    for (const char* name : {"dissipated", "recoverable", "crossing_loss"}) CHECK_MESSAGE(balance.end_of(name) > 0, name);
-    CHECK(balance.end_of("law_lag") != 0);
+    for (const char* name : {"dissipated", "recoverable", "crossing_loss_energy"}) CHECK_MESSAGE(balance.end_of(name) > 0, name);
+    CHECK(balance.end_of("law_lag_energy") != 0);
     CHECK(balance.end_of("friction_work") < 0);
 }
 

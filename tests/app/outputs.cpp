@@ -3,6 +3,7 @@
 
 #include "observe/history_csv.hpp"
 #include "observe/outputs.hpp"
+#include "support/relative.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -140,6 +141,13 @@ TEST_CASE("outputs: every column and number and array of a run is in the list an
         REQUIRE(row != nullptr);
         CHECK(gate["unit"] == row->unit);
     }
+    double parts = 0;
+    for (const auto& [part, seconds] : record["cpu_parts_s"].items()) {
+        CAPTURE(part);
+        CHECK(seconds.get<double>() > -1e-3);  // of clocks of threads and of the process
+        parts += seconds.get<double>();
+    }
+    CHECK(parts == tests::relative(record["cpu_s"].get<double>(), 1e-9));
     CHECK(record["thickness_m"] == 0.005);
     CHECK(record["reaction_of"] == "grip");
     CHECK(record["summary"]["grip_force_y"] == record["summary"]["reaction_y"]);

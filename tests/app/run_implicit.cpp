@@ -47,8 +47,8 @@ TEST_CASE("an implicit run says what it did") {
         CHECK_MESSAGE(json.find(words) != std::string::npos, words);
     CHECK(json.find("\n  \"linear_solves\": 0,") == std::string::npos);  // not those of the fans
     const std::string energy = text_of(folder.path / "run/energy.csv");
-    CHECK(energy.starts_with("time [s],kinetic [J],strain [J],surface [J],dissipated [J],recoverable [J],external_work [J],cohesive_work [J],friction_work [J],impact_work [J],residual [J],law_lag [J],"
-                             "crossing_loss [J],scheme_dissipation [J],step_change_work [J],step [s]\n"));
+    CHECK(energy.starts_with("time [s],kinetic [J],strain [J],surface [J],dissipated [J],recoverable [J],external_work [J],cohesive_work [J],friction_work [J],impact_work [J],residual [J],law_lag_energy [J],"
+                             "crossing_loss_energy [J],scheme_dissipation [J],step_change_work [J],step [s]\n"));
 
     SUBCASE("theta above a half damps and the books close") {
         const Answer damped = command("run " + bar + "-s time.theta=0.7 -s time.mass=consistent -o " + folder.in_shell("damped"));

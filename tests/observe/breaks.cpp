@@ -50,7 +50,7 @@ std::vector<double> break_of(const Vec2& jump, const CohesiveLaw& law) {
 const Vec2 across = Vec2(-1, 1).normalized(), along = Vec2(1, 1).normalized();
 
 History table(const std::vector<std::array<double, 3>>& angle_length_shear) {
-    History made{.columns = Breaks::columns(), .rows = {}};
+    History made{.columns = names_of(break_columns()), .rows = {}};
     for (const auto& [angle, length, shear] : angle_length_shear) made.rows.push_back({0, 0, 0, angle, length, shear, 1});
     return made;
 }
@@ -116,7 +116,7 @@ TEST_CASE("breaks: rose of a known set") {
 }
 
 TEST_CASE("breaks: curves count them") {
-    History breaks{.columns = Breaks::columns(), .rows = {{1, 0, 0, 0, 1, 0, 1}, {2, 0, 0, 0, 1, 1, 1}, {4, 0, 0, 0, 1, 0.2, 1}}};
+    History breaks{.columns = names_of(break_columns()), .rows = {{1, 0, 0, 0, 1, 0, 1}, {2, 0, 0, 0, 1, 1, 1}, {4, 0, 0, 0, 1, 0.2, 1}}};
     const Chart chart = break_chart(breaks, 0, 5);
     CHECK(chart.curves[0].x == std::vector<double>{0, 1, 1, 2, 2, 4, 4, 5});
     CHECK(chart.curves[0].y == std::vector<double>{0, 0, 1, 1, 2, 2, 3, 3});

@@ -77,7 +77,7 @@ TEST_CASE("books: what the scheme damps closes the balance") {
 TEST_CASE("figures: the energy figure closes from the energy of the start and with all that the numbers take") {
     History energy;
     energy.columns = {"time",        "kinetic", "strain",        "surface",            "dissipated",      "recoverable", "external_work", "friction_work",
-                      "impact_work", "law_lag", "crossing_loss", "scheme_dissipation", "step_change_work"};
+                      "impact_work", "law_lag_energy", "crossing_loss_energy", "scheme_dissipation", "step_change_work"};
     energy.rows = {{0, 2, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, {1, 2, 2, 1, 0.75, 0.25, 4, -0.5, -0.25, -0.5, 0.125, 1.25, -0.375}};
     const Chart chart = energy_chart(energy);
     const auto curve = [](const Chart& drawn, const std::string& label) -> const Curve* {

@@ -52,7 +52,7 @@ TEST_CASE("fragments: table with the size distribution") {
     // masses 1, 3 and 4 of diameters in the ratio 1 : sqrt 3 : 2
     const std::vector<TriangleContent> triangles{triangle(1, {4, 0}), triangle(4, {0, 4}), triangle(3, {0, 0}, {5, 6})};
     const History table = fragment_table(find_fragments(triangles, {}));
-    CHECK(table.columns[2] == "area_m2");
+    CHECK(table.columns[2] == "area");
     REQUIRE(table.rows.size() == 3);
     CHECK(table.column("mass") == std::vector<double>{4, 3, 1});
     CHECK(table.column("centre_y") == std::vector<double>{0, 6, 0});

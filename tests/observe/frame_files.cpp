@@ -224,7 +224,7 @@ TEST_CASE("history files: the same bits come back whatever the locale") {
     CHECK_THROWS_WITH_AS(read.column("speed"), doctest::Contains("energy.csv"), UserError);
 }
 
-TEST_CASE("history files: names carry units, what never happened is an empty field, and there is no minus zero") {
+TEST_CASE("history files: names carry units and what never happened is an empty field and there is no minus zero") {
     const History written{{"time", "tip_x", "tips", "tip_speed", "branches"}, {{-0.0, std::nan(""), 2, -std::nan(""), -0.0}}};
     const fs::path file = fresh("history_none") / "cracks.csv";
     write_csv(written, file);

@@ -11,7 +11,7 @@
 
 using namespace knap;
 
-TEST_CASE("outputs: every row has a name of its own in its table, a known unit and a meaning") {
+TEST_CASE("outputs: every row has a name of its own in its table and a known unit and a meaning") {
     const std::set<std::string_view> units{"", "s", "m", "m2", "m/s", "rad", "rad/s", "deg", "N", "N m", "J", "Pa", "kg", "kg m/s", "byte", "1/s"};
     std::set<std::string> tables;
     for (const OutputTable& table : output_tables()) {
@@ -41,7 +41,7 @@ TEST_CASE("outputs: a name means one thing in all tables that a study looks thro
             }
 }
 
-TEST_CASE("outputs: units by name, also where the scenario gave a part of it") {
+TEST_CASE("outputs: units by name also where the scenario gave a part of it") {
     CHECK(unit_of("summary", "broken_length") == "m");
     CHECK(unit_of("summary", "upper_force_y") == "N");
     CHECK(unit_of("reactions.csv", "upper_u_x") == "m");
@@ -58,7 +58,7 @@ TEST_CASE("outputs: units by name, also where the scenario gave a part of it") {
     CHECK(name_in_header("tips") == "tips");
 }
 
-TEST_CASE("outputs: texts of values have a unit, none where there is none, and no minus zero") {
+TEST_CASE("outputs: texts of values have a unit and there is no minus zero") {
     CHECK(value_text(12.5, "mm") == "12.5 mm");
     CHECK(value_text(-0.0, "J") == "0 J");
     CHECK(value_text(std::nan(""), "J") == "none");

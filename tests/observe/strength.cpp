@@ -164,15 +164,17 @@ TEST_CASE("strength: peak and stresses of cracks of a curve made by hand") {
     for (int i = 0; i <= 40; ++i) late.rows.push_back({1. * i, i <= 20 ? 1. * i : i <= 30 ? 3. * (30 - i) - 10 : 3. * (i - 30) - 8, 2. * i, 0, 0});
     CHECK(strength_of(late, {0.4, 0.6}).peak_stress == 22);
     CHECK(strength_of(late, {0.4, 0.6}).tangent_modulus == relative(0.5, 1e-12));
-    // a figure leaves out the strains of what flies apart
+    // the axis of a figure is that of the axial strain, whatever flies apart
     curve.rows.push_back({1, 0, 0.01, -0.5, -0.49, 1000, 0});
     const Chart chart = stress_strain_chart(curve);
     REQUIRE(chart.curves.size() == 4);
     CHECK(chart.curves[0].x.back() == relative(1, 1e-12));
-    CHECK(std::isnan(chart.curves[1].x.back()));
+    CHECK(axis_ranges(chart).x == std::array<double, 2>{-chart.curves[0].x.back(), chart.curves[0].x.back()});
     CHECK(chart.curves[1].x[50] == relative(100 * curve.rows[50][3], 1e-12));
-    REQUIRE(chart.levels.size() == 2);  // at 41 and 46 MPa, in one line, and at 80
-    CHECK(chart.levels[0].label == "crack initiation, dilatancy");
+    REQUIRE(chart.levels.size() == 3);  // at 41, 46 and 80 MPa
+    CHECK(chart.levels[0].label == "crack initiation");
+    for (std::vector<double>& row : curve.rows) row[4] = row[2];  // no dilatancy, no damage
+    CHECK(stress_strain_chart(curve).levels.size() == 1);
     // a curve of tension has no volume, and a peak at its end is a peak
     History rising{{"time", "stress", "axial_strain", "tensile_breaks", "shear_breaks"}, {{0, 0, 0, 0, 0}, {1, 1, 2, 0, 0}, {2, 2, 4, 0, 0}, {3, 3, 6, 0, 1}}};
     const Strength end = strength_of(rising, {0.4, 0.6});

@@ -104,7 +104,7 @@ inline Frame frame(int n_x = 160) {
 }
 
 inline History energy(int n = 400) {
-    History h{{"time", "kinetic", "strain", "surface", "external_work", "cohesive_work", "friction_work", "impact_work", "residual", "law_lag"}, {}};
+    History h{{"time", "kinetic", "strain", "surface", "external_work", "cohesive_work", "friction_work", "impact_work", "residual", "law_lag_energy"}, {}};
     for (int i = 0; i <= n; ++i) {
         const double s = static_cast<double>(i) / n, external = 0.62 * s * s + 0.02 * std::sin(9 * s) * s, surface = s > 0.15 ? 0.27 * std::pow((s - 0.15) / 0.85, 1.2) : 0;
         const double friction = -0.03 * s * s * s, impact = 0, left = external - surface + friction;
