@@ -24,6 +24,8 @@ double energy_scale(const EnergyLedger& ledger) { return ledger.largest_energy()
 GateValue over_dissipated(const GateView& run, double loss) {
     const double scale = run.ledger.dissipation_scale();
     return {.value = scale > 0 ? std::abs(loss) / scale : 0, .judged = run.ended && run.ledger.row().dissipated > 1e-6 * run.ledger.largest_energy()};
+}
+
 // Each step rounds a displacement by up to 2^-53 of it. What is driven steadily adds the same small length at each, and is rounded the same way as long as its
 // last place has the same weight; by then its displacement u is wrong by n 2^-53 u at most, and the work F u of what drives it by n 2^-53 F u, which is up to
 // 2^-52 n of the strain energy F u/2 that it made. Twice that, for two ends that are driven apart. (20 mm of rock pressed steadily through 3.6 million steps: a

@@ -4,6 +4,7 @@
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 
+#include <Eigen/Geometry>
 #include <doctest/doctest.h>
 
 #include <algorithm>
