@@ -203,12 +203,12 @@ int run_command_line(int argc, char** argv) {
         return exit_done;
     });
 
-    std::filesystem::path problem;
+    std::vector<std::filesystem::path> problems;
     std::string solver = std::string(lcp_solvers().front().name);
     std::vector<std::string> solver_names{"all"};
     for (const LcpSolver& known : lcp_solvers()) solver_names.emplace_back(known.name);
-    CLI::App* lcp_command = add("lcp", "solve a stored complementarity problem", [&] { return solve_stored_lcp(problem, solver, json); });
-    lcp_command->add_option("file", problem, "NAME.L.mtx, NAME.q.mtx (Matrix Market) or NAME alone")->required();
+    CLI::App* lcp_command = add("lcp", "solve stored complementarity problems", [&] { return solve_stored_lcp(problems, solver, json); });
+    lcp_command->add_option("files", problems, "NAME.L.mtx, NAME.q.mtx (Matrix Market) or NAME alone")->required();
     lcp_command->add_option("--solver", solver, "default " + solver)->check(CLI::IsMember(solver_names));
     lcp_command->add_flag("--json", json, "as JSON");
 

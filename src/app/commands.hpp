@@ -24,7 +24,7 @@ ExitCode show_runs(const std::vector<std::filesystem::path>& runs, RunFormat for
 ExitCode write_new_scenario(const std::string& name, bool force);
 
 /// Solves a stored complementarity problem with one solver, or `all`, and prints how well and how fast.
-ExitCode solve_stored_lcp(const std::filesystem::path& file, const std::string& solver, bool json);
+ExitCode solve_stored_lcp(const std::vector<std::filesystem::path>& files, const std::string& solver, bool json);
 
 struct BenchOptions {
     double until = 20e-6;  // [s] of the edge-cracked block

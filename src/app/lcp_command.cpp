@@ -48,18 +48,22 @@ Verdict judged(const LcpProblem& problem, const LcpSolver& solver, const std::op
     return verdict;
 }
 
-void print_table(const LcpProblem& problem, const std::vector<Verdict>& verdicts) {
-    std::printf("%d unknowns, %d entries\n", problem.size(), static_cast<int>(problem.M.nonZeros()));
+void print_head(const std::string& file, const LcpProblem& problem) {
+    std::printf("%s: %d unknowns, %d entries\n", file.c_str(), problem.size(), static_cast<int>(problem.M.nonZeros()));
     std::printf("%-16s %-16s %15s %16s %10s %12s %12s\n", "solver", "status", "scaled residual", "natural residual", "iterations",
                 "CPU time [s]", "freely broken");
-    for (const Verdict& v : verdicts) {
-        const std::string broken = v.bonds_freely_broken ? std::to_string(*v.bonds_freely_broken) : "-";
-        std::printf("%-16s %-16s %15.2e %16.2e %10d %12.3g %12s\n", v.solver.c_str(), v.status.c_str(), v.scaled_residual,
-                    v.natural_residual, v.iterations, v.seconds, broken.c_str());
-    }
+    std::fflush(stdout);
 }
 
-void print_json(const std::string& file, const LcpProblem& problem, const std::vector<Verdict>& verdicts) {
+/// As soon as it is there: the next solver may take minutes.
+void print_line(const Verdict& v) {
+    const std::string broken = v.bonds_freely_broken ? std::to_string(*v.bonds_freely_broken) : "-";
+    std::printf("%-16s %-16s %15.2e %16.2e %10d %12.3g %12s\n", v.solver.c_str(), v.status.c_str(), v.scaled_residual, v.natural_residual,
+                v.iterations, v.seconds, broken.c_str());
+    std::fflush(stdout);
+}
+
+Json as_json(const std::string& file, const LcpProblem& problem, const std::vector<Verdict>& verdicts) {
     Json all = Json::array();
     for (const Verdict& v : verdicts) {
         Json one{{"solver", v.solver},
@@ -71,26 +75,50 @@ void print_json(const std::string& file, const LcpProblem& problem, const std::v
         if (v.bonds_freely_broken) one["bonds_freely_broken"] = *v.bonds_freely_broken;
         all.push_back(std::move(one));
     }
-    const Json whole{{"problem", file}, {"unknowns", problem.size()}, {"entries", problem.M.nonZeros()}, {"solvers", std::move(all)}};
-    std::printf("%s\n", whole.dump(2).c_str());
+    return Json{{"problem", file}, {"unknowns", problem.size()}, {"entries", problem.M.nonZeros()}, {"solvers", std::move(all)}};
+}
+
+void say_what_was_left_out(const std::vector<const LcpSolver*>& left_out, int n) {
+    if (left_out.empty()) return;
+    std::string names;
+    for (const LcpSolver* solver : left_out) names += (names.empty() ? "" : ", ") + std::string(solver->name);
+    std::fprintf(stderr, "left out: %s, since beyond %d unknowns (this problem has %d) each may take hours; --solver %s runs it all the same\n", names.c_str(),
+                 left_out.front()->most_unknowns, n, std::string(left_out.front()->name).c_str());
+}
+
+void say_what_was_not_applicable(const std::vector<Verdict>& verdicts) {
+    for (const Verdict& v : verdicts)
+        if (v.status == name(LcpStatus::not_applicable))
+            std::fprintf(stderr, "not applicable: %s, which needs %s\n", v.solver.c_str(), std::string(find_lcp_solver(v.solver)->needs).c_str());
 }
 
 }  // namespace
 
-ExitCode solve_stored_lcp(const std::filesystem::path& file, const std::string& solver, bool json) {
-    const LcpProblem problem = read_lcp(file);
-    const std::optional<CohesiveLayout> layout = cohesive_layout(problem);
-    std::vector<Verdict> verdicts;
-    for (const LcpSolver& candidate : lcp_solvers()) {
-        if (solver == "all" && problem.size() > candidate.most_unknowns)
-            std::fprintf(stderr, "%s is not tried: it may take very long beyond %d unknowns (--solver %s runs it)\n",
-                         std::string(candidate.name).c_str(), candidate.most_unknowns, std::string(candidate.name).c_str());
-        else if (solver == "all" || solver == candidate.name) verdicts.push_back(judged(problem, candidate, layout));
+ExitCode solve_stored_lcp(const std::vector<std::filesystem::path>& files, const std::string& solver, bool json) {
+    Json documents = Json::array();
+    bool all_solved = true;
+    for (const std::filesystem::path& file : files) {
+        const LcpProblem problem = read_lcp(file);
+        const std::optional<CohesiveLayout> layout = cohesive_layout(problem);
+        if (!json) print_head(file.string(), problem);
+        std::vector<Verdict> verdicts;
+        std::vector<const LcpSolver*> left_out;
+        for (const LcpSolver& candidate : lcp_solvers()) {
+            if (solver != "all" && solver != candidate.name) continue;
+            if (solver == "all" && problem.size() > candidate.most_unknowns) {
+                left_out.push_back(&candidate);
+                continue;
+            }
+            verdicts.push_back(judged(problem, candidate, layout));
+            if (!json) print_line(verdicts.back());
+        }
+        say_what_was_left_out(left_out, problem.size());
+        say_what_was_not_applicable(verdicts);
+        all_solved = all_solved && std::any_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.solved; });
+        if (json) documents.push_back(as_json(file.string(), problem, verdicts));
     }
-    if (json) print_json(file.string(), problem, verdicts);
-    else print_table(problem, verdicts);
-    const bool solved = std::any_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.solved; });
-    return solved ? exit_done : exit_failed;
+    if (json) std::printf("%s\n", (documents.size() == 1 ? documents[0] : documents).dump(2).c_str());
+    return all_solved ? exit_done : exit_failed;
 }
 
 }  // namespace knap

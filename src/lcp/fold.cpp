@@ -173,7 +173,7 @@ std::vector<int> take_and_scale(const LcpProblem& problem, const std::vector<int
     const LcpMatrix& M = problem.M;
     Eigen::VectorXd& factor = folded.factor = Eigen::VectorXd::Zero(n);
     for (int i = 0; i < n; ++i)
-        if (const double diagonal = M.coeff(folded.unknowns[i].row, folded.unknowns[i].row); diagonal > 0)
+        if (const double diagonal = std::abs(M.coeff(folded.unknowns[i].row, folded.unknowns[i].row)); diagonal > 0)
             factor[i] = std::exp2(-std::round(0.5 * std::log2(diagonal)));
     for (int i = 0; i < n; ++i) {
         if (factor[i] > 0) continue;

@@ -23,14 +23,14 @@ constexpr int dense = 3000;  // unknowns of a tableau or of a factor without zer
 
 std::span<const LcpSolver> lcp_solvers() {
     static const std::array solvers{
-        LcpSolver{"default", true, any, [](const LcpProblem& p, const Start& start) { return solve_by_default(p, {.start = start}); }},
-        LcpSolver{"lemke", false, dense, [](const LcpProblem& p, const Start&) { return solve_by_lemke(p); }},
-        LcpSolver{"gauss_seidel", true, any,
+        LcpSolver{"default", true, any, "nothing", [](const LcpProblem& p, const Start& start) { return solve_by_default(p, {.start = start}); }},
+        LcpSolver{"lemke", false, dense, "nothing", [](const LcpProblem& p, const Start&) { return solve_by_lemke(p); }},
+        LcpSolver{"gauss_seidel", true, any, "blocks of at most 200 unknowns that each have a solution",
                   [](const LcpProblem& p, const Start& start) { return solve_by_gauss_seidel(p, {.start = start}); }},
-        LcpSolver{"newton", true, dense, [](const LcpProblem& p, const Start& start) { return solve_by_newton(p, {.start = start}); }},
-        LcpSolver{"convex_qp", true, dense,
+        LcpSolver{"newton", true, dense, "nothing", [](const LcpProblem& p, const Start& start) { return solve_by_newton(p, {.start = start}); }},
+        LcpSolver{"convex_qp", true, dense, "a matrix that is symmetric and positive semidefinite once its bounds are folded away",
                   [](const LcpProblem& p, const Start& start) { return solve_by_convex_qp(p, {.start = start}); }},
-        LcpSolver{"interior_point", false, dense, [](const LcpProblem& p, const Start&) { return solve_by_interior_point(p); }},
+        LcpSolver{"interior_point", false, dense, "nothing", [](const LcpProblem& p, const Start&) { return solve_by_interior_point(p); }},
     };
     return solvers;
 }

@@ -11,6 +11,7 @@ struct LcpSolver {
     std::string_view name;
     bool uses_start;    // whether a warm start changes anything
     int most_unknowns;  // up to which it takes minutes at most; beyond, only who names it runs it
+    std::string_view needs;  // what its method needs of a problem that it is applicable to
     std::function<LcpSolution(const LcpProblem&, const Eigen::VectorXd& start)> run;
 
     /// `start`: z of a similar problem; empty: none.

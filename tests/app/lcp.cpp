@@ -55,7 +55,19 @@ TEST_CASE("lcp with all solvers leaves out those that would take very long and s
     const Answer all = command("lcp --solver all --json " + folder.in_shell("large"));
     CAPTURE(all.text);
     CHECK(all.code == 0);
-    CHECK(all.has("lemke is not tried"));
+    CHECK(all.has("left out: lemke, newton, convex_qp, interior_point, since beyond 3000 unknowns (this problem has 3001)"));
+    CHECK(all.has("--solver lemke runs it"));
     CHECK_FALSE(all.has("\"solver\": \"lemke\""));
     CHECK(all.has("\"solver\": \"gauss_seidel\""));
+}
+
+TEST_CASE("lcp takes several problems, solves those of an unloaded beam and says which solver does not apply") {
+    const Answer two = command("lcp " + stored("dcb_unloaded") + " " + stored("line_4"));
+    CAPTURE(two.text);
+    CHECK(two.code == 0);
+    CHECK(two.has("dcb_unloaded: 79 unknowns"));
+    CHECK(two.has("45 unknowns"));
+    const Answer all = command("lcp --solver all " + stored("line_4"));
+    CHECK(all.has("not applicable: convex_qp, which needs a matrix that is symmetric"));
+    CHECK(command("lcp --json " + stored("line_2") + " " + stored("line_4")).text.starts_with("["));
 }
