@@ -107,12 +107,14 @@ Eigen::Matrix2d tangent(const PointLaw& law, const PointResponse& r, Softening s
     if (r.closed) D(0, 0) = law.rho_N;
     if (r.sticks)
         D(1, 1) = std::isinf(law.rho_T) ? 0 : law.rho_T;
-    else if (r.closed && law.friction_follows && softening != Softening::at_all)
+    else if (r.closed && law.friction > 0 && law.friction_follows && softening != Softening::at_all)
         D(1, 0) = -law.friction * r.friction_sign * law.rho_N;  // -q_T = mu p sgn + ..., dp = -rho dw_N
     if ((softening != Softening::none && r.softens) || (softening == Softening::at_all && r.breaks)) {
         // q = -C beta_theta (1, gamma sgn), d beta_theta = -theta h/delta_c (opens, gamma sgn) . dw
         const Vec2 loss = loss_direction(law, r);
         D -= softening_modulus(law) * loss * loss.transpose();
+        // what is closed carries the lost pull in its contact, and rubs with it
+        if (r.closed && law.friction > 0 && law.friction_follows && softening != Softening::at_all) D(0, 1) -= softening_modulus(law) * loss.y();
     }
     return D;
 }

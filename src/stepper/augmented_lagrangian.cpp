@@ -64,7 +64,7 @@ void AugmentedLagrangian::make_tangents(const std::vector<LoosePoint>& points, S
         if (D.isZero(0)) continue;
         Eigen::Matrix2d axes, without_friction = D;
         axes << point.normal, turned_left(point.normal);
-        without_friction(1, 0) = D(0, 1);
+        if (D(1, 0) != D(0, 1)) without_friction(0, 1) = without_friction(1, 0) = 0;
         const Eigen::Matrix2d block = axes * D * axes.transpose();
         tangents_.push_back({.fan_point = point.fan_point,
                              .before = point.before,
