@@ -10,13 +10,17 @@ namespace knap {
 
 constexpr double least_loss = 1e-12;  // of the cohesion in a step: less is rounding of an opening, not softening
 
-/// `before`, `after`: beta at the begin and at the end of the step [-]; `opening`: equivalent opening s at its end [m].
-inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, double before, double after, double opening, StepReport& report) {
+/// Of a point that keeps its beta and has no opening that its cohesion feels.
+inline void account_rest(const FanPoint& point, const CohesiveLaw& law, double beta, StepReport& report) {
+    if (!point.cracked && law.sigma_c > 0) report.dissipated += point.area * (beta == 0 ? law.G_c : law.surface_energy(beta, 0, 0));
+}
+
+/// `before`, `after`: beta at the begin and at the end of the step [-]; u: opening at its end [m].
+inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, double before, double after, double u_N, double u_T, StepReport& report) {
     report.softened += before - after > least_loss;
     report.largest_beta_growth = std::max(report.largest_beta_growth, after - before);
-    if (point.cracked || law.sigma_c <= 0) return;
-    report.dissipated += point.area * law.surface_energy(after, 0, 0);
-    report.recoverable += point.area * after * law.sigma_c * opening;
+    account_rest(point, law, after, report);
+    if (after > 0) report.recoverable += point.area * after * law.sigma_c * law.equivalent_opening(u_N, u_T);
 }
 
 }  // namespace knap

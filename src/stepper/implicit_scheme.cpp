@@ -294,7 +294,7 @@ void ImplicitScheme::account_points(double h, StepReport& report) const {
         const CohesiveLaw& material = model_.laws[at.law];
         report.crossing_loss += (cohesive_T * w.y() - law.gamma * cohesive_N * (std::abs(u_T) - std::abs(law.u_T)) / h) / theta;
         const double cohesion = at.cracked ? 0 : material.next_cohesion(law.cohesion, u_N, u_T);
-        account_cohesion(at, material, law.cohesion, cohesion, material.equivalent_opening(u_N, u_T), report);
+        account_cohesion(at, material, law.cohesion, cohesion, u_N, u_T, report);
     }
 }
 

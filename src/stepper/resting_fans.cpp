@@ -121,7 +121,7 @@ bool VertexScheme::advance_resting(Index rank, const State& begin, const FreeMot
         const CohesiveLaw& law = model_.laws[point[j].law];
         PointState& state = end.points[end.first_point[rank] + j];
         state.cohesion = before[j].cohesion;
-        account_cohesion(point[j], law, state.cohesion, state.cohesion, 0, report);  // held, or without the cohesion that feels an opening
+        account_rest(point[j], law, state.cohesion, report);  // held, or without the cohesion that feels an opening
         if (resting.is_open[j]) {
             const Sides at(fan, j);
             const auto displacement = [&](Index i) -> const Vec2& { return end.displacement[end.node_of_corner[corner[i]]]; };

@@ -322,7 +322,7 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
         const double u_N = link.u_N + free.drift_time * n.dot(after), u_T = link.u_T + free.drift_time * t.dot(after);
         const double cohesion = point.cracked ? 0 : cohesion_before(f, i, begin);
         state.cohesion = law.next_cohesion(cohesion, u_N, u_T);
-        account_cohesion(point, law, cohesion, state.cohesion, law.equivalent_opening(u_N, u_T), report);
+        account_cohesion(point, law, cohesion, state.cohesion, u_N, u_T, report);
         report.penetration = std::max(report.penetration, -u_N);
     }
 
