@@ -24,7 +24,8 @@ void write_point_masses(const fs::path& folder) {
     std::ofstream(folder / "masses.toml") << "knap = 1\nname = \"masses\"\n[mesh]\nfile = \"triangle.msh\"\n[material.dust]\ndensity = 3\nE = 1e-9\nnu = 0\n"
                                              "[interface.default]\nbreakable = false\n[interface.glue]\nsigma_c = 1\nG_c = 0.5\n[[foundation]]\non = \"base\"\n"
                                              "interface = \"glue\"\nglued = true\n[[load]]\nbody_force = [0, 3.3]\n[time]\nend = 9\nbulk = \"implicit\"\n"
-                                             "cohesion = \"implicit\"\nstep = 3\n[output]\nfields = false\n[[figure]]\nfile = \"energy.png\"\nshow = \"energy\"\n";
+                                             "cohesion = \"implicit\"\nstep = 3\n[limits]\nlaw_lag = \"none\"\narea_change = \"none\"\n"
+                                             "[output]\nfields = false\n[[figure]]\nfile = \"energy.png\"\nshow = \"energy\"\n";
 }
 
 void check_complete(const fs::path& run) {
