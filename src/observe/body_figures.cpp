@@ -71,12 +71,12 @@ ColourScale crack_scale(const FigureOptions& options, const ValueSpan& values) {
 /// The paler the less damaged: a process zone is a haze, and is still seen in print.
 void draw_damaged(BodyPage& page, const Frame& frame, const std::vector<Index>& damaged) {
     constexpr int n_shades = 12;
-    constexpr double palest = 0.3;
+    constexpr double palest = 0.15;
     std::vector<std::vector<Index>> of_shade(n_shades);
     for (const Index i : damaged) of_shade[std::clamp(static_cast<int>((1 - mean_cohesion(frame, i)) * n_shades), 0, n_shades - 1)].push_back(i);
     for (int shade = 0; shade < n_shades; ++shade) {
         Colour colour = damaged_colour;
-        colour.alpha = palest + (1 - palest) * (shade + 0.5) / n_shades;
+        colour.alpha = palest + (1 - palest) * std::min(1.0, 1.5 * (shade + 0.5) / n_shades);
         page.draw_interfaces(of_shade[shade], colour, damaged_width);
     }
 }

@@ -219,8 +219,12 @@ void fit_x(Scale& x, const Range& range) {
 }
 
 void fit(Scale& scale, const Range& range) {
-    const auto limits = scale.logarithmic ? logarithmic_range(scale(range.low), scale(range.high)) : round_range(scale(range.low), scale(range.high), 8);
-    scale.low = limits[0], scale.high = limits[1];
+    const double low = scale(range.low), high = scale(range.high);
+    // what reaches a little below zero gets a little room there, not a whole step
+    constexpr double little = 0.05;
+    const bool hardly_negative = !scale.logarithmic && low < 0 && -low < little * high;
+    const auto limits = scale.logarithmic ? logarithmic_range(low, high) : round_range(hardly_negative ? 0 : low, high, 8);
+    scale.low = hardly_negative ? 1.5 * low : limits[0], scale.high = limits[1];
 }
 
 }  // namespace

@@ -289,6 +289,17 @@ TEST_CASE("figures: axes of stress and strain follow the axial curve") {
     CHECK(axes.y[1] == doctest::Approx(100e6).epsilon(0.1));
 }
 
+TEST_CASE("figures: what hardly leaves zero does not cost a step of the axis") {
+    const auto labels = [](double low) {
+        const Chart chart{.x_quantity = "x", .y_quantity = "y", .curves = {{.label = "a", .x = {0, 1, 2}, .y = {0, low, 9}}}};
+        std::set<std::string> texts;
+        for (const DrawnText& text : draw_chart(chart, pictures() / "hardly.png", 560).texts) texts.insert(text.text);
+        return texts;
+    };
+    CHECK(labels(-0.1).count("−2") == 0);
+    CHECK(labels(-1).count("−2") == 1);
+}
+
 TEST_CASE("figures: reactions over time are all forces that can be seen") {
     const Chart chart = reaction_chart(synthetic::reactions(), true);
     CHECK(chart.x_quantity == "time");
