@@ -29,7 +29,8 @@ void check(const FigureOptions& options) {
     if (!among(figure_abscissas(), options.over))
         throw UserError("figure-over", "reactions cannot be drawn over `" + options.over + "`", "known: " + joined(figure_abscissas()));
     if (!std::isfinite(options.deform)) throw UserError("figure-deform", "displacements cannot be drawn " + std::to_string(options.deform) + " times as large");
-    if (!(options.aspect >= 1 && options.aspect <= 1000)) throw UserError("figure-aspect", "the short side can be drawn 1 to 1000 times larger than the long one, not " + short_number(options.aspect));
+    if (!(options.aspect >= 1 && options.aspect <= 1000))
+        throw UserError("figure-aspect", "the short side can be drawn 1 to 1000 times larger than the long one, not " + short_number(options.aspect));
     if (options.range.size() == 2 && !(options.range[0] < options.range[1])) throw UserError("figure-range", "a colour range must ascend");
     if (options.box && !(options.box->low.array() < options.box->high.array()).all()) throw UserError("figure-box", "a box is given by its lower left and its upper right corner");
     if (options.width < 200 || options.width > 20000)

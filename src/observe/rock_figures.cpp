@@ -45,7 +45,8 @@ Chart stress_strain_chart(const History& stress_strain) {
         if (stress_strain.has(name)) chart.curves.push_back({label, percent(stress_strain.column(name)), stress, curve_colour(chart.curves.size())});
     const Strength strength = strength_of(stress_strain, SpecimenOptions{}.modulus_between);
     chart.curves.push_back({.label = "peak", .x = {100 * strength.peak_strain}, .y = {strength.peak_stress}, .colour = black, .width = 0, .marker = Marker::diamond});
-    for (const Level& level : {Level{"crack initiation", strength.crack_initiation, true}, Level{"dilatancy", strength.dilatancy, true}, Level{"crack damage", strength.crack_damage, true}})
+    for (const Level& level : {Level{"crack initiation", strength.crack_initiation, true}, Level{"dilatancy", strength.dilatancy, true},
+                               Level{"crack damage", strength.crack_damage, true}})
         if (std::isfinite(level.y)) chart.levels.push_back(level);
     std::sort(chart.levels.begin(), chart.levels.end(), [](const Level& a, const Level& b) { return a.y < b.y; });
     // of levels that lie on each other one name is left

@@ -16,7 +16,8 @@ void check_figure(const Assembly& assembly, const std::string& path) {
         assembly.findings.error("nothing-to-show", "`" + path + "` shows probes, but there is none", assembly.at(path + ".show")).note = "add a [[probe]]";
     const std::vector<ProbeOptions>& probes = assembly.scenario.probes;
     if (show == "probe_velocities" && !probes.empty() && std::all_of(probes.begin(), probes.end(), [](const ProbeOptions& probe) { return probe.interface; }))
-        assembly.findings.error("nothing-to-show", "`" + path + "` shows velocities, but all probes watch interfaces", assembly.at(path + ".show")).note = "add a [[probe]] that watches a place";
+        assembly.findings.error("nothing-to-show", "`" + path + "` shows velocities, but all probes watch interfaces", assembly.at(path + ".show")).note =
+            "add a [[probe]] that watches a place";
 }
 
 }  // namespace
