@@ -12,6 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const char* const names[] = {"checkpoint", "checkpoint.previous"};
+const char* const of_end = "checkpoint.end";
 
 }  // namespace
 
@@ -42,7 +43,40 @@ std::string Checkpoints::read(RunMemory& memory) {
 
 void Checkpoints::remove() const {
     std::error_code ignored;
-    for (const char* name : names) fs::remove(directory_ / name, ignored);
+    for (const char* name : {names[0], names[1], of_end}) fs::remove(directory_ / name, ignored);
+}
+
+void Checkpoints::keep_for_later_end() const {
+    std::error_code ignored;
+    fs::rename(directory_ / names[0], directory_ / of_end, ignored);
+    fs::remove(directory_ / names[1], ignored);
+}
+
+bool Checkpoints::end_exists_in(const fs::path& directory) {
+    std::error_code none;
+    return fs::exists(directory / of_end, none);
+}
+
+void Checkpoints::reopen_end(const fs::path& directory) {
+    std::error_code error;
+    if (!end_exists_in(directory)) return;
+    fs::rename(directory / of_end, directory / names[0], error);
+    if (error) throw OutputError("cannot rename " + (directory / of_end).string() + ": " + error.message());
+}
+
+std::string Checkpoints::problem_in(const fs::path& directory) {
+    std::string problem = "it has no checkpoint";
+    for (const char* name : {names[0], names[1], of_end}) {
+        std::error_code none;
+        if (!fs::exists(directory / name, none)) continue;
+        try {
+            unpacked_checkpoint(read_whole_file(directory / name));
+            return "";
+        } catch (const SimulationError& error) {
+            problem = (directory / name).string() + " is not used: " + error.what();
+        }
+    }
+    return problem;
 }
 
 bool Checkpoints::exist_in(const fs::path& directory) {

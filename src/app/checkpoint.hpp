@@ -5,7 +5,9 @@
 //     <run>/checkpoint.previous   the one before; used where the newest is damaged
 //
 // One line (format, program, bytes, CRC-32), then the memory of the run. Written by a temporary name and rename, so that a killed run leaves two whole
-// ones. A finished run has none.
+// ones. A finished run has another one instead:
+//
+//     <run>/checkpoint.end        before the first step that depends on time.end; from it the run goes on to a later one
 #include "base/stopwatch.hpp"
 #include "observe/recorder.hpp"
 #include "stepper/step_control.hpp"
@@ -36,6 +38,14 @@ public:
     /// The newest that is whole, into `memory`; returns what is to be said of it. Throws UserError where none can be used.
     std::string read(RunMemory& memory);
     void remove() const;
+    /// Of a finished run: the newest stays, as checkpoint.end.
+    void keep_for_later_end() const;
+
+    static bool end_exists_in(const std::filesystem::path& directory);
+    /// checkpoint.end becomes the newest again.
+    static void reopen_end(const std::filesystem::path& directory);
+    /// Why a run can go on from none of all three with this program; empty where it can.
+    static std::string problem_in(const std::filesystem::path& directory);
 
     static bool exist_in(const std::filesystem::path& directory);
     /// Whether a run can go on from one of them with this program.

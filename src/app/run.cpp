@@ -1,6 +1,7 @@
 #include "app/run.hpp"
 
 #include "app/checkpoint.hpp"
+#include "app/continuation.hpp"
 #include "app/interrupt.hpp"
 #include "app/model_findings.hpp"
 #include "app/run_directory.hpp"
@@ -212,12 +213,13 @@ struct Prepared {
     const StepPlan& plan;
     MoreauJean& stepper;
     const std::string& warnings;
+    const std::string& extension;  // what is to be said of a later end
     const Stopwatch& whole;
 };
 
 /// Where an earlier part of the run left off, into `memory`; says so. Nothing is changed where that is refused.
 void resume(const Prepared& run, Checkpoints& checkpoints, RunMemory& memory, RunLog& log) {
-    std::string said = checkpoints.read(memory);
+    std::string said = checkpoints.read(memory) + run.extension;
     check_until_is_ahead(run.options.until, memory.now, run.directory);
     log.cut_to(memory.log_size);
     memory.recorder.open_files();
@@ -291,7 +293,8 @@ ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& rec
     write_whole_file(directory / "run.json", run_json(record));
     const std::string end = end_of_run(record, directory);
     log.add(end);
-    if (record.status == "failed" || StepControl::has_reached(now, scenario.time.end)) checkpoints.remove();
+    if (record.status == "failed") checkpoints.remove();
+    else if (StepControl::has_reached(now, scenario.time.end)) checkpoints.keep_for_later_end();
     std::fputs(end.c_str(), stdout);
     return exit_code(record);
 }
@@ -310,17 +313,19 @@ void note_output_failure(const std::filesystem::path& directory, const std::stri
 
 }  // namespace
 
-ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
-    const Scenario& scenario = read.scenario;
+ExitCode run_scenario(const ReadResult& asked, const RunOptions& options) {
     check_until(options.until);
-    const std::filesystem::path directory = options.output.empty() ? std::filesystem::path("runs") / scenario.name : options.output;
-    RunRecord record{.status = "running", .name = scenario.name, .title = scenario.title, .command = options.command, .seed = scenario.seed};
+    const std::filesystem::path directory = options.output.empty() ? std::filesystem::path("runs") / asked.scenario.name : options.output;
+    RunRecord record{.status = "running", .name = asked.scenario.name, .title = asked.scenario.title, .command = options.command, .seed = asked.scenario.seed};
     const Stopwatch whole;
     record.threads = use_threads(options.threads);
     keep_freed_memory();
 
     // mesh and model; nothing is written before they are known to be possible
-    const Model model = model_of(read);
+    const Model model = model_of(asked);
+    const Continuation continuation = options.force ? Continuation{.read = asked} : continuation_of(asked, model, directory);
+    const ReadResult& read = continuation.read;
+    const Scenario& scenario = read.scenario;
     check_specimen(read, model);
     refuse_unheld_body(read, model);
     const StepPlan plan = plan_of(read, model, options.until);
@@ -332,9 +337,9 @@ ExitCode run_scenario(const ReadResult& read, const RunOptions& options) {
     if (!options.quiet) std::fputs(warnings.c_str(), stderr);
 
     const InterruptGuard guard;  // what is begun in the directory is ended there
-    RunDirectory place(directory, first_files(read), record, options.force);
+    RunDirectory place(directory, first_files(read), record, options.force, continuation.of_run);
     try {
-        return carry_out({read, options, directory, model, plan, stepper, warnings, whole}, place, record);
+        return carry_out({read, options, directory, model, plan, stepper, warnings, continuation.said, whole}, place, record);
     } catch (const OutputError& error) {
         note_output_failure(directory, error.what(), record);
         throw OutputError(record.reason);

@@ -30,7 +30,7 @@ bool is_made_by_runs(fs::path name) {
     if (name.extension() == ".part") name = name.stem();
     static const std::set<fs::path> names{"run.json",   "log.txt",       "scenario.toml", "resolved.toml",     "mesh.msh", "energy.csv", "cracks.csv", "reactions.csv",
                                           "probes.csv", "breaks.csv",    "fragments.csv", "arms.csv", "stress_strain.csv", "run.pvd",  "fields",     "figures",    "lcp",
-                                          "checkpoint", "checkpoint.previous"};
+                                          "checkpoint", "checkpoint.previous", "checkpoint.end"};
     return names.contains(name);
 }
 
@@ -83,7 +83,7 @@ UserError unfinished_run_of_another(const fs::path& directory, const FirstFiles&
 }
 
 /// Whether this run goes on there; else it begins. Throws UserError where it may do neither.
-bool goes_on(const fs::path& directory, const FirstFiles& files, bool force) {
+bool goes_on(const fs::path& directory, const FirstFiles& files, bool force, const std::optional<FirstFiles>& shorter) {
     refuse_what_is_no_file(directory);
     const EarlierRecord record = earlier_record(directory);
     if (never_began(directory, record)) return false;
@@ -92,12 +92,14 @@ bool goes_on(const fs::path& directory, const FirstFiles& files, bool force) {
         throw UserError("not-a-run", "`" + directory.string() + "` was not made by knap (it has no run.json of a run), so --force does not clear it",
                         "choose another directory with --output, or delete this one by hand");
     if (force) return false;
+    if (record.is_of_a_run && shorter && began_with(directory, *shorter) && (Checkpoints::exist_in(directory) || Checkpoints::end_exists_in(directory))) return true;
     if (is_run && is_unfinished(directory, record)) {
         if (!began_with(directory, files)) throw unfinished_run_of_another(directory, files);
         return Checkpoints::exist_in(directory);
     }
     throw UserError("run-exists", "`" + directory.string() + "` exists already, nothing was run",
-                    std::string("choose another directory with --output") + (is_run ? ", or replace the old run with --force" : ""));
+                    std::string("choose another directory with --output") + (is_run ? ", or replace the old run with --force" : "") +
+                        (Checkpoints::end_exists_in(directory) ? "; the same scenario with a later time.end goes on with it" : ""));
 }
 
 void write_record(const fs::path& directory, RunRecord record, const std::string& status) {
@@ -157,12 +159,12 @@ bool holds_only(const fs::path& directory, const std::vector<std::string>& names
     });
 }
 
-RunDirectory::RunDirectory(const fs::path& directory, const FirstFiles& files, const RunRecord& record, bool force) {
-    goes_on(directory, files, force);
+RunDirectory::RunDirectory(const fs::path& directory, const FirstFiles& files, const RunRecord& record, bool force, const std::optional<FirstFiles>& shorter) {
+    goes_on(directory, files, force, shorter);
     std::error_code error;
     if (fs::create_directories(directory, error); error) throw cannot("make", directory, error);
     log_.emplace(directory / "log.txt");
-    resumes_ = goes_on(directory, files, force);
+    resumes_ = goes_on(directory, files, force, shorter);
     if (!resumes_) {
         write_first(directory, files, record);
         clear(directory, files);
@@ -170,7 +172,11 @@ RunDirectory::RunDirectory(const fs::path& directory, const FirstFiles& files, c
     }
     for (const char* part : {"fields", "figures"})
         if (fs::create_directories(directory / part, error); error) throw cannot("make", directory / part, error);
-    if (resumes_) return;
+    if (resumes_ && !shorter) return;
+    if (resumes_) {  // killed anywhere here, it is an unfinished run of the one scenario or the other
+        Checkpoints::reopen_end(directory);
+        for (const auto& [name, text] : files) write_whole_file(directory / name, text);
+    }
     write_record(directory, record, "running");
 }
 

@@ -27,7 +27,9 @@ public:
     /// Takes the directory for a run that begins with these files. The same run that did not come to its end goes on, or begins again where it has no
     /// checkpoint yet. Anything else that is there is refused (UserError) unless `force`, and even then it must be an earlier run (it has a run.json, or
     /// the same resolved.toml), and none under way. What is cleared are files and directories of the names that runs give; whatever else lies there stays.
-    RunDirectory(const std::filesystem::path& directory, const FirstFiles& files, const RunRecord& record, bool force);
+    /// `shorter`: what a run with an earlier end began with that this one may go on with; its files are then replaced by these.
+    RunDirectory(const std::filesystem::path& directory, const FirstFiles& files, const RunRecord& record, bool force,
+                 const std::optional<FirstFiles>& shorter = std::nullopt);
 
     bool resumes() const { return resumes_; }  // from a checkpoint
     RunLog& log() { return *log_; }

@@ -38,19 +38,34 @@ void say_new_warnings(const Stepping& run, const State& now) {
     }
 }
 
+namespace {
+
+/// Before the first step that depends on the end: from there the finished run can be taken to a later one. Not worth a run that is good.
+void save_for_later_end(const Stepping& run, const std::function<void()>& save) {
+    try {
+        save();
+    } catch (const OutputError& error) {
+        run.log.add(std::string("warning[checkpoint]: no checkpoint of the end, this run cannot be extended: ") + error.what() + "\n");
+    }
+}
+
+}  // namespace
+
 void step_to_end(const Stepping& run, double until, const Checkpoints& checkpoints, const std::function<void()>& save, State& now, RunRecord& record) {
     State next = now;
+    bool at_end = false;  // what comes is no part of a longer run, and is not saved
     try {
         while (record.status == "running" && !StepControl::has_reached(now, until)) {
             if (InterruptGuard::interrupted()) {
                 record.status = "interrupted";
                 break;
             }
+            if (!at_end && run.control.depends_on_end(now)) at_end = true, save_for_later_end(run, save);
             const long before = now.n_steps;
             try_step(run, now, next);
-            if (now.n_steps > before && checkpoints.due()) save();
+            if (!at_end && now.n_steps > before && checkpoints.due()) save();
         }
-        if (!StepControl::has_reached(now, run.scenario.time.end) && record.status != "failed") save();  // before the lines of an early end are written
+        if (!StepControl::has_reached(now, run.scenario.time.end) && record.status != "failed" && !at_end) save();  // before the lines of an early end are written
     } catch (const OutputError&) {
         throw;
     } catch (const SimulationError& error) {

@@ -50,7 +50,8 @@ StepPlan plan_steps(const Scenario& scenario, double stable_step, double until) 
     const std::int64_t n = time.step.value > 0
                                ? count("time.step", time.end, wanted, "a larger time.step, or a smaller time.end")
                                : count("time.end", time.end, wanted, "a smaller time.end; the step follows from time.safety, mesh.size, and E and density of the materials");
-    const double step = time.end / static_cast<double>(n);  // equal steps, as long as none is cut
+    // equal steps, as long as none is cut; one that is given in seconds is taken as it is, and the last ones may be shorter
+    const double step = time.step.value > 0 && !time.step.of_stable_step ? std::min(wanted, time.end) : time.end / static_cast<double>(n);
 
     const double cracking = time.step_cracking.value > 0 ? time.step_cracking.seconds(stable_step) : wanted;
     const double smallest = time.step_min.value > 0 ? time.step_min.seconds(stable_step) : std::ldexp(std::min(cracking, step), -20);

@@ -30,9 +30,13 @@ StepControl::StepControl(const StepLimits& limits) : limits_(limits), step_(limi
 
 bool StepControl::has_reached(const State& state, double time) { return state.time >= time - rounding(state, time); }
 
+double StepControl::tolerance(const State& begin) const { return std::min(rounding(begin, limits_.end), 0.25 * step_); }
+
+bool StepControl::depends_on_end(const State& begin) const { return limits_.end - begin.time < 2 * step_ - tolerance(begin); }
+
 double StepControl::next(const State& begin) const {
-    const double left = limits_.end - begin.time, tolerance = std::min(rounding(begin, limits_.end), 0.25 * step_);
-    if (left >= 2 * step_ - tolerance || std::abs(left - step_) <= tolerance) return step_;
+    const double left = limits_.end - begin.time;
+    if (!depends_on_end(begin) || std::abs(left - step_) <= tolerance(begin)) return step_;
     return left < step_ ? left : 0.5 * left;
 }
 

@@ -44,6 +44,9 @@ public:
     /// [s] The step to take from a state.
     double next(const State& begin) const;
 
+    /// Whether that step depends on where the run ends: all before are those of a longer run.
+    bool depends_on_end(const State& begin) const;
+
     /// What a step of size h [s] from `begin` came to: nothing where it counts, else its end must be thrown away and next() be asked again.
     std::optional<StepCut> judge(const State& begin, double h, const StepReport& report);
 
@@ -62,6 +65,7 @@ public:
     void serialize(Archive& archive) { archive(step_, largest_, n_good_, smallest_taken_, largest_taken_, n_cuts_, thrown_away_); }
 
 private:
+    double tolerance(const State& begin) const;  // [s]
     std::optional<CutReason> objection(double h, const StepReport& report) const;
     void grow();
 

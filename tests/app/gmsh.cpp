@@ -5,7 +5,7 @@ using namespace program;
 
 namespace {
 
-const std::string time_piece = "hopkinson_time_piece -q -j 1 -s 'time.end=1 us' -s 'expect={}' ";
+const std::string time_piece = "hopkinson_time_piece -q -j 1 -s 'time.end=1 us' -s 'figure[0].at=1 us' -s 'expect={}' ";  // a time that it reaches
 
 std::string line_with(const std::string& text, const std::string& word) {
     const std::size_t at = text.find(word);
