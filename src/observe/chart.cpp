@@ -159,30 +159,49 @@ void draw_plot(Canvas& canvas, vtkChartXY* plot, const Area& area) {
 
 bool overlap(const Area& a, const Area& b) { return a.left < b.right() && b.left < a.right() && a.bottom < b.top() && b.bottom < a.top(); }
 
-/// Where the name of a level touches no other one: above its line or below, at the side that it wants or the other.
-void name_level(Canvas& canvas, const Area& area, const Level& level, double at, double size, std::vector<Area>& taken) {
+/// Where curves run on the page, at steps shorter than a letter.
+std::vector<Vec2> trails(const Chart& chart, const Area& area, const Scale& x, const Scale& y, double step) {
+    std::vector<Vec2> points;
+    for (const Curve& curve : chart.curves)
+        for (std::size_t i = 0; i < curve.x.size(); ++i) {
+            const Vec2 at(area.left + area.width * x.part(curve.x[i]), area.bottom + area.height * y.part(curve.y[i]));
+            if (!at.allFinite()) continue;
+            if (i > 0 && !points.empty() && (at - points.back()).norm() < page_width)
+                while ((at - points.back()).norm() > step) points.push_back(points.back() + step * (at - points.back()).normalized());
+            points.push_back(at);
+        }
+    return points;
+}
+
+/// Where the name of a level touches no other one and hides least of the curves: above its line or below, at the side that it wants or the other.
+void name_level(Canvas& canvas, const Area& area, const Level& level, double at, double size, const std::vector<Vec2>& curves, std::vector<Area>& taken) {
     const double width = text_width(level.label, size), height = 1.1 * size;
-    Area place;
+    std::optional<Area> best;
+    std::ptrdiff_t least = 0;
     for (const bool other_side : {false, true})
         for (const bool below : {false, true}) {
             const bool right = level.name_right != other_side;
-            place = {right ? area.right() - 4 - width : area.left + 8, below ? at - 3 - height : at + 3, width, height};
+            const Area place{right ? area.right() - 4 - width : area.left + 8, below ? at - 3 - height : at + 3, width, height};
             const bool free = std::none_of(taken.begin(), taken.end(), [&](const Area& t) { return overlap(t, place); });
             if (!free || place.bottom < area.bottom || place.top() > area.top()) continue;
-            canvas.fill({{place.left - 2, place.bottom}, {place.right() + 2, place.bottom}, {place.right() + 2, place.top()}, {place.left - 2, place.top()}}, {1, 1, 1, 0.8});
-            canvas.text({place.left, place.bottom + 0.25 * size}, level.label, {.size = size});
-            taken.push_back(place);
-            return;
+            const auto hidden = std::count_if(curves.begin(), curves.end(), [&](const Vec2& p) { return overlap(place, {p.x() - 2, p.y() - 1, 4, 2}); });
+            if (best && hidden >= least) continue;
+            best = place, least = hidden;
         }
+    if (!best) return;
+    const double left = best->left - 2, end = best->right() + 2;
+    canvas.fill({{left, best->bottom}, {end, best->bottom}, {end, best->top()}, {left, best->top()}}, {1, 1, 1, 0.8});
+    canvas.text({best->left, best->bottom + 0.25 * size}, level.label, {.size = size});
+    taken.push_back(*best);
 }
 
-void draw_levels(Canvas& canvas, const Area& area, const std::vector<Level>& levels, const Scale& y_scale, double size) {
+void draw_levels(Canvas& canvas, const Area& area, const std::vector<Level>& levels, const Scale& y_scale, double size, const std::vector<Vec2>& curves) {
     std::vector<Area> taken;
     for (const Level& level : levels) {
         const double at = area.bottom + area.height * y_scale.part(level.y);
         canvas.line({{area.left, at}, {area.right(), at}}, ink, 0.8, {5, 3});
     }
-    for (const Level& level : levels) name_level(canvas, area, level, area.bottom + area.height * y_scale.part(level.y), size, taken);
+    for (const Level& level : levels) name_level(canvas, area, level, area.bottom + area.height * y_scale.part(level.y), size, curves, taken);
 }
 
 /// Bars and markers, which lie over all curves.
@@ -275,7 +294,7 @@ DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, in
     for (const Curve& curve : chart.curves) draw_points(canvas, area, curve, x, y);
     draw_key(canvas, key, {area.right() + gap, area.bottom, beside, area.height});
     if (!place.panel) draw_title(canvas, title, area.left, page_width - room_right, area.top());
-    draw_levels(canvas, area, chart.levels, y, size);
+    if (!chart.levels.empty()) draw_levels(canvas, area, chart.levels, y, size, trails(chart, area, x, y, 0.4 * size));
     canvas.finish();
     return {file, canvas.height(), canvas.texts()};
 }

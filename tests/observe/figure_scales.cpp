@@ -300,6 +300,19 @@ TEST_CASE("figures: what hardly leaves zero does not cost a step of the axis") {
     CHECK(labels(-1).count("−2") == 1);
 }
 
+TEST_CASE("figures: the name of a level keeps off the curves") {
+    Chart chart{.x_quantity = "x", .y_quantity = "y", .curves = {{.label = "a", .x = {0, 1, 2, 2.2, 3}, .y = {0, 5, 5, 0, 0}}}, .levels = {{"level", 4.8, true}}};
+    const auto left_of = [&] {
+        for (const DrawnText& text : draw_chart(chart, pictures() / "level.png", 560).texts)
+            if (text.text == "level") return text.box.left;
+        return -1.;
+    };
+    CHECK(left_of() > 400);
+    chart.curves[0].x = {0, 0.1, 2, 2.95, 3}, chart.curves[0].y = {0, 1, 2, 5, 5};  // runs through the place at the right
+    CHECK(left_of() < 150);
+    CHECK(left_of() > 0);
+}
+
 TEST_CASE("figures: reactions over time are all forces that can be seen") {
     const Chart chart = reaction_chart(synthetic::reactions(), true);
     CHECK(chart.x_quantity == "time");
