@@ -71,8 +71,8 @@ void FanLcp::make_rows(const std::vector<LinkLaw>& laws, double speed) {
         const Vec2 w = inverse_mass_[cluster_of(link.after)] + inverse_mass_[cluster_of(link.before)];
         unit_[i] = w.sum() > 0 ? std::sqrt(2 / w.sum()) : 1;
         mass = std::max(mass, unit_[i] * unit_[i]);
-        rows_.push_back({Row::Kind::contact, i, laws[i].bound(), 0, 0});
-        for (const LinkLaw::Kink& kink : laws[i].kinks(true)) {
+        if (laws[i].may_touch()) rows_.push_back({Row::Kind::contact, i, laws[i].bound(), 0, 0});
+        for (const LinkLaw::Kink& kink : laws[i].kinks(laws[i].may_touch())) {
             rows_.push_back({Row::Kind::forward, i, kink.velocity, kink.cohesive, kink.contact});
             rows_.push_back({Row::Kind::backward, i, kink.velocity, kink.cohesive, kink.contact});
             rows_.push_back({Row::Kind::slack, i, kink.velocity, kink.cohesive, kink.contact});

@@ -3,7 +3,7 @@
 //
 //     v_i+ = v_i_free + m_i^-1 (P_left - P_right)          P = impulse of a point, acting on the body after it, minus on the one before
 //     P = P_N N + P_T T,      V = v_after+ - v_before+,    the cohesion beta frozen over the step (explicit beta)
-//     P_N = -C + p,           0 <= p  perp  V_N - b >= 0   with the bound b of link_law.cpp          C = k S beta sigma_c
+//     P_N = -C + p,           0 <= p  perp  V_N - b >= 0   where the point may touch, else p = 0          C = k S beta sigma_c
 //    -P_T in gamma C sgn(u_T + h V_T) + mu p 1/2 [ sgn(V_T) + sgn(V_T + V_T-) ]
 //
 // k is the time over which forces act on the velocity, h the time over which the velocity moves the points (equal at constant step).
@@ -36,7 +36,6 @@ struct FanLink {
     double friction;        // [-]
     double restitution;     // [-]
     bool unbreakable;       // sticks for ever
-    double push = 0;        // [m/s] V_push: the approach that the forces of the step make; asked for only with restitution
     double contact = 0;     // [N s] result: p
     double tangential = 0;  // [N s] result: P_T = cohesive part + friction
     double friction_part = 0;     // [N s] result: what of P_T is friction

@@ -148,8 +148,8 @@ bool FanSolver::search_states() {
 
 /// As many of the `moved` links as `most_tried` combinations allow.
 bool FanSolver::try_combinations(const std::vector<LinkState>& stuck, const std::vector<std::size_t>& moved, bool may_open) {
-    const auto n_closed = [&](std::size_t i) { return stuck[i].law.n_states(true); };
-    const auto n_states = [&](std::size_t i) { return n_closed(i) + (may_open ? stuck[i].law.n_states(false) : 0); };
+    const auto n_closed = [&](std::size_t i) { return stuck[i].law.may_touch() ? stuck[i].law.n_states(true) : 0; };
+    const auto n_states = [&](std::size_t i) { return n_closed(i) + (may_open || n_closed(i) == 0 ? stuck[i].law.n_states(false) : 0); };
     int n_combinations = 1;
     std::size_t n_varied = 0;
     while (n_varied < moved.size() && n_combinations * n_states(moved[n_varied]) <= most_tried) n_combinations *= n_states(moved[n_varied++]);

@@ -29,14 +29,15 @@ LinkLaw::LinkLaw(const FanLink& link, const Vec2& velocity_before, double drift_
     closed_.add({.velocity = -v_T, .cohesive = 0, .contact = 0.5 * link.friction}, tolerance);
     closed_.add(zero_crossing, tolerance);
 
-    // Newton's law against an approach that touches, or would pass the wall within the step; else the end of the step is the wall, so there
-    // is no penetration. What separates may at most be thrown back at its own speed, so that its work stays <= 0. A rebound that the
-    // forces would undo within the step is none: such a point lands, and rests. Else it would bounce for ever under lasting pressure.
-    const bool touches = link.u_N <= tolerance * drift_time;
-    const double rebound = v_N < 0 ? -link.restitution * v_N : 0;
-    const bool leaves = rebound > std::max(link.push, 0.0) && link.u_N + drift_time * v_N <= tolerance * drift_time;
-    if (leaves) bound_ = rebound;
-    else bound_ = touches ? -std::max(0.0, v_N) : -std::max(link.u_N / drift_time, v_N);
+    // touching: Newton's law against an approach. apart: without restitution the end of the step is the wall (no penetration); with it,
+    // it must touch first. Either way what separates may at most be thrown back at its own speed, so that its work stays <= 0.
+    if (link.u_N <= tolerance * drift_time) {
+        may_touch_ = true;
+        bound_ = v_N <= 0 ? -link.restitution * v_N : -v_N;
+    } else {
+        may_touch_ = link.restitution == 0;
+        bound_ = -std::max(link.u_N / drift_time, v_N);
+    }
 }
 
 TangentialLaw LinkLaw::tangential(bool closed, int state) const {

@@ -27,6 +27,7 @@ public:
     LinkLaw() = default;
     LinkLaw(const FanLink& link, const Vec2& velocity_before, double drift_time, double tolerance);
 
+    bool may_touch() const { return may_touch_; }
     double bound() const { return bound_; }  // [m/s] b
     void forget_rebound() { bound_ = std::min(bound_, 0.0); }
     void forget_friction() { closed_ = open_; }
@@ -49,6 +50,7 @@ private:
     const Side& side(bool closed) const { return closed ? closed_ : open_; }
 
     Side open_, closed_;
+    bool may_touch_ = false;
     double bound_ = 0;
 };
 

@@ -36,7 +36,7 @@ void LinkState::guess(const FanProblem& problem, const FanLink& link, const FanS
         ++n_imposed;
     }
     imposed = n_imposed == 2, led = n_imposed == 1;
-    const bool touches = link.normal.dot(expected) <= law.bound() + scales.speed_tolerance;
+    const bool touches = law.may_touch() && link.normal.dot(expected) <= law.bound() + scales.speed_tolerance;
     set(touches, law.state_of(touches, link.tangent().dot(expected), scales.speed_tolerance));
 }
 
@@ -103,7 +103,7 @@ StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& v
         const double at = tangential.stick ? tangential.velocity + step * 2 * scales.speed_tolerance : v_T;
         change.closed = false;
         change.tangential_state = law.state_of(false, at, stays_at_kink ? scales.speed_tolerance : 0);
-    } else if (!state.closed && too_fast(law.bound() - v_N)) {
+    } else if (!state.closed && law.may_touch() && too_fast(law.bound() - v_N)) {
         change.closed = true;
         change.tangential_state = law.state_of(true, v_T, scales.speed_tolerance);
     } else if (state.closed && too_fast(v_N - law.bound(), 10)) {

@@ -9,7 +9,7 @@ namespace knap {
 /// What a split fan remembers of each of its points.
 struct PointState {
     double cohesion;  // [-] beta
-    Vec2 traction;    // [Pa] (N, T) mean over the last step, on the side `after`; for output only
+    Vec2 traction;    // [Pa] (N, T) mean over the last step, on the side `after`; of the pressure it tells what rests under it
 
     template <class Archive>
     void serialize(Archive& archive) { archive(cohesion, traction); }

@@ -77,11 +77,6 @@ Vec2 VertexScheme::end_velocity_at(const ObstacleContact& contact, const State& 
     });
 }
 
-/// [m/s2] Of the fans at both ends, by the bulk and the loads.
-Vec2 VertexScheme::acceleration_at(const ObstacleContact& contact, const FreeMotion& free) const {
-    return contact.of_body([&](Index c) -> Vec2 { return force_on(model_.fan_of_corner[c], free) / model_.fans[model_.fan_of_corner[c]].mass; });
-}
-
 /// A contact on an edge shares its impulse P between the two fans at the ends, which answer with the velocity w(P) of the point in contact. One contact after
 /// the other is solved exactly for w = w_now + mobility (P - P_now), the mobility being the last secant, exact at once where the fans stay in one piece; later
 /// the largest one, with which it contracts.
@@ -114,8 +109,7 @@ void VertexScheme::find_edge_impulses(const State& begin, const FreeMotion& free
                               .inverse_mass = Vec2::Constant(mobility),
                               .end_velocity = Vec2::Zero()}};
             single.links = {{.before = 0, .after = 1, .normal = contact.normal, .u_N = contact.gap, .u_T = 0, .cohesive = 0, .gamma = 0,
-                             .friction = law.friction, .restitution = law.restitution, .unbreakable = false,
-                             .push = law.restitution > 0 ? -free.kick_time * contact.normal.dot(acceleration_at(contact, free)) : 0}};
+                             .friction = law.friction, .restitution = law.restitution, .unbreakable = false}};
             work.solver.solve(single);
             edge_links_[i] = single.links.front();
             last_velocity = velocity;

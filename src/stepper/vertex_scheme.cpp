@@ -116,13 +116,20 @@ double VertexScheme::cohesion_before(Index fan, Index point, const State& begin)
     return model_.laws[model_.fan_points[model_.fans[fan].first_point + point].law].sigma_c > 0 ? 1 : 0;
 }
 
-/// [N] of the bulk and the loads on a whole fan.
-Vec2 VertexScheme::force_on(Index f, const FreeMotion& free) const {
-    const Fan& fan = model_.fans[f];
-    Vec2 force = Vec2::Zero();
-    for (Index i = 0; i < fan.n_corners; ++i) force += free.corner_force[model_.fan_corners[fan.first_corner + i]];
-    return force;
+namespace {
+
+/// Whether Newton's law of impact holds: for faces without cohesion, unless the contact of the step before would bring the approach to rest within a step. A ball
+/// that the impulse p pushes down comes to rest after infinitely many rebounds, in 2 e |V_N|/((1 - e) W_NN p) steps. `pressure` [Pa], `unit` [N s/Pa] of its impulse.
+bool rebounds(const FanProblem& problem, Index i, double pressure, double unit) {
+    const FanLink& link = problem.links[i];
+    if (link.cohesive > 0) return false;
+    const Vec2 mobility = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
+    const double push = std::max(pressure, 0.0) * unit * link.normal.dot(mobility.cwiseProduct(link.normal));
+    const double approach = -link.normal.dot(problem.velocity_before(link.after) - problem.velocity_before(link.before));
+    return 2 * link.restitution * std::max(approach, 0.0) >= (1 - link.restitution) * push;
 }
+
+}  // namespace
 
 void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, FanProblem& problem) const {
     const Fan& fan = model_.fans[f];
@@ -167,14 +174,9 @@ void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, Fan
                             .friction = law.friction,
                             .restitution = law.restitution,
                             .unbreakable = unbreakable};
-        if (law.restitution == 0) continue;
-        FanLink& link = problem.links[i];
-        const auto kick = [&](Index corner, Index body) -> Vec2 {
-            if (corner == ground) return Vec2::Zero();
-            return problem.bodies[body].inverse_mass.cwiseProduct(free.kick_time * free.corner_force[corner]);
-        };
-        const Vec2 mobility = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
-        link.push = link.normal.dot(kick(point.before, link.before) - kick(point.after, link.after) + mobility.cwiseProduct(link.cohesive * link.normal));
+        if (law.restitution > 0 && !rebounds(problem, i, begin.split_rank[f] >= 0 ? begin.points[begin.first_point[begin.split_rank[f]] + i].traction.x() : 0,
+                                             free.kick_time * point.area))
+            problem.links[i].restitution = 0;
     }
     for (const ObstacleContact& contact : contacts_.of_fan(f)) {
         const Index* corner = &model_.fan_corners[fan.first_corner];
@@ -190,8 +192,7 @@ void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, Fan
                                  .gamma = 0,
                                  .friction = rubs ? obstacle.contact.friction : 0,
                                  .restitution = obstacle.contact.restitution,
-                                 .unbreakable = false,
-                                 .push = obstacle.contact.restitution > 0 ? -free.kick_time * contact.normal.dot(force_on(f, free)) / fan.mass : 0});
+                                 .unbreakable = false});
         problem.bodies.push_back({.velocity = velocity_at(begin.obstacles[contact.obstacle].velocity, contact),
                                   .free_velocity = velocity_at(motion_.rate()[contact.obstacle], contact),
                                   .inverse_mass = Vec2::Zero(),

@@ -65,7 +65,6 @@ private:
     void release(const State& begin, State& end, StepReport& report);
     void find_edge_impulses(const State& begin, const FreeMotion& free, StepReport& report);
     Vec2 end_velocity_at(const ObstacleContact& contact, const State& begin, const FreeMotion& free, Workspace& work) const;
-    Vec2 acceleration_at(const ObstacleContact& contact, const FreeMotion& free) const;
     const std::vector<Vec3>& contact_wrenches();  // [N s, N s, N m s] of the body on each obstacle
     Vec2 edge_impulse_on(Index corner) const;    // [N s] of the contacts on edges
     void account_edges(const State& begin, const State& end, const FreeMotion& free, StepReport& report) const;
@@ -85,7 +84,6 @@ private:
         return model_.prescribed.empty() || model_.prescribed_of_corner[corner] < 0 ? nullptr : &model_.prescribed[model_.prescribed_of_corner[corner]];
     }
     Vec2 prescribed_velocity(const PrescribedMotion& motion, const Vec2& displacement, const State& begin, double h) const;
-    Vec2 force_on(Index fan, const FreeMotion& free) const;
     double cohesion_before(Index fan, Index point, const State& begin) const;
 
     const Model& model_;

@@ -76,25 +76,15 @@ TEST_CASE("kinks that coincide are one and exact rest wins") {
 
 TEST_CASE("the bound on the normal velocity never lets a contact give energy") {
     const double h = 0.1;
-    const auto bound = [&](double u_N, double v_N, double e, double push = 0) {
-        FanLink link = link_with(u_N, 0, e);
-        link.push = push;
-        return LinkLaw(link, Vec2(v_N, 0), h, 1e-12).bound();
-    };
+    const auto bound = [&](double u_N, double v_N, double e) { return LinkLaw(link_with(u_N, 0, e), Vec2(v_N, 0), h, 1e-12).bound(); };
     CHECK(bound(0, -2, 0.5) == doctest::Approx(1));
-    CHECK(bound(0, -2, 0.5, 0.9) == doctest::Approx(1));
-    CHECK(bound(0, -2, 0.5, 1.1) == 0);  // pushed back within the step: it rests
     CHECK(bound(-1, -2, 0) == 0);
     CHECK(bound(0.1, -2, 0) == doctest::Approx(-1));  // the gap closes exactly
     CHECK(bound(0.1, 3, 0) == doctest::Approx(-3));   // what separated is at most thrown back at its own speed
-    CHECK(bound(0.1, -2, 0.5) == doctest::Approx(1));        // would pass the wall within the step
-    CHECK(bound(0.1, -2, 0.5, 1.1) == doctest::Approx(-1));  // lands
-    CHECK(bound(0.3, -2, 0.5) == doctest::Approx(-3));       // does not come so far by itself: lands at most
+    CHECK(!LinkLaw(link_with(0.1, 0, 0.5), Vec2(-2, 0), h, 1e-12).may_touch());
     Random random(1, "bound");
     for (int i = 0; i < 1000; ++i) {
-        const double v = random.uniform(-1, 1), e = random.uniform() < 0.5 ? 0 : random.uniform(), push = random.uniform(-1, 1);
-        const double u = random.uniform(-0.1, 0.1), b = bound(u, v, e, push);
+        const double v = random.uniform(-1, 1), b = bound(random.uniform(-0.1, 0.1), v, random.uniform() < 0.5 ? 0 : random.uniform());
         CHECK(0.5 * (v + b) <= 0);  // p >= 0 works on the mean velocity
-        if (u >= std::max(0.0, h * v)) CHECK(u + h * b >= -1e-15);  // and at constant step no side enters the other
     }
 }

@@ -83,11 +83,11 @@ private:
         return worst;
     }
 
-    /// [m/s] b
+    /// [m/s] b, or minus infinity for what may not touch
     double bound(const FanLink& link) const {
-        const double v = normal_part(link, before(link)), least = 1e-12 * speed_ * problem_.drift_time;
-        if (link.u_N + problem_.drift_time * v <= least && -link.restitution * v > std::max(0.0, link.push)) return -link.restitution * v;
-        return link.u_N <= least ? std::min(0.0, -v) : std::min(-link.u_N / problem_.drift_time, -v);
+        const double v = normal_part(link, before(link));
+        if (link.u_N <= 1e-12 * speed_ * problem_.drift_time) return v <= 0 ? -link.restitution * v : -v;
+        return link.restitution == 0 ? -std::max(link.u_N / problem_.drift_time, v) : -INFINITY;
     }
 
     double contact(const FanLink& link) const { return normal_part(link, link.impulse) + link.cohesive; }
@@ -96,7 +96,7 @@ private:
         const Vec2 V = after(link);
         if (link.unbreakable) return V.cwiseAbs().maxCoeff() / speed_;
         const double p = contact(link), b = bound(link);
-        const double normal = std::abs(std::min(p / impulse_, (normal_part(link, V) - b) / speed_));
+        const double normal = b == -INFINITY ? std::abs(p) / impulse_ : std::abs(std::min(p / impulse_, (normal_part(link, V) - b) / speed_));
         return std::max(normal, tangential_distance(link, std::max(p, 0.0)));
     }
 

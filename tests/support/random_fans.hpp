@@ -18,7 +18,7 @@ struct RandomFanOptions {
 
 class RandomFan {
 public:
-    RandomFan(std::uint64_t seed, const RandomFanOptions& options = {}) : random_(seed, "fan"), pushes_(seed, "push"), options_(options) {}
+    RandomFan(std::uint64_t seed, const RandomFanOptions& options = {}) : random_(seed, "fan"), options_(options) {}
 
     FanProblem problem() {
         const int n = 1 + static_cast<int>(random_.uniform(0, options_.most_bodies));
@@ -73,8 +73,7 @@ private:
                 .gamma = one_of({0.0, 0.5, 1.0, random_.uniform(0, 3)}),
                 .friction = options_.friction ? one_of({0.0, 0.3, 1.0, random_.uniform(0, 3), 30.0, 1000.0}) : 0,
                 .restitution = one_of({0.0, 0.0, 0.5, 1.0, random_.uniform()}),
-                .unbreakable = false,
-                .push = pushes_.uniform() < 0.5 ? 0 : speed_ * pushes_.uniform(-1, 1)};
+                .unbreakable = false};
     }
 
     void make_links(FanProblem& fan, int n) {
@@ -146,7 +145,7 @@ private:
         }
     }
 
-    Random random_, pushes_;
+    Random random_;
     RandomFanOptions options_;
     double speed_ = 1, mass_ = 1, force_ = 0;
     Vec2 driven_velocity_ = Vec2::Zero();
