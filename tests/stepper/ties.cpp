@@ -163,7 +163,7 @@ TEST_CASE("E3 all interfaces of a homogeneous bar reach their strength in one st
 }
 
 TEST_CASE("with restitution what is pressed comes to rest and a crack costs its energy") {
-    // before: no lawful states in one of some thousand fans with e in between; a quarter of the surface energy for nothing with e = 1
+    // with rebounds of what cohesion holds, and of what lasting pressure holds, the law lag was -4 % (e = .3) to -10 % (e = 1), the residual 8e-11
     const Mesh mesh = cracked_block(1.5e-3);
     for (const double e : {0.3, 0.8, 1.0})
         for (const bool crushed : {false, true}) {
@@ -172,13 +172,14 @@ TEST_CASE("with restitution what is pressed comes to rest and a crack costs its 
             ModelInput input = crushed ? crushed_block(mesh, 0.3) : pulled_block(mesh);
             input.laws[0].restitution = e;
             Run run(input);
-            const double h = 0.8 * run.stepper.stable_step();
+            const double h = 0.5 * run.stepper.stable_step();
             while (run.now.time < 25e-6) run.step(h);
             check_books(run);
+            CHECK(run.ledger.worst().residual <= 1e-12);
             const EnergyRow& row = run.ledger.row();
             CHECK(broken_points(run).size() > 20);
-            CHECK(std::abs(row.law_lag) <= 0.02 * row.surface);
-            MESSAGE("e = ", e, ": law lag over surface energy ", row.law_lag / row.surface, ", impact work ", row.impact_work / row.surface, ", residual ", run.ledger.worst().residual);
+            CHECK(std::abs(row.law_lag) <= 0.02 * row.dissipated);
+            MESSAGE("e = ", e, ": law lag over dissipated energy ", row.law_lag / row.dissipated, ", impact work ", row.impact_work / row.dissipated, ", residual ", run.ledger.worst().residual);
         }
 }
 
