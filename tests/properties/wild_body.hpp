@@ -109,22 +109,11 @@ private:
         draw_contact(input.laws[0]);
         input.loads.clear();
         input.foundations.clear();
-        double width = 0, height = 0;
-        for (const Vec2& x : input.mesh.vertices) width = std::max(width, x.x()), height = std::max(height, x.y());
         const double pressure = std::min(0.1 * input.materials[0].E, std::pow(10, pressing_.uniform(-1, 0.5)));  // the strength is 1
         Obstacle floor = platen({0, 0}, {0, 1});
         draw_contact(floor.contact);
         input.obstacles.push_back(floor);
-        if (pressing_.uniform() < 0.5) {
-            input.loads.push_back(load(Load::Kind::traction, "top", std::nullopt, -pressure));
-        } else {  // by a weight that moves up and down
-            Obstacle weight = platen({0, height}, {0, -1});
-            draw_contact(weight.contact);
-            weight.drive[1].kind = Drive::Kind::free;
-            weight.mass = width * height * input.thickness;
-            weight.forces.push_back({.value = Vec3(0, -pressure * width * input.thickness, 0), .history = {}});
-            input.obstacles.push_back(weight);
-        }
+        input.loads.push_back(load(Load::Kind::traction, "top", std::nullopt, -pressure));
         made.n_steps = 100 + static_cast<int>(pressing_.uniform(0, 200));
     }
 
