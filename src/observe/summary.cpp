@@ -95,7 +95,8 @@ struct SummaryRow {
 };
 
 constexpr std::array rows{
-    SummaryRow{"energy_residual", "", "largest error of the energy balance over the run, relative to the largest energy", [](const F& f) { return f.part(f.ledger.largest_residual()); }},
+    SummaryRow{"energy_residual", "", "largest error of the energy balance over the run, relative to the largest energy",
+               [](const F& f) { return f.part(f.ledger.largest_residual()); }},
     SummaryRow{"law_lag", "", "work of the interfaces beyond what their law takes, over the dissipated energy, at the end", [](const F& f) { return f.ledger.law_lag(); }},
     SummaryRow{"largest_law_lag", "", "law_lag where it was farthest from zero over the run; less than a hundredth of the largest energy counts as that",
                [](const F& f) { return f.ledger.largest_law_lag(); }},
@@ -125,7 +126,8 @@ constexpr std::array rows{
     SummaryRow{"mean_tip_speed", "m/s", "of the tip of the main crack, its mean over the second half of the growth", [](const F& f) { return f.cracks.mean_tip_speed(); }},
     SummaryRow{"max_tip_speed_over_cR", "", "max_tip_speed over the Rayleigh speed",
                [](const F& f) { return f.rayleigh_speed > 0 ? f.cracks.max_tip_speed() / f.rayleigh_speed : none; }},
-    SummaryRow{"tips", "", "number of crack tips at the end that have not arrived at a boundary or at another crack", [](const F& f) { return static_cast<double>(f.pattern.tips.size()); }},
+    SummaryRow{"tips", "", "number of crack tips at the end that have not arrived at a boundary or at another crack",
+               [](const F& f) { return static_cast<double>(f.pattern.tips.size()); }},
     SummaryRow{"branches", "", "number of branchings at the end", [](const F& f) { return static_cast<double>(f.pattern.n_branches); }},
     SummaryRow{"first_branch_time", "s", "first branching", [](const F& f) { return f.cracks.first_branching() ? f.cracks.first_branching()->time : none; }},
     SummaryRow{"first_branch_x", "m", "where it was", [](const F& f) { return f.cracks.first_branching() ? f.cracks.first_branching()->position.x() : none; }},

@@ -81,6 +81,11 @@ void Assembly::check_column_name(const std::string& path, const std::string& nam
     if (std::ranges::find(scenario.loads, name, &Load::name) != scenario.loads.end()) taken("a load");
     else if (std::ranges::find(scenario.obstacles, name, &Obstacle::name) != scenario.obstacles.end()) taken("an obstacle");
     else if (std::ranges::find(scenario.probes, name, &ProbeOptions::name) != scenario.probes.end()) taken("a probe");
+    const std::vector<Output>& numbers = output_table("summary").rows;  // a study that asks for "largest_slip" means one thing
+    for (const char* table : {"probes.csv", "reactions.csv"})
+        for (const Output& row : output_table(table).rows)
+            if (const std::string column = name + std::string(row.name.substr(1)); row.name.starts_with('*') && std::ranges::count(numbers, column, &Output::name) > 0)
+                findings.error("duplicate-name", "`" + column + "` would be a column, and is a number of the summary", at(path)).note = "choose another name";
 }
 
 std::vector<std::string> Assembly::drivers() const {

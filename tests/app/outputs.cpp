@@ -113,7 +113,11 @@ TEST_CASE("outputs: every column and number and array of a run is in the list an
     REQUIRE(run.code == 0);
     const fs::path made = folder.path / "run";
 
-    for (const char* table : {"energy.csv", "cracks.csv", "reactions.csv", "probes.csv", "breaks.csv", "stress_strain.csv", "fragments.csv"}) check_header(made / table, table);
+    for (const fs::path& file : fs::directory_iterator(made))
+        if (file.extension() == ".csv") check_header(file, file.filename().string());
+    for (const OutputTable& table : output_tables())  // of the tables of a run, all
+        if (table.name.ends_with(".csv") && table.name != "study.csv" && table.name != "sweep.csv" && table.name != "statistics.csv")
+            CHECK_MESSAGE(fs::exists(made / table.name), table.name);
     for (const fs::path& file : fs::directory_iterator(made))
         if (file.extension() == ".csv" || file.extension() == ".json" || file.extension() == ".txt") check_no_odd_numbers(file);
     CHECK(read_csv(made / "breaks.csv").rows.size() > 3);
@@ -175,4 +179,7 @@ TEST_CASE("outputs: studies name loads and their tables carry units") {
     const Answer twice = command("check " + folder.in_shell("plate.toml") + " -s 'load[1].name=platen'");
     CHECK(twice.code == 2);
     CHECK(twice.has("duplicate-name"));
+    const Answer number = command("check " + folder.in_shell("plate.toml") + " -s 'probe[1].name=largest'");
+    CHECK(number.code == 2);
+    CHECK(number.has("`largest_slip` would be a column, and is a number of the summary"));
 }

@@ -35,7 +35,7 @@ TEST_CASE("outputs: a name means one thing in all tables that a study looks thro
         for (const char* other : {"energy.csv", "cracks.csv", "reactions.csv", "probes.csv", "stress_strain.csv"})
             for (const Output& row : output_table(one).rows) {
                 const Output* same = find_output(other, row.name);
-                if (!same) continue;
+                if (!same || same->name.starts_with('*')) continue;  // names that would make such a column are refused
                 CAPTURE(std::string(one) + " and " + other + ": " + std::string(row.name));
                 CHECK(same->unit == row.unit);
             }
