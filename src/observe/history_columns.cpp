@@ -33,7 +33,8 @@ constexpr std::array energy{
 constexpr std::array cracks{
     Measure<C>{"time", "s", "of the line", [](const C& m) { return m.time; }},
     Measure<C>{"main_length", "m", "length of the main crack, along chords", [](const C& m) { return m.history.pattern().main_length; }},
-    Measure<C>{"crack_length", "m", "length of all arms of cracks, along edges, without twigs and single broken interfaces; at the end what counts then is known from its first edge on",
+    Measure<C>{"crack_length", "m",
+                "length of all arms of cracks, along edges, without twigs and single broken interfaces; at the end what counts then is known from its first edge on",
                 [](const C& m) { return m.history.pattern().crack_length; }},
     Measure<C>{"broken_length", "m", "length of all broken interfaces", [](const C& m) { return m.history.pattern().broken_length; }},
     Measure<C>{"damaged_length", "m", "length of all interfaces that are damaged but not broken", [](const C& m) { return m.history.pattern().damaged_length; }},
