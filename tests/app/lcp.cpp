@@ -61,7 +61,7 @@ TEST_CASE("lcp with all solvers leaves out those that would take very long and s
     CHECK(all.has("\"solver\": \"gauss_seidel\""));
 }
 
-TEST_CASE("lcp takes several problems, solves those of an unloaded beam and says which solver does not apply") {
+TEST_CASE("lcp takes several problems and solves those of an unloaded beam and says which solver does not apply") {
     const Answer two = command("lcp " + stored("dcb_unloaded") + " " + stored("line_4"));
     CAPTURE(two.text);
     CHECK(two.code == 0);
