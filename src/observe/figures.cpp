@@ -83,7 +83,8 @@ void check_figure(const FigureOptions& options, const Histories& histories) {
     const auto refuse = [&](const std::string& why) {
         std::vector<std::string> there;
         for (const std::string& subject : figure_subjects())
-            if (const Source other = source_of(subject, "opening", histories); other.table == nullptr || !other.table->columns.empty()) there.push_back(subject);
+            if (subject == options.show && subject != "cracks") continue;
+            else if (const Source other = source_of(subject, "opening", histories); other.table == nullptr || !other.table->columns.empty()) there.push_back(subject);
         throw UserError("nothing-to-show", "the run has nothing that `" + what + "` could show", why + "; it has " + joined(there));
     };
     if (source.table != nullptr && source.table->columns.empty()) refuse(source.note);
