@@ -1,5 +1,5 @@
 #pragma once
-// One rule for all names that a scenario gives: materials, interfaces, boundaries, probes, obstacles. (The scenario's own name and the names
+// One rule for all names that a scenario gives: materials, interfaces, boundaries, loads, probes, obstacles. (The scenario's own name and the names
 // of files are parts of paths and have narrower rules.)
 #include <string_view>
 

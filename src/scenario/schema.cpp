@@ -164,7 +164,7 @@ std::string schema_markdown() {
         out += "| `" + (is_table(key) ? header(key) : std::string(key.path)) + "` | " + (is_table(key) ? "" : escaped(describe(key))) + " | " +
                escaped(conditions(key)) + " | " + escaped(std::string(key.doc)) + " |\n";
     out += "\n## Units\n\nA number is in the unit shown above, or a text with a unit of the same kind: `\"40 mm\"`, `\"3.08 MPa\"`, `\"3 J/m2\"`.\n\n" + units_markdown();
-    out += "\n## Names\n\nMaterials, interfaces, boundaries, probes and obstacles have names by one rule: " + std::string(rule_for_names) +
+    out += "\n## Names\n\nMaterials, interfaces, boundaries, loads, probes and obstacles have names by one rule: " + std::string(rule_for_names) +
            ". A name with blanks stands in quotes where it is a key: `[material.\"hard rock\"]`. A material's name has no `-`, which joins two of them in `[interface.A-B]`. "
            "Names of boundaries that come from a Gmsh file are taken as they are.\n";
     return out;
