@@ -57,12 +57,12 @@ Faces faces_of(const Model& model) {
 
 /// What steps took on the mean over the first ones, in the gallery. Explicit, where all can break: 1.4 to 3.2 times without friction; with it 2 to 8 times, since
 /// broken faces rub on, but 1.1 where joints rub from the start. Implicit, in solves of the whole body: 1.1 to 5 for a line that can break, 5.5 for
-/// 7 000 interfaces in 3 000 steps, 114 for 56 000 in 61; 26 for a long front of slip with friction.
+/// 7 000 interfaces in 3 000 steps, 114 for 56 000 in 61; 9 for a long front of slip with friction.
 double mean_over_first(const Scenario& scenario, const Model& model, double n_steps) {
     const Faces faces = faces_of(model);
     const bool breaks_everywhere = faces.n_breakable >= 0.1 * static_cast<double>(model.interfaces.size());
     if (scenario.time.scheme.bulk == BulkScheme::implicit_theta)
-        return breaks_everywhere ? 2.4 + 4 * std::sqrt(faces.n_breakable / n_steps) : faces.rub ? 26 : 2.4;
+        return breaks_everywhere ? 2.4 + 4 * std::sqrt(faces.n_breakable / n_steps) : faces.rub ? 9 : 2.4;
     if (!breaks_everywhere) return 1;
     return !faces.rub ? 2 : faces.rub_at_start ? 1.3 : 4.5;
 }

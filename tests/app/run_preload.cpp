@@ -1,6 +1,10 @@
 // knap run with time.start = "equilibrium": a body that rests under its loads, and those that cannot begin.
 #include "program.hpp"
 
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
 using namespace program;
 
 namespace {
@@ -25,6 +29,11 @@ TEST_CASE("a run from equilibrium begins with the strain of its preload and rest
                                      " -s 'expect={energy_residual={at_most=1e-12}, largest_speed={at_most=1e-9}, "
                                      "broken_length={at_most=0}, strain_energy={value=1.215, within=1e-9}}'");
         CAPTURE(rests.text);
+        const auto record = nlohmann::json::parse(text_of(folder.path / "run/run.json"));
+        double sum = 0;
+        for (const auto& part : record["cpu_parts_s"]) sum += part.get<double>();
+        CHECK(record["cpu_parts_s"]["preload"] > 0);
+        CHECK(std::abs(sum - record["cpu_s"].get<double>()) <= 1e-9 * sum);
         CHECK(rests.code == 0);  // 1/2 sigma^2/E times the volume of .03 m3 is 1.215 J
     }
 }
