@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace knap {
 
@@ -177,19 +178,24 @@ void CrackHistory::find_main() {
     if (!vertices.empty()) pattern_.main_length = std::max(pattern_.main_length, along_chords(vertices).back());
 }
 
-std::vector<double> CrackHistory::lengths_over_time() const {
-    std::vector<double> lengths(times_.size(), 0);
-    for (std::size_t arm = 0; arm < arms_.arms().size(); ++arm) {
-        const Growth way = growth(static_cast<Index>(arm));
-        const std::vector<CrackNode>& nodes = arms_.nodes();
-        const Index start = arms_.arms()[arm].nodes.front();
-        std::size_t next = way.way.size() - arms_.arms()[arm].nodes.size() + 1;  // of the way: the first that is its own
-        double length = 0;
-        for (std::size_t t = 0; t < times_.size(); ++t) {
-            for (; next < way.way.size() && way.reached[next] <= times_[t]; ++next) length = nodes[way.way[next]].distance - nodes[start].distance;
-            lengths[t] += length;
+CrackHistory::Lengths CrackHistory::lengths_over_time() const {
+    Lengths lengths{.main = std::vector<double>(times_.size(), 0), .all = std::vector<double>(times_.size(), 0)};
+    const auto line = [&](double since) { return std::lower_bound(times_.begin(), times_.end(), since) - times_.begin(); };
+    const std::vector<CrackNode>& nodes = arms_.nodes();
+    for (const CrackNode& node : nodes)
+        if (node.arm >= 0 && node.parent >= 0) lengths.all[line(node.since)] += node.distance - nodes[node.parent].distance;
+    if (main_arm_ >= 0) {
+        const std::vector<Index> way = arms_.way(arms_.arms()[main_arm_].tip());
+        std::vector<Index> vertices;
+        for (const Index n : way) vertices.push_back(nodes[n].vertex);
+        const std::vector<double> position = along_chords(vertices);
+        for (std::size_t i = 1; i < way.size(); ++i) {  // through a crack that goes on with another one the way leads back to its start first
+            const Index later = nodes[way[i]].parent == way[i - 1] ? way[i] : way[i - 1];
+            if (position[i] > position[i - 1]) lengths.main[line(nodes[later].since)] += position[i] - position[i - 1];
         }
     }
+    std::partial_sum(lengths.main.begin(), lengths.main.end(), lengths.main.begin());
+    std::partial_sum(lengths.all.begin(), lengths.all.end(), lengths.all.begin());
     return lengths;
 }
 

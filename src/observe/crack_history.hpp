@@ -66,8 +66,11 @@ public:
     std::optional<double> first_growth_time() const { return first_growth_; }  // [s] first edge of a crack that counts
     std::optional<FirstBranching> first_branching() const;
 
-    /// What is known in the end of all arms at an earlier time, when some of them were too short to count: their length at each snapshot [m].
-    std::vector<double> lengths_over_time() const;
+    struct Lengths {
+        std::vector<double> main, all;  // [m]
+    };
+    /// How much had cracked at each snapshot of what is the main crack (along chords) and of what are arms in the end (along edges).
+    Lengths lengths_over_time() const;
     /// arms.csv: for each arm its start and then its edges: when the tip came past their far ends, the length of the arm along edges then, and the speed of the tip.
     static std::span<const Output> arm_columns();
     std::vector<std::vector<double>> arm_rows() const;

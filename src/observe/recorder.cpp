@@ -187,12 +187,15 @@ void Recorder::write_fragments(const State& now) {
     if (!options_.directory.empty()) write_csv(histories_.fragments, options_.directory / "fragments.csv");
 }
 
-/// The arms as they are known in the end: an arm counts when it is long, but grew from its first edge on, and so do the lengths of all arms in cracks.csv.
+/// The arms as they are known in the end: an arm counts when it is long, but grew from its first edge on, and so do the lengths in cracks.csv.
 void Recorder::write_arms() {
     if (cracks_.arms().arms().empty()) return;
     const Timed timed(*this);
-    const std::vector<double> lengths = cracks_.lengths_over_time();
-    for (std::size_t i = 0; i < lengths.size(); ++i) histories_.cracks.rows[i][2] = std::max(histories_.cracks.rows[i][2], lengths[i]);
+    const CrackHistory::Lengths lengths = cracks_.lengths_over_time();
+    for (std::size_t i = 0; i < lengths.all.size(); ++i) {
+        std::vector<double>& row = histories_.cracks.rows[i];
+        row[1] = std::max(row[1], lengths.main[i]), row[2] = std::max(row[2], lengths.all[i]);
+    }
     if (options_.directory.empty()) return;
     crack_file_ = opened(options_.directory / "cracks.csv", histories_.cracks);
     History arms{.rows = cracks_.arm_rows()};

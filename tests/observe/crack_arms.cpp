@@ -135,7 +135,7 @@ TEST_CASE("fork: the arm that is long first goes on: the other is dated back to 
     CHECK((history.first_branching()->position - mm * Vec2(8, 0)).norm() < 1e-12);
     for (const CrackTip& tip : history.pattern().tips) CHECK(tip.speed > 0);
     // both grew from their first edges on
-    const std::vector<double> lengths = history.lengths_over_time();
+    const std::vector<double> lengths = history.lengths_over_time().all;
     for (std::size_t k = 0; k < lengths.size(); ++k) {
         const double t = 0.5 * static_cast<double>(k);  // [us]
         const double trunk = std::min(8.0, std::floor(t)) * mm, upper = std::clamp(std::floor(t - 8), 0.0, 8.0) * edge, lower = std::clamp(std::floor(t - 8.5), 0.0, 8.0) * edge;
@@ -174,7 +174,7 @@ TEST_CASE("a twig that rests and grows later is an arm from its first edge on") 
     CHECK(after.pattern().n_branches == 1);
     CHECK(after.pattern().crack_length == relative(28 * mm));
     CHECK(after.first_branching()->time == relative(7 * us));
-    CHECK(after.lengths_over_time()[22] == relative((11 + 3) * mm));  // at 11 us
+    CHECK(after.lengths_over_time().all[22] == relative((11 + 3) * mm));  // at 11 us
     CHECK(after.pattern().main_end->arm == 0);
 }
 
@@ -259,6 +259,9 @@ TEST_CASE("cracks that merge: the main one goes on through the one that began ah
     CHECK(p.main_start == CrackStart::precrack);
     CHECK((p.main_end->position - mm * Vec2(45, 0)).norm() < 1e-12);
     CHECK(merged.max_tip_speed() == relative(1000, 0.05));  // no jump of any tip
+    const std::vector<double> lengths = merged.lengths_over_time().main;
+    CHECK(lengths[10] == relative(7 * mm));  // at 5 us: five edges of the one, two of the other
+    for (std::size_t k = 1; k < lengths.size(); ++k) CHECK(lengths[k] - lengths[k - 1] < 3.5 * mm);
     CHECK(merged.tip_speed() == 0);
 }
 
