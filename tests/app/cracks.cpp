@@ -17,7 +17,7 @@ namespace {
 class Broken {
 public:
     explicit Broken(const History& breaks) {
-        const std::vector<double> x = breaks.column("x"), y = breaks.column("y"), angle = breaks.column("angle_deg"), length = breaks.column("length");
+        const std::vector<double> x = breaks.column("x"), y = breaks.column("y"), angle = breaks.column("angle"), length = breaks.column("length");
         for (std::size_t i = 0; i < x.size(); ++i) {
             const double a = angle[i] * std::acos(-1.0) / 180, dx = 0.5 * length[i] * std::cos(a), dy = 0.5 * length[i] * std::sin(a);
             const int p = vertex(x[i] - dx, y[i] - dy), q = vertex(x[i] + dx, y[i] + dy);
@@ -65,11 +65,11 @@ double number_in(const std::string& json, const std::string& name) {
 void check_cracks(const fs::path& run) {
     const double pruned = 10 * number_in(text_of(run / "run.json"), "mean_edge_m");
     const History cracks = knap::read_csv(run / "cracks.csv"), arms = knap::read_csv(run / "arms.csv");
-    for (const char* column : {"length", "crack_length", "broken_length", "branches", "n_broken"}) {
+    for (const char* column : {"main_length", "crack_length", "broken_length", "branches", "n_broken"}) {
         const std::vector<double> values = cracks.column(column);
         for (std::size_t i = 1; i < values.size(); ++i) CHECK_MESSAGE(values[i] >= values[i - 1], column << " at line " << i);
     }
-    const std::vector<double> speed = cracks.column("speed");
+    const std::vector<double> speed = cracks.column("tip_speed");
     for (std::size_t i = 1; i < speed.size(); ++i) CHECK((std::isnan(speed[i - 1]) || std::isfinite(speed[i])));
     CHECK(std::isfinite(speed.back()));
 
@@ -124,7 +124,7 @@ TEST_CASE("the starter plate forks as its picture shows") {
     CHECK(x.back() > 85e-3);
     CHECK(length.back() > 10e-3);
     CHECK(number.back() == 1);
-    const std::vector<double> speed = knap::read_csv(folder.path / "run/cracks.csv").column("speed");
+    const std::vector<double> speed = knap::read_csv(folder.path / "run/cracks.csv").column("tip_speed");
     CHECK(std::count_if(speed.begin(), speed.end(), [](double v) { return v > 0; }) > 200);
 }
 
