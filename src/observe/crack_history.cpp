@@ -205,8 +205,8 @@ std::span<const Output> CrackHistory::arm_columns() {
                                         Output{"time", "s", "when its tip had come past this place"},
                                         Output{"x", "m", "place of a vertex of the arm"},
                                         Output{"y", "m", "likewise"},
-                                        Output{"length", "m", "of the arm up to there, along edges"},
-                                        Output{"speed", "m/s", "of its tip then"}};
+                                        Output{"speed", "m/s", "of its tip then"},
+                                        Output{"length", "m", "of the arm up to there, along edges"}};
     return columns;
 }
 
@@ -221,7 +221,7 @@ std::vector<std::vector<double>> CrackHistory::arm_rows() const {
             const double time = way.reached[std::max(i, start + 1)];
             const CrackNode& node = arms_.nodes()[way.way[i]];
             const Vec2& x = arms_.graph().vertices[node.vertex];
-            rows.push_back({static_cast<double>(arm), static_cast<double>(a.parent), time, x.x(), x.y(), node.distance - arms_.nodes()[a.nodes.front()].distance, speed_at(way, time)});
+            rows.push_back({static_cast<double>(arm), static_cast<double>(a.parent), time, x.x(), x.y(), speed_at(way, time), node.distance - arms_.nodes()[a.nodes.front()].distance});
         }
     }
     return rows;

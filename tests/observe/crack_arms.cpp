@@ -144,9 +144,9 @@ TEST_CASE("fork: the arm that is long first goes on: the other is dated back to 
     const std::vector<std::vector<double>> rows = history.arm_rows();
     REQUIRE(rows.size() == 17 + 9);
     CHECK(rows[17][2] == relative(9.5 * us));
-    CHECK(rows[17][5] == 0);
-    CHECK(rows[25][5] == relative(8 * edge));
-    CHECK(rows[25][6] == relative(1e6 * edge, 0.05));
+    CHECK(rows[17][6] == 0);
+    CHECK(rows[25][6] == relative(8 * edge));
+    CHECK(rows[25][5] == relative(1e6 * edge, 0.05));
 }
 
 TEST_CASE("a stub that broke first is no arm: the tip goes on with what is longer") {
