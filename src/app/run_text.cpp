@@ -136,8 +136,9 @@ std::string end_of_run(const RunRecord& record, const std::filesystem::path& dir
         add_line(text, "  %-24s %s%s\n", name.c_str(), value_text(value, unit_of("summary", name)).c_str(), whose.c_str());
     }
     for (const Gate& gate : record.gates)
-        add_line(text, "  gate   %-20s %-16s limit %-16s %s%s\n", gate.name.data(), value_text(gate.value, gate.unit, 4).c_str(), value_text(gate.limit, gate.unit, 4).c_str(),
-                 gate.pass() ? name_of(gate.level).data() : "VIOLATED", gate.level == GateLevel::ok ? "" : place_text(gate.place).c_str());
+        add_line(text, "  gate   %-20s %-16s limit %-16s %s%s\n", gate.name.data(), value_text(gate.value, gate.unit, 4).c_str(),
+                 std::isinf(gate.limit) ? "none" : value_text(gate.limit, gate.unit, 4).c_str(), gate.pass() ? name_of(gate.level).data() : "VIOLATED",
+                 gate.level == GateLevel::ok ? "" : place_text(gate.place).c_str());
     for (const ExpectResult& result : record.expect)
         add_line(text, "  expect %-20s %-16s %-24s %s\n", result.name.c_str(), value_text(result.value, unit_of("summary", result.name)).c_str(), result.limit.c_str(),
                  result.pass ? "ok" : "FAILED");

@@ -156,6 +156,7 @@ private:
         const double area = common_area(a.corner, b.corner, moment);
         if (!(area > 0)) return;
         found.area += area;
+        found.triangles += area / std::min(signed_area(a.corner), signed_area(b.corner));
         if (area > found.largest) found.largest = area, found.place = moment / area;
     }
 

@@ -9,6 +9,7 @@ namespace knap {
 struct CoveredTwice {
     double area = 0;            // [m2] sum over all pairs of triangles of what they have in common
     double largest = 0;         // [m2] of one pair
+    double triangles = 0;       // [-] sum of the same areas over that of the smaller triangle of the pair
     Vec2 place = Vec2::Zero();  // [m] the centroid of that
 };
 

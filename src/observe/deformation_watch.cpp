@@ -156,6 +156,8 @@ void DeformationWatch::look_for_overlap(const State& state) {
             if (!is_at_border[t]) add(t);
         found = find_covered_twice(corner, vertex);
     }
+    // what is small there is measured by the triangles that lie there, where those are smaller than the mean
+    if (found.area > 0) triangle_area_ = std::min(body_area_ / mesh.n_triangles(), found.area / found.triangles);
     overlap_.meet(found.area, found.place);
 }
 

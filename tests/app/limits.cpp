@@ -94,7 +94,8 @@ TEST_CASE("limits: a bar that turns is warned of from 5 degrees and ends its run
         CHECK(gate_of(record_of(folder), "rotation")["value"].get<double>() > 50);
         CHECK(gate_of(record_of(folder), "rotation")["limit"].is_null());
         CHECK(run(folder, spin, "-s 'limits.rotation=40 deg' -s limits.area_change=none").code == 3);
-        CHECK(gate_of(record_of(folder), "rotation")["value"].get<double>() == doctest::Approx(40.5).epsilon(0.015));
+        CHECK(gate_of(record_of(folder), "rotation")["value"].get<double>() > 40);
+        CHECK(gate_of(record_of(folder), "rotation")["value"].get<double>() < 41);
     }
 }
 
@@ -105,7 +106,8 @@ TEST_CASE("limits: the two sides of a slot that go through each other are found"
     CHECK(shut.has("gate overlap violated"));
     const Json summary = record_of(folder)["summary"];
     CHECK(summary["overlap_area"].get<double>() > 1e-6);
-    CHECK(summary["overlap_x"].get<double>() == doctest::Approx(0.02).epsilon(0.2));
+    CHECK(summary["overlap_x"].get<double>() > 0.01);
+    CHECK(summary["overlap_x"].get<double>() < 0.03);
     CHECK(summary["overlap_y"].get<double>() > 0.005);
     CHECK(summary["overlap_y"].get<double>() < 0.01);
     CHECK(run(folder, slot, "-s limits.area_change=none -s limits.overlap=none").code == 0);
@@ -118,7 +120,8 @@ TEST_CASE("limits: faces that slid by more than an edge under pressure end the r
     CHECK(slid.code == 3);
     CHECK(count(slid.text, "warning[slip]") == 1);
     CHECK(slid.has("gate slip violated"));
-    CHECK(record_of(folder)["time_s"].get<double>() == doctest::Approx(2.5e-3 / 60).epsilon(0.3));  // an edge at 60 m/s
+    CHECK(record_of(folder)["time_s"].get<double>() > 25e-6);  // an edge of some 2 mm at 60 m/s
+    CHECK(record_of(folder)["time_s"].get<double>() < 50e-6);
     CHECK(run(folder, slide, "-s limits.slip=none -s limits.overlap=none").code == 0);
     CHECK(record_of(folder)["summary"]["largest_slip"].get<double>() > 1.5);
 }
@@ -146,4 +149,15 @@ TEST_CASE("limits: an obstacle that begins a few nanometres in the body is besid
     const Answer deep = run(folder, block("5 um"));
     CHECK(deep.code == 2);
     CHECK(deep.has("lies in the body at the start, by 5e-06 m"));
+}
+
+TEST_CASE("limits: a crack that did not grow and one whose growth is in few lines have no mean speed") {
+    const Folder folder("no_speed");
+    REQUIRE(run(folder, spin, "-s 'time.end=0.1 ms'").code == 0);
+    CHECK(record_of(folder)["summary"]["mean_tip_speed"].is_null());
+    REQUIRE(command("run " + small_block() + "-s 'output.history_every=10 us' --force -o " + folder.in_shell("run")).code == 0);
+    CHECK(record_of(folder)["summary"]["mean_tip_speed"].is_null());
+    REQUIRE(command("run " + small_block() + "--force -o " + folder.in_shell("run")).code == 0);
+    CHECK(record_of(folder)["summary"]["mean_tip_speed"].get<double>() > 100);
+    CHECK(record_of(folder)["summary"]["mean_tip_speed"].get<double>() < 3000);
 }

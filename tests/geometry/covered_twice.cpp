@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <limits>
 #include <vector>
 
@@ -46,6 +47,7 @@ TEST_CASE("covered twice: two squares that lie over each other by a known rectan
         const CoveredTwice found = squares.found();
         CHECK(found.area == relative(0.3 * 0.6, 1e-13));
         CHECK(found.largest <= found.area);
+        CHECK(found.triangles == relative(found.area / std::min(1. / 50, 0.5 / (n * n)), 1e-13));
         CHECK(found.place.x() > 0.7);
         CHECK(found.place.x() < 1);
         CHECK(found.place.y() > 0.4);
@@ -70,8 +72,8 @@ TEST_CASE("covered twice: pieces apart and pieces flown far away cover nothing t
     CHECK(squares.found().area == 0);
     squares.add({0.5, 0.5}, 1, 1);
     squares.corner.back() = Vec2::Constant(std::numeric_limits<double>::quiet_NaN());  // the left upper one of its triangles
-    // the lower right half of the unit square from (1/2, 1/2) lies over a quarter by a half of it, and over the next piece beyond 1.001
-    CHECK(squares.found().area == relative(0.125 + 0.5 * (0.5 * 0.5 - 0.001 * 0.001), 1e-3));
+    // what is left, the lower right half, has half a quarter in common with the first piece, and with the next one what is between x = 1.001 and 1.5
+    CHECK(squares.found().area == relative(0.125 + 0.499 * 0.5, 1e-13));
 }
 
 TEST_CASE("covered twice: triangles with a common vertex may lie over each other by a little") {

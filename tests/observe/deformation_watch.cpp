@@ -4,8 +4,9 @@
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 
-#include <Eigen/Geometry>
 #include <doctest/doctest.h>
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>

@@ -2,10 +2,12 @@
 #include "observe/gates.hpp"
 
 #include "support/bodies.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
 
@@ -100,4 +102,32 @@ TEST_CASE("gates: what the numbers lose warns from 5 percent of the dissipated e
     }
     judge({ledger, 1, 1, true}, {}, gates);
     CHECK(named(gates, "crossing_loss").value == doctest::Approx(0.08).epsilon(1e-12).scale(0));
+}
+
+TEST_CASE("gates: every step may round the energy a little more") {
+    const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));
+    const State start = initial_state(model);
+    EnergyLedger ledger(model, start);
+    const StepReport rest;
+    for (int i = 0; i < 1 << 16; ++i) ledger.add(start, rest);
+    Gates gates;
+    judge({ledger, 1, 1}, {}, gates);
+    CHECK(named(gates, "energy_residual").limit == relative(1e-10 + std::ldexp(1.0, 16 - 51), 1e-15));
+}
+
+TEST_CASE("gates: no part is faster than ten times the energy that was put in would make the lightest one") {
+    const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));  // three masses of 1
+    const State start = initial_state(model);
+    const auto level = [&](double speed, double work) {
+        EnergyLedger ledger(model, start);
+        ledger.add(start, {.kinetic = 0.5 * speed * speed, .strain = work - 0.5 * speed * speed, .external_work = work, .largest_speed = speed});
+        Gates gates;
+        judge({ledger, 1, 1}, {}, gates);
+        CHECK(named(gates, "energy_residual").pass());  // an unstable leapfrog keeps its identity: what grows is kinetic energy against negative strain energy
+        return named(gates, "largest_speed").level;
+    };
+    CHECK(level(std::sqrt(2), 1) == GateLevel::ok);  // all of it in one mass, as after the first step of a point load
+    CHECK(level(4.4, 1) == GateLevel::ok);
+    CHECK(level(4.5, 1) == GateLevel::violated);     // sqrt 20
+    CHECK(level(0, 0) == GateLevel::ok);
 }
