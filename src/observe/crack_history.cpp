@@ -221,7 +221,8 @@ std::vector<std::vector<double>> CrackHistory::arm_rows() const {
             const double time = way.reached[std::max(i, start + 1)];
             const CrackNode& node = arms_.nodes()[way.way[i]];
             const Vec2& x = arms_.graph().vertices[node.vertex];
-            rows.push_back({static_cast<double>(arm), static_cast<double>(a.parent), time, x.x(), x.y(), speed_at(way, time), node.distance - arms_.nodes()[a.nodes.front()].distance});
+            const double length = node.distance - arms_.nodes()[a.nodes.front()].distance;
+            rows.push_back({static_cast<double>(arm), static_cast<double>(a.parent), time, x.x(), x.y(), speed_at(way, time), length});
         }
     }
     return rows;
