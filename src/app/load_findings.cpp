@@ -150,8 +150,8 @@ void refuse_unheld_body(const ReadResult& read, const Model& model) {
         if (!(unheld.norm() > 1e-6 * balance.size)) continue;
         char text[300];
         std::snprintf(text, sizeof text,
-                      "`time.start` asks for equilibrium, and nothing holds the body round (%.6g, %.6g) m: a force of (%.3g, %.3g) N and a moment of %.3g N m of the loads at t = 0 "
-                      "would move it away",
+                      "`time.start` asks for equilibrium, and nothing holds the body round (%.6g, %.6g) m: a force of (%.3g, %.3g) N and a moment of %.3g N m "
+                      "of the loads at t = 0 would move it away",
                       balance.centre.x(), balance.centre.y(), unheld.x(), unheld.y(), unheld.z() * balance.length);
         Diagnostic d = locate(read, "time.start");
         d.code = "not-held";

@@ -67,7 +67,8 @@ void check_details(const ReadResult& read, const Model& model, const StepPlan& p
     const Vec2 x = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
     const std::vector<Part> parts = parts_near(scenario, x, 2 * SizeField(scenario.mesh, 1)(x));
     char text[240];
-    std::snprintf(text, sizeof text, " leave a triangle at (%.6g, %.6g) m whose stable step is %.3g s, %.3g times below the %.3g s of the mesh size: all triangles step with it", x.x(),
+    std::snprintf(text, sizeof text,
+                  " leave a triangle at (%.6g, %.6g) m whose stable step is %.3g s, %.3g times below the %.3g s of the mesh size: all triangles step with it", x.x(),
                   x.y(), plan.stable_step, plan.usual_step / plan.stable_step, plan.usual_step);
     found.push_back(warning_at(read, parts.empty() ? "mesh.size" : parts[0].path, "small-step", culprits(parts) + text,
                                "move one of them, let them meet, or drop the detail; another seed places random traces elsewhere; bulk = \"implicit\" takes larger steps"));
@@ -82,7 +83,8 @@ void check_numbers(const ReadResult& read, const Model& model, const StepPlan& p
     char text[300];
     if (seconds > longest) {
         std::snprintf(text, sizeof text, "`time.end` = %.6g s is %.3g steps of %.3g s: about %.2g days of one core", end, n_steps, plan.limits.largest, seconds / 86400);
-        found.push_back(warning_at(read, "time.end", "too-long", text, "a smaller time.end (waves cross a body in micro- to milliseconds), larger triangles, or bulk = \"implicit\""));
+        found.push_back(warning_at(read, "time.end", "too-long", text,
+                                   "a smaller time.end (waves cross a body in micro- to milliseconds), larger triangles, or bulk = \"implicit\""));
     }
     const auto check = [&](const char* key, double every, double most, const char* what, double bytes) {
         const double n = every > 0 ? std::min(end / every, n_steps) : 0;

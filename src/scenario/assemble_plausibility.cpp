@@ -56,7 +56,8 @@ void check_strengths(const Assembly& assembly) {
     if (!(stiffest >= ranges[0].low)) return;  // said already
     for (const NamedLaw& law : assembly.scenario.laws)
         if (law.law.breakable() && law.law.sigma_c > stiffest)
-            assembly.findings.warning("implausible", "`interface." + law.name + ".sigma_c` = " + shortest(law.law.sigma_c) + " Pa is above the largest E, " + shortest(stiffest) + " Pa",
+            assembly.findings.warning("implausible", "`interface." + law.name + ".sigma_c` = " + shortest(law.law.sigma_c) +
+                                                         " Pa is above the largest E, " + shortest(stiffest) + " Pa",
                                       assembly.at("interface." + law.name + ".sigma_c")).note = "strains are to be small: a strength is a thousandth of E or less";
 }
 
@@ -82,10 +83,12 @@ void check_loads(const Assembly& assembly) {
         const std::string path = item("load", i);
         const double size = largest(load) * largest_factor(load.history);
         if ((load.kind == Load::Kind::traction || load.kind == Load::Kind::stress) && softest >= ranges[0].low && size > 0.1 * softest)
-            assembly.findings.warning("implausible", "`" + path + "` puts a stress of " + shortest(size) + " Pa on a material of E = " + shortest(softest) + " Pa", assembly.at(path)).note =
+            assembly.findings.warning("implausible", "`" + path + "` puts a stress of " + shortest(size) + " Pa on a material of E = " + shortest(softest) + " Pa",
+                                      assembly.at(path)).note =
                 "strains are to be small: a stress is a hundredth of E or less";
         if (load.kind == Load::Kind::velocity && fastest > 0 && size > fastest)
-            assembly.findings.warning("implausible", "`" + path + "` drives the body at " + shortest(size) + " m/s, faster than waves run in it, " + shortest(std::round(fastest)) + " m/s",
+            assembly.findings.warning("implausible", "`" + path + "` drives the body at " + shortest(size) + " m/s, faster than waves run in it, " +
+                                                         shortest(std::round(fastest)) + " m/s",
                                       assembly.at(path + ".velocity")).note = "a number without a unit is in m/s";
     }
 }
@@ -97,7 +100,8 @@ void check_times(const Assembly& assembly) {
     const auto check_history = [&](const std::string& path, const TimeFunction& history) {
         if (history.time.empty() || history.time.front() < end) return;
         const char* key = assembly.values.given(path + ".csv") ? ".csv" : ".table";
-        assembly.findings.warning("after-the-end", "`" + path + key + "` begins at " + shortest(history.time.front()) + " s, and the run ends at " + shortest(end) + " s: its factor is " +
+        assembly.findings.warning("after-the-end", "`" + path + key + "` begins at " + shortest(history.time.front()) +
+                                                       " s, and the run ends at " + shortest(end) + " s: its factor is " +
                                                        shortest(history.value.front()) + " all the time",
                                   assembly.at(path + key)).note = "a number without a unit is in seconds";
     };
@@ -111,7 +115,8 @@ void check_times(const Assembly& assembly) {
     for (std::size_t i = 0; i < assembly.values.count("study.quantity"); ++i) {
         const std::string path = item("study.quantity", i) + ".at";
         if (const auto at = assembly.values.number(path); at && *at > end)
-            assembly.findings.warning("after-the-end", "`" + path + "` is " + shortest(*at) + " s, and the run ends at " + shortest(end) + " s: there is no such value", assembly.at(path));
+            assembly.findings.warning("after-the-end", "`" + path + "` is " + shortest(*at) + " s, and the run ends at " + shortest(end) + " s: there is no such value",
+                                      assembly.at(path));
     }
 }
 

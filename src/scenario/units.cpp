@@ -284,10 +284,12 @@ std::string units_markdown() {
         for (const Unit& other : units)
             if (si.empty() && other.dimension == unit.dimension && other.power_of_ten == 0 && other.factor == 1) si = other.symbol;
         const std::string value = shortest(*shifted(shortest(unit.factor), unit.power_of_ten));
-        out += "| `" + std::string(unit.symbol) + "` | " + kind_name(unit.dimension) + " | " + value + (si.empty() ? "" : " " + si) + " | " + (unit.takes_prefix ? "yes" : "") + " |\n";
+        out += "| `" + std::string(unit.symbol) + "` | " + kind_name(unit.dimension) + " | " + value + (si.empty() ? "" : " " + si);
+        out += std::string(" | ") + (unit.takes_prefix ? "yes" : "") + " |\n";
     }
     out += "\nPrefixes: ";
-    for (const Prefix& prefix : prefixes) out += (prefix.symbol == prefixes.front().symbol ? "`" : ", `") + std::string(prefix.symbol) + "` 1e" + std::to_string(prefix.power_of_ten);
+    for (const Prefix& prefix : prefixes)
+        out += (prefix.symbol == prefixes.front().symbol ? "`" : ", `") + std::string(prefix.symbol) + "` 1e" + std::to_string(prefix.power_of_ten);
     return out + ". Units are joined by `/`, `*`, `.` or a blank and raised by a whole number behind them: `J/m2`, `kg/m^3`, `N*s`, `mm/ms`, `m s-2`.\n";
 }
 
