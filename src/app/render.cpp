@@ -48,6 +48,14 @@ FrameList frames_for(const FigureOptions& figure, const FinishedRun& run) {
     return list;
 }
 
+/// A figure of the scenario, as the run drew it: without times that it has not reached; with none left, at the last one.
+void keep_reached(FigureOptions& figure, const FinishedRun& run) {
+    if (run.frame_times.empty()) return;
+    const auto erased = std::erase_if(figure.at, [&](double time) { return time > run.frame_times.back() * (1 + 1e-6); });
+    if (erased > 0 && shows_body(figure.show))
+        std::fprintf(stderr, "note: `%s` without times after %s, where the run ends\n", figure.file.c_str(), time_text(run.frame_times.back()).c_str());
+}
+
 std::vector<std::filesystem::path> draw(const FigureOptions& figure, const FinishedRun& run, const std::filesystem::path& directory) {
     check_figure(figure, run.histories);
     if (!shows_body(figure.show)) return {draw_figure(figure, Frame{}, run.histories, run.context, directory)};
@@ -69,6 +77,8 @@ ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figur
     for (const FigureOptions& one : figures) check_figure(one, finished.histories);
     const std::filesystem::path directory = output.empty() ? run / "rendered" : output;
     std::filesystem::create_directories(directory);
+    if (figure.show.empty())
+        for (FigureOptions& one : figures) keep_reached(one, finished);
     for (const FigureOptions& one : figures)
         for (const auto& path : draw(one, finished, directory)) std::printf("figure:  %s\n", path.string().c_str());
     return exit_done;
