@@ -118,15 +118,12 @@ double VertexScheme::cohesion_before(Index fan, Index point, const State& begin)
 
 namespace {
 
-/// Whether Newton's law of impact holds: for faces without cohesion, unless the contact of the step before would bring the approach to rest within a step. A ball
-/// that the impulse p pushes down comes to rest after infinitely many rebounds, in 2 e |V_N|/((1 - e) W_NN p) steps. `pressure` [Pa], `unit` [N s/Pa] of its impulse.
-bool rebounds(const FanProblem& problem, Index i, double pressure, double unit) {
-    const FanLink& link = problem.links[i];
-    if (link.cohesive > 0) return false;
-    const Vec2 mobility = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
-    const double push = std::max(pressure, 0.0) * unit * link.normal.dot(mobility.cwiseProduct(link.normal));
+/// Newton's coefficient in this step: none for what cohesion holds, and for what would come to rest within the step under `push` [m/s], the
+/// approach that lasting pressure makes in a step: a ball rests after infinitely many rebounds, in 2 e |V_N|/((1 - e) push) steps.
+double restitution_under(const FanProblem& problem, const FanLink& link, double push) {
     const double approach = -link.normal.dot(problem.velocity_before(link.after) - problem.velocity_before(link.before));
-    return 2 * link.restitution * std::max(approach, 0.0) >= (1 - link.restitution) * push;
+    const bool rests = 2 * link.restitution * std::max(approach, 0.0) < (1 - link.restitution) * push;
+    return link.cohesive > 0 || rests ? 0 : link.restitution;
 }
 
 }  // namespace
@@ -174,9 +171,11 @@ void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, Fan
                             .friction = law.friction,
                             .restitution = law.restitution,
                             .unbreakable = unbreakable};
-        if (law.restitution > 0 && !rebounds(problem, i, begin.split_rank[f] >= 0 ? begin.points[begin.first_point[begin.split_rank[f]] + i].traction.x() : 0,
-                                             free.kick_time * point.area))
-            problem.links[i].restitution = 0;
+        if (law.restitution == 0 || begin.split_rank[f] < 0) continue;
+        FanLink& link = problem.links[i];
+        const Vec2 mobility = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
+        const double pressure = begin.points[begin.first_point[begin.split_rank[f]] + i].traction.x();  // of the step before
+        link.restitution = restitution_under(problem, link, free.kick_time * point.area * pressure * link.normal.dot(mobility.cwiseProduct(link.normal)));
     }
     for (const ObstacleContact& contact : contacts_.of_fan(f)) {
         const Index* corner = &model_.fan_corners[fan.first_corner];
@@ -197,6 +196,11 @@ void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, Fan
                                   .free_velocity = velocity_at(motion_.rate()[contact.obstacle], contact),
                                   .inverse_mass = Vec2::Zero(),
                                   .end_velocity = Vec2::Zero()});
+        if (obstacle.contact.restitution == 0) continue;
+        Vec2 force = Vec2::Zero();  // of the body and the loads on the whole fan
+        for (Index i = 0; i < fan.n_corners; ++i) force += free.corner_force[corner[i]];
+        FanLink& link = problem.links.back();
+        link.restitution = restitution_under(problem, link, -free.kick_time * link.normal.dot(force) / fan.mass);
     }
 }
 

@@ -114,7 +114,11 @@ private:
         draw_contact(floor.contact);
         input.obstacles.push_back(floor);
         input.loads.push_back(load(Load::Kind::traction, "top", std::nullopt, -pressure));
-        made.n_steps = 100 + static_cast<int>(pressing_.uniform(0, 200));
+        for (InteriorEdge& edge : input.mesh.interior_edges) edge.cracked = edge.cracked || pressing_.uniform() < 0.7;
+        made.scatter = pressing_.uniform(0, 1);
+        for (Vec2& v : made.body.velocity) v *= 0.1;
+        made.safety = pressing_.uniform(0.5, 1);
+        made.n_steps = 200 + static_cast<int>(pressing_.uniform(0, 400));
     }
 
     std::uint64_t seed_;
