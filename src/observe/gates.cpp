@@ -115,7 +115,7 @@ const GateRule rules[] = {
      .measure = [](const GateView& run) {
          GateValue found = of(run.deformation, &DeformationWatch::overlap);
          if (!found.judged) return found;
-         found.warning = run.deformation->triangle_area();
+         found.warning = 0.1 * run.deformation->triangle_area();  // as much as a picture shows
          found.limit = std::max(10 * run.deformation->triangle_area(), 1e-3 * run.deformation->body_area());
          return found;
      },

@@ -319,7 +319,7 @@ const std::vector<Key>& table() {
     {.path = "limits.slip", .kind = Kind::number, .range = positive, .words = {"none"}, .otherwise = "1, warned of from 0.5",
      .doc = "of a point under pressure, in lengths of its edge; what slides along a straight foundation or an obstacle has none"},
     {.path = "limits.overlap", .kind = Kind::number, .unit = "m2", .range = positive, .words = {"none"},
-     .otherwise = "ten of the triangles that lie there, or a thousandth of the body; warned of from one", .doc = "area that the deformed body covers twice"},
+     .otherwise = "ten of the triangles that lie there, or a thousandth of the body; warned of from a tenth of one", .doc = "area that the deformed body covers twice"},
 
     {.path = "expect", .kind = Kind::names, .doc = "what the run must find, by number of its summary: a bound, or value and within"},
     {.path = "expect.*", .kind = Kind::table, .words = summary_names(), .doc = "bounds on one number"},
