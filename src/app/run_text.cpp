@@ -15,13 +15,19 @@ void add_line(std::string& text, const char* format, Values... values) {
     text += line;
 }
 
-/// What another try could change.
-const char* advice(CutReason reason) {
+/// What another try could change, with values; `smallest` [s] is the smallest step allowed now.
+std::string advice(CutReason reason, double smallest) {
+    std::string text;
     if (reason == CutReason::assumption_1)
-        return "a smaller time.step_min; or time.assumption_1 = \"ignore\" to go on with one of the solutions; or cohesion = \"explicit\"";
-    if (reason == CutReason::not_converged)
-        return "a theta above 1/2, a smaller time.step_min, less friction where it wedges the body, or cohesion = \"explicit\"";
-    return "a smaller time.step_min";
+        add_line(text, "time.assumption_1 = \"ignore\" to go on with one of the solutions; or time.cohesion = \"explicit\"; or time.step_min = \"%.3g s\"", 1e-3 * smallest);
+    else if (reason == CutReason::not_converged)
+        add_line(text,
+                 "time.bulk = \"explicit\" with time.cohesion = \"explicit\", whose steps are solved vertex by vertex; or time.theta = 0.7 where it is smaller; or half the "
+                 "friction of the interface there, where it wedges the body; or time.step_min = \"%.3g s\"",
+                 1e-3 * smallest);
+    else
+        add_line(text, "time.step_min = \"%.3g s\"", 1e-3 * smallest);
+    return text;
 }
 
 /// " at (x, y) = (0.01, 0.02) m", or nothing.
@@ -72,9 +78,9 @@ std::string cut_text(const StepCut& cut, const Vec2& where) {
 
 std::string stuck_text(const StepCut& cut, const Vec2& where, double smallest) {
     std::string text;
-    add_line(text, "the run cannot go on from t = %.9g s at (x, y) = (%.6g, %.6g) m: %s, even in a step of %.4g s; the smallest step allowed is %.4g s. Try %s",
-             cut.time, where.x(), where.y(), std::string(describe(cut.reason)).c_str(), cut.from, smallest, advice(cut.reason));
-    return text;
+    add_line(text, "the run cannot go on from t = %.9g s at (x, y) = (%.6g, %.6g) m: %s, even in a step of %.4g s; the smallest step allowed is %.4g s. Try ",
+             cut.time, where.x(), where.y(), std::string(describe(cut.reason)).c_str(), cut.from, smallest);
+    return text + advice(cut.reason, smallest);
 }
 
 std::string resumed_text(const State& now) {

@@ -17,6 +17,9 @@ constexpr double law_goal = 1e-13;       // of the scale: natural residual of th
 constexpr double law_tolerance = 5e-11;  // likewise, where rounding leaves no more: so many rounds below it
 constexpr int most_near = 5;
 constexpr double full_augmentation = 1e3;    // of the inertia and stiffness of a point's corners: a move of the multipliers gains three digits
+// With friction, and where contacts round a vertex contradict each other, the pieces of a few fans may go round in a circle from move to move. Which of them do
+// depends on the augmentation, so then others are tried, each from the beginning
+constexpr std::array other_augmentations{300.0, 3e3, 100.0, 1e4};
 constexpr double balance_tolerance = 1e-12;  // of the scale
 // On stiff springs a Newton step ends at the first points that change their piece. What so many steps do not find is approached on soft ones
 constexpr int most_direct_steps = 20;
@@ -25,8 +28,8 @@ constexpr double soft_augmentation = 10, hardening = 3, soft_tolerance = 1e-4;
 }  // namespace
 
 AugmentedLagrangian::AugmentedLagrangian(const Model& model, ThetaMatrix& matrix) : matrix_(matrix), leaps_(model) {
-    make_room(model.mesh.n_corners(), taken_, residual_, downhill_, direction_, changed_, rate_before_);
-    make_room(model.fan_points.size() + 1, factored_states_, tangents_, turn_, last_multipliers_, points_before_);
+    make_room(model.mesh.n_corners(), taken_, residual_, downhill_, direction_, changed_, rate_before_, first_rate_);
+    make_room(model.fan_points.size() + 1, factored_states_, tangents_, turn_, last_multipliers_, points_before_, first_points_);
 }
 
 void AugmentedLagrangian::evaluate(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, const std::vector<Vec2>& rate) {
@@ -201,12 +204,12 @@ double AugmentedLagrangian::move_multipliers(std::vector<LoosePoint>& points) co
 
 bool AugmentedLagrangian::approach(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double tolerance) {
     if (find_rates(bulk, points, rate, tolerance, most_direct_steps)) return true;
-    for (double augmentation = soft_augmentation; augmentation < full_augmentation; augmentation *= hardening) {
+    for (double augmentation = soft_augmentation; augmentation < settled_augmentation_; augmentation *= hardening) {
         augment(points, augmentation);
         if (!find_rates(bulk, points, rate, soft_tolerance * unit_, most_newton_steps)) return false;
         move_multipliers(points);
     }
-    augment(points, full_augmentation);
+    augment(points, settled_augmentation_);
     return find_rates(bulk, points, rate, tolerance, most_newton_steps);
 }
 
@@ -216,17 +219,17 @@ bool AugmentedLagrangian::settle(const ImplicitBulk& bulk, std::vector<LoosePoin
     std::vector<Vec2>& last = last_multipliers_;
     last.resize(points.size());
     leaps_.begin();
-    augment(points, full_augmentation);
+    augment(points, settled_augmentation_);
     for (int outer = 0, n_near = 0; outer < most_outer_steps; ++outer) {
         const int solves = counts_.linear_solves;
-        const double tolerance = std::max(balance_tolerance * unit_, 4e-18 * full_augmentation * bulk.largest_impulse());
+        const double tolerance = std::max(balance_tolerance * unit_, 4e-18 * settled_augmentation_ * bulk.largest_impulse());
         const bool first = outer == 0 && has_potential;
         if (!(first ? approach(bulk, points, rate, tolerance) : find_rates(bulk, points, rate, tolerance, most_steps))) return false;
         if (!first) most_steps -= counts_.linear_solves - solves;
         for (const LoosePoint& point : points)  // impacts give more than strengths
             unit_ = std::max(unit_, std::min(point.response.contact, largest_unit_));
         for (std::size_t j = 0; j < points.size(); ++j) last[j] = {points[j].law.contact_guess, points[j].law.tangential_guess};
-        const double unit = full_augmentation * unit_, moved = move_multipliers(points);
+        const double unit = settled_augmentation_ * unit_, moved = move_multipliers(points);
         n_near += moved <= law_tolerance * unit;
         if (moved <= goal * unit || n_near == most_near) return true;
         leaps_.take(matrix_, points, last, goal * unit);
@@ -260,14 +263,28 @@ AugmentedLagrangian::Status AugmentedLagrangian::solve(const ImplicitBulk& bulk,
     largest_unit_ = largest_scale;
     if (!std::isfinite(unit_ + bulk.largest_impulse())) return Status::not_converged;  // every tolerance would be met
     const bool rubs = std::any_of(points.begin(), points.end(), [](const LoosePoint& p) { return p.law.friction > 0; });
-    if (!rubs) return settle(bulk, points, rate, law_goal, most_newton_steps) ? Status::solved : Status::not_converged;
-
-    // Coulomb's law is no gradient: Newton's method may wander. Then friction is bounded by the contact of the round before for a while
-    for (int attempt = 0; attempt < 4; ++attempt) {
+    const auto attempt = [&](int most_steps) {
         points_before_ = points, rate_before_ = rate;
-        if (settle(bulk, points, rate, law_goal, attempt == 3 ? most_newton_steps : most_wandering_steps)) return Status::solved;
+        if (settle(bulk, points, rate, law_goal, most_steps)) return true;
         points = points_before_, rate = rate_before_;
+        return false;
+    };
+    first_points_ = points, first_rate_ = rate;
+    settled_augmentation_ = full_augmentation;
+    // Coulomb's law is no gradient: Newton's method may wander. Then friction is bounded by the contact of the round before for a while
+    const int n_attempts = rubs ? 4 : 1;
+    for (int i = 1; i <= n_attempts; ++i) {
+        if (attempt(i == n_attempts ? most_newton_steps : most_wandering_steps)) return Status::solved;
+        if (rubs) find_friction(bulk, points, rate);
+    }
+    for (const double other : other_augmentations) {
+        points = first_points_, rate = first_rate_;
+        unit_ = scale > 0 ? scale : 1;
+        settled_augmentation_ = other;
+        if (attempt(most_newton_steps)) return Status::solved;
+        if (!rubs) continue;
         find_friction(bulk, points, rate);
+        if (attempt(most_newton_steps)) return Status::solved;
     }
     return Status::not_converged;
 }

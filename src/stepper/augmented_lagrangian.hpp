@@ -62,6 +62,7 @@ private:
 
     ThetaMatrix& matrix_;
     std::vector<std::uint32_t> factored_states_;  // the pieces of the points for which the matrix is factorised
+    double settled_augmentation_ = 0;             // of the attempt
     double augmentation_ = 0;                     // with which the matrix is factorised
     bool indefinite_ = false;
     std::vector<PointTangent> tangents_;
@@ -69,6 +70,8 @@ private:
     std::vector<Vec2> turn_, last_multipliers_;  // per point
     std::vector<LoosePoint> points_before_;
     std::vector<Vec2> rate_before_;
+    std::vector<LoosePoint> first_points_;
+    std::vector<Vec2> first_rate_;
     MultiplierLeaps leaps_;
     SolverCounts counts_;
     double unit_ = 1, largest_unit_ = 1;
