@@ -277,6 +277,8 @@ AugmentedLagrangian::Status AugmentedLagrangian::solve(const ImplicitBulk& bulk,
         if (attempt(i == n_attempts ? most_newton_steps : most_wandering_steps)) return Status::solved;
         if (rubs) find_friction(bulk, points, rate);
     }
+    // obstacles meet through the whole body, and may jam it: then a smaller step is the better answer
+    if (std::any_of(points.begin(), points.end(), [](const LoosePoint& p) { return p.fan < 0; })) return Status::not_converged;
     for (const double other : other_augmentations) {
         points = first_points_, rate = first_rate_;
         unit_ = scale > 0 ? scale : 1;
