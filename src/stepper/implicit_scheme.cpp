@@ -290,11 +290,7 @@ void ImplicitScheme::account_points(double h, StepReport& report) const {
         const double u_N = law.u_N + h * w.x(), u_T = law.u_T + h * w.y();
         report.penetration = std::max(report.penetration, -u_N);
         if (point.fan_point < 0) continue;
-        const FanPoint& at = model_.fan_points[point.fan_point];
-        const CohesiveLaw& material = model_.laws[at.law];
         report.crossing_loss += (cohesive_T * w.y() - law.gamma * cohesive_N * (std::abs(u_T) - std::abs(law.u_T)) / h) / theta;
-        const double cohesion = at.cracked ? 0 : material.next_cohesion(law.cohesion, u_N, u_T);
-        account_cohesion(at, material, law.cohesion, cohesion, u_N, u_T, report);
     }
 }
 
@@ -331,8 +327,10 @@ void ImplicitScheme::store(const State& begin, double h, State& end, StepReport&
             const auto displacement = [&](Index corner) -> Vec2 {
                 return corner == ground ? Vec2::Zero() : end.displacement[end.node_of_corner[corner]];
             };
+            const CohesiveLaw& material = model_.laws[at.law];
             const Vec2 u = point.in_frame(displacement(at.after) - displacement(at.before));
-            state.cohesion = at.cracked ? 0 : model_.laws[at.law].next_cohesion(point.law.cohesion, at.gap + u.x(), u.y());
+            state.cohesion = at.cracked ? 0 : material.next_cohesion(point.law.cohesion, at.gap + u.x(), u.y());
+            account_cohesion(at, material, point.law.cohesion, state.cohesion, at.gap + u.x(), u.y(), report);
         }
     }
 }
