@@ -12,7 +12,7 @@ namespace knap {
 namespace {
 
 constexpr const char* magic = "knap-checkpoint";
-constexpr int layout = 4;
+constexpr int layout = 5;
 
 std::string program() { return version() + "-" + git_hash() + (git_dirty() ? "-changed" : ""); }
 

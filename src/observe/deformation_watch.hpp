@@ -32,11 +32,11 @@ public:
     const Extreme& area_change() const { return area_change_; }  // [-] of a triangle, det F - 1, its absolute value
     const Extreme& slip() const { return slip_; }                // [edges] of a point that is pressed, over the length of its edge
     const Extreme& overlap() const { return overlap_; }          // [m2] area that triangles cover twice; the place is that of the deformed body
-    double triangle_area() const { return triangle_area_; }      // [m2] the mean
+    double triangle_area() const { return triangle_area_; }      // [m2] the mean; of those that lie over each other where these are smaller
     double body_area() const { return body_area_; }              // [m2]
 
     template <class Archive>
-    void serialize(Archive& archive) { archive(rotation_, area_change_, slip_, overlap_); }
+    void serialize(Archive& archive) { archive(rotation_, area_change_, slip_, overlap_, triangle_area_); }
 
 private:
     void look_at_triangles(const State& state);

@@ -23,7 +23,7 @@ constexpr std::array energy{
     Measure<E>{"friction_work", "J", "work of friction so far, never positive", [](const E& m) { return m.energy.friction_work; }},
     Measure<E>{"impact_work", "J", "work of all impacts so far, never positive", [](const E& m) { return m.energy.impact_work; }},
     Measure<E>{"residual", "J", "error of the discrete energy identity", [](const E& m) { return m.energy.residual; }},
-    Measure<E>{"law_lag_energy", "J", "cohesive work less crossing loss and surface energy: what freezing beta over a step costs", [](const E& m) { return m.energy.law_lag; }},
+    Measure<E>{"law_lag_energy", "J", "cohesive work less crossing loss and surface energy: what finite steps make of the law", [](const E& m) { return m.energy.law_lag; }},
     Measure<E>{"crossing_loss_energy", "J", "cohesive work lost where slips cross zero, so far", [](const E& m) { return m.energy.crossing_loss; }},
     Measure<E>{"scheme_dissipation", "J", "what theta > 1/2 took away so far, never negative", [](const E& m) { return m.energy.scheme_dissipation; }},
     Measure<E>{"step_change_work", "J", "what changes of the step did to the energy of the leapfrog so far", [](const E& m) { return m.energy.step_change_work; }},

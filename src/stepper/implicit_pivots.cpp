@@ -39,7 +39,8 @@ bool ImplicitScheme::start_from_pivots(const State& begin, double h) {
     const double length = (model_.mesh.corner(1) - model_.mesh.corner(0)).norm();
     const Units unit(step.layout, power_of_two(model_.corner_mass[0]), power_of_two(length), power_of_two(h));
     const Eigen::VectorXd scale = unit.row.cwiseInverse();
-    const LcpSolution found = solve_by_default({LcpMatrix(scale.asDiagonal() * step.problem.M * unit.unknown.asDiagonal()), scale.cwiseProduct(step.problem.q)}, {.every_solver = false});
+    const LcpMatrix M(scale.asDiagonal() * step.problem.M * unit.unknown.asDiagonal());
+    const LcpSolution found = solve_by_default({M, scale.cwiseProduct(step.problem.q)}, {.every_solver = false});
     if (found.status != LcpStatus::solved) return false;
     const StepLcpEnd end = recover(step, model_, begin, h, unit.unknown.cwiseProduct(found.z));
     corner_rate_ = end.rate;

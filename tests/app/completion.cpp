@@ -24,7 +24,7 @@ TEST_CASE("completion offers what fits the place") {
     CHECK(offered("run -q edge_cracked_block_f") == "edge_cracked_block_fine|");
     CHECK(offered("run --unt") == "--until|");
     CHECK(offered("render --show stress_y") == "stress_yy|");
-    CHECK(offered("render --colour ''") == "opening|beta|");
+    CHECK(offered("render --colour ''") == "opening|slip|beta|mode|break_time|");
     CHECK(offered("sweep bar_ramp_wave --emit s") == "slurm|snakemake|");
     CHECK(offered("lcp x --solver lem") == "lemke|");
     CHECK(offered("study x --refine m") == "mesh|");
