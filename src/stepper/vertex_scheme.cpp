@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace knap {
 namespace {
@@ -204,7 +205,29 @@ void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, Fan
     }
 }
 
+namespace {
+
+constexpr double contradiction = 1e-12;  // residual of a fan whose rebounds do not fit together; rounding leaves less
+
+}  // namespace
+
+/// Rebounds at several links of a vertex may contradict each other: their speeds do not add up round it, and no motion has them all. In such a step nothing is
+/// thrown back, if that is lawful.
 FanSolution VertexScheme::solve(Index f, const State& begin, Workspace& work) const {
+    const FanSolution posed = solve_as_posed(f, begin, work);
+    if (posed.residual <= contradiction) return posed;
+    std::vector<FanLink>& links = work.problem.links;
+    std::vector<double>& coefficients = work.restitution;
+    coefficients.clear();
+    for (FanLink& link : links) coefficients.push_back(std::exchange(link.restitution, 0.0));
+    if (std::ranges::all_of(coefficients, [](double e) { return e == 0; })) return posed;
+    const FanSolution resting = solve_as_posed(f, begin, work);
+    if (resting.residual < posed.residual) return resting;
+    for (std::size_t i = 0; i < links.size(); ++i) links[i].restitution = coefficients[i];
+    return solve_as_posed(f, begin, work);
+}
+
+FanSolution VertexScheme::solve_as_posed(Index f, const State& begin, Workspace& work) const {
     if (options_.cohesion == CohesionScheme::explicit_beta) return work.solver.solve(work.problem);
     const Fan& fan = model_.fans[f];
     work.cohesion.clear();

@@ -45,6 +45,7 @@ private:
         std::vector<Vec2> force;           // [N] on the corners of a block of triangles
         std::vector<Vec2> taken, impulse;  // per corner, per point of a fan in one piece: [N], or of one that rests [N s]
         RestingFan resting;
+        std::vector<double> restitution;  // [-] of the links of a fan, where they are put aside
     };
 
     /// What the body at a contact on an edge answers to its impulse.
@@ -78,6 +79,7 @@ private:
     void move_corner(Index in_fans, const Vec2& velocity, const State& begin, const FreeMotion& free, State& end, StepReport& report) const;
 
     FanSolution solve(Index fan, const State& begin, Workspace& work) const;
+    FanSolution solve_as_posed(Index fan, const State& begin, Workspace& work) const;
     void pose(Index fan, const State& begin, const FreeMotion& free, FanProblem& problem) const;
     /// Null where nothing is prescribed. In a fan in one piece all corners have the same.
     const PrescribedMotion* prescribed_motion(Index corner) const {
