@@ -276,7 +276,7 @@ ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& rec
     step_to_end(run, until, checkpoints, save, now, record);
     record.cpu_steps = before.cpu_steps + stepping.cpu() - (recorder.output_seconds() - output_before);
     progress.finish(now, recorder);
-    recorder.finish(now);
+    recorder.finish(now, record.status == "failed");
     say_new_warnings(run, now);
     for (const std::string& warning : {missing_text(recorder.missing_files()), not_dumped_text(options.dump_lcp, steps_before, now.n_steps)}) {
         if (warning.empty()) continue;

@@ -1,8 +1,9 @@
 #include "observe/cracked_edges.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 namespace knap {
@@ -75,7 +76,7 @@ void CrackedEdges::bridge(const std::vector<Index>& damaged, double time, std::v
     std::vector<Index> starts;
     for (const Index e : joined) starts.insert(starts.end(), graph_.ends[e].begin(), graph_.ends[e].end());
     for (const Index e : damaged)
-        for (const Index v : graph_.ends[e]) near(v, gap_length_, starts);
+        for (const Index v : graph_.ends[e]) near(v, starts);
     std::sort(starts.begin(), starts.end());
     starts.erase(std::unique(starts.begin(), starts.end()), starts.end());
     for (const Index v : starts) bridge_from(v, time, joined);
@@ -94,39 +95,55 @@ bool CrackedEdges::touched(Index vertex) const {
     return std::any_of(edges.begin(), edges.end(), [&](Index e) { return cracked(e); });
 }
 
+/// Spreads from a vertex through damaged edges, the nearest vertex first, no farther than a gap may be long (E. W. Dijkstra 1959): in a fine mesh there are very
+/// many ways, but few vertices. `visit` says of each vertex with the way that led to it whether to end here, to stop or to go on.
+template <class Visit>
+void CrackedEdges::spread(Index start, Visit&& visit) const {
+    std::map<Index, Way> ways{{start, {0, -1}}};
+    std::set<std::pair<double, Index>> open{{0.0, start}};
+    while (!open.empty()) {
+        const auto [length, vertex] = *open.begin();
+        open.erase(open.begin());
+        const Spread next = visit(vertex, ways);
+        if (next == Spread::end) return;
+        if (next == Spread::stop) continue;
+        for (const Index e : edges_at(vertex)) {
+            const double further = length + graph_.length[e];
+            if (!can_bridge(e) || further > gap_length_) continue;
+            const Index far = far_end(e, vertex);
+            Way& way = ways.try_emplace(far, Way{never, -1}).first->second;
+            if (further >= way.length) continue;
+            open.erase({way.length, far});
+            open.insert({further, far});
+            way = {further, e};
+        }
+    }
+}
+
 /// The ends of broken stretches from which a gap may lead here.
-void CrackedEdges::near(Index vertex, double left, std::vector<Index>& found) const {
-    if (touched(vertex)) return found.push_back(vertex);
-    for (const Index e : edges_at(vertex))
-        if (can_bridge(e) && graph_.length[e] <= left) near(far_end(e, vertex), left - graph_.length[e], found);
+void CrackedEdges::near(Index start, std::vector<Index>& found) const {
+    spread(start, [&](Index vertex, const std::map<Index, Way>&) {
+        if (!touched(vertex)) return Spread::on;
+        found.push_back(vertex);
+        return Spread::stop;
+    });
 }
 
-struct CrackedEdges::Gap {
-    Index start;  // vertex
-    std::vector<Index> way, best;
-    double best_length;
-};
-
-/// Looks for the shortest way through damaged edges to another stretch; `length` of gap.way, which ends at `vertex`.
-void CrackedEdges::search(Index vertex, double length, Gap& gap) {
-    for (const Index e : edges_at(vertex)) {
-        const double further = length + graph_.length[e];
-        if (!can_bridge(e) || further >= gap.best_length) continue;
-        const Index next = far_end(e, vertex);
-        gap.way.push_back(e);
-        if (!touched(next) && !terminal(next)) search(next, further, gap);
-        if (touched(next) && representative(next) != representative(gap.start)) gap.best = gap.way, gap.best_length = further;
-        gap.way.pop_back();
-    }
-}
-
-void CrackedEdges::bridge_from(Index vertex, double time, std::vector<Index>& joined) {
-    while (touched(vertex)) {
-        Gap gap{.start = vertex, .way = {}, .best = {}, .best_length = std::nextafter(gap_length_, never)};
-        search(vertex, 0, gap);
-        if (gap.best.empty()) return;
-        for (const Index e : gap.best) join(e, time, joined);
-    }
+/// Joins the shortest ways through damaged edges from the end of one broken stretch to others.
+void CrackedEdges::bridge_from(Index start, double time, std::vector<Index>& joined) {
+    std::vector<Index> gap;
+    do {
+        gap.clear();
+        if (!touched(start)) return;
+        spread(start, [&](Index vertex, const std::map<Index, Way>& ways) {
+            if (vertex == start) return Spread::on;
+            if (!touched(vertex)) return terminal(vertex) ? Spread::stop : Spread::on;
+            if (representative(vertex) == representative(start)) return Spread::stop;
+            for (Index v = vertex; v != start; v = far_end(gap.back(), v)) gap.push_back(ways.at(v).edge);
+            return Spread::end;
+        });
+        for (const Index e : gap) join(e, time, joined);
+    } while (!gap.empty());
 }
 
 }  // namespace knap

@@ -39,11 +39,17 @@ private:
     void join(Index edge, double time, std::vector<Index>& joined);
     bool touched(Index vertex) const;
     bool can_bridge(Index edge) const { return status_[edge] == InterfaceStatus::damaged && !cracked(edge); }
-    void near(Index vertex, double left, std::vector<Index>& found) const;
-    struct Gap;
-    void search(Index vertex, double length, Gap& gap);
+    /// The shortest way [m] that led to a vertex, and its last edge.
+    struct Way {
+        double length;
+        Index edge;
+    };
+    enum class Spread { on, stop, end };
+    template <class Visit>
+    void spread(Index start, Visit&& visit) const;
+    void near(Index start, std::vector<Index>& found) const;
     void bridge(const std::vector<Index>& damaged, double time, std::vector<Index>& joined);
-    void bridge_from(Index vertex, double time, std::vector<Index>& joined);
+    void bridge_from(Index start, double time, std::vector<Index>& joined);
 
     InterfaceGraph graph_;
     double gap_length_;

@@ -169,16 +169,16 @@ void Recorder::watch_step(const State& now) {
     for (const std::vector<double>& row : breaks_->found(now)) add_line(row, histories_.breaks, break_file_, options_.directory / "breaks.csv");
 }
 
-void Recorder::finish(const State& now) {
+void Recorder::finish(const State& now, bool failed) {
     gates_.judge(ledger_, deformation_, true);
     if (last_line_ < now.time) write_lines(now);
-    if (writer_ && options_.frame_every > 0 && frame_times_.back() < now.time) write_frame(now);
+    if (writer_ && (options_.frame_every > 0 || failed) && frame_times_.back() < now.time) write_frame(now);
     write_fragments(now);
     write_arms();
     write_lost_sheets();
-    draw_due(now, true);
+    draw_due(now, true, failed);
     end_frames();
-    draw_sequences();
+    draw_sequences(failed);
 }
 
 void Recorder::write_fragments(const State& now) {
@@ -242,14 +242,14 @@ bool Recorder::is_due(std::size_t i, const State& now) const {
     return next_at_[i] < at.size() && now.time * (1 + 1e-9) >= at[next_at_[i]];
 }
 
-void Recorder::draw_due(const State& now, bool at_end) {
+void Recorder::draw_due(const State& now, bool at_end, bool failed) {
     if (options_.directory.empty()) return;
     std::optional<Frame> frame;
     for (std::size_t i = 0; i < options_.figures.size(); ++i) {
         const FigureOptions& figure = options_.figures[i];
         const bool reached = is_due(i, now);
         if (!reached && !at_end) continue;
-        const bool due = figure.at.empty() || !shows_body(figure.show) ? at_end : reached;
+        const bool due = figure.at.empty() || !shows_body(figure.show) ? at_end : reached || (failed && next_at_[i] < figure.at.size());
         if (due && !waits_for_the_end(figure)) {
             const Timed timed(*this, &figure_seconds_);
             if (!frame) frame = make_frame(model_, now, false);
@@ -260,10 +260,15 @@ void Recorder::draw_due(const State& now, bool at_end) {
 }
 
 /// Figures of several times: only now it is known what their pictures have in common. Frames that someone has taken away are missed elsewhere.
-void Recorder::draw_sequences() {
+void Recorder::draw_sequences(bool failed) {
     const Timed timed(*this, &figure_seconds_);
-    for (const FigureOptions& figure : options_.figures) {
+    for (FigureOptions figure : options_.figures) {
         if (!writer_ || !waits_for_the_end(figure)) continue;
+        if (failed && figure.at.back() > frame_times_.back()) {
+            std::erase_if(figure.at, [&](double time) { return time > frame_times_.back(); });
+            while (figure.at.size() < 2) figure.at.push_back(frame_times_.back());  // its pictures are named by their times
+            if (figure.at.back() < frame_times_.back()) figure.at.push_back(frame_times_.back());
+        }
         FrameList list{.run = options_.directory};
         for (const double time : figure.at) {
             const auto k = static_cast<std::size_t>(std::lower_bound(frame_times_.begin(), frame_times_.end(), time * (1 - 1e-9)) - frame_times_.begin());

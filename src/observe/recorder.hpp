@@ -54,7 +54,8 @@ public:
     void finish_frames();
 
     /// Last lines, last frame, and the figures of the end; also after an interruption.
-    void finish(const State& now);
+    /// Of a run that failed, figures whose time it did not reach show the state in which it ended.
+    void finish(const State& now, bool failed = false);
 
     const EnergyLedger& ledger() const { return ledger_; }
     const DeformationWatch& deformation() const { return deformation_; }
@@ -89,8 +90,8 @@ private:
     void write_fragments(const State& now);
     void write_arms();
     bool is_due(std::size_t figure, const State& now) const;
-    void draw_due(const State& now, bool at_end);
-    void draw_sequences();
+    void draw_due(const State& now, bool at_end, bool failed = false);
+    void draw_sequences(bool failed);
     FigureContext figure_context() const;
     void write_lost_sheets() const;
     double uncounted() const { return writer_ ? writer_->cpu() - counted_ : 0; }  // [s] processor time beside the steps that is in neither of the sums yet

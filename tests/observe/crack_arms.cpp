@@ -379,3 +379,17 @@ TEST_CASE("random cracks that fork and merge and arrive: no length falls and no 
     CHECK(n_arms > 300);
     CHECK(n_branches > 100);
 }
+
+TEST_CASE("a gap through a wide damaged zone is found among its vertices: its ways are 184 756 and more") {
+    constexpr int n = 10;
+    Drawing d;
+    for (int i = 0; i <= n; ++i) d.row(i, 0, 0, 1, n, InterfaceStatus::damaged), d.row(0, i, 1, 0, n, InterfaceStatus::damaged);
+    d.row(-1, 0, 1, 0, 1);
+    d.row(n, n, 1, 0, 1);
+    const auto joined = [&](double gap) {
+        CrackedEdges edges(d.graph, gap);
+        return edges.add(0, d.status).size();
+    };
+    CHECK(joined((2 * n + 0.5) * mm) == 2 + 2 * n);
+    CHECK(joined((2 * n - 0.5) * mm) == 2);
+}
