@@ -46,6 +46,9 @@ EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix ma
     row_.time = start.time;
     start_energy_ = largest_energy_ = row_.kinetic + row_.strain;
     given_ = start_energy_;
+    for (const FanPoint& point : model.fan_points)
+        if (const CohesiveLaw& law = model.laws[point.law]; law.breakable() && !point.cracked && law.G_c > 0)
+            if (const double energy = 1e-6 * law.G_c * point.area; point_energy_ == 0 || energy < point_energy_) point_energy_ = energy;
     smallest_mass_ = *std::min_element(model.corner_mass.begin(), model.corner_mass.end());
 }
 

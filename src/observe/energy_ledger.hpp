@@ -49,8 +49,8 @@ public:
     double largest_energy() const { return largest_energy_; }
     double largest_residual() const { return largest_residual_; }  // [J] over all steps
     /// [J] What losses are measured against: the dissipated energy; the largest recoverable one where that is more, since points that begin to soften have
-    /// dissipated next to nothing; and at least this part of the largest energy.
-    double dissipation_scale(double least = 1e-6) const { return std::max({row_.dissipated, largest_recoverable_, least * largest_energy_}); }
+    /// dissipated next to nothing; and at least this part of the largest energy, and what a millionth of the weakest point takes: less is rounding.
+    double dissipation_scale(double least = 1e-6) const { return std::max({row_.dissipated, largest_recoverable_, least * largest_energy_, point_energy_}); }
     /// Over that scale, signed: positive where the interfaces took more than their law asks for. Of the explicit bulk in the middle of the last step, where the
     /// works belong. Now; and the largest of all steps, where less than a hundredth of the largest energy counts as that: no alarm about the first points.
     double law_lag() const { return law_lag_; }
@@ -66,7 +66,7 @@ public:
     }
 
 private:
-    double start_energy_, largest_energy_, largest_recoverable_ = 0, largest_residual_ = 0, given_ = 0, smallest_mass_;
+    double start_energy_, largest_energy_, largest_recoverable_ = 0, largest_residual_ = 0, given_ = 0, smallest_mass_, point_energy_ = 0;
     double law_lag_ = 0, largest_law_lag_ = 0;
     std::int64_t n_steps_ = 0;
     EnergyRow row_;

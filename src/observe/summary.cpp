@@ -88,6 +88,11 @@ bool of_specimen(const F& f) { return f.specimen() != nullptr; }
 bool with_gauge(const F& f) { return f.specimen() != nullptr && f.specimen()->lateral; }
 bool in_compression(const F& f) { return with_gauge(f) && f.specimen()->test == SpecimenOptions::Test::compression; }
 
+double farthest_law_lag(const F& f) {
+    const double last = f.ledger.law_lag(), largest = f.ledger.largest_law_lag();
+    return std::abs(last) > std::abs(largest) ? last : largest;
+}
+
 struct SummaryRow {
     std::string_view name, unit, doc;
     double (*of)(const F&);         // NaN: never happened
@@ -99,7 +104,7 @@ constexpr std::array rows{
                [](const F& f) { return f.part(f.ledger.largest_residual()); }},
     SummaryRow{"law_lag", "", "work of the interfaces beyond what their law takes, over the dissipated energy, at the end", [](const F& f) { return f.ledger.law_lag(); }},
     SummaryRow{"largest_law_lag", "", "law_lag where it was farthest from zero over the run; less than a hundredth of the largest energy counts as that",
-               [](const F& f) { return std::abs(f.ledger.law_lag()) > std::abs(f.ledger.largest_law_lag()) ? f.ledger.law_lag() : f.ledger.largest_law_lag(); }},
+               farthest_law_lag},
     SummaryRow{"crossing_loss", "", "energy lost where slips cross zero, relative to the largest energy", [](const F& f) { return f.part(f.energy.crossing_loss); }},
     SummaryRow{"external_work", "J", "work of loads and prescribed motions", [](const F& f) { return f.energy.external_work; }},
     SummaryRow{"dissipated", "J", "energy that broken and damaged interfaces have taken for ever: G_c (1 - beta)^2, at the end", [](const F& f) { return f.energy.dissipated; }},

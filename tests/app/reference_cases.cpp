@@ -115,7 +115,7 @@ TEST_CASE("D1 an edge-cracked block of glass is pulled apart in large implicit s
     double dissipated = 0;
     constexpr int n_seeds = 5;
     for (int seed = 1; seed <= n_seeds; ++seed) {
-        const ReferenceRun run("implicit block " + std::to_string(seed), "edge_cracked_block_implicit -s 'mesh.size=\"2 mm\"' -s seed=" + std::to_string(seed));
+        const ReferenceRun run("implicit block " + std::to_string(seed), "edge_cracked_block_implicit -s 'mesh.size=\"2 mm\"' -s limits.law_lag=0.5 -s seed=" + std::to_string(seed));  // at its worst; at the end below
         const std::string at = ", seed " + std::to_string(seed);
         verify_at_least("first growth [us]" + at, 1e6 * run["first_growth_time"], 10.75);
         verify_at_most("largest speed of the tip over c_R" + at, run["max_tip_speed_over_cR"], 0.7);  // 0.66: 0.65 is what lightly driven cracks show, no bound of the model
