@@ -109,10 +109,11 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     if (plan.limits.cracking < plan.limits.largest)
         std::printf("  from the first loss of cohesion on h = %.4g s (%.3g CFL): up to %.0f steps\n", plan.limits.cracking,
                     plan.limits.cracking / plan.stable_step, std::ceil(scenario.time.end / plan.limits.cracking));
-    print_cost(estimate_cost(scenario, model, plan, model_seconds, time ? 0.5 : 0.05), time);
+    const Cost cost = estimate_cost(scenario, model, plan, model_seconds, time ? 0.5 : 0.05);
+    print_cost(cost, time);
 
     std::vector<Diagnostic> warnings = read.warnings;
-    for (const Diagnostic& warning : findings_of_model(read, model, plan)) warnings.push_back(warning);
+    for (const Diagnostic& warning : findings_of_model(read, model, plan, &cost)) warnings.push_back(warning);
     for (const Diagnostic& warning : warnings) std::fputs(format(warning).c_str(), stderr);
     return strict && !warnings.empty() ? exit_bad_input : exit_done;
 }

@@ -108,24 +108,37 @@ Balance balance_of(const Model& model, const std::vector<Index>& body, Index whi
     return balance;
 }
 
-/// [m] by which a history times a value jumps at its begin, and later; the largest.
-double largest_jump(const TimeFunction& history, double value) {
-    double largest = std::abs(value * history(0));
-    for (std::size_t i = 0; i + 1 < history.time.size(); ++i)
-        if (history.time[i] == history.time[i + 1] && history.time[i] > 0) largest = std::max(largest, std::abs(value * (history.value[i + 1] - history.value[i])));
-    return largest;
+struct Jump {
+    double size = 0, time = 0;  // [m], [s]
+    void meet(double other, double when) {
+        if (other > size) size = other, time = when;
+    }
+};
+
+/// The largest that a history times a value [m] makes before the end of the run: from nothing at t = 0, unless the body begins deformed by it; between two values
+/// of one time; and within less than a step where it goes faster than `fast` [m/s].
+Jump largest_jump(const TimeFunction& history, double value, const Scenario& scenario, double step, double fast) {
+    Jump jump;
+    if (!scenario.time.start_in_equilibrium) jump.meet(std::abs(value * history(0)), 0);
+    for (std::size_t i = 0; i + 1 < history.time.size(); ++i) {
+        const double from = history.time[i], lasts = history.time[i + 1] - from;
+        if (from < 0 || from >= scenario.time.end || lasts >= step) continue;
+        const double moved = std::abs(value * ((lasts > 0 ? history(from + step) : history.value[i + 1]) - history.value[i]));
+        if (lasts == 0 || moved > fast * step) jump.meet(moved, from);
+    }
+    return jump;
 }
 
-void warn_of_jump(const ReadResult& read, const Model& model, const StepPlan& plan, const std::string& path, double jump, std::vector<Diagnostic>& found) {
-    if (jump == 0) return;
-    double wave = 0;
-    for (const Elastic& material : model.materials) wave = std::max(wave, material.dilatational_speed(model.plane));
-    const double h = plan.limits.largest, speed = jump / h;
-    char text[240];
-    std::snprintf(text, sizeof text, "`%s.displacement` jumps by %.3g m at once: in a step of %.3g s that is a velocity of %.3g m/s, %.2g times the speed of waves", path.c_str(),
-                  jump, h, speed, speed / wave);
+void warn_of_jump(const ReadResult& read, double h, double wave, const std::string& path, const Jump& jump, std::vector<Diagnostic>& found) {
+    if (jump.size == 0) return;
+    const double speed = jump.size / h;
+    char text[280];
+    std::snprintf(text, sizeof text,
+                  "`%s.displacement` jumps by %.3g m at once at t = %.3g s: in a step of %.3g s that is a velocity of %.3g m/s, %.2g times the speed of waves", path.c_str(),
+                  jump.size, jump.time, h, speed, speed / wave);
     char cure[200];
-    std::snprintf(cure, sizeof cure, "ramp = \"%.2g s\" would move it at 1 m/s; or a table that begins at 0; or time.start = \"equilibrium\" for what is there before t = 0", jump);
+    std::snprintf(cure, sizeof cure,
+                  "ramp = \"%.2g s\" would move it at 1 m/s; or a table that begins at 0; or time.start = \"equilibrium\" for what is there before t = 0", jump.size);
     found.push_back(warning_at(read, path + ".displacement", "jump", text, cure));
 }
 
@@ -164,18 +177,23 @@ void refuse_unheld_body(const ReadResult& read, const Model& model) {
 std::vector<Diagnostic> findings_of_loads(const ReadResult& read, const Model& model, const StepPlan& plan) {
     std::vector<Diagnostic> found;
     const Scenario& scenario = read.scenario;
-    if (scenario.time.start_in_equilibrium) return found;  // deformed by them at t = 0
+    double wave = 0;
+    for (const Elastic& material : model.materials) wave = std::max(wave, material.dilatational_speed(model.plane));
+    const double h = plan.limits.largest, fast = 0.1 * wave;  // faster than any solid bears
     for (std::size_t i = 0; i < scenario.loads.size(); ++i) {
         const Load& load = scenario.loads[i];
         if (load.kind != Load::Kind::displacement) continue;
         const Vec2 value(load.value[0].value_or(0), load.value[1].value_or(0));
-        warn_of_jump(read, model, plan, item("load", i), largest_jump(load.history, value.norm()), found);
+        warn_of_jump(read, h, wave, item("load", i), largest_jump(load.history, value.norm(), scenario, h, fast), found);
     }
     for (std::size_t i = 0; i < scenario.obstacles.size(); ++i) {
-        double jump = 0;
-        for (int k = 0; k < 2; ++k)
-            if (const Drive& drive = scenario.obstacles[i].drive[k]; drive.kind == Drive::Kind::displacement) jump = std::hypot(jump, largest_jump(drive.history, drive.value));
-        warn_of_jump(read, model, plan, item("obstacle", i), jump, found);
+        Jump jump;
+        for (const Drive& drive : scenario.obstacles[i].drive) {
+            if (drive.kind != Drive::Kind::displacement) continue;
+            const Jump other = largest_jump(drive.history, drive.value, scenario, h, fast);
+            jump.meet(other.size, other.time);
+        }
+        warn_of_jump(read, h, wave, item("obstacle", i), jump, found);
     }
     return found;
 }

@@ -1,6 +1,6 @@
 #pragma once
 // What only a mesh can say of a scenario, before a run begins.
-#include "app/step_plan.hpp"
+#include "app/cost.hpp"
 #include "model/model.hpp"
 #include "scenario/read_scenario.hpp"
 
@@ -21,11 +21,12 @@ std::vector<Diagnostic> findings_of_loads(const ReadResult& read, const Model& m
 /// Warnings: probes, regions and boxes outside the body.
 std::vector<Diagnostic> findings_of_places(const ReadResult& read, const Model& model);
 
-/// Warnings: a detail that cuts the stable step, and numbers of steps, frames, lines and pictures that nobody can mean.
-std::vector<Diagnostic> findings_of_steps(const ReadResult& read, const Model& model, const StepPlan& plan);
+/// Warnings: details that cut the stable step, and numbers of steps, frames, lines and pictures that nobody can mean.
+/// `cost`, where it is known; else it is estimated where a run may be long.
+std::vector<Diagnostic> findings_of_steps(const ReadResult& read, const Model& model, const StepPlan& plan, const Cost* cost);
 
 /// All of them, and those about the resolution of the process zone.
-std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& model, const StepPlan& plan);
+std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& model, const StepPlan& plan, const Cost* cost = nullptr);
 
 /// A warning at the place of a key.
 Diagnostic warning_at(const ReadResult& read, const std::string& key, const std::string& code, const std::string& message, const std::string& note);

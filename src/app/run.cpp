@@ -38,6 +38,14 @@ double largest_critical_opening(const Scenario& scenario) {
     return largest;
 }
 
+/// [J] What the weakest interface point takes to break; 0 where none can.
+double weakest_point(const Model& model) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const FanPoint& point : model.fan_points)
+        if (const CohesiveLaw& law = model.laws[point.law]; law.breakable() && !point.cracked && law.G_c > 0) least = std::min(least, law.G_c * point.area);
+    return std::isinf(least) ? 0 : least;
+}
+
 RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const std::filesystem::path& directory, bool goes_on) {
     const double end = scenario.time.end, edge = mean_edge(model.mesh);
     double process_zone = 0;
@@ -51,6 +59,7 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .mass = scenario.time.scheme.mass,
             .cracks = crack_options(edge, process_zone),
             .critical_opening = largest_critical_opening(scenario),
+            .weakest_point = weakest_point(model),
             .allowed_limits = scenario.allowed_limits,
             .figures = scenario.figures,
             .probes = scenario.probes,

@@ -12,8 +12,8 @@
 namespace knap {
 namespace {
 
-constexpr double least_part = 0.1;           // of the usual step; a good mesh keeps a third of it
-constexpr double usual_speed = 2e7;          // triangle-steps per core-second
+constexpr std::size_t most_details = 5;      // that are named
+constexpr double surely_short = 1e9;         // triangle-steps
 constexpr double longest = 5 * 86400.;       // [s] of one core
 constexpr double most_frames = 1e4, most_lines = 1e6, most_pictures = 1e3;
 constexpr double frame_bytes = 85;           // a triangle
@@ -59,27 +59,35 @@ std::string culprits(const std::vector<Part>& parts) {
     return "two parts of `" + parts[0].path + "`";
 }
 
+/// Each detail once, by its slowest triangle.
 void check_details(const ReadResult& read, const Model& model, const StepPlan& plan, std::vector<Diagnostic>& found) {
-    const Scenario& scenario = read.scenario;
-    if (scenario.given || !(plan.stable_step < least_part * plan.usual_step)) return;
-    const Mesh& mesh = model.mesh;
-    const Index t = plan.slowest_triangle;
-    const Vec2 x = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
-    const std::vector<Part> parts = parts_near(scenario, x, 2 * SizeField(scenario.mesh, 1)(x));
-    char text[240];
-    std::snprintf(text, sizeof text,
-                  " leave a triangle at (%.6g, %.6g) m whose stable step is %.3g s, %.3g times below the %.3g s of the mesh size: all triangles step with it", x.x(),
-                  x.y(), plan.stable_step, plan.usual_step / plan.stable_step, plan.usual_step);
-    found.push_back(warning_at(read, parts.empty() ? "mesh.size" : parts[0].path, "small-step", culprits(parts) + text,
-                               "move one of them, let them meet, or drop the detail; another seed places random traces elsewhere; bulk = \"implicit\" takes larger steps"));
+    const SizeField size(read.scenario.mesh, 1);
+    std::vector<std::string> named;
+    for (const auto& [t, step] : plan.slow) {
+        const Vec2 a = model.mesh.corner(t, 0), b = model.mesh.corner(t, 1), c = model.mesh.corner(t, 2), x = (a + b + c) / 3;
+        const std::vector<Part> parts = parts_near(read.scenario, x, 2 * size(x));
+        const std::string who = culprits(parts);
+        if (std::find(named.begin(), named.end(), who) != named.end()) continue;
+        named.push_back(who);
+        if (named.size() > most_details) return;
+        char text[300];
+        std::snprintf(text, sizeof text,
+                      "a triangle at (%.6g, %.6g) m has an edge of %.3g m where the mesh size is %.3g m, and a stable step of %.3g s, %.3g times below the %.3g s of that "
+                      "size; all triangles step with the smallest. Next to it: ",
+                      x.x(), x.y(), std::min({(b - a).norm(), (c - b).norm(), (a - c).norm()}), size(x), step, plan.usual_step / step, plan.usual_step);
+        found.push_back(warning_at(read, parts.empty() ? "mesh.size" : parts[0].path, "small-step", text + who,
+                                   "move one of them, let them meet, or drop the detail; another seed places random traces elsewhere; bulk = \"implicit\" takes larger steps"));
+    }
 }
 
 std::string count_text(double n) { return n < 1e6 ? std::to_string(static_cast<long long>(n)) : with_unit(n, ""); }
 
-void check_numbers(const ReadResult& read, const Model& model, const StepPlan& plan, std::vector<Diagnostic>& found) {
+void check_numbers(const ReadResult& read, const Model& model, const StepPlan& plan, const Cost* cost, std::vector<Diagnostic>& found) {
     const Scenario& scenario = read.scenario;
     const double end = scenario.time.end, n_steps = static_cast<double>(plan.n_steps), triangles = model.mesh.n_triangles();
-    const double seconds = n_steps * triangles / usual_speed;
+    const double seconds = cost != nullptr                             ? cost->total()
+                           : n_steps * triangles > surely_short ? estimate_cost(scenario, model, plan, 0, 0.05).total()
+                                                                : 0;
     char text[300];
     if (seconds > longest) {
         std::snprintf(text, sizeof text, "`time.end` = %.6g s is %.3g steps of %.3g s: about %.2g days of one core", end, n_steps, plan.limits.largest, seconds / 86400);
@@ -104,16 +112,16 @@ void check_numbers(const ReadResult& read, const Model& model, const StepPlan& p
 
 }  // namespace
 
-std::vector<Diagnostic> findings_of_steps(const ReadResult& read, const Model& model, const StepPlan& plan) {
+std::vector<Diagnostic> findings_of_steps(const ReadResult& read, const Model& model, const StepPlan& plan, const Cost* cost) {
     std::vector<Diagnostic> found;
     check_details(read, model, plan, found);
-    check_numbers(read, model, plan, found);
+    check_numbers(read, model, plan, cost, found);
     return found;
 }
 
-std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& model, const StepPlan& plan) {
+std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& model, const StepPlan& plan, const Cost* cost) {
     std::vector<Diagnostic> found = resolution_warnings(read, mean_edge(model.mesh));
-    for (const auto& more : {findings_of_loads(read, model, plan), findings_of_places(read, model), findings_of_steps(read, model, plan)})
+    for (const auto& more : {findings_of_loads(read, model, plan), findings_of_places(read, model), findings_of_steps(read, model, plan, cost)})
         found.insert(found.end(), more.begin(), more.end());
     return found;
 }

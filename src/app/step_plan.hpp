@@ -10,12 +10,17 @@ namespace knap {
 /// What step = "auto" means with the implicit bulk, in stable steps: a wave runs by some twenty edges in a step.
 inline constexpr double automatic_multiple = 20;
 
+struct SlowTriangle {
+    Index triangle;
+    double step;  // [s] its stable one
+};
+
 struct StepPlan {
     StepLimits limits;
     std::int64_t n_steps;  // if all are as large as they may be
     double stable_step;    // [s] of the explicit bulk: of the worst free triangle
-    Index slowest_triangle = 0;  // that one
-    double usual_step = 0;       // [s] of the median triangle of the smallest wanted size; 0 of a mesh that was read
+    double usual_step = 0;           // [s] of the median triangle of the smallest wanted size; 0 of a mesh that was read
+    std::vector<SlowTriangle> slow;  // those far below it, the slowest first
 };
 
 /// A step that the mesh does not allow, or steps that are in the wrong order.

@@ -48,6 +48,7 @@ fs::path draw_sheet(const SweepPlan& plan, const fs::path& directory) {
     for (const SweepRun& run : plan.runs)
         if (const auto source = panel_source(directory_of(run), sheet)) common = joined(common, scale_of(sheet, frame_of(*source), source->histories, source->context));
     Legend legend;
+    std::string aside;
     std::vector<Tile> tiles;
     for (const SweepRun& run : plan.runs) {
         tiles.push_back({directory_of(run) / "figures" / sheet.file, plan.caption(run)});
@@ -56,11 +57,12 @@ fs::path draw_sheet(const SweepPlan& plan, const fs::path& directory) {
         const Frame frame = frame_of(*source);
         fs::create_directories(tiles.back().picture.parent_path());
         draw_figure(sheet, frame, source->histories, source->context, tiles.back().picture.parent_path(), &common);
+        aside = magnification(sheet, frame.n_obstacles() > 0);
         join(legend, panel_legend(sheet, frame, source->histories, source->context, common));
     }
     const std::size_t columns = std::min(n_columns(plan), tiles.size());
     const int pixels = std::clamp<int>(static_cast<int>(420 * columns), 1200, 6000);
-    return draw_contact_sheet(tiles, columns, plan.title.empty() ? plan.name : plan.title, directory / "sweep.png", pixels, legend).file;
+    return draw_contact_sheet(tiles, columns, plan.title.empty() ? plan.name : plan.title, directory / "sweep.png", pixels, legend, aside).file;
 }
 
 /// A scenario's file seen from a directory; a built-in name stays one.

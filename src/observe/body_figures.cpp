@@ -12,7 +12,7 @@ namespace knap {
 namespace {
 
 constexpr Colour body_colour{0.90, 0.90, 0.89}, damaged_colour{0.10, 0.38, 0.66};
-constexpr double broken_width = 1.3, damaged_width = 0.8, precrack_width = 1, path_width = 0.6, swatch_width = 9;  // [unit]
+constexpr double broken_width = 1.3, damaged_width = 1, precrack_width = 1, path_width = 0.6, swatch_width = 9;  // [unit]
 constexpr double outside_of_cracks = 0.02, outside_of_fields = 0.005;                                            // parts of the values that a range leaves out
 
 template <class Values>
@@ -57,7 +57,12 @@ ColourScale with_range(ColourScale scale, const FigureOptions& options, const Va
 ColourScale field_scale(const FigureOptions& options, const ValueSpan& values) {
     const BodyField& field = field_of(options.show);
     const ColourScale scale{.map = field.is_signed ? ColourMap::diverging() : ColourMap::viridis(), .quantity = field.quantity, .unit = field.unit, .about_zero = field.is_signed};
-    return with_range(scale, options, values, round_limits(values.low, values.high, field.is_signed));
+    ValueSpan shown = values;
+    if (field.is_signed) {  // few large triangles may be all that has the other sign: it is not left out
+        shown.low = std::min(values.low, std::max(values.least, -values.high));
+        shown.high = std::max(values.high, std::min(values.most, -values.low));
+    }
+    return with_range(scale, options, values, round_limits(shown.low, shown.high, field.is_signed));
 }
 
 ColourScale crack_scale(const FigureOptions& options, const ValueSpan& values) {
@@ -71,7 +76,7 @@ ColourScale crack_scale(const FigureOptions& options, const ValueSpan& values) {
 /// The paler the less damaged: a process zone is a haze, and is still seen in print.
 void draw_damaged(BodyPage& page, const Frame& frame, const std::vector<Index>& damaged) {
     constexpr int n_shades = 12;
-    constexpr double palest = 0.15;
+    constexpr double palest = 0.4;
     std::vector<std::vector<Index>> of_shade(n_shades);
     for (const Index i : damaged) of_shade[std::clamp(static_cast<int>((1 - mean_cohesion(frame, i)) * n_shades), 0, n_shades - 1)].push_back(i);
     for (int shade = 0; shade < n_shades; ++shade) {

@@ -10,9 +10,9 @@ constexpr double seen_apart = 0.4;  // [unit] between two faces
 constexpr double panel_lines = 1.8;  // a panel is shown smaller: its lines over those of a figure by itself
 
 std::string moment_of(const Frame& frame, const FigureOptions& options) {
-    std::string moment = "t = " + time_text(frame.time);
-    if (options.deform != 1) moment += ", displacements × " + short_number(options.deform);
-    return moment;
+    const std::string moment = "t = " + time_text(frame.time);
+    const std::string magnified = magnification(options, frame.n_obstacles() > 0);
+    return moment + (magnified.empty() ? "" : ", ") + magnified;
 }
 
 }  // namespace

@@ -274,7 +274,7 @@ DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, in
     const double larger = place.panel ? panel_type : 1, size = larger * type_size;
     const std::vector<KeyEntry> key = place.panel ? std::vector<KeyEntry>() : key_of(chart);
     const double beside = key.empty() ? 0 : key_width(key) + gap;
-    const double height = std::max(plot_height, std::min(static_cast<double>(key.size()) * key_leading * type_size, highest_key));
+    const double height = std::max(plot_height, std::min(key_height(key, beside - gap), highest_key));
     const Ticks y_ticks = ticks_of(y, place.panel ? 5 : 8, height, size, true);
     double left = larger * room_left;
     for (const std::string& label : y_ticks.labels) left = std::max(left, text_width(label, size) + 2.6 * size);
@@ -292,7 +292,7 @@ DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, in
     draw_minor_ticks(canvas, area, x, true);
     draw_minor_ticks(canvas, area, y, false);
     for (const Curve& curve : chart.curves) draw_points(canvas, area, curve, x, y);
-    draw_key(canvas, key, {area.right() + gap, area.bottom, beside, area.height});
+    draw_key(canvas, key, {area.right() + gap, area.bottom, beside - gap, area.height});
     if (!place.panel) draw_title(canvas, title, area.left, page_width - room_right, area.top());
     if (!chart.levels.empty()) draw_levels(canvas, area, chart.levels, y, size, trails(chart, area, x, y, 0.4 * size));
     canvas.finish();

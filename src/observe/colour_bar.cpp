@@ -23,15 +23,16 @@ Colour ColourScale::operator()(double value) const {
     return map(about_zero ? 0.5 + 0.5 * shown / std::max(std::abs(low), std::abs(high)) : (shown - low) / (high - low));
 }
 
-ColourRange round_limits(double low, double high, bool symmetric) {
+ColourRange round_limits(double low, double high, bool is_signed) {
+    constexpr double far = 0.25;  // of the other sign
     if (!(low <= high)) return {};
-    if (symmetric) {
-        high = std::max(std::abs(low), std::abs(high));
-        low = -high;
+    if (is_signed) {
+        low = std::min(low, 0.0), high = std::max(high, 0.0);
+        if (-low > far * high && high > far * -low) high = std::max(-low, high), low = -high;
     }
     if (high - low <= 1e-9 * std::max(std::abs(high), std::abs(low))) {
         const double room = high == 0 ? 1 : 0.1 * std::abs(high);
-        return {low - (low == 0 && !symmetric ? 0 : room), high + room};
+        return {low - (low == 0 && !is_signed ? 0 : room), high + room};
     }
     const auto round = round_range(low, high, n_ticks);
     return {round[0], round[1]};

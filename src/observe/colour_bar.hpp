@@ -21,8 +21,8 @@ struct ColourRange {
     double low = 0, high = 1;
 };
 
-/// Round limits round [low, high]; `symmetric` about zero for signed values. One value alone gets a range round it.
-ColourRange round_limits(double low, double high, bool symmetric);
+/// Round limits round [low, high]; of signed values with zero, and symmetric about it where both signs reach far. One value alone gets a range round it.
+ColourRange round_limits(double low, double high, bool is_signed);
 
 /// A horizontal bar in the upper part of `area`, its numbers and name below it. Ends are pointed where there are values beyond.
 void draw_colour_bar(Canvas& canvas, const ColourScale& scale, const Area& area);

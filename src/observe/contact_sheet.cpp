@@ -36,9 +36,9 @@ void draw_image(Canvas& canvas, const Image& image, const Area& area) {
 }  // namespace
 
 DrawnFigure draw_contact_sheet(const std::vector<Tile>& tiles, std::size_t n_columns, const std::string& title, const std::filesystem::path& file, int pixels,
-                               const Legend& legend) {
+                               const Legend& legend, const std::string& aside) {
     constexpr double margin = 10;  // [unit]
-    const Title heading = fitted_title(title, "", page_width - 2 * margin);
+    const Title heading = fitted_title(title, aside, page_width - 2 * margin);
     const double head = heading.height() - 4, foot = legend_height(legend, page_width - 2 * margin);
     const std::size_t n_rows = std::max<std::size_t>(1, (tiles.size() + n_columns - 1) / n_columns);
     const double column = (page_width - margin) / static_cast<double>(n_columns), type = std::clamp(column / 20, 3.5, 9.), width = column - margin;

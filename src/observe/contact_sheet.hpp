@@ -14,8 +14,8 @@ struct Tile {
     std::string caption;
 };
 
-/// Row by row, `n_columns` in a row. Throws SimulationError when the file cannot be written.
+/// Row by row, `n_columns` in a row; `aside` is of all pictures. Throws SimulationError when the file cannot be written.
 DrawnFigure draw_contact_sheet(const std::vector<Tile>& tiles, std::size_t n_columns, const std::string& title, const std::filesystem::path& file, int pixels,
-                               const Legend& legend = {});
+                               const Legend& legend = {}, const std::string& aside = "");
 
 }  // namespace knap

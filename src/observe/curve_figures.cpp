@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <set>
 
 namespace knap {
 
@@ -39,6 +41,43 @@ double range(const Column& values) {
     if (values.empty()) return 0;
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
     return *high - *low;
+}
+
+/// What a table has of each of its loads or probes.
+struct Component {
+    const char *ending, *symbol;  // of the column, in the key
+};
+
+/// All components that can be seen beside the largest: whose it is by colour, which one by the pattern, as far as there are patterns.
+void add_components(Chart& chart, const History& table, const std::vector<Component>& components) {
+    struct Found {
+        std::size_t name, component;
+        Column values;
+    };
+    std::vector<std::string> names;
+    std::vector<Found> found;
+    double visible = 0;
+    for (const std::string& column : table.columns)
+        for (std::size_t c = 0; c < components.size(); ++c) {
+            if (!column.ends_with(components[c].ending)) continue;
+            const std::string name = column.substr(0, column.size() - std::string(components[c].ending).size());
+            if (names.empty() || names.back() != name) names.push_back(name);
+            found.push_back({names.size() - 1, c, table.column(column)});
+            visible = std::max(visible, 1e-3 * largest(found.back().values));
+        }
+    std::erase_if(found, [&](const Found& f) { return largest(f.values) < visible; });
+    std::set<std::size_t> shown;
+    for (const Found& f : found) shown.insert(f.component);
+    const std::size_t n = shown.size(), rounds = (names.size() + n_curve_colours - 1) / n_curve_colours;
+    for (const Found& f : found) {
+        const std::size_t i = chart.curves.size(), component = static_cast<std::size_t>(std::distance(shown.begin(), shown.find(f.component)));
+        const bool paired = n * rounds <= n_line_patterns;
+        chart.curves.push_back({.label = names[f.name] + ", " + components[f.component].symbol,
+                                .x = table.column("time"),
+                                .y = f.values,
+                                .colour = curve_colour(paired ? f.name : i),
+                                .dash = paired ? static_cast<int>(component + n * (f.name / n_curve_colours)) : curve_dash(i)});
+    }
 }
 
 /// Names in front of `ending` among the columns.
@@ -120,49 +159,27 @@ Chart reaction_chart(const History& reactions, bool over_time) {
     const std::vector<std::string> loads = names_before(reactions, "_force_x");
     const auto moves = [&](const std::string& load) { return range(reactions.column(load + "_u_x")) > 0 || range(reactions.column(load + "_u_y")) > 0; };
     if (over_time) {  // also of what stands still, in both directions, where it can be seen
-        double visible = 0;
-        for (const std::string& load : loads)
-            for (const char* axis : {"_force_x", "_force_y"}) visible = std::max(visible, 1e-3 * largest(reactions.column(load + axis)));
-        for (const std::string& load : loads)
-            for (const char* axis : {"_x", "_y"})
-                if (const Column force = reactions.column(load + "_force" + axis); largest(force) > visible) add_curve(chart, load + axis, reactions.column("time"), force);
+        add_components(chart, reactions, {{"_force_x", "F_{x}"}, {"_force_y", "F_{y}"}});
         return chart;
     }
     const bool any_moves = std::any_of(loads.begin(), loads.end(), moves);
     for (const std::string& load : loads) {
         if (any_moves && !moves(load)) continue;
         const std::string axis = range(reactions.column(load + "_u_y")) > range(reactions.column(load + "_u_x")) ? "_y" : "_x";
-        add_curve(chart, load + axis, reactions.column(load + "_u" + axis), reactions.column(load + "_force" + axis));
+        add_curve(chart, load + (axis == "_x" ? ", F_{x}" : ", F_{y}"), reactions.column(load + "_u" + axis), reactions.column(load + "_force" + axis));
     }
     return chart;
 }
 
-namespace {
-
-/// Those among the columns with these endings that can be seen beside the largest.
-void add_visible(Chart& chart, const History& probes, const std::vector<const char*>& endings) {
-    std::vector<std::string> shown;
-    double visible = 0;
-    for (const char* ending : endings)
-        for (const std::string& name : names_before(probes, ending)) {
-            shown.push_back(name + ending);
-            visible = std::max(visible, 1e-3 * largest(probes.column(shown.back())));
-        }
-    for (const std::string& name : shown)
-        if (largest(probes.column(name)) >= visible) add_curve(chart, name, probes.column("time"), probes.column(name));
-}
-
-}  // namespace
-
 Chart probe_chart(const History& probes) {
     Chart chart{.title = "Displacement", .x_quantity = "time", .x_unit = "s", .y_quantity = "displacement", .y_unit = "m"};
-    add_visible(chart, probes, {"_u_x", "_u_y", "_opening", "_slip"});
+    add_components(chart, probes, {{"_u_x", "u_{x}"}, {"_u_y", "u_{y}"}, {"_opening", "opening"}, {"_slip", "slip"}});
     return chart;
 }
 
 Chart probe_velocity_chart(const History& probes) {
     Chart chart{.title = "Velocity", .x_quantity = "time", .x_unit = "s", .y_quantity = "velocity", .y_unit = "m/s"};
-    add_visible(chart, probes, {"_v_x", "_v_y"});
+    add_components(chart, probes, {{"_v_x", "v_{x}"}, {"_v_y", "v_{y}"}});
     return chart;
 }
 

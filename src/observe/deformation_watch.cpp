@@ -39,10 +39,18 @@ Vec2 displacement_of(const State& state, Index corner) { return corner == ground
 }  // namespace
 
 DeformationWatch::DeformationWatch(const Model& model) : model_(model) {
-    for (Index t = 0; t < model.mesh.n_triangles(); ++t) body_area_ += model.mesh.area(t);
+    double lowest = std::numeric_limits<double>::infinity();  // [m] height of a triangle
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
+        const double area = model.mesh.area(t);
+        body_area_ += area;
+        for (Index k = 0; k < 3; ++k) lowest = std::min(lowest, 2 * area / (model.mesh.corner(t, (k + 1) % 3) - model.mesh.corner(t, k)).norm());
+    }
+    look_path_ = degree * lowest;
     triangle_area_ = body_area_ / std::max<Index>(1, model.mesh.n_triangles());
     measure_foundations();
 }
+
+double DeformationWatch::search_path() const { return 0.1 * std::sqrt(body_area_ / std::max<Index>(1, model_.mesh.n_triangles())); }
 
 void DeformationWatch::look_at(const State& state) {
     look_at_triangles(state);

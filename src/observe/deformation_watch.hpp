@@ -1,8 +1,9 @@
 #pragma once
-// How far a run is from what it presumes: small rotations, small changes of shape, small slips of what is in contact, contact of neighbours only. Looked at now
-// and then (Recorder), not at every step; it remembers the largest of each and its place.
+// How far a run is from what it presumes: small rotations, small changes of shape, small slips of what is in contact, contact of neighbours only. Looked at when
+// the body has moved far enough since the last time (Recorder), not at every step; it remembers the largest of each and its place.
 #include "model/state.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace knap {
@@ -25,14 +26,20 @@ public:
 
     /// Rotation, change of area, slip: some ten nanoseconds a triangle.
     void look_at(const State& state);
-    /// Overlap: dearer, for the times of frames.
+    /// Overlap: dearer.
     void look_for_overlap(const State& state);
+
+    /// [m] The path on which no vertex must go between two looks: relative to each other two vertices turn no triangle by more than 2 degrees on it.
+    double look_path() const { return look_path_; }
+    /// [m] Likewise between two searches for overlap: a tenth of an edge.
+    double search_path() const;
 
     const Extreme& rotation() const { return rotation_; }        // [deg] of a triangle: the rotation in the polar decomposition of its deformation gradient
     const Extreme& area_change() const { return area_change_; }  // [-] of a triangle, det F - 1, its absolute value
     const Extreme& slip() const { return slip_; }                // [edges] of a point that is pressed, over the length of its edge
     const Extreme& overlap() const { return overlap_; }          // [m2] area that triangles cover twice; the place is that of the deformed body
     double triangle_area() const { return triangle_area_; }      // [m2] the mean; of those that lie over each other where these are smaller
+    std::optional<Vec2> place_of(Index corner) const { return corner < 0 ? std::nullopt : std::optional(model_.mesh.corner(corner)); }  // of -1: none
     double body_area() const { return body_area_; }              // [m2]
 
     template <class Archive>
@@ -52,7 +59,7 @@ private:
 
     const Model& model_;
     std::vector<StraightReach> straight_;  // in the order of the interfaces
-    double triangle_area_ = 0, body_area_ = 0;
+    double triangle_area_ = 0, body_area_ = 0, look_path_ = 0;
     Extreme rotation_, area_change_, slip_, overlap_;
 };
 

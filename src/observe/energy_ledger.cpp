@@ -39,16 +39,13 @@ double kinetic_energy(const Model& model, const State& state, MassMatrix mass) {
 
 }  // namespace
 
-EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix mass) {
+EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix mass, double weakest_point) : weakest_point_(weakest_point) {
     row_.kinetic = kinetic_energy(model, start, mass);
     row_.strain = strain_energy(model, start);
     for (std::size_t o = 0; o < model.obstacles.size(); ++o) row_.kinetic += kinetic_energy(model.obstacles[o], start.obstacles[o].velocity);
     row_.time = start.time;
     start_energy_ = largest_energy_ = row_.kinetic + row_.strain;
     given_ = start_energy_;
-    for (const FanPoint& point : model.fan_points)
-        if (const CohesiveLaw& law = model.laws[point.law]; law.breakable() && !point.cracked && law.G_c > 0)
-            if (const double energy = 1e-6 * law.G_c * point.area; point_energy_ == 0 || energy < point_energy_) point_energy_ = energy;
     smallest_mass_ = *std::min_element(model.corner_mass.begin(), model.corner_mass.end());
 }
 
@@ -76,9 +73,8 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     largest_recoverable_ = std::max(largest_recoverable_, row_.recoverable);
     const bool explicit_bulk = end.rate.empty();
     const double lag = row_.law_lag + (explicit_bulk ? 0.5 * (row_.surface() - surface_before) : 0);
-    const auto over = [&](double scale) { return scale > 0 ? lag / scale : 0; };
-    law_lag_ = over(dissipation_scale());
-    if (const double now = over(dissipation_scale(1e-2)); !(std::abs(now) <= std::abs(largest_law_lag_))) largest_law_lag_ = now;
+    law_lag_ = over_dissipated(lag);
+    if (const double now = over_dissipated(lag, 1e-2); !(std::abs(now) <= std::abs(largest_law_lag_))) largest_law_lag_ = now;
 
     StepReport extremes = report;
     extremes.largest_speed = std::max(worst_.largest_speed, report.largest_speed);

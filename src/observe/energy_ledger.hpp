@@ -40,7 +40,8 @@ struct EnergyRow {
 class EnergyLedger {
 public:
     /// `mass`: the one whose kinetic energy the reports have.
-    EnergyLedger(const Model& model, const State& start, MassMatrix mass = MassMatrix::lumped);
+    /// `weakest_point` [J]: what the weakest point takes to break.
+    EnergyLedger(const Model& model, const State& start, MassMatrix mass = MassMatrix::lumped, double weakest_point = 0);
 
     void add(const State& end, const StepReport& report);
 
@@ -50,8 +51,13 @@ public:
     double largest_residual() const { return largest_residual_; }  // [J] over all steps
     /// [J] What losses are measured against: the dissipated energy; the largest recoverable one where that is more, since points that begin to soften have
     /// dissipated next to nothing; and at least this part of the largest energy, and what a millionth of the weakest point takes: less is rounding.
-    double dissipation_scale(double least = 1e-6) const { return std::max({row_.dissipated, largest_recoverable_, least * largest_energy_, point_energy_}); }
-    /// Over that scale, signed: positive where the interfaces took more than their law asks for. Of the explicit bulk in the middle of the last step, where the
+    double dissipation_scale(double least = 1e-6) const { return std::max({row_.dissipated, largest_recoverable_, least * largest_energy_, 1e-6 * weakest_point_}); }
+    /// A loss [J] over that scale; 0 where nothing was dissipated.
+    double over_dissipated(double loss, double least = 1e-6) const {
+        const double scale = dissipation_scale(least);
+        return scale > 0 ? loss / scale : 0;
+    }
+    /// The law lag over that scale, signed: positive where the interfaces took more than their law asks for. Of the explicit bulk in the middle of the last step, where the
     /// works belong. Now; and the largest of all steps, where less than a hundredth of the largest energy counts as that: no alarm about the first points.
     double law_lag() const { return law_lag_; }
     double largest_law_lag() const { return largest_law_lag_; }
@@ -66,7 +72,7 @@ public:
     }
 
 private:
-    double start_energy_, largest_energy_, largest_recoverable_ = 0, largest_residual_ = 0, given_ = 0, smallest_mass_, point_energy_ = 0;
+    double start_energy_, largest_energy_, largest_recoverable_ = 0, largest_residual_ = 0, given_ = 0, smallest_mass_, weakest_point_;
     double law_lag_ = 0, largest_law_lag_ = 0;
     std::int64_t n_steps_ = 0;
     EnergyRow row_;

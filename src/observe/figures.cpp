@@ -130,6 +130,11 @@ std::string_view unit_of_figure(const std::string& show, const std::string& colo
     return "";
 }
 
+std::string magnification(const FigureOptions& options, bool obstacles) {
+    if (!shows_body(options.show) || options.deform == 1) return "";
+    return "displacements × " + short_number(options.deform) + (obstacles ? ", so closed gaps overlap" : "");
+}
+
 bool waits_for_the_end(const FigureOptions& options) { return shows_body(options.show) && (options.at.size() > 1 || options.panel); }
 
 FigureScale joined(const FigureScale& a, const FigureScale& b) {

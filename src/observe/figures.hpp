@@ -67,6 +67,9 @@ FigureScale joined(const FigureScale& a, const FigureScale& b);
 /// What one picture alone would have. Throws as draw_figure does.
 FigureScale scale_of(const FigureOptions& options, const Frame& frame, const Histories& histories, const FigureContext& context);
 
+/// "displacements × 5" and what that does to contacts; nothing of a picture that is as it is. `obstacles`: there are some.
+std::string magnification(const FigureOptions& options, bool obstacles);
+
 /// What stands below panels instead of below each of them.
 Legend panel_legend(const FigureOptions& options, const Frame& frame, const Histories& histories, const FigureContext& context, const FigureScale& scale);
 

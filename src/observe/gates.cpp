@@ -22,8 +22,7 @@ double energy_scale(const EnergyLedger& ledger) { return ledger.largest_energy()
 
 /// A loss [J] over what the interfaces dissipated, once that is known; where they dissipated nothing there is nothing to compare with.
 GateValue over_dissipated(const GateView& run, double loss) {
-    const double scale = run.ledger.dissipation_scale();
-    return {.value = scale > 0 ? std::abs(loss) / scale : 0, .judged = run.ended && run.ledger.row().dissipated > 1e-6 * run.ledger.largest_energy()};
+    return {.value = std::abs(run.ledger.over_dissipated(loss)), .judged = run.ended && run.ledger.row().dissipated > 1e-6 * run.ledger.largest_energy()};
 }
 
 // Each step rounds a displacement by up to 2^-53 of it. What is driven steadily adds the same small length at each, and is rounded the same way as long as its
@@ -86,19 +85,23 @@ const GateRule rules[] = {
      .meaning = "largest overlap of two sides in contact; the limit is the critical opening, or a thousandth of the body",
      .cure = "Usual cause: a body driven against itself faster than a step can follow; try a smaller time.step, and look at the prescribed motions"},
     {.name = "law_lag", .unit = "", .warning = 0.02, .limit = 0.2, .allowed = true,
-     .measure = [](const GateView& run) { return GateValue{std::max(std::abs(run.ledger.largest_law_lag()), run.ended ? std::abs(run.ledger.law_lag()) : 0)}; },
-     .meaning = "work of the interfaces beside what their law takes (law lag), over the dissipated energy: the crack does not cost G_c",
+     .measure = [](const GateView& run) {
+         return GateValue{std::max(std::abs(run.ledger.largest_law_lag()), run.ended ? std::abs(run.ledger.law_lag()) : 0),
+                          run.deformation == nullptr ? std::nullopt : run.deformation->place_of(run.ledger.worst().drop_corner)};
+     },
+     .meaning = "largest work of the interfaces beside what their law takes (law lag), over the dissipated energy: the crack does not cost G_c "
+                "(place: the point whose energy a step missed most)",
      .cure = "Usual cause: points that lose most of their cohesion within one step, or are thrown back in it; try a smaller time.step_cracking or time.safety, "
              "theta = 0.5 beside cohesion = \"implicit\", a mesh with more edges in the process zone, restitution = 0; or allow it by limits.law_lag"},
     {.name = "crossing_loss", .unit = "", .warning = 0.05, .limit = none, .allowed = false,
      .measure = [](const GateView& run) { return over_dissipated(run, run.ledger.row().crossing_loss); },
      .meaning = "energy lost where slips cross zero (crossing loss), over the dissipated energy",
      .cure = "Damaged interfaces rattle; try a smaller time.step_cracking or time.safety, mesh.order = 2, a load that sets in gently (ramp), restitution = 0"},
-    {.name = "scheme_dissipation", .unit = "", .warning = 0.05, .limit = none, .allowed = false,
+    {.name = "scheme_dissipation_part", .unit = "", .warning = 0.05, .limit = none, .allowed = false,
      .measure = [](const GateView& run) { return over_dissipated(run, run.ledger.row().scheme_dissipation); },
      .meaning = "energy damped by theta > 1/2 (scheme dissipation), over the dissipated energy",
      .cure = "Try a theta nearer 1/2, or a smaller time.step and time.step_cracking"},
-    {.name = "step_change_work", .unit = "", .warning = 0.05, .limit = none, .allowed = false,
+    {.name = "step_change_part", .unit = "", .warning = 0.05, .limit = none, .allowed = false,
      .measure = [](const GateView& run) { return over_dissipated(run, run.ledger.row().step_change_work); },
      .meaning = "energy made or lost by changes of the step, over the dissipated energy",
      .cure = "Try a time.step_cracking nearer to time.step"},

@@ -13,15 +13,21 @@ bool both(const Legend& legend) { return !legend.key.empty() && (legend.bar || !
 
 struct Columns {
     double left, width;  // [unit] of the first; of each, with the gap behind it
-    std::size_t n, n_rows;
+    std::vector<std::vector<KeyEntry>> entries;
+    double key_width(double right, std::size_t i) const { return std::min(width - column_gap, right - left - static_cast<double>(i) * width); }
 };
 
 Columns columns_of(const Legend& legend, double left, double width) {
     const double room = both(legend) ? (1 - key_from) * width : width;
     const double column = std::max(key_width(legend.key) + column_gap, both(legend) ? room : 0.25 * room);
     const double most = std::max(1., std::floor((room + column_gap) / column));
-    const std::size_t n = std::min(legend.key.size(), static_cast<std::size_t>(most));
-    return {left + width - room, column, n, n == 0 ? 0 : (legend.key.size() + n - 1) / n};
+    const std::size_t n = std::min(legend.key.size(), static_cast<std::size_t>(most)), n_rows = n == 0 ? 0 : (legend.key.size() + n - 1) / n;
+    Columns columns{left + width - room, column, {}};
+    for (std::size_t i = 0; i < legend.key.size(); ++i) {
+        if (i % n_rows == 0) columns.entries.emplace_back();
+        columns.entries.back().push_back(legend.key[i]);
+    }
+    return columns;
 }
 
 }  // namespace
@@ -34,8 +40,10 @@ void join(Legend& all, const Legend& other) {
 }
 
 double legend_height(const Legend& legend, double width) {
-    const double bar = legend.bar || !legend.note.empty() ? bar_room : 0;
-    return std::max(bar, legend.key.empty() ? 0 : static_cast<double>(columns_of(legend, 0, width).n_rows) * key_leading * type_size + below_key);
+    double height = legend.bar || !legend.note.empty() ? bar_room : 0;
+    const Columns columns = columns_of(legend, 0, width);
+    for (std::size_t i = 0; i < columns.entries.size(); ++i) height = std::max(height, key_height(columns.entries[i], columns.key_width(width, i)) + below_key);
+    return height;
 }
 
 void draw_legend(Canvas& canvas, const Legend& legend, const Area& area) {
@@ -43,12 +51,8 @@ void draw_legend(Canvas& canvas, const Legend& legend, const Area& area) {
     if (legend.bar) draw_colour_bar(canvas, *legend.bar, {both(legend) ? area.left : area.left + 0.15 * area.width, area.bottom, bar_width, area.height});
     else canvas.text({area.left, area.top() - 5}, legend.note, {.size = type_size, .along = Along::middle});
     const Columns columns = columns_of(legend, area.left, area.width);
-    for (std::size_t column = 0; column < columns.n; ++column) {
-        const auto at = [&](std::size_t row) { return legend.key.begin() + static_cast<std::ptrdiff_t>(std::min(row, legend.key.size())); };
-        const std::vector<KeyEntry> entries(at(column * columns.n_rows), at((column + 1) * columns.n_rows));
-        const double left = columns.left + static_cast<double>(column) * columns.width;
-        draw_key(canvas, entries, {left, area.bottom, std::min(columns.width - column_gap, area.right() - left), area.height});
-    }
+    for (std::size_t i = 0; i < columns.entries.size(); ++i)
+        draw_key(canvas, columns.entries[i], {columns.left + static_cast<double>(i) * columns.width, area.bottom, columns.key_width(area.right(), i), area.height});
 }
 
 }  // namespace knap

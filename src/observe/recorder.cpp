@@ -19,9 +19,8 @@ namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
-// of the deformation a run, at least, and for overlaps; and steps of the explicit bulk between two
-constexpr double n_looks = 200, n_searches = 40;
-constexpr std::int64_t steps_between_looks = 32;
+// of the explicit bulk, at least: a look takes a part of a step, a search for overlap some steps
+constexpr std::int64_t steps_between_looks = 32, steps_between_searches = 256;
 
 /// The file with all lines so far, open for the next ones.
 std::ofstream opened(const std::filesystem::path& path, const History& history) {
@@ -41,7 +40,7 @@ void add_line(const std::vector<double>& row, History& history, std::ofstream& f
 Recorder::Recorder(const Model& model, const State& start, RecorderOptions options)
     : model_(model),
       options_(std::move(options)),
-      ledger_(model, start, options_.mass),
+      ledger_(model, start, options_.mass, options_.weakest_point),
       deformation_(model),
       gates_(options_.critical_opening, diagonal(model.mesh.vertices), options_.allowed_limits),
       cracks_(interface_graph(model), options_.cracks),
@@ -128,7 +127,7 @@ void Recorder::end_frames() {
 
 void Recorder::after_step(const State& now, const StepReport& report) {
     ledger_.add(now, report);
-    watch_deformation(now);
+    watch_deformation(now, report.largest_speed);
     gates_.judge(ledger_, deformation_);
     if (writer_) writer_->check();
     const double reached = now.time * (1 + 1e-12);
@@ -146,19 +145,19 @@ void Recorder::after_step(const State& now, const StepReport& report) {
     draw_due(now, false);
 }
 
-/// Some hundred times a run, at frames and at the end; a look takes a part of an explicit step, so there are steps between two.
-void Recorder::watch_deformation(const State& now) {
-    const double reached = now.time * (1 + 1e-12);
-    const bool framed = reached >= next_frame_, at_end = options_.end > 0 && reached >= options_.end;
-    const bool due = reached >= next_look_ && now.n_steps >= looked_ + (now.rate.empty() ? steps_between_looks : 1);
-    if (!due && !framed && !at_end) return;
+/// When the fastest could have gone far enough since the last time, whatever the end of the run; at frames; and at the end. A path that is no number is far enough.
+void Recorder::watch_deformation(const State& now, double speed) {
+    const double reached = now.time * (1 + 1e-12), path = now.last_step * speed;
+    const bool always = reached >= next_frame_ || (options_.end > 0 && reached >= options_.end), explicit_bulk = now.rate.empty();
+    const auto is_due = [&](Watch& watch, double far, std::int64_t n_steps) {
+        watch.path += path;
+        return always || (!(watch.path < far) && now.n_steps >= watch.step + (explicit_bulk ? n_steps : 1));
+    };
+    const bool look = is_due(look_, deformation_.look_path(), steps_between_looks), search = is_due(search_, deformation_.search_path(), steps_between_searches);
+    if (!look && !search) return;
     const Timed timed(*this);
-    deformation_.look_at(now);
-    looked_ = now.n_steps;
-    next_look_ = now.time + options_.end / n_looks;
-    if (!framed && !at_end && reached < next_search_) return;
-    deformation_.look_for_overlap(now);
-    next_search_ = now.time + options_.end / n_searches;
+    if (look) deformation_.look_at(now), look_ = {0, now.n_steps};
+    if (search) deformation_.look_for_overlap(now), search_ = {0, now.n_steps};
 }
 
 /// What must not miss a step between two lines.
@@ -176,9 +175,22 @@ void Recorder::finish(const State& now, bool failed) {
     write_fragments(now);
     write_arms();
     write_lost_sheets();
-    draw_due(now, true, failed);
+    if (failed) show_last_state(now.time);
+    draw_due(now, true);
     end_frames();
-    draw_sequences(failed);
+    draw_sequences();
+}
+
+/// The end stands for all times of figures that were not reached.
+void Recorder::show_last_state(double end) {
+    for (FigureOptions& figure : options_.figures) {
+        std::vector<double>& at = figure.at;
+        if (at.empty() || at.back() <= end) continue;
+        const std::size_t least = std::min<std::size_t>(at.size(), 2);  // pictures of several times are named by them
+        std::erase_if(at, [&](double time) { return time > end; });
+        if (at.empty() || at.back() < end) at.push_back(end);
+        while (at.size() < least) at.push_back(end);
+    }
 }
 
 void Recorder::write_fragments(const State& now) {
@@ -242,14 +254,14 @@ bool Recorder::is_due(std::size_t i, const State& now) const {
     return next_at_[i] < at.size() && now.time * (1 + 1e-9) >= at[next_at_[i]];
 }
 
-void Recorder::draw_due(const State& now, bool at_end, bool failed) {
+void Recorder::draw_due(const State& now, bool at_end) {
     if (options_.directory.empty()) return;
     std::optional<Frame> frame;
     for (std::size_t i = 0; i < options_.figures.size(); ++i) {
         const FigureOptions& figure = options_.figures[i];
         const bool reached = is_due(i, now);
         if (!reached && !at_end) continue;
-        const bool due = figure.at.empty() || !shows_body(figure.show) ? at_end : reached || (failed && next_at_[i] < figure.at.size());
+        const bool due = figure.at.empty() || !shows_body(figure.show) ? at_end : reached;
         if (due && !waits_for_the_end(figure)) {
             const Timed timed(*this, &figure_seconds_);
             if (!frame) frame = make_frame(model_, now, false);
@@ -260,15 +272,10 @@ void Recorder::draw_due(const State& now, bool at_end, bool failed) {
 }
 
 /// Figures of several times: only now it is known what their pictures have in common. Frames that someone has taken away are missed elsewhere.
-void Recorder::draw_sequences(bool failed) {
+void Recorder::draw_sequences() {
     const Timed timed(*this, &figure_seconds_);
-    for (FigureOptions figure : options_.figures) {
+    for (const FigureOptions& figure : options_.figures) {
         if (!writer_ || !waits_for_the_end(figure)) continue;
-        if (failed && figure.at.back() > frame_times_.back()) {
-            std::erase_if(figure.at, [&](double time) { return time > frame_times_.back(); });
-            while (figure.at.size() < 2) figure.at.push_back(frame_times_.back());  // its pictures are named by their times
-            if (figure.at.back() < frame_times_.back()) figure.at.push_back(frame_times_.back());
-        }
         FrameList list{.run = options_.directory};
         for (const double time : figure.at) {
             const auto k = static_cast<std::size_t>(std::lower_bound(frame_times_.begin(), frame_times_.end(), time * (1 - 1e-9)) - frame_times_.begin());

@@ -30,6 +30,7 @@ struct RecorderOptions {
     MassMatrix mass = MassMatrix::lumped;
     CrackOptions cracks;
     double critical_opening = 0;             // [m] the largest of the laws that can break
+    double weakest_point = 0;                // [J] what the weakest point takes to break
     std::vector<AllowedLimit> allowed_limits;
     std::vector<FigureOptions> figures;
     std::vector<ProbeOptions> probes;
@@ -74,7 +75,7 @@ public:
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(ledger_, deformation_, next_look_, looked_, next_search_, gates_, cracks_, histories_, next_frame_, next_history_, last_line_, frame_times_, next_at_, drawn_);
+        archive(ledger_, deformation_, look_, search_, gates_, cracks_, histories_, next_frame_, next_history_, last_line_, frame_times_, next_at_, drawn_);
         archive(output_seconds_, frame_seconds_, figure_seconds_, frame_wait_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
@@ -82,16 +83,24 @@ public:
 
 private:
     class Timed;
+    /// Since the last look at the deformation.
+    struct Watch {
+        double path = 0;        // [m] of the fastest vertices
+        std::int64_t step = 0;  // number of that step
+        template <class Archive>
+        void serialize(Archive& archive) { archive(path, step); }
+    };
     void write_frame(const State& now);
     void watch_step(const State& now);
-    void watch_deformation(const State& now);
+    void watch_deformation(const State& now, double speed);
     void write_lines(const State& now);
     void end_frames();
     void write_fragments(const State& now);
     void write_arms();
     bool is_due(std::size_t figure, const State& now) const;
-    void draw_due(const State& now, bool at_end, bool failed = false);
-    void draw_sequences(bool failed);
+    void show_last_state(double end);
+    void draw_due(const State& now, bool at_end);
+    void draw_sequences();
     FigureContext figure_context() const;
     void write_lost_sheets() const;
     double uncounted() const { return writer_ ? writer_->cpu() - counted_ : 0; }  // [s] processor time beside the steps that is in neither of the sums yet
@@ -110,8 +119,7 @@ private:
     std::ofstream energy_file_, crack_file_, reaction_file_, probe_file_, break_file_, stress_strain_file_;
     std::optional<VtkSeries> series_;
     double next_frame_ = 0, next_history_ = 0;
-    double next_look_ = 0, next_search_ = 0;  // [s] of the deformation, and for overlaps
-    std::int64_t looked_ = 0;                 // number of the step of the last look
+    Watch look_, search_;  // of the deformation, and for overlaps
     double last_line_ = -1;             // [s] time of the last line
     std::vector<double> frame_times_;   // [s]
     std::vector<std::size_t> next_at_;  // per figure: which of its times comes next

@@ -11,7 +11,7 @@
 namespace knap {
 namespace {
 
-constexpr double plot_top = 352, degree = std::numbers::pi / 180, petal_width = 180. / n_petals;  // [unit], [deg]
+constexpr double plot_top = 376, degree = std::numbers::pi / 180, petal_width = 180. / n_petals;  // [unit], [deg]
 constexpr Colour ring_colour{0.8, 0.8, 0.8};
 
 Vec2 direction(double angle) { return {std::cos(angle * degree), std::sin(angle * degree)}; }
@@ -31,11 +31,19 @@ std::vector<Vec2> sector(const Vec2& centre, double inner, double outer, double 
     return outline;
 }
 
-/// On white, so that it is read over petals.
-void ring_label(Canvas& canvas, const Vec2& at, const std::string& text) {
-    const double half = 0.5 * text_width(text, 9) + 1.5;
-    canvas.fill({at + Vec2(-half, -5.5), at + Vec2(half, -5.5), at + Vec2(half, 5.5), at + Vec2(-half, 5.5)}, {1, 1, 1, 0.85});
-    canvas.text(at, text, {.size = 9, .across = Across::centre, .along = Along::middle});
+/// Of the rings, below the rose where no petal is, from its middle to the right.
+void draw_scale(Canvas& canvas, const Vec2& begin, double length, const std::vector<double>& radii, const std::vector<std::string>& labels) {
+    canvas.line({begin, begin + Vec2(length, 0)}, ink, 0.6);
+    canvas.text(begin + Vec2(length + 6, 0), "%", {.size = 9, .along = Along::middle});
+    double taken = 0;  // by labels
+    for (std::size_t i = 0; i < radii.size(); ++i) {
+        const Vec2 at = begin + Vec2(radii[i], 0);
+        canvas.line({at, at - Vec2(0, 3)}, ink, 0.6);
+        const double half = 0.5 * text_width(labels[i], 9);
+        if (at.x() - half < taken + 4) continue;
+        canvas.text(at - Vec2(0, 5), labels[i], {.size = 9, .across = Across::centre, .along = Along::top});
+        taken = at.x() + half;
+    }
 }
 
 }  // namespace
@@ -53,7 +61,7 @@ std::vector<Petal> petals(const History& breaks) {
 DrawnFigure draw_rose(const History& breaks, const std::string& title, const std::filesystem::path& file, int pixels) {
     const Title heading = fitted_title(title, "", page_width - 60);
     Canvas canvas(file, plot_top + heading.height(), pixels);
-    const Vec2 centre(200, 172);
+    const Vec2 centre(200, 196);
     constexpr double radius = 138;
     const std::vector<Petal> all = petals(breaks);
     double total = 0, longest = 0;
@@ -74,8 +82,10 @@ DrawnFigure draw_rose(const History& breaks, const std::string& title, const std
         if (rings.at[i] <= 0) continue;
         const double r = radius_of(rings.at[i] / 100);
         canvas.line(arc(centre, r, 0, 360), ring_colour, 0.6);
-        if (r > 0.25 * radius) ring_label(canvas, centre + r * direction(45), rings.labels[i] + " %");
     }
+    std::vector<double> radii;
+    for (const double ring : rings.at) radii.push_back(radius_of(ring / 100));
+    draw_scale(canvas, centre - Vec2(0, radius + 30), radius, radii, rings.labels);
     canvas.line(arc(centre, radius, 0, 360), ink, 0.8);
     for (int angle = 0; angle < 360; angle += 30) {
         const Vec2 out = direction(angle);
@@ -85,12 +95,12 @@ DrawnFigure draw_rose(const History& breaks, const std::string& title, const std
     }
     draw_title(canvas, heading, centre.x() - radius - 30, page_width - 30, plot_top);
     const double beside = centre.x() + radius + 52;
-    draw_key(canvas, {{"tension", curve_colour(0), 9}, {"shear", curve_colour(1), 9}}, {beside, 0, page_width - beside, 300});
-    canvas.text({beside, 252}, "area: part of the", {.size = type_size});
-    canvas.text({beside, 238}, "broken length", {.size = type_size});
-    canvas.text({beside, 216}, std::to_string(breaks.rows.size()) + " interfaces", {.size = type_size});
+    draw_key(canvas, {{"tension", curve_colour(0), 9}, {"shear", curve_colour(1), 9}}, {beside, 0, page_width - beside, 324});
+    canvas.text({beside, 276}, "area: part of the", {.size = type_size});
+    canvas.text({beside, 262}, "broken length", {.size = type_size});
+    canvas.text({beside, 240}, std::to_string(breaks.rows.size()) + " interfaces", {.size = type_size});
     const DisplayUnit unit = display_unit(total, "m");
-    canvas.text({beside, 202}, short_number(total * unit.factor) + " " + unit.unit, {.size = type_size});
+    canvas.text({beside, 226}, short_number(total * unit.factor) + " " + unit.unit, {.size = type_size});
     canvas.finish();
     return {file, canvas.height(), canvas.texts()};
 }

@@ -17,7 +17,11 @@ inline void account_rest(const FanPoint& point, const CohesiveLaw& law, double b
 
 /// `before`, `after`: beta at the begin and at the end of the step [-]; u: opening at its end [m].
 inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, double before, double after, double u_N, double u_T, StepReport& report) {
-    report.softened += before - after > least_loss;
+    if (const double fall = before - after; fall > least_loss) {
+        ++report.softened;
+        const double drop = point.area * law.G_c * fall * fall;
+        if (drop > report.largest_drop) report.largest_drop = drop, report.drop_corner = point.after == ground ? point.before : point.after;
+    }
     report.largest_beta_growth = std::max(report.largest_beta_growth, after - before);
     account_rest(point, law, after, report);
     if (after > 0) report.recoverable += point.area * after * law.sigma_c * law.equivalent_opening(u_N, u_T);

@@ -22,6 +22,7 @@ StepReport& StepReport::operator+=(const StepReport& other) {
     penetration = std::max(penetration, other.penetration);
     largest_speed = std::max(largest_speed, other.largest_speed);
     largest_beta_growth = std::max(largest_beta_growth, other.largest_beta_growth);
+    if (other.largest_drop > largest_drop) largest_drop = other.largest_drop, drop_corner = other.drop_corner;
     fan_solves += other.fan_solves;
     fan_iterations += other.fan_iterations;
     fan_fallbacks += other.fan_fallbacks;

@@ -34,6 +34,8 @@ struct StepReport {
     double penetration = 0;          // [m] largest
     double largest_speed = 0;        // [m/s]
     double largest_beta_growth = 0;  // must be 0
+    double largest_drop = 0;         // [J] S G_c (fall of beta in this step)^2 of one point: by about this a step misses the law there
+    Index drop_corner = -1;   // at that point
     std::int64_t fan_solves = 0;     // local problems solved, and how many needed more than one system
     std::int64_t fan_iterations = 0;
     std::int64_t fan_fallbacks = 0;
@@ -48,7 +50,7 @@ struct StepReport {
     template <class Archive>
     void serialize(Archive& archive) {
         archive(kinetic, strain, dissipated, recoverable, external_work, cohesive_work, crossing_loss, impact_work, friction_work, step_change_work, scheme_dissipation,
-                worst_impact_work, worst_friction_work, residual, penetration, largest_speed, largest_beta_growth, fan_solves, fan_iterations,
+                worst_impact_work, worst_friction_work, residual, penetration, largest_speed, largest_beta_growth, largest_drop, drop_corner, fan_solves, fan_iterations,
                 fan_fallbacks, bound_tests, released, softened, linear_solves, factorisations, refusal, where);
     }
 

@@ -7,8 +7,8 @@ namespace {
 
 /// A plate of 100 mm x 40 mm; `more` comes behind its first tables.
 std::string plate(const Folder& folder, const std::string& more, const std::string& domain = "") {
-    std::ofstream(folder.path / "plate.toml") << "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [\"100 mm\", \"40 mm\"]\n" + domain +
-                                                     "[mesh]\nsize = \"4 mm\"\n[material.rock]\ndensity = 2650\nE = \"40 GPa\"\nnu = 0.2\n"
+    std::ofstream(folder.path / "plate.toml") << rectangle("0.1, 0.04", "0.004", domain) +
+                                                     "[material.rock]\ndensity = 2650\nE = \"40 GPa\"\nnu = 0.2\n"
                                                      "[interface.default]\nsigma_c = \"5 MPa\"\nG_c = 50\n[time]\nend = \"20 us\"\n" + more;
     return "check " + folder.in_shell("plate.toml") + " ";
 }
@@ -40,11 +40,20 @@ TEST_CASE("a displacement without a ramp is said to be a jump") {
     const Answer jump = command(plate(folder, top) + "-s load[0].ramp=");
     CAPTURE(jump.text);
     CHECK(jump.code == 0);
-    CHECK(jump.has("warning[jump]: `load[0].displacement` jumps by 0.001 m at once: in a step of 4e-07 s that is a velocity of 2.5e+03 m/s, 0.61 times the speed of waves"));
+    CHECK(jump.has("warning[jump]: `load[0].displacement` jumps by 0.001 m at once at t = 0 s: in a step of 4e-07 s that is a velocity of 2.5e+03 m/s, 0.61 times the speed of waves"));
     CHECK(jump.has("plate.toml:18:16"));
     CHECK(jump.has("ramp = \"0.001 s\""));
     CHECK_FALSE(command(plate(folder, top)).has("warning[jump]"));
-    CHECK(command(plate(folder, top) + "-s load[0].ramp= -s 'load[0].table=[[0, 0], [1e-5, 0], [1e-5, 1]]'").has("warning[jump]"));
+    const auto with_table = [&](const std::string& table, const std::string& more = "") {
+        return command(plate(folder, top) + "-s load[0].ramp= -s 'load[0].table=" + table + "' " + more);
+    };
+    CHECK(with_table("[[0, 0], [1e-5, 0], [1e-5, 1]]").has("jumps by 0.001 m at once at t = 1e-05 s: in a step of 4e-07 s that is a velocity of 2.5e+03 m/s"));
+    CHECK(with_table("[[0, 0], [0, 1]]").has("jumps by 0.001 m"));
+    CHECK(with_table("[[0, 0.5], [1e-5, 1]]").has("jumps by 0.0005 m at once at t = 0 s"));
+    CHECK(with_table("[[0, 0], [1e-5, 0], [1.01e-5, 1]]").has("jumps by 0.001 m at once at t = 1e-05 s"));  // within a step
+    CHECK_FALSE(with_table("[[0, 0], [1e-5, 0], [1.01e-5, 1e-4]]").has("warning[jump]"));                   // so it moves at 1 m/s
+    CHECK_FALSE(with_table("[[0, 0], [5e-5, 0], [5e-5, 1]]").has("warning[jump]"));                         // after the end
+    CHECK(with_table("[[0, 1], [1e-5, 1], [1e-5, 2]]", "-s time.start=equilibrium").has("jumps by 0.001 m at once at t = 1e-05 s"));
     CHECK_FALSE(command(plate(folder, top) + "-s load[0].ramp= -s time.start=equilibrium").has("warning[jump]"));
 }
 
@@ -68,6 +77,9 @@ TEST_CASE("a run that nobody can mean is said to be one") {
     const Answer check = command(plate(folder, "[output]\nevery = \"1 us\"\nhistory_every = \"1 us\"\n") + "-s 'time.end=10 h'");
     CAPTURE(check.text);
     CHECK(check.has("warning[too-long]: `time.end` = 36000 s is "));
+    // both from one estimate
+    const auto number_after = [&](const std::string& words) { return std::stod(check.text.substr(check.text.find(words) + words.size())); };
+    CHECK(number_after("s: about ") * 86400 == doctest::Approx(number_after("  about ")).epsilon(0.06));
     CHECK(check.has("days of one core"));
     CHECK(check.has("warning[too-many]: `output.every` = 1e-06 s in a run of 36000 s makes 3.6e+10 frames"));
     CHECK(check.has("warning[too-many]: `output.history_every` = 1e-06 s"));
@@ -79,8 +91,15 @@ TEST_CASE("two lines that cut the stable step are named with their place") {
                              "[[domain.crack]]\npoints = [[\"20 mm\", \"10.22 mm\"], [\"44 mm\", \"10.22 mm\"]]\n";
     const Answer check = command(plate(folder, "", near));
     CAPTURE(check.text);
-    CHECK(check.has("warning[small-step]: `domain.crack["));
-    CHECK(check.has("all triangles step with it"));
+    CHECK(check.has("warning[small-step]: a triangle at (0.0"));
+    CHECK(check.has("Next to it: `domain.crack[0]` and `domain.crack[1]`"));
+    // each detail by itself, in a mesh of 1 mm: a pair a tenth of an edge apart, a small hole
+    const Answer both = command(plate(folder, "", "[[domain.crack]]\npoints = [[\"20 mm\", \"10 mm\"], [\"44 mm\", \"10 mm\"]]\n"
+                                                  "[[domain.crack]]\npoints = [[\"20 mm\", \"10.101 mm\"], [\"44 mm\", \"10.101 mm\"]]\n"
+                                                  "[[domain.hole]]\ncentre = [\"80 mm\", \"30 mm\"]\nradius = \"0.1 mm\"\n") + "-s 'mesh.size=1 mm'");
+    CAPTURE(both.text);
+    CHECK(both.has("Next to it: a detail of `domain.hole[0]`"));
+    CHECK((both.has("Next to it: `domain.crack[0]` and `domain.crack[1]`") || both.has("Next to it: `domain.crack[1]` and `domain.crack[0]`")));
     CHECK_FALSE(command(plate(folder, "", "[[domain.crack]]\npoints = [[\"20 mm\", \"10 mm\"], [\"44 mm\", \"10 mm\"]]\n")).has("small-step"));
 }
 

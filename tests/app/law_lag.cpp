@@ -24,12 +24,12 @@ TEST_CASE("law lag: a crack that is all but free ends the run and is told what t
     CAPTURE(allowed.text);
     CHECK(allowed.code == 0);
     CHECK(allowed.has("warning[law_lag]"));
-    CHECK(allowed.has("warning[scheme_dissipation]"));  // at the end: theta = 1
+    CHECK(allowed.has("warning[scheme_dissipation_part]"));  // at the end: theta = 1
     CHECK(allowed.has("theta nearer 1/2"));
 
     const Answer small = command("run " + coarse + "-s time.theta=0.5 -s 'time.step=0.5 CFL' -o " + folder.in_shell("small"));
     CAPTURE(small.text);
     CHECK(small.code == 0);
     CHECK_FALSE(small.has("VIOLATED"));
-    CHECK_FALSE(small.has("warning[scheme_dissipation]"));
+    CHECK_FALSE(small.has("warning[scheme_dissipation_part]"));
 }

@@ -29,19 +29,18 @@ const std::string rock = "[material.rock]\ndensity = 2600\nE = 20e9\nnu = 0.2\n"
 const std::string unbreakable = "[interface.default]\nbreakable = false\n";
 
 /// A free bar that turns by some 54 degrees in 4 ms.
-const std::string spin = "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [0.04, 0.01]\norigin = [-0.02, -0.005]\n[mesh]\nsize = 0.005\n" + rock + unbreakable +
+const std::string spin = rectangle("0.04, 0.01", "0.005", "origin = [-0.02, -0.005]\n") + rock + unbreakable +
                          "[[initial]]\nvelocity = [0, 5]\nbox = [0, -0.005, 0.02, 0.005]\n[[initial]]\nvelocity = [0, -5]\nbox = [-0.02, -0.005, 0, 0.005]\n"
                          "[time]\nend = \"4 ms\"\n[output]\nfields = false\n";
 
 /// A soft block with a slot that is squeezed shut.
-const std::string slot = "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [0.04, 0.02]\n[[domain.hole]]\n"
-                         "points = [[0.005, 0.0095], [0.035, 0.0095], [0.035, 0.0105], [0.005, 0.0105]]\n[mesh]\nsize = 0.0014\n"
+const std::string slot = rectangle("0.04, 0.02", "0.0014", "[[domain.hole]]\npoints = [[0.005, 0.0095], [0.035, 0.0095], [0.035, 0.0105], [0.005, 0.0105]]\n") +
                          "[material.gel]\ndensity = 1000\nE = 1e6\nnu = 0.3\n" + unbreakable +
                          "[[load]]\non = \"bottom\"\ndisplacement = [0, 0]\n[[load]]\non = \"top\"\nvelocity = [0, -0.5]\nramp = \"1 ms\"\n[time]\nend = \"6 ms\"\n"
                          "[output]\nfields = false\n";
 
 /// The upper half of a cracked block slides over the lower one, pressed.
-const std::string slide = "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [0.04, 0.02]\n[[domain.crack]]\npoints = [[0, 0.01], [0.04, 0.01]]\n[mesh]\nsize = 0.0025\n" + rock +
+const std::string slide = rectangle("0.04, 0.02", "0.0025", "[[domain.crack]]\npoints = [[0, 0.01], [0.04, 0.01]]\n") + rock +
                           "[interface.default]\nsigma_c = 1e8\nG_c = 100\n[[load]]\non = \"bottom\"\ndisplacement = [0, 0]\n[[load]]\non = \"top\"\ntraction = [0, -1e6]\n"
                           "[[initial]]\nvelocity = [60, 0]\nbox = [0, 0.01, 0.04, 0.02]\n[time]\nend = \"0.1 ms\"\n[output]\nfields = false\n";
 
@@ -80,6 +79,12 @@ TEST_CASE("limits: a bar that turns is warned of from 5 degrees and ends its run
         CHECK(gate_of(warned, "rotation")["pass"] == true);
         const auto& said = warned["warnings"];
         CHECK(std::count_if(said.begin(), said.end(), [](const Json& one) { return one.get<std::string>().find("largest rotation") != std::string::npos; }) == 1);
+    }
+    SUBCASE("and of one that would be a hundred times longer") {
+        const Answer whole = run(folder, spin, "-s 'time.end=400 ms'");
+        CHECK(whole.code == 3);
+        CHECK(count(whole.text, "warning[rotation]") == 1);
+        CHECK(gate_of(record_of(folder), "rotation")["value"].get<double>() < 31);
     }
     SUBCASE("a very short one is not") {
         const Answer part = run(folder, spin, "-s 'time.end=0.1 ms'");
@@ -129,7 +134,7 @@ TEST_CASE("limits: faces that slid by more than an edge under pressure end the r
 TEST_CASE("limits: loads on few light parts stop no run") {
     const Folder folder("light");
     // a point load, whose vertex has all the energy of the first step
-    const std::string block = "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n[mesh]\nsize = 0.002\n" + rock + unbreakable;
+    const std::string block = rectangle("0.1, 0.04", "0.002") + rock + unbreakable;
     const std::string point = "[[load]]\non = { box = [0.0487, 0.0399, 0.0513, 0.0401] }\nforce = [0, -100]\nramp = \"5 us\"\n[time]\nend = \"10 us\"\n[output]\nfields = false\n";
     CHECK(run(folder, block + point).code == 0);
     CHECK(gate_of(record_of(folder), "largest_speed")["pass"] == true);
@@ -138,7 +143,7 @@ TEST_CASE("limits: loads on few light parts stop no run") {
 TEST_CASE("limits: an obstacle that begins a few nanometres in the body is beside it") {
     const Folder folder("touching");
     const auto block = [](const std::string& height) {
-        return "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [0.04, 0.02]\n[mesh]\nsize = 0.002\n" + rock + unbreakable +
+        return rectangle("0.04, 0.02", "0.002") + rock + unbreakable +
                "[[obstacle]]\nshape = \"half plane\"\nat = [0, \"" + height + "\"]\nnormal = [0, 1]\n[[load]]\nacceleration = [0, -9.81]\n"
                "[time]\nend = \"20 us\"\n[output]\nfields = false\n";
     };

@@ -1,4 +1,5 @@
 // What pictures of one kind have in common, and what a referee looks for: whole titles, bodies and grounds in their place, lines told apart.
+#include "pixels.hpp"
 #include "synthetic_run.hpp"
 
 #include "base/error.hpp"
@@ -12,7 +13,6 @@
 #include "observe/sequence.hpp"
 #include "observe/vtk_series.hpp"
 
-#include <cairo.h>
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -20,37 +20,11 @@
 #include <set>
 
 using namespace knap;
+using namespace knap::tests;
 
 namespace {
 
-std::filesystem::path pictures() {
-    const std::filesystem::path directory = std::filesystem::path(KNAP_BINARY_DIR) / "test_figure_scales";
-    std::filesystem::create_directories(directory);
-    return directory;
-}
-
-class Pixels {
-public:
-    explicit Pixels(const std::filesystem::path& file) : image_(cairo_image_surface_create_from_png(file.string().c_str())) {
-        REQUIRE(cairo_surface_status(image_) == CAIRO_STATUS_SUCCESS);
-    }
-    ~Pixels() { cairo_surface_destroy(image_); }
-    Pixels(const Pixels&) = delete;
-    Pixels& operator=(const Pixels&) = delete;
-    int width() const { return cairo_image_surface_get_width(image_); }
-    int height() const { return cairo_image_surface_get_height(image_); }
-    std::uint32_t at(int x, int y) const {
-        return reinterpret_cast<const std::uint32_t*>(cairo_image_surface_get_data(image_) + y * cairo_image_surface_get_stride(image_))[x] & 0xFFFFFF;
-    }
-    /// At a place of the page, from below.
-    std::uint32_t on_page(double x, double y) const {
-        const double scale = width() / page_width;
-        return at(static_cast<int>(scale * x), height() - 1 - static_cast<int>(scale * y));
-    }
-
-private:
-    cairo_surface_t* image_;
-};
+std::filesystem::path pictures() { return picture_directory("test_figure_scales"); }
 
 /// Texts of a figure below its x axis: the numbers of its colour bar, and its name.
 std::vector<std::string> legend_texts(const DrawnFigure& figure) {
@@ -275,7 +249,7 @@ TEST_CASE("figures: many lines are told apart by colour and pattern") {
     for (int kind = 0; kind < n_line_patterns; ++kind) patterns.insert(line_pattern(kind, 1.6));
     CHECK(patterns.size() == n_line_patterns);
     const DrawnFigure figure = draw_chart(chart, pictures() / "many.png", 560);
-    for (int p = 0; p < 25; ++p) CHECK(has_text(figure, "p" + std::to_string(p) + "_v_x"));
+    for (int p = 0; p < 25; ++p) CHECK(has_text(figure, "p" + std::to_string(p) + ", v_{x}"));
     for (const DrawnText& text : figure.texts) CHECK(text.box.bottom >= 0);
     CHECK(chart.y_unit == "m/s");
 }

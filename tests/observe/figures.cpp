@@ -1,4 +1,5 @@
 // Figures are judged by what is on the page: size, ink, colours, and where every piece of text lies.
+#include "pixels.hpp"
 #include "synthetic_run.hpp"
 
 #include "base/error.hpp"
@@ -9,49 +10,22 @@
 #include "observe/figures.hpp"
 #include "observe/rock_figures.hpp"
 
-#include <cairo.h>
 #include <doctest/doctest.h>
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <set>
 
 using namespace knap;
+using namespace knap::tests;
 
 namespace {
 
-std::filesystem::path pictures() {
-    const std::filesystem::path directory = std::filesystem::path(KNAP_BINARY_DIR) / "test_figures";
-    std::filesystem::create_directories(directory);
-    return directory;
-}
-
-struct Picture {
-    int width, height;
-    std::set<std::uint32_t> colours;
-    double inked;  // part of the pixels that are not white
-};
-
-Picture read_png(const std::filesystem::path& file) {
-    cairo_surface_t* image = cairo_image_surface_create_from_png(file.string().c_str());
-    REQUIRE(cairo_surface_status(image) == CAIRO_STATUS_SUCCESS);
-    Picture p{cairo_image_surface_get_width(image), cairo_image_surface_get_height(image), {}, 0};
-    const unsigned char* data = cairo_image_surface_get_data(image);
-    for (int y = 0; y < p.height; ++y) {
-        const auto* row = reinterpret_cast<const std::uint32_t*>(data + y * cairo_image_surface_get_stride(image));
-        for (int x = 0; x < p.width; ++x) {
-            const std::uint32_t colour = row[x] & 0xFFFFFF;
-            p.colours.insert(colour);
-            p.inked += colour != 0xFFFFFF;
-        }
-    }
-    p.inked /= static_cast<double>(p.width) * p.height;
-    cairo_surface_destroy(image);
-    return p;
-}
+std::filesystem::path pictures() { return picture_directory("test_figures"); }
 
 bool overlap(const Area& a, const Area& b) { return a.left < b.right() && b.left < a.right() && a.bottom < b.top() && b.bottom < a.top(); }
 
@@ -86,14 +60,14 @@ TEST_CASE("figures: every subject is drawn without a display at the asked width"
         const FigureOptions options{.file = subject + ".png", .show = subject, .at = {40e-6}, .width = 1200};
         const auto file = draw_figure(options, plate(), synthetic::histories(), context, pictures());
         CHECK(file == pictures() / (subject + ".png"));
-        const Picture picture = read_png(file);
+        const Pixels picture(file);
         CAPTURE(subject);
-        CHECK(picture.width == 1200);
-        CHECK(picture.height > 300);
-        CHECK(picture.height < 1200);
-        CHECK(picture.colours.size() > (subject == "materials" ? 20 : shows_body(subject) ? 250 : 100));  // materials are few
-        CHECK(picture.inked > (shows_body(subject) ? 0.4 : 0.02));
-        CHECK(picture.inked < 0.9);
+        CHECK(picture.width() == 1200);
+        CHECK(picture.height() > 300);
+        CHECK(picture.height() < 1200);
+        CHECK(picture.colours().size() > (subject == "materials" ? 20 : shows_body(subject) ? 250 : 100));  // materials are few
+        CHECK(picture.inked() > (shows_body(subject) ? 0.4 : 0.02));
+        CHECK(picture.inked() < 0.9);
     }
 }
 
@@ -119,6 +93,56 @@ TEST_CASE("figures: of texts too long for their place the begin is shown") {
     check_type(draw_materials({.width = 600}, frame, std::vector<std::string>(9, endless), endless, pictures() / "long_names.png"));
 }
 
+TEST_CASE("figures: long names in a key go over lines and are not cut") {
+    const std::string name = "granite of the upper quarry, coarse grained and weathered along its joints";
+    const auto shown = [&](const DrawnFigure& figure) {
+        std::string all;
+        for (const DrawnText& text : figure.texts) all += text.text + " ";
+        check_type(figure);
+        return all.find("weathered") != std::string::npos && all.find("along its joints") != std::string::npos && all.find("…") == std::string::npos;
+    };
+    Chart chart = probe_chart(synthetic::probes());
+    for (Curve& curve : chart.curves) curve.label = name;
+    CHECK(shown(draw_chart(chart, pictures() / "long_key.png", 600)));
+    CHECK(shown(draw_materials({.width = 600}, plate(), std::vector<std::string>(9, name), "A plate", pictures() / "long_key.png")));
+}
+
+TEST_CASE("figures: the scale of a rose stands beside its petals") {
+    const DrawnFigure rose = draw_rose(synthetic::breaks(), "", pictures() / "type.png", 600);
+    int n = 0;
+    for (const DrawnText& text : rose.texts) {
+        const Vec2 middle(text.box.left + 0.5 * text.box.width, text.box.bottom + 0.5 * text.box.height);
+        INFO(text.text);
+        CHECK((middle - Vec2(200, 196)).norm() > 138);  // of the rose on its page
+        n += middle.y() < 30;
+    }
+    CHECK(n >= 3);
+}
+
+TEST_CASE("figures: magnified displacements are said to be and what that does to contacts") {
+    const FigureOptions magnified{.show = "cracks", .deform = 50}, other{.show = "energy", .deform = 50};
+    CHECK(magnification(magnified, false) == "displacements × 50");
+    CHECK(magnification(magnified, true).find("closed gaps overlap") != std::string::npos);
+    CHECK(magnification(other, true).empty());
+    CHECK(magnification({.show = "cracks", .deform = 1}, true).empty());
+    const DrawnFigure sheet = draw_contact_sheet({{pictures() / "type.png", "seed 1"}}, 1, "Plates", pictures() / "sheet.png", 600, {}, magnification(magnified, false));
+    CHECK(std::any_of(sheet.texts.begin(), sheet.texts.end(), [](const DrawnText& text) { return text.text == "displacements × 50"; }));
+}
+
+TEST_CASE("figures: probes are told apart by colour and their components by pattern") {
+    History probes{{"time"}, {}};
+    for (const char* name : {"a", "b", "c", "d"})
+        for (const char* component : {"_u_x", "_u_y"}) probes.columns.push_back(std::string(name) + component);
+    probes.rows = {std::vector<double>(9, 0.0), std::vector<double>(9, 1.0)};
+    const Chart chart = probe_chart(probes);
+    REQUIRE(chart.curves.size() == 8);
+    for (std::size_t i = 0; i < 8; ++i) {
+        CHECK(chart.curves[i].label == std::string(1, static_cast<char>('a' + i / 2)) + (i % 2 == 0 ? ", u_{x}" : ", u_{y}"));
+        CHECK(chart.curves[i].dash == static_cast<int>(i % 2));
+        CHECK(chart.curves[i].colour.red == curve_colour(i / 2).red);
+    }
+}
+
 TEST_CASE("figures: no text leaves the page or touches another") {
     for (const std::string& subject : figure_fields()) {
         check_type(draw_field({.show = subject, .width = 600}, plate(), "Edge-cracked block in tension", pictures() / "type.png"));
@@ -135,7 +159,7 @@ TEST_CASE("figures: no text leaves the page or touches another") {
     std::vector<Tile> tiles;
     for (int i = 0; i < 7; ++i) tiles.push_back({pictures() / (i == 4 ? "nothing.png" : "tile.png"), "interface.default.sigma_c 3 MPa, seed " + std::to_string(i)});
     for (const std::size_t n_columns : {1, 3, 7}) check_type(draw_contact_sheet(tiles, n_columns, "Edge-cracked block", pictures() / "sheet.png", 1200));
-    CHECK(read_png(pictures() / "sheet.png").inked > 0.2);
+    CHECK(Pixels(pictures() / "sheet.png").inked() > 0.2);
     check_type(draw_rose(synthetic::breaks(0), "Edge-cracked block", pictures() / "type.png", 600));  // nothing broke
 }
 
@@ -165,32 +189,25 @@ TEST_CASE("figures: a uniform field shows no seams between its triangles") {
     for (PointStatus& status : frame.status) status = PointStatus::intact;
     const FigureOptions options{.show = "stress_xx", .deform = 0, .box = Box{{0.02, 0.01}, {0.08, 0.03}}, .range = {-4e6, 4e6}, .width = 700};
     const DrawnFigure figure = draw_field(options, frame, "", pictures() / "seams.png");
-    cairo_surface_t* image = cairo_image_surface_create_from_png(figure.file.string().c_str());
-    const unsigned char* data = cairo_image_surface_get_data(image);
-    const auto pixel = [&](int x, int y) { return reinterpret_cast<const std::uint32_t*>(data + y * cairo_image_surface_get_stride(image))[x]; };
+    const Pixels pixels(figure.file);
     std::set<std::uint32_t> colours;
     for (int y = 60; y < 180; ++y)
-        for (int x = 100; x < 600; ++x) colours.insert(pixel(x, y));
-    cairo_surface_destroy(image);
+        for (int x = 100; x < 600; ++x) colours.insert(pixels.at(x, y));
     CHECK(colours.size() == 1);
 }
 
 TEST_CASE("figures: a crack is where it is and as dark as its opening says") {
     const FigureOptions options{.range = {0, 20e-6}, .width = 1120};
     const DrawnFigure figure = draw_cracks(options, plate(), "", pictures() / "place.png");
-    cairo_surface_t* image = cairo_image_surface_create_from_png(figure.file.string().c_str());
-    const unsigned char* data = cairo_image_surface_get_data(image);
-    const int height = cairo_image_surface_get_height(image), stride = cairo_image_surface_get_stride(image);
+    const Pixels pixels(figure.file);
     // the plot is 104 mm wide between 52 and 544 units, two pixels a unit
     int n_black = 0, n_coloured = 0;
-    for (int y = 0; y < height / 2; ++y) {
-        const auto* row = reinterpret_cast<const std::uint32_t*>(data + y * stride);
-        const auto at = [&](double x) { return row[static_cast<int>(2 * (52 + 492 * (x + 2) / 104))] & 0xFFFFFF; };
+    for (int y = 0; y < pixels.height() / 2; ++y) {
+        const auto at = [&](double x) { return pixels.at(static_cast<int>(2 * (52 + 492 * (x + 2) / 104)), y); };
         n_black += at(25) == 0;
         const std::uint32_t colour = at(80);  // opening of a few micrometres: the dark blue end
         n_coloured += (colour & 0xFF) > 100 && ((colour >> 16) & 0xFF) < 140 && ((colour >> 8) & 0xFF) < 60;
     }
-    cairo_surface_destroy(image);
     CHECK(n_black >= 1);
     CHECK(n_black <= 12);
     CHECK(n_coloured >= 1);
@@ -200,7 +217,7 @@ TEST_CASE("figures: a crack is where it is and as dark as its opening says") {
 TEST_CASE("figures: a load that does not move has no curve of force over displacement") {
     const Chart chart = reaction_chart(synthetic::reactions());
     REQUIRE(chart.curves.size() == 1);
-    CHECK(chart.curves[0].label == "load0_y");
+    CHECK(chart.curves[0].label == "load0, F_{y}");
     CHECK(chart.curves[0].x.back() == 1e-6);
     History at_rest{synthetic::reactions().columns, {{0, 1, 2, 0, 0, 3, 4, 0, 0}, {1, 1, 2, 0, 0, 3, 4, 0, 0}}};
     CHECK(reaction_chart(at_rest).curves.size() == 2);

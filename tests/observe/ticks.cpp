@@ -97,6 +97,10 @@ TEST_CASE("colour range: a few peaks do not set it and a constant field has one"
             CHECK(one.low < one.high);
         }
     }
+    // signed, but of one sign: no half of the bar stands for nothing
+    CHECK(robust_range({-8e6, -1e6}, 0, true).low == doctest::Approx(-8e6));
+    CHECK(robust_range({-8e6, -1e6}, 0, true).high == 0);
+    CHECK(robust_range({1e6, 8e6}, 0, true).low == 0);
     CHECK(robust_range({}, 0.1, false).low < robust_range({}, 0.1, false).high);
     CHECK(robust_range({std::nan(""), 1, 2}, 0, false).high == doctest::Approx(2));
 }
