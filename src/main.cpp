@@ -3,7 +3,7 @@
 #include "app/run.hpp"
 #include "app/threads.hpp"
 #include "base/error.hpp"
-#include "base/printable.hpp"
+#include "base/text.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

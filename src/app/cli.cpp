@@ -5,7 +5,7 @@
 #include "app/sweep.hpp"
 #include "app/version.hpp"
 #include "base/error.hpp"
-#include "base/printable.hpp"
+#include "base/text.hpp"
 #include "lcp/solvers.hpp"
 #include "scenario/findings.hpp"
 #include "scenario/keys.hpp"

@@ -1,6 +1,7 @@
 #include "app/run_result.hpp"
 
 #include "app/read_run.hpp"
+#include "base/text.hpp"
 #include "observe/history_csv.hpp"
 
 #include <nlohmann/json.hpp>
@@ -94,9 +95,7 @@ double value_of(const StudyQuantity& quantity, const Json& summary, const fs::pa
 std::string RunResult::trouble() const {
     if (status == "done") return gates_hold ? "" : "a gate is violated";
     constexpr std::size_t longest = 120;
-    std::size_t end = std::min(reason.size(), longest);
-    while (end < reason.size() && (reason[end] & 0xC0) == 0x80) ++end;  // not within a character of UTF-8
-    return status + ": " + reason.substr(0, end);
+    return status + ": " + reason.substr(0, character_begin(reason, longest));
 }
 
 bool is_under_way(const std::string& status) { return status == "running" || status == "starting"; }

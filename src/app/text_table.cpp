@@ -1,5 +1,6 @@
 #include "app/text_table.hpp"
 
+#include "base/text.hpp"
 #include "observe/history_csv.hpp"
 #include "observe/outputs.hpp"
 #include "scenario/units.hpp"
@@ -19,16 +20,15 @@ std::string number_text(double value, const char* format) {
 
 std::string padded(const std::vector<Row>& rows) {
     std::vector<std::size_t> width;
-    const auto columns = [](const std::string& text) { return std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }); };
     for (const Row& row : rows)
         for (std::size_t i = 0; i < row.size(); ++i) {
             if (i == width.size()) width.push_back(0);
-            width[i] = std::max<std::size_t>(width[i], columns(row[i]));
+            width[i] = std::max(width[i], n_characters(row[i]));
         }
     std::string text;
     for (const Row& row : rows) {
         std::string line;
-        for (std::size_t i = 0; i < row.size(); ++i) line += (i ? "  " : "") + row[i] + std::string(i + 1 < row.size() ? width[i] - columns(row[i]) : 0, ' ');
+        for (std::size_t i = 0; i < row.size(); ++i) line += (i ? "  " : "") + row[i] + std::string(i + 1 < row.size() ? width[i] - n_characters(row[i]) : 0, ' ');
         text += line + "\n";
     }
     return text;

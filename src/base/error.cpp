@@ -1,6 +1,6 @@
 #include "base/error.hpp"
 
-#include "base/printable.hpp"
+#include "base/text.hpp"
 
 #include <algorithm>
 
@@ -17,11 +17,7 @@ struct Excerpt {
     int column;
 };
 
-/// From i on, the first place that is not within a character of UTF-8.
-int whole(const std::string& text, int i) {
-    while (i < static_cast<int>(text.size()) && (text[i] & 0xC0) == 0x80) ++i;
-    return i;
-}
+int whole(const std::string& text, int i) { return static_cast<int>(character_begin(text, i)); }
 
 Excerpt excerpt(const std::string& line, int column) {
     if (static_cast<int>(line.size()) <= widest) return {line, column};

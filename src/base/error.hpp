@@ -21,7 +21,7 @@ struct Diagnostic {
     std::string note;         // what is allowed
 };
 
-/// The message as interface.md-style text: `error[code]: message`, place, source line, marks, note.
+/// The message as text: `error[code]: message`, place, source line, marks, note.
 std::string format(const Diagnostic& diagnostic);
 
 /// All that is wrong with the user's input, at once.

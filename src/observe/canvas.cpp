@@ -1,6 +1,7 @@
 #include "observe/canvas.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "base/whole_file.hpp"
 
 #include <cairo-pdf.h>
@@ -218,7 +219,7 @@ std::vector<std::size_t> character_ends(const std::string& text, double size, do
     const auto most = static_cast<std::size_t>(std::max(20 * width / size, 1.));
     std::vector<std::size_t> ends{0};
     for (std::size_t at = 1; at <= text.size() && ends.size() <= most; ++at)
-        if (at == text.size() || (static_cast<unsigned char>(text[at]) & 0xC0) != 0x80) ends.push_back(at);
+        if (at == text.size() || !continues_character(text[at])) ends.push_back(at);
     return ends;
 }
 

@@ -1,6 +1,7 @@
 #include "observe/history_csv.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "base/whole_file.hpp"
 #include "observe/outputs.hpp"
 
@@ -14,13 +15,8 @@ namespace knap {
 
 namespace {
 
-std::string shortest(double value) {
-    if (std::isnan(value)) return "";
-    value += 0.0;  // no minus zero
-    char text[32];
-    const auto end = std::to_chars(text, text + sizeof text, value).ptr;
-    return {text, end};
-}
+/// An empty cell for NaN, and no minus zero.
+std::string cell_text(double value) { return std::isnan(value) ? "" : shortest(value + 0.0); }
 
 std::vector<std::string_view> cells(std::string_view line) {
     std::vector<std::string_view> found;
@@ -49,7 +45,7 @@ std::string csv_line(const std::vector<std::string>& columns) {
 
 std::string csv_line(const std::vector<double>& row) {
     std::string line;
-    for (std::size_t i = 0; i < row.size(); ++i) line += (i == 0 ? "" : ",") + shortest(row[i]);
+    for (std::size_t i = 0; i < row.size(); ++i) line += (i == 0 ? "" : ",") + cell_text(row[i]);
     return line;
 }
 

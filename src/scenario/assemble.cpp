@@ -110,8 +110,7 @@ void assemble(Assembly& assembly) {
     scenario.name = values.text("name").value_or("");
     scenario.title = values.text("title").value_or("");
     scenario.seed = static_cast<std::uint64_t>(values.has("seed") ? values.find("seed")->node.integer : 1);
-    const auto plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.'; };
-    if (values.has("name") && (scenario.name.empty() || scenario.name.front() == '.' || !std::all_of(scenario.name.begin(), scenario.name.end(), plain)))
+    if (values.has("name") && (scenario.name.empty() || scenario.name.front() == '.' || !std::all_of(scenario.name.begin(), scenario.name.end(), is_plain)))
         assembly.findings.error("bad-name", "`" + scenario.name + "` cannot be the name of a scenario", assembly.at("name")).note =
             "letters, digits, - _ and . (it names the run directory)";
 

@@ -10,26 +10,6 @@ namespace {
 
 constexpr std::size_t most_quoted = 10'000'000;  // a line of a megabyte may be wrong in a hundred thousand places
 
-int n_characters(std::string_view utf8) {
-    return static_cast<int>(std::count_if(utf8.begin(), utf8.end(), [](unsigned char c) { return (c & 0xC0) != 0x80; }));
-}
-
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-/// Levenshtein distance in which a change of case costs nothing and a swap of neighbours costs one (optimal string alignment).
-int edit_distance(std::string_view a, std::string_view b) {
-    std::vector<std::vector<int>> d(a.size() + 1, std::vector<int>(b.size() + 1));
-    for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = static_cast<int>(i);
-    for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = static_cast<int>(j);
-    for (std::size_t i = 1; i <= a.size(); ++i)
-        for (std::size_t j = 1; j <= b.size(); ++j) {
-            const int change = lower(a[i - 1]) == lower(b[j - 1]) ? 0 : 1;
-            d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + change});
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
-        }
-    return d[a.size()][b.size()];
-}
-
 }  // namespace
 
 Source::Source(std::string name, std::string text) : name_(std::move(name)), text_(std::move(text)) {
@@ -60,7 +40,7 @@ void Source::point(Diagnostic& d, const Node& node, const Place& place) const {
 void Source::quote(Diagnostic& d) const {
     if (d.file != name_ || d.line < 1 || d.line > static_cast<int>(lines_.size())) return;
     d.source_line = lines_[d.line - 1];
-    const int to_the_end = n_characters(d.source_line) - d.column + 1;
+    const int to_the_end = static_cast<int>(n_characters(d.source_line)) - d.column + 1;
     d.length = std::max(1, std::min(d.length, to_the_end));
 }
 
@@ -100,31 +80,6 @@ std::vector<Diagnostic> Findings::sorted(Diagnostic::Severity severity) const {
         n_quoted += d->source_line.size();
     }
     return list;
-}
-
-const std::string* nearest(std::string_view word, const std::vector<std::string>& candidates) {
-    const std::string* best = nullptr;
-    int least = 2 + static_cast<int>(word.size()) / 3;  // a third of the letters may be wrong
-    for (const std::string& candidate : candidates) {
-        if (std::abs(static_cast<int>(word.size()) - static_cast<int>(candidate.size())) >= least) continue;  // so many are missing
-        const int distance = edit_distance(word, candidate);
-        const bool nothing_alike = distance > 0 && distance >= static_cast<int>(std::min(word.size(), candidate.size()));
-        if (distance >= least || nothing_alike) continue;
-        best = &candidate;
-        least = distance;
-    }
-    return best;
-}
-
-std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
-    const std::string* meant = nearest(word, candidates);
-    return meant ? "did you mean `" + *meant + "`?" : "";
-}
-
-std::string joined(const std::vector<std::string>& words, std::string_view separator) {
-    std::string text;
-    for (const std::string& word : words) text += (text.empty() ? "" : std::string(separator)) + word;
-    return text;
 }
 
 }  // namespace knap

@@ -1,6 +1,7 @@
 #pragma once
 // The source text of a scenario and all that is found wrong with it.
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "scenario/node.hpp"
 
 #include <string>
@@ -47,13 +48,5 @@ private:
     const Source& source_;
     std::vector<Diagnostic> found_;
 };
-
-/// The candidate nearest to `word` by edit distance; null when none is near.
-const std::string* nearest(std::string_view word, const std::vector<std::string>& candidates);
-/// The same as "did you mean `x`?", or nothing.
-std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
-
-/// "a, b, c"
-std::string joined(const std::vector<std::string>& words, std::string_view separator = ", ");
 
 }  // namespace knap

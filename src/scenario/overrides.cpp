@@ -6,7 +6,6 @@
 #include "scenario/keys.hpp"
 #include "scenario/toml_depth.hpp"
 #include "scenario/toml_tree.hpp"
-#include "scenario/units.hpp"
 
 namespace knap {
 namespace {
@@ -52,22 +51,6 @@ std::vector<Part> parts_of(const std::string& path) {
         begin = dot + 1;
     }
     return parts;
-}
-
-/// As RFC 3629 has it: no byte that cannot begin or go on, nothing longer than it must be, no half of a surrogate pair.
-bool is_utf8(std::string_view text) {
-    while (!text.empty()) {
-        const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-        const unsigned first = byte(0), second = byte(1);
-        const std::size_t n = first < 0x80 ? 1 : first < 0xC2 ? 0 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : first < 0xF5 ? 4 : 0;
-        for (std::size_t i = 1; i < n; ++i)
-            if ((byte(i) & 0xC0) != 0x80) return false;
-        const bool too_long = (first == 0xE0 && second < 0xA0) || (first == 0xF0 && second < 0x90);
-        const bool none = (first == 0xED && second >= 0xA0) || (first == 0xF4 && second >= 0x90);
-        if (n == 0 || too_long || none) return false;
-        text.remove_prefix(n);
-    }
-    return true;
 }
 
 /// Takes a key out, so that it has its default again; a key that is not there must at least be one.

@@ -48,8 +48,7 @@ void check_format(const Node& root, Findings& findings) {
 /// The file's name without its type; what cannot be in a scenario's name becomes "-".
 std::string name_from(const std::string& file) {
     std::string name = std::filesystem::path(file).stem().string();
-    const auto plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.'; };
-    std::replace_if(name.begin(), name.end(), [&](char c) { return !plain(c); }, '-');
+    std::replace_if(name.begin(), name.end(), [](char c) { return !is_plain(c); }, '-');
     return name.empty() || name.front() == '.' ? "scenario" : name;
 }
 

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "scenario/findings.hpp"
 
 namespace knap {
 namespace {
@@ -188,12 +187,6 @@ std::optional<double> shifted(std::string_view decimal, int power) {
 
 }  // namespace
 
-std::string_view trimmed(std::string_view text) {
-    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-    while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-    return text;
-}
-
 Quantity parse_quantity(std::string_view text) {
     text = trimmed(text);
     const std::size_t n = number_length(text);
@@ -314,13 +307,6 @@ std::string kind_name(const Dimension& dimension) {
     append("cR", dimension.rayleigh);
     append("CFL", dimension.courant);
     return name;
-}
-
-std::string shortest(double value) {
-    if (value == 0 && std::signbit(value)) return "-0.0";  // to TOML "-0" is a whole number, and 0
-    std::array<char, 32> buffer;
-    const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-    return {buffer.data(), end};
 }
 
 }  // namespace knap

@@ -1,5 +1,7 @@
 #pragma once
 // Numbers with units: "40 mm", "3.08 MPa", "1.18e-3 g/mm3", "1 mm/ms". Everything becomes SI, angles become degrees.
+#include "base/text.hpp"
+
 #include <string>
 #include <string_view>
 
@@ -35,11 +37,5 @@ std::string unit_meant(std::string_view unknown, std::string_view wanted);
 
 /// All units, for people: one a line of a Markdown table.
 std::string units_markdown();
-
-/// Without blanks and tabs at its ends.
-std::string_view trimmed(std::string_view text);
-
-/// The shortest decimal text that reads back as the same double.
-std::string shortest(double value);
 
 }  // namespace knap

@@ -35,7 +35,7 @@ bool is_table(const Entry& entry) { return entry.key->kind == Kind::table || ent
 
 /// As TOML has it: in quotes where it has blanks or letters that are not those of English.
 std::string key_text(const std::string& name) {
-    const auto bare = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-'; };
+    const auto bare = [](char c) { return is_plain(c) && c != '.'; };
     return std::all_of(name.begin(), name.end(), bare) ? name : quoted(name);
 }
 

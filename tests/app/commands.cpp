@@ -3,7 +3,7 @@
 
 #include "app/run_text.hpp"
 #include "app/step_plan.hpp"
-#include "base/printable.hpp"
+#include "base/text.hpp"
 #include "scenario/read_scenario.hpp"
 
 #include <sys/stat.h>

@@ -1,0 +1,39 @@
+#pragma once
+// Text: decimals of a number, characters of UTF-8, words that are nearly alike.
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace knap {
+
+/// The shortest decimal text that reads back as the same double; "-0.0" for minus zero, since "-0" is an integer in TOML.
+std::string shortest(double value);
+
+/// Without blanks and tabs at its ends.
+std::string_view trimmed(std::string_view text);
+
+/// "a, b, c"
+std::string joined(const std::vector<std::string>& words, std::string_view separator = ", ");
+
+/// An ASCII letter or digit, or one of _ - .
+bool is_plain(char c);
+
+/// The candidate nearest to `word` by edit distance; null when none is near.
+const std::string* nearest(std::string_view word, const std::vector<std::string>& candidates);
+/// The same as "did you mean `x`?", or "".
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
+
+/// Whether a byte continues a character of UTF-8 (10xxxxxx).
+constexpr bool continues_character(char byte) { return (static_cast<unsigned char>(byte) & 0xC0) == 0x80; }
+/// The number of characters in a text of UTF-8.
+std::size_t n_characters(std::string_view utf8);
+/// The first position from `i` on that is not inside a character of UTF-8.
+std::size_t character_begin(std::string_view utf8, std::size_t i);
+/// Whether all of a text is UTF-8 (RFC 3629).
+bool is_utf8(std::string_view text);
+
+/// A message as a terminal may show it: control characters become "?", except line feeds and tabs; columns stay.
+std::string printable(const std::string& message);
+
+}  // namespace knap
