@@ -1,6 +1,10 @@
 // Cracks that cost more or less than G_c since the steps are too large: a warning, the end of the run, and what the scenario allows.
 #include "program.hpp"
 
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
 using namespace program;
 
 namespace {
@@ -26,6 +30,18 @@ TEST_CASE("law lag: a crack that is all but free ends the run and is told what t
     CHECK(allowed.has("warning[law_lag]"));
     CHECK(allowed.has("warning[scheme_dissipation_part]"));  // at the end: theta = 1
     CHECK(allowed.has("theta nearer 1/2"));
+    // a number of the summary that has the name of a gate is that of the gate
+    const auto record = nlohmann::json::parse(text_of(folder.path / "allowed/run.json"));
+    int n = 0;
+    for (const auto& gate : record["gates"]) {
+        const std::string name = gate["name"];
+        if (!record["summary"].contains(name) || gate["value"].is_null()) continue;
+        CAPTURE(name);
+        CHECK(std::abs(record["summary"][name].get<double>()) == doctest::Approx(gate["value"].get<double>()).epsilon(1e-12));
+        ++n;
+        if (name == "crossing_loss") CHECK(gate["value"].get<double>() > 0);
+    }
+    CHECK(n >= 3);  // energy_residual, crossing_loss, largest_speed
 
     const Answer small = command("run " + coarse + "-s time.theta=0.5 -s 'time.step=0.5 CFL' -o " + folder.in_shell("small"));
     CAPTURE(small.text);
