@@ -244,6 +244,7 @@ ExitCode carry_out(const Prepared& prepared, RunDirectory& place, RunRecord& rec
     const std::filesystem::path& directory = prepared.directory;
     const Model& model = prepared.model;
     MoreauJean& stepper = prepared.stepper;
+    stepper.give_up_when(InterruptGuard::interrupted);
     const Stopwatch& whole = prepared.whole;
     RunLog& log = place.log();
     if (!place.resumes()) log.add(prepared.warnings + random_sets_text(scenario));

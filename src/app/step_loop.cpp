@@ -62,7 +62,11 @@ void step_to_end(const Stepping& run, double until, const Checkpoints& checkpoin
             }
             if (!at_end && run.control.depends_on_end(now)) at_end = true, save_for_later_end(run, save);
             const long before = now.n_steps;
-            try_step(run, now, next);
+            try {
+                try_step(run, now, next);
+            } catch (const StepGivenUp&) {
+                continue;  // interrupted
+            }
             if (!at_end && now.n_steps > before && checkpoints.due()) save();
         }
         if (!StepControl::has_reached(now, run.scenario.time.end) && record.status != "failed" && !at_end) save();  // before the lines of an early end are written

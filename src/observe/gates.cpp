@@ -91,8 +91,9 @@ const GateRule rules[] = {
      },
      .meaning = "largest work of the interfaces beside what their law takes (law lag), over the dissipated energy: the crack does not cost G_c "
                 "(place: the point whose energy a step missed most)",
-     .cure = "Usual cause: points that lose most of their cohesion within one step, or are thrown back in it; try a smaller time.step_cracking or time.safety, "
-             "theta = 0.5 beside cohesion = \"implicit\", a mesh with more edges in the process zone, restitution = 0; or allow it by limits.law_lag"},
+     .cure = "Usual cause: points that lose most of their cohesion within one step, where largest_law_lag of run.json is positive; where it is negative, cohesion = "
+             "\"implicit\" with theta beyond 0.5 or with the explicit bulk, or damaged sides that overlap since the implicit bulk stops them within a step; "
+             "try a smaller time.step_cracking or time.safety, theta = 0.5, a mesh with more edges in the process zone; or allow it by limits.law_lag"},
     {.name = "crossing_loss", .unit = "", .warning = 0.05, .limit = none, .allowed = false,
      .measure = [](const GateView& run) { return over_dissipated(run, run.ledger.row().crossing_loss); },
      .meaning = "energy lost where slips cross zero (crossing loss), over the dissipated energy",

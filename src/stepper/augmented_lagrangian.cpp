@@ -172,6 +172,7 @@ bool AugmentedLagrangian::find_rates(const ImplicitBulk& bulk, std::vector<Loose
     double best = std::numeric_limits<double>::infinity();
     int stalled = 0;
     for (int i = 0; i < most_steps; ++i) {
+        if (given_up_ && given_up_()) throw StepGivenUp{};
         evaluate(bulk, points, rate);
         const double norm = residual(worst_node());
         if (norm <= tolerance) return true;

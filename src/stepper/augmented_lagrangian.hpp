@@ -14,6 +14,7 @@
 #include "stepper/implicit_bulk.hpp"
 #include "stepper/loose_point.hpp"
 #include "stepper/multiplier_leaps.hpp"
+#include "stepper/step_scheme.hpp"
 #include "stepper/theta_matrix.hpp"
 
 #include <vector>
@@ -37,6 +38,7 @@ public:
     /// `largest_scale` the most that contacts may make of it.
     Status solve(const ImplicitBulk& bulk, std::vector<LoosePoint>& points, std::vector<Vec2>& rate, double scale, double largest_scale);
 
+    void give_up_when(GiveUp asked) { given_up_ = asked; }
     const SolverCounts& counts() const { return counts_; }
     double unit() const { return unit_; }  // [N s] the scale, or the largest contact impulse, unless it is jammed
     /// The softening of the solution outweighs inertia and stiffness: Assumption 1 does not hold there.
@@ -74,6 +76,7 @@ private:
     std::vector<Vec2> first_rate_;
     MultiplierLeaps leaps_;
     SolverCounts counts_;
+    GiveUp given_up_ = nullptr;
     double unit_ = 1, largest_unit_ = 1;
 };
 

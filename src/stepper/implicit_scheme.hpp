@@ -33,6 +33,7 @@ public:
 
     StepReport step(const State& begin, double h, State& end) override;
     double stable_step() const override { return std::numeric_limits<double>::infinity(); }
+    void give_up_when(GiveUp asked) override { solver_.give_up_when(asked); }
     FactorSize factor_size() const override { return {.unknowns = matrix_.n_unknowns(), .entries = matrix_.n_entries()}; }
 
 private:

@@ -25,6 +25,9 @@ public:
     /// Throws SimulationError where there is none that the interfaces and supports can hold.
     void start_in_equilibrium(State& start) const;
 
+    /// Lets a long step end early, by StepGivenUp. Without it every step is carried through.
+    void give_up_when(GiveUp asked) { scheme_->give_up_when(asked); }
+
     double stable_step() const { return scheme_->stable_step(); }  // [s]; infinite for the implicit bulk
     FactorSize factor_size() const { return scheme_->factor_size(); }   // of the implicit bulk
 
