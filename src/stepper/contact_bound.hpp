@@ -18,6 +18,10 @@ inline double length_behind_opening(const FanPoint& point, const CohesiveLaw& la
     return moved(point.before) + moved(point.after) + point.gap + law.delta_c();
 }
 
+/// [-] e of a point in a step that begins with cohesion `beta`. Restitution is for faces that meet: what is thrown back must first touch, and by then cohesion
+/// would pull a damaged point into the other side by the whole of its approach.
+inline double restitution_in_step(const CohesiveLaw& law, double beta) { return beta > 0 ? 0 : law.restitution; }
+
 /// [m/s] c, or nothing: the point cannot touch within the step. `length` [m]: length_behind_opening.
 inline std::optional<double> contact_bound(double u_N, double V_N, double length, double restitution, double h, double theta) {
     const double approach = std::max(-V_N, 0.0);

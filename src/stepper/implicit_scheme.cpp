@@ -136,7 +136,7 @@ LoosePoint ImplicitScheme::make_point(const State& begin, double h, Index f, Ind
                         : rank < 0 ? 1 : begin.points[begin.first_point[rank] + i - model_.fans[f].first_point].cohesion;
     const double u_N = point.gap + jump.x();
     const std::optional<double> bound =
-        contact_bound(u_N, speed.x(), length_behind_opening(point, law, begin), law.restitution, h, options_.theta);
+        contact_bound(u_N, speed.x(), length_behind_opening(point, law, begin), restitution_in_step(law, beta), h, options_.theta);
     const auto [imposed_N, imposed_T] = imposed(made);
     made.law = {.u_N = u_N,
                 .u_T = jump.y(),

@@ -10,7 +10,7 @@
 //     beta+ = min(beta, max(0, 1 - (max(u_N + h w_N, 0) + gamma |u_T + h w_T|)/delta_c))
 //     beta_theta = theta beta+ + (1 - theta) beta      (implicit beta; explicit beta: beta_theta = beta)
 //
-// The contact bound, V = rate at the begin of the step:
+// The contact bound, V = rate at the begin of the step; e = 0 where cohesion is left:
 //     touching, up to rounding:  c = -(1 - theta (1 + e)) max(-V_N, 0)   Newton's law v_N+ = -e v_N- against an approach, else w_N >= 0
 //     apart, e = 0:              c = min(-u_N/h, -(1 - theta) max(-V_N, 0))  lands on the wall, or stops at it
 //     apart, e > 0:              no contact in this step: it must touch first

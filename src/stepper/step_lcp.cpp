@@ -85,7 +85,7 @@ private:
 
     std::optional<double> bound(const Point& point) const {
         const double length = length_behind_opening(*point.at, *point.law, begin_);
-        return contact_bound(point.opening.x(), point.rate.x(), length, point.law->restitution, h_, theta_);
+        return contact_bound(point.opening.x(), point.rate.x(), length, restitution_in_step(*point.law, point.cohesion), h_, theta_);
     }
 
     void lay_out() {

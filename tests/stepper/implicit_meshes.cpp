@@ -106,6 +106,23 @@ ModelInput pulled_plate(double speed) {
 
 }  // namespace
 
+TEST_CASE("what cohesion holds is not thrown back by implicit steps: restitution makes no law lag") {
+    const auto law_lag = [](double restitution) {
+        ModelInput input = pulled_plate(1);
+        input.laws[0].restitution = restitution;
+        Run run(input, implicit(0.5)), twin(input);
+        go(run, 20e-6, 5 * twin.stepper.stable_step());
+        CHECK(n_broken(run) > 5);
+        check_books(run);
+        return run.ledger.law_lag();
+    };
+    const double plastic = law_lag(0);
+    for (const double restitution : {0.3, 1.0}) {
+        CAPTURE(restitution);
+        CHECK(std::abs(law_lag(restitution) - plastic) < 0.02);
+    }
+}
+
 TEST_CASE("an implicit step can be given up and taken again with the same bits") {
     const ModelInput input = pulled_plate(1);
     Run run(input, implicit(0.5)), whole(input, implicit(0.5)), twin(input);

@@ -129,14 +129,14 @@ private:
         const double scale = displacement(point.after).norm() + displacement(point.before).norm() + point.gap + law.delta_c();
         Passage made{.w_N = n.dot(w), .w_T = t.dot(w), .u_T = t.dot(u)};
         made.end_u_T = made.u_T + h_ * made.w_T;
+        made.cohesion = point.cracked || law.sigma_c == 0 ? 0 : knap::cohesion(model_, begin_, point.point);
         const bool touches = u_N <= 1e-11 * scale;
+        const double e = made.cohesion > 0 ? 0 : law.restitution;  // restitution is for faces without cohesion
         if (touches)
-            made.bound = -(1 - theta * (1 + law.restitution)) * approach;
-        else if (law.restitution == 0)
+            made.bound = -(1 - theta * (1 + e)) * approach;
+        else if (e == 0)
             made.bound = std::min(-u_N / h_, -(1 - theta) * approach);
         if (driven(point)) made.bound.reset();
-
-        made.cohesion = point.cracked || law.sigma_c == 0 ? 0 : knap::cohesion(model_, begin_, point.point);
         made.end_cohesion = made.cohesion > 0 ? law.next_cohesion(made.cohesion, u_N + h_ * made.w_N, made.end_u_T) : 0;
         const bool implicit = options_.cohesion == CohesionScheme::implicit_beta;
         const double beta = implicit ? theta * made.end_cohesion + (1 - theta) * made.cohesion : made.cohesion;
