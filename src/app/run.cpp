@@ -15,6 +15,7 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "base/whole_file.hpp"
+#include "observe/frame.hpp"
 #include "observe/progress.hpp"
 #include "scenario/units.hpp"
 #include "scenario/write_scenario.hpp"
@@ -48,8 +49,9 @@ double weakest_point(const Model& model) {
 
 RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const std::filesystem::path& directory, bool goes_on) {
     const double end = scenario.time.end, edge = mean_edge(model.mesh);
-    double process_zone = 0;
+    double process_zone = 0, fastest = 0;
     for (const Resolution& r : judge_resolution(scenario, edge)) process_zone = std::max(process_zone, r.process_zone);
+    for (const NamedMaterial& material : scenario.materials) fastest = std::max(fastest, material.elastic.dilatational_speed(scenario.plane));
     return {.directory = directory,
             .end = end,
             .frame_every = scenario.output.fields ? scenario.output.every : 0,
@@ -57,7 +59,7 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .rayleigh_speed = rayleigh_speed(scenario),
             .materials = material_names(scenario),
             .mass = scenario.time.scheme.mass,
-            .cracks = crack_options(edge, process_zone),
+            .cracks = crack_options(diagonal(model.mesh.vertices), process_zone, fastest, model.mesh.order),
             .critical_opening = largest_critical_opening(scenario),
             .weakest_point = weakest_point(model),
             .allowed_limits = scenario.allowed_limits,

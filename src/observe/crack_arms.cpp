@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <utility>
 
 namespace knap {
 
-CrackArms::CrackArms(InterfaceGraph graph, const CrackOptions& options) : edges_(std::move(graph), options.gap_length), options_(options) {
-    placed_.assign(edges_.graph().ends.size(), 0);
+CrackArms::CrackArms(InterfaceGraph graph, const CrackOptions& options) : edges_(std::move(graph), options.gap_edges), options_(options) {
+    node_of_.assign(edges_.graph().ends.size(), -1);
     owner_.assign(edges_.graph().vertices.size(), -1);
 }
 
@@ -20,7 +21,7 @@ void CrackArms::grow(double time, std::span<const InterfaceStatus> status) {
     sweep(queue);
     std::vector<Index> looked_at;
     for (const Index e : cracked)
-        if (!placed_[e] && !std::binary_search(looked_at.begin(), looked_at.end(), e)) look_at_loose(e, looked_at);
+        if (node_of_[e] == -1 && !std::binary_search(looked_at.begin(), looked_at.end(), e)) look_at_loose(e, looked_at);
     for (Junction& junction : junctions_)
         if (junction.n_counted < 2) count_branchings(junction);
     if (std::exchange(went_on_, false))
@@ -31,7 +32,7 @@ void CrackArms::grow(double time, std::span<const InterfaceStatus> status) {
 
 void CrackArms::push_edges(Index node, double distance, Queue& queue) const {
     for (const Index e : edges_.edges_at(nodes_[node].vertex))
-        if (edges_.cracked(e) && !placed_[e]) queue.push({distance + graph().length[e], e, node});
+        if (edges_.cracked(e) && node_of_[e] == -1) queue.push({distance + graph().length[e], e, node});
 }
 
 /// Takes all edges that the queue leads to, the nearest first.
@@ -39,11 +40,12 @@ void CrackArms::sweep(Queue& queue) {
     while (!queue.empty()) {
         const auto [distance, edge, from] = queue.top();
         queue.pop();
-        if (placed_[edge]) continue;
-        placed_[edge] = 1;
+        if (node_of_[edge] != -1) continue;
+        node_of_[edge] = closing;
         const Index vertex = edges_.far_end(edge, nodes_[from].vertex);
         if (owner_[vertex] >= 0) {
             close(edge, from, owner_[vertex]);
+            take_long_stretch(vertex);
             continue;
         }
         const bool ends = edges_.terminal(vertex);
@@ -62,8 +64,10 @@ Index CrackArms::add_node(Index vertex, Index edge, Index parent, bool ends) {
                       .parent = parent,
                       .crack = before.crack,
                       .distance = before.distance + graph().length[edge],
+                      .n = before.n + 1,
                       .since = edges_.since(edge),
                       .ends = ends});
+    node_of_[edge] = node;
     settle(node);
     return node;
 }
@@ -71,10 +75,7 @@ Index CrackArms::add_node(Index vertex, Index edge, Index parent, bool ends) {
 /// An edge that joins two vertices that cracks have come to: a small loop is noise, else one arm ends at the other.
 void CrackArms::close(Index edge, Index a, Index b) {
     const bool same = nodes_[a].crack == nodes_[b].crack;
-    if (same) {
-        const double loop = graph().length[edge] + nodes_[a].distance + nodes_[b].distance - 2 * nodes_[common(a, b)].distance;
-        if (loop < 2 * options_.pruning_length) return;
-    }
+    if (same && 1 + nodes_[a].n + nodes_[b].n - 2 * nodes_[common(a, b)].n < 2 * options_.arm_edges) return;
     const auto rank = [&](Index node) { return std::pair(is_tip(node), path_length(node)); };
     if (rank(a) < rank(b)) std::swap(a, b);  // the edge is the last one of the tip that has come further
     const Index end = add_node(nodes_[b].vertex, edge, a, true);
@@ -92,22 +93,69 @@ Index CrackArms::common(Index a, Index b) const {
 
 // ---- arms ----
 
+Index CrackArms::base_of(Index node) const {
+    while (nodes_[node].arm < 0) node = nodes_[node].parent;
+    return node;
+}
+
+/// The nodes behind `base` on the way to `node`.
+std::vector<Index> CrackArms::way_from(Index base, Index node) const {
+    std::vector<Index> way;
+    for (; node != base; node = nodes_[node].parent) way.push_back(node);
+    std::reverse(way.begin(), way.end());
+    return way;
+}
+
 /// Lets the node lengthen an arm, become the way on of one, or make a new one.
 void CrackArms::settle(Index node) {
-    std::vector<Index> way{node};  // back to an arm
-    while (nodes_[nodes_[way.back()].parent].arm < 0) way.push_back(nodes_[way.back()].parent);
-    const Index base = nodes_[way.back()].parent;
-    std::reverse(way.begin(), way.end());
+    const Index base = base_of(node);
     const double length = nodes_[node].distance - nodes_[base].distance;
-
     Index arm = nodes_[base].arm;
     const auto& [first, second] = cracks_[nodes_[node].crack].arms;
     if (base == cracks_[nodes_[node].crack].root && second >= 0) arm = way_on(second, base) < way_on(first, base) ? second : first;
-    const double other = way_on(arm, base);
-    if (other < options_.pruning_length) {
-        if (length > other) turn(arm, base, way);
-    } else if (length >= options_.pruning_length) {
-        begin_arm(base, way);
+    if (!stays(arm, base) && length > way_on(arm, base)) {
+        const bool leaves_twig = arms_[arm].tip() != base;
+        turn(arm, base, way_from(base, node));
+        if (leaves_twig) take_long_stretch(nodes_[base].vertex);
+    } else if (is_arm(base, node)) {
+        begin_arm(base, node);
+    } else {
+        take_long_stretch(nodes_[node].vertex);
+    }
+}
+
+/// In no arm, but in a tree or between two of its vertices.
+bool CrackArms::beside_arms(Index edge) const {
+    const Index node = node_of_[edge];
+    return node == closing || (node >= 0 && nodes_[node].arm < 0);
+}
+
+/// Where the edges beside arms lead to from a vertex, and the fewest of them to the farthest place.
+CrackArms::Stretch CrackArms::farthest_beside_arms(Index vertex) const {
+    std::map<Index, Index> came_by{{vertex, -1}};
+    std::vector<Index> order{vertex};
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const Index v = order[i];
+        if (i > 0 && (owner_[v] < 0 || nodes_[owner_[v]].arm >= 0)) continue;
+        for (const Index e : edges_.edges_at(v))
+            if (beside_arms(e) && came_by.try_emplace(edges_.far_end(e, v), e).second) order.push_back(edges_.far_end(e, v));
+    }
+    Stretch stretch{order.back(), {}};
+    for (Index v = order.back(); v != vertex; v = edges_.far_end(stretch.edges.back(), v)) stretch.edges.push_back(came_by[v]);
+    return stretch;
+}
+
+/// Twigs that hang together, or that a loop joins, may be as many edges as an arm has, each of them less: then the longest is an arm.
+void CrackArms::take_long_stretch(Index vertex) {
+    while (true) {
+        const Stretch stretch = farthest_beside_arms(farthest_beside_arms(vertex).end);
+        if (static_cast<Index>(stretch.edges.size()) < options_.arm_edges) return;
+        Index longest = -1, n_longest = 0;
+        for (const Index e : stretch.edges)
+            if (const Index node = node_of_[e]; node >= 0 && nodes_[node].n - nodes_[base_of(node)].n > n_longest) longest = node, n_longest = nodes_[node].n - nodes_[base_of(node)].n;
+        if (longest < 0) return;
+        begin_arm(base_of(longest), longest);
+        arms_.back().kept = nodes_[longest].distance;
     }
 }
 
@@ -124,11 +172,12 @@ void CrackArms::append(Index arm, Index node) {
     arms_[arm].nodes.push_back(node);
 }
 
-void CrackArms::begin_arm(Index base, const std::vector<Index>& way) {
+void CrackArms::begin_arm(Index base, Index node) {
     const Index arm = static_cast<Index>(arms_.size()), parent = nodes_[base].arm;
     arms_.push_back({.crack = nodes_[base].crack, .parent = parent, .nodes = {base}});
-    for (const Index n : way) append(arm, n);
-    arms_[arm].path_length = path_length(way.back());
+    for (const Index n : way_from(base, node)) append(arm, n);
+    arms_[arm].path_length = path_length(node);
+    arms_[parent].kept = std::max(arms_[parent].kept, nodes_[base].distance);
     branchings_.push_back({.node = base, .time = std::max(begun(parent, base), begun(arm, base))});
 }
 
@@ -150,8 +199,8 @@ std::vector<Index> CrackArms::way_in_crack(Index node) const {
 // ---- cracks ----
 
 void CrackArms::look_at_loose(Index edge, std::vector<Index>& looked_at) {
-    LooseStretch stretch = loose_stretch(edges_, placed_, edge);
-    if (stretch.at_end_of_precrack || stretch.length >= options_.pruning_length) return begin_crack(stretch.way.front(), stretch.start);
+    LooseStretch stretch = loose_stretch(edges_, node_of_, edge);
+    if (stretch.at_end_of_precrack || options_.is_arm(static_cast<Index>(stretch.edges.size()), stretch.length)) return begin_crack(stretch.way.front(), stretch.start);
     const auto middle = looked_at.insert(looked_at.end(), stretch.edges.begin(), stretch.edges.end());
     std::inplace_merge(looked_at.begin(), middle, looked_at.end());
     if (stretch.length > loose_.length) loose_ = std::move(stretch);
@@ -189,38 +238,28 @@ void CrackArms::go_on(Index a, Index b) {
     went_on_ = true;
 }
 
-/// What an arm has beyond the place where another crack meets it or a twig of it.
-struct CrackArms::Way {
-    Index base, arm;
-    double length;  // [m]
-};
-
-CrackArms::Way CrackArms::way_on_from(Index node) const {
-    while (nodes_[node].arm < 0) node = nodes_[node].parent;
-    return {node, nodes_[node].arm, way_on(nodes_[node].arm, node)};
-}
-
 std::vector<std::uint8_t> CrackArms::passed() const {
     std::vector<std::uint8_t> passed(arms_.size(), 0);
     for (const Junction& j : junctions_)
         for (const Index node : {j.from, j.at})
-            if (const Way on = way_on_from(node); on.length < options_.pruning_length) passed[on.arm] = 1;
+            if (const Index base = base_of(node), arm = nodes_[base].arm; !is_arm(base, arms_[arm].tip())) passed[arm] = 1;
     return passed;
 }
 
 /// The ways on from a junction: that of the first crack, and both along the second.
 void CrackArms::count_branchings(Junction& junction) {
-    const Way straight = way_on_from(junction.from), ahead = way_on_from(junction.at);
-    const auto& [first, second] = cracks_[nodes_[junction.at].crack].arms;
-    const Index other = ahead.arm == first ? second : first;
-    const double back = nodes_[ahead.base].distance + way_on(other, arms_[other].nodes.front());
+    const Index straight = base_of(junction.from), ahead = base_of(junction.at);
+    const auto [first, second] = cracks_[nodes_[junction.at].crack].arms;
+    if (second < 0) return;
+    const Index other = nodes_[ahead].arm == first ? second : first;
     std::vector<double> begun_at;  // [s] of those that are long enough
-    if (straight.length >= options_.pruning_length) begun_at.push_back(begun(straight.arm, straight.base));
-    if (ahead.length >= options_.pruning_length) begun_at.push_back(begun(ahead.arm, ahead.base));
-    if (back >= options_.pruning_length) begun_at.push_back(begun(other, arms_[other].nodes.front()));
+    for (const Index base : {straight, ahead})
+        if (is_arm(base, arms_[nodes_[base].arm].tip())) begun_at.push_back(begun(nodes_[base].arm, base));
+    const CrackNode& back = nodes_[arms_[other].tip()];
+    if (options_.is_arm(nodes_[ahead].n + back.n, nodes_[ahead].distance + back.distance)) begun_at.push_back(begun(other, arms_[other].nodes.front()));
     std::sort(begun_at.begin(), begun_at.end());
     for (; junction.n_counted + 1 < static_cast<Index>(begun_at.size()); ++junction.n_counted)
-        branchings_.push_back({.node = straight.base, .time = begun_at[junction.n_counted + 1]});
+        branchings_.push_back({.node = straight, .time = begun_at[junction.n_counted + 1]});
 }
 
 Index CrackArms::first_of(Index crack) const {

@@ -14,22 +14,24 @@ struct CrackNode {
     Index crack;
     Index arm = -1;       // that its edge belongs to; -1 on a twig
     double distance = 0;        // [m] from the start of its crack, along edges
+    Index n = 0;                // edges of that
     double since = 0;           // [s] when its edge cracked
     bool ends = false;          // the boundary, a pre-crack or another crack: no tip any more
 
     template <class Archive>
-    void serialize(Archive& archive) { archive(vertex, edge, parent, crack, arm, distance, since, ends); }
+    void serialize(Archive& archive) { archive(vertex, edge, parent, crack, arm, distance, n, since, ends); }
 };
 
 struct CrackArm {
     Index crack, parent;       // parent: the arm that it left, or -1 at the start of a crack
     std::vector<Index> nodes;  // from the one that it left, which belongs to the parent, to its far end
     double path_length = 0;    // [m] along edges, from the start of the crack to its far end
+    double kept = 0;           // [m] up to this distance it does not turn: other arms begin there
 
     Index tip() const { return nodes.back(); }
 
     template <class Archive>
-    void serialize(Archive& archive) { archive(crack, parent, nodes, path_length); }
+    void serialize(Archive& archive) { archive(crack, parent, nodes, path_length, kept); }
 };
 
 struct CrackTree {
@@ -86,7 +88,7 @@ public:
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(edges_, placed_, owner_, nodes_, arms_, cracks_, branchings_, junctions_, loose_);
+        archive(edges_, node_of_, owner_, nodes_, arms_, cracks_, branchings_, junctions_, loose_);
     }
 
 private:
@@ -103,24 +105,35 @@ private:
     void settle(Index node);
     void append(Index arm, Index node);
     void turn(Index arm, Index base, const std::vector<Index>& way);
-    void begin_arm(Index base, const std::vector<Index>& way);
+    void begin_arm(Index base, Index node);
+    void take_long_stretch(Index vertex);
+    bool beside_arms(Index edge) const;
+    struct Stretch {
+        Index end;  // vertex
+        std::vector<Index> edges;
+    };
+    Stretch farthest_beside_arms(Index vertex) const;
+    std::vector<Index> way_from(Index base, Index node) const;
+    Index base_of(Index node) const;
+    bool is_arm(Index from, Index to) const { return options_.is_arm(nodes_[to].n - nodes_[from].n, nodes_[to].distance - nodes_[from].distance); }
+    bool stays(Index arm, Index node) const { return nodes_[node].distance < arms_[arm].kept || is_arm(node, arms_[arm].tip()); }
     double way_on(Index arm, Index node) const { return nodes_[arms_[arm].tip()].distance - nodes_[node].distance; }
     bool is_tip(Index node) const { return nodes_[node].arm >= 0 && arms_[nodes_[node].arm].tip() == node; }
     void close(Index edge, Index a, Index b);
     void go_on(Index from, Index at);
     Index common(Index a, Index b) const;
     double path_length(Index node) const;
-    struct Way;
-    Way way_on_from(Index node) const;
     void count_branchings(Junction& junction);
     double begun(Index arm, Index base) const;
     void look_at_loose(Index edge, std::vector<Index>& looked_at);
     void begin_crack(Index vertex, CrackStart start);
 
+    static constexpr Index closing = -2;
+
     CrackedEdges edges_;
     CrackOptions options_;
-    std::vector<std::uint8_t> placed_;  // per edge: in a tree, or closes a loop
-    std::vector<Index> owner_;          // per vertex: its node, or -1
+    std::vector<Index> node_of_;  // per edge: the node that was reached by it, `closing` for one that closes a loop, or -1
+    std::vector<Index> owner_;    // per vertex: its node, or -1
     std::vector<CrackNode> nodes_;
     std::vector<CrackArm> arms_;
     std::vector<CrackTree> cracks_;

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace knap {
@@ -23,16 +24,24 @@ struct InterfaceGraph {
     std::vector<double> length;              // [m] per interface
 };
 
+/// Sizes in edges are local: they mean the edges of the way or stretch itself, whatever the mesh is elsewhere.
 struct CrackOptions {
-    double pruning_length = 0;  // [m] a way on counts as an arm from this length on; shorter ones are twigs
-    double gap_length = 0;      // [m] damaged interfaces between two broken stretches count with them up to this length
-    double chord_length = 0;    // [m] lengths of paths are measured along chords of about this length, not along the zigzag; 0: edges
-    double speed_window = 0;    // [m] growth over which a tip speed is fitted
+    Index arm_edges = 10;         // a way on counts as an arm from so many edges on; shorter ones are twigs
+    Index short_arm_edges = 10;   // or from so many on,
+    double short_arm_length = 0;  // [m] when it is this long
+    Index gap_edges = 0;          // damaged interfaces between two broken stretches count with them up to so many
+    Index chord_edges = 1;        // lengths of paths are measured along chords of so many edges, not along the zigzag
+    Index speed_edges = 20;       // growth over which a tip speed is fitted,
+    double speed_length = 0;      // [m] and at least so long
+    Index start_edges = 5;        // growth from which a tip speed is known, and most that may break at once where a tip runs
+    double fastest = std::numeric_limits<double>::infinity();  // [m/s] no tip is: the largest dilatational wave speed
+
+    bool is_arm(Index n_edges, double length) const { return n_edges >= arm_edges || (n_edges >= short_arm_edges && length >= short_arm_length); }
 };
 
-/// What suits a random mesh: 10 mean edges to prune, 2 for a gap, 10 for a chord; for a speed 20, since broken stretches of two or three edges
-/// ahead of a tip join it at once, and 1.5 process zones [m], within which interfaces break in bursts.
-CrackOptions crack_options(double mean_edge, double process_zone = 0);
+/// What suits a random mesh whose sides are `edges_per_side` interfaces: arms of ten sides, or of five that are a twentieth of the body's extent [m], as much as
+/// one sees as a fork in its picture. Interfaces break in bursts within a process zone [m]; so a speed is fitted over one and a half at least.
+CrackOptions crack_options(double extent, double process_zone, double fastest, Index edges_per_side);
 
 enum class CrackStart : std::uint8_t { none, precrack, boundary, inside };
 

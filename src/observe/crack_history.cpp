@@ -8,16 +8,21 @@
 
 namespace knap {
 
-CrackOptions crack_options(double mean_edge, double process_zone) {
-    return {.pruning_length = 10 * mean_edge,
-            .gap_length = 2 * mean_edge,
-            .chord_length = 10 * mean_edge,
-            .speed_window = std::max(20 * mean_edge, 1.5 * process_zone)};
+CrackOptions crack_options(double extent, double process_zone, double fastest, Index edges_per_side) {
+    return {.arm_edges = 10 * edges_per_side,
+            .short_arm_edges = 5 * edges_per_side,
+            .short_arm_length = 0.05 * extent,
+            .gap_edges = 2 * edges_per_side,
+            .chord_edges = 10 * edges_per_side,
+            .speed_edges = 20 * edges_per_side,
+            .speed_length = 1.5 * process_zone,
+            .start_edges = 5 * edges_per_side,
+            .fastest = fastest};
 }
 
-double speed_over_window(std::span<const std::pair<double, double>> samples, double window) {
+double speed_over_window(std::span<const std::pair<double, double>> samples, double window, double least) {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-    if (samples.size() < 3 || samples.back().second < 0.5 * window) return unknown;
+    if (samples.size() < 3 || samples.back().second < least * (1 - 1e-9)) return unknown;
     const double end = samples.back().second, now = samples.back().first;
     std::size_t first = samples.size() - 1, last = samples.size() - 1;  // of the growth
     while (first > 0 && end - samples[first].second < window) --first;
@@ -75,66 +80,95 @@ void CrackHistory::find_speeds() {
         if (tips_[i] == tip && speeds_[i] == 0) continue;  // it stands
         tips_[i] = tip;
         speeds_[i] = speed_at(growth(arm), times_.back());
-        max_speed_ = std::fmax(max_speed_, speeds_[i]);  // ignores what is not known
     }
 }
 
 CrackHistory::Growth CrackHistory::growth(Index arm) const {
     const std::vector<CrackNode>& nodes = arms_.nodes();
-    Growth growth{.way = arms_.way_in_crack(arms_.arms()[arm].tip()), .position = {}, .reached = {}};
-    std::vector<Index> vertices;
-    for (const Index n : growth.way) vertices.push_back(nodes[n].vertex);
-    growth.position = along_chords(vertices);
+    Growth growth{.way = arms_.way_in_crack(arms_.arms()[arm].tip())};
     growth.reached.resize(growth.way.size());
     double time = std::numeric_limits<double>::infinity();
     for (std::size_t i = growth.way.size(); i-- > 1;) growth.reached[i] = time = std::min(time, nodes[growth.way[i]].since);
     growth.reached[0] = time;  // waiting for the first growth is no part of it
+
+    const std::vector<double> position = along_chords(vertices_of(growth.way));
+    const double edge = position.back() / static_cast<double>(std::max<std::size_t>(growth.way.size() - 1, 1));
+    growth.window = std::max(options_.speed_edges * edge, options_.speed_length);
+    const double burst = options_.start_edges * edge * (1 + 1e-9);
+    growth.least = std::max(options_.start_edges * edge, 0.25 * growth.window);
+    // what got ahead of the fastest wave by more than a burst of edges was not run through, but joined
+    growth.run.assign(position.size(), 0);
+    for (std::size_t i = 1, before = 0; i < position.size(); ++i) {
+        growth.run[i] = growth.run[i - 1] + position[i] - position[i - 1];
+        const double time = growth.reached[i] - growth.reached[before], ahead = growth.run[i] - growth.run[before] - (time > 0 ? options_.fastest * time : 0);
+        while (ahead > burst && i + 1 < position.size() && growth.reached[i + 1] == growth.reached[i]) ++i;
+        if (ahead > burst) std::fill(growth.run.begin() + static_cast<std::ptrdiff_t>(before), growth.run.begin() + static_cast<std::ptrdiff_t>(i + 1), growth.run[before]);
+        if (ahead <= 0 || ahead > burst) before = i;
+    }
     return growth;
 }
 
-/// How far the tip had come at each snapshot from one time to another.
+/// How far the tip had run at each snapshot from one time to another.
 CrackHistory::Samples CrackHistory::samples(const Growth& growth, double from, double to) const {
     Samples samples;
     auto next = growth.reached.begin();
     for (auto t = std::lower_bound(times_.begin(), times_.end(), std::max(from, growth.reached.front())); t != times_.end() && *t <= to; ++t) {
         next = std::upper_bound(next, growth.reached.end(), *t);
-        samples.emplace_back(*t, growth.position[next - growth.reached.begin() - 1]);
+        samples.emplace_back(*t, growth.run[next - growth.reached.begin() - 1]);
     }
     return samples;
+}
+
+/// What no tip can have is none.
+double CrackHistory::known_speed(const Samples& samples, double window, double least) const {
+    const double speed = speed_over_window(samples, window, least);
+    return speed <= options_.fastest ? speed : unknown;
 }
 
 double CrackHistory::speed_at(const Growth& growth, double time) const {
     const auto reached = std::upper_bound(growth.reached.begin(), growth.reached.end(), time);
     if (reached == growth.reached.begin()) return unknown;
-    const double begin = growth.position[reached - growth.reached.begin() - 1] - options_.speed_window;
-    const auto first = std::upper_bound(growth.position.begin(), growth.position.end(), begin) - growth.position.begin();  // in the window
+    const double begin = growth.run[reached - growth.reached.begin() - 1] - growth.window;
+    const auto first = std::upper_bound(growth.run.begin(), growth.run.end(), begin) - growth.run.begin();  // in the window
     // three snapshots before the first of the window, so that there are three however few fall into it
     const auto at = std::lower_bound(times_.begin(), times_.end(), growth.reached[first]) - times_.begin();
-    return speed_over_window(samples(growth, times_[std::max<std::ptrdiff_t>(at - 3, 0)], time), options_.speed_window);
+    return known_speed(samples(growth, times_[std::max<std::ptrdiff_t>(at - 3, 0)], time), growth.window, growth.least);
 }
 
 double CrackHistory::mean_tip_speed() const {
     if (main_arm_ < 0) return unknown;
     const Growth way = growth(main_arm_);
-    const auto half = std::lower_bound(way.position.begin(), way.position.end(), 0.5 * way.position.back()) - way.position.begin();
+    const auto half = std::lower_bound(way.run.begin(), way.run.end(), 0.5 * way.run.back()) - way.run.begin();
     const Samples second_half = samples(way, way.reached[half], way.reached.back());
-    return second_half.empty() ? unknown : speed_over_window(second_half, second_half.back().second - second_half.front().second);
+    return second_half.empty() ? unknown : known_speed(second_half, second_half.back().second - second_half.front().second, way.least);
 }
 
-/// Distances from the first vertex: between knots about a chord apart the edges share the chord's length.
+double CrackHistory::max_tip_speed() const {
+    double largest = mean_tip_speed();  // this too is one over a long growth
+    for (std::size_t arm = 0; arm < arms_.arms().size(); ++arm) {
+        const Growth way = growth(static_cast<Index>(arm));
+        for (std::size_t i = way.way.size() - arms_.arms()[arm].nodes.size(); i < way.way.size(); ++i)
+            if (way.run[i] >= 0.5 * way.window * (1 - 1e-9)) largest = std::fmax(largest, speed_at(way, way.reached[i]));  // ignores what is not known
+    }
+    return largest;
+}
+
+std::vector<Index> CrackHistory::vertices_of(std::vector<Index> nodes) const {
+    for (Index& n : nodes) n = arms_.nodes()[n].vertex;
+    return nodes;
+}
+
+/// Distances from the first vertex: between knots a chord apart the edges share the chord's length.
 std::vector<double> CrackHistory::along_chords(const std::vector<Index>& vertices) const {
-    const std::vector<Vec2>& x = arms_.graph().vertices;
+    const auto distance = [&](std::size_t a, std::size_t b) { return (arms_.graph().vertices[vertices[b]] - arms_.graph().vertices[vertices[a]]).norm(); };
     std::vector<double> position(vertices.size(), 0);
-    double since_knot = 0;
-    std::size_t knot = 0;
-    for (std::size_t k = 1; k < vertices.size(); ++k) {
-        since_knot += (x[vertices[k]] - x[vertices[k - 1]]).norm();
-        position[k] = since_knot;
-        if (k + 1 < vertices.size() && since_knot < options_.chord_length) continue;
-        const double chord = (x[vertices[k]] - x[vertices[knot]]).norm();
-        for (std::size_t i = knot + 1; i <= k; ++i) position[i] = position[knot] + (since_knot > 0 ? position[i] * chord / since_knot : 0);
-        since_knot = 0;
-        knot = k;
+    for (std::size_t knot = 0; knot + 1 < vertices.size();) {
+        const std::size_t end = std::min(knot + static_cast<std::size_t>(options_.chord_edges), vertices.size() - 1);
+        double along = 0;
+        for (std::size_t k = knot; k < end; ++k) along += distance(k, k + 1), position[k + 1] = along;
+        const double chord = distance(knot, end);
+        for (std::size_t k = knot + 1; k <= end; ++k) position[k] = position[knot] + (along > 0 ? position[k] * chord / along : 0);
+        knot = end;
     }
     return position;
 }
@@ -145,7 +179,6 @@ void CrackHistory::find_main() {
     const auto grew_at = [&](double time) { first_growth_ = std::min(first_growth_.value_or(time), time); };
     double length = 0;
     const std::vector<std::uint8_t> passed = arms_.passed();
-    const bool speed_known = main_arm_ >= 0 && std::isfinite(speeds_[main_arm_]);
     Index longest = -1;
     for (std::size_t i = 0; i < arms.size(); ++i) {
         const Index arm = static_cast<Index>(i);
@@ -153,18 +186,18 @@ void CrackHistory::find_main() {
         const CrackTip tip = tip_of(arm);
         if (!tip.arrived && !passed[i] && arms[i].nodes.size() > 1) pattern_.tips.push_back(tip);
         for (std::size_t k = 1; k < arms[i].nodes.size(); ++k) grew_at(arms_.nodes()[arms[i].nodes[k]].since);
-        if (speed_known && std::isnan(speeds_[i])) continue;  // the main tip's speed stays known
         if (longest < 0 || arms[i].path_length > arms[longest].path_length) longest = arm;
     }
-    if (main_arm_ < 0 || arms[longest].path_length > arms[main_arm_].path_length + 0.5 * options_.pruning_length) main_arm_ = longest;
     pattern_.n_cracks = arms_.n_cracks();
     pattern_.n_branches = static_cast<Index>(arms_.branchings().size());
     std::vector<Index> vertices;
-    if (main_arm_ >= 0) {
-        const Index tip = arms[main_arm_].tip();
+    if (longest >= 0) {
+        const CrackNode& far = arms_.nodes()[arms[longest].tip()];
+        const double edge = far.distance / std::max(far.n, Index(1));
+        if (main_arm_ < 0 || arms[longest].path_length > arms[main_arm_].path_length + options_.arm_edges * edge) main_arm_ = longest;
         pattern_.main_end = tip_of(main_arm_);
-        for (const Index n : arms_.way(tip)) vertices.push_back(arms_.nodes()[n].vertex);
-        pattern_.main_start = arms_.cracks()[arms_.first_of(arms_.nodes()[tip].crack)].start;
+        pattern_.main_start = arms_.cracks()[arms_.first_of(arms[main_arm_].crack)].start;
+        vertices = vertices_of(arms_.way(arms[longest].tip()));
     } else if (const LooseStretch& loose = arms_.longest_loose(); loose.length > 0) {
         vertices = loose.way;
         length = loose.length;
@@ -178,25 +211,30 @@ void CrackHistory::find_main() {
     if (!vertices.empty()) pattern_.main_length = std::max(pattern_.main_length, along_chords(vertices).back());
 }
 
-CrackHistory::Lengths CrackHistory::lengths_over_time() const {
-    Lengths lengths{.main = std::vector<double>(times_.size(), 0), .all = std::vector<double>(times_.size(), 0)};
+CrackHistory::Past CrackHistory::past() const {
+    Past past{.main = std::vector<double>(times_.size(), 0), .all = std::vector<double>(times_.size(), 0), .tip = {}};
+    past.tip.resize(times_.size());
     const auto line = [&](double since) { return std::lower_bound(times_.begin(), times_.end(), since) - times_.begin(); };
     const std::vector<CrackNode>& nodes = arms_.nodes();
     for (const CrackNode& node : nodes)
-        if (node.arm >= 0 && node.parent >= 0) lengths.all[line(node.since)] += node.distance - nodes[node.parent].distance;
+        if (node.arm >= 0 && node.parent >= 0) past.all[line(node.since)] += node.distance - nodes[node.parent].distance;
     if (main_arm_ >= 0) {
         const std::vector<Index> way = arms_.way(arms_.arms()[main_arm_].tip());
-        std::vector<Index> vertices;
-        for (const Index n : way) vertices.push_back(nodes[n].vertex);
-        const std::vector<double> position = along_chords(vertices);
+        const std::vector<double> position = along_chords(vertices_of(way));
         for (std::size_t i = 1; i < way.size(); ++i) {  // through a crack that goes on with another one the way leads back to its start first
             const Index later = nodes[way[i]].parent == way[i - 1] ? way[i] : way[i - 1];
-            if (position[i] > position[i - 1]) lengths.main[line(nodes[later].since)] += position[i] - position[i - 1];
+            if (position[i] > position[i - 1]) past.main[line(nodes[later].since)] += position[i] - position[i - 1];
+        }
+        const Growth ran = growth(main_arm_);
+        for (std::size_t i = line(ran.reached.front()); i < times_.size(); ++i) {
+            const Index tip = ran.way[std::upper_bound(ran.reached.begin(), ran.reached.end(), times_[i]) - ran.reached.begin() - 1];
+            const bool arrived = tip == ran.way.back() && nodes[tip].ends;
+            past.tip[i] = {main_arm_, nodes[tip].vertex, arms_.graph().vertices[nodes[tip].vertex], nodes[tip].distance, speed_at(ran, times_[i]), arrived};
         }
     }
-    std::partial_sum(lengths.main.begin(), lengths.main.end(), lengths.main.begin());
-    std::partial_sum(lengths.all.begin(), lengths.all.end(), lengths.all.begin());
-    return lengths;
+    std::partial_sum(past.main.begin(), past.main.end(), past.main.begin());
+    std::partial_sum(past.all.begin(), past.all.end(), past.all.begin());
+    return past;
 }
 
 std::span<const Output> CrackHistory::arm_columns() {

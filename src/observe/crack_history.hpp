@@ -12,8 +12,8 @@ namespace knap {
 
 /// Slope of the least-squares line through samples (time [s], position [m] from the start of the crack), both ascending: those of the last so many seconds as
 /// the last growth by `window` [m] took, three at least. So it falls to zero while a tip stands, and is zero when it has stood for as long. Growth by whole edges, N to a
-/// window, leaves a relative error of about 1/N^2 in it. NaN as long as the position is less than half a window.
-double speed_over_window(std::span<const std::pair<double, double>> samples, double window);
+/// window, leaves a relative error of about 1/N^2 in it. NaN as long as the position is less than `least`.
+double speed_over_window(std::span<const std::pair<double, double>> samples, double window, double least);
 
 /// The far end of an arm.
 struct CrackTip {
@@ -61,40 +61,45 @@ public:
     const CrackPattern& pattern() const { return pattern_; }  // of the last snapshot
     const CrackArms& arms() const { return arms_; }
     double tip_speed() const { return pattern_.main_end ? pattern_.main_end->speed : unknown; }  // [m/s] of the main tip; NaN as long as it is not known
-    double max_tip_speed() const { return max_speed_; }                        // [m/s], NaN likewise
-    double mean_tip_speed() const;                             // [m/s] of the main tip over the second half of its way; NaN likewise
+    /// [m/s] the largest that any tip had over at least half a window of growth; NaN when none grew so far.
+    double max_tip_speed() const;
+    double mean_tip_speed() const;  // [m/s] of the main tip over the second half of its way; NaN as long as it is not known, else no more than max_tip_speed()
     std::optional<double> first_growth_time() const { return first_growth_; }  // [s] first edge of a crack that counts
     std::optional<FirstBranching> first_branching() const;
 
-    struct Lengths {
-        std::vector<double> main, all;  // [m]
+    /// How much had cracked at each snapshot of what is the main crack (along chords) and of what are arms in the end (along edges), and the tip of that main crack.
+    struct Past {
+        std::vector<double> main, all;              // [m]
+        std::vector<std::optional<CrackTip>> tip;   // none before the first edge of its own crack
     };
-    /// How much had cracked at each snapshot of what is the main crack (along chords) and of what are arms in the end (along edges).
-    Lengths lengths_over_time() const;
+    Past past() const;
     /// arms.csv: for each arm its start and then its edges: when the tip came past their far ends, the length of the arm along edges then, and the speed of the tip.
     static std::span<const Output> arm_columns();
     std::vector<std::vector<double>> arm_rows() const;
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(arms_, pattern_, times_, speeds_, tips_, main_arm_, max_speed_, first_growth_);
+        archive(arms_, pattern_, times_, speeds_, tips_, main_arm_, first_growth_);
     }
 
 private:
     /// The way of a tip from the start of its crack.
     struct Growth {
-        std::vector<Index> way;         // nodes
-        std::vector<double> position;   // [m] along chords
-        std::vector<double> reached;    // [s] when this edge or one further on had cracked
+        std::vector<Index> way;        // nodes
+        std::vector<double> reached;   // [s] when this edge or one further on had cracked
+        std::vector<double> run;       // [m] that the tip ran to get there, along chords
+        double window = 0, least = 0;  // [m] of growth: over which a speed is fitted, from which one is known
     };
     using Samples = std::vector<std::pair<double, double>>;
 
     Growth growth(Index arm) const;
     Samples samples(const Growth& growth, double from, double to) const;
     double speed_at(const Growth& growth, double time) const;
+    double known_speed(const Samples& samples, double window, double least) const;
     void add_lengths();
     void find_speeds();
     void find_main();
+    std::vector<Index> vertices_of(std::vector<Index> nodes) const;
     std::vector<double> along_chords(const std::vector<Index>& vertices) const;
     CrackTip tip_of(Index arm) const;
 
@@ -107,7 +112,6 @@ private:
     std::vector<double> speeds_;  // [m/s] per arm
     std::vector<Index> tips_;     // per arm: the node of its tip that the speed belongs to
     Index main_arm_ = -1;
-    double max_speed_ = unknown;
     std::optional<double> first_growth_;
 };
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
-#include <set>
 #include <utility>
 
 namespace knap {
@@ -17,9 +16,9 @@ void insert(const std::vector<Index>& added, std::vector<Index>& to) {
 
 }  // namespace
 
-CrackedEdges::CrackedEdges(InterfaceGraph graph, double gap_length)
+CrackedEdges::CrackedEdges(InterfaceGraph graph, Index gap_edges)
     : graph_(std::move(graph)),
-      gap_length_(gap_length),
+      gap_edges_(gap_edges),
       first_(graph_.vertices.size() + 1, 0),
       around_(2 * graph_.ends.size()),
       since_(graph_.ends.size(), never),
@@ -66,7 +65,7 @@ std::vector<Index> CrackedEdges::add(double time, std::span<const InterfaceStatu
     insert(damaged, damaged_);
     for (const Index e : broken)
         if (!cracked(e)) join(e, time, joined);
-    if (gap_length_ > 0) bridge(damaged, time, joined);
+    if (gap_edges_ > 0) bridge(damaged, time, joined);
     std::sort(joined.begin(), joined.end());
     return joined;
 }
@@ -95,28 +94,19 @@ bool CrackedEdges::touched(Index vertex) const {
     return std::any_of(edges.begin(), edges.end(), [&](Index e) { return cracked(e); });
 }
 
-/// Spreads from a vertex through damaged edges, the nearest vertex first, no farther than a gap may be long (E. W. Dijkstra 1959): in a fine mesh there are very
-/// many ways, but few vertices. `visit` says of each vertex with the way that led to it whether to end here, to stop or to go on.
+/// Spreads from a vertex through damaged edges, the vertices with the fewest first, no farther than a gap may be long: in a wide damaged zone there are very many
+/// ways, but few vertices. `visit` says of each vertex with the ways that led so far whether to end here, to stop or to go on.
 template <class Visit>
 void CrackedEdges::spread(Index start, Visit&& visit) const {
     std::map<Index, Way> ways{{start, {0, -1}}};
-    std::set<std::pair<double, Index>> open{{0.0, start}};
-    while (!open.empty()) {
-        const auto [length, vertex] = *open.begin();
-        open.erase(open.begin());
+    std::vector<Index> order{start};
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const Index vertex = order[i], n_edges = ways.at(vertex).n_edges;
         const Spread next = visit(vertex, ways);
         if (next == Spread::end) return;
-        if (next == Spread::stop) continue;
-        for (const Index e : edges_at(vertex)) {
-            const double further = length + graph_.length[e];
-            if (!can_bridge(e) || further > gap_length_) continue;
-            const Index far = far_end(e, vertex);
-            Way& way = ways.try_emplace(far, Way{never, -1}).first->second;
-            if (further >= way.length) continue;
-            open.erase({way.length, far});
-            open.insert({further, far});
-            way = {further, e};
-        }
+        if (next == Spread::stop || n_edges == gap_edges_) continue;
+        for (const Index e : edges_at(vertex))
+            if (can_bridge(e) && ways.try_emplace(far_end(e, vertex), Way{n_edges + 1, e}).second) order.push_back(far_end(e, vertex));
     }
 }
 

@@ -9,7 +9,7 @@ namespace knap {
 
 class CrackedEdges {
 public:
-    CrackedEdges(InterfaceGraph graph, double gap_length);
+    CrackedEdges(InterfaceGraph graph, Index gap_edges);
 
     /// Takes the status of all interfaces at a later time [s]; those that join the set now, ascending.
     std::vector<Index> add(double time, std::span<const InterfaceStatus> status);
@@ -39,10 +39,9 @@ private:
     void join(Index edge, double time, std::vector<Index>& joined);
     bool touched(Index vertex) const;
     bool can_bridge(Index edge) const { return status_[edge] == InterfaceStatus::damaged && !cracked(edge); }
-    /// The shortest way [m] that led to a vertex, and its last edge.
+    /// How many edges led to a vertex, and the last of them.
     struct Way {
-        double length;
-        Index edge;
+        Index n_edges, edge;
     };
     enum class Spread { on, stop, end };
     template <class Visit>
@@ -52,7 +51,7 @@ private:
     void bridge_from(Index start, double time, std::vector<Index>& joined);
 
     InterfaceGraph graph_;
-    double gap_length_;
+    Index gap_edges_;
     std::vector<Index> first_, around_;    // edges at each vertex
     std::vector<InterfaceStatus> status_;  // of the last time
     std::vector<double> since_;

@@ -17,7 +17,7 @@ using Paths = std::unordered_map<Index, Reached>;
 
 class Stretch {
 public:
-    Stretch(const CrackedEdges& edges, std::span<const std::uint8_t> placed) : edges_(edges), placed_(placed) {}
+    Stretch(const CrackedEdges& edges, std::span<const Index> node_of) : edges_(edges), node_of_(node_of) {}
 
     /// Shortest paths from `root`; `order` has the vertices, the nearest first. Nothing leads on from a terminal vertex.
     Paths paths(Index root, std::vector<Index>& order) const {
@@ -33,14 +33,14 @@ public:
             order.push_back(vertex);
             if (vertex != root && edges_.terminal(vertex)) continue;
             for (const Index e : edges_.edges_at(vertex))
-                if (edges_.cracked(e) && !placed_[e]) queue.emplace(distance + edges_.graph().length[e], edges_.far_end(e, vertex), vertex);
+                if (edges_.cracked(e) && node_of_[e] == -1) queue.emplace(distance + edges_.graph().length[e], edges_.far_end(e, vertex), vertex);
         }
         return paths;
     }
 
 private:
     const CrackedEdges& edges_;
-    std::span<const std::uint8_t> placed_;
+    std::span<const Index> node_of_;
 };
 
 std::vector<Index> way_to(Index vertex, const Paths& paths) {
@@ -52,15 +52,15 @@ std::vector<Index> way_to(Index vertex, const Paths& paths) {
 
 }  // namespace
 
-LooseStretch loose_stretch(const CrackedEdges& edges, std::span<const std::uint8_t> placed, Index edge) {
-    const Stretch stretch(edges, placed);
+LooseStretch loose_stretch(const CrackedEdges& edges, std::span<const Index> node_of, Index edge) {
+    const Stretch stretch(edges, node_of);
     const auto [a, b] = edges.graph().ends[edge];
     std::vector<Index> order;
     stretch.paths(edges.terminal(a) ? b : a, order);
     LooseStretch found;
     for (const Index v : order)
         for (const Index e : edges.edges_at(v))
-            if (edges.cracked(e) && !placed[e] && (!edges.terminal(v) || std::find(order.begin(), order.end(), edges.far_end(e, v)) != order.end())) found.edges.push_back(e);
+            if (edges.cracked(e) && node_of[e] == -1 && (!edges.terminal(v) || std::find(order.begin(), order.end(), edges.far_end(e, v)) != order.end())) found.edges.push_back(e);
     std::sort(found.edges.begin(), found.edges.end());
     found.edges.erase(std::unique(found.edges.begin(), found.edges.end()), found.edges.end());
 

@@ -17,7 +17,7 @@ struct LooseStretch {
 };
 
 /// The stretch that `edge` belongs to. It starts at a pre-crack, at its end rather than its side; without one at the boundary, at an end of a longest way
-/// across; without either in the middle of its longest way. `placed`: per edge, belongs to a crack.
-LooseStretch loose_stretch(const CrackedEdges& edges, std::span<const std::uint8_t> placed, Index edge);
+/// across; without either in the middle of its longest way. `node_of`: per edge, -1 where it belongs to no crack.
+LooseStretch loose_stretch(const CrackedEdges& edges, std::span<const Index> node_of, Index edge);
 
 }  // namespace knap

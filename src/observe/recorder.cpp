@@ -199,14 +199,18 @@ void Recorder::write_fragments(const State& now) {
     if (!options_.directory.empty()) write_csv(histories_.fragments, options_.directory / "fragments.csv");
 }
 
-/// The arms as they are known in the end: an arm counts when it is long, but grew from its first edge on, and so do the lengths in cracks.csv.
+/// The arms as they are known in the end: an arm counts when it is long, but grew from its first edge on, and so do the lengths and the main tip in cracks.csv.
 void Recorder::write_arms() {
     if (cracks_.arms().arms().empty()) return;
     const Timed timed(*this);
-    const CrackHistory::Lengths lengths = cracks_.lengths_over_time();
-    for (std::size_t i = 0; i < lengths.all.size(); ++i) {
+    const CrackHistory::Past past = cracks_.past();
+    for (std::size_t i = 0; i < past.all.size(); ++i) {
         std::vector<double>& row = histories_.cracks.rows[i];
-        row[1] = std::max(row[1], lengths.main[i]), row[2] = std::max(row[2], lengths.all[i]);
+        row[1] = std::max(row[1], past.main[i]), row[2] = std::max(row[2], past.all[i]);
+        if (!past.tip[i]) continue;
+        const auto& [arm, vertex, place, path_length, speed, arrived] = *past.tip[i];
+        row[7] = place.x(), row[8] = place.y(), row[9] = speed;
+        if (options_.rayleigh_speed > 0) row[10] = speed / options_.rayleigh_speed;
     }
     if (options_.directory.empty()) return;
     crack_file_ = opened(options_.directory / "cracks.csv", histories_.cracks);

@@ -47,8 +47,8 @@ struct Drawing {
     }
 };
 
-/// Arms shorter than 4 mm are twigs.
-inline CrackOptions options() { return {.pruning_length = 4e-3, .gap_length = 0, .chord_length = 0, .speed_window = 10e-3}; }
+/// Ways of less than four edges are twigs.
+inline CrackOptions options() { return {.arm_edges = 4, .short_arm_edges = 4, .speed_edges = 10}; }
 
 inline constexpr double mm = 1e-3;
 

@@ -18,9 +18,9 @@ using Samples = std::vector<std::pair<double, double>>;
 TEST_CASE("tip speed of smooth growth is exact") {
     Samples front;
     for (int k = 0; k < 10; ++k) front.emplace_back(k * 1e-6, 1000.0 * k * 1e-6);
-    CHECK(speed_over_window(front, 5 * mm) == relative(1000, 1e-9));
-    CHECK(speed_over_window(front, 17.9 * mm) == relative(1000, 1e-9));  // half a window will do
-    CHECK(std::isnan(speed_over_window(front, 18.1 * mm)));
+    CHECK(speed_over_window(front, 5 * mm, 2 * mm) == relative(1000, 1e-9));
+    CHECK(speed_over_window(front, 17.9 * mm, 8.9 * mm) == relative(1000, 1e-9));  // shorter than a window will do
+    CHECK(std::isnan(speed_over_window(front, 18.1 * mm, 9.1 * mm)));
 }
 
 TEST_CASE("tip speed of growth by whole edges is right within 1 percent on average") {
@@ -34,7 +34,7 @@ TEST_CASE("tip speed of growth by whole edges is right within 1 percent on avera
         const double t = k * 0.2e-6;
         for (; length + next_edge <= speed * t; next_edge = random.uniform(0.4 * mm, 0.6 * mm)) length += next_edge;
         front.emplace_back(t, length);
-        const double found = speed_over_window(front, 10 * mm);
+        const double found = speed_over_window(front, 10 * mm, 5 * mm);
         if (found > 0 && length > 10 * mm) worst = std::max(worst, std::abs(found / speed - 1)), sum += found, ++n;
     }
     REQUIRE(n > 100);
@@ -45,8 +45,8 @@ TEST_CASE("tip speed of growth by whole edges is right within 1 percent on avera
 TEST_CASE("the speed of a crack that stopped goes to zero") {
     Samples front;
     for (int k = 0; k < 200; ++k) front.emplace_back(k * 1e-6, std::min(1000.0 * k * 1e-6, 20 * mm));
-    CHECK(speed_over_window(front, 5 * mm) == 0);
-    const auto until = [&](std::size_t n) { return speed_over_window(Samples(front.begin(), front.begin() + n), 5 * mm); };
+    CHECK(speed_over_window(front, 5 * mm, 2 * mm) == 0);
+    const auto until = [&](std::size_t n) { return speed_over_window(Samples(front.begin(), front.begin() + n), 5 * mm, 2 * mm); };
     CHECK(until(21) == relative(1000, 1e-9));
     for (std::size_t n = 21; n < 25; ++n) CHECK(until(n + 1) < until(n));
     CHECK(until(26) == 0);  // it has stood for as long as the last 5 mm took

@@ -70,9 +70,9 @@ TEST_CASE("kinked crack: length along edges and along chords") {
     CHECK(cracks(d).main_length == relative(16 * mm));
     CHECK(cracks(d).crack_length == relative(16 * mm));
     CHECK((cracks(d).main_end->position - mm * Vec2(12, 8)).norm() < 1e-12);
-    // chords of 8 mm: (0,0) to (9,4) and on to (12,8)
+    // chords of seven edges: (0,0) to (9,4) and on to (12,8)
     CrackOptions o = options();
-    o.chord_length = 8 * mm;
+    o.chord_edges = 7;
     CHECK(cracks(d, o).main_length == relative((std::hypot(9, 4) + 5) * mm));
     CHECK(cracks(d, o).crack_length == relative(16 * mm));
 }
@@ -86,7 +86,7 @@ TEST_CASE("chords take the zigzag out of a path") {
     }
     CrackOptions o = options();
     CHECK(cracks(d, o).main_length == relative(40 * std::sqrt(2.0) * mm));
-    o.chord_length = 5 * mm;  // four edges: from (0,0) to (4,0)
+    o.chord_edges = 4;  // from (0,0) to (4,0)
     CHECK(cracks(d, o).main_length == relative(40 * mm));
 }
 

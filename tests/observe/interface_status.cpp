@@ -65,7 +65,7 @@ TEST_CASE("status of interfaces follows the cohesion of their points") {
 TEST_CASE("a bar cut half and then in two") {
     const Model model = bar();
     State state = initial_state(model);
-    CrackHistory history(interface_graph(model), {.pruning_length = 3, .gap_length = 0, .chord_length = 0, .speed_window = 3});
+    CrackHistory history(interface_graph(model), {.arm_edges = 3, .short_arm_edges = 3, .speed_edges = 3});
 
     weaken(model, state, 3, 1, 0.0);
     CrackPattern cracks = history.snapshot(1, interface_status(model, state));
