@@ -151,8 +151,10 @@ void CrackArms::take_long_stretch(Index vertex) {
         const Stretch stretch = farthest_beside_arms(farthest_beside_arms(vertex).end);
         if (static_cast<Index>(stretch.edges.size()) < options_.arm_edges) return;
         Index longest = -1, n_longest = 0;
-        for (const Index e : stretch.edges)
-            if (const Index node = node_of_[e]; node >= 0 && nodes_[node].n - nodes_[base_of(node)].n > n_longest) longest = node, n_longest = nodes_[node].n - nodes_[base_of(node)].n;
+        for (const Index e : stretch.edges) {
+            const Index node = node_of_[e], n = node < 0 ? 0 : nodes_[node].n - nodes_[base_of(node)].n;
+            if (n > n_longest) longest = node, n_longest = n;
+        }
         if (longest < 0) return;
         begin_arm(base_of(longest), longest);
         arms_.back().kept = nodes_[longest].distance;

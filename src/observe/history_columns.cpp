@@ -41,7 +41,8 @@ constexpr std::array cracks{
     Measure<C>{"tips", "", "number of crack tips that have not arrived at a boundary or at another crack",
                 [](const C& m) { return static_cast<double>(m.history.pattern().tips.size()); }},
     Measure<C>{"branches", "", "number of branchings", [](const C& m) { return static_cast<double>(m.history.pattern().n_branches); }},
-    Measure<C>{"tip_x", "m", "place of the tip of the main crack; at the end that of the crack that is the main one then, from its first edge on", [](const C& m) { return m.history.pattern().main_end ? m.history.pattern().main_end->position.x() : none; }},
+    Measure<C>{"tip_x", "m", "place of the tip of the main crack; at the end that of the main one then,"
+                " from its first edge on", [](const C& m) { return m.history.pattern().main_end ? m.history.pattern().main_end->position.x() : none; }},
     Measure<C>{"tip_y", "m", "likewise", [](const C& m) { return m.history.pattern().main_end ? m.history.pattern().main_end->position.y() : none; }},
     Measure<C>{"tip_speed", "m/s", "of the tip of the main crack, from a quarter of a window of growth on", [](const C& m) { return m.history.tip_speed(); }},
     Measure<C>{"tip_speed_over_cR", "", "the same over the Rayleigh speed", [](const C& m) { return m.rayleigh_speed > 0 ? m.history.tip_speed() / m.rayleigh_speed : none; }},

@@ -128,7 +128,7 @@ constexpr std::array rows{
     SummaryRow{"crack_length", "m", "length of all arms of cracks, along edges, without twigs and single broken interfaces", [](const F& f) { return f.pattern.crack_length; }},
     SummaryRow{"main_length", "m", "length of the main crack, along chords", [](const F& f) { return f.pattern.main_length; }},
     SummaryRow{"first_growth_time", "s", "first edge of a crack that counts", [](const F& f) { return f.cracks.first_growth_time().value_or(none); }},
-    SummaryRow{"max_tip_speed", "m/s", "largest speed of any crack tip over at least half a window of growth, never above the fastest wave", [](const F& f) { return f.cracks.max_tip_speed(); }},
+    SummaryRow{"max_tip_speed", "m/s", "largest speed of any crack tip over half a window of growth, none above the wave speed", [](const F& f) { return f.cracks.max_tip_speed(); }},
     SummaryRow{"mean_tip_speed", "m/s", "of the tip of the main crack, its mean over the second half of the growth", [](const F& f) { return f.cracks.mean_tip_speed(); }},
     SummaryRow{"max_tip_speed_over_cR", "", "max_tip_speed over the Rayleigh speed",
                [](const F& f) { return f.rayleigh_speed > 0 ? f.cracks.max_tip_speed() / f.rayleigh_speed : none; }},
