@@ -33,7 +33,8 @@ FanScales scales_of(const FanProblem& problem) {
     return {.impulse = impulse,
             .speed = speed,
             .impulse_tolerance = relative_tolerance * impulse,
-            .speed_tolerance = relative_tolerance * speed};
+            .speed_tolerance = relative_tolerance * speed,
+            .rest = relative_tolerance * speed};
 }
 
 }  // namespace knap

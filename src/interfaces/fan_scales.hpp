@@ -9,6 +9,7 @@ struct FanScales {
     double speed = 1;              // [m/s]
     double impulse_tolerance = 0;  // [N s]
     double speed_tolerance = 0;    // [m/s]
+    double rest = 0;               // [m/s] kinks of a staircase that are nearer to each other are one
 };
 
 FanScales scales_of(const FanProblem& problem);

@@ -20,9 +20,10 @@ StrengthPolygon strength_of(const FanLink& link, const TangentialLaw& law) {
 
 }  // namespace
 
-FanSolution FanSolver::solve(FanProblem& problem) {
+FanSolution FanSolver::solve(FanProblem& problem, double rest) {
     problem_ = &problem;
     scales_ = scales_of(problem);
+    scales_.rest = std::max(scales_.rest, rest * scales_.speed);
     states_.resize(problem.links.size());
     for (std::size_t i = 0; i < states_.size(); ++i) states_[i].guess(problem, problem.links[i], scales_);
     linear_.begin(problem, scales_.speed_tolerance);

@@ -34,7 +34,8 @@ struct FanSolution {
 /// Keeps its workspace between solves; one a thread. Writes end velocities into the bodies, impulses into the links.
 class FanSolver {
 public:
-    FanSolution solve(FanProblem& problem);
+    /// Slips below `rest` times the largest speed come to rest in the step instead of turning round.
+    FanSolution solve(FanProblem& problem, double rest = 0);
 
 private:
     void keep();     // what has been found so far

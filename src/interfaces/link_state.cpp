@@ -25,7 +25,7 @@ void LinkState::guess(const FanProblem& problem, const FanLink& link, const FanS
         return;
     }
     const Vec2 relative = problem.velocity_before(link.after) - problem.velocity_before(link.before);
-    law = LinkLaw(link, relative, problem.drift_time, scales.speed_tolerance);
+    law = LinkLaw(link, relative, problem.drift_time, scales.rest);
     // what is prescribed on both sides is known beforehand, all else is guessed to go on as before
     const auto prescribed = [&](Index body, int k) { return body < 0 || problem.bodies[body].inverse_mass[k] == 0; };
     Vec2 expected = relative;

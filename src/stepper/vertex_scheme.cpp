@@ -208,11 +208,13 @@ void VertexScheme::pose(Index f, const State& begin, const FreeMotion& free, Fan
 namespace {
 
 constexpr double contradiction = 1e-12;  // residual of a fan whose rebounds do not fit together; rounding leaves less
+constexpr double slow = 1e-9;            // of the largest speed
 
 }  // namespace
 
 /// Rebounds at several links of a vertex may contradict each other: their speeds do not add up round it, and no motion has them all. In such a step nothing is
-/// thrown back, if that is lawful.
+/// thrown back, if that is lawful. So may slips of next to nothing that turn round in every step where several contacts stick, and grow by it: before the residual
+/// becomes more than a run allows, they come to rest (at the cost of a friction work below the gate's limit, of either sign).
 FanSolution VertexScheme::solve(Index f, const State& begin, Workspace& work) const {
     const FanSolution posed = solve_as_posed(f, begin, work);
     if (posed.residual <= contradiction) return posed;
@@ -220,15 +222,23 @@ FanSolution VertexScheme::solve(Index f, const State& begin, Workspace& work) co
     std::vector<double>& coefficients = work.restitution;
     coefficients.clear();
     for (FanLink& link : links) coefficients.push_back(std::exchange(link.restitution, 0.0));
-    if (std::ranges::all_of(coefficients, [](double e) { return e == 0; })) return posed;
-    const FanSolution resting = solve_as_posed(f, begin, work);
-    if (resting.residual < posed.residual) return resting;
+    double best = posed.residual;
+    if (std::ranges::any_of(coefficients, [](double e) { return e > 0; })) {
+        const FanSolution resting = solve_as_posed(f, begin, work);
+        if (resting.residual <= contradiction) return resting;
+        best = std::min(best, resting.residual);
+    }
+    if (best > 0.5 * most_residual) {
+        const FanSolution still = solve_as_posed(f, begin, work, slow);
+        if (still.residual < best) return still;
+    }
+    if (best < posed.residual) return solve_as_posed(f, begin, work);
     for (std::size_t i = 0; i < links.size(); ++i) links[i].restitution = coefficients[i];
     return solve_as_posed(f, begin, work);
 }
 
-FanSolution VertexScheme::solve_as_posed(Index f, const State& begin, Workspace& work) const {
-    if (options_.cohesion == CohesionScheme::explicit_beta) return work.solver.solve(work.problem);
+FanSolution VertexScheme::solve_as_posed(Index f, const State& begin, Workspace& work, double rest) const {
+    if (options_.cohesion == CohesionScheme::explicit_beta) return work.solver.solve(work.problem, rest);
     const Fan& fan = model_.fans[f];
     work.cohesion.clear();
     for (Index i = 0; i < fan.n_points; ++i) {

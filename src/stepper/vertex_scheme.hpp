@@ -79,7 +79,7 @@ private:
     void move_corner(Index in_fans, const Vec2& velocity, const State& begin, const FreeMotion& free, State& end, StepReport& report) const;
 
     FanSolution solve(Index fan, const State& begin, Workspace& work) const;
-    FanSolution solve_as_posed(Index fan, const State& begin, Workspace& work) const;
+    FanSolution solve_as_posed(Index fan, const State& begin, Workspace& work, double rest = 0) const;
     void pose(Index fan, const State& begin, const FreeMotion& free, FanProblem& problem) const;
     /// Null where nothing is prescribed. In a fan in one piece all corners have the same.
     const PrescribedMotion* prescribed_motion(Index corner) const {
