@@ -207,9 +207,13 @@ int run_command_line(int argc, char** argv) {
     std::string solver = std::string(lcp_solvers().front().name);
     std::vector<std::string> solver_names{"all"};
     for (const LcpSolver& known : lcp_solvers()) solver_names.emplace_back(known.name);
+    std::string solver_table = "Solvers:\n";
+    for (const LcpSolver& known : lcp_solvers())
+        solver_table += "  " + std::string(known.name) + std::string(16 - known.name.size(), ' ') + std::string(known.description) + "\n";
     CLI::App* lcp_command = add("lcp", "solve stored complementarity problems", [&] { return solve_stored_lcp(problems, solver, json); });
     lcp_command->add_option("files", problems, "NAME.L.mtx, NAME.q.mtx (Matrix Market) or NAME alone")->required();
-    lcp_command->add_option("--solver", solver, "default " + solver)->check(CLI::IsMember(solver_names));
+    lcp_command->footer(solver_table);
+    lcp_command->add_option("--solver", solver, "one of the solvers below, or all of them; default " + solver)->check(CLI::IsMember(solver_names));
     lcp_command->add_flag("--json", json, "as JSON");
 
     BenchOptions bench_options;

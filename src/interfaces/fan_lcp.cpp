@@ -1,6 +1,6 @@
 #include "interfaces/fan_lcp.hpp"
 
-#include "lcp/lemke.hpp"
+#include "lcp/solvers.hpp"
 
 #include <algorithm>
 #include <cmath>

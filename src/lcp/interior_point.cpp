@@ -1,8 +1,10 @@
-#include "lcp/interior_point.hpp"
-
+// Infeasible primal-dual interior point method with predictor and corrector (Mehrotra 1992; S. Wright, Primal-Dual
+// Interior-Point Methods, SIAM 1997, 8). Its theory holds for positive semidefinite M only; elsewhere it is a heuristic
+// and may stall. It ends near the middle of a set of solutions, where the pivoting methods end at a vertex. No warm
+// start: it would begin at the boundary.
 #include "lcp/linear_system.hpp"
-#include "lcp/newton.hpp"
 #include "lcp/scaling.hpp"
+#include "lcp/solvers.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,112 +12,85 @@
 namespace knap {
 namespace {
 
-constexpr double kept_from_boundary = 0.995;
-constexpr double least_step = 1e-10;
-
-struct Direction {
-    Eigen::VectorXd z, w;
-};
+constexpr int max_iterations = 150;
+constexpr double part_of_longest_step = 0.995;
+constexpr double min_step = 1e-10;
+constexpr int max_crossover_steps = 10;
+constexpr double crossover = 1e-6;  // residual from which Newton may finish what the ill-conditioned systems cannot
 
 /// The longest step up to one that keeps x positive.
 double longest_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) {
     double length = 1;
     for (int i = 0; i < x.size(); ++i)
-        if (step[i] < 0) length = std::min(length, -kept_from_boundary * x[i] / step[i]);
+        if (step[i] < 0) length = std::min(length, -part_of_longest_step * x[i] / step[i]);
     return length;
 }
 
-class InteriorPoint {
+class CentralPath {
 public:
-    explicit InteriorPoint(const LcpProblem& problem)
-        : M(problem.M), q(problem.q), z(Eigen::VectorXd::Ones(q.size())), w(Eigen::VectorXd::Ones(q.size())) {}
+    explicit CentralPath(const LcpProblem& problem)
+        : z(Eigen::VectorXd::Ones(problem.size())), M_(problem.M), q_(problem.q), w_(z) {}
 
-    double gap() const { return z.dot(w) / static_cast<double>(z.size()); }
-
-    /// The natural residual of z itself, with w = M z + q.
-    double residual() const { return (M * z + q).cwiseMin(z).cwiseAbs().maxCoeff(); }
-
-    /// M + diag(w / z)
-    bool factorise() {
-        Eigen::SparseMatrix<double> A = M;
-        Eigen::SparseMatrix<double> diagonal(A.rows(), A.cols());
-        diagonal.setIdentity();
-        diagonal.diagonal() = w.cwiseQuotient(z);
-        A += diagonal;
-        return A.coeffs().allFinite() && system_.factorise(A);
+    /// One step; `solved` where it was long enough to go on.
+    LcpStatus advance() {
+        if (!system_.factorise(M_, w_.cwiseQuotient(z))) return LcpStatus::singular;
+        const double n = static_cast<double>(z.size()), gap = z.dot(w_) / n;
+        const auto [affine_z, affine_w] = direction(Eigen::VectorXd::Zero(z.size()));
+        if (!affine_z.allFinite() || !affine_w.allFinite()) return LcpStatus::stalled;
+        const double affine_length = std::min(longest_step(z, affine_z), longest_step(w_, affine_w));
+        const double affine_gap = (z + affine_length * affine_z).dot(w_ + affine_length * affine_w) / n;
+        const double centring = std::pow(std::clamp(affine_gap / gap, 1e-3, 1.0), 3);
+        const auto [step_z, step_w] =
+            direction(Eigen::VectorXd::Constant(z.size(), centring * gap) - affine_z.cwiseProduct(affine_w));
+        if (!step_z.allFinite() || !step_w.allFinite()) return LcpStatus::stalled;
+        const double length = std::min(longest_step(z, step_z), longest_step(w_, step_w));
+        z += length * step_z;
+        w_ += length * step_w;
+        return length > min_step ? LcpStatus::solved : LcpStatus::stalled;
     }
 
-    /// Towards w = M z + q and z w = target.
-    Direction direction(const Eigen::VectorXd& target) const {
-        const Eigen::VectorXd mismatch = M * z + q - w, lack = (target - z.cwiseProduct(w)).cwiseQuotient(z);
-        Direction step;
-        step.z = system_.solve(lack - mismatch);
-        step.w = lack - w.cwiseProduct(step.z).cwiseQuotient(z);
-        return step;
-    }
-
-    /// False where the step is too small to go on.
-    bool advance() {
-        const Eigen::VectorXd zero = Eigen::VectorXd::Zero(z.size());
-        const Direction affine = direction(zero);
-        if (!affine.z.allFinite() || !affine.w.allFinite()) return false;
-        const double length = std::min(longest_step(z, affine.z), longest_step(w, affine.w));
-        const double after = (z + length * affine.z).dot(w + length * affine.w) / static_cast<double>(z.size());
-        const double centring = std::pow(std::clamp(after / gap(), 1e-3, 1.0), 3);
-        const Eigen::VectorXd target = Eigen::VectorXd::Constant(z.size(), centring * gap()) - affine.z.cwiseProduct(affine.w);
-        const Direction step = direction(target);
-        if (!step.z.allFinite() || !step.w.allFinite()) return false;
-        const double taken = std::min(longest_step(z, step.z), longest_step(w, step.w));
-        z += taken * step.z;
-        w += taken * step.w;
-        return taken > least_step;
-    }
-
-    const LcpMatrix& M;
-    const Eigen::VectorXd& q;
-    Eigen::VectorXd z, w;
+    Eigen::VectorXd z;
 
 private:
+    /// Steps of z and w towards w = M z + q and z w = target, with the factors of M + diag(w / z).
+    std::pair<Eigen::VectorXd, Eigen::VectorXd> direction(const Eigen::VectorXd& target) const {
+        const Eigen::VectorXd mismatch = M_ * z + q_ - w_, lack = (target - z.cwiseProduct(w_)).cwiseQuotient(z);
+        const Eigen::VectorXd step_z = system_.solve(lack - mismatch);
+        return {step_z, lack - w_.cwiseProduct(step_z).cwiseQuotient(z)};
+    }
+
+    const LcpMatrix& M_;
+    const Eigen::VectorXd& q_;
+    Eigen::VectorXd w_;
     LinearSystem system_;
 };
 
-/// Until the tolerance holds or the systems are too ill-conditioned to go on. Leaves the best z.
-LcpStatus follow_central_path(const LcpProblem& problem, const InteriorPointOptions& options, Eigen::VectorXd& best, int& count) {
-    InteriorPoint point(problem);
-    best = point.z;
-    double least = point.residual();
-    for (count = 0; count < options.max_iterations; ++count) {
-        if (least <= options.tolerance) return LcpStatus::solved;
-        if (!point.factorise()) return LcpStatus::singular;
-        if (!point.advance()) return LcpStatus::stalled;
-        if (point.residual() < least) {
-            least = point.residual();
-            best = point.z;
-        }
-    }
-    return least <= options.tolerance ? LcpStatus::solved : LcpStatus::iteration_limit;
-}
-
 }  // namespace
 
-LcpSolution solve_by_interior_point(const LcpProblem& problem, const InteriorPointOptions& options) {
-    const int n = problem.size();
-    if (n == 0 || problem.q.minCoeff() >= 0) return lcp_solution(problem, LcpStatus::solved, Eigen::VectorXd::Zero(n), 0);
+LcpSolution solve_by_interior_point(const LcpProblem& problem, const LcpOptions& options) {
+    const int n = problem.size(), limit = options.max_iterations > 0 ? options.max_iterations : max_iterations;
+    if (n == 0 || problem.q.minCoeff() >= 0)
+        return lcp_solution(problem, LcpStatus::solved, Eigen::VectorXd::Zero(n), 0);
     const ScaledLcp scaled = equilibrated(problem);
-    Eigen::VectorXd z;
+    CentralPath path(scaled.problem);
+    Eigen::VectorXd best = path.z;
+    double residual = natural_residual(scaled.problem, best);
+    LcpStatus status = LcpStatus::solved;
     int count = 0;
-    LcpStatus status = follow_central_path(scaled.problem, options, z, count);
-    const double reached = (scaled.problem.M * z + scaled.problem.q).cwiseMin(z).cwiseAbs().maxCoeff();
-    if (status != LcpStatus::solved && reached <= options.crossover) {
-        const NewtonOptions last{.tolerance = options.tolerance, .max_iterations = options.max_crossover_steps, .n_starts = 1, .start = z};
-        const LcpSolution polished = solve_by_newton(scaled.problem, last);
-        count += polished.iterations;
-        if (polished.status == LcpStatus::solved) {
-            z = polished.z;
-            status = LcpStatus::solved;
-        }
+    for (; residual > options.tolerance && status == LcpStatus::solved; ++count) {
+        status = count < limit ? path.advance() : LcpStatus::iteration_limit;
+        if (const double next = natural_residual(scaled.problem, path.z); next < residual)
+            residual = next, best = path.z;
     }
-    return lcp_solution(problem, status, scaled.original_z(z), count);
+    if (status != LcpStatus::solved && residual <= crossover) {
+        LcpSolution end = solve_by_newton(problem, {.tolerance = options.tolerance,
+                                                    .max_iterations = max_crossover_steps,
+                                                    .exhaustive = false,
+                                                    .start = scaled.original_z(best)});
+        end.iterations += count;
+        if (end.status == LcpStatus::solved) return end;
+    }
+    return lcp_solution(problem, status, scaled.original_z(best), count);
 }
 
 }  // namespace knap

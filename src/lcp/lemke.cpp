@@ -1,6 +1,11 @@
-#include "lcp/lemke.hpp"
-
+// Lemke's pivots on a condensed tableau of n (n + 2) numbers (C. E. Lemke 1965; Cottle, Pang, Stone, The Linear
+// Complementarity Problem, 4.4 and 4.9). Ties are broken lexicographically, so it cannot cycle. Two tolerances make it
+// reliable on degenerate and redundant problems: a pivot must not be small beside its column, and ratios closer than
+// rounding are a tie. Where the path ends on a ray, paths from other covering vectors are tried. The reference solver:
+// dense; a path of k pivots costs k^2 n / 2 operations (a column goes through the pivots when it enters), and k is
+// about n / 2 here.
 #include "lcp/scaling.hpp"
+#include "lcp/solvers.hpp"
 
 #include <Eigen/LU>
 
@@ -8,7 +13,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <type_traits>
 
 namespace knap {
 namespace {
@@ -16,30 +20,44 @@ namespace {
 using MatrixIn = Eigen::Ref<const Eigen::MatrixXd>;
 using VectorIn = Eigen::Ref<const Eigen::VectorXd>;
 constexpr double golden_ratio = 0.6180339887498949;
-constexpr int few = 96;  // unknowns whose tableau is on the stack, 75 kB twice: fans of explicit steps allocate nothing
+constexpr double pivot_tolerance = 1e-11;  // of the largest entry of the entering column
+constexpr double tie_tolerance = 1e-12;    // of ratios, in the equilibrated problem
+constexpr int max_pivots_per_unknown = 50;
+constexpr int n_covering_vectors = 30, n_covering_vectors_of_quick_search = 3;
+constexpr int few =
+    96;  // unknowns whose tableau is on the stack, 75 kB twice: vertices of explicit steps allocate nothing
 
-/// Of `most` unknowns, on the stack, or of any number.
-template <int most>
+/// Arrays for up to `max` unknowns, on the stack, or for any number of them.
+template <int max>
 struct Few {
-    static constexpr int most_columns = most == Eigen::Dynamic ? most : most + 2, most_variables = most == Eigen::Dynamic ? most : 2 * most + 1;
-    using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most>;
-    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, most_columns>;
-    using List = Eigen::Array<int, Eigen::Dynamic, 1, 0, most_variables>;
+    static constexpr int max_columns = max == Eigen::Dynamic ? max : max + 2;
+    static constexpr int max_variables = max == Eigen::Dynamic ? max : 2 * max + 1;
+    using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max>;
+    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max, max_columns>;
+    using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max, max>;
+    using List = Eigen::Array<int, Eigen::Dynamic, 1, 0, max_variables>;
 };
 
-/// basic + T nonbasic = value. Variable i is w_i, i + n is z_i, 2n is z0. Only the columns of the nonbasic variables are stored, and a pivot
-/// is only noted: a column goes through the pivots that it missed when somebody looks at it. A path of k pivots looks at k columns and at the
-/// value, so it costs k^2 n / 2 operations where pivots carried out at once take k n^2, and never more than these.
-template <int most>
+/// basic + T nonbasic = value. Variable i is w_i, i + n is z_i, 2n is z0. Only the columns of the nonbasic variables
+/// are stored, and a pivot is only recorded: a column goes through the pivots that it missed when it is read. A path of
+/// k pivots reads k columns and the value, so it costs k^2 n / 2 operations where immediate pivots take k n^2, and
+/// never more than these.
+template <int max>
 class Tableau {
 public:
-    using Vector = typename Few<most>::Vector;
-    using Matrix = typename Few<most>::Matrix;
-    using List = typename Few<most>::List;
+    using Vector = typename Few<max>::Vector;
+    using Matrix = typename Few<max>::Matrix;
+    using List = typename Few<max>::List;
 
-    Tableau(const MatrixIn& M, const VectorIn& q, const Vector& cover, const LemkeOptions& options)
-        : n_(static_cast<int>(q.size())), options_(options), columns_(n_, n_ + 2), basic_(n_), nonbasic_(n_ + 1), place_(2 * n_ + 1),
-          pivot_rows_(n_), pivot_columns_(n_, n_), n_done_(List::Zero(n_ + 2)) {
+    Tableau(const MatrixIn& M, const VectorIn& q, const Vector& cover)
+        : n_(static_cast<int>(q.size())),
+          columns_(n_, n_ + 2),
+          basic_(n_),
+          nonbasic_(n_ + 1),
+          place_(2 * n_ + 1),
+          pivot_rows_(n_),
+          pivot_columns_(n_, n_),
+          n_done_(List::Zero(n_ + 2)) {
         columns_.leftCols(n_) = -M;
         columns_.col(n_) = -cover;
         columns_.col(n_ + 1) = q;
@@ -66,7 +84,7 @@ public:
     /// The row that limits the entering variable first, or -1: none does.
     int leaving_row(int entering) {
         const auto entries = column(place_[entering]);
-        const double least = options_.pivot_tolerance * std::max(1.0, entries.cwiseAbs().maxCoeff());
+        const double least = pivot_tolerance * std::max(1.0, entries.cwiseAbs().maxCoeff());
         int best = -1;
         for (int i = 0; i < n_; ++i)
             if (entries[i] > least && (best < 0 || comes_before(i, best, entries))) best = i;
@@ -113,40 +131,42 @@ private:
         n_done_.setZero();
     }
 
-    /// Lexicographic ratio test over the right-hand side and then the columns of the inverse basis; z0 leaves whenever it can.
+    /// Lexicographic ratio test over the right-hand side and then the columns of the inverse basis; z0 leaves whenever
+    /// it can.
     bool comes_before(int a, int b, const Column& entering) {
         const auto value = column(n_ + 1);
         const double difference = value[a] / entering[a] - value[b] / entering[b];
-        if (std::abs(difference) > options_.tie_tolerance) return difference < 0;
+        if (std::abs(difference) > tie_tolerance) return difference < 0;
         if (basic_[a] == z0() || basic_[b] == z0()) return basic_[a] == z0();
         for (int k = 0; k < n_; ++k) {
             const double next = of_inverse(a, k) / entering[a] - of_inverse(b, k) / entering[b];
-            if (std::abs(next) > options_.tie_tolerance) return next < 0;
+            if (std::abs(next) > tie_tolerance) return next < 0;
         }
         return false;
     }
 
     /// Entry of the inverse basis: the column of w_k, a unit vector where w_k is basic.
-    double of_inverse(int row, int k) { return place_[k] >= 0 ? column(place_[k])[row] : (place_[k] == -1 - row ? 1.0 : 0.0); }
+    double of_inverse(int row, int k) {
+        return place_[k] >= 0 ? column(place_[k])[row] : (place_[k] == -1 - row ? 1.0 : 0.0);
+    }
 
     int n_;
-    LemkeOptions options_;
     Matrix columns_;  // of the nonbasic variables, then the value
     List basic_, nonbasic_;
-    List place_;             // column of a nonbasic variable; -1 - row of a basic one
-    int n_pivots_ = 0;       // that are noted
-    List pivot_rows_;        // theirs
-    Matrix pivot_columns_;   // their entering columns
-    List n_done_;            // pivots that each column has gone through
+    List place_;            // column of a nonbasic variable; -1 - row of a basic one
+    int n_pivots_ = 0;      // that are noted
+    List pivot_rows_;       // theirs
+    Matrix pivot_columns_;  // their entering columns
+    List n_done_;           // pivots that each column has gone through
 };
 
 /// z of the basis that the pivots found, from M and q themselves: without the rounding of the pivots.
-template <int most>
-typename Few<most>::Vector solved_anew(const MatrixIn& M, const VectorIn& q, const typename Few<most>::List& basic) {
-    using Vector = typename Few<most>::Vector;
-    using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, most>;
+template <int max>
+typename Few<max>::Vector solved_anew(const MatrixIn& M, const VectorIn& q, const typename Few<max>::List& basic) {
+    using Vector = typename Few<max>::Vector;
+    using Square = typename Few<max>::Square;
     const int n = static_cast<int>(q.size());
-    typename Few<most>::List active(n);
+    typename Few<max>::List active(n);
     int n_active = 0;
     for (const int variable : basic)
         if (variable >= n && variable < 2 * n) active[n_active++] = variable - n;
@@ -179,72 +199,70 @@ Vector covering_vector(int n, int attempt) {
     return cover;
 }
 
-template <int most>
+template <int max>
 struct Path {
     LcpStatus status;
-    typename Few<most>::Vector z;
+    typename Few<max>::Vector z;
     int n_pivots;
 };
 
-template <int most>
-Path<most> follow_path(const MatrixIn& M, const VectorIn& q, const typename Few<most>::Vector& cover, const LemkeOptions& options) {
-    using Vector = typename Few<most>::Vector;
+/// A solution whose residual is above `max_residual` has lost too much to rounding: its status is `stalled`.
+template <int max>
+Path<max> follow_path(const MatrixIn& M, const VectorIn& q, const typename Few<max>::Vector& cover,
+                      double max_residual) {
+    using Vector = typename Few<max>::Vector;
     const int n = static_cast<int>(q.size());
-    Tableau<most> tableau(M, q, cover, options);
+    Tableau<max> tableau(M, q, cover);
     int entering = tableau.complement(tableau.pivot(tableau.first_row(), tableau.z0()));
-    for (int count = 1; count <= options.max_pivots_per_unknown * n; ++count) {
+    for (int count = 1; count <= max_pivots_per_unknown * n; ++count) {
         const int row = tableau.leaving_row(entering);
         if (row < 0) return {LcpStatus::ray, {}, count};
         const int left = tableau.pivot(row, entering);
-        if (left == tableau.z0()) {
-            Vector z = Vector::Zero(n);
-            for (int i = 0; i < n; ++i)
-                if (tableau.basic()[i] >= n) z[tableau.basic()[i] - n] = std::max(0.0, tableau.value(i));
-            const Vector anew = solved_anew<most>(M, q, tableau.basic());
-            const double before = residual(M, q, z), after = residual(M, q, anew);
-            const LcpStatus status = std::min(before, after) <= options.largest_residual ? LcpStatus::solved : LcpStatus::stalled;
-            return {status, after < before ? anew : z, count};
-        }
         entering = tableau.complement(left);
+        if (left != tableau.z0()) continue;
+        Vector z = Vector::Zero(n);
+        for (int i = 0; i < n; ++i)
+            if (tableau.basic()[i] >= n) z[tableau.basic()[i] - n] = std::max(0.0, tableau.value(i));
+        const Vector anew = solved_anew<max>(M, q, tableau.basic());
+        const double before = residual(M, q, z), after = residual(M, q, anew);
+        const LcpStatus status = std::min(before, after) <= max_residual ? LcpStatus::solved : LcpStatus::stalled;
+        return {status, after < before ? anew : z, count};
     }
-    return {LcpStatus::iteration_limit, {}, options.max_pivots_per_unknown * n};
+    return {LcpStatus::iteration_limit, {}, max_pivots_per_unknown * n};
 }
 
 /// One path after the other, until one ends at a solution. M and q are of order one.
-template <int most>
-Path<most> first_path_that_leads(const MatrixIn& M, const VectorIn& q, const LemkeOptions& options) {
-    using Vector = typename Few<most>::Vector;
+template <int max>
+Path<max> first_path_to_solution(const MatrixIn& M, const VectorIn& q, int n_paths, double max_residual) {
+    using Vector = typename Few<max>::Vector;
     const int n = static_cast<int>(q.size());
-    if (n == 0 || q.minCoeff() >= 0) return {LcpStatus::solved, Vector::Zero(n), 0};
-    Path<most> path{LcpStatus::ray, Vector::Zero(n), 0};
-    for (int attempt = 0; attempt < options.n_covering_vectors; ++attempt) {
-        const Path<most> next = follow_path<most>(M, q, covering_vector<Vector>(n, attempt), options);
+    Path<max> path{LcpStatus::ray, Vector::Zero(n), 0};
+    if (n == 0 || q.minCoeff() >= 0) path.status = LcpStatus::solved;
+    for (int attempt = 0; attempt < n_paths && path.status != LcpStatus::solved; ++attempt) {
+        const Path<max> next = follow_path<max>(M, q, covering_vector<Vector>(n, attempt), max_residual);
         path = {next.status, next.z.size() == n ? next.z : path.z, path.n_pivots + next.n_pivots};
-        if (next.status == LcpStatus::solved) break;
     }
     return path;
 }
 
 }  // namespace
 
-LcpSolution solve_by_lemke(const LcpProblem& problem, const LemkeOptions& options) {
+LcpSolution solve_by_lemke(const LcpProblem& problem, const LcpOptions& options) {
     const ScaledLcp scaled = equilibrated(problem);
-    const Path<Eigen::Dynamic> path = first_path_that_leads<Eigen::Dynamic>(Eigen::MatrixXd(scaled.problem.M), scaled.problem.q, options);
+    const int n_paths = options.exhaustive ? n_covering_vectors : n_covering_vectors_of_quick_search;
+    const auto path = first_path_to_solution<Eigen::Dynamic>(Eigen::MatrixXd(scaled.problem.M), scaled.problem.q,
+                                                             n_paths, max_scaled_residual);
     return lcp_solution(problem, path.status, scaled.original_z(path.z), path.n_pivots);
 }
 
 bool solve_lcp_by_lemke(const MatrixIn& M, const VectorIn& q, Eigen::Ref<Eigen::VectorXd> z) {
-    const auto follow = [&]<int most>(std::integral_constant<int, most>) {
-        const Path<most> path = first_path_that_leads<most>(M, q, {.largest_residual = std::numeric_limits<double>::infinity()});
+    const auto follow = [&]<int max>() {
+        const Path<max> path =
+            first_path_to_solution<max>(M, q, n_covering_vectors, std::numeric_limits<double>::infinity());
         z = path.z;
         return path.status == LcpStatus::solved;
     };
-    return q.size() <= few ? follow(std::integral_constant<int, few>()) : follow(std::integral_constant<int, Eigen::Dynamic>());
-}
-
-Eigen::VectorXd solve_lcp_by_lemke(const Eigen::MatrixXd& M, const Eigen::VectorXd& q) {
-    Eigen::VectorXd z(q.size());
-    return solve_lcp_by_lemke(M, q, z) ? z : Eigen::VectorXd();
+    return q.size() <= few ? follow.template operator()<few>() : follow.template operator()<Eigen::Dynamic>();
 }
 
 }  // namespace knap

@@ -5,24 +5,32 @@
 namespace knap {
 namespace {
 
-constexpr int small = 60;              // unknowns up to which dense always pays
-constexpr double most_density = 0.08;  // of a matrix for the sparse factors to pay
-
-bool usable(const Eigen::MatrixXd& lu) {
-    for (int i = 0; i < lu.rows(); ++i)
-        if (lu(i, i) == 0 || !std::isfinite(lu(i, i))) return false;
-    return true;
-}
+constexpr int small = 60;             // unknowns up to which dense factors always pay
+constexpr double max_density = 0.08;  // of a matrix whose sparse factors pay
 
 }  // namespace
 
-bool LinearSystem::factorise(const Eigen::SparseMatrix<double>& A) {
+LcpMatrix columns_of_identity(int n, const std::vector<int>& indices) {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (const int i : indices) entries.emplace_back(i, static_cast<int>(entries.size()), 1.0);
+    LcpMatrix T(n, static_cast<int>(indices.size()));
+    T.setFromTriplets(entries.begin(), entries.end());
+    return T;
+}
+
+bool LinearSystem::factorise(const LcpMatrix& matrix, const Eigen::VectorXd& added) {
+    Eigen::SparseMatrix<double> A = matrix, diagonal(A.rows(), A.cols());
+    diagonal.setIdentity();
+    diagonal.diagonal() = added;
+    A += diagonal;
     const double n = static_cast<double>(A.rows());
-    dense_ = A.rows() <= small || static_cast<double>(A.nonZeros()) > most_density * n * n;
-    if (dense_) {
-        if (A.rows() == 0) return true;
+    is_dense_ = A.rows() <= small || static_cast<double>(A.nonZeros()) > max_density * n * n;
+    if (A.rows() == 0) return true;
+    if (!A.coeffs().allFinite()) return false;
+    if (is_dense_) {
         dense_lu_.compute(Eigen::MatrixXd(A));
-        return usable(dense_lu_.matrixLU());
+        const Eigen::ArrayXd pivots = dense_lu_.matrixLU().diagonal();
+        return pivots.allFinite() && (pivots != 0).all();
     }
     sparse_lu_.compute(A);
     return sparse_lu_.info() == Eigen::Success;
@@ -30,7 +38,7 @@ bool LinearSystem::factorise(const Eigen::SparseMatrix<double>& A) {
 
 Eigen::VectorXd LinearSystem::solve(const Eigen::VectorXd& b) const {
     if (b.size() == 0) return b;
-    if (dense_) return dense_lu_.solve(b);
+    if (is_dense_) return dense_lu_.solve(b);
     return sparse_lu_.solve(b);
 }
 

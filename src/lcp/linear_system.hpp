@@ -1,18 +1,25 @@
 #pragma once
-// Square systems of the solvers, dense or sparse as it pays.
+// Square linear systems of the solvers, with dense or sparse factors, whichever is cheaper.
+#include "lcp/problem.hpp"
+
 #include <Eigen/LU>
 #include <Eigen/SparseLU>
 
+#include <vector>
+
 namespace knap {
+
+/// [n, number of indices]: the columns of the identity with these indices.
+LcpMatrix columns_of_identity(int n, const std::vector<int>& indices);
 
 class LinearSystem {
 public:
-    /// False where a pivot is zero or not finite; then there is nothing to solve with.
-    bool factorise(const Eigen::SparseMatrix<double>& A);
+    /// Factors of A + diag(added). False where a pivot is zero or not finite; then `solve` must not be called.
+    bool factorise(const LcpMatrix& A, const Eigen::VectorXd& added);
     Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
 
 private:
-    bool dense_ = true;
+    bool is_dense_ = true;
     Eigen::PartialPivLU<Eigen::MatrixXd> dense_lu_;
     Eigen::SparseLU<Eigen::SparseMatrix<double>> sparse_lu_;
 };

@@ -1,6 +1,8 @@
 #include "lcp/matrix_market.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
+#include "base/whole_file.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -12,137 +14,142 @@
 namespace knap {
 namespace {
 
-struct Header {
-    bool coordinate = false;
-    bool mirrored = false;  // only the lower triangle is stored
-    double mirror_sign = 1;
-};
+constexpr long max_size = 100'000'000;
+constexpr long max_empty_size = 1'000'000;  // of a matrix with fewer entries: a wrong number must not take all memory
 
 class Reader {
 public:
     Reader(std::istream& text, std::string source) : text_(text), source_(std::move(source)) {}
 
     LcpMatrix matrix() {
-        const Header header = read_header();
-        std::istringstream sizes = next_line("the line of sizes");
-        const long n_rows = whole(sizes, "number of rows"), n_columns = whole(sizes, "number of columns");
-        const long n_given = header.coordinate ? whole(sizes, "number of entries") : 0;
-        end_of(sizes);
-        if (n_rows < 0 || n_columns < 0 || n_given < 0 || std::max(n_rows, n_columns) > largest_size) fail("impossible sizes");
-        if (header.mirrored && n_rows != n_columns) fail("a symmetric matrix must be square");
-        const long n_entries = header.coordinate ? n_given : n_rows * n_columns;
-        if (std::max(n_rows, n_columns) > std::max(believed_size, n_entries)) fail("a matrix of this size has more entries");
-        if (header.coordinate) {
-            for (long k = 0; k < n_entries; ++k) read_entry(header, n_rows, n_columns);
+        read_header();
+        next_line("the line of sizes");
+        n_rows_ = number<long>("the number of rows");
+        n_columns_ = number<long>("the number of columns");
+        const long n_given = is_coordinate_ ? number<long>("the number of entries") : 0;
+        end_line();
+        const long largest = std::max(n_rows_, n_columns_);
+        if (std::min({n_rows_, n_columns_, n_given}) < 0 || largest > max_size) fail("impossible sizes");
+        const long n_entries = is_coordinate_ ? n_given : n_rows_ * n_columns_;
+        if (sign_of_mirror_ != 0 && n_rows_ != n_columns_) fail("a symmetric matrix must be square");
+        if (largest > std::max(max_empty_size, n_entries)) fail("a matrix of this size has more entries");
+        if (is_coordinate_) {
+            for (long k = 0; k < n_entries; ++k) read_entry();
         } else {
-            read_array(header, n_rows, n_columns);
+            for (long column = 0; column < n_columns_; ++column)
+                for (long row = sign_of_mirror_ == 0 ? 0 : column + (sign_of_mirror_ < 0); row < n_rows_; ++row) {
+                    next_line("an entry");
+                    add(row, column);
+                }
         }
-        expect_end();
-        LcpMatrix M(n_rows, n_columns);
+        if (skip_to_line()) fail("more entries than the line of sizes says");
+        LcpMatrix M(n_rows_, n_columns_);
         M.setFromTriplets(entries_.begin(), entries_.end());
-        if (static_cast<std::size_t>(M.nonZeros()) != entries_.size()) fail("an entry stands there twice");
+        if (static_cast<std::size_t>(M.nonZeros()) != entries_.size()) fail("an entry occurs twice");
         return M;
     }
 
 private:
-    static constexpr long largest_size = 100'000'000;
-    static constexpr long believed_size = 1'000'000;  // without as many entries: a wrong number must not take all memory
-
     [[noreturn]] void fail(const std::string& message) const {
-        throw UserError(std::vector{Diagnostic{.code = "matrix-market", .message = message, .file = source_, .line = line_}});
+        throw UserError(
+            std::vector{Diagnostic{.code = "matrix-market", .message = message, .file = source_, .line = n_lines_}});
     }
 
-    Header read_header() {
+    void read_header() {
         std::string line;
         if (!std::getline(text_, line)) fail("the file is empty or cannot be read");
-        ++line_;
-        std::transform(line.begin(), line.end(), line.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+        ++n_lines_;
+        std::ranges::transform(line, line.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
         std::istringstream words(line);
         std::string banner, object, format, field, symmetry;
         words >> banner >> object >> format >> field >> symmetry;
-        if (banner != "%%matrixmarket" || object != "matrix") fail("the first line must begin with `%%MatrixMarket matrix`");
-        if (format != "coordinate" && format != "array") fail("format `" + format + "`: only coordinate and array are read");
+        if (banner != "%%matrixmarket" || object != "matrix")
+            fail("the first line must begin with `%%MatrixMarket matrix`");
+        if (format != "coordinate" && format != "array")
+            fail("format `" + format + "`: only coordinate and array are read");
         if (field != "real" && field != "integer") fail("field `" + field + "`: only real and integer are read");
         if (symmetry != "general" && symmetry != "symmetric" && symmetry != "skew-symmetric")
             fail("symmetry `" + symmetry + "`: only general, symmetric and skew-symmetric are read");
-        return {format == "coordinate", symmetry != "general", symmetry == "skew-symmetric" ? -1.0 : 1.0};
+        is_coordinate_ = format == "coordinate";
+        sign_of_mirror_ = symmetry == "general" ? 0 : symmetry == "symmetric" ? 1 : -1;
     }
 
-    /// Skips comments and blank lines.
-    bool skip_to_line(std::string& line) {
-        while (std::getline(text_, line)) {
-            ++line_;
-            const size_t start = line.find_first_not_of(" \t\r");
-            if (start != std::string::npos && line[start] != '%') return true;
+    /// To the next line that is neither blank nor a comment.
+    bool skip_to_line() {
+        for (std::string line; std::getline(text_, line);) {
+            ++n_lines_;
+            const std::size_t start = line.find_first_not_of(" \t\r");
+            if (start == std::string::npos || line[start] == '%') continue;
+            line_ = std::istringstream(line);
+            return true;
         }
         return false;
     }
 
-    std::istringstream next_line(const std::string& wanted) {
-        std::string line;
-        if (!skip_to_line(line)) fail("the file ends where " + wanted + " should be");
-        return std::istringstream(line);
+    void next_line(const std::string& expected) {
+        if (!skip_to_line()) fail("the file ends where " + expected + " should be");
     }
 
-    void expect_end() {
-        std::string line;
-        if (skip_to_line(line)) fail("more entries than the line of sizes says");
-    }
-
-    long whole(std::istringstream& words, const char* wanted) const {
-        long value = 0;
-        if (!(words >> value)) fail(std::string("expected the ") + wanted);
+    template <class Number>
+    Number number(const std::string& name) {
+        Number value = 0;
+        if (!(line_ >> value) || !std::isfinite(value)) fail("expected " + name);
         return value;
     }
 
-    double number(std::istringstream& words) const {
-        double value = 0;
-        if (!(words >> value) || !std::isfinite(value)) fail("expected a finite number");
-        return value;
-    }
-
-    void end_of(std::istringstream& words) const {
+    void end_line() {
         std::string more;
-        if (words >> more) fail("`" + more + "` after the end of the entry");
+        if (line_ >> more) fail("`" + more + "` after the end of the entry");
     }
 
-    void read_entry(const Header& header, long n_rows, long n_columns) {
-        std::istringstream words = next_line("an entry");
-        const long row = whole(words, "row"), column = whole(words, "column");
-        const double value = number(words);
-        end_of(words);
-        if (row < 1 || row > n_rows || column < 1 || column > n_columns) fail("the entry lies outside the matrix");
-        if (header.mirrored && column > row) fail("a symmetric matrix is stored by its lower triangle");
-        add(header, row - 1, column - 1, value);
+    void read_entry() {
+        next_line("an entry");
+        const long row = number<long>("the row"), column = number<long>("the column");
+        if (row < 1 || row > n_rows_ || column < 1 || column > n_columns_) fail("the entry lies outside the matrix");
+        if (sign_of_mirror_ != 0 && column > row) fail("a symmetric matrix is stored by its lower triangle");
+        add(row - 1, column - 1);
     }
 
-    void read_array(const Header& header, long n_rows, long n_columns) {
-        for (long column = 0; column < n_columns; ++column)
-            for (long row = header.mirrored ? column + (header.mirror_sign < 0) : 0; row < n_rows; ++row) {
-                std::istringstream words = next_line("an entry");
-                const double value = number(words);
-                end_of(words);
-                add(header, row, column, value);
-            }
-    }
-
-    void add(const Header& header, long row, long column, double value) {
+    /// The value at the end of the line.
+    void add(long row, long column) {
+        const double value = number<double>("a finite number");
+        end_line();
         if (value == 0) return;
         entries_.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
-        if (header.mirrored && row != column)
-            entries_.emplace_back(static_cast<int>(column), static_cast<int>(row), header.mirror_sign * value);
+        if (sign_of_mirror_ != 0 && row != column)
+            entries_.emplace_back(static_cast<int>(column), static_cast<int>(row), sign_of_mirror_ * value);
     }
 
     std::istream& text_;
     std::string source_;
-    int line_ = 0;
+    std::istringstream line_;
+    int n_lines_ = 0;
+    bool is_coordinate_ = false;
+    int sign_of_mirror_ = 0;  // of the upper triangle, which is not stored; 0: a general matrix
+    long n_rows_ = 0, n_columns_ = 0;
     std::vector<Eigen::Triplet<double>> entries_;
 };
 
-std::string without_suffix(std::string path) {
+std::string without_suffix(const std::string& path) {
     for (const std::string suffix : {".L.mtx", ".q.mtx"})
         if (path.ends_with(suffix)) return path.substr(0, path.size() - suffix.size());
     return path;
+}
+
+std::string matrix_text(const LcpMatrix& M) {
+    std::string text = "%%MatrixMarket matrix coordinate real general\n";
+    text += std::to_string(M.rows()) + " " + std::to_string(M.cols()) + " " + std::to_string(M.nonZeros()) + "\n";
+    for (int i = 0; i < M.outerSize(); ++i)
+        for (LcpMatrix::InnerIterator entry(M, i); entry; ++entry)
+            text +=
+                std::to_string(i + 1) + " " + std::to_string(entry.col() + 1) + " " + shortest(entry.value()) + "\n";
+    return text;
+}
+
+std::string vector_text(const Eigen::VectorXd& q) {
+    std::string text = "%%MatrixMarket matrix array real general\n" + std::to_string(q.size()) + " 1\n";
+    for (const double x : q) text += shortest(x) + "\n";
+    return text;
 }
 
 }  // namespace
@@ -163,6 +170,14 @@ LcpProblem read_lcp(const std::filesystem::path& stem) {
     if (q.cols() != 1 || q.rows() != M.rows())
         throw UserError("matrix-market", "`" + base + ".q.mtx` must have one column and as many rows as the matrix");
     return {M, Eigen::MatrixXd(q).col(0)};
+}
+
+void write_lcp(const std::filesystem::path& stem, const LcpProblem& problem) {
+    const std::filesystem::path matrix = stem.string() + ".L.mtx", vector = stem.string() + ".q.mtx";
+    for (const std::filesystem::path& file : {matrix, vector})
+        if (std::filesystem::exists(file)) throw UserError("file-exists", "`" + file.string() + "` exists already");
+    write_whole_file(matrix, matrix_text(problem.M));
+    write_whole_file(vector, vector_text(problem.q));
 }
 
 }  // namespace knap

@@ -1,6 +1,6 @@
 #pragma once
-// Matrix Market text files (Boisvert, Pozo, Remington, NISTIR 5935): real or integer, coordinate or array, general, symmetric or
-// skew-symmetric. A stored problem is a pair of them, NAME.L.mtx and NAME.q.mtx.
+// Matrix Market text files (Boisvert, Pozo, Remington, NISTIR 5935): real or integer, coordinate or array, general,
+// symmetric or skew-symmetric. A stored problem is a pair of them, NAME.L.mtx and NAME.q.mtx.
 #include "lcp/problem.hpp"
 
 #include <filesystem>
@@ -15,8 +15,8 @@ LcpMatrix read_matrix_market(const std::filesystem::path& file);
 /// `stem` is the path without .L.mtx and .q.mtx; either of the two files may be given as well.
 LcpProblem read_lcp(const std::filesystem::path& stem);
 
-/// Writes stem.L.mtx and stem.q.mtx with the shortest numbers that read back to the same bits. Throws UserError where one of the files
-/// exists already, nothing is overwritten, and OutputError where one cannot be written.
+/// Writes stem.L.mtx and stem.q.mtx with the shortest numbers that read back to the same bits. Throws UserError where
+/// one of the files exists already, nothing is overwritten, and OutputError where one cannot be written.
 void write_lcp(const std::filesystem::path& stem, const LcpProblem& problem);
 
 }  // namespace knap

@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace knap {
 namespace {
 
-constexpr int most_sweeps = 30;   // each takes the square root of what is left
-constexpr double near_one = 1.5;  // largest entries between its inverse and itself are good enough
+constexpr int max_sweeps = 30;    // each takes the square root of the remaining factor
+constexpr double near_one = 1.5;  // largest entries between its inverse and itself are accepted
 
-/// Largest size of an entry in each row and column of D M D, 0 where there is none.
+/// Largest |entry| in each row and column of D M D, 0 where there is none.
 Eigen::VectorXd largest_entries(const LcpMatrix& M, const Eigen::VectorXd& factor) {
     Eigen::VectorXd largest = Eigen::VectorXd::Zero(M.rows());
     for (int i = 0; i < M.outerSize(); ++i)
@@ -22,18 +23,18 @@ Eigen::VectorXd largest_entries(const LcpMatrix& M, const Eigen::VectorXd& facto
     return largest;
 }
 
-/// The one nearest in ratio to x > 0.
+/// The power nearest in ratio to x > 0.
 double power_of_two(double x) {
     int exponent;
     const double mantissa = std::frexp(x, &exponent);  // 1/2 <= mantissa < 1
     return std::ldexp(1.0, mantissa < std::numbers::sqrt2 / 2 ? exponent - 1 : exponent);
 }
 
-/// Powers of two, so that the scaling itself rounds nothing.
+/// Powers of two, which cause no rounding.
 Eigen::VectorXd factors(const LcpMatrix& M) {
     const Eigen::VectorXd diagonal = M.diagonal();
     Eigen::VectorXd factor = diagonal.unaryExpr([](double d) { return d != 0 ? 1 / std::sqrt(std::abs(d)) : 1.0; });
-    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+    for (int sweep = 0; sweep < max_sweeps; ++sweep) {
         const Eigen::VectorXd largest = largest_entries(M, factor);
         bool changed = false;
         for (int i = 0; i < M.rows(); ++i) {
@@ -43,7 +44,8 @@ Eigen::VectorXd factors(const LcpMatrix& M) {
         }
         if (!changed) break;
     }
-    const Eigen::VectorXd largest = largest_entries(M, factor);  // an entry a of rows with largest a or more becomes 1 or less
+    const Eigen::VectorXd largest =
+        largest_entries(M, factor);  // an entry a of rows with largest a or more becomes 1 or less
     for (int i = 0; i < M.rows(); ++i)
         if (largest[i] > near_one) factor[i] /= std::sqrt(largest[i]);
     return factor.unaryExpr(&power_of_two);
@@ -61,6 +63,18 @@ ScaledLcp equilibrated(const LcpProblem& problem) {
     if (largest > 0) scaled.unit = power_of_two(largest);
     scaled.problem.q /= scaled.unit;
     return scaled;
+}
+
+double natural_residual(const LcpProblem& problem, const Eigen::VectorXd& z) {
+    if (z.size() != problem.q.size() || !z.allFinite()) return std::numeric_limits<double>::infinity();
+    if (problem.size() == 0) return 0;
+    return (problem.M * z + problem.q).cwiseMin(z).cwiseAbs().maxCoeff();
+}
+
+double scaled_residual(const LcpProblem& problem, const Eigen::VectorXd& z) {
+    if (z.size() != problem.q.size()) return std::numeric_limits<double>::infinity();
+    const ScaledLcp scaled = equilibrated(problem);
+    return natural_residual(scaled.problem, scaled.scaled_z(z));
 }
 
 }  // namespace knap

@@ -1,23 +1,34 @@
 #pragma once
-// All solvers of this floor by name, each with its own default options. The first one is the one to use.
+// All solvers, one a file, with one signature, and the table from which `knap lcp`, its help and its tests read them.
 #include "lcp/problem.hpp"
 
-#include <functional>
 #include <span>
 
 namespace knap {
 
-struct LcpSolver {
-    std::string_view name;
-    bool uses_start;    // whether a warm start changes anything
-    int most_unknowns;  // up to which it takes minutes at most; beyond, only who names it runs it
-    std::string_view needs;  // what its method needs of a problem that it is applicable to
-    std::function<LcpSolution(const LcpProblem&, const Eigen::VectorXd& start)> run;
+LcpSolution solve_by_default(const LcpProblem& problem, const LcpOptions& options = {});
+LcpSolution solve_by_lemke(const LcpProblem& problem, const LcpOptions& options = {});
+LcpSolution solve_by_newton(const LcpProblem& problem, const LcpOptions& options = {});
+LcpSolution solve_by_convex_qp(const LcpProblem& problem, const LcpOptions& options = {});
+LcpSolution solve_by_interior_point(const LcpProblem& problem, const LcpOptions& options = {});
+LcpSolution solve_by_gauss_seidel(const LcpProblem& problem, const LcpOptions& options = {});
 
-    /// `start`: z of a similar problem; empty: none.
-    LcpSolution solve(const LcpProblem& problem, const Eigen::VectorXd& start = {}) const { return run(problem, start); }
+/// Lemke's pivots for small problems, without equilibration: M and q should be of order one, and the caller judges z.
+/// False where every path ends on a ray: then there is hardly a solution. Up to 96 unknowns nothing is allocated.
+bool solve_lcp_by_lemke(const Eigen::Ref<const Eigen::MatrixXd>& M, const Eigen::Ref<const Eigen::VectorXd>& q,
+                        Eigen::Ref<Eigen::VectorXd> z);
+
+inline constexpr int max_dense_unknowns = 3000;  // of a tableau, or of a factor without zeros: minutes
+
+struct LcpSolver {
+    std::string_view name, description;
+    bool uses_start;               // whether a warm start changes anything
+    int max_unknowns;              // up to which it takes minutes at most; beyond, it runs only by its name
+    std::string_view requirement;  // of problems to which it is applicable; empty: none
+    LcpSolution (*solve)(const LcpProblem&, const LcpOptions&);
 };
 
+/// The first is the one to use; the default solver tries the others in this order.
 std::span<const LcpSolver> lcp_solvers();
 
 /// nullptr where no solver has that name.

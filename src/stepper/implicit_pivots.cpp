@@ -1,6 +1,6 @@
 // Where the method of multipliers finds no solution of a step, in small bodies: the step as one linear complementarity problem (step_lcp.hpp), whose solution by
 // pivots is where the method of multipliers begins anew. So what is taken is found to its tolerance and judged like any other step.
-#include "lcp/default_solver.hpp"
+#include "lcp/solvers.hpp"
 #include "stepper/implicit_scheme.hpp"
 #include "stepper/step_lcp.hpp"
 
@@ -40,7 +40,7 @@ bool ImplicitScheme::start_from_pivots(const State& begin, double h) {
     const Units unit(step.layout, power_of_two(model_.corner_mass[0]), power_of_two(length), power_of_two(h));
     const Eigen::VectorXd scale = unit.row.cwiseInverse();
     const LcpMatrix M(scale.asDiagonal() * step.problem.M * unit.unknown.asDiagonal());
-    const LcpSolution found = solve_by_default({M, scale.cwiseProduct(step.problem.q)}, {.every_solver = false});
+    const LcpSolution found = solve_by_default({M, scale.cwiseProduct(step.problem.q)}, {.exhaustive = false});
     if (found.status != LcpStatus::solved) return false;
     const StepLcpEnd end = recover(step, model_, begin, h, unit.unknown.cwiseProduct(found.z));
     corner_rate_ = end.rate;

@@ -14,7 +14,7 @@
 // Only the rows that a scene needs are there: no law with friction, no p_T and zeta; no gamma, no r_T and chi; explicit beta, no A, beta+
 // and o. Points without cohesion have p_N, p_T and zeta alone. o is needed where a cohesive point can end the step with u_N+ < 0: where
 // it lands faster than the scheme can stop it; without such points, and with friction and gamma, the layout is that of
-// lcp/free_breaking.hpp. With theta < 1 no bond breaks for free: beta_theta > 0 wherever beta > 0, so r_T stays and with it chi = |u_T|.
+// lcp/spurious_breaking.hpp. With theta < 1 no bond breaks spuriously: beta_theta > 0 wherever beta > 0, so r_T stays and with it chi = |u_T|.
 #include "lcp/problem.hpp"
 #include "model/state.hpp"
 #include "stepper/scheme_options.hpp"

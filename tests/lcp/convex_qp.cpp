@@ -1,8 +1,6 @@
-#include "lcp/convex_qp.hpp"
-
 #include "base/random.hpp"
-#include "lcp/lemke.hpp"
-#include "lcp/residual.hpp"
+#include "lcp/scaling.hpp"
+#include "lcp/solvers.hpp"
 
 #include <doctest/doctest.h>
 

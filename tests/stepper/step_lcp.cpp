@@ -1,6 +1,6 @@
 // The full, unreduced problem of an implicit step, by itself: exact solutions, the energy identity, and every step judged by the equations.
 #include "base/random.hpp"
-#include "lcp/free_breaking.hpp"
+#include "lcp/spurious_breaking.hpp"
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 #include "support/step_lcp_run.hpp"

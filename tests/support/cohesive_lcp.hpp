@@ -3,7 +3,7 @@
 // structured mesh with moved vertices, every interior edge an interface (redundant: more impulses than velocities) or one straight line.
 // Units: strength, critical opening and mean area of a point are 1, velocities are openings per step. With P the impulses,
 //     V = V_free + W P,   W = h^2 theta H (M + h^2 theta^2 K)^-1 H',   P_N = p_N - theta S beta+ - (1 - theta) S beta,   P_T = p_T + r_T
-//     S A     beta - beta+                                           [the layout of lcp/free_breaking.hpp]
+//     S A     beta - beta+                                           [the layout of lcp/spurious_breaking.hpp]
 //     S beta+ A + beta+ - 1 + (u_N + V_N) + gamma chi
 //     p_N     V_N + e' V_N(begin)
 //     p_T+-   +-V_T + zeta                                           zeta      mu p_N - p_T+ - p_T-

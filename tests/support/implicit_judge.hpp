@@ -4,7 +4,7 @@
 // the impulses between them.
 #include "bulk/elastic_forces.hpp"
 #include "bulk/triangle_matrices.hpp"
-#include "lcp/lemke.hpp"
+#include "lcp/solvers.hpp"
 #include "stepper/step_lcp.hpp"
 
 #include <algorithm>

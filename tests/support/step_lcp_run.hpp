@@ -1,8 +1,8 @@
 #pragma once
 // Runs that build and solve the full, unreduced problem of every implicit step: the reference of the implicit path. Every fan is split
 // from the start, so that each corner has a node of its own.
-#include "lcp/lemke.hpp"
-#include "lcp/residual.hpp"
+#include "lcp/scaling.hpp"
+#include "lcp/solvers.hpp"
 #include "support/implicit_judge.hpp"
 #include "support/meshes.hpp"
 

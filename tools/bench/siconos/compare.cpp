@@ -1,12 +1,12 @@
 // Our solvers and those of Siconos on the same problems in the same run, in processor time of one core. Every answer is judged by our
-// scaled residual and by the check against free bond breaking. Arguments: stems of stored problems; without any, generated ones.
+// scaled residual and by the check against spurious bond breaking. Arguments: stems of stored problems; without any, generated ones.
 #include "peer.hpp"
 
 #include "base/stopwatch.hpp"
-#include "lcp/free_breaking.hpp"
 #include "lcp/matrix_market.hpp"
-#include "lcp/residual.hpp"
+#include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
+#include "lcp/spurious_breaking.hpp"
 #include "support/cohesive_lcp.hpp"
 
 #include <unistd.h>
@@ -22,7 +22,6 @@ using namespace knap;
 
 namespace {
 
-constexpr double required = 1e-10;
 constexpr double nearly = 1e-8;  // their tolerance counts in the units of the problem: who stops a little early is not slower for it
 constexpr double least_time = 0.02;  // [s] of repetitions of one measurement; the shortest counts
 constexpr int largest_pivoted = 3500;
@@ -31,13 +30,13 @@ using Solve = std::function<peer::Outcome()>;
 
 peer::Outcome ours(std::string_view name, const LcpProblem& problem, const Eigen::VectorXd& start = {}) {
     const Stopwatch watch;
-    const LcpSolution solution = find_lcp_solver(name)->solve(problem, start);
+    const LcpSolution solution = find_lcp_solver(name)->solve(problem, {.start = start});
     return {solution.z, watch.cpu(), solution.status == LcpStatus::solved};
 }
 
 struct Measured {
     double seconds = 0;
-    char verdict = ' ';  // ' ' solved, '~' nearly, 'x' not, 'f' bonds break freely, '-' not tried
+    char verdict = ' ';  // ' ' solved, '~' nearly, 'x' not, 'f' bonds break spuriously, '-' not tried
     bool counts() const { return verdict == ' ' || verdict == '~'; }
 };
 
@@ -45,8 +44,8 @@ Measured measured(const LcpProblem& problem, const std::optional<CohesiveLayout>
     peer::Outcome outcome = solve();
     Measured result{.seconds = outcome.seconds};
     const double residual = scaled_residual(problem, outcome.z);
-    if (!(residual <= required)) result.verdict = residual <= nearly ? '~' : 'x';
-    if (result.counts() && layout && free_breaking(problem, outcome.z, *layout).n_free > 0) result.verdict = 'f';
+    if (!(residual <= max_scaled_residual)) result.verdict = residual <= nearly ? '~' : 'x';
+    if (result.counts() && layout && spurious_breaking(problem, outcome.z, *layout).n_spurious > 0) result.verdict = 'f';
     for (double total = outcome.seconds; total < least_time; total += outcome.seconds) {
         outcome = solve();
         result.seconds = std::min(result.seconds, outcome.seconds);
@@ -69,7 +68,7 @@ std::string ratio(const Measured& theirs, const Measured& mine) {
 }
 
 void print_head() {
-    std::printf("processor time [ms]; ~ solved to 1e-8, x not, f bonds break freely, - not tried\n");
+    std::printf("processor time [ms]; ~ solved to 1e-8, x not, f bonds break spuriously, - not tried\n");
     std::printf("%-22s %6s | %11s %11s %11s | %11s %11s | %8s %8s\n", "problem", "n", "S. Lemke", "S. Newton", "S. block GS", "Lemke",
                 "default", "Lemke x", "GS x");
 }
@@ -110,7 +109,7 @@ void compare_along(const std::string& name, const tests::CohesiveScene& scene, i
             add(cold_ours, measured(problem, layout, [&] { return ours("default", problem); }));
             add(warm_ours, measured(problem, layout, [&] { return ours("default", problem, start); }));
         }
-        body.advance(find_lcp_solver("default")->solve(problem, start).z);
+        body.advance(find_lcp_solver("default")->solve(problem, {.start = start}).z);
     }
     std::printf("%-22s %6d | %11s %11s | %11s %11s | %8s %8s\n", name.c_str(), n, text(cold_theirs).c_str(), text(warm_theirs).c_str(),
                 text(cold_ours).c_str(), text(warm_ours).c_str(), ratio(cold_theirs, warm_ours).c_str(), ratio(warm_theirs, warm_ours).c_str());
@@ -123,7 +122,7 @@ tests::CohesiveScene line(int n_x) { return {.n_x = n_x, .n_y = 4, .every_edge =
 /// The problem of the third step: waves have come in, bonds are breaking.
 LcpProblem third_step(const tests::CohesiveScene& scene) {
     tests::CohesiveBody body(scene);
-    for (int step = 0; step < 2; ++step) body.advance(find_lcp_solver("default")->solve(body.problem(), body.start()).z);
+    for (int step = 0; step < 2; ++step) body.advance(find_lcp_solver("default")->solve(body.problem(), {.start = body.start()}).z);
     return body.problem();
 }
 

@@ -1,7 +1,6 @@
 #include "peer.hpp"
 
 #include "base/stopwatch.hpp"
-#include "lcp/gauss_seidel.hpp"
 
 #include <LCP_Solvers.h>
 #include <LinearComplementarityProblem.h>
@@ -14,6 +13,7 @@
 #include <cstdlib>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 namespace peer {
@@ -101,6 +101,26 @@ private:
     std::vector<std::size_t> first, columns;
 };
 
+/// Unknowns joined through the rows with a zero on the diagonal: multipliers with their bounds.
+std::vector<std::vector<int>> blocks_of_zero_diagonal(const knap::LcpMatrix& M) {
+    const int n = static_cast<int>(M.rows());
+    std::vector<int> parent(n);
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int i) {
+        while (parent[i] != i) i = parent[i] = parent[parent[i]];
+        return i;
+    };
+    for (int i = 0; i < n; ++i)
+        if (M.coeff(i, i) == 0)
+            for (knap::LcpMatrix::InnerIterator entry(M, i); entry; ++entry)
+                if (entry.value() != 0) parent[root(i)] = root(static_cast<int>(entry.col()));
+    std::vector<std::vector<int>> by_root(n), blocks;
+    for (int i = 0; i < n; ++i) by_root[root(i)].push_back(i);
+    for (std::vector<int>& block : by_root)
+        if (!block.empty()) blocks.push_back(std::move(block));
+    return blocks;
+}
+
 }  // namespace
 
 Outcome lemke(const knap::LcpProblem& problem) { return run_dense(problem, SICONOS_LCP_LEMKE, 20 * problem.size() + 1000); }
@@ -108,7 +128,7 @@ Outcome lemke(const knap::LcpProblem& problem) { return run_dense(problem, SICON
 Outcome newton_min(const knap::LcpProblem& problem) { return run_dense(problem, SICONOS_LCP_NEWTON_MIN_FBLSA, 200); }
 
 Outcome block_gauss_seidel(const knap::LcpProblem& problem, const Eigen::VectorXd& start) {
-    const std::vector<std::vector<int>> blocks = knap::blocks_of_zero_diagonal(problem.M);
+    const std::vector<std::vector<int>> blocks = blocks_of_zero_diagonal(problem.M);
     std::vector<int> order;
     for (const std::vector<int>& block : blocks) order.insert(order.end(), block.begin(), block.end());
     const BlockMatrix blocked(problem, blocks);

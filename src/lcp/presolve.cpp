@@ -1,0 +1,239 @@
+#include "lcp/presolve.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace knap {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double rounding = 1e-13;  // relative difference of numbers that count as equal
+
+using Entries = std::vector<std::pair<int, double>>;  // index and value
+
+/// The entries of a row, or of a column of a column-major matrix; none where they are more than three.
+template <class Matrix>
+Entries few_entries(const Matrix& A, int k) {
+    Entries entries;
+    if (A.outerIndexPtr()[k + 1] - A.outerIndexPtr()[k] > 3) return entries;
+    for (typename Matrix::InnerIterator entry(A, k); entry; ++entry) entries.emplace_back(entry.index(), entry.value());
+    return entries;
+}
+
+/// Whether rows (or columns) i and j of the same pattern are opposite, apart from entry `ignored`.
+template <class Matrix>
+bool are_opposite(const Matrix& A, int i, int j, int ignored) {
+    double scale = 0, largest_sum = 0;
+    typename Matrix::InnerIterator a(A, i), b(A, j);
+    for (; a && b; ++a, ++b) {
+        if (a.index() != b.index()) return false;
+        if (a.index() == ignored) continue;
+        scale = std::max(scale, std::abs(a.value()));
+        largest_sum = std::max(largest_sum, std::abs(a.value() + b.value()));
+    }
+    return !a && !b && largest_sum <= rounding * scale;
+}
+
+bool equal(double a, double b) { return std::abs(a - b) <= rounding * std::abs(a); }
+
+/// Finds the two patterns. Rows that fit neither stay as they are.
+class Patterns {
+public:
+    explicit Patterns(const LcpProblem& problem)
+        : M_(problem.M), columns_(problem.M), q_(problem.q), role_(q_.size(), plain), unknown_of_(q_.size()) {
+        for (int i = 0; i < q_.size(); ++i) unknown_of_[i] = {.row = i, .upper = infinity};
+        for (int k = 0; k < q_.size(); ++k) recognise(k);
+        undo_chains();
+    }
+
+    std::vector<BoxUnknown> unknowns() const {
+        std::vector<BoxUnknown> kept;
+        for (int i = 0; i < q_.size(); ++i)
+            if (role_[i] == plain || role_[i] == first) kept.push_back(unknown_of_[i]);
+        return kept;
+    }
+
+private:
+    enum Role : char { plain, first, second, slack };  // first: capped, or i of a pair
+
+    void recognise(int k) {
+        const Entries row = few_entries(M_, k), column = few_entries(columns_, k);
+        if (row.empty() || column.empty() || q_[k] < 0 || role_[k] != plain) return;
+        Entries down, up;
+        for (const auto& [j, value] : row) {
+            if (j == k) return;
+            (value < 0 ? down : up).emplace_back(j, value);
+        }
+        if (down.size() == 1 && up.empty()) recognise_cap(k, down[0].first, -down[0].second, column);
+        if (down.size() == 2 && up.size() <= 1 && equal(down[0].second, down[1].second))
+            recognise_pair(k, down[0].first, down[1].first, -down[0].second, up, column);
+    }
+
+    void recognise_cap(int k, int i, double a, const Entries& column) {
+        if (column.size() != 1 || column[0].first != i || column[0].second <= 0 || role_[i] != plain) return;
+        unknown_of_[i] = {.row = i, .slack = k, .upper = q_[k] / a, .slack_factor = column[0].second};
+        role_[i] = first;
+        role_[k] = slack;
+    }
+
+    void recognise_pair(int k, int i, int j, double a, const Entries& up, const Entries& column) {
+        if (role_[i] != plain || role_[j] != plain) return;
+        BoxUnknown u{.row = i, .opposite = j, .slack = k, .two_sided = true, .upper = q_[k] / a};
+        double factor_of_j = 0;
+        int n_fed = 0;
+        for (const auto& [row, value] : column)
+            if (row == i)
+                u.slack_factor = value;
+            else if (row == j)
+                factor_of_j = value;
+            else
+                u.feeds = row, u.feed_factor = value, ++n_fed;
+        if (!(u.slack_factor > 0) || !equal(u.slack_factor, factor_of_j) || n_fed > 1) return;
+        if (std::abs(q_[i] + q_[j]) > rounding * std::abs(q_[i])) return;
+        if (!are_opposite(M_, i, j, k) || !are_opposite(columns_, i, j, k)) return;
+        u.feed_factor /= u.slack_factor;
+        if (!up.empty()) u.bound_by = up[0].first, u.bound_factor = up[0].second / a;
+        unknown_of_[i] = u;
+        role_[i] = first;
+        role_[j] = second;
+        role_[k] = slack;
+    }
+
+    /// A bound may depend on, and a slack may feed, only unknowns that are not two-sided themselves.
+    void undo_chains() {
+        const auto is_simple = [&](int i) {
+            return i < 0 || role_[i] == plain || (role_[i] == first && !unknown_of_[i].two_sided);
+        };
+        for (bool changed = true; changed;) {
+            changed = false;
+            for (int i = 0; i < q_.size(); ++i) {
+                const BoxUnknown u = unknown_of_[i];
+                if (role_[i] != first || !u.two_sided || (is_simple(u.bound_by) && is_simple(u.feeds))) continue;
+                for (const int row : {u.row, u.opposite, u.slack}) {
+                    role_[row] = plain;
+                    unknown_of_[row] = {.row = row, .upper = infinity};
+                }
+                changed = true;
+            }
+        }
+    }
+
+    const LcpMatrix& M_;
+    const Eigen::SparseMatrix<double> columns_;
+    const Eigen::VectorXd& q_;
+    std::vector<Role> role_;
+    std::vector<BoxUnknown> unknown_of_;
+};
+
+/// D such that D M D of the kept rows has ones on the diagonal, or a largest entry of one where the diagonal is zero.
+/// Powers of two, which cause no rounding. `place`: index of a row in the box form, -1: eliminated.
+Eigen::VectorXd scaling_factors(const LcpMatrix& M, const std::vector<BoxUnknown>& unknowns,
+                                const std::vector<int>& place) {
+    const int n = static_cast<int>(unknowns.size());
+    Eigen::VectorXd factor = Eigen::VectorXd::Zero(n);
+    for (int i = 0; i < n; ++i)
+        if (const double diagonal = std::abs(M.coeff(unknowns[i].row, unknowns[i].row)); diagonal > 0)
+            factor[i] = std::exp2(-std::round(0.5 * std::log2(diagonal)));
+    for (int i = 0; i < n; ++i) {
+        if (factor[i] > 0) continue;
+        double largest = 0;
+        for (LcpMatrix::InnerIterator entry(M, unknowns[i].row); entry; ++entry)
+            if (const int j = place[entry.col()]; j >= 0)
+                largest = std::max(largest, std::abs(entry.value()) * (factor[j] > 0 ? factor[j] : 1.0));
+        factor[i] = largest > 0 ? std::exp2(-std::round(std::log2(largest))) : 1.0;
+    }
+    return factor;
+}
+
+}  // namespace
+
+bool BoxLcp::has_positive_diagonal() const { return size() == 0 || Eigen::VectorXd(M.diagonal()).minCoeff() > 0; }
+
+Eigen::VectorXd BoxLcp::value(const Eigen::VectorXd& x) const {
+    Eigen::VectorXd F = M * x + q;
+    for (int i = 0; i < size(); ++i)
+        if (unknowns[i].feeds >= 0) F[unknowns[i].feeds] += unknowns[i].feed_factor * std::abs(F[i]);
+    return F;
+}
+
+Eigen::VectorXd BoxLcp::natural_map(const Eigen::VectorXd& x, const Eigen::VectorXd& F) const {
+    Eigen::VectorXd map(size());
+    for (int i = 0; i < size(); ++i) {
+        const double b = upper(i, x);
+        map[i] = x[i] - std::clamp(x[i] - F[i], lower(i, b), b);
+    }
+    return map;
+}
+
+double BoxLcp::residual(const Eigen::VectorXd& x) const {
+    if (size() == 0) return 0;
+    return x.allFinite() ? natural_map(x, value(x)).cwiseAbs().maxCoeff() : infinity;
+}
+
+Eigen::VectorXd BoxLcp::box_start(const Eigen::VectorXd& z) const {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(size());
+    if (z.size() != n_original) return x;
+    for (int i = 0; i < size(); ++i) {
+        const BoxUnknown& u = unknowns[i];
+        x[i] = (z[u.row] - (u.two_sided ? z[u.opposite] : 0.0)) / (unit * factor[i]);
+    }
+    return x;
+}
+
+Eigen::VectorXd BoxLcp::lcp_point(const Eigen::VectorXd& x) const {
+    const Eigen::VectorXd F = value(x);
+    Eigen::VectorXd z = Eigen::VectorXd::Zero(n_original);
+    for (int i = 0; i < size(); ++i) {
+        const BoxUnknown& u = unknowns[i];
+        const double b = upper(i, x), rate = unit * F[i] / factor[i];
+        const double inside = unit * factor[i] * std::clamp(x[i], lower(i, b), b);
+        z[u.row] = std::max(0.0, inside);
+        if (u.two_sided) z[u.opposite] = std::max(0.0, -inside);
+        if (u.two_sided)
+            z[u.slack] = std::abs(rate) / u.slack_factor;
+        else if (u.slack >= 0)
+            z[u.slack] = x[i] - F[i] > b ? std::max(0.0, -rate) / u.slack_factor : 0.0;
+    }
+    return z;
+}
+
+BoxLcp presolve(const LcpProblem& problem) {
+    BoxLcp box{.unknowns = Patterns(problem).unknowns(), .n_original = problem.size()};
+    const int n = static_cast<int>(box.unknowns.size());
+    std::vector<int> place(problem.size(), -1);
+    for (int i = 0; i < n; ++i) place[box.unknowns[i].row] = i;
+    box.factor = scaling_factors(problem.M, box.unknowns, place);
+    box.q.resize(n);
+    box.M.resize(n, n);
+    box.M.reserve(problem.M.nonZeros());
+    for (int i = 0; i < n; ++i) {
+        const int row = box.unknowns[i].row;
+        box.q[i] = box.factor[i] * problem.q[row];
+        box.M.startVec(i);
+        for (LcpMatrix::InnerIterator entry(problem.M, row); entry; ++entry)
+            if (const int j = place[entry.col()]; j >= 0)
+                box.M.insertBack(i, j) = box.factor[i] * box.factor[j] * entry.value();
+    }
+    box.M.finalize();
+    if (const double largest = n > 0 ? box.q.cwiseAbs().maxCoeff() : 0.0; largest > 0)
+        box.unit = std::exp2(std::round(std::log2(largest)));
+    box.q /= box.unit;
+    box.fed_by.resize(n);
+    for (int i = 0; i < n; ++i) {  // from rows of the LCP and its units to those of the box form
+        BoxUnknown& u = box.unknowns[i];
+        u.upper /= box.unit * box.factor[i];
+        if (u.bound_by >= 0) {
+            u.bound_by = place[u.bound_by];
+            u.bound_factor *= box.factor[u.bound_by] / box.factor[i];
+        }
+        if (u.feeds >= 0) {
+            u.feeds = place[u.feeds];
+            u.feed_factor *= box.factor[u.feeds] / box.factor[i];
+            box.fed_by[u.feeds].push_back(i);
+        }
+    }
+    return box;
+}
+
+}  // namespace knap

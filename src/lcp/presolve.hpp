@@ -1,0 +1,64 @@
+#pragma once
+// Presolve: the box form of an LCP. Rows that only state bounds are eliminated together with their multipliers. Two
+// patterns are recognised; k is a row without diagonal:
+//   cap        w_k = q_k - a z_i,  w_i = F_i + c z_k                                0 <= x <= q_k / a,  x = z_i
+//   two-sided  w_k = q_k + e z_l - a (z_i + z_j),  w_i = F + c z_k,  w_j = -F + c z_k
+//              -b <= x <= b,  a b = q_k + e x_l,  x = z_i - z_j
+// In the second, rows and columns i, j are opposite. There z_k = |F| / c, and z_k may feed one more row r: F_r + f |F|.
+// Where b = 0 the LCP bounds z_k from below only; this choice excludes spurious bond breaking (spurious_breaking.hpp).
+// Every other unknown keeps 0 <= x, so every LCP has a box form. It is scaled to a diagonal and a q of order one.
+#include "lcp/problem.hpp"
+
+#include <vector>
+
+namespace knap {
+
+struct BoxUnknown {
+    int row = -1, opposite = -1, slack = -1;  // i, j, k of the LCP; -1: none
+    bool two_sided = false;
+    double upper = 0;         // cap, or the constant part of b; infinite: none
+    int bound_by = -1;        // l, as an index of the box form
+    double bound_factor = 0;  // e / a
+    int feeds = -1;           // r, as an index of the box form
+    double feed_factor = 0;   // f
+    double slack_factor = 0;  // c, unscaled
+
+    bool is_capped() const { return slack >= 0 && !two_sided; }
+};
+
+struct BoxLcp {
+    LcpMatrix M;        // [n, n] scaled
+    Eigen::VectorXd q;  // [n] scaled
+    std::vector<BoxUnknown> unknowns;
+    std::vector<std::vector<int>> fed_by;  // of each unknown: those that feed its row
+    Eigen::VectorXd factor;                // z = unit factor x, w = unit F / factor
+    double unit = 1;
+    int n_original = 0;
+
+    int size() const { return static_cast<int>(q.size()); }
+    double upper(int i, const Eigen::VectorXd& x) const {
+        const BoxUnknown& u = unknowns[i];
+        return u.bound_by < 0 ? u.upper : u.upper + u.bound_factor * std::max(0.0, x[u.bound_by]);
+    }
+    double lower(int i, double upper) const { return unknowns[i].two_sided ? -upper : 0.0; }
+    bool has_positive_diagonal() const;
+
+    /// F(x) = M x + q, with f |F| in the rows that are fed.
+    Eigen::VectorXd value(const Eigen::VectorXd& x) const;
+
+    /// x - projection of x - F on the bounds at x; zero at solutions.
+    Eigen::VectorXd natural_map(const Eigen::VectorXd& x, const Eigen::VectorXd& F) const;
+
+    /// Largest entry of the natural map; infinite where x is not finite.
+    double residual(const Eigen::VectorXd& x) const;
+
+    /// x of a solution z of the LCP; zero where z has another size (no warm start).
+    Eigen::VectorXd box_start(const Eigen::VectorXd& z) const;
+
+    /// z >= 0 of the LCP, for any x.
+    Eigen::VectorXd lcp_point(const Eigen::VectorXd& x) const;
+};
+
+BoxLcp presolve(const LcpProblem& problem);
+
+}  // namespace knap
