@@ -63,13 +63,14 @@ private:
         std::vector<int> free;
         for (int i = 0; i < n_; ++i)
             if (!is_held(i, x[i], slope[i])) free.push_back(i);
-        const LcpMatrix T = columns_of_identity(n_, free);  // step = T y with y of the free unknowns
-        Eigen::SparseMatrix<double> A = LcpMatrix(T.transpose() * box_.M * T), identity(A.rows(), A.cols());
+        Eigen::SparseMatrix<double> A = submatrix(box_.M, free), identity(A.rows(), A.cols());
         identity.setIdentity();
         factors_.compute(A + proximal * identity);
         if (factors_.info() != Eigen::Success || !factors_.vectorD().allFinite()) return LcpStatus::singular;
         if (factors_.vectorD().minCoeff() < least_pivot) return LcpStatus::not_applicable;
-        step = T * factors_.solve(Eigen::VectorXd(T.transpose() * -slope));
+        const Eigen::VectorXd y = factors_.solve(Eigen::VectorXd(-slope(free)));
+        step = Eigen::VectorXd::Zero(n_);
+        step(free) = y;
         return step.allFinite() ? LcpStatus::solved : LcpStatus::singular;
     }
 

@@ -10,12 +10,19 @@ constexpr double max_density = 0.08;  // of a matrix whose sparse factors pay
 
 }  // namespace
 
-LcpMatrix columns_of_identity(int n, const std::vector<int>& indices) {
-    std::vector<Eigen::Triplet<double>> entries;
-    for (const int i : indices) entries.emplace_back(i, static_cast<int>(entries.size()), 1.0);
-    LcpMatrix T(n, static_cast<int>(indices.size()));
-    T.setFromTriplets(entries.begin(), entries.end());
-    return T;
+LcpMatrix submatrix(const LcpMatrix& M, const std::vector<int>& indices) {
+    const int size = static_cast<int>(indices.size());
+    std::vector<int> place(M.cols(), -1);
+    for (int k = 0; k < size; ++k) place[indices[k]] = k;
+    LcpMatrix A(size, size);
+    A.reserve(M.nonZeros());
+    for (int k = 0; k < size; ++k) {
+        A.startVec(k);
+        for (LcpMatrix::InnerIterator entry(M, indices[k]); entry; ++entry)
+            if (place[entry.col()] >= 0) A.insertBack(k, place[entry.col()]) = entry.value();
+    }
+    A.finalize();
+    return A;
 }
 
 bool LinearSystem::factorise(const LcpMatrix& matrix, const Eigen::VectorXd& added) {

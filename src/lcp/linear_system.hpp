@@ -9,8 +9,8 @@
 
 namespace knap {
 
-/// [n, number of indices]: the columns of the identity with these indices.
-LcpMatrix columns_of_identity(int n, const std::vector<int>& indices);
+/// Rows and columns of M with these indices, which are ascending.
+LcpMatrix submatrix(const LcpMatrix& M, const std::vector<int>& indices);
 
 class LinearSystem {
 public:

@@ -61,10 +61,10 @@ private:
         step = -z;
         for (int i = 0; i < z.size(); ++i)
             if (z[i] > w[i]) active.push_back(i), step[i] = 0;
-        const LcpMatrix T = columns_of_identity(problem_.size(), active), rows = T.transpose() * problem_.M;
-        if (!system_.factorise(rows * T, Eigen::VectorXd::Constant(rows.rows(), proximal))) return false;
-        const Eigen::VectorXd b = -(rows * step) - w(active);
-        step(active) = system_.solve(b);
+        const Eigen::VectorXd proximal_term = Eigen::VectorXd::Constant(static_cast<int>(active.size()), proximal);
+        if (!system_.factorise(submatrix(problem_.M, active), proximal_term)) return false;
+        const Eigen::VectorXd target = -(problem_.M * step) - w;
+        step(active) = system_.solve(target(active));
         return step.allFinite();
     }
 
