@@ -1,8 +1,7 @@
 #include "app/cli.hpp"
 
 #include "app/commands.hpp"
-#include "app/study.hpp"
-#include "app/sweep.hpp"
+#include "app/ensemble/ensemble.hpp"
 #include "app/version.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -92,7 +91,7 @@ int run_command_line(int argc, char** argv) {
     run_command->add_option("--dump-lcp", dump_lcp, "store the complementarity problems of these steps in <run>/lcp: 10,20 or 10:5:40 (every fifth)");
     run_command->add_flag("-q,--quiet", run.quiet, "no progress line");
 
-    BatchOptions study;
+    BatchOptions study{.program = argv[0]}, sweep = study;
     std::string refine, levels, schemes, reference;
     int n_seeds = 0;
     std::vector<std::string> quantities;
@@ -108,7 +107,7 @@ int run_command_line(int argc, char** argv) {
         std::string list;
         for (const std::string& of : quantities) list += (list.empty() ? "{ of = \"" : ", { of = \"") + of + "\" }";
         set("quantity", list.empty() ? "" : "[" + list + "]");
-        return study_scenario(scenario, overrides, study);
+        return run_ensemble(plan_study(scenario, overrides), scenario, study);
     });
     takes_scenario(study_command);
     study_command->add_option("--refine", refine, "what a level divides")->option_text(words_of("study.refine"));
@@ -122,20 +121,20 @@ int run_command_line(int argc, char** argv) {
     study_command->add_flag("--force", study.force, "repeat finished runs, replace those of another study");
     study_command->add_flag("-q,--quiet", study.quiet, "no line for every run");
 
-    SweepCommand sweep{.command = words(argc, argv)};
     std::string seeds;
     CLI::App* sweep_command = add("sweep", "all combinations of values of keys and seeds: table, statistics, contact sheet", [&] {
         for (const std::string& set : seed_overrides(seeds)) overrides.push_back(set);
-        return sweep_scenario(scenario, overrides, sweep);
+        return run_ensemble(plan_sweep(scenario, overrides), scenario, sweep);
     });
     sweep_command->add_option("scenario", scenario, "a scenario file, or the name of a built-in one")->required();
     sweep_command->add_option("-s,--set", overrides, "KEY=VALUE,VALUE,...: every value, with all values of the others; may be repeated")->allow_extra_args(false);
     sweep_command->add_option("--seeds", seeds, "20: so many, from the scenario's seed on; or 1..20");
-    sweep_command->add_option("-o,--output", sweep.batch.output, "directory of the sweep; default sweeps/<name>")->type_name(path);
-    sweep_command->add_option("-j,--jobs", sweep.batch.n_at_once, "runs at the same time, of one thread each")->check(CLI::Range(1, 1024));
-    sweep_command->add_flag("--force", sweep.batch.force, "repeat finished runs, replace those of another sweep");
-    sweep_command->add_flag("-q,--quiet", sweep.batch.quiet, "no line for every run");
-    sweep_command->add_option("--emit", sweep.emit, "run nothing, write a job list for this scheduler")->check(CLI::IsMember({"parallel", "slurm", "snakemake"}));
+    sweep_command->add_option("-o,--output", sweep.output, "directory of the sweep; default sweeps/<name>")->type_name(path);
+    sweep_command->add_option("-j,--jobs", sweep.n_at_once, "runs at the same time, of one thread each")->check(CLI::Range(1, 1024));
+    sweep_command->add_flag("--force", sweep.force, "repeat finished runs, replace those of another sweep");
+    sweep_command->add_flag("-q,--quiet", sweep.quiet, "no line for every run");
+    for (const auto& [command, options] : {std::pair{study_command, &study}, std::pair{sweep_command, &sweep}})
+        command->add_flag("--print-commands", options->print_commands, "run nothing, print a command line for each run that is to be done");
 
     bool full = false, strict = false, time = false;
     CLI::App* check_command = add("check", "read and mesh a scenario, say what would happen", [&] { return check_scenario(read(), full, strict, time); });

@@ -25,7 +25,7 @@ TEST_CASE("completion offers what fits the place") {
     CHECK(offered("run --unt") == "--until|");
     CHECK(offered("render --show stress_y") == "stress_yy|");
     CHECK(offered("render --colour ''") == "opening|slip|beta|mode|break_time|");
-    CHECK(offered("sweep bar_ramp_wave --emit s") == "slurm|snakemake|");
+    CHECK(offered("sweep bar_ramp_wave --pr") == "--print-commands|");
     CHECK(offered("lcp x --solver lem") == "lemke|");
     CHECK(offered("study x --refine m") == "mesh|");
     CHECK(offered("study x --reference ''") == "auto|finest|");

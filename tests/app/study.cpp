@@ -1,8 +1,7 @@
 // knap study: runs, errors, orders, statistics.
 #include "program.hpp"
 
-#include "app/convergence.hpp"
-#include "app/study.hpp"
+#include "app/ensemble/ensemble.hpp"
 #include "observe/outputs.hpp"
 #include "support/relative.hpp"
 
@@ -73,38 +72,31 @@ TEST_CASE("convergence: orders and extrapolation and spread of known numbers") {
 }
 
 TEST_CASE("study: where differences do not fall no order is stated") {
-    Study study;
-    study.plan.options.lines = {{.name = "to and fro", .set = {}, .levels = {1, 2, 4, 8}}, {.name = "second order", .set = {}, .levels = {1, 2, 4, 8}}};
-    study.plan.options.quantities = {{.name = "broken_length", .of = "broken_length", .unit = "m"}};
+    Ensemble study{.kind = "study", .keys = {"line", "level"}, .quantities = {{.name = "broken_length", .of = "broken_length", .unit = "m"}}};
+    study.study.lines = {{.name = "to and fro", .set = {}, .levels = {1, 2, 4, 8}}, {.name = "second order", .set = {}, .levels = {1, 2, 4, 8}}};
     for (std::size_t line = 0; line < 2; ++line)
         for (const double level : {1, 2, 4, 8}) {
-            StudyRun run;
-            run.name = "r" + std::to_string(level);
-            run.line = line;
-            run.level = level;
-            study.plan.runs.push_back(run);
+            study.variants.push_back({.values = {study.study.lines[line].name, "1"}, .line = line, .level = level});
             const double value = line == 0 ? (level == 1 ? 12e-3 : level == 2 ? 30e-3 : level == 4 ? 13e-3 : 29e-3) : 20e-3 * (1 + 1 / (level * level));
-            RunResult result{.status = "done", .step = 1e-6 / level, .cpu = 1};
-            result.values = {value};
-            study.results.push_back(result);
+            study.runs.push_back({.variant = study.runs.size(), .name = "r" + std::to_string(level)});
+            study.runs.back().result = {.status = "done", .step = 1e-6 / level, .cpu = 1, .values = {value}};
         }
-    judge_study(study);
-    const std::string text = study_text(study);
+    judge_errors(study);
+    const std::string text = overview(study);
     CAPTURE(text);
-    CHECK(text.find("to and fro: no convergence seen, differences of 18 mm, 17 mm, 16 mm do not fall with h\n") != std::string::npos);  // to speak of
-    study.results[3].values[0] = 40e-3;
-    study.errors.clear();
-    judge_study(study);
-    const std::string again = study_text(study);
+    CHECK(text.find("- to and fro: no convergence seen, differences of 18 mm, 17 mm, 16 mm do not fall with h\n") != std::string::npos);  // to speak of
+    study.runs[3].result.values[0] = 40e-3;
+    judge_errors(study);
+    const std::string again = overview(study);
     CAPTURE(again);
-    CHECK(again.find("to and fro: no convergence seen, differences of 18 mm, 17 mm, 27 mm do not fall with h\n") != std::string::npos);
+    CHECK(again.find("- to and fro: no convergence seen, differences of 18 mm, 17 mm, 27 mm do not fall with h\n") != std::string::npos);
     CHECK(again.find("to and fro: order") == std::string::npos);
-    CHECK(again.find("second order: order 2.00 (fitted); extrapolated to 20 mm with order 2.00") != std::string::npos);
+    CHECK(again.find("- second order: order 2.00 (fitted); extrapolated to 20 mm with order 2.00") != std::string::npos);
+    CHECK(again.find("nan") == std::string::npos);
     for (std::size_t i = 0; i < 4; ++i) CHECK(std::isnan(study.errors[0].order[i]));
     CHECK(study.errors[0].order[6] == tests::relative(2, 1e-9));
-    CHECK_FALSE(study.errors[0].extrapolated[0]);
-    CHECK(study_markdown(study).find("nan") == std::string::npos);
-    CHECK(study_csv(study).find("nan") == std::string::npos);
+    CHECK_FALSE(study.errors[0].lines[0].limit);
+    CHECK(runs_csv(study).find("nan") == std::string::npos);
 }
 
 TEST_CASE("study: theta 1/2 and central differences are of second order in the step and theta 1 of first") {
@@ -127,7 +119,7 @@ TEST_CASE("study: theta 1/2 and central differences are of second order in the s
     CHECK(error[11] < 0.2 * error[8]);
     CHECK(std::isnan(error[3]));  // the reference
     for (const char* words : {"central differences", "reference: ", "(fitted)", "extrapolated to"}) CHECK_MESSAGE(study.has(words), words);
-    for (const char* file : {"study.txt", "study.md", "study.toml", "figures/work_precision_inside_u_x_at_1e-05_s.png", "figures/convergence_inside_u_x_at_1e-05_s.svg",
+    for (const char* file : {"study.md", "study.toml", "figures/work_precision_inside_u_x_at_1e-05_s.png", "figures/convergence_inside_u_x_at_1e-05_s.svg",
                              "runs/theta_1_r128/run.json"})
         CHECK_MESSAGE(fs::exists(folder.path / "s" / file), file);
 }

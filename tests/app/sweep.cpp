@@ -1,7 +1,7 @@
-// knap sweep: which runs, what is kept, its tables, and its job lists for other schedulers.
+// knap sweep: which runs, what is kept, its tables, and its command lines for other schedulers.
 #include "program.hpp"
 
-#include "app/sweep.hpp"
+#include "app/ensemble/ensemble.hpp"
 #include "base/error.hpp"
 #include "observe/history_csv.hpp"
 #include "support/relative.hpp"
@@ -75,7 +75,6 @@ TEST_CASE("sweep: values of a key are split at commas outside of quotes and brac
     CHECK(sweep_key("title=a\\").values == Texts{"a\\"});
     CHECK(sweep_key("title=\"a\\").values == Texts{"\"a\\"});
     CHECK(sweep_key("figure=").values == Texts{""});
-    CHECK(sweep_key("interface.a-b.sigma_c=1,2").name() == "sigma_c");
     CHECK_THROWS_AS(sweep_key("mesh.size"), UserError);
     CHECK_THROWS_AS(sweep_key("=1"), UserError);
     CHECK(seed_overrides("20") == Texts{"sweep.seeds=20"});
@@ -87,7 +86,7 @@ TEST_CASE("sweep: values of a key are split at commas outside of quotes and brac
 }
 
 TEST_CASE("sweep: the full product with the last key fastest and the seeds faster") {
-    const SweepPlan plan = plan_sweep("bar_pulled_apart", {"mesh.size=1 mm,2 mm", "time.end=100 us", "interface.left-right.G_c=1,2,3", "sweep.seeds=2", "seed=7"});
+    const Ensemble plan = plan_sweep("bar_pulled_apart", {"mesh.size=1 mm,2 mm", "time.end=100 us", "interface.left-right.G_c=1,2,3", "sweep.seeds=2", "seed=7"});
     REQUIRE(plan.runs.size() == 12);
     REQUIRE(plan.keys.size() == 2);
     CHECK(plan.runs[0].name == "size_1_mm_G_c_1_s7");
@@ -95,10 +94,10 @@ TEST_CASE("sweep: the full product with the last key fastest and the seeds faste
     CHECK(plan.runs[2].name == "size_1_mm_G_c_2_s7");
     CHECK(plan.runs[11].name == "size_2_mm_G_c_3_s8");
     CHECK(plan.caption(plan.runs[11]) == "size 2 mm, G_c 3, seed 8");
-    for (const SweepRun& run : plan.runs) {
+    for (const EnsembleRun& run : plan.runs) {
         const ReadResult read = open_scenario("bar_pulled_apart", run.overrides);
         CHECK(read.scenario.time.end == tests::relative(100e-6, 1e-12));
-        CHECK(read.scenario.mesh.size == tests::relative(run.values[0] == "1 mm" ? 1e-3 : 2e-3, 1e-12));
+        CHECK(read.scenario.mesh.size == tests::relative(plan.variants[run.variant].values[0] == "1 mm" ? 1e-3 : 2e-3, 1e-12));
         CHECK(read.scenario.seed == run.seed);
         CHECK(read.scenario.figures.size() == 1);
     }
@@ -112,7 +111,7 @@ TEST_CASE("sweep: the full product with the last key fastest and the seeds faste
 
 TEST_CASE("sweep: what the scenario says and --set instead of it") {
     const std::string table = "sweep={ set = [\"mesh.size=1 mm,2 mm\", \"time.end=100 us\"], seeds = 3, quantities = [\"dissipated\"] }";
-    const SweepPlan plan = plan_sweep("bar_pulled_apart", {table});
+    const Ensemble plan = plan_sweep("bar_pulled_apart", {table});
     CHECK(plan.runs.size() == 6);
     REQUIRE(plan.quantities.size() == 1);
     CHECK(plan.quantities[0].unit == "J");
@@ -149,7 +148,6 @@ TEST_CASE("sweep: every run and table is there and finished runs are kept") {
     std::ofstream(folder.path / "mine" / "letter.txt") << "dear";
     CHECK(command("sweep " + both + "--force -o " + folder.in_shell("mine")).has("not-a-sweep"));
     CHECK(command("sweep " + bar + "--seeds 3..1 -o " + folder.in_shell("n")).has("the last one is before the first"));
-    CHECK(command("sweep " + bar + "--emit make -o " + folder.in_shell("n")).code == 2);
     CHECK_FALSE(fs::exists(folder.path / "n"));
 }
 
@@ -281,35 +279,39 @@ TEST_CASE("sweep and study: a disk that was full at the start is no obstacle lat
     }
 }
 
-TEST_CASE("sweep: job lists are done by GNU parallel and by a Slurm array and by Snakemake") {
-    const Folder folder("sweep jobs");
+TEST_CASE("sweep: printed command lines are done by a Slurm array and by GNU parallel and by Snakemake") {
+    const Folder folder("sweep commands");
     const fs::path sweep = folder.path / "s";
-    const std::string out = "-q -o " + folder.in_shell("s");
+    const std::string line = "'" KNAP_PROGRAM "' sweep " + both + "-q -o s";
+    REQUIRE(shell_in(folder.path, line + " --print-commands | tee jobs.txt") == 0);
+    // as in scenarios/README.md
     SUBCASE("Slurm") {  // played by a loop
-        REQUIRE(command("sweep " + both + out + " --emit slurm").code == 0);
-        CHECK(text_of(sweep / "sweep.slurm").find("#SBATCH --array=1-4\n") != std::string::npos);
-        CHECK(shell_in(sweep, "for i in 1 2 3 4; do SLURM_ARRAY_TASK_ID=$i bash sweep.slurm || exit 1; done") == 0);
+        CHECK(shell_in(folder.path, "for i in 1 2 3 4; do SLURM_ARRAY_TASK_ID=$i bash -c 'eval \"$(sed -n \"${SLURM_ARRAY_TASK_ID}p\" jobs.txt)\"' || exit 1; done") == 0);
     }
     SUBCASE("parallel") {
         if (!has_program("parallel")) return;
-        REQUIRE(command("sweep " + both + out + " --emit parallel").code == 0);
-        CHECK(shell_in(sweep, "parallel -j 2 --joblog jobs.log < jobs.txt") == 0);
+        CHECK(shell_in(folder.path, "parallel -j 2 --joblog jobs.log < jobs.txt") == 0);
     }
     SUBCASE("Snakemake") {
         if (!has_program("snakemake")) return;
-        // its last rule makes the table, so that there is nothing left to do
-        REQUIRE(command("sweep " + both + out + " --emit snakemake").code == 0);
-        CHECK_MESSAGE(shell_in(sweep, "snakemake --cores 2") == 0, text_of(sweep / "shell.txt"));
-        CHECK(fs::exists(sweep / "sweep.csv"));
+        std::ofstream(folder.path / "Snakefile") << "JOBS = open(\"jobs.txt\").read().splitlines()\n"
+                                                    "rule all:\n"
+                                                    "    input: expand(\"done/{job}\", job=range(len(JOBS)))\n"
+                                                    "rule run:\n"
+                                                    "    output: touch(\"done/{job}\")\n"
+                                                    "    params: command=lambda wildcards: JOBS[int(wildcards.job)]\n"
+                                                    "    shell: \"{params.command} || test $? -eq 3\"\n";
+        CHECK_MESSAGE(shell_in(folder.path, "snakemake --cores 2") == 0, text_of(folder.path / "shell.txt"));
     }
     const Answer collected = command("sweep " + both + "-o " + folder.in_shell("s"));
     CHECK_FALSE(collected.has("run 1 of"));
     check_whole(collected, sweep);
     // nothing is left for a second list
-    const Answer nothing = command("sweep " + both + out + " --emit parallel");
-    CHECK(nothing.has("0 of 4 runs are to be done"));
-    CHECK_FALSE(nothing.has("joblog"));
+    const std::string out = "sweep " + both + "-q -o " + folder.in_shell("s") + " --print-commands";
+    const Answer nothing = command(out);
+    CHECK(nothing.text.starts_with("0 of 4 runs are to be done"));
     // runs that are there are replaced only by what says so
-    CHECK(command("sweep " + both + out + " --emit parallel --force").has("4 of 4 runs are to be done"));
-    CHECK(shell_in(sweep, "sh -c \"$(head -n 1 jobs.txt)\"") == 0);
+    const Answer all = command(out + " --force");
+    CHECK(all.has("4 of 4 runs are to be done"));
+    CHECK(all.has(" --force -s "));
 }
