@@ -31,15 +31,16 @@ public:
         return found[1] == "null" ? std::nan("") : std::strtod(found[1].str().c_str(), nullptr);
     }
 
-    /// The first column of one of its tables whose name ends so.
+    /// The first column of one of its tables whose name, without its unit, ends so.
     std::vector<double> column(const std::string& table, const std::string& name) const {
         std::istringstream in(program::text_of(folder_.path / "run" / table));
         std::string line, cell;
         std::getline(in, line);
         std::istringstream header(line);
         int which = 0;
-        while (std::getline(header, cell, ',') && !cell.ends_with(name)) ++which;
-        REQUIRE_MESSAGE(cell.ends_with(name), table, " has no column ", name, ": ", line);
+        const auto is_it = [&] { return cell.substr(0, cell.find(" [")).ends_with(name); };  // heads have units
+        while (std::getline(header, cell, ',') && !is_it()) ++which;
+        REQUIRE_MESSAGE(is_it(), table, " has no column ", name, ": ", line);
         std::vector<double> values;
         while (std::getline(in, line)) {
             std::istringstream row(line);
