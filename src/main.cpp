@@ -1,7 +1,7 @@
 #include "app/cli.hpp"
-#include "app/interrupt.hpp"
-#include "app/run.hpp"
-#include "app/threads.hpp"
+#include "app/run/interrupt.hpp"
+#include "app/run/run.hpp"
+#include "app/run/threads.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 

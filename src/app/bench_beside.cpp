@@ -1,7 +1,7 @@
 #include "app/bench_beside.hpp"
 
-#include "app/setup.hpp"
-#include "app/step_plan.hpp"
+#include "app/run/setup.hpp"
+#include "app/run/step_plan.hpp"
 #include "base/stopwatch.hpp"
 #include "observe/figures.hpp"
 #include "observe/vtk_series.hpp"

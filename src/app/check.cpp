@@ -1,9 +1,9 @@
 // knap check: what people ask before they run.
 #include "app/commands.hpp"
-#include "app/cost.hpp"
-#include "app/model_findings.hpp"
-#include "app/setup.hpp"
-#include "app/step_plan.hpp"
+#include "app/run/cost.hpp"
+#include "app/run/model_findings.hpp"
+#include "app/run/setup.hpp"
+#include "app/run/step_plan.hpp"
 #include "base/stopwatch.hpp"
 #include "scenario/write_scenario.hpp"
 

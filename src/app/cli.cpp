@@ -2,7 +2,7 @@
 
 #include "app/commands.hpp"
 #include "app/ensemble/ensemble.hpp"
-#include "app/version.hpp"
+#include "app/run/version.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "lcp/solvers.hpp"

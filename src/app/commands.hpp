@@ -1,6 +1,6 @@
 #pragma once
 // The commands of the program, one function each; cli.cpp turns arguments into these calls.
-#include "app/run.hpp"
+#include "app/run/run.hpp"
 
 #include <filesystem>
 #include <string>

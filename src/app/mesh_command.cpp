@@ -1,8 +1,8 @@
 // knap mesh: only make, or judge, the mesh.
 #include "app/commands.hpp"
-#include "app/model_findings.hpp"
+#include "app/run/model_findings.hpp"
 #include "app/new_file.hpp"
-#include "app/setup.hpp"
+#include "app/run/setup.hpp"
 #include "base/error.hpp"
 #include "bulk/triangle_matrices.hpp"
 #include "geometry/grain_report.hpp"

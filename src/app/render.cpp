@@ -1,8 +1,8 @@
 // knap render and knap info: finished runs.
 #include "app/commands.hpp"
-#include "app/finished_run.hpp"
-#include "app/read_run.hpp"
-#include "app/run_directory.hpp"
+#include "app/run/finished_run.hpp"
+#include "app/run/read_run.hpp"
+#include "app/run/run_directory.hpp"
 #include "base/error.hpp"
 #include "observe/outputs.hpp"
 #include "observe/sequence.hpp"

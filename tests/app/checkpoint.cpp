@@ -1,5 +1,5 @@
 // Endurance: a run that is killed, interrupted or damaged goes on with the same bits, and nothing is lost.
-#include "app/checkpoint.hpp"
+#include "app/run/checkpoint.hpp"
 #include "base/error.hpp"
 #include "base/random.hpp"
 #include "program.hpp"

@@ -1,8 +1,8 @@
 // The other commands.
 #include "program.hpp"
 
-#include "app/run_text.hpp"
-#include "app/step_plan.hpp"
+#include "app/run/run_text.hpp"
+#include "app/run/step_plan.hpp"
 #include "base/text.hpp"
 #include "scenario/read_scenario.hpp"
 

@@ -1,8 +1,8 @@
 // knap run on the implicit path: cut steps, runs that cannot go on, stored complementarity problems.
 #include "program.hpp"
 
-#include "app/dump_lcp.hpp"
-#include "app/run_text.hpp"
+#include "app/run/dump_lcp.hpp"
+#include "app/run/run_text.hpp"
 #include "base/error.hpp"
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 //        how many come, and those
 #include "target.hpp"
 
-#include "app/checkpoint.hpp"
+#include "app/run/checkpoint.hpp"
 #include "base/error.hpp"
 #include "support/bodies.hpp"
 

@@ -1,6 +1,6 @@
 // Of a study: error over cost and over h, or means with their spread over h. Of a sweep: a contact sheet.
 #include "app/ensemble/ensemble.hpp"
-#include "app/finished_run.hpp"
+#include "app/run/finished_run.hpp"
 #include "base/error.hpp"
 #include "observe/chart.hpp"
 #include "observe/contact_sheet.hpp"

@@ -1,7 +1,7 @@
 #include "app/ensemble/run_result.hpp"
 
 #include "app/ensemble/statistics.hpp"
-#include "app/read_run.hpp"
+#include "app/run/read_run.hpp"
 #include "observe/history_csv.hpp"
 
 #include <nlohmann/json.hpp>

@@ -1,0 +1,117 @@
+#include "app/run/dump_lcp.hpp"
+
+#include "base/error.hpp"
+#include "lcp/matrix_market.hpp"
+#include "stepper/corner_partition.hpp"
+#include "stepper/step_lcp.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <numeric>
+#include <sstream>
+
+namespace knap {
+namespace {
+
+constexpr double most_entries = 2e7;  // of a stored matrix: about half a gigabyte of text
+
+/// An upper bound of the entries of the matrix: rows of points couple where a part of the body that nothing can part has both.
+double entries_at_most(const Model& model, const SchemeOptions& scheme) {
+    std::vector<Index> part(model.mesh.n_triangles());
+    std::iota(part.begin(), part.end(), 0);
+    const auto root = [&](Index t) {
+        while (part[t] != t) t = part[t] = part[part[t]];
+        return t;
+    };
+    bool friction = false, gamma = false;
+    for (const FanPoint& point : model.fan_points) {
+        if (unbreakable(model, point) && point.before != ground && point.after != ground)
+            part[root(model.mesh.triangle_of(point.before))] = root(model.mesh.triangle_of(point.after));
+        friction = friction || model.laws[point.law].friction > 0;
+        gamma = gamma || model.laws[point.law].gamma > 0;
+    }
+    const double rows = (scheme.cohesion == CohesionScheme::implicit_beta ? 3 : 1) + (friction ? 3 : 0) + (gamma ? 3 : 0);
+    std::vector<double> n_points(part.size(), 0);
+    for (const FanPoint& point : model.fan_points) {
+        if (unbreakable(model, point)) continue;
+        for (const Index corner : {point.before, point.after})
+            if (corner != ground) n_points[root(model.mesh.triangle_of(corner))] += 1;
+    }
+    double entries = 0;
+    for (const double n : n_points) entries += rows * n * rows * n;
+    return entries;
+}
+
+}  // namespace
+
+StepSelection StepSelection::parse(const std::string& text) {
+    StepSelection selection;
+    std::istringstream items(text);
+    for (std::string item; std::getline(items, item, ',');) {
+        std::vector<std::int64_t> numbers;
+        std::istringstream parts(item);
+        bool good = !item.empty() && item.back() != ':';
+        for (std::string part; std::getline(parts, part, ':');) {
+            std::int64_t number = 0;
+            const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), number);
+            good = good && error == std::errc() && end == part.data() + part.size() && number > 0;
+            numbers.push_back(number);
+        }
+        if (!good || numbers.empty() || numbers.size() > 3 || numbers.front() > numbers.back())
+            throw UserError("bad-value", "`" + text + "` are no numbers of steps", "as in 10 or 10,20 or 10:20 or 10:5:40 (from 10 every fifth up to 40)");
+        selection.ranges_.push_back({numbers.front(), numbers.size() == 3 ? numbers[1] : 1, numbers.back()});
+    }
+    return selection;
+}
+
+bool StepSelection::contains(std::int64_t step) const {
+    for (const auto& [first, stride, last] : ranges_)
+        if (step >= first && step <= last && (step - first) % stride == 0) return true;
+    return false;
+}
+
+std::string StepSelection::outside(std::int64_t first, std::int64_t last) const {
+    std::string text;
+    for (const auto& [from, stride, limit] : ranges_) {
+        const auto number = [&](std::int64_t k) { return from + k * stride; };
+        const auto n_until = [&](std::int64_t step) { return step < from ? 0 : (std::min(step, limit) - from) / stride + 1; };
+        const auto add = [&](std::int64_t begin, std::int64_t end) {
+            if (begin >= end) return;
+            text += (text.empty() ? "" : ",") + std::to_string(number(begin));
+            if (begin + 1 < end) text += (stride > 1 ? ":" + std::to_string(stride) : "") + ":" + std::to_string(number(end - 1));
+        };
+        add(0, n_until(first - 1));
+        add(n_until(last), n_until(limit));
+    }
+    return text;
+}
+
+void check_dump(const Model& model, const SchemeOptions& scheme) {
+    if (scheme.bulk != BulkScheme::implicit_theta)
+        throw UserError("exclusive-keys", "--dump-lcp stores the complementarity problem of the implicit bulk", "set time.bulk = \"implicit\"");
+    const double entries = entries_at_most(model, scheme);
+    if (entries <= most_entries) return;
+    char text[160];
+    std::snprintf(text, sizeof text, "the complementarity problem of a step could have %.2g entries, more than the %.2g that are stored", entries, most_entries);
+    throw UserError("too-large", text, "use a coarser mesh (mesh.size), or fewer interfaces that can break in one piece of the body");
+}
+
+std::string dump_lcp(const Model& model, const State& begin, double h, const SchemeOptions& scheme, const std::filesystem::path& directory) {
+    char name[32];
+    std::snprintf(name, sizeof name, "step_%06lld", static_cast<long long>(begin.n_steps + 1));
+    const LcpProblem problem = step_lcp(model, begin, h, scheme).problem;
+    std::error_code error;
+    std::filesystem::create_directories(directory, error);
+    try {
+        write_lcp(directory / name, problem);
+    } catch (const UserError& failure) {
+        throw SimulationError(failure.what());
+    }
+    char line[160];
+    std::snprintf(line, sizeof line, "lcp: %s: %d unknowns, %lld entries, h = %.6g s from t = %.9g s\n", name, problem.size(),
+                  static_cast<long long>(problem.M.nonZeros()), h, begin.time);
+    return line;
+}
+
+}  // namespace knap

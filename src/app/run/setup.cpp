@@ -1,0 +1,114 @@
+#include "app/run/setup.hpp"
+
+#include "base/error.hpp"
+#include "geometry/grain_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+
+namespace knap {
+
+namespace {
+
+/// Grains in the materials that have some; every rock with random numbers of its own.
+void put_rocks(const Scenario& scenario, Mesh& mesh) {
+    Vec2 low = mesh.vertices.front(), high = low;
+    for (const Vec2& x : mesh.vertices) low = low.cwiseMin(x), high = high.cwiseMax(x);
+    for (const GrainedRock& rock : scenario.rocks) {
+        const std::uint64_t seed = scenario.seed + static_cast<std::uint64_t>(rock.material) * 0x9E3779B97F4A7C15ull;
+        const Index first = put_grains(mesh, Grains(rock.grains, low, high, seed), rock.material);
+        assign_minerals(mesh, rock.minerals, first, seed);
+    }
+}
+
+}  // namespace
+
+Model build_model(const Scenario& scenario) {
+    ModelInput input;
+    input.mesh = scenario.given ? scenario.given->mesh : triangulate(scenario.shape, scenario.mesh);
+    input.mesh.order = scenario.order;
+    for (const MaterialMap& map : scenario.maps) paint(map, input.mesh);
+    if (!scenario.rocks.empty()) put_rocks(scenario, input.mesh);
+    input.plane = scenario.plane;
+    input.thickness = scenario.thickness;
+    for (const NamedMaterial& material : scenario.materials) input.materials.push_back(material.elastic);
+    for (const NamedLaw& law : scenario.laws) {
+        input.laws.push_back(law.law);
+        input.scatter.push_back(law.scatter);
+    }
+    input.law_of_pair = scenario.law_of_pair;
+    input.law_within = scenario.law_within;
+    input.law_of_joint = scenario.law_of_joint;
+    input.seed = scenario.seed;
+    input.loads = scenario.loads;
+    input.foundations = scenario.foundations;
+    input.initial_velocities = scenario.initial_velocities;
+    input.obstacles = scenario.obstacles;
+    return make_model(std::move(input));
+}
+
+std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_edge) {
+    std::vector<Resolution> found;
+    const double edge = finest_edge(scenario, mean_edge);
+    const auto judge_law = [&](const std::string& where, const NamedLaw& law, double modulus, double wave_speed) {
+        if (!law.law.breakable() || law.law.sigma_c <= 0) return;
+        const double length = modulus * law.law.G_c / (law.law.sigma_c * law.law.sigma_c), zone = 9 * std::numbers::pi / 32 * length;
+        found.push_back({where, law.name, length, zone, zone / edge, wave_speed});
+    };
+    const auto modulus = [&](const NamedMaterial& material) { return material.elastic.plane_modulus(scenario.plane); };
+    const auto speed = [&](const NamedMaterial& material) { return material.elastic.dilatational_speed(scenario.plane); };
+    for (std::size_t a = 0; a < scenario.materials.size(); ++a)
+        for (std::size_t b = a; b < scenario.materials.size(); ++b) {
+            const NamedMaterial &one = scenario.materials[a], &other = scenario.materials[b];
+            judge_law(a == b ? one.name : one.name + "-" + other.name, scenario.laws[scenario.law_of_pair[a][b]],
+                      std::min(modulus(one), modulus(other)), std::max(speed(one), speed(other)));
+        }
+    for (std::size_t f = 0; f < scenario.foundations.size(); ++f) {
+        if (!scenario.foundations[f].glued) continue;
+        double least = std::numeric_limits<double>::infinity(), fastest = 0;  // which of the materials stands on it, only the mesh knows
+        for (const NamedMaterial& material : scenario.materials) least = std::min(least, modulus(material)), fastest = std::max(fastest, speed(material));
+        judge_law("foundation " + std::to_string(f + 1), scenario.laws[scenario.foundations[f].law], 2 * least, fastest);
+    }
+    return found;
+}
+
+double assumption_1_step(const Resolution& resolution, double edge, double theta) {
+    return 0.43 / theta * std::sqrt(resolution.cohesive_length / edge) * edge / resolution.wave_speed;
+}
+
+double mean_edge(const Mesh& mesh) {
+    double sum = 0;
+    for (const InteriorEdge& edge : mesh.interior_edges)
+        sum += (mesh.corner(edge.triangle[0], edge.side[0]) - mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3)).norm();
+    return mesh.interior_edges.empty() ? 0 : sum / static_cast<double>(mesh.interior_edges.size());
+}
+
+double finest_edge(const Scenario& scenario, double mean_edge) {
+    for (const RefineBox& box : scenario.mesh.refine) mean_edge = std::min(mean_edge, box.size);
+    return mean_edge / scenario.order;
+}
+
+std::vector<std::string> material_names(const Scenario& scenario) {
+    std::vector<std::string> names;
+    for (const NamedMaterial& material : scenario.materials) names.push_back(material.name);
+    return names;
+}
+
+std::string random_sets_text(const Scenario& scenario) {
+    std::string text;
+    for (const RandomSet& set : scenario.random_sets) {
+        char line[160];
+        std::snprintf(line, sizeof line, "  %-14s %d placed", set.path.c_str(), set.n);
+        text += line;
+        if (set.fraction > 0) std::snprintf(line, sizeof line, ", %.4g %% of the area of the body", 100 * set.fraction), text += line;
+        text += "\n";
+    }
+    return text;
+}
+
+double rayleigh_speed(const Scenario& scenario) { return scenario.materials.front().elastic.rayleigh_speed(scenario.plane); }
+
+}  // namespace knap
