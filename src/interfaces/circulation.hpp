@@ -21,30 +21,30 @@ struct HalfPlane {
     int kind;  // 0 = tension, +1 / -1 = shear in the direction of +T / -T
 };
 
-/// What a point bears: p = P_N + cohesion >= 0 and |P_T + at + contact p| <= play + contact_play p, three half planes.
+/// What a point bears: p = P_N + cohesion >= 0 and |P_T + offset + contact_offset p| <= jump + contact_jump p, three half planes.
 struct StrengthPolygon {
     Vec2 normal;                      // N; T = turned_left(N)
     double cohesion;                  // force or impulse, as P
-    double play, contact_play;
-    double at = 0, contact = 0;
+    double jump, contact_jump;                // as in StaircasePiece
+    double offset = 0, contact_offset = 0;
 
     /// Of a point at rest: cohesion in both directions, friction on the contact.
     static StrengthPolygon at_rest(const CohesiveLaw& law, const Vec2& normal, double cohesion) {
-        return {.normal = normal, .cohesion = cohesion, .play = law.gamma * cohesion, .contact_play = law.friction};
+        return {.normal = normal, .cohesion = cohesion, .jump = law.gamma * cohesion, .contact_jump = law.friction};
     }
 
     /// Of the three; negative: P is not admissible.
     double smallest_slack(const Vec2& P) const {
-        const double p = P.dot(normal) + cohesion, q = P.dot(turned_left(normal)) + (at + contact * p);
-        return std::min(p, play + contact_play * p - std::abs(q));
+        const double p = P.dot(normal) + cohesion, q = P.dot(turned_left(normal)) + (offset + contact_offset * p);
+        return std::min(p, jump + contact_jump * p - std::abs(q));
     }
     /// Half planes of c at P + c; `loose`: how much of each component of c reaches the point: 0, 1 or, against its direction, -1.
     void add_half_planes(Index link, const Vec2& P, const Vec2& loose, std::vector<HalfPlane>& planes) const {
-        const double p = P.dot(normal) + cohesion, q = P.dot(turned_left(normal)) + (at + contact * p);
-        const Vec2 slope = turned_left(normal) + contact * normal;
+        const double p = P.dot(normal) + cohesion, q = P.dot(turned_left(normal)) + (offset + contact_offset * p);
+        const Vec2 slope = turned_left(normal) + contact_offset * normal;
         planes.push_back({p, loose.cwiseProduct(normal), link, 0});
-        planes.push_back({play + contact_play * p - q, loose.cwiseProduct(contact_play * normal - slope), link, +1});
-        planes.push_back({play + contact_play * p + q, loose.cwiseProduct(contact_play * normal + slope), link, -1});
+        planes.push_back({jump + contact_jump * p - q, loose.cwiseProduct(contact_jump * normal - slope), link, +1});
+        planes.push_back({jump + contact_jump * p + q, loose.cwiseProduct(contact_jump * normal + slope), link, -1});
     }
 };
 

@@ -7,7 +7,7 @@
 
 namespace knap {
 
-const FanLcpSolution& FanLcp::solve(const FanProblem& problem, const std::vector<LinkLaw>& laws, double speed) {
+const FanLcpSolution& FanLcp::solve(const FanProblem& problem, const std::vector<InterfaceLaw>& laws, double speed) {
     problem_ = &problem;
     make_clusters();
     make_rows(laws, speed);
@@ -61,7 +61,7 @@ void FanLcp::make_clusters() {
     }
 }
 
-void FanLcp::make_rows(const std::vector<LinkLaw>& laws, double speed) {
+void FanLcp::make_rows(const std::vector<InterfaceLaw>& laws, double speed) {
     double mass = 0;  // [kg] largest of the links
     unit_.assign(problem_->links.size(), 0.0);
     rows_.clear();
@@ -72,10 +72,10 @@ void FanLcp::make_rows(const std::vector<LinkLaw>& laws, double speed) {
         unit_[i] = w.sum() > 0 ? std::sqrt(2 / w.sum()) : 1;
         mass = std::max(mass, unit_[i] * unit_[i]);
         if (laws[i].may_touch()) rows_.push_back({Row::Kind::contact, i, laws[i].bound(), 0, 0});
-        for (const LinkLaw::Kink& kink : laws[i].kinks(laws[i].may_touch())) {
-            rows_.push_back({Row::Kind::forward, i, kink.velocity, kink.cohesive, kink.contact});
-            rows_.push_back({Row::Kind::backward, i, kink.velocity, kink.cohesive, kink.contact});
-            rows_.push_back({Row::Kind::slack, i, kink.velocity, kink.cohesive, kink.contact});
+        for (const Staircase::Kink& kink : laws[i].staircase(laws[i].may_touch()).kinks()) {
+            rows_.push_back({Row::Kind::forward, i, kink.rate, kink.cohesive, kink.friction});
+            rows_.push_back({Row::Kind::backward, i, kink.rate, kink.cohesive, kink.friction});
+            rows_.push_back({Row::Kind::slack, i, kink.rate, kink.cohesive, kink.friction});
         }
     }
     speed_ = speed * std::sqrt(mass);

@@ -5,7 +5,7 @@
 // is a friction law of its own with P_T = sum (a - c)  (D. E. Stewart, J. C. Trinkle 1996):
 //     0 <= p  perp  V_N - b >= 0,    0 <= a  perp  V_T - k + y >= 0,    0 <= c  perp  -(V_T - k) + y >= 0,    0 <= y  perp  w - a - c >= 0
 #include "interfaces/fan_problem.hpp"
-#include "interfaces/link_law.hpp"
+#include "interfaces/interface_law.hpp"
 
 #include <Eigen/Core>
 
@@ -24,7 +24,7 @@ struct FanLcpSolution {
 class FanLcp {
 public:
     /// `laws`: one per link (not read for unbreakable ones). `speed` [m/s]: the scale of the problem.
-    const FanLcpSolution& solve(const FanProblem& problem, const std::vector<LinkLaw>& laws, double speed);
+    const FanLcpSolution& solve(const FanProblem& problem, const std::vector<InterfaceLaw>& laws, double speed);
 
 private:
     /// One unknown impulse of the problem: its direction at its link, and how its own row reads.
@@ -36,7 +36,7 @@ private:
     };
 
     void make_clusters();
-    void make_rows(const std::vector<LinkLaw>& laws, double speed);
+    void make_rows(const std::vector<InterfaceLaw>& laws, double speed);
     void find_motion(const Eigen::Ref<const Eigen::VectorXd>& z);
     Index cluster_of(Index body) const { return body < 0 ? cluster_.back() : cluster_[body]; }
     const FanLink& link(int row) const { return problem_->links[rows_[row].link]; }

@@ -14,8 +14,8 @@ constexpr double usual_violation = 1e-11;           // beyond it the pivots may 
 constexpr double largest_pivoted_violation = 1e-8;  // and of the pivots
 
 /// Where the impulse of a link in its state is admissible.
-StrengthPolygon strength_of(const FanLink& link, const TangentialLaw& law) {
-    return {.normal = link.normal, .cohesion = link.cohesive, .play = law.play, .contact_play = law.contact_play, .at = law.at, .contact = law.contact};
+StrengthPolygon strength_of(const FanLink& link, const StaircasePiece& at) {
+    return {.normal = link.normal, .cohesion = link.cohesive, .jump = at.jump, .contact_jump = at.contact_jump, .offset = at.offset, .contact_offset = at.contact_offset};
 }
 
 }  // namespace
@@ -80,10 +80,10 @@ bool FanSolver::settle_circulation() {
         const HalfPlane& plane = planes_[found.binding[k]];
         LinkState& state = states_[plane.link];
         if (plane.kind == 0) {
-            state.set(false, state.law.state_of(false, state.tangential.velocity, scales_.speed_tolerance));
+            state.set(false, state.state_of(false, state.tangential.kink, scales_.speed_tolerance));
         } else if (state.tangential.stick) {
             // pushed towards +T beyond what the point can hold: the sides slide towards -T
-            state.set(state.closed, std::clamp(state.tangential_state - plane.kind, 0, state.law.n_states(state.closed) - 1));
+            state.set(state.closed, std::clamp(state.tangential_state - plane.kind, 0, state.law.staircase(state.closed).n_states() - 1));
         }
     }
     return false;
@@ -110,9 +110,9 @@ int FanSolver::correct_states(bool only_worst) {
 FanSolution::Status FanSolver::find_states_by_pivots() {
     if (solve_by_pivots()) return FanSolution::Status::pivoted;
     if (search_states()) return FanSolution::Status::searched;
-    for (LinkState& state : states_) state.law.forget_rebound();
+    for (LinkState& state : states_) state.law.remove_rebound();
     if (solve_by_pivots()) return FanSolution::Status::relaxed;
-    for (LinkState& state : states_) state.law.forget_friction();
+    for (LinkState& state : states_) state.law.remove_friction();
     return solve_by_pivots() ? FanSolution::Status::relaxed : FanSolution::Status::failed;
 }
 
@@ -136,7 +136,7 @@ bool FanSolver::search_states() {
     std::vector<std::size_t> moved;
     for (std::size_t i = 0; i < links.size(); ++i) {
         if (links[i].unbreakable || states_[i].imposed) continue;
-        states_[i].set(true, states_[i].law.state_of(true, 0, scales_.speed_tolerance));
+        states_[i].set(true, states_[i].state_of(true, 0, scales_.speed_tolerance));
         if (way(i) > 0) moved.push_back(i);
     }
     std::stable_sort(moved.begin(), moved.end(), [&](std::size_t a, std::size_t b) { return way(a) > way(b); });
@@ -149,8 +149,8 @@ bool FanSolver::search_states() {
 
 /// As many of the `moved` links as `most_tried` combinations allow.
 bool FanSolver::try_combinations(const std::vector<LinkState>& stuck, const std::vector<std::size_t>& moved, bool may_open) {
-    const auto n_closed = [&](std::size_t i) { return stuck[i].law.may_touch() ? stuck[i].law.n_states(true) : 0; };
-    const auto n_states = [&](std::size_t i) { return n_closed(i) + (may_open || n_closed(i) == 0 ? stuck[i].law.n_states(false) : 0); };
+    const auto n_closed = [&](std::size_t i) { return stuck[i].law.may_touch() ? stuck[i].law.staircase(true).n_states() : 0; };
+    const auto n_states = [&](std::size_t i) { return n_closed(i) + (may_open || n_closed(i) == 0 ? stuck[i].law.staircase(false).n_states() : 0); };
     int n_combinations = 1;
     std::size_t n_varied = 0;
     while (n_varied < moved.size() && n_combinations * n_states(moved[n_varied]) <= most_tried) n_combinations *= n_states(moved[n_varied++]);

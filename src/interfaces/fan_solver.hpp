@@ -61,7 +61,7 @@ private:
     FanMotion kept_motion_;
     double kept_violation_ = 0;
     std::vector<HalfPlane> planes_;
-    std::vector<LinkLaw> laws_;  // per link
+    std::vector<InterfaceLaw> laws_;  // per link
     FanLcp lcp_;
 };
 

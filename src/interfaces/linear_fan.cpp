@@ -154,8 +154,8 @@ void LinearFan::list_multipliers(const std::vector<LinkState>& states) {
                                 .after = after,
                                 .before = before,
                                 .row = state.closed ? link.normal : link.tangent(),
-                                .force = state.closed ? link.vector(1, -state.tangential.contact) : link.tangent(),
-                                .wanted = state.closed ? state.law.bound() : state.tangential.velocity});
+                                .force = state.closed ? link.vector(1, -state.tangential.contact_offset) : link.tangent(),
+                                .wanted = state.closed ? state.law.bound() : state.tangential.kink});
     }
 }
 

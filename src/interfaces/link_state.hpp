@@ -1,15 +1,20 @@
 #pragma once
-// The state of a link: closed or open, and where on the staircase of its tangential law (link_law.hpp) it is, between two kinks or at
-// one. States are guessed from the motion before the step; what violates its law names the state that would mend it.
+// The state of a link: closed or open, and where on the staircase of its tangential law (interface_law.hpp) it is, between two kinks or
+// at one. States are guessed from the motion before the step; what violates its law names the state that would mend it.
 #include "interfaces/fan_problem.hpp"
 #include "interfaces/fan_scales.hpp"
-#include "interfaces/link_law.hpp"
+#include "interfaces/interface_law.hpp"
 
 namespace knap {
 
+/// Friction has two signs, those of the end velocity and of the mean velocity: together they never do positive work and let a sliding
+/// point come to exact rest (fan_problem.hpp). The tangential cohesion has the sign of the slip at the end of the step.
+/// `tolerance` [m/s]: kinks that are nearer to each other are one.
+InterfaceLaw law_of(const FanLink& link, const Vec2& velocity_before, double h, double tolerance);
+
 struct LinkState {
-    LinkLaw law;  // not of an unbreakable link: that one is closed and sticks for ever
-    TangentialLaw tangential;
+    InterfaceLaw law;  // not of an unbreakable link: that one is closed and sticks for ever
+    StaircasePiece tangential;
     int tangential_state = 0;
     bool closed = false;
     bool imposed = false;  // both sides fully prescribed: nothing to decide
@@ -20,6 +25,7 @@ struct LinkState {
     bool partial() const { return closed != tangential.stick && !imposed; }  // one component of its impulse is to be found
 
     void set(bool to_closed, int to_tangential_state);
+    int state_of(bool if_closed, double rate_T, double tolerance) const { return law.staircase(if_closed).state_of(rate_T, tolerance); }
     /// The motion goes on as before the step.
     void guess(const FanProblem& problem, const FanLink& link, const FanScales& scales);
     /// The state that comes nearest to this relative velocity [m/s] and impulse [N s]: between kinks that rounding cannot tell apart only the force decides.

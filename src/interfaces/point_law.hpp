@@ -1,12 +1,13 @@
 #pragma once
 // One interface point over one implicit step (stepper/implicit_scheme.hpp has the law): impulses as a function of its rate w = (w_N, w_T),
-// in augmented form, and the derivative. What is set-valued in the law (contact, and the signs at their kinks) is a resolvent here,
+// in augmented form, and the derivative. What is set-valued in the law (interface_law.hpp) is a resolvent here,
 //
-//     p = max(0, p^ - rho (w_N - c)),        q_T = t^ - rho (w_T - omega)   with   -q_T in F sgn(omega) + G sgn(omega + u_T/h),
+//     p = max(0, p^ - rho (w_N - bound)),        q_T = t^ - rho (w_T - omega)   with   -q_T in F sgn(omega) + G sgn(omega + u_T/h),
 //
 // with multipliers p^, t^ from the iterate before: at a fixed point it is the law itself, whatever rho > 0 (method of multipliers: Hestenes,
 // Powell, Rockafellar; for contact P. Alart, A. Curnier 1991). Redundant points do no harm, and the derivative is definite.
 #include "base/vec.hpp"
+#include "interfaces/interface_law.hpp"
 #include "material/cohesive_law.hpp"
 
 #include <Eigen/Core>
@@ -21,19 +22,22 @@ struct PointLaw {
     double u_N, u_T;         // [m] at its begin
     double strength;         // [N s] C = theta h S sigma_c; 0: no cohesion left
     double cohesion;         // [-] beta at its begin
-    double delta_c;          // [m]
-    double gamma, friction;  // [-]
-    double bound;            // [m/s] c, of a point that may touch
-    bool may_touch;
+    const CohesiveLaw* material;
+    double friction;         // [-] Coulomb's mu; 0 where the scheme leaves friction out
+    ContactBound contact;
     bool implicit_beta;
-    bool friction_follows = true;   // mu p bounds the friction; else mu times `pressed` does: Tresca's law, a step towards Coulomb's
-    double pressed = 0;             // [N s]
     double h, theta;
+    bool friction_follows = true;  // mu p bounds the friction; else mu times `pressed` does: Tresca's law, a step towards Coulomb's
+    double pressed = 0;            // [N s]
+    Staircase tangential = {};     // with cohesive weights for beta_theta = 1
 
     // augmentation
-    double rho_N, rho_T;               // [kg]; infinite rho_T: the rate itself decides (imposed)
-    double contact_guess = 0;          // [N s] p^ >= 0
-    double tangential_guess = 0;       // [N s] t^
+    double rho_N = 0, rho_T = 0;   // [kg]; infinite rho_T: the rate itself decides (prescribed on both sides)
+    double contact_guess = 0;      // [N s] p^ >= 0
+    double tangential_guess = 0;   // [N s] t^
+
+    /// The kinks of the tangential law, when all above is known.
+    void set_staircase();
 };
 
 struct PointResponse {

@@ -17,6 +17,22 @@ struct TimeFunction {
     double slope_before(double t) const;  // [1/s] derivative from the left
 };
 
+/// A step of size h [s] from `begin` [s], as far as prescribed motions need it.
+struct StepTimes {
+    double begin, h;
+    double theta = 1;                  // of the theta scheme
+    bool central_differences = false;  // velocities live at the middle of the step, displacements at its end
+};
+
+/// One component of a prescribed motion over a step.
+struct PrescribedRate {
+    double rate;          // [m/s] or [rad/s]; the displacement at the end is the one at the begin plus h times it
+    double end_velocity;  // likewise
+};
+
+/// `value` times `history` is the displacement or the velocity of the component; `displacement` [m] or [rad] at the begin of the step.
+PrescribedRate prescribed_rate(bool is_displacement, double value, const TimeFunction& history, double displacement, const StepTimes& step);
+
 struct Box {
     Vec2 low, high;  // [m]
     bool contains(const Vec2& x) const {

@@ -59,13 +59,18 @@ struct CornerLoad {
     Vec2 force;     // [N]
 };
 
-/// Prescribed motion in x and/or y of the corners of a fan, or of those of its parts between cracked points that a load takes hold of.
+/// Prescribed motion in x and/or y of a corner. In a fan in one piece all corners have the same.
 struct PrescribedMotion {
     Index fan;
     std::array<bool, 2> component;
     std::array<Index, 2> history;  // into Model::histories, per component
     Vec2 value;                    // [m/s] or [m]
     std::array<bool, 2> is_displacement;
+
+    /// Of component k, from the displacement [m] at the begin of the step.
+    PrescribedRate rate(int k, const std::vector<TimeFunction>& histories, double displacement, const StepTimes& step) const {
+        return prescribed_rate(is_displacement[k], value[k], histories[history[k]], displacement, step);
+    }
 };
 
 struct ModelInput {

@@ -76,6 +76,11 @@ Vec2 opening(const Model& model, const State& state, Index point) {
     return {at.gap + at.normal.dot(jump), turned_left(at.normal).dot(jump)};
 }
 
+double touching_gap(const Model& model, const State& state, const FanPoint& point) {
+    const double displacements = displacement_of(state, point.before).norm() + displacement_of(state, point.after).norm();
+    return 1e-11 * (displacements + point.gap + model.laws[point.law].delta_c());
+}
+
 double cohesion(const Model& model, const State& state, Index point) {
     const PointState* known = remembered(model, state, point);
     return known ? known->cohesion : 1;

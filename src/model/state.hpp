@@ -46,6 +46,10 @@ void split(const Model& model, Index fan, State& state);
 
 /// Opening of a point in the frame of its interface (A to B): (u_N, u_T) [m].
 Vec2 opening(const Model& model, const State& state, Index point);
+/// [m] What rounding leaves of a closed gap: openings are differences of displacements, and what is this small beside them is none. Without it
+/// a point with restitution that is held closed loses its contact in every step that leaves u_N = +1e-17, and its cohesion pulls the sides
+/// into each other.
+double touching_gap(const Model& model, const State& state, const FanPoint& point);
 /// Cohesion of a point; 1 in a fan that never came apart.
 double cohesion(const Model& model, const State& state, Index point);
 /// Traction on side B in the frame of its interface [Pa]; in an intact fan the mean stress there of the two neighbours gives it.

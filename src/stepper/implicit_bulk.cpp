@@ -43,7 +43,7 @@ void ImplicitBulk::set_partition(const CornerPartition& partition, std::vector<V
     for (std::vector<Vec2>* of_node : {&displacement_, &velocity_, &rate}) of_node->resize(n);
     for (std::vector<Vec2>* of_node : {&prescribed_rate_, &prescribed_end_}) of_node->assign(n, Vec2::Zero());
     prescribed_.assign(n, {false, false});
-    const double t = begin_->time, theta = options_.theta;
+    const double theta = options_.theta;
     for (Index i = 0; i < n; ++i) {
         const Index corner = partition.corner_of_node[i], node = begin_->node_of_corner[corner];
         displacement_[i] = begin_->displacement[node];
@@ -53,16 +53,10 @@ void ImplicitBulk::set_partition(const CornerPartition& partition, std::vector<V
         const PrescribedMotion& motion = model_.prescribed[which];
         for (int k = 0; k < 2; ++k) {
             if (!motion.component[k]) continue;
-            const TimeFunction& history = model_.histories[motion.history[k]];
             prescribed_[i][k] = true;
-            if (motion.is_displacement[k]) {
-                prescribed_rate_[i][k] = (motion.value[k] * history(t + h_) - displacement_[i][k]) / h_;
-                prescribed_end_[i][k] = motion.value[k] * history.slope_before(t + h_);
-            } else {
-                prescribed_rate_[i][k] = motion.value[k] * (theta * history(t + h_) + (1 - theta) * history(t));
-                prescribed_end_[i][k] = motion.value[k] * history(t + h_);
-            }
-            rate[i][k] = prescribed_rate_[i][k];
+            const PrescribedRate given = motion.rate(k, model_.histories, displacement_[i][k], {.begin = begin_->time, .h = h_, .theta = theta});
+            rate[i][k] = prescribed_rate_[i][k] = given.rate;
+            prescribed_end_[i][k] = given.end_velocity;
         }
     }
     for (const FanPoint& point : model_.fan_points) {  // glued to the ground for good

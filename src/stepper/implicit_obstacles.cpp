@@ -1,5 +1,4 @@
 // Rigid obstacles in the implicit scheme: a contact is a point whose one side is given, and moves.
-#include "stepper/contact_bound.hpp"
 #include "stepper/implicit_scheme.hpp"
 
 #include <algorithm>
@@ -55,22 +54,18 @@ LoosePoint ImplicitScheme::make_contact_point(const ObstacleContact& contact, co
     made.ground_rate = made.in_frame(velocity_at(obstacles_.rate()[contact.obstacle], contact));
     const Vec2 speed = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }) -
                        velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
-    const std::optional<double> bound = contact_bound(contact.gap, contact.normal.dot(speed), 0, law.restitution, h, options_.theta);
-    const auto [imposed_N, imposed_T] = imposed(made);
     made.law = {.u_N = contact.gap,
                 .u_T = 0,
                 .strength = 0,
                 .cohesion = 0,
-                .delta_c = 0,
-                .gamma = 0,
+                .material = &law,
                 .friction = model_.obstacles[contact.obstacle].is_free() && contact.is_led_along(bulk_.prescribed()[made.after]) ? 0 : law.friction,
-                .bound = bound.value_or(0),
-                .may_touch = !imposed_N && bound,
+                .contact = contact_bound_theta(contact.gap, contact.normal.dot(speed), law.restitution, h, options_.theta, 0),
                 .implicit_beta = false,
                 .h = h,
-                .theta = options_.theta,
-                .rho_N = 0,
-                .rho_T = imposed_T ? std::numeric_limits<double>::infinity() : 0};
+                .theta = options_.theta};
+    impose(made);
+    made.law.set_staircase();
     return made;
 }
 
@@ -78,7 +73,7 @@ void ImplicitScheme::guess_contacts() {
     const std::size_t first = points_.size() - contacts_.all().size();
     for (std::size_t i = 0; i < contacts_.all().size(); ++i) {
         LoosePoint& point = points_[first + i];
-        point.law.contact_guess = point.law.may_touch ? contact_guess_[i].x() : 0;
+        point.law.contact_guess = point.law.contact.may_touch ? contact_guess_[i].x() : 0;
         point.law.tangential_guess = std::isinf(point.law.rho_T) ? 0 : contact_guess_[i].y();
     }
 }

@@ -1,8 +1,7 @@
 #include "stepper/implicit_scheme.hpp"
 
 #include "base/room.hpp"
-#include "stepper/cohesion_books.hpp"
-#include "stepper/contact_bound.hpp"
+#include "stepper/point_work.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -135,23 +134,18 @@ LoosePoint ImplicitScheme::make_point(const State& begin, double h, Index f, Ind
     const double beta = point.cracked || law.sigma_c == 0 ? 0
                         : rank < 0 ? 1 : begin.points[begin.first_point[rank] + i - model_.fans[f].first_point].cohesion;
     const double u_N = point.gap + jump.x();
-    const std::optional<double> bound =
-        contact_bound(u_N, speed.x(), length_behind_opening(point, law, begin), restitution_in_step(law, beta), h, options_.theta);
-    const auto [imposed_N, imposed_T] = imposed(made);
     made.law = {.u_N = u_N,
                 .u_T = jump.y(),
                 .strength = beta > 0 ? options_.theta * h * point.area * law.sigma_c : 0,
                 .cohesion = beta,
-                .delta_c = law.delta_c(),
-                .gamma = law.gamma,
+                .material = &law,
                 .friction = law.friction,
-                .bound = bound.value_or(0),
-                .may_touch = !imposed_N && bound,
+                .contact = contact_bound_theta(u_N, speed.x(), law.restitution_at(beta), h, options_.theta, touching_gap(model_, begin, point)),
                 .implicit_beta = options_.cohesion == CohesionScheme::implicit_beta,
                 .h = h,
-                .theta = options_.theta,
-                .rho_N = 0,
-                .rho_T = imposed_T ? std::numeric_limits<double>::infinity() : 0};
+                .theta = options_.theta};
+    impose(made);
+    made.law.set_staircase();
     return made;
 }
 
@@ -163,15 +157,16 @@ double ImplicitScheme::mass_between(Index before, Index after) const {
     return whole > 0 ? 1 / whole : node_inertia_[std::max(before, after)];
 }
 
-std::array<bool, 2> ImplicitScheme::imposed(const LoosePoint& point) const {
-    std::array<bool, 2> given, along{false, false};
+void ImplicitScheme::impose(LoosePoint& point) const {
+    std::array<bool, 2> given, along{false, false};  // x, y; N, T
     for (int k = 0; k < 2; ++k) given[k] = is_given(point.before, k) && is_given(point.after, k) && is_given(point.beside, k);
     for (int k = 0; k < 2; ++k) {
         if (!given[k]) continue;
         along[0] = along[0] || given[1 - k] || std::abs(point.normal[k]) > 1 - 1e-9;
         along[1] = along[1] || given[1 - k] || std::abs(point.normal[k]) < 1e-9;
     }
-    return along;
+    if (along[0]) point.law.contact.may_touch = false;
+    if (along[1]) point.law.rho_T = std::numeric_limits<double>::infinity();
 }
 
 void ImplicitScheme::guess_multipliers(const State& begin, double h) {
@@ -188,7 +183,7 @@ void ImplicitScheme::guess_multipliers(const State& begin, double h) {
             }
             has_guess_[i] = 1;
         }
-        point.law.contact_guess = point.law.may_touch ? std::max(0.0, guess_[i].x()) : 0;
+        point.law.contact_guess = point.law.contact.may_touch ? std::max(0.0, guess_[i].x()) : 0;
         point.law.tangential_guess = std::isinf(point.law.rho_T) ? 0 : guess_[i].y();
     }
     guess_contacts();
@@ -279,18 +274,12 @@ void ImplicitScheme::account_points(double h, StepReport& report) const {
         const Vec2 w = point.rate_at(rate_);
         const double cohesive_N = law.strength * point.response.cohesion_theta;
         const double cohesive_T = -(point.response.tangential - point.response.friction_part);  // resists
-        const double impact = point.response.contact * w.x() / theta, friction = point.response.friction_part * w.y() / theta;
         report.cohesive_work += (cohesive_N * w.x() + cohesive_T * w.y()) / theta;
-        report.impact_work += impact;
-        report.friction_work += friction;
-        const double slack = (rounding + report.residual) * solver_.unit() / (point.mass * theta);  // [m/s] what w may be off
-        report.worst_impact_work = std::max(report.worst_impact_work, impact - slack * point.response.contact);
-        report.worst_friction_work = std::max(report.worst_friction_work, friction - slack * std::abs(point.response.friction_part));
-
+        const double rate_error = (rounding + report.residual) * solver_.unit() / (point.mass * theta);  // [m/s] of w/theta
         const double u_N = law.u_N + h * w.x(), u_T = law.u_T + h * w.y();
-        report.penetration = std::max(report.penetration, -u_N);
+        account_contact({point.response.contact, point.response.friction_part, w.x() / theta, w.y() / theta, rate_error, u_N}, report);
         if (point.fan_point < 0) continue;
-        report.crossing_loss += (cohesive_T * w.y() - law.gamma * cohesive_N * (std::abs(u_T) - std::abs(law.u_T)) / h) / theta;
+        report.crossing_loss += (cohesive_T * w.y() - law.material->gamma * cohesive_N * (std::abs(u_T) - std::abs(law.u_T)) / h) / theta;
     }
 }
 

@@ -44,7 +44,7 @@ private:
     LoosePoint make_point(const State& begin, double h, Index fan, Index fan_point) const;
     bool is_given(Index node, int component) const;             // prescribed, or the ground
     double mass_between(Index before, Index after) const;       // [kg] LoosePoint::mass
-    std::array<bool, 2> imposed(const LoosePoint& point) const;  // of its rate (N, T): both sides are given and leave nothing to decide
+    void impose(LoosePoint& point) const;  // components (N, T) of its rate that both sides prescribe are not decided
     void guess_multipliers(const State& begin, double h);
     void find_scales();
     void find_obstacle_rates(const State& begin, double h, StepReport& report);

@@ -30,7 +30,7 @@ struct LoosePoint {
     /// [m/s] (w_N, w_T)
     Vec2 rate_at(const std::vector<Vec2>& rate) const { return across(rate) - ground_rate; }
     /// Its sides move as one.
-    bool holds_still() const { return response.closed && response.sticks && law.bound == 0 && response.kink == 0; }
+    bool holds_still() const { return response.closed && response.sticks && law.contact.rate == 0 && response.kink == 0; }
     Vec2 impulse() const { return response.normal(law) * normal + response.tangential * turned_left(normal); }  // [N s] q
 };
 

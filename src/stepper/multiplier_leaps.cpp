@@ -24,7 +24,7 @@ double room(std::span<const LoosePoint> fan, std::span<const Vec2> move) {
         const PointLaw& law = fan[j].law;
         if (fan[j].response.closed && move[j].x() < 0) furthest = std::min(furthest, law.contact_guess / -move[j].x());
         if (!fan[j].response.sticks || move[j].y() == 0) continue;
-        const double most = law.friction * law.contact_guess + law.gamma * law.strength * fan[j].response.cohesion_theta;
+        const double most = law.friction * law.contact_guess + law.material->gamma * law.strength * fan[j].response.cohesion_theta;
         const double left = most - std::copysign(law.tangential_guess, law.tangential_guess * move[j].y());
         furthest = std::min(furthest, std::max(0.0, left) / std::abs(move[j].y()));
     }

@@ -19,45 +19,33 @@ constexpr int few = 12;                // components, on the stack
 
 void ObstacleMotion::begin_explicit(const State& begin, double kick_time, double drift_time) {
     theta_scheme_ = false, theta_ = 1, kick_time_ = kick_time, drift_time_ = drift_time;
-    const std::size_t n = model_.obstacles.size();
-    rate_.resize(n);
-    force_.resize(n);
-    for (std::size_t o = 0; o < n; ++o) {
-        const Obstacle& obstacle = model_.obstacles[o];
-        force_[o] = force_at(obstacle, begin.time);
-        for (int k = 0; k < 3; ++k) {
-            const Drive& drive = obstacle.drive[k];
-            if (drive.kind == Drive::Kind::free) rate_[o][k] = begin.obstacles[o].velocity[k] + kick_time / obstacle.inertia_of(k) * force_[o][k];
-            // the velocity lives at the middle of the step, the displacement it leads to at its end
-            if (drive.kind == Drive::Kind::velocity) rate_[o][k] = drive.value * drive.history(begin.time + 0.5 * drift_time);
-            if (drive.kind == Drive::Kind::displacement)
-                rate_[o][k] = (drive.value * drive.history(begin.time + drift_time) - begin.obstacles[o].moved[k]) / drift_time;
-        }
-    }
-    end_velocity_ = rate_;
+    begin_step(begin, {.begin = begin.time, .h = drift_time, .central_differences = true});
 }
 
 void ObstacleMotion::begin_theta(const State& begin, double h, double theta) {
     theta_scheme_ = true, theta_ = theta, kick_time_ = drift_time_ = h;
+    begin_step(begin, {.begin = begin.time, .h = h, .theta = theta});
+}
+
+void ObstacleMotion::begin_step(const State& begin, const StepTimes& step) {
     const std::size_t n = model_.obstacles.size();
-    const double t = begin.time;
     rate_.resize(n);
     force_.resize(n);
     end_velocity_.resize(n);
     for (std::size_t o = 0; o < n; ++o) {
         const Obstacle& obstacle = model_.obstacles[o];
-        force_[o] = theta * force_at(obstacle, t + h) + (1 - theta) * force_at(obstacle, t);
+        force_[o] = force_at(obstacle, step.begin);
+        if (theta_scheme_) force_[o] = theta_ * force_at(obstacle, step.begin + step.h) + (1 - theta_) * force_[o];
         for (int k = 0; k < 3; ++k) {
             const Drive& drive = obstacle.drive[k];
-            if (drive.kind == Drive::Kind::free) rate_[o][k] = begin.obstacles[o].velocity[k] + theta * h / obstacle.inertia_of(k) * force_[o][k];
-            if (drive.kind == Drive::Kind::velocity) {
-                rate_[o][k] = drive.value * (theta * drive.history(t + h) + (1 - theta) * drive.history(t));
-                end_velocity_[o][k] = drive.value * drive.history(t + h);
+            if (drive.kind == Drive::Kind::free) {
+                rate_[o][k] = end_velocity_[o][k] = begin.obstacles[o].velocity[k] + theta_ * kick_time_ / obstacle.inertia_of(k) * force_[o][k];
+                continue;
             }
-            if (drive.kind == Drive::Kind::displacement) {
-                rate_[o][k] = (drive.value * drive.history(t + h) - begin.obstacles[o].moved[k]) / h;
-                end_velocity_[o][k] = drive.value * drive.history.slope_before(t + h);
-            }
+            const PrescribedRate given =
+                prescribed_rate(drive.kind == Drive::Kind::displacement, drive.value, drive.history, begin.obstacles[o].moved[k], step);
+            rate_[o][k] = given.rate;
+            end_velocity_[o][k] = given.end_velocity;
         }
     }
 }

@@ -39,6 +39,7 @@ private:
         int k;
         double mass;  // [kg] or [kg m2]
     };
+    void begin_step(const State& begin, const StepTimes& step);
     template <int most>
     double find_rates(const State& begin, double tolerance, const Response& response);
 

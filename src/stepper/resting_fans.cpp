@@ -10,7 +10,7 @@
 #include "stepper/vertex_scheme.hpp"
 
 #include "interfaces/circulation.hpp"
-#include "stepper/cohesion_books.hpp"
+#include "stepper/point_work.hpp"
 
 #include <algorithm>
 

@@ -1,12 +1,11 @@
 #include "stepper/step_lcp.hpp"
 
-#include "stepper/contact_bound.hpp"
+#include "interfaces/interface_law.hpp"
 #include "stepper/corner_partition.hpp"
 #include "stepper/step_lcp_body.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace knap {
 namespace {
@@ -23,7 +22,7 @@ struct Point {
     const CohesiveLaw* law;
     Vec2 opening, rate;           // [m], [m/s] (N, T)
     double cohesion;              // [-]
-    std::optional<double> bound;  // [m/s] c, of a point that may touch
+    ContactBound contact;
 };
 
 class StepLcpMaker {
@@ -77,15 +76,10 @@ private:
                      .opening = opening(model_, begin_, at.point),
                      .rate = {at.normal.dot(jump), turned_left(at.normal).dot(jump)},
                      .cohesion = cohesion(model_, begin_, at.point),
-                     .bound = std::nullopt};
+                     .contact = {}};
             if (at.cracked || point.law->sigma_c == 0 || point.cohesion < bond_is_gone) point.cohesion = 0;
-            point.bound = bound(point);
+            point.contact = contact_bound_theta(point.opening.x(), point.rate.x(), point.law->restitution_at(point.cohesion), h_, theta_, touching_gap(model_, begin_, at));
         }
-    }
-
-    std::optional<double> bound(const Point& point) const {
-        const double length = length_behind_opening(*point.at, *point.law, begin_);
-        return contact_bound(point.opening.x(), point.rate.x(), length, restitution_in_step(*point.law, point.cohesion), h_, theta_);
     }
 
     void lay_out() {
@@ -100,11 +94,11 @@ private:
         const Eigen::VectorXd freedom = step_.body->freedom(step_.jump);
         for (Point& point : points_) {
             if (unbreakable(model_, *point.at)) continue;
-            if (freedom[2 * point.at->point] < rounding) point.bound.reset();  // driven on both sides: no contact stops that
-            if (point.bound) layout.contacts.push_back(point.at->point);
+            if (freedom[2 * point.at->point] < rounding) point.contact.may_touch = false;  // driven on both sides: no contact stops that
+            if (point.contact.may_touch) layout.contacts.push_back(point.at->point);
             if (point.cohesion == 0) continue;
             layout.cohesive.push_back(point.at->point);
-            const bool lands = !point.bound || point.opening.x() + h_ * *point.bound < -rounding * point.law->delta_c();
+            const bool lands = !point.contact.may_touch || point.opening.x() + h_ * point.contact.rate < -rounding * point.law->delta_c();
             if (implicit_beta_ && lands) layout.landing.push_back(point.at->point);
         }
     }
@@ -168,7 +162,7 @@ private:
         for (int k = 0; k < at.c(); ++k) {
             const Index p = at.contacts[k];
             take_rate(at.normal(k), p, 0, 1);
-            known_[at.normal(k)] = -*points_[p].bound;
+            known_[at.normal(k)] = -points_[p].contact.rate;
             give_impulse(at.normal(k), p, 0, 1);
             if (!at.friction) continue;
             couple(at.slip_rate(k), at.normal(k), points_[p].law->friction);

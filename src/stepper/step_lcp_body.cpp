@@ -106,23 +106,18 @@ void PartedBody::prescribe(const Model& model, const State& begin, double h, dou
     const Index n = 2 * model.mesh.n_corners();
     is_known_.assign(n, 0);
     known_rate_ = known_velocity_ = Eigen::VectorXd::Zero(n);
-    const double end = begin.time + h;
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
         if (leader_[c] == ground) is_known_[2 * c] = is_known_[2 * c + 1] = 1;
         if (leader_[c] == ground || model.prescribed.empty() || model.prescribed_of_corner[c] < 0) continue;
         const PrescribedMotion& motion = model.prescribed[model.prescribed_of_corner[c]];
         for (Index k = 0; k < 2; ++k) {
             if (!motion.component[k]) continue;
-            const TimeFunction& history = model.histories[motion.history[k]];
-            const Index i = 2 * leader_[c] + k;  // what one is made to do, all that are joined to it do
+            const Index i = 2 * leader_[c] + k;  // prescribed components propagate to all joined corners
+            const double displacement = begin.displacement[begin.node_of_corner[c]][k];
+            const PrescribedRate given = motion.rate(k, model.histories, displacement, {.begin = begin.time, .h = h, .theta = theta});
             is_known_[i] = 1;
-            if (motion.is_displacement[k]) {
-                known_rate_[i] = (motion.value[k] * history(end) - begin.displacement[begin.node_of_corner[c]][k]) / h;
-                known_velocity_[i] = motion.value[k] * history.slope_before(end);
-            } else {
-                known_velocity_[i] = motion.value[k] * history(end);
-                known_rate_[i] = motion.value[k] * (theta * history(end) + (1 - theta) * history(begin.time));
-            }
+            known_rate_[i] = given.rate;
+            known_velocity_[i] = given.end_velocity;
         }
     }
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {

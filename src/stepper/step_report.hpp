@@ -2,7 +2,9 @@
 // What one step says of itself; the ledger adds it up.
 #include "base/vec.hpp"
 
+#include <algorithm>
 #include <cstdint>
+#include <tuple>
 
 namespace knap {
 
@@ -14,6 +16,9 @@ enum class Refusal {
     assumption_1,   // softening outweighs inertia and stiffness: the step has several solutions; a smaller one has one
     not_converged,  // the solver of the interfaces did not reach its tolerance
 };
+
+/// How the values of two parts of the body, or of two steps, make one.
+enum class Combine { sum, maximum };
 
 /// Works are those of this step [J]; of impulses with the mean of the velocities before and after (formulation: energy ledger).
 struct StepReport {
@@ -47,15 +52,36 @@ struct StepReport {
     Refusal refusal = Refusal::none;
     Vec2 where = Vec2::Zero();       // [m] of the refusal
 
+    /// Every number above, as visit(member, how to combine it): sums and serialization follow from this list.
+    template <class Visit>
+    static constexpr void for_each_number(const Visit& visit) {
+        using R = StepReport;
+        constexpr auto sums = std::tuple{&R::kinetic, &R::strain, &R::dissipated, &R::recoverable, &R::external_work, &R::cohesive_work,
+                                         &R::crossing_loss, &R::impact_work, &R::friction_work, &R::step_change_work, &R::scheme_dissipation,
+                                         &R::fan_solves, &R::fan_iterations, &R::fan_fallbacks, &R::bound_tests, &R::released, &R::softened,
+                                         &R::linear_solves, &R::factorisations};
+        constexpr auto maxima = std::tuple{&R::worst_impact_work, &R::worst_friction_work, &R::residual, &R::penetration, &R::largest_speed,
+                                           &R::largest_beta_growth};
+        std::apply([&](auto... member) { (visit(member, Combine::sum), ...); }, sums);
+        std::apply([&](auto... member) { (visit(member, Combine::maximum), ...); }, maxima);
+    }
+
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(kinetic, strain, dissipated, recoverable, external_work, cohesive_work, crossing_loss, impact_work, friction_work, step_change_work, scheme_dissipation,
-                worst_impact_work, worst_friction_work, residual, penetration, largest_speed, largest_beta_growth, largest_drop, drop_corner, fan_solves, fan_iterations,
-                fan_fallbacks, bound_tests, released, softened, linear_solves, factorisations, refusal, where);
+        for_each_number([&](auto member, Combine) { archive(this->*member); });
+        archive(largest_drop, drop_corner, refusal, where);
     }
 
     /// Adds the share of another part of the body (or of another step).
-    StepReport& operator+=(const StepReport& other);
+    StepReport& operator+=(const StepReport& other) {
+        for_each_number([&](auto member, Combine how) {
+            if (how == Combine::sum) this->*member += other.*member;
+            else this->*member = std::max(this->*member, other.*member);
+        });
+        if (other.largest_drop > largest_drop) largest_drop = other.largest_drop, drop_corner = other.drop_corner;
+        if (refusal == Refusal::none) refusal = other.refusal, where = other.where;
+        return *this;
+    }
 };
 
 }  // namespace knap

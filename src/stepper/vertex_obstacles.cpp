@@ -1,4 +1,5 @@
 // Rigid obstacles beside the explicit bulk, where a contact reaches beyond a fan: free obstacles, and corners of obstacles on edges of the body.
+#include "stepper/point_work.hpp"
 #include "stepper/vertex_scheme.hpp"
 
 #include <algorithm>
@@ -134,13 +135,10 @@ void VertexScheme::account_edges(const State& begin, const State& end, const Fre
                             velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
         const Vec2 after = contact.of_body([&](Index c) -> Vec2 { return end.velocity[end.node_of_corner[c]]; }) -
                            velocity_at(motion_.rate()[contact.obstacle], contact);
-        const double impact = link.contact * 0.5 * link.normal.dot(before + after), friction = link.friction_part * 0.5 * link.tangent().dot(before + after);
-        const double slack = (edge_tolerance + report.residual) * (before.norm() + after.norm());  // [m/s] what the velocities may be off
-        report.impact_work += impact;
-        report.friction_work += friction;
-        report.worst_impact_work = std::max(report.worst_impact_work, impact - slack * link.contact);
-        report.worst_friction_work = std::max(report.worst_friction_work, friction - slack * std::abs(link.friction_part));
-        report.penetration = std::max(report.penetration, -link.u_N - free.drift_time * link.normal.dot(after));
+        const double rate_error = (edge_tolerance + report.residual) * (before.norm() + after.norm());  // [m/s]
+        account_contact({link.contact, link.friction_part, 0.5 * link.normal.dot(before + after), 0.5 * link.tangent().dot(before + after), rate_error,
+                         link.u_N + free.drift_time * link.normal.dot(after)},
+                        report);
     }
 }
 

@@ -1,7 +1,7 @@
 #include "stepper/vertex_scheme.hpp"
 
 #include "base/parallel.hpp"
-#include "stepper/cohesion_books.hpp"
+#include "stepper/point_work.hpp"
 #include "stepper/split_order.hpp"
 
 #include <omp.h>
@@ -102,13 +102,9 @@ StepReport VertexScheme::advance_split(const State& begin, const FreeMotion& fre
 
 Vec2 VertexScheme::prescribed_velocity(const PrescribedMotion& motion, const Vec2& displacement, const State& begin, double h) const {
     Vec2 velocity = Vec2::Zero();
-    for (int k = 0; k < 2; ++k) {
-        if (!motion.component[k]) continue;
-        const TimeFunction& history = model_.histories[motion.history[k]];
-        // the velocity lives at the middle of the step, the displacement it leads to at its end
-        velocity[k] = motion.is_displacement[k] ? (motion.value[k] * history(begin.time + h) - displacement[k]) / h
-                                                : motion.value[k] * history(begin.time + 0.5 * h);
-    }
+    for (int k = 0; k < 2; ++k)
+        if (motion.component[k])
+            velocity[k] = motion.rate(k, model_.histories, displacement[k], {.begin = begin.time, .h = h, .central_differences = true}).rate;
     return velocity;
 }
 
@@ -323,7 +319,7 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
     const auto reaction_at = [&](Index body) -> Vec2& {
         return end.reaction[model_.prescribed_of_corner[model_.fan_corners[fan.first_corner + body]]];
     };
-    const double slack = (rounding + solution.residual) * speed_scale(problem);  // [m/s] what the velocities may be off
+    const double rate_error = (rounding + solution.residual) * speed_scale(problem);  // [m/s]
     const auto relieve_drives = [&](const FanLink& link) {
         for (int k = 0; k < 2; ++k) {
             const auto driven = [&](Index body) { return body >= 0 && body < fan.n_corners && problem.bodies[body].inverse_mass[k] == 0; };
@@ -349,19 +345,13 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
             state.cohesion = 1;
             continue;
         }
-        const double impact = link.contact * mean_N, friction = link.friction_part * mean_T;
         report.cohesive_work += link.cohesive * mean_N - (link.tangential - link.friction_part) * mean_T;
         report.crossing_loss += crossing_loss(link, t.dot(before), t.dot(after), begin.last_step, free);
-        report.impact_work += impact;
-        report.friction_work += friction;
-        report.worst_impact_work = std::max(report.worst_impact_work, impact - slack * link.contact);
-        report.worst_friction_work = std::max(report.worst_friction_work, friction - slack * std::abs(link.friction_part));
-
         const double u_N = link.u_N + free.drift_time * n.dot(after), u_T = link.u_T + free.drift_time * t.dot(after);
         const double cohesion = point.cracked ? 0 : cohesion_before(f, i, begin);
         state.cohesion = law.next_cohesion(cohesion, u_N, u_T);
         account_cohesion(point, law, cohesion, state.cohesion, u_N, u_T, report);
-        report.penetration = std::max(report.penetration, -u_N);
+        account_contact({link.contact, link.friction_part, mean_N, mean_T, rate_error, u_N}, report);
     }
 
     const auto contacts = contacts_.of_fan(f);
@@ -369,13 +359,10 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
         const FanLink& link = problem.links[fan.n_points + j];
         const Vec2 before = problem.velocity_before(link.after) - problem.velocity_before(link.before);
         const Vec2 after = problem.velocity_after(link.after) - problem.velocity_after(link.before);
-        const double impact = link.contact * 0.5 * link.normal.dot(before + after), friction = link.friction_part * 0.5 * link.tangent().dot(before + after);
         relieve_drives(link);
-        report.impact_work += impact;
-        report.friction_work += friction;
-        report.worst_impact_work = std::max(report.worst_impact_work, impact - slack * link.contact);
-        report.worst_friction_work = std::max(report.worst_friction_work, friction - slack * std::abs(link.friction_part));
-        report.penetration = std::max(report.penetration, -link.u_N - free.drift_time * link.normal.dot(after));
+        account_contact({link.contact, link.friction_part, 0.5 * link.normal.dot(before + after), 0.5 * link.tangent().dot(before + after), rate_error,
+                         link.u_N + free.drift_time * link.normal.dot(after)},
+                        report);
         contact_impulse_[&contacts[j] - contacts_.all().data()] = link.impulse;
     }
 }

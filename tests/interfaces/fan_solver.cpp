@@ -100,9 +100,9 @@ TEST_CASE("the active set and Lemke's pivots find the same velocities where they
         FanProblem fan = RandomFan(seed, {.friction = false, .prescribed = true}).problem();
         if (solver.solve(fan).status != FanSolution::Status::exact) continue;
         const FanJudge judge(fan);
-        std::vector<LinkLaw> laws;
+        std::vector<InterfaceLaw> laws;
         for (const FanLink& link : fan.links)
-            laws.emplace_back(link, fan.velocity_before(link.after) - fan.velocity_before(link.before), fan.drift_time, 1e-12 * judge.speed_scale());
+            laws.push_back(law_of(link, fan.velocity_before(link.after) - fan.velocity_before(link.before), fan.drift_time, 1e-12 * judge.speed_scale()));
         const FanLcpSolution& other = pivots.solve(fan, laws, judge.speed_scale());
         REQUIRE(other.solved);
         double difference = 0;
