@@ -1,5 +1,5 @@
 // A point that loses cohesion within a step counts as softened with either bulk, and that is what a step size reacts to.
-#include "stepper/cohesion_books.hpp"
+#include "stepper/point_work.hpp"
 #include "stepper/step_control.hpp"
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
@@ -38,7 +38,7 @@ ModelInput torn() {
 
 std::int64_t lost_cohesion(const Model& model, const State& begin, const State& end) {
     std::int64_t n = 0;
-    for (Index p = 0; p < model.n_points(); ++p) n += cohesion(model, begin, p) - cohesion(model, end, p) > least_loss;
+    for (Index p = 0; p < model.n_points(); ++p) n += cohesion(model, begin, p) - cohesion(model, end, p) > min_softening;
     return n;
 }
 
