@@ -1,4 +1,4 @@
-# Writes scenarios/*.toml and the files that they name (*.msh) into one C++ file, so that the program knows them by name from any directory.
+# Writes scenarios/*.toml, the files that they name (*.msh) and the template of `knap new` into one C++ file, so that the program knows them by name from any directory.
 function(knap_embed_table pattern with_ending result)
   file(GLOB files CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/scenarios/${pattern})
   set(table "")
@@ -18,6 +18,9 @@ endfunction()
 function(knap_embed_scenarios output)
   knap_embed_table(*.toml FALSE scenarios)
   knap_embed_table(*.msh TRUE files)
+  set(template ${CMAKE_SOURCE_DIR}/src/scenario/new_scenario.toml)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${template})
+  file(READ ${template} template)
   file(CONFIGURE OUTPUT ${output} @ONLY CONTENT
 "// Generated from scenarios/*.toml and scenarios/*.msh.
 #include \"scenario/built_in.hpp\"
@@ -34,6 +37,11 @@ const std::vector<BuiltIn>& built_in_files() {
     static const std::vector<BuiltIn> all{
 @files@    };
     return all;
+}
+
+const std::string& scenario_template() {
+    static const std::string text = R\"knap_file(@template@)knap_file\";
+    return text;
 }
 
 }  // namespace knap

@@ -1,16 +1,14 @@
 #include "scenario/findings.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <iterator>
 #include <tuple>
 
 namespace knap {
+
 namespace {
-
-constexpr std::size_t most_quoted = 10'000'000;  // a line of a megabyte may be wrong in a hundred thousand places
-
-}  // namespace
+constexpr std::size_t max_quoted = 10'000'000;  // characters: a line of a megabyte may be wrong in 100 000 places
+}
 
 Source::Source(std::string name, std::string text) : name_(std::move(name)), text_(std::move(text)) {
     std::string line;
@@ -19,15 +17,15 @@ Source::Source(std::string name, std::string text) : name_(std::move(name)), tex
             lines_.push_back(std::move(line));
             line.clear();
         } else if (c != '\r') {
-            line += c == '\t' ? ' ' : c;  // one character wide, so that the marks stand right
+            line += c == '\t' ? ' ' : c;  // one column wide, so that the marks stand right
         }
     }
     if (!line.empty()) lines_.push_back(std::move(line));
 }
 
-void Source::point(Diagnostic& d, const Node& node) const { point(d, node, node.place); }
-
-void Source::point_at_name(Diagnostic& d, const Node& node) const { point(d, node, node.name_place.line > 0 ? node.name_place : node.place); }
+void Source::point_at_name(Diagnostic& d, const Node& node) const {
+    point(d, node, node.name_place.line > 0 ? node.name_place : node.place);
+}
 
 void Source::point(Diagnostic& d, const Node& node, const Place& place) const {
     d.file = node.set_by.empty() ? name_ : node.set_by;
@@ -55,27 +53,24 @@ Diagnostic& Findings::error_at_name(const std::string& code, const std::string& 
 }
 
 Diagnostic& Findings::error(const std::string& code, const std::string& message) {
-    found_.push_back({.code = code, .message = message, .file = source_.name()});
-    return found_.back();
+    return found_.emplace_back(Diagnostic{.code = code, .message = message, .file = source_.name()});
 }
 
 Diagnostic& Findings::warning(const std::string& code, const std::string& message, const Node& at) {
-    found_.push_back({.severity = Diagnostic::Severity::warning, .code = code, .message = message});
-    source_.point(found_.back(), at);
+    error(code, message, at).severity = Diagnostic::Severity::warning;
     return found_.back();
 }
 
 bool Findings::has_errors() const {
-    return std::any_of(found_.begin(), found_.end(), [](const Diagnostic& d) { return d.severity == Diagnostic::Severity::error; });
+    return std::ranges::count(found_, Diagnostic::Severity::error, &Diagnostic::severity) > 0;
 }
 
 std::vector<Diagnostic> Findings::sorted(Diagnostic::Severity severity) const {
     std::vector<Diagnostic> list;
-    std::copy_if(found_.begin(), found_.end(), std::back_inserter(list), [&](const Diagnostic& d) { return d.severity == severity; });
-    const auto rank = [](const Diagnostic& d) { return std::make_tuple(d.line == 0, d.line, d.column); };
-    std::stable_sort(list.begin(), list.end(), [&](const Diagnostic& a, const Diagnostic& b) { return rank(a) < rank(b); });
+    std::ranges::copy_if(found_, std::back_inserter(list), [&](const Diagnostic& d) { return d.severity == severity; });
+    std::ranges::stable_sort(list, {}, [](const Diagnostic& d) { return std::tuple(d.line == 0, d.line, d.column); });
     std::size_t n_quoted = 0;  // characters
-    for (auto d = list.begin(); d != list.end() && n_quoted < most_quoted; ++d) {
+    for (auto d = list.begin(); d != list.end() && n_quoted < max_quoted; ++d) {
         source_.quote(*d);
         n_quoted += d->source_line.size();
     }

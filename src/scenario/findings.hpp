@@ -1,11 +1,10 @@
 #pragma once
-// The source text of a scenario and all that is found wrong with it.
+// The source text of a scenario and everything that is found wrong with it.
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "scenario/node.hpp"
+#include "scenario/toml_tree.hpp"
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace knap {
@@ -17,10 +16,10 @@ public:
     const std::string& name() const { return name_; }  // as the user wrote it, for messages
     const std::string& text() const { return text_; }  // verbatim
 
-    /// Fills in file, line, column and length, or the `--set` that the node came from.
-    void point(Diagnostic& diagnostic, const Node& node) const;
+    /// Fills in file, line, column and length of a node, or the `--set` that the node comes from.
+    void point(Diagnostic& diagnostic, const Node& node) const { point(diagnostic, node, node.place); }
     void point_at_name(Diagnostic& diagnostic, const Node& node) const;
-    /// Adds the line that it points at, and ends the marks with it.
+    /// Adds the source line, and ends the marks with it.
     void quote(Diagnostic& diagnostic) const;
 
 private:
@@ -40,9 +39,8 @@ public:
     Diagnostic& warning(const std::string& code, const std::string& message, const Node& at);
 
     bool has_errors() const;
-    /// In the order of the file, each with its line as far as all can be; what has no line comes last.
+    /// In the order of the file, with source lines; findings without a line come last.
     std::vector<Diagnostic> sorted(Diagnostic::Severity severity) const;
-    const Source& source() const { return source_; }
 
 private:
     const Source& source_;

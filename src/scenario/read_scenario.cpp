@@ -3,11 +3,9 @@
 #include <algorithm>
 
 #include "base/whole_file.hpp"
-#include "scenario/assemble.hpp"
 #include "scenario/built_in.hpp"
-#include "scenario/overrides.hpp"
+#include "scenario/reading.hpp"
 #include "scenario/resolve.hpp"
-#include "scenario/toml_tree.hpp"
 
 namespace knap {
 namespace {
@@ -21,17 +19,20 @@ constexpr std::uintmax_t largest_file = 20'000'000;  // bytes: a polygon of 1e5 
 Node parsed(const Source& source, Findings& findings) {
     const std::string& text = source.text();
     if (text.find('\0') != std::string::npos) {
-        findings.error("binary-file", "`" + source.name() + "` is not a text file").note = "a scenario is a TOML file; `knap new` writes one";
+        findings.error("binary-file", "`" + source.name() + "` is not a text file").note =
+            "a scenario is a TOML file; `knap new` writes one";
         give_up(findings);
     }
     Node root;
     if (const auto error = parse_toml(text, root)) {
         Node at{.place = error->place};
-        findings.error("bad-toml", error->message, at).note = "a scenario is a TOML file (toml.io); text goes into \"quotes\"";
+        findings.error("bad-toml", error->message, at).note =
+            "a scenario is a TOML file (toml.io); text goes into \"quotes\"";
         give_up(findings);
     }
     if (root.children.empty()) {
-        findings.error("empty-file", "`" + source.name() + "` says nothing").note = "`knap new` writes a scenario to start from";
+        findings.error("empty-file", "`" + source.name() + "` says nothing").note =
+            "`knap new` writes a scenario to start from";
         give_up(findings);
     }
     return root;
@@ -40,19 +41,25 @@ Node parsed(const Source& source, Findings& findings) {
 void check_format(const Node& root, Findings& findings) {
     const Node* format = root.find("knap");
     if (!format || format->type != Node::Type::integer || format->integer <= newest_format) return;
-    findings.error("newer-format", "this scenario has format " + std::to_string(format->integer) + ", and this program reads up to " +
-                                       std::to_string(newest_format), *format).note = "use a newer version of knap";
+    findings
+        .error("newer-format",
+               "this scenario has format " + std::to_string(format->integer) + ", and this program reads up to " +
+                   std::to_string(newest_format),
+               *format)
+        .note = "use a newer version of knap";
     give_up(findings);
 }
 
 /// The file's name without its type; what cannot be in a scenario's name becomes "-".
 std::string name_from(const std::string& file) {
     std::string name = std::filesystem::path(file).stem().string();
-    std::replace_if(name.begin(), name.end(), [](char c) { return !is_plain(c); }, '-');
+    std::ranges::replace_if(
+        name, [](char c) { return !is_plain(c); }, '-');
     return name.empty() || name.front() == '.' ? "scenario" : name;
 }
 
-[[noreturn]] void refuse(const std::string& code, const std::string& message, const std::string& file, const std::string& note) {
+[[noreturn]] void refuse(const std::string& code, const std::string& message, const std::string& file,
+                         const std::string& note) {
     throw UserError({{.code = code, .message = message, .file = file, .note = note}});
 }
 
@@ -60,10 +67,13 @@ std::string text_of_file(const std::filesystem::path& file) {
     std::error_code code;
     const std::string name = file.string();
     if (!std::filesystem::exists(file, code)) refuse("missing-file", "there is no file `" + name + "`", "", "");
-    if (std::filesystem::is_directory(file, code)) refuse("not-a-file", "`" + name + "` is a directory", "", "give the scenario file in it");
-    if (!std::filesystem::is_regular_file(file, code)) refuse("not-a-file", "`" + name + "` is not a regular file", "", "");
+    if (std::filesystem::is_directory(file, code))
+        refuse("not-a-file", "`" + name + "` is a directory", "", "give the scenario file in it");
+    if (!std::filesystem::is_regular_file(file, code))
+        refuse("not-a-file", "`" + name + "` is not a regular file", "", "");
     if (std::filesystem::file_size(file, code) > largest_file)
-        refuse("too-large", "`" + name + "` has more than " + std::to_string(largest_file / 1'000'000) + " MB", "", "large meshes are read by mesh.file");
+        refuse("too-large", "`" + name + "` has more than " + std::to_string(largest_file / 1'000'000) + " MB", "",
+               "large meshes are read by mesh.file");
     try {
         return read_whole_file(file);
     } catch (const OutputError& error) {
@@ -74,7 +84,8 @@ std::string text_of_file(const std::filesystem::path& file) {
 /// "holes[1]" of a Shape -> "domain.hole[1]" of the scenario.
 std::string path_of_part(const std::string& part) {
     if (part == "size") return "mesh.size";
-    for (const auto& [theirs, ours] : {std::pair{"holes[", "domain.hole["}, {"cracks[", "domain.crack["}, {"regions[", "domain.region["}})
+    for (const auto& [theirs, ours] :
+         {std::pair{"holes[", "domain.hole["}, {"cracks[", "domain.crack["}, {"regions[", "domain.region["}})
         if (part.starts_with(theirs)) return ours + part.substr(std::string_view(theirs).size());
     return "domain";
 }
@@ -86,7 +97,23 @@ std::string key_of_shape(const Values& values, const std::string& table) {
     return table;
 }
 
-ReadResult read_text(const std::string& text, const std::string& name, const std::vector<std::string>& overrides, const Beside& beside) {
+/// The built-in scenario that a name means: itself, or the shortest that begins with it where all that do begin with
+/// that one (edge-crack: edge_cracked_block, not its variants). Empty: none.
+std::string full_name(std::string begin, const std::vector<std::string>& names) {
+    std::replace(begin.begin(), begin.end(), '-', '_');
+    std::string shortest;
+    for (const std::string& name : names) {
+        if (name == begin) return name;
+        if (begin.size() >= 4 && name.starts_with(begin) && (shortest.empty() || name.size() < shortest.size()))
+            shortest = name;
+    }
+    const auto agrees = [&](const std::string& name) { return !name.starts_with(begin) || name.starts_with(shortest); };
+    const bool clear = std::ranges::all_of(names, agrees);
+    return clear ? shortest : "";
+}
+
+ReadResult read_text(const std::string& text, const std::string& name, const std::vector<std::string>& overrides,
+                     const Beside& beside) {
     ReadResult result{.source = Source(name, text)};
     Findings findings(result.source);
     Node root = parsed(result.source, findings);
@@ -94,8 +121,8 @@ ReadResult read_text(const std::string& text, const std::string& name, const std
     apply_overrides(root, overrides, findings);
     result.values = resolve(root, findings);
     result.values.compute("name", Node::of_text(name_from(name)));
-    Assembly assembly{result.values, findings, result.scenario, beside};
-    assemble(assembly);
+    Reading reading{result.values, findings, result.scenario, beside};
+    read_all(reading);
     if (findings.has_errors()) give_up(findings);
     result.warnings = findings.sorted(Diagnostic::Severity::warning);
     return result;
@@ -103,8 +130,8 @@ ReadResult read_text(const std::string& text, const std::string& name, const std
 
 }  // namespace
 
-ReadResult read_scenario_text(const std::string& text, const std::string& name, const std::vector<std::string>& overrides,
-                              const std::filesystem::path& directory) {
+ReadResult read_scenario_text(const std::string& text, const std::string& name,
+                              const std::vector<std::string>& overrides, const std::filesystem::path& directory) {
     return read_text(text, name, overrides, {directory});
 }
 
@@ -112,30 +139,14 @@ ReadResult read_scenario(const std::filesystem::path& file, const std::vector<st
     return read_scenario_text(text_of_file(file), file.string(), overrides, file.parent_path());
 }
 
-namespace {
-
-/// The built-in scenario that a name means: itself, or the shortest that begins with it where all that do begin with that one
-/// (edge-crack: edge_cracked_block, not its variants). Empty: none.
-std::string full_name(std::string begin, const std::vector<std::string>& names) {
-    std::replace(begin.begin(), begin.end(), '-', '_');
-    std::string shortest;
-    for (const std::string& name : names) {
-        if (name == begin) return name;
-        if (begin.size() >= 4 && name.starts_with(begin) && (shortest.empty() || name.size() < shortest.size())) shortest = name;
-    }
-    const bool clear = std::all_of(names.begin(), names.end(), [&](const std::string& n) { return !n.starts_with(begin) || n.starts_with(shortest); });
-    return clear ? shortest : "";
-}
-
-}  // namespace
-
 ReadResult open_scenario(const std::string& file_or_name, const std::vector<std::string>& overrides) {
     std::error_code code;
     if (std::filesystem::exists(file_or_name, code)) return read_scenario(file_or_name, overrides);
     const auto names = built_in_scenarios();
     const std::string name = full_name(file_or_name, names);
     if (name.empty()) {
-        Diagnostic d{.code = "missing-file", .message = "there is no file and no built-in scenario `" + file_or_name + "`"};
+        Diagnostic d{.code = "missing-file",
+                     .message = "there is no file and no built-in scenario `" + file_or_name + "`"};
         d.hint = did_you_mean(file_or_name, names);
         d.note = "built in: " + joined(names);
         throw UserError({d});
@@ -152,30 +163,25 @@ std::vector<std::string> built_in_scenarios() {
 const std::string& built_in_scenario(const std::string& name) {
     for (const BuiltIn& scenario : built_ins())
         if (scenario.name == name) return scenario.text;
-    throw UserError("missing-file", "there is no built-in scenario `" + name + "`", "built in: " + joined(built_in_scenarios()));
+    throw UserError("missing-file", "there is no built-in scenario `" + name + "`",
+                    "built in: " + joined(built_in_scenarios()));
 }
 
 Diagnostic locate(const ReadResult& result, const std::string& key_path) {
     Diagnostic d{.file = result.source.name()};
-    std::string path = key_path;
-    while (!path.empty()) {
-        const Entry* entry = result.values.find(path);
-        if (entry && (entry->node.place.line > 0 || !entry->node.set_by.empty())) {
-            result.source.point(d, entry->node);
-            result.source.quote(d);
-            return d;
-        }
-        const std::size_t cut = path.find_last_of(".[");
-        path.resize(cut == std::string::npos ? 0 : cut);
-    }
+    const Node& node = result.values.place_of(key_path);
+    if (!node.is_placed()) return d;
+    result.source.point(d, node);
+    result.source.quote(d);
     return d;
 }
 
 UserError located(const ReadResult& result, const std::string& key_path, const UserError& error) {
     Diagnostic placed = locate(result, key_path);
-    placed.code = error.diagnostics.front().code;
-    placed.message = error.diagnostics.front().message;
-    placed.note = error.diagnostics.front().note;
+    const Diagnostic& first = error.diagnostics.front();
+    placed.code = first.code;
+    placed.message = first.message;
+    placed.note = first.note;
     return UserError({placed});
 }
 

@@ -21,7 +21,8 @@ struct ReadResult {
 ReadResult read_scenario(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
 /// The same from text. `name` stands for the file in messages; file names in the scenario are relative to `directory`.
-ReadResult read_scenario_text(const std::string& text, const std::string& name, const std::vector<std::string>& overrides = {},
+ReadResult read_scenario_text(const std::string& text, const std::string& name,
+                              const std::vector<std::string>& overrides = {},
                               const std::filesystem::path& directory = {});
 
 /// A file, or where there is no such file a built-in scenario of that name.
@@ -31,8 +32,8 @@ ReadResult open_scenario(const std::string& file_or_name, const std::vector<std:
 std::vector<std::string> built_in_scenarios();
 const std::string& built_in_scenario(const std::string& name);
 
-/// A message's place: file, line, column, source line of a key, or of the nearest table above it. Severity, code and message are left
-/// to the caller.
+/// A message's place: file, line, column, source line of a key, or of the nearest table above it. Severity, code and
+/// message are left to the caller.
 Diagnostic locate(const ReadResult& result, const std::string& key_path);
 
 /// An error that was found later, at the place of a key.

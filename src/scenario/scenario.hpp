@@ -48,27 +48,27 @@ struct GrainedRock {
 
 /// A step as a scenario gives it.
 struct StepLength {
-    double value = 0;              // [s], or a multiple; 0 = not given
-    bool of_stable_step = false;   // a multiple of the stable step of the explicit bulk ("20 CFL")
+    double value = 0;             // [s], or a multiple; 0 = not given
+    bool of_stable_step = false;  // a multiple of the stable step of the explicit bulk ("20 CFL")
     double seconds(double stable_step) const { return of_stable_step ? value * stable_step : value; }
     bool operator==(const StepLength&) const = default;
 };
 
 struct TimeOptions {
-    double end = 0;                   // [s]
+    double end = 0;  // [s]
     SchemeOptions scheme;
-    StepLength step;                  // 0 = auto
-    StepLength step_cracking;         // from the first loss of cohesion on; 0 = step
-    StepLength step_min;              // 0 = 2^-20 of the step
-    double safety = 0.8;              // [-] fraction of the stable step that "auto" takes
+    StepLength step;           // 0 = auto
+    StepLength step_cracking;  // from the first loss of cohesion on; 0 = step
+    StepLength step_min;       // 0 = 2^-20 of the step
+    double safety = 0.8;       // [-] fraction of the stable step that "auto" takes
     bool start_in_equilibrium = false;
 };
 
 struct OutputOptions {
-    double every = 0;          // [s] between field frames
-    double history_every = 0;  // [s] between lines of energy.csv and cracks.csv
-    bool fields = true;        // write .vtu frames
-    bool breaks = false;       // write breaks.csv
+    double every = 0;              // [s] between field frames
+    double history_every = 0;      // [s] between lines of energy.csv and cracks.csv
+    bool fields = true;            // write .vtu frames
+    bool breaks = false;           // write breaks.csv
     double checkpoint_every = 60;  // [s] of wall time between checkpoints
 };
 
@@ -76,9 +76,9 @@ struct OutputOptions {
 struct Expectation {
     std::string key;
     std::optional<double> below, above, at_least, at_most, value;
-    double within = 0;        // with `value`: allowed deviation, absolute, or relative where `relative`
+    double within = 0;  // with `value`: allowed deviation, absolute, or relative where `relative`
     bool relative = false;
-    std::string unit;         // "" = SI; "cR" = multiples of the Rayleigh speed
+    std::string unit;  // "" = SI; "cR" = multiples of the Rayleigh speed
 };
 
 /// A mesh that was read instead of made.
@@ -110,7 +110,7 @@ struct Scenario {
     PlaneModel plane = PlaneModel::strain;
     double thickness = 1;  // [m]
     MeshOptions mesh;
-    Index order = 1;       // of the displacement on a triangle
+    Index order = 1;  // of the displacement on a triangle
     std::vector<NamedMaterial> materials;
     std::vector<NamedLaw> laws;
     std::vector<std::vector<Index>> law_of_pair;
@@ -133,6 +133,12 @@ struct Scenario {
     std::vector<Expectation> expect;
     StudyOptions study;
     SweepOptions sweep;
+
+    std::vector<std::string> material_names() const {
+        std::vector<std::string> names;
+        for (const NamedMaterial& material : materials) names.push_back(material.name);
+        return names;
+    }
 };
 
 }  // namespace knap

@@ -4,24 +4,19 @@
 
 #include "observe/outputs.hpp"
 #include "scenario/check_value.hpp"
-#include "scenario/findings.hpp"
-#include "scenario/keys.hpp"
-#include "scenario/names.hpp"
 #include "scenario/units.hpp"
 
 namespace knap {
 namespace {
 
-bool is_table(const Key& key) { return key.kind == Kind::table || key.kind == Kind::list || key.kind == Kind::names; }
-
 /// "default 0.8", "required", ... and what the range is.
 std::string conditions(const Key& key) {
     std::vector<std::string> parts;
-    if (!key.when.empty()) parts.push_back("only with " + std::string(key.when));
-    if (key.required) parts.emplace_back("required");
+    if (const std::string when = key.condition.text(); !when.empty()) parts.push_back("only with " + when);
+    if (key.is_required) parts.emplace_back("required");
     if (!key.range.text().empty()) parts.push_back(key.range.text());
-    if (!key.standard.empty()) parts.push_back("default " + std::string(key.standard));
-    if (!key.otherwise.empty()) parts.push_back("default: " + std::string(key.otherwise));
+    if (!key.default_toml.empty()) parts.push_back("default " + key.default_toml);
+    if (!key.default_doc.empty()) parts.push_back("default: " + std::string(key.default_doc));
     return joined(parts, "; ");
 }
 
@@ -36,28 +31,25 @@ std::string header(const Key& key) {
 
 // ---- JSON
 
-std::string json_text(std::string_view text) {
-    std::string out = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\') out += '\\';
-        out += c;  // the table holds no control characters
-    }
-    return out + '"';
-}
-
 std::string json_words(const std::vector<std::string>& words) {
     std::string list, endings;
     for (const std::string& word : words)
         if (word.starts_with('*')) endings += (endings.empty() ? "" : "|") + word.substr(1);
-        else list += (list.empty() ? "" : ", ") + json_text(word);
+        else list += (list.empty() ? "" : ", ") + toml_quoted(word);
     const std::string exact = "{\"enum\": [" + list + "]}";
-    return endings.empty() ? exact : "{\"anyOf\": [" + exact + ", {\"type\": \"string\", \"pattern\": " + json_text(".(" + endings + ")$") + "}]}";
+    return endings.empty() ? exact
+                           : "{\"anyOf\": [" + exact +
+                                 ", {\"type\": \"string\", \"pattern\": " + toml_quoted(".(" + endings + ")$") + "}]}";
 }
 
 std::string json_range(const Range& range) {
     std::string text;
-    if (std::isfinite(range.low)) text += std::string(", \"") + (range.low_included ? "minimum" : "exclusiveMinimum") + "\": " + shortest(range.low);
-    if (std::isfinite(range.high)) text += std::string(", \"") + (range.high_included ? "maximum" : "exclusiveMaximum") + "\": " + shortest(range.high);
+    if (std::isfinite(range.low))
+        text +=
+            std::string(", \"") + (range.low_included ? "minimum" : "exclusiveMinimum") + "\": " + shortest(range.low);
+    if (std::isfinite(range.high))
+        text += std::string(", \"") + (range.high_included ? "maximum" : "exclusiveMaximum") +
+                "\": " + shortest(range.high);
     return text;
 }
 
@@ -68,7 +60,8 @@ std::string json_scalar(const Key& key) {
         case Kind::text: return key.words.empty() ? "{\"type\": \"string\"}" : json_words(key.words);
         default: break;
     }
-    std::string any = "{\"type\": \"number\"" + json_range(key.range) + "}, {\"type\": \"string\", \"pattern\": \"^ *[-+]?[0-9.]\"}";
+    std::string any =
+        "{\"type\": \"number\"" + json_range(key.range) + "}, {\"type\": \"string\", \"pattern\": \"^ *[-+]?[0-9.]\"}";
     if (!key.words.empty()) any += ", " + json_words(key.words);
     return "{\"anyOf\": [" + any + "]}";
 }
@@ -97,23 +90,23 @@ std::string json_form(const Key& key) {
 std::string described(const Key& key, const std::string& schema) {
     std::string doc(key.doc);
     if (key.kind == Kind::number && !key.unit.empty() && key.unit != "*") doc += " [" + std::string(key.unit) + "]";
-    if (!key.when.empty()) doc += " (only with " + std::string(key.when) + ")";
-    if (!key.otherwise.empty()) doc += " (default: " + std::string(key.otherwise) + ")";
-    std::string front = "{\"description\": " + json_text(doc);
-    if (!key.standard.empty()) front += ", \"default\": " + std::string(key.standard);  // these TOML values are JSON as well
+    if (const std::string when = key.condition.text(); !when.empty()) doc += " (only with " + when + ")";
+    if (!key.default_doc.empty()) doc += " (default: " + std::string(key.default_doc) + ")";
+    std::string front = "{\"description\": " + toml_quoted(doc);
+    if (!key.default_toml.empty()) front += ", \"default\": " + key.default_toml;  // these TOML values are JSON as well
     return front + ", " + schema.substr(1);
 }
 
 std::string json_members(std::string_view pattern, const std::string& indent);
 
 std::string json_key(const Key& key, const std::string& indent) {
-    if (!is_table(key)) return json_form(key);
+    if (!key.is_table()) return json_form(key);
     if (key.kind == Kind::list) return "{\"type\": \"array\", \"items\": " + json_members(key.path, indent) + "}";
     if (key.kind == Kind::table) {
         const std::string table = json_members(key.path, indent);
-        return key.shorthand.empty() ? table : "{\"anyOf\": [{\"type\": \"string\"}, " + table + "]}";
+        return key.text_key.empty() ? table : "{\"anyOf\": [{\"type\": \"string\"}, " + table + "]}";
     }
-    const Key& row = *find_key(std::string(key.path) + ".*");
+    const Key& row = *find_key(key.path + ".*");
     const std::string allowed = row.words.empty() ? "" : ", \"propertyNames\": " + json_words(row.words);
     return "{\"type\": \"object\"" + allowed + ", \"additionalProperties\": " + json_members(row.path, indent) + "}";
 }
@@ -122,10 +115,13 @@ std::string json_members(std::string_view pattern, const std::string& indent) {
     const std::string inner = indent + "  ";
     std::string properties, required;
     for (const Key* key : keys_below(pattern)) {
-        properties += (properties.empty() ? "" : ",") + ("\n" + inner) + json_text(key->name()) + ": " + described(*key, json_key(*key, inner));
-        if (key->required && key->when.empty()) required += (required.empty() ? "" : ", ") + json_text(key->name());
+        properties += (properties.empty() ? "" : ",") + ("\n" + inner) + toml_quoted(std::string(key->name())) + ": " +
+                      described(*key, json_key(*key, inner));
+        if (key->is_required && key->condition.values.empty())
+            required += (required.empty() ? "" : ", ") + toml_quoted(std::string(key->name()));
     }
-    return "{\"type\": \"object\", \"additionalProperties\": false, \"required\": [" + required + "], \"properties\": {" + properties + "}}";
+    return "{\"type\": \"object\", \"additionalProperties\": false, \"required\": [" + required +
+           "], \"properties\": {" + properties + "}}";
 }
 
 }  // namespace
@@ -134,24 +130,29 @@ std::string schema_text() {
     std::string out;
     for (const Key& key : keys()) {
         const std::string also = conditions(key);
-        if (is_table(key)) {
-            out += "\n" + header(key) + "\n    " + std::string(key.doc) + (key.required ? " (required)" : "") + "\n";
+        if (key.is_table()) {
+            out += "\n" + header(key) + "\n    " + std::string(key.doc) + (key.is_required ? " (required)" : "") + "\n";
             continue;
         }
         const bool plain = key.kind == Kind::text && key.words.empty() && key.form == Form::one;
-        out += std::string(key.name()) + " = " + (plain ? "a text" : describe(key)) + (also.empty() ? "" : "  (" + also + ")") + "\n    " +
-               std::string(key.doc) + "\n";
+        out += std::string(key.name()) + " = " + (plain ? "a text" : describe(key)) +
+               (also.empty() ? "" : "  (" + also + ")") + "\n    " + std::string(key.doc) + "\n";
     }
     out += "\nNumbers that [expect] can bound\n";
     for (const Output& row : output_table("summary").rows)
-        out += "    " + std::string(row.name) + (row.unit.empty() ? "" : " [" + std::string(row.unit) + "]") + ": " + std::string(row.doc) + "\n";
-    out += "\nA number is in the unit shown, or a text with a unit: \"40 mm\", \"3.08 MPa\", \"3 J/m2\", \"2450 kg/m3\", \"80 us\", \"1 mm/ms\".\n\nUnits\n" + units_markdown();
+        out += "    " + std::string(row.name) + (row.unit.empty() ? "" : " [" + std::string(row.unit) + "]") + ": " +
+               std::string(row.doc) + "\n";
+    out +=
+        "\nA number is in the unit shown, or a text with a unit: \"40 mm\", \"3.08 MPa\", \"3 J/m2\", \"2450 kg/m3\", "
+        "\"80 us\", \"1 mm/ms\".\n\nUnits\n" +
+        units_markdown();
     out += "\nNames: " + std::string(rule_for_names) + "\n";
     return out;
 }
 
 std::string json_schema() {
-    return "{\"$schema\": \"https://json-schema.org/draft/2020-12/schema\", \"title\": \"knap scenario\", " + json_members("", "").substr(1) + "\n";
+    return "{\"$schema\": \"https://json-schema.org/draft/2020-12/schema\", \"title\": \"knap scenario\", " +
+           json_members("", "").substr(1) + "\n";
 }
 
 std::string schema_markdown() {
@@ -161,11 +162,17 @@ std::string schema_markdown() {
     };
     std::string out = "| key | value | | meaning |\n|---|---|---|---|\n";
     for (const Key& key : keys())
-        out += "| `" + (is_table(key) ? header(key) : std::string(key.path)) + "` | " + (is_table(key) ? "" : escaped(describe(key))) + " | " +
-               escaped(conditions(key)) + " | " + escaped(std::string(key.doc)) + " |\n";
-    out += "\n## Units\n\nA number is in the unit shown above, or a text with a unit of the same kind: `\"40 mm\"`, `\"3.08 MPa\"`, `\"3 J/m2\"`.\n\n" + units_markdown();
-    out += "\n## Names\n\nMaterials, interfaces, boundaries, loads, probes and obstacles have names by one rule: " + std::string(rule_for_names) +
-           ". A name with blanks stands in quotes where it is a key: `[material.\"hard rock\"]`. A material's name has no `-`, which joins two of them in `[interface.A-B]`. "
+        out += "| `" + (key.is_table() ? header(key) : key.path) + "` | " +
+               (key.is_table() ? "" : escaped(describe(key))) + " | " + escaped(conditions(key)) + " | " +
+               escaped(std::string(key.doc)) + " |\n";
+    out +=
+        "\n## Units\n\nA number is in the unit shown above, or a text with a unit of the same kind: `\"40 mm\"`, "
+        "`\"3.08 MPa\"`, `\"3 J/m2\"`.\n\n" +
+        units_markdown();
+    out += "\n## Names\n\nMaterials, interfaces, boundaries, loads, probes and obstacles have names by one rule: " +
+           std::string(rule_for_names) +
+           ". A name with blanks stands in quotes where it is a key: `[material.\"hard rock\"]`. A material's name has "
+           "no `-`, which joins two of them in `[interface.A-B]`. "
            "Names of boundaries that come from a Gmsh file are taken as they are.\n";
     return out;
 }

@@ -1,7 +1,6 @@
-// The only file that knows toml++.
 #include "scenario/toml_tree.hpp"
 
-#include "scenario/toml_depth.hpp"
+#include "base/text.hpp"
 
 #include <toml++/toml.h>
 
@@ -14,24 +13,23 @@ namespace {
 Place place_of(const toml::source_region& region) {
     Place place{.line = static_cast<int>(region.begin.line), .column = static_cast<int>(region.begin.column)};
     const bool one_line = region.begin.line == region.end.line && region.end.column > region.begin.column;
-    // over several lines: marked to the end of the first (the source shortens it)
-    place.length = one_line ? static_cast<int>(region.end.column - region.begin.column) : std::numeric_limits<int>::max();
+    // over several lines: marked to the end of the first one (Source::quote shortens it)
+    place.length =
+        one_line ? static_cast<int>(region.end.column - region.begin.column) : std::numeric_limits<int>::max();
     return place;
 }
 
 bool stands_before(const Node& a, const Node& b) {
-    return a.name_place.line != b.name_place.line ? a.name_place.line < b.name_place.line : a.name_place.column < b.name_place.column;
+    return std::pair(a.name_place.line, a.name_place.column) < std::pair(b.name_place.line, b.name_place.column);
 }
 
 Node node_of(const toml::node& value) {
     Node node{.place = place_of(value.source())};
     if (const toml::table* table = value.as_table()) {
-        node.type = Node::Type::table;
         for (const auto& [key, member] : *table) {
-            Node child = node_of(member);
+            Node& child = node.children.emplace_back(node_of(member));
             child.name = std::string(key.str());
             child.name_place = place_of(key.source());
-            node.children.push_back(std::move(child));
         }
         std::stable_sort(node.children.begin(), node.children.end(), stands_before);  // the library sorts by name
     } else if (const toml::array* array = value.as_array()) {
@@ -56,19 +54,88 @@ Node node_of(const toml::node& value) {
     return node;
 }
 
+/// The end of the string that begins at `at`, or of the text.
+std::size_t end_of_string(std::string_view text, std::size_t at) {
+    const char quote = text[at];
+    const std::string three(3, quote);
+    const bool is_long = text.substr(at, 3) == three;
+    for (at += is_long ? 3 : 1; at < text.size(); ++at) {
+        if (text[at] == '\\' && quote == '"') ++at;
+        else if (is_long && text.substr(at, 3) == three) return at + 2;
+        else if (!is_long && (text[at] == quote || text[at] == '\n')) return at;
+    }
+    return text.size();
+}
+
+/// Where a key has too many parts. (The library counts brackets itself, up to 256.)
+std::optional<Place> too_deep_key(std::string_view text) {
+    std::size_t n_dots = 0;
+    for (std::size_t at = 0; at < text.size(); ++at) {
+        const char c = text[at];
+        if (c == '"' || c == '\'') at = end_of_string(text, at);
+        else if (c == '#') at = std::min(text.find('\n', at), text.size()) - 1;
+        else if (std::string_view("\n=,[]{}").find(c) != std::string_view::npos) n_dots = 0;
+        else if (c == '.' && ++n_dots == max_key_parts) {
+            const std::string_view before = text.substr(0, at);
+            const auto n_lines = std::count(before.begin(), before.end(), '\n');
+            const std::size_t begin = before.rfind('\n') + 1;  // 0 where there is none
+            return Place{1 + static_cast<int>(n_lines), 1 + static_cast<int>(at - begin), 1};
+        }
+    }
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<TomlError> parse_toml(const std::string& text, Node& root) {
-    if (const std::optional<Place> place = too_deep(text))
-        return TomlError{"keys and brackets go deeper than " + std::to_string(deepest_nesting) + " levels", *place};
+    if (const std::optional<Place> place = too_deep_key(text))
+        return TomlError{"a key has more than " + std::to_string(max_key_parts) + " parts", *place};
     try {
         root = node_of(toml::parse(std::string_view(text)));
         return std::nullopt;
     } catch (const toml::parse_error& error) {
         Place place = place_of(error.source());
         place.length = 1;
-        return TomlError{std::string(error.description()), place};
+        const std::string message(error.description());
+        const bool too_deep = message.find("TOML_MAX_NESTED_VALUES") != std::string::npos;
+        return TomlError{too_deep ? "brackets go deeper than 256 levels" : message, place};
     }
+}
+
+Node parse_toml_value(std::string_view toml) {
+    Node root;
+    const bool good = !parse_toml("x = " + std::string(toml), root) && root.children.size() == 1;
+    return good ? std::move(root.children.front()) : Node{};
+}
+
+std::string toml_quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\';
+        if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f) {
+            out += c;
+        } else {
+            constexpr std::string_view digits = "0123456789ABCDEF";
+            out += std::string("\\u00") + digits[static_cast<unsigned char>(c) / 16] + digits[c % 16];
+        }
+    }
+    return out + '"';
+}
+
+std::string toml_text(const Node& node) {
+    switch (node.type) {
+        case Node::Type::text: return toml_quoted(node.text);
+        case Node::Type::boolean: return node.boolean ? "true" : "false";
+        case Node::Type::integer: return std::to_string(node.integer);
+        case Node::Type::number: {
+            const std::string digits = shortest(node.number);
+            return node.unit.empty() ? digits : toml_quoted(digits + " " + node.unit);
+        }
+        default: break;
+    }
+    std::vector<std::string> items;
+    for (const Node& child : node.children) items.push_back(toml_text(child));
+    return "[" + joined(items) + "]";
 }
 
 }  // namespace knap

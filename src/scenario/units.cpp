@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-
 namespace knap {
 namespace {
 
@@ -50,8 +49,9 @@ struct Prefix {
     std::string_view symbol;
     int power_of_ten;
 };
-constexpr std::array prefixes{Prefix{"T", 12},  Prefix{"G", 9},       Prefix{"M", 6},       Prefix{"k", 3},  Prefix{"c", -2}, Prefix{"m", -3},
-                              Prefix{"u", -6},  Prefix{"\u00b5", -6}, Prefix{"\u03bc", -6}, Prefix{"n", -9}, Prefix{"p", -12}};
+constexpr std::array prefixes{Prefix{"T", 12},      Prefix{"G", 9},  Prefix{"M", 6},  Prefix{"k", 3},
+                              Prefix{"c", -2},      Prefix{"m", -3}, Prefix{"u", -6}, Prefix{"\u00b5", -6},
+                              Prefix{"\u03bc", -6}, Prefix{"n", -9}, Prefix{"p", -12}};
 
 struct Names {
     Dimension dimension;
@@ -98,24 +98,28 @@ std::optional<Scale> symbol_scale(std::string_view symbol) {
     return std::nullopt;
 }
 
+/// The base units, in the order in which a unit without a name of its own is printed.
+constexpr std::array<std::pair<const char*, int Dimension::*>, 6> base_units{{{"kg", &Dimension::mass},
+                                                                              {"m", &Dimension::length},
+                                                                              {"s", &Dimension::time},
+                                                                              {"deg", &Dimension::angle},
+                                                                              {"cR", &Dimension::rayleigh},
+                                                                              {"CFL", &Dimension::courant}}};
+
 void multiply(Scale& scale, const Scale& by, int exponent) {
-    scale.dimension.length += exponent * by.dimension.length;
-    scale.dimension.mass += exponent * by.dimension.mass;
-    scale.dimension.time += exponent * by.dimension.time;
-    scale.dimension.angle += exponent * by.dimension.angle;
-    scale.dimension.rayleigh += exponent * by.dimension.rayleigh;
-    scale.dimension.courant += exponent * by.dimension.courant;
+    for (const auto& [symbol, power] : base_units) scale.dimension.*power += exponent * (by.dimension.*power);
     scale.power_of_ten += exponent * by.power_of_ten;
     scale.factor *= std::pow(by.factor, exponent);
 }
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool joins(char c) { return c == '/' || c == '*' || c == '.' || c == ' '; }
+bool in_symbol(char c) { return !joins(c) && !is_digit(c) && c != '^' && c != '-'; }
 
 /// One factor of a unit expression, "mm3" or "s^-2", taken off the front of `text`.
 bool multiply_factor(Scale& scale, std::string_view& text, bool divide) {
     std::size_t n = 0;
-    while (n < text.size() && !joins(text[n]) && !is_digit(text[n]) && text[n] != '^' && text[n] != '-') ++n;
+    while (n < text.size() && in_symbol(text[n])) ++n;
     const std::optional<Scale> symbol = symbol_scale(text.substr(0, n));
     if (!symbol) return false;
     text.remove_prefix(n);
@@ -150,39 +154,34 @@ std::optional<Scale> unit_scale(std::string_view text) {
 
 /// Length of the number at the front of `text`: digits, a point, an exponent.
 std::size_t number_length(std::string_view text) {
-    std::size_t n = 0;
-    if (n < text.size() && (text[n] == '+' || text[n] == '-')) ++n;
-    const std::size_t begin = n;
-    bool digits = false;
-    for (; n < text.size() && (is_digit(text[n]) || text[n] == '.'); ++n) digits |= is_digit(text[n]);
-    if (!digits) return 0;
-    if (n > begin && n + 1 < text.size() && (text[n] == 'e' || text[n] == 'E')) {
-        std::size_t m = n + 1;
-        if (m < text.size() && (text[m] == '+' || text[m] == '-')) ++m;
-        if (m < text.size() && is_digit(text[m])) {
-            while (m < text.size() && is_digit(text[m])) ++m;
-            n = m;
-        }
-    }
-    return n;
+    const auto digits_from = [&](std::size_t n) {
+        return std::min(text.find_first_not_of("0123456789", n), text.size());
+    };
+    const auto after_sign = [&](std::size_t n) {
+        return n < text.size() && (text[n] == '+' || text[n] == '-') ? n + 1 : n;
+    };
+    const std::size_t begin = after_sign(0), end = std::min(text.find_first_not_of("0123456789.", begin), text.size());
+    if (text.substr(begin, end - begin).find_first_not_of('.') == std::string_view::npos) return 0;
+    if (end == text.size() || (text[end] != 'e' && text[end] != 'E')) return end;
+    const std::size_t exponent = after_sign(end + 1);
+    return digits_from(exponent) > exponent ? digits_from(exponent) : end;
 }
+
+std::string_view without_plus(std::string_view text) { return text.substr(text.starts_with('+') ? 1 : 0); }
 
 /// The double nearest to `decimal` * 10^power.
 std::optional<double> shifted(std::string_view decimal, int power) {
-    if (decimal.starts_with('+')) decimal.remove_prefix(1);
+    const auto read = [](std::string_view text, auto& value) {
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        return error == std::errc() && end == text.data() + text.size();
+    };
     const std::size_t e = decimal.find_first_of("eE");
     int exponent = 0;
-    if (e != std::string_view::npos) {
-        std::string_view digits = decimal.substr(e + 1);
-        if (digits.starts_with('+')) digits.remove_prefix(1);
-        if (std::from_chars(digits.data(), digits.data() + digits.size(), exponent).ec != std::errc()) return std::nullopt;
-        if (std::abs(exponent) > 9999) return std::nullopt;
-    }
-    const std::string text = std::string(decimal.substr(0, e)) + "e" + std::to_string(exponent + power);
+    if (e != std::string_view::npos && !read(without_plus(decimal.substr(e + 1)), exponent)) return std::nullopt;
+    if (std::abs(exponent) > 9999) return std::nullopt;
+    const std::string text = std::string(without_plus(decimal.substr(0, e))) + "e" + std::to_string(exponent + power);
     double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-    return value;
+    return read(text, value) ? std::optional(value) : std::nullopt;
 }
 
 }  // namespace
@@ -198,16 +197,11 @@ Quantity parse_quantity(std::string_view text) {
         return quantity;
     }
     const std::optional<Scale> scale = unit_scale(unit);
-    if (!scale) {
-        quantity.problem = "has the unknown unit `" + std::string(unit) + "`";
-        quantity.unknown_unit = true;
-        return quantity;
-    }
-    const std::optional<double> value = shifted(number, scale->power_of_ten);
-    if (!value) {
-        quantity.problem = "is not a number that can be stored";
-        return quantity;
-    }
+    quantity.unknown_unit = !scale;
+    const std::optional<double> value = scale ? shifted(number, scale->power_of_ten) : std::nullopt;
+    if (!scale) quantity.problem = "has the unknown unit `" + quantity.unit + "`";
+    else if (!value) quantity.problem = "is not a number that can be stored";
+    if (!value) return quantity;
     quantity.value = *value * scale->factor;
     quantity.dimension = scale->dimension;
     return quantity;
@@ -218,7 +212,8 @@ namespace {
 /// Prefixes that are usual with a unit, the likelier of two that differ by case only first.
 std::vector<std::string_view> usual_prefixes(const Unit& unit) {
     if (!unit.takes_prefix) return {""};
-    if (unit.dimension == length || unit.dimension == mass || unit.dimension == time) return {"", "m", "k", "c", "u", "n"};
+    if (unit.dimension == length || unit.dimension == mass || unit.dimension == time)
+        return {"", "m", "k", "c", "u", "n"};
     return {"", "M", "G", "k", "m", "u"};
 }
 
@@ -227,9 +222,10 @@ std::string_view unit_of_word(std::string word) {
     for (char& c : word) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     if (word.size() > 3 && word.ends_with('s')) word.pop_back();
     constexpr std::array<std::pair<std::string_view, std::string_view>, 20> words{
-        {{"sec", "s"},      {"second", "s"}, {"msec", "ms"},  {"usec", "us"},    {"micron", "um"}, {"meter", "m"},   {"metre", "m"},
-         {"pascal", "Pa"},  {"newton", "N"}, {"joule", "J"},  {"degree", "deg"}, {"\u00b0", "deg"}, {"hour", "h"},    {"minute", "min"},
-         {"tonne", "t"},    {"ton", "t"},    {"gram", "g"},   {"kilogram", "kg"}, {"percent", "%"}, {"radian", "rad"}}};
+        {{"sec", "s"},      {"second", "s"},   {"msec", "ms"},     {"usec", "us"},    {"micron", "um"},
+         {"meter", "m"},    {"metre", "m"},    {"pascal", "Pa"},   {"newton", "N"},   {"joule", "J"},
+         {"degree", "deg"}, {"\u00b0", "deg"}, {"hour", "h"},      {"minute", "min"}, {"tonne", "t"},
+         {"ton", "t"},      {"gram", "g"},     {"kilogram", "kg"}, {"percent", "%"},  {"radian", "rad"}}};
     for (const auto& [written, meant] : words)
         if (word == written) return meant;
     return "";
@@ -237,7 +233,8 @@ std::string_view unit_of_word(std::string word) {
 
 std::string with_plain_powers(std::string text) {
     for (const auto& [from, to] : {std::pair{"\u00b2", "2"}, {"\u00b3", "3"}, {"\u00b7", "*"}})
-        for (std::size_t at; (at = text.find(from)) != std::string::npos;) text.replace(at, std::string_view(from).size(), to);
+        for (std::size_t at; (at = text.find(from)) != std::string::npos;)
+            text.replace(at, std::string_view(from).size(), to);
     return text;
 }
 
@@ -251,13 +248,16 @@ std::string unit_meant(std::string_view unknown, std::string_view wanted) {
     std::size_t begin = 0, end = 0;  // of the first symbol that is not known
     do {
         begin = end;
-        while (begin < text.size() && (joins(text[begin]) || is_digit(text[begin]) || text[begin] == '^' || text[begin] == '-')) ++begin;
-        for (end = begin; end < text.size() && !joins(text[end]) && !is_digit(text[end]) && text[end] != '^' && text[end] != '-';) ++end;
+        while (begin < text.size() && !in_symbol(text[begin])) ++begin;
+        for (end = begin; end < text.size() && in_symbol(text[end]);) ++end;
     } while (begin < text.size() && symbol_scale(text.substr(begin, end - begin)));
     const std::string symbol = text.substr(begin, end - begin);
     if (symbol.empty()) return "";
-    const auto with = [&](std::string_view instead) { return text.substr(0, begin) + std::string(instead) + text.substr(end); };
-    if (const std::string_view meant = unit_of_word(symbol); !meant.empty() && unit_scale(with(meant))) return asked(with(meant));
+    const auto with = [&](std::string_view instead) {
+        return text.substr(0, begin) + std::string(instead) + text.substr(end);
+    };
+    if (const std::string_view meant = unit_of_word(symbol); !meant.empty() && unit_scale(with(meant)))
+        return asked(with(meant));
     std::vector<std::string> fitting, others;
     for (const Unit& unit : units)
         for (const std::string_view prefix : usual_prefixes(unit)) {
@@ -275,15 +275,20 @@ std::string units_markdown() {
     for (const Unit& unit : units) {
         std::string si = unit.dimension == mass ? "kg" : "";
         for (const Unit& other : units)
-            if (si.empty() && other.dimension == unit.dimension && other.power_of_ten == 0 && other.factor == 1) si = other.symbol;
+            if (si.empty() && other.dimension == unit.dimension && other.power_of_ten == 0 && other.factor == 1)
+                si = other.symbol;
         const std::string value = shortest(*shifted(shortest(unit.factor), unit.power_of_ten));
-        out += "| `" + std::string(unit.symbol) + "` | " + kind_name(unit.dimension) + " | " + value + (si.empty() ? "" : " " + si);
+        out += "| `" + std::string(unit.symbol) + "` | " + kind_name(unit.dimension) + " | " + value +
+               (si.empty() ? "" : " " + si);
         out += std::string(" | ") + (unit.takes_prefix ? "yes" : "") + " |\n";
     }
     out += "\nPrefixes: ";
     for (const Prefix& prefix : prefixes)
-        out += (prefix.symbol == prefixes.front().symbol ? "`" : ", `") + std::string(prefix.symbol) + "` 1e" + std::to_string(prefix.power_of_ten);
-    return out + ". Units are joined by `/`, `*`, `.` or a blank and raised by a whole number behind them: `J/m2`, `kg/m^3`, `N*s`, `mm/ms`, `m s-2`.\n";
+        out += (prefix.symbol == prefixes.front().symbol ? "`" : ", `") + std::string(prefix.symbol) + "` 1e" +
+               std::to_string(prefix.power_of_ten);
+    return out +
+           ". Units are joined by `/`, `*`, `.` or a blank and raised by a whole number behind them: `J/m2`, `kg/m^3`, "
+           "`N*s`, `mm/ms`, `m s-2`.\n";
 }
 
 Dimension dimension_of(std::string_view unit) {
@@ -295,17 +300,10 @@ std::string kind_name(const Dimension& dimension) {
     for (const Names& kind : kinds)
         if (kind.dimension == dimension) return std::string(kind.name);
     std::string name = "something in";
-    const auto append = [&name](std::string_view symbol, int exponent) {
-        if (exponent == 0) return;
-        name += " " + std::string(symbol);
-        if (exponent != 1) name += "^" + std::to_string(exponent);
-    };
-    append("kg", dimension.mass);
-    append("m", dimension.length);
-    append("s", dimension.time);
-    append("deg", dimension.angle);
-    append("cR", dimension.rayleigh);
-    append("CFL", dimension.courant);
+    for (const auto& [symbol, power] : base_units) {
+        const int exponent = dimension.*power;
+        if (exponent != 0) name += " " + std::string(symbol) + (exponent != 1 ? "^" + std::to_string(exponent) : "");
+    }
     return name;
 }
 

@@ -1,28 +1,11 @@
 #include "scenario/write_scenario.hpp"
 
-#include <algorithm>
-#include <array>
+#include "scenario/built_in.hpp"
 
-#include "scenario/units.hpp"
+#include <algorithm>
 
 namespace knap {
 namespace {
-
-std::string quoted(const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\') out += '\\';
-        if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f) {
-            out += c;
-        } else {
-            constexpr std::string_view digits = "0123456789ABCDEF";
-            out += "\\u00";
-            out += digits[static_cast<unsigned char>(c) / 16];
-            out += digits[static_cast<unsigned char>(c) % 16];
-        }
-    }
-    return out + '"';
-}
 
 std::string last_part(const std::string& path) { return path.substr(path.rfind('.') + 1); }
 
@@ -31,12 +14,10 @@ std::string parent(const std::string& path) {
     return dot == std::string::npos ? "" : path.substr(0, dot);
 }
 
-bool is_table(const Entry& entry) { return entry.key->kind == Kind::table || entry.key->kind == Kind::list || entry.key->kind == Kind::names; }
-
 /// As TOML has it: in quotes where it has blanks or letters that are not those of English.
 std::string key_text(const std::string& name) {
-    const auto bare = [](char c) { return is_plain(c) && c != '.'; };
-    return std::all_of(name.begin(), name.end(), bare) ? name : quoted(name);
+    const bool bare = std::ranges::all_of(name, [](char c) { return is_plain(c) && c != '.'; });
+    return bare ? name : toml_quoted(name);
 }
 
 /// "domain.hole[1]" -> "[[domain.hole]]", "load[0].on" -> "[load.on]", "material.hard rock" -> "[material."hard rock"]"
@@ -52,31 +33,33 @@ std::string header(const std::string& path) {
 }
 
 /// Small tables are written as { a = 1, b = 2 }.
-bool is_inline(const Key& key) { return !key.shorthand.empty() || key.path == "expect.*"; }
+bool is_inline(const Key& key) { return !key.text_key.empty() || key.path == "expect.*"; }
 
 std::string inline_table(const Values& values, const std::string& table) {
-    std::string text;
+    std::vector<std::string> members;
     for (const Entry& entry : values.entries())
-        if (entry.valid && parent(entry.path) == table) text += (text.empty() ? "" : ", ") + last_part(entry.path) + " = " + toml_text(entry.node);
-    return "{ " + text + " }";
+        if (entry.valid && parent(entry.path) == table)
+            members.push_back(last_part(entry.path) + " = " + toml_text(entry.node));
+    return "{ " + joined(members) + " }";
 }
 
-/// Keys that belong to `table` directly; then the tables below it, in order. Tables of which only defaults are known have no entry of
-/// their own, so they are found by their keys.
+/// Keys that belong to `table` directly; then the tables below it, in order. Tables of which only defaults are known
+/// have no entry of their own, so they are found by their keys.
 void write_table(const Values& values, const std::string& table, std::string& out) {
     std::string keys;
     std::vector<std::string> tables;
     for (const Entry& entry : values.entries()) {
         if (!entry.valid) continue;
         const bool directly_below = parent(entry.path) == table;
-        if (directly_below && !is_table(entry)) {
+        if (directly_below && !entry.key->is_table()) {
             keys += last_part(entry.path) + " = " + toml_text(entry.node) + "\n";
         } else if (directly_below && is_inline(*entry.key)) {
             keys += last_part(entry.path) + " = " + inline_table(values, entry.path) + "\n";
         } else if (table.empty() || entry.path.starts_with(table + ".")) {
             const std::string child = entry.path.substr(0, entry.path.find('.', table.empty() ? 0 : table.size() + 1));
             const Entry* row = values.find(child);
-            const bool done = (row && is_inline(*row->key)) || std::find(tables.begin(), tables.end(), child) != tables.end();
+            const bool done =
+                (row && is_inline(*row->key)) || std::find(tables.begin(), tables.end(), child) != tables.end();
             if (!done) tables.push_back(child);
         }
     }
@@ -90,25 +73,12 @@ std::string origin(const Entry& entry, const Source& source) {
         case Origin::file: return source.name() + ":" + std::to_string(entry.node.place.line);
         case Origin::set: return entry.node.set_by;
         case Origin::standard: return "default";
-        case Origin::computed: return "default, " + std::string(entry.key->otherwise);
+        case Origin::computed: return "default, " + std::string(entry.key->default_doc);
     }
     return "";
 }
 
 }  // namespace
-
-std::string toml_text(const Node& node) {
-    switch (node.type) {
-        case Node::Type::text: return quoted(node.text);
-        case Node::Type::boolean: return node.boolean ? "true" : "false";
-        case Node::Type::integer: return std::to_string(node.integer);
-        case Node::Type::number: return node.unit.empty() ? shortest(node.number) : quoted(shortest(node.number) + " " + node.unit);
-        default: break;
-    }
-    std::string text;
-    for (const Node& child : node.children) text += (text.empty() ? "" : ", ") + toml_text(child);
-    return "[" + text + "]";
-}
 
 std::string resolved_toml(const ReadResult& result) {
     std::string out;
@@ -123,11 +93,12 @@ std::string full_listing(const ReadResult& result) {
     std::vector<Line> lines;
     std::size_t key_width = 0, value_width = 0;
     for (const Entry& entry : result.values.entries()) {
-        if (!entry.key || is_table(entry) || (!entry.valid && entry.origin != Origin::computed)) continue;
+        if (!entry.key || entry.key->is_table() || (!entry.valid && entry.origin != Origin::computed)) continue;
         const bool unset = !entry.valid;  // a default that is no value: "from the data"
         std::string value = unset ? "-" : toml_text(entry.node);
-        const bool has_unit = !unset && entry.key->kind == Kind::number && !entry.key->unit.empty() && entry.key->unit != "*" && entry.node.type != Node::Type::text;
-        if (has_unit) value += " " + std::string(entry.key->unit);
+        const Key& key = *entry.key;
+        const bool has_unit = !unset && key.kind == Kind::number && !key.unit.empty() && key.unit != "*";
+        if (has_unit && entry.node.type != Node::Type::text) value += " " + std::string(key.unit);
         key_width = std::max(key_width, entry.path.size());
         value_width = std::max(value_width, std::min<std::size_t>(value.size(), 40));
         lines.push_back({entry.path, value, origin(entry, result.source)});
@@ -139,6 +110,11 @@ std::string full_listing(const ReadResult& result) {
         out += line.key + "  " + line.value + "  " + line.origin + "\n";
     }
     return out;
+}
+
+std::string new_scenario(const std::string& name) {
+    std::string text = scenario_template();
+    return text.replace(text.find("NAME"), 4, name);
 }
 
 }  // namespace knap

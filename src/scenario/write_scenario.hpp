@@ -5,13 +5,11 @@
 
 namespace knap {
 
-/// A value as TOML, numbers with the fewest digits that read back as the same double.
-std::string toml_text(const Node& value);
-
-/// The scenario with every default in place, in SI with full precision and without other files; reading it again gives the same scenario.
+/// The scenario with every default in place, in SI with full precision. Reading it again gives the same scenario.
+/// Tables of numbers are written out; mesh and pictures are still named.
 std::string resolved_toml(const ReadResult& result);
 
-/// Every key with its value and where it came from, one a line (`check --full`).
+/// Every key with its value and the origin of the value, one a line (`check --full`).
 std::string full_listing(const ReadResult& result);
 
 /// A commented scenario to start from (`knap new`).

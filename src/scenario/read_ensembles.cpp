@@ -2,7 +2,7 @@
 #include "observe/history_columns.hpp"
 #include "observe/probes.hpp"
 #include "observe/reactions.hpp"
-#include "scenario/assemble.hpp"
+#include "scenario/reading.hpp"
 #include "scenario/units.hpp"
 
 #include <algorithm>
@@ -65,33 +65,33 @@ std::string quantity_unit(const StudyQuantity& q) {
     return std::string(q.slope ? unit_of_slope(q.of) : unit_of_column(q.of));
 }
 
-void check_quantity(const Assembly& assembly, const std::string& path, const StudyQuantity& quantity) {
-    Findings& findings = assembly.findings;
-    std::vector<std::string> columns = history_columns(assembly.scenario);
+void check_quantity(const Reading& reading, const std::string& path, const StudyQuantity& quantity) {
+    Findings& findings = reading.findings;
+    std::vector<std::string> columns = history_columns(reading.scenario);
     const auto is_column = [&](const std::string& name) {
         return std::find(columns.begin(), columns.end(), name) != columns.end();
     };
     if (quantity.at.has_value() + quantity.reaches.has_value() + quantity.largest + quantity.slope.has_value() > 1)
         findings.error("exclusive-keys", "`" + path + "` has more than one of at, reaches, largest and slope",
-                       assembly.at(path));
+                       reading.at(path));
     if (quantity.slope && (*quantity.slope)[0] >= (*quantity.slope)[1])
         findings.error("bad-interval", "`" + path + ".slope` must go from an earlier to a later time",
-                       assembly.at(path + ".slope"));
+                       reading.at(path + ".slope"));
     if (!quantity.since.empty() && !quantity.reaches)
-        findings.error("missing-key", "`" + path + ".since` needs reaches", assembly.at(path + ".since")).note =
+        findings.error("missing-key", "`" + path + ".since` needs reaches", reading.at(path + ".since")).note =
             "the value whose times are compared";
     if (!quantity.since.empty() && !is_column(quantity.since))
-        assembly.unknown_name(path + ".since", "column of a history", quantity.since, columns);
+        reading.unknown_name(path + ".since", "column of a history", quantity.since, columns);
     if (is_column(quantity.of)) return;
     if (quantity.from_history())
-        return assembly.unknown_name(path + ".of", "column of a history", quantity.of, columns);
-    if (in_summary(quantity.of)) return assembly.check_summary_number(path + ".of", quantity.of);
+        return reading.unknown_name(path + ".of", "column of a history", quantity.of, columns);
+    if (in_summary(quantity.of)) return reading.check_summary_number(path + ".of", quantity.of);
     for (const Output& row : output_table("summary").rows) columns.emplace_back(row.name);
-    assembly.unknown_name(path + ".of", "number or column", quantity.of, columns);
+    reading.unknown_name(path + ".of", "number or column", quantity.of, columns);
 }
 
-StudyQuantity quantity_at(const Assembly& assembly, const std::string& path) {
-    const Values& values = assembly.values;
+StudyQuantity quantity_at(const Reading& reading, const std::string& path) {
+    const Values& values = reading.values;
     StudyQuantity quantity{.of = values.text(path + ".of").value_or(""),
                          .at = values.number(path + ".at"),
                          .reaches = values.number(path + ".reaches"),
@@ -100,17 +100,17 @@ StudyQuantity quantity_at(const Assembly& assembly, const std::string& path) {
                          .exact = values.number(path + ".exact"),
                          .scale = values.number(path + ".scale")};
     if (const auto times = values.pair(path + ".slope")) quantity.slope = {times->x(), times->y()};
-    if (values.has(path + ".of")) check_quantity(assembly, path, quantity);
+    if (values.has(path + ".of")) check_quantity(reading, path, quantity);
     quantity.name = values.text(path + ".name").value_or(name_of(quantity));
     quantity.unit = quantity_unit(quantity);
     return quantity;
 }
 
-std::vector<StudyQuantity> study_quantities(const Assembly& assembly) {
+std::vector<StudyQuantity> study_quantities(const Reading& reading) {
     std::vector<StudyQuantity> quantities;
-    const std::vector<Expectation>& expect = assembly.scenario.expect;
-    for (std::size_t i = 0; i < assembly.values.count("study.quantity"); ++i)
-        quantities.push_back(quantity_at(assembly, item("study.quantity", i)));
+    const std::vector<Expectation>& expect = reading.scenario.expect;
+    for (std::size_t i = 0; i < reading.values.count("study.quantity"); ++i)
+        quantities.push_back(quantity_at(reading, item("study.quantity", i)));
     if (quantities.empty())
         for (const Expectation& expected : expect)
             if (expected.value && *expected.value != 0 && expected.unit.empty())
@@ -134,8 +134,8 @@ StudyLine line_of_scheme(const std::string& pair) {
     return line;
 }
 
-std::vector<StudyLine> study_lines(const Assembly& assembly, bool statistics) {
-    const Values& values = assembly.values;
+std::vector<StudyLine> study_lines(const Reading& reading, bool statistics) {
+    const Values& values = reading.values;
     std::vector<StudyLine> lines;
     std::vector<std::string> schemes = texts(values, "study.schemes");
     if (std::find(schemes.begin(), schemes.end(), "all") != schemes.end())
@@ -143,8 +143,8 @@ std::vector<StudyLine> study_lines(const Assembly& assembly, bool statistics) {
     for (const std::string& pair : schemes) lines.push_back(line_of_scheme(pair));
     const std::size_t n = values.count("study.line");
     if (n > 0 && !schemes.empty())
-        assembly.findings.error("exclusive-keys", "`study` has schemes and line, and only one of them can hold",
-                                assembly.at("study.schemes"));
+        reading.findings.error("exclusive-keys", "`study` has schemes and line, and only one of them can hold",
+                                reading.at("study.schemes"));
     for (std::size_t i = 0; i < n; ++i) {
         const std::string path = item("study.line", i);
         lines.push_back({values.text(path + ".name").value_or(""), texts(values, path + ".set"),
@@ -160,32 +160,32 @@ std::vector<StudyLine> study_lines(const Assembly& assembly, bool statistics) {
 
 }  // namespace
 
-void assemble_study(Assembly& assembly) {
-    const Values& values = assembly.values;
-    StudyOptions& study = assembly.scenario.study;
+void read_study(Reading& reading) {
+    const Values& values = reading.values;
+    StudyOptions& study = reading.scenario.study;
     const std::string refine = values.text("study.refine").value_or("step");
     study.refine = refine == "mesh" ? Refine::mesh : refine == "both" ? Refine::both : Refine::step;
-    if (study.refine != Refine::step && assembly.scenario.given)
-        assembly.findings.error("exclusive-keys",
+    if (study.refine != Refine::step && reading.scenario.given)
+        reading.findings.error("exclusive-keys",
                                 "`study.refine` = \"" + refine + "\": a mesh that was read cannot be refined",
-                                assembly.at("study.refine"));
+                                reading.at("study.refine"));
     study.n_seeds = integer_or_0(values, "study.seeds");
     study.against_finest = values.text("study.reference") == "finest";
     study.set = texts(values, "study.set");
-    study.lines = study_lines(assembly, study.n_seeds > 0);
-    study.quantities = study_quantities(assembly);
+    study.lines = study_lines(reading, study.n_seeds > 0);
+    study.quantities = study_quantities(reading);
 }
 
-void assemble_sweep(Assembly& assembly) {
-    const Values& values = assembly.values;
-    SweepOptions& sweep = assembly.scenario.sweep;
+void read_sweep(Reading& reading) {
+    const Values& values = reading.values;
+    SweepOptions& sweep = reading.scenario.sweep;
     sweep.set = texts(values, "sweep.set");
     sweep.n_seeds = integer_or_0(values, "sweep.seeds");
     sweep.show = values.text("sweep.show").value_or(sweep.show);
     sweep.quantities = texts(values, "sweep.quantities");
-    for (const std::string& name : sweep.quantities) assembly.check_summary_number("sweep.quantities", name);
+    for (const std::string& name : sweep.quantities) reading.check_summary_number("sweep.quantities", name);
     if (!sweep.quantities.empty()) return;
-    if (assembly.scenario.specimen) sweep.quantities = {"peak_stress", "tangent_modulus"};
+    if (reading.scenario.specimen) sweep.quantities = {"peak_stress", "tangent_modulus"};
     sweep.quantities.insert(sweep.quantities.end(), {"broken_length", "dissipated", "fragments"});
 }
 
