@@ -111,7 +111,7 @@ private:
     std::string path_;
 };
 
-/// The first `n`th of a list of names; n where it has no such name.
+/// The index of a name in a list; the size of the list where it has no such name.
 Index index_in(const std::vector<std::string>& names, const std::string& name);
 
 // The blocks, in the order in which they are read.
@@ -124,7 +124,7 @@ void read_laws(Reading& reading);
 void read_loads(Reading& reading);           // loads, initial velocities, obstacles
 void read_run(Reading& reading);             // time, output, probes, specimen, figures, limits, expectations
 void read_specimen(Reading& reading);        // after loads, obstacles and probes, which it names
-void read_study(Reading& reading);  // after everything that a study may name: probes, loads, expectations
+void read_study(Reading& reading);           // after everything that a study may name: probes, loads, expectations
 void read_sweep(Reading& reading);
 void warn_of_implausible(Reading& reading);  // values that hardly anybody means
 
