@@ -5,8 +5,8 @@
 #include "app/run/setup.hpp"
 #include "base/error.hpp"
 #include "bulk/triangle_matrices.hpp"
-#include "geometry/grain_report.hpp"
-#include "geometry/mesh_file.hpp"
+#include "microstructure/grain_mesh.hpp"
+#include "mesh/mesh_file.hpp"
 
 #include <algorithm>
 #include <numbers>

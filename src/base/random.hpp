@@ -26,6 +26,12 @@ public:
         return radius * std::cos(2 * std::numbers::pi * uniform());
     }
 
+    /// Lognormal of mean 1 with this standard deviation.
+    double lognormal(double deviation) {
+        const double variance = std::log(1 + deviation * deviation);
+        return std::exp(std::sqrt(variance) * normal() - 0.5 * variance);
+    }
+
 private:
     static std::uint64_t mixed(std::uint64_t z) {
         z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ull;

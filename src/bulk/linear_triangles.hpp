@@ -1,7 +1,7 @@
 #pragma once
 // Internal forces of constant-strain triangles, one corner at a time, and the stress screen of the interfaces.
 //     strain = sum_k sym(grad N_k (x) u_k),   sigma = D strain,   f_k = -V sigma grad N_k   (force on the corner), sum_k f_k = 0
-#include "geometry/mesh.hpp"
+#include "mesh/mesh.hpp"
 #include "material/elastic.hpp"
 
 #include <array>

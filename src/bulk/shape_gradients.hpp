@@ -1,6 +1,6 @@
 #pragma once
 // Gradients of the three linear shape functions of a triangle (its barycentric coordinates), and what a uniform stress makes of them.
-#include "geometry/mesh.hpp"
+#include "mesh/mesh.hpp"
 
 namespace knap {
 

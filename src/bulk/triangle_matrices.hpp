@@ -4,7 +4,7 @@
 //     order 2:  the mean of that over the middles of the edges with the weights of middle_gradients, and R of the bubble
 //               (quadratic_triangles.hpp)
 #include "bulk/mass_matrix.hpp"
-#include "geometry/mesh.hpp"
+#include "mesh/mesh.hpp"
 #include "material/elastic.hpp"
 
 namespace knap {

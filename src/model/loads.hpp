@@ -1,6 +1,6 @@
 #pragma once
 // What acts on a body from outside, before it meets a mesh.
-#include "base/vec.hpp"
+#include "mesh/polygon.hpp"
 
 #include <array>
 #include <optional>
@@ -32,13 +32,6 @@ struct PrescribedRate {
 
 /// `value` times `history` is the displacement or the velocity of the component; `displacement` [m] or [rad] at the begin of the step.
 PrescribedRate prescribed_rate(bool is_displacement, double value, const TimeFunction& history, double displacement, const StepTimes& step);
-
-struct Box {
-    Vec2 low, high;  // [m]
-    bool contains(const Vec2& x) const {
-        return x.x() >= low.x() && x.x() <= high.x() && x.y() >= low.y() && x.y() <= high.y();
-    }
-};
 
 /// Where something acts: a named boundary, or all inside a box, or everywhere.
 struct Selection {

@@ -22,8 +22,6 @@ std::string described(const Selection& on) {
     throw EmptySelection(list, number, what + " on " + described(on) + " selects nothing of the mesh");
 }
 
-Vec2 centroid(const Mesh& mesh, Index t) { return (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3; }
-
 class LoadMaker {
 public:
     explicit LoadMaker(Model& model) : model_(model) { model_.prescribed_of_corner.assign(model.mesh.n_corners(), -1); }
@@ -71,7 +69,7 @@ private:
         const Mesh& mesh = model_.mesh;
         bool any = false;
         for (Index t = 0; t < mesh.n_triangles(); ++t) {
-            if (load.on.box && !load.on.box->contains(centroid(mesh, t))) continue;
+            if (load.on.box && !load.on.box->contains(mesh.centroid(t))) continue;
             any = true;
             const double amount = load.kind == Load::Kind::acceleration ? model_.triangle_mass(t) : mesh.area(t) * model_.thickness;
             const Index n = mesh.corners_per_triangle();
@@ -166,7 +164,7 @@ void set_initial_velocities(const std::vector<InitialVelocity>& given, Model& mo
         const InitialVelocity& initial = given[i];
         bool any = false;
         for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
-            if (initial.on.box && !initial.on.box->contains(centroid(model.mesh, t))) continue;
+            if (initial.on.box && !initial.on.box->contains(model.mesh.centroid(t))) continue;
             of_triangle[t] = initial.value;
             any = true;
         }

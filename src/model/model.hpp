@@ -7,10 +7,10 @@
 // The corners round a mesh vertex, in counterclockwise order, with the points between them, form a fan; so do the one or two corners in the
 // middle of an edge with the point between them, and a triangle's centre by itself.
 #include "base/error.hpp"
-#include "geometry/mesh.hpp"
+#include "mesh/mesh.hpp"
 #include "material/cohesive_law.hpp"
 #include "material/elastic.hpp"
-#include "material/scatter.hpp"
+#include "microstructure/scatter.hpp"
 #include "model/loads.hpp"
 #include "model/obstacle.hpp"
 

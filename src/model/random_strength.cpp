@@ -1,7 +1,6 @@
 #include "model/random_strength.hpp"
 
 #include "base/random.hpp"
-#include "material/random_field.hpp"
 
 #include <cmath>
 #include <map>

@@ -1,6 +1,6 @@
 #pragma once
 // Means of the displacement at a place, or along a boundary, as sums over corners.
-#include "geometry/mesh.hpp"
+#include "mesh/mesh.hpp"
 
 #include <string>
 #include <vector>

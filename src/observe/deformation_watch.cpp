@@ -1,6 +1,6 @@
 #include "observe/deformation_watch.hpp"
 
-#include "geometry/covered_twice.hpp"
+#include "mesh/overlap.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -31,8 +31,6 @@ Gradient displacement_gradient(const Mesh& mesh, const State& state, Index t) {
             .yx = inverse * (u_a.y() * b.y() - u_b.y() * a.y()),
             .yy = inverse * (u_b.y() * a.x() - u_a.y() * b.x())};
 }
-
-Vec2 centroid(const Mesh& mesh, Index t) { return (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3; }
 
 Vec2 displacement_of(const State& state, Index corner) { return corner == ground ? Vec2(Vec2::Zero()) : state.displacement[state.node_of_corner[corner]]; }
 
@@ -65,11 +63,11 @@ void DeformationWatch::look_at_triangles(const State& state) {
         const Gradient g = displacement_gradient(mesh, state, t);
         const double sine = std::abs(g.yx - g.xy), cosine = 2 + g.xx + g.yy;
         if (!(sine <= tangent * cosine)) {
-            rotation_.meet(std::atan2(sine, cosine) / degree, centroid(mesh, t));
+            rotation_.meet(std::atan2(sine, cosine) / degree, mesh.centroid(t));
             tangent = std::tan(std::min(rotation_.value, 89.9) * degree);
         }
         const double area = std::abs(g.xx + g.yy + g.xx * g.yy - g.xy * g.yx);
-        if (!(area <= change)) area_change_.meet(area, centroid(mesh, t)), change = area_change_.value;
+        if (!(area <= change)) area_change_.meet(area, mesh.centroid(t)), change = area_change_.value;
     }
 }
 

@@ -1,5 +1,6 @@
 #include "observe/fragments.hpp"
 
+#include "base/union_find.hpp"
 #include "model/model.hpp"
 #include "model/state.hpp"
 #include "observe/interface_status.hpp"
@@ -7,39 +8,17 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 namespace knap {
 
-namespace {
-
-/// Union-find in which the lowest triangle of a set names it.
-class Sets {
-public:
-    explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-    Index name(Index i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(Index a, Index b) {
-        a = name(a), b = name(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<Index> parent_;
-};
-
-}  // namespace
-
 Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<const std::array<Index, 2>> joined) {
-    Sets sets(triangles.size());
+    UnionFind sets(triangles.size());
     for (const auto& [a, b] : joined) sets.join(a, b);
 
     Fragments found;
     found.piece_of_triangle.assign(triangles.size(), -1);
     for (Index t = 0; t < static_cast<Index>(triangles.size()); ++t) {
-        const Index first = sets.name(t);
+        const Index first = sets.find(t);
         if (first == t) {
             found.piece_of_triangle[t] = static_cast<Index>(found.pieces.size());
             found.pieces.push_back({.first_triangle = t, .n_triangles = 0, .area = 0, .mass = 0, .velocity = Vec2::Zero(), .centre = Vec2::Zero()});
@@ -67,7 +46,7 @@ Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<c
     const auto heavier = [](const Fragment& a, const Fragment& b) { return a.mass > b.mass; };
     std::stable_sort(found.pieces.begin(), found.pieces.end(), heavier);
     for (Index p = 0; p < static_cast<Index>(found.pieces.size()); ++p) found.piece_of_triangle[found.pieces[p].first_triangle] = p;
-    for (Index t = 0; t < static_cast<Index>(triangles.size()); ++t) found.piece_of_triangle[t] = found.piece_of_triangle[sets.name(t)];
+    for (Index t = 0; t < static_cast<Index>(triangles.size()); ++t) found.piece_of_triangle[t] = found.piece_of_triangle[sets.find(t)];
     return found;
 }
 

@@ -1,8 +1,7 @@
 // The rows of the key table. A new key is a row here; where its value is a member of an options struct as it stands,
 // `.to(&Struct::member)` is all that reads it. Other values are read, and checked against each other, in read_*.cpp.
 #include "scenario/key_table.hpp"
-#include "geometry/inclusions.hpp"
-#include "geometry/joints.hpp"
+#include "microstructure/inclusions.hpp"
 #include "scenario/scenario.hpp"
 
 namespace knap {

@@ -1,5 +1,5 @@
 // [domain] and [mesh]: outer ring, holes, cracks, regions, sizes.
-#include "geometry/arcs.hpp"
+#include "mesh/size_field.hpp"
 #include "scenario/reading.hpp"
 
 #include <algorithm>

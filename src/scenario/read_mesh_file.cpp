@@ -1,5 +1,5 @@
 // mesh.file: the mesh is read; its physical surfaces are materials, its physical curves boundaries and cracks.
-#include "geometry/gmsh_mesh.hpp"
+#include "mesh/gmsh.hpp"
 #include "scenario/reading.hpp"
 
 #include <algorithm>

@@ -1,7 +1,6 @@
 // [[inclusions]] and [[joints]], which become regions, holes and cracks of the shape; [[map]], whose colours are
 // materials; [[grains]].
-#include "geometry/inclusions.hpp"
-#include "geometry/joints.hpp"
+#include "microstructure/inclusions.hpp"
 #include "observe/read_png.hpp"
 #include "scenario/reading.hpp"
 

@@ -1,13 +1,12 @@
 #pragma once
 // A scenario: the sum of the option structs of the floors below. SI throughout.
-#include "geometry/grain_minerals.hpp"
-#include "geometry/grains.hpp"
-#include "geometry/material_map.hpp"
-#include "geometry/shape.hpp"
-#include "geometry/triangulate.hpp"
+#include "microstructure/materials.hpp"
+#include "microstructure/grains.hpp"
+#include "mesh/shape.hpp"
+#include "mesh/triangulate.hpp"
 #include "material/cohesive_law.hpp"
 #include "material/elastic.hpp"
-#include "material/scatter.hpp"
+#include "microstructure/scatter.hpp"
 #include "model/loads.hpp"
 #include "model/obstacle.hpp"
 #include "observe/figures.hpp"

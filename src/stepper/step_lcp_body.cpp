@@ -1,5 +1,6 @@
 #include "stepper/step_lcp_body.hpp"
 
+#include "base/union_find.hpp"
 #include "bulk/triangle_matrices.hpp"
 
 #include <cmath>
@@ -9,20 +10,6 @@ namespace knap {
 namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
-
-/// Sets that are joined pairwise; each is known by its lowest member.
-class Sets {
-public:
-    explicit Sets(Index n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-    Index of(Index i) const { return parent_[i] == i ? i : of(parent_[i]); }
-    void join(Index i, Index j) {
-        const Index a = of(i), b = of(j);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<Index> parent_;
-};
 
 PartedBody::Matrix stiffness_of_corners(const Model& model) {
     Triplets entries;
@@ -88,7 +75,7 @@ PartedBody::PartedBody(const Model& model, const State& begin, double h, const S
 }
 
 void PartedBody::join(const Model& model) {
-    Sets corners(model.mesh.n_corners() + 1), triangles(model.mesh.n_triangles());  // the last corner stands for the foundation
+    UnionFind corners(model.mesh.n_corners() + 1), triangles(model.mesh.n_triangles());  // the last corner stands for the foundation
     const auto member = [&](Index corner) { return corner == ground ? model.mesh.n_corners() : corner; };
     for (const FanPoint& point : model.fan_points) {
         if (point.cracked || model.laws[point.law].breakable()) continue;
@@ -97,9 +84,9 @@ void PartedBody::join(const Model& model) {
     }
     leader_.resize(model.mesh.n_corners());
     part_of_triangle_.resize(model.mesh.n_triangles());
-    const Index foundation = corners.of(model.mesh.n_corners());
-    for (Index c = 0; c < model.mesh.n_corners(); ++c) leader_[c] = corners.of(c) == foundation ? ground : corners.of(c);
-    for (Index t = 0; t < model.mesh.n_triangles(); ++t) part_of_triangle_[t] = triangles.of(t);
+    const Index foundation = corners.find(model.mesh.n_corners());
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) leader_[c] = corners.find(c) == foundation ? ground : corners.find(c);
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t) part_of_triangle_[t] = triangles.find(t);
 }
 
 void PartedBody::prescribe(const Model& model, const State& begin, double h, double theta) {

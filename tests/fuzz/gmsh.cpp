@@ -2,7 +2,7 @@
 #include "target.hpp"
 
 #include "base/error.hpp"
-#include "geometry/gmsh_mesh.hpp"
+#include "mesh/gmsh.hpp"
 
 using namespace knap;
 using tests::require;

@@ -231,7 +231,7 @@ radius = "10 mm"
 )");
 
 const std::string mesh_file = samples::changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n[mesh]\nsize = 0.001\n",
-                                               "[mesh]\nfile = \"" KNAP_SOURCE_DIR "/tests/geometry/data/block_41_ascii.msh\"\n"
+                                               "[mesh]\nfile = \"" KNAP_SOURCE_DIR "/tests/mesh/data/block_41_ascii.msh\"\n"
                                                "unit = \"1 mm\"\ncracks = [\"crack\"]\n[material.steel]\ndensity = 8000\nE = 190e9\nnu = 0.3\n");
 
 const std::string schemes = samples::least + "[study]\nschemes = [\"explicit/explicit\", \"implicit/implicit\"]\n";
@@ -497,7 +497,7 @@ const Case cases[] = {
     {polygon, "domain.sides", "[\"floor\", \"wall\", \"lid\", \"wall\"]"},
     {disc, "domain.centre", "[0.001, 0.002]"},
     {disc, "domain.radius", "0.01"},
-    {mesh_file, "mesh.file", "\"" KNAP_SOURCE_DIR "/tests/geometry/data/block_41_ascii.msh\""},
+    {mesh_file, "mesh.file", "\"" KNAP_SOURCE_DIR "/tests/mesh/data/block_41_ascii.msh\""},
     {mesh_file, "mesh.unit", "0.001"},
     {mesh_file, "mesh.cracks", "[\"crack\"]"},
     {rock, "interface.default.scatter.kind", "\"weibull\""},

@@ -13,7 +13,7 @@ using namespace knap;
 
 namespace {
 
-const std::filesystem::path data = KNAP_SOURCE_DIR "/tests/geometry/data";
+const std::filesystem::path data = KNAP_SOURCE_DIR "/tests/mesh/data";
 
 const std::string mesh_of_block = R"([mesh]
 file = "block_41_binary.msh"

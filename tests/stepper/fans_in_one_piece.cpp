@@ -1,6 +1,6 @@
 // Fans that move as one: in blocks of triangles and across their borders; and those that came apart once, have less cohesion since, and rest.
 #include "base/parallel.hpp"
-#include "geometry/triangulate.hpp"
+#include "mesh/triangulate.hpp"
 #include "stepper/mesh_blocks.hpp"
 #include "stepper/split_order.hpp"
 #include "support/bodies.hpp"

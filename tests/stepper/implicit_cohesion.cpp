@@ -1,6 +1,6 @@
 // Implicit beta with the explicit bulk: its own exact solution, what it never does, and a running crack.
 #include "base/random.hpp"
-#include "geometry/triangulate.hpp"
+#include "mesh/triangulate.hpp"
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
 

@@ -1,6 +1,6 @@
 // Contact of thousands of sides at once, implicitly.
 #include "base/random.hpp"
-#include "geometry/triangulate.hpp"
+#include "mesh/triangulate.hpp"
 #include "support/bodies.hpp"
 
 #include <doctest/doctest.h>

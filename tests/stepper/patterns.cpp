@@ -1,6 +1,6 @@
 // Crack patterns that must not depend on what is no physics: the step (E13), the direction of the mesh (E15),
 // what counts as broken (E17).
-#include "geometry/triangulate.hpp"
+#include "mesh/triangulate.hpp"
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
 

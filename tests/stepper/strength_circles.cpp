@@ -1,5 +1,5 @@
 // The screens of fans in one piece against the exact test: what they clear surely holds.
-#include "geometry/triangulate.hpp"
+#include "mesh/triangulate.hpp"
 #include "interfaces/circulation.hpp"
 #include "stepper/strength_circles.hpp"
 #include "support/bodies.hpp"

@@ -1,7 +1,7 @@
 // Fracture runs that must not depend on what is no physics: ties (E3), threads, units (E20); fragments that come to no energy of their
 // own (E19); friction of any size (E11).
 #include "base/random.hpp"
-#include "geometry/triangulate.hpp"
+#include "mesh/triangulate.hpp"
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
 

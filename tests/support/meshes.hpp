@@ -1,6 +1,6 @@
 #pragma once
 // Structured meshes of bars and plates: tests want exact waves and ties (scenarios use random meshes).
-#include "geometry/mesh.hpp"
+#include "mesh/mesh.hpp"
 
 #include <functional>
 

@@ -1,6 +1,7 @@
 #include "app/run/dump_lcp.hpp"
 
 #include "base/error.hpp"
+#include "base/union_find.hpp"
 #include "lcp/matrix_market.hpp"
 #include "stepper/corner_partition.hpp"
 #include "stepper/step_lcp.hpp"
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
-#include <numeric>
 #include <sstream>
 
 namespace knap {
@@ -18,25 +18,20 @@ constexpr double most_entries = 2e7;  // of a stored matrix: about half a gigaby
 
 /// An upper bound of the entries of the matrix: rows of points couple where a part of the body that nothing can part has both.
 double entries_at_most(const Model& model, const SchemeOptions& scheme) {
-    std::vector<Index> part(model.mesh.n_triangles());
-    std::iota(part.begin(), part.end(), 0);
-    const auto root = [&](Index t) {
-        while (part[t] != t) t = part[t] = part[part[t]];
-        return t;
-    };
+    UnionFind parts(model.mesh.triangles.size());
     bool friction = false, gamma = false;
     for (const FanPoint& point : model.fan_points) {
         if (unbreakable(model, point) && point.before != ground && point.after != ground)
-            part[root(model.mesh.triangle_of(point.before))] = root(model.mesh.triangle_of(point.after));
+            parts.join(model.mesh.triangle_of(point.before), model.mesh.triangle_of(point.after));
         friction = friction || model.laws[point.law].friction > 0;
         gamma = gamma || model.laws[point.law].gamma > 0;
     }
     const double rows = (scheme.cohesion == CohesionScheme::implicit_beta ? 3 : 1) + (friction ? 3 : 0) + (gamma ? 3 : 0);
-    std::vector<double> n_points(part.size(), 0);
+    std::vector<double> n_points(model.mesh.triangles.size(), 0);
     for (const FanPoint& point : model.fan_points) {
         if (unbreakable(model, point)) continue;
         for (const Index corner : {point.before, point.after})
-            if (corner != ground) n_points[root(model.mesh.triangle_of(corner))] += 1;
+            if (corner != ground) n_points[parts.find(model.mesh.triangle_of(corner))] += 1;
     }
     double entries = 0;
     for (const double n : n_points) entries += rows * n * rows * n;

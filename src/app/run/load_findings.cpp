@@ -2,6 +2,7 @@
 #include "app/run/model_findings.hpp"
 
 #include "app/run/run.hpp"
+#include "base/union_find.hpp"
 #include "model/contradictions.hpp"
 #include "model/obstacle.hpp"
 
@@ -53,15 +54,11 @@ Diagnostic described(const ReadResult& read, const Contradiction& c) {
 
 /// Triangles that an interface joins, cracked or not, are one body: contact may hold what is cracked.
 std::vector<Index> bodies_of(const Model& model) {
-    std::vector<Index> parent(model.mesh.n_triangles());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](Index t) {
-        while (parent[t] != t) t = parent[t] = parent[parent[t]];
-        return t;
-    };
-    for (const InteriorEdge& edge : model.mesh.interior_edges) parent[root(edge.triangle[0])] = root(edge.triangle[1]);
-    for (Index t = 0; t < model.mesh.n_triangles(); ++t) parent[t] = root(t);
-    return parent;
+    UnionFind bodies(model.mesh.triangles.size());
+    for (const InteriorEdge& edge : model.mesh.interior_edges) bodies.join(edge.triangle[0], edge.triangle[1]);
+    std::vector<Index> body(model.mesh.n_triangles());
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t) body[t] = bodies.find(t);
+    return body;
 }
 
 /// Loads on a body at t = 0 and what its supports leave free, in (x, y, turn about `centre` times `length`).

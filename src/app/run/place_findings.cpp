@@ -2,7 +2,7 @@
 #include "app/run/model_findings.hpp"
 
 #include "app/run/run.hpp"
-#include "geometry/distances.hpp"
+#include "mesh/polygon.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -77,7 +77,7 @@ void check_regions(const ReadResult& read, const Mesh& mesh, std::vector<Diagnos
         const Box box{low, high};
         bool covers = false;
         for (Index t = 0; t < mesh.n_triangles() && !covers; ++t) {
-            const Vec2 middle = (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2)) / 3;
+            const Vec2 middle = mesh.centroid(t);
             covers = box.contains(middle) && contains(points, middle);
         }
         const std::string path = item("domain.region", i);

@@ -1,7 +1,7 @@
 #include "app/run/setup.hpp"
 
 #include "base/error.hpp"
-#include "geometry/grain_mesh.hpp"
+#include "microstructure/grain_mesh.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,11 +15,10 @@ namespace {
 
 /// Grains in the materials that have some; every rock with random numbers of its own.
 void put_rocks(const Scenario& scenario, Mesh& mesh) {
-    Vec2 low = mesh.vertices.front(), high = low;
-    for (const Vec2& x : mesh.vertices) low = low.cwiseMin(x), high = high.cwiseMax(x);
+    const Box box = bounding_box(mesh.vertices);
     for (const GrainedRock& rock : scenario.rocks) {
         const std::uint64_t seed = scenario.seed + static_cast<std::uint64_t>(rock.material) * 0x9E3779B97F4A7C15ull;
-        const Index first = put_grains(mesh, Grains(rock.grains, low, high, seed), rock.material);
+        const Index first = put_grains(mesh, Grains(rock.grains, box, seed), rock.material);
         assign_minerals(mesh, rock.minerals, first, seed);
     }
 }

@@ -1,6 +1,6 @@
 #pragma once
 // From a scenario to a model, and what can be known of it before it runs.
-#include "geometry/mesh_report.hpp"
+#include "mesh/mesh_report.hpp"
 #include "model/model.hpp"
 #include "scenario/scenario.hpp"
 

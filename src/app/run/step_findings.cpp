@@ -2,8 +2,8 @@
 #include "app/run/model_findings.hpp"
 
 #include "app/run/run.hpp"
-#include "geometry/distances.hpp"
-#include "geometry/size_field.hpp"
+#include "mesh/polygon.hpp"
+#include "mesh/size_field.hpp"
 
 #include <algorithm>
 #include <cmath>

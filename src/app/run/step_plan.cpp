@@ -1,7 +1,7 @@
 #include "app/run/step_plan.hpp"
 
 #include "bulk/triangle_matrices.hpp"
-#include "geometry/size_field.hpp"
+#include "mesh/size_field.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -74,7 +74,7 @@ double usual_step(const Scenario& scenario, const Model& model, const std::vecto
     for (const Elastic& material : model.materials) speed.push_back(material.dilatational_speed(model.plane));
     double shortest = std::numeric_limits<double>::infinity();
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
-        const Vec2 x = (model.mesh.corner(t, 0) + model.mesh.corner(t, 1) + model.mesh.corner(t, 2)) / 3;
+        const Vec2 x = model.mesh.centroid(t);
         const double passage = size(x) / speed[model.mesh.region[t]];
         shortest = std::min(shortest, passage);
         in_passages.push_back(stable[t] / passage);

@@ -1,0 +1,89 @@
+#include "mesh/mesh.hpp"
+
+#include "mesh/shape.hpp"
+
+#include <algorithm>
+
+namespace knap {
+
+namespace {
+
+/// Position of the cell (x, y) of a 2^16 x 2^16 grid on the Hilbert curve.
+std::uint32_t hilbert_index(std::uint32_t x, std::uint32_t y) {
+    std::uint32_t index = 0;
+    for (std::uint32_t s = 1u << 15; s > 0; s >>= 1) {
+        const bool right = x & s, up = y & s;
+        index += s * s * ((3 * right) ^ up);
+        if (up) continue;
+        // turn the quadrant so that the curve inside it has the standard orientation
+        if (right) x = ~x, y = ~y;
+        std::swap(x, y);
+    }
+    return index;
+}
+
+}  // namespace
+
+void find_edges(Mesh& mesh) {
+    mesh.interior_edges.clear();
+    mesh.boundary_edges.clear();
+    const auto vertex = [&](Index side, Index end) {
+        return mesh.triangles[side / 3][(side + end) % 3];
+    };  // side = 3 triangle + k
+    std::vector<std::pair<std::uint64_t, Index>> sides;
+    for (Index side = 0; side < 3 * mesh.n_triangles(); ++side)
+        sides.emplace_back(edge_key(vertex(side, 0), vertex(side, 1)), side);
+    std::sort(sides.begin(), sides.end());
+    std::vector<Index> other(sides.size(), -1);  // the side of the neighbour
+    for (std::size_t i = 1; i < sides.size(); ++i) {
+        if (sides[i].first != sides[i - 1].first) continue;
+        const Index a = sides[i - 1].second, b = sides[i].second;
+        if (other[a] >= 0 || vertex(a, 0) == vertex(b, 0))
+            throw ShapeError("mesh", "two triangles lie on the same side of one edge");
+        other[a] = b, other[b] = a;
+    }
+    for (Index side = 0; side < std::ssize(other); ++side) {
+        const Index t = side / 3, neighbour = other[side] / 3;
+        if (other[side] < 0) mesh.boundary_edges.push_back({t, side % 3, 0});
+        if (neighbour > t) mesh.interior_edges.push_back({{t, neighbour}, {side % 3, other[side] % 3}});
+    }
+}
+
+std::vector<Index> order_along_curve(Mesh& mesh) {
+    const Box box = bounding_box(mesh.vertices);
+    const double scale = 65535.0 / box.extent().maxCoeff();
+    std::vector<std::pair<std::uint32_t, Index>> keys;
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        const Vec2 cell = (mesh.centroid(t) - box.low) * scale;
+        keys.emplace_back(hilbert_index(static_cast<std::uint32_t>(cell.x()), static_cast<std::uint32_t>(cell.y())), t);
+    }
+    std::sort(keys.begin(), keys.end());
+
+    Mesh ordered;
+    std::vector<Index> number(mesh.vertices.size(), -1);
+    for (const auto& [key, t] : keys) {
+        std::array<Index, 3> corners = mesh.triangles[t];
+        for (Index& v : corners) {
+            if (number[v] < 0) {
+                number[v] = ordered.n_vertices();
+                ordered.vertices.push_back(mesh.vertices[v]);
+            }
+            v = number[v];
+        }
+        ordered.triangles.push_back(corners);
+        if (!mesh.region.empty()) ordered.region.push_back(mesh.region[t]);
+    }
+    mesh.vertices = std::move(ordered.vertices);
+    mesh.triangles = std::move(ordered.triangles);
+    mesh.region = std::move(ordered.region);
+    return number;
+}
+
+Grouped<Index> vertex_stars(const Mesh& mesh) {
+    return {mesh.vertices.size(), [&](const auto& visit) {
+                for (Index t = 0; t < mesh.n_triangles(); ++t)
+                    for (const Index v : mesh.triangles[t]) visit(v, t);
+            }};
+}
+
+}  // namespace knap

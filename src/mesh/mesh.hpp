@@ -1,0 +1,83 @@
+#pragma once
+// A triangle mesh with its edges.
+#include "base/grouped.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+namespace knap {
+
+/// Edge k of a triangle joins its corners k and (k+1)%3.
+struct InteriorEdge {
+    std::array<Index, 2> triangle;  // the two neighbours
+    std::array<Index, 2> side;      // the number of the edge (0..2) in each of them
+    bool cracked = false;           // no cohesion from the start
+    Index joint = -1;               // number of the joint set whose law acts here, -1 = none
+};
+
+struct BoundaryEdge {
+    Index triangle;
+    Index side;      // 0..2
+    Index boundary;  // index into boundary_names
+};
+
+/// A triangle owns its corners: of order 1 its three vertices 0, 1, 2; of order 2 also 3 + k, the middle of edge k, and
+/// 6, its centre. Corner k of triangle t has the number corners_per_triangle() t + k.
+struct Mesh {
+    Index order = 1;                              // of the displacement on a triangle: 1 or 2
+    std::vector<Vec2> vertices;                   // [m]
+    std::vector<std::array<Index, 3>> triangles;  // counterclockwise
+    std::vector<Index> region;                    // material index, one per triangle
+    std::vector<Index> grain;                     // one per triangle, -1 = in none; empty = there are none
+    std::vector<InteriorEdge> interior_edges;
+    std::vector<BoundaryEdge> boundary_edges;
+    std::vector<std::string> boundary_names;
+
+    Index n_triangles() const { return static_cast<Index>(triangles.size()); }
+    Index n_vertices() const { return static_cast<Index>(vertices.size()); }
+    Index corners_per_triangle() const { return order == 1 ? 3 : 7; }
+    Index n_corners() const { return corners_per_triangle() * n_triangles(); }
+    Index triangle_of(Index corner) const { return corner / corners_per_triangle(); }
+    Index place_in_triangle(Index corner) const { return corner % corners_per_triangle(); }
+
+    Vec2 corner(Index triangle, Index k) const {  // [m] k < 3: a vertex
+        if (k < 3) return vertices[triangles[triangle][k]];
+        if (k < 6) return 0.5 * (corner(triangle, k - 3) + corner(triangle, (k - 2) % 3));
+        return centroid(triangle);
+    }
+    Vec2 corner(Index number) const { return corner(triangle_of(number), place_in_triangle(number)); }  // [m]
+    Vec2 centroid(Index triangle) const {                                                               // [m]
+        return (corner(triangle, 0) + corner(triangle, 1) + corner(triangle, 2)) / 3;
+    }
+    double area(Index triangle) const {  // [m2]
+        return 0.5 * cross(corner(triangle, 1) - corner(triangle, 0), corner(triangle, 2) - corner(triangle, 0));
+    }
+    Vec2 side_vector(Index triangle, Index k) const {  // [m] along edge k
+        return corner(triangle, (k + 1) % 3) - corner(triangle, k);
+    }
+    /// Both sides of an edge lie in one grain.
+    bool within_grain(const InteriorEdge& edge) const {
+        return !grain.empty() && grain[edge.triangle[0]] >= 0 && grain[edge.triangle[0]] == grain[edge.triangle[1]];
+    }
+};
+
+/// Finds the interior and boundary edges of `mesh.triangles` (and clears those it had); every boundary edge gets
+/// boundary 0. Throws ShapeError when two triangles lie on the same side of an edge.
+void find_edges(Mesh& mesh);
+
+/// Renumbers triangles and vertices along a Hilbert curve, so that neighbours are near in memory; edges must be found
+/// afterwards. Vertices without a triangle are dropped. Returns the new number of every old vertex, -1 for a dropped
+/// one.
+std::vector<Index> order_along_curve(Mesh& mesh);
+
+/// One key for the edge between two vertices, in either direction.
+inline std::uint64_t edge_key(Index a, Index b) {
+    return (static_cast<std::uint64_t>(std::min(a, b)) << 32) | static_cast<std::uint32_t>(std::max(a, b));
+}
+
+/// The triangles around every vertex. Reads vertices and triangles only.
+Grouped<Index> vertex_stars(const Mesh& mesh);
+
+}  // namespace knap

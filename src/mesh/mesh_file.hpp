@@ -1,0 +1,15 @@
+#pragma once
+// A mesh as a file: Gmsh 2.2 ASCII (.msh), VTK XML ASCII (.vtu), or a picture (.svg).
+#include "mesh/mesh.hpp"
+
+#include <string>
+#include <vector>
+
+namespace knap {
+
+/// Throws std::invalid_argument for another ending than .msh, .vtu, .svg. A .msh file has a physical group for each
+/// boundary, for each region (`region0` ... without names) and for the cracks (`crack`).
+std::string mesh_as_text(const Mesh& mesh, const std::string& ending,
+                         const std::vector<std::string>& region_names = {});
+
+}  // namespace knap

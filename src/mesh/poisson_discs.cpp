@@ -1,0 +1,181 @@
+#include "mesh/poisson_discs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace knap {
+namespace {
+
+Index clamped(double position, Index n) {
+    return std::clamp(static_cast<Index>(std::floor(position)), Index{0}, n - 1);
+}
+
+}  // namespace
+
+std::vector<Vec2> points_along(const Vec2& a, const Vec2& b, const SizeField& radius, Random& random) {
+    LengthInSizes in_radii((b - a).norm(), radius, [&](double position) { return Vec2(a + (b - a) * position); });
+    if (in_radii.total() <= 1.42) return {};
+    std::vector<double> pieces(std::max(2, static_cast<int>(std::lround(in_radii.total() / 1.2))));
+    for (double& piece : pieces) piece = random.uniform(0.83, 1.17);
+    const double scale = in_radii.total() / std::accumulate(pieces.begin(), pieces.end(), 0.0);
+    pieces.pop_back();  // ends at b
+
+    std::vector<Vec2> points;
+    double target = 0;
+    for (const double piece : pieces) points.push_back(a + (b - a) * in_radii.position(target += scale * piece));
+    return points;
+}
+
+std::vector<Vec2> poisson_points(const Shape& shape, const std::vector<Vec2>& on_lines, const SizeField& radius,
+                                 Random& random) {
+    CellGrid grid(shape, on_lines, radius);
+    std::vector<CellGrid::Cell> cells = grid.cells_of_body();
+    for (std::size_t i = cells.size(); i > 1; --i) std::swap(cells[i - 1], cells[random.bits() % i]);
+
+    // dart throwing: one dart in every free cell, a few times; the remaining gaps are closed by the Delaunay refinement
+    constexpr int n_rounds = 12;
+    for (int round = 0; round < n_rounds; ++round) {
+        std::vector<CellGrid::Cell> still_free;
+        for (const CellGrid::Cell& cell : cells) {
+            if (!grid.empty(cell)) continue;
+            const double u = random.uniform(), v = random.uniform();
+            const Vec2 dart = grid.place(cell, u, v);
+            const double factor = random.uniform(1 - CellGrid::spread, 1 + CellGrid::spread);
+            if (!grid.crowded({dart, radius(dart), factor}) && shape.contains(dart))
+                grid.add(dart, factor);
+            else
+                still_free.push_back(cell);
+        }
+        cells.swap(still_free);
+    }
+    return {grid.points().begin() + static_cast<std::ptrdiff_t>(on_lines.size()), grid.points().end()};
+}
+
+CellGrid::CellGrid(const Shape& shape, const std::vector<Vec2>& on_lines, const SizeField& radius)
+    : n_on_lines_(static_cast<Index>(on_lines.size())) {
+    const Box box = bounding_box(shape.outer.points);
+    const Vec2 extent = box.extent();
+    low_ = box.low;
+    width_ = std::max(6 * radius.largest(), std::sqrt(extent.x() * extent.y()) / 4000);
+    for (const int axis : {0, 1}) n_roots_[axis] = static_cast<Index>(extent[axis] / width_) + 1;
+    mark_reached(shape, on_lines);
+    for (Index block = 0; block < std::ssize(blocks_); ++block) divide(block, radius);  // children come at the end
+    for (const Vec2& p : on_lines) add(p, 1);
+}
+
+/// The roots that the body reaches have their centre in it, or lie within a quarter of a block from a point of its
+/// lines, which are nearer to each other than that.
+void CellGrid::mark_reached(const Shape& shape, const std::vector<Vec2>& on_lines) {
+    for (Index root = 0; root < n_roots_[0] * n_roots_[1]; ++root) {
+        Block block{
+            .low = low_ + width_ * Vec2(root % n_roots_[0], root / n_roots_[0]), .width = width_, .reached = false};
+        block.reached = shape.contains(block.middle());
+        blocks_.push_back(block);
+    }
+    for (const Vec2& p : on_lines)
+        for (const double dx : {-0.25, 0.25})
+            for (const double dy : {-0.25, 0.25})
+                blocks_[root_along(1, p.y() + dy * width_) * n_roots_[0] + root_along(0, p.x() + dx * width_)].reached =
+                    true;
+}
+
+/// Into four, or into cells with a diagonal below the smallest distance of two points.
+void CellGrid::divide(Index number, const SizeField& radius) {
+    const Block block = blocks_[number];  // a reference would not outlive the first child
+    const double half_diagonal = block.width * std::sqrt(0.5);
+    const double at_middle = radius(block.middle()), change = radius.slope() * half_diagonal;
+    const double smallest = std::max(radius.smallest(), at_middle - change);
+    const double largest = std::min(radius.largest(), at_middle + change);
+    if (block.reached && radius.slope() > 0 && largest > 2 * smallest) {
+        blocks_[number].first_child = static_cast<Index>(blocks_.size());
+        for (const double y : {block.low.y(), block.middle().y()})
+            for (const double x : {block.low.x(), block.middle().x()})
+                blocks_.push_back({.low = {x, y}, .width = block.width / 2, .reached = true});
+        return;
+    }
+    const Index n = block.reached ? static_cast<Index>(std::ceil(2 * half_diagonal / ((1 - spread) * smallest))) : 1;
+    blocks_[number].n_cells = n;
+    blocks_[number].first_cell = static_cast<Index>(first_.size());
+    first_.resize(first_.size() + n * n, -1);
+}
+
+Index CellGrid::root_along(int axis, double x) const { return clamped((x - low_[axis]) / width_, n_roots_[axis]); }
+
+Index CellGrid::Block::cell_along(int axis, double x) const {
+    return clamped((x - low[axis]) * (n_cells / width), n_cells);
+}
+
+std::vector<CellGrid::Cell> CellGrid::cells_of_body() const {
+    std::vector<Cell> cells;
+    for (Index number = 0; number < std::ssize(blocks_); ++number) {
+        const Block& block = blocks_[number];
+        if (!block.reached || block.first_child >= 0) continue;
+        for (Index row = 0; row < block.n_cells; ++row)
+            for (Index column = 0; column < block.n_cells; ++column) cells.push_back({number, column, row});
+    }
+    return cells;
+}
+
+bool CellGrid::empty(const Cell& cell) const {
+    const Block& block = blocks_[cell.block];
+    return first_[block.first_cell + cell.row * block.n_cells + cell.column] < 0;
+}
+
+Vec2 CellGrid::place(const Cell& cell, double u, double v) const {
+    const Block& block = blocks_[cell.block];
+    return block.low + (block.width / block.n_cells) * Vec2(cell.column + u, cell.row + v);
+}
+
+Index CellGrid::cell_at(const Vec2& p) const {
+    const Block* block = &blocks_[root_along(1, p.y()) * n_roots_[0] + root_along(0, p.x())];
+    while (block->first_child >= 0) {
+        const Vec2 middle = block->middle();
+        block = &blocks_[block->first_child + 2 * (p.y() >= middle.y()) + (p.x() >= middle.x())];
+    }
+    return block->first_cell + block->cell_along(1, p.y()) * block->n_cells + block->cell_along(0, p.x());
+}
+
+void CellGrid::add(const Vec2& p, double factor) {
+    Index& first = first_[cell_at(p)];
+    next_.push_back(first);
+    first = static_cast<Index>(points_.size());
+    points_.push_back(p);
+    factor_.push_back(factor);
+}
+
+bool CellGrid::crowded(const Disc& disc) const {
+    const double reach = (1 + 0.5 * spread + 0.5 * (disc.factor - 1)) * disc.radius;
+    const Box near{disc.centre - Vec2::Constant(reach), disc.centre + Vec2::Constant(reach)};
+    for (Index y = root_along(1, near.low.y()); y <= root_along(1, near.high.y()); ++y)
+        for (Index x = root_along(0, near.low.x()); x <= root_along(0, near.high.x()); ++x)
+            if (crowded_in(blocks_[y * n_roots_[0] + x], disc, near)) return true;
+    return false;
+}
+
+/// Among the points of one block within the square `near` around the disc.
+bool CellGrid::crowded_in(const Block& block, const Disc& disc, const Box& near) const {
+    if (block.first_child >= 0) {
+        const Vec2 middle = block.middle();
+        for (Index y = near.low.y() >= middle.y(); y <= Index{near.high.y() >= middle.y()}; ++y)
+            for (Index x = near.low.x() >= middle.x(); x <= Index{near.high.x() >= middle.x()}; ++x)
+                if (crowded_in(blocks_[block.first_child + 2 * y + x], disc, near)) return true;
+        return false;
+    }
+    const Index left = block.cell_along(0, near.low.x()), right = block.cell_along(0, near.high.x());
+    const Index bottom = block.cell_along(1, near.low.y()), top = block.cell_along(1, near.high.y());
+    for (Index row = bottom; row <= top; ++row)
+        for (Index column = left; column <= right; ++column)
+            if (crowded_in_cell(block.first_cell + row * block.n_cells + column, disc)) return true;
+    return false;
+}
+
+bool CellGrid::crowded_in_cell(Index cell, const Disc& disc) const {
+    for (Index k = first_[cell]; k >= 0; k = next_[k]) {
+        const double factor = k < n_on_lines_ ? 1 : 0.5 * (disc.factor + factor_[k]);
+        if ((points_[k] - disc.centre).norm() < disc.radius * factor) return true;
+    }
+    return false;
+}
+
+}  // namespace knap

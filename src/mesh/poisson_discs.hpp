@@ -1,0 +1,87 @@
+#pragma once
+// Random points for a mesh without preferred directions: jittered along lines, and Poisson discs (no two points nearer
+// than a local radius, and hardly room for one more) over the body. The Delaunay triangles of such points have angles
+// of about 30 to 120 degree and edges of 1 to 2 radii. Source: M. Ebeida, S. Mitchell, A. Davidson, A. Patney, P.
+// Knupp, J. Owens, "Efficient and good Delaunay meshes from random points", Computer-Aided Design 43 (2011) 1506.
+#include "base/random.hpp"
+#include "mesh/shape.hpp"
+#include "mesh/size_field.hpp"
+
+#include <array>
+
+namespace knap {
+
+/// The inner points that divide a-b into pieces of 1 to 1.42 radii.
+std::vector<Vec2> points_along(const Vec2& a, const Vec2& b, const SizeField& radius, Random& random);
+
+/// Points inside the body that keep the distance `radius` from each other and from the given points on its lines.
+std::vector<Vec2> poisson_points(const Shape& shape, const std::vector<Vec2>& on_lines, const SizeField& radius,
+                                 Random& random);
+
+/// A point that keeps a distance of `factor` times the local radius.
+struct Disc {
+    Vec2 centre;    // [m]
+    double radius;  // [m], of the size field at the centre
+    double factor;  // [-] 1 - spread to 1 + spread; 1 for points of lines
+};
+
+/// Finds the neighbours of a new point: square blocks, divided into four as long as the radius varies by more than a
+/// factor of two within one, and then into cells just too small for two points. The cells follow the local radius, so
+/// that a strongly graded body needs no more of them per point than a uniform one.
+class CellGrid {
+public:
+    /// Largest deviation of a factor from 1.
+    static constexpr double spread = 0.15;
+
+    struct Cell {
+        Index block, column, row;
+    };
+
+    CellGrid(const Shape& shape, const std::vector<Vec2>& on_lines, const SizeField& radius);
+
+    /// The cells of all blocks that the body reaches.
+    std::vector<Cell> cells_of_body() const;
+    bool empty(const Cell& cell) const;
+    /// The point at (u, v) in [0, 1)^2 of a cell.
+    Vec2 place(const Cell& cell, double u, double v) const;
+
+    void add(const Vec2& p, double factor);
+    /// True when a disc is too near to a point: two points of the body keep the mean of their factors apart, and points
+    /// of lines keep a whole radius, so that no point of the body lies in the diametral circle of a piece of a line.
+    bool crowded(const Disc& disc) const;
+
+    /// Points of lines first.
+    const std::vector<Vec2>& points() const { return points_; }
+
+private:
+    /// A square with four children or with n_cells x n_cells cells; one that the body does not reach is one cell.
+    struct Block {
+        Vec2 low;                // [m]
+        double width;            // [m]
+        bool reached;            // by the body
+        Index first_child = -1;  // of the children at (0, 0), (1, 0), (0, 1), (1, 1); -1: has cells
+        Index n_cells = 1;       // per side
+        Index first_cell = -1;
+
+        Vec2 middle() const { return low + Vec2::Constant(width / 2); }
+        Index cell_along(int axis, double x) const;  // column or row
+    };
+
+    void mark_reached(const Shape& shape, const std::vector<Vec2>& on_lines);
+    void divide(Index block, const SizeField& radius);
+    Index root_along(int axis, double x) const;  // column or row
+    Index cell_at(const Vec2& p) const;
+    bool crowded_in(const Block& block, const Disc& disc, const Box& near) const;
+    bool crowded_in_cell(Index cell, const Disc& disc) const;
+
+    Vec2 low_;                         // [m] lower left corner of the first root
+    double width_;                     // [m] of a root
+    std::array<Index, 2> n_roots_;     // per direction
+    std::vector<Block> blocks_;        // the roots first, row by row
+    Index n_on_lines_;                 // points of lines
+    std::vector<Index> first_, next_;  // linked lists of points: per cell, per point; -1 ends one
+    std::vector<Vec2> points_;         // [m]
+    std::vector<double> factor_;       // [-] per point
+};
+
+}  // namespace knap

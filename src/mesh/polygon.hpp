@@ -1,0 +1,56 @@
+#pragma once
+// Plane geometry of boxes, polygons and segments. Polygons are closed and do not repeat their first point.
+#include "base/vec.hpp"
+
+#include <vector>
+
+namespace knap {
+
+struct Box {
+    Vec2 low, high;  // [m]
+
+    Vec2 extent() const { return high - low; }
+    Vec2 middle() const { return 0.5 * (low + high); }
+    double diagonal() const { return (high - low).norm(); }
+    bool contains(const Vec2& p) const {
+        return p.x() >= low.x() && p.x() <= high.x() && p.y() >= low.y() && p.y() <= high.y();
+    }
+};
+
+/// At least one point is needed.
+Box bounding_box(const std::vector<Vec2>& points);
+
+/// Positive when the polygon runs counterclockwise [m2].
+double signed_area(const std::vector<Vec2>& polygon);
+
+/// Of the area; the first point where there is no area [m].
+Vec2 centroid(const std::vector<Vec2>& polygon);
+
+bool is_convex(const std::vector<Vec2>& polygon);
+
+/// Even-odd rule; a point on the border may be in or out.
+bool contains(const std::vector<Vec2>& polygon, const Vec2& p);
+
+/// A regular polygon of `n` sides with its vertices on a circle, counterclockwise.
+std::vector<Vec2> circle(const Vec2& centre, double radius, int n);
+
+/// A straight piece of a line.
+struct Segment {
+    Vec2 a, b;
+};
+
+/// The sides of a polygon, or (not closed) of a polyline.
+std::vector<Segment> sides_of(const std::vector<Vec2>& points, bool closed);
+
+/// Position in [0, 1] of the point of segment a-b that is nearest to p.
+double nearest_parameter(const Vec2& a, const Vec2& b, const Vec2& p);
+
+double distance_to_segment(const Vec2& a, const Vec2& b, const Vec2& p);
+
+/// Zero when the segments cross or touch.
+double distance_between(const Segment& s, const Segment& t);
+
+/// True when the inner points of the two segments cross; `position` in (0, 1) is then that of the crossing on s.
+bool segments_cross(const Segment& s, const Segment& t, double& position);
+
+}  // namespace knap

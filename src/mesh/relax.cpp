@@ -1,0 +1,84 @@
+#include "mesh/relax.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace knap {
+
+QualityTarget::QualityTarget(double min_angle) : min_sine_(std::sin(min_angle * std::numbers::pi / 180)) {}
+
+TriangleQuality QualityTarget::operator()(const Mesh& mesh, Index triangle, double size) const {
+    const Vec2 a = mesh.corner(triangle, 0), b = mesh.corner(triangle, 1), c = mesh.corner(triangle, 2);
+    const double ab = (b - a).norm(), bc = (c - b).norm(), ca = (a - c).norm(), twice_area = cross(b - a, c - a);
+    TriangleQuality quality{0, twice_area * std::min({ab, bc, ca}) / (ab * bc * ca) / min_sine_};
+    if (!(twice_area > 0)) return quality;
+    // sum grad N grad N' has the trace sum l^2/(4 A^2) and the determinant 3/(4 A^2); both eigenvalues are 2/l^2 when
+    // equilateral
+    const double squares = (b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm();
+    const double half_trace = 0.5 * squares / (twice_area * twice_area), determinant = 3 / (twice_area * twice_area);
+    const double largest = half_trace + std::sqrt(std::max(0.0, half_trace * half_trace - determinant));
+    quality.step = std::sqrt(2 / largest) / size / step_ratio_;
+    return quality;
+}
+
+namespace {
+
+class Relaxation {
+public:
+    Relaxation(Mesh& mesh, const SizeField& size, const QualityTarget& target)
+        : mesh_(mesh), size_(size), target_(target), stars_(vertex_stars(mesh)) {}
+
+    TriangleQuality quality(Index t) const { return target_(mesh_, t, size_(mesh_.centroid(t))); }
+
+    /// Pattern search for the position of one vertex where the worst triangle of its star is best. No angle becomes
+    /// worse than the target for it: where the shape itself has small details the step ratio cannot be reached, and
+    /// angles must not pay for trying.
+    void move(Index v) {
+        static const std::array<Vec2, 8> directions{Vec2(1, 0),  Vec2(0.7, 0.7),   Vec2(0, 1),  Vec2(-0.7, 0.7),
+                                                    Vec2(-1, 0), Vec2(-0.7, -0.7), Vec2(0, -1), Vec2(0.7, -0.7)};
+        TriangleQuality best = worst_of_star(v);
+        double step = 0.1 * size_(mesh_.vertices[v]);
+        for (int n_halvings = 0; n_halvings < 4 && best.worse() < 1;) {
+            const Vec2 start = mesh_.vertices[v];
+            Vec2 place = start;
+            for (const Vec2& direction : directions) {
+                mesh_.vertices[v] = start + step * direction;
+                const TriangleQuality found = worst_of_star(v);
+                if (found.angle >= std::min(1.0, best.angle) && found.worse() > best.worse()) {
+                    best = found;
+                    place = mesh_.vertices[v];
+                }
+            }
+            mesh_.vertices[v] = place;
+            if (place == start) step /= 2, ++n_halvings;
+        }
+    }
+
+private:
+    TriangleQuality worst_of_star(Index v) const {
+        return worst_of(stars_[v], [&](Index t) { return quality(t); });
+    }
+
+    Mesh& mesh_;
+    const SizeField& size_;
+    const QualityTarget& target_;
+    Grouped<Index> stars_;
+};
+
+}  // namespace
+
+void relax_worst(Mesh& mesh, const std::vector<char>& fixed, const SizeField& size, const QualityTarget& target) {
+    Relaxation relaxation(mesh, size, target);
+    for (int sweep = 0; sweep < 4; ++sweep) {
+        std::vector<std::pair<double, Index>> bad;
+        for (Index t = 0; t < mesh.n_triangles(); ++t)
+            if (const double quality = relaxation.quality(t).worse(); quality < 1) bad.emplace_back(quality, t);
+        std::sort(bad.begin(), bad.end());
+        for (const auto& [quality, t] : bad)
+            for (const Index v : mesh.triangles[t])
+                if (!fixed[v]) relaxation.move(v);
+    }
+}
+
+}  // namespace knap

@@ -1,0 +1,51 @@
+#pragma once
+// Moves single vertices of the worst triangles to lengthen the explicit time step, and leaves the others at their
+// random places.
+#include "mesh/mesh.hpp"
+#include "mesh/size_field.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace knap {
+
+/// How good a triangle is, each over the requested value: 1 and more is good enough; negative or zero for one that is
+/// turned over.
+struct TriangleQuality {
+    double step;   // stable step of the free triangle with lumped mass over that of an equilateral one of the requested
+                   // edge length
+    double angle;  // sine of the smallest angle
+
+    double worse() const { return std::min(step, angle); }
+};
+
+/// The worst step and the worst angle among some triangles; quality(t) is a TriangleQuality.
+template <class Quality>
+TriangleQuality worst_of(std::span<const Index> triangles, const Quality& quality) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    TriangleQuality worst{infinity, infinity};
+    for (const Index t : triangles) {
+        const TriangleQuality q = quality(t);
+        worst = {std::min(worst.step, q.step), std::min(worst.angle, q.angle)};
+    }
+    return worst;
+}
+
+/// The values requested of every triangle.
+class QualityTarget {
+public:
+    explicit QualityTarget(double min_angle = 22);  // [degree]
+
+    /// The fastest mode is taken as that of a scalar wave: omega^2 = 3 c^2 lambda, lambda the largest eigenvalue of
+    /// sum grad N grad N'. `size` [m] is the requested edge length.
+    TriangleQuality operator()(const Mesh& mesh, Index triangle, double size) const;
+
+private:
+    double min_sine_, step_ratio_ = 0.66;
+};
+
+/// Tries to lift step ratio and smallest angle of every triangle above the target. `fixed` has one flag per vertex.
+/// Reads vertices and triangles only.
+void relax_worst(Mesh& mesh, const std::vector<char>& fixed, const SizeField& size, const QualityTarget& target);
+
+}  // namespace knap

@@ -1,0 +1,50 @@
+#pragma once
+// The shape to be meshed: an outer ring, holes, cracks (polylines) and regions, all in metres.
+#include "mesh/polygon.hpp"
+
+#include <stdexcept>
+#include <string>
+
+namespace knap {
+
+/// A closed polygon in either sense of rotation.
+struct Ring {
+    std::vector<Vec2> points;     // [m]
+    std::vector<Index> boundary;  // per side points[i] -> points[i+1]: index into Shape::boundary_names
+};
+
+/// A polyline along which mesh edges have no cohesion from the start, or the law of a joint set.
+struct Crack {
+    std::vector<Vec2> points;  // [m]
+    Index joint = -1;          // number of the joint set whose law acts; -1 = no cohesion
+};
+
+/// A part of the domain with a material of its own. Later regions cover earlier ones; outside all regions the tag is 0.
+struct Region {
+    std::vector<Vec2> points;  // [m], closed polygon
+    Index tag = 0;             // material index
+};
+
+struct Shape {
+    Ring outer;
+    std::vector<Ring> holes;
+    std::vector<Crack> cracks;
+    std::vector<Region> regions;
+    std::vector<std::string> boundary_names;
+
+    /// True in the outer ring and in no hole.
+    bool contains(const Vec2& p) const;
+    double area() const;       // [m2] of the outer ring without the holes
+    double tolerance() const;  // [m] points nearer than this are the same point: 1e-6 of the diagonal
+};
+
+/// A shape that cannot be meshed. `part` names the offender as in Shape: "outer", "holes[0]", "cracks[1]",
+/// "regions[0]", "size".
+class ShapeError : public std::runtime_error {
+public:
+    ShapeError(std::string offending_part, const std::string& message)
+        : std::runtime_error(message), part(std::move(offending_part)) {}
+    std::string part;
+};
+
+}  // namespace knap

@@ -1,0 +1,92 @@
+#include "mesh/size_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace knap {
+namespace {
+
+constexpr double turn = 2 * std::numbers::pi;
+constexpr double min_sides_of_turn = 12;
+constexpr double max_samples = 1e7;
+
+LengthInSizes length_in_sizes(const Arc& arc, const SizeField& size) {
+    return {arc.length(), size, [&](double position) { return arc.at(position); }};
+}
+
+double n_sides(const Arc& arc, double length_in_sizes) {
+    const double of_turn = std::ceil(min_sides_of_turn * std::abs(arc.sweep) / turn * (1 - 1e-12));
+    return std::max({1.0, of_turn, std::ceil(length_in_sizes)});
+}
+
+}  // namespace
+
+double SizeField::operator()(const Vec2& p) const {
+    double size = options_.size;
+    for (const RefineBox& box : options_.refine) {
+        const Vec2 outside = (box.low - p).cwiseMax(p - box.high).cwiseMax(Vec2::Zero());
+        size = std::min(size, box.size + options_.grading * outside.norm());
+    }
+    return factor_ * size;
+}
+
+double SizeField::smallest() const {
+    double size = options_.size;
+    for (const RefineBox& box : options_.refine) size = std::min(size, box.size);
+    return factor_ * size;
+}
+
+int LengthInSizes::n_samples(double length, const SizeField& size) {
+    if (size.slope() == 0) return 1;
+    return static_cast<int>(std::clamp(std::ceil(8 * length / size.smallest()), 1.0, max_samples));
+}
+
+double LengthInSizes::position(double target) {
+    while (sample_ + 1 < sum_.size() && sum_[sample_] < target) ++sample_;
+    const double fraction = (target - sum_[sample_ - 1]) / (sum_[sample_] - sum_[sample_ - 1]);
+    return (static_cast<double>(sample_) - 1 + fraction) / static_cast<double>(sum_.size() - 1);
+}
+
+double Arc::length() const { return radius * std::abs(sweep); }
+
+Vec2 Arc::at(double position) const {
+    return centre + radius * Vec2(std::cos(from + position * sweep), std::sin(from + position * sweep));
+}
+
+std::optional<Arc> arc_through(const Vec2& a, const Vec2& through, const Vec2& b) {
+    // the centre is equally far from all three, relative to a: 2 p . c = p . p
+    const Vec2 p = through - a, q = b - a;
+    const double area = cross(p, q), scale = std::max({p.squaredNorm(), q.squaredNorm(), (q - p).squaredNorm()});
+    if (!(std::abs(area) > 1e-9 * scale)) return std::nullopt;
+    const double p2 = p.squaredNorm(), q2 = q.squaredNorm();
+    const Vec2 c = Vec2(q.y() * p2 - p.y() * q2, p.x() * q2 - q.x() * p2) / (2 * area);
+    const auto direction = [&](const Vec2& x) { return std::atan2(x.y() - c.y(), x.x() - c.x()); };
+    const double from = direction(Vec2::Zero());
+    double sweep = direction(q) - from;
+    if (area > 0 && sweep < 0) sweep += turn;  // a, through and b counterclockwise
+    if (area < 0 && sweep > 0) sweep -= turn;
+    return Arc{a + c, c.norm(), from, sweep};
+}
+
+double sides_of(const Arc& arc, const SizeField& size) { return n_sides(arc, length_in_sizes(arc, size).total()); }
+
+std::vector<Vec2> points_within(const Arc& arc, const SizeField& size) {
+    LengthInSizes length = length_in_sizes(arc, size);
+    const int n = static_cast<int>(n_sides(arc, length.total()));
+    std::vector<Vec2> points;
+    for (int k = 1; k < n; ++k) points.push_back(arc.at(length.position(length.total() * k / n)));
+    return points;
+}
+
+std::vector<Vec2> circle(const Vec2& centre, double radius, const SizeField& size) {
+    if (size.slope() == 0)
+        return circle(centre, radius,
+                      static_cast<int>(std::max(min_sides_of_turn, std::ceil(turn * radius / size.largest()))));
+    const Arc arc{centre, radius, 0, turn};
+    std::vector<Vec2> points{arc.at(0)};
+    for (const Vec2& p : points_within(arc, size)) points.push_back(p);
+    return points;
+}
+
+}  // namespace knap

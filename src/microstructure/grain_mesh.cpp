@@ -1,0 +1,270 @@
+#include "microstructure/grain_mesh.hpp"
+
+#include "mesh/relax.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace knap {
+namespace {
+
+constexpr Index none = -1;
+constexpr int n_sweeps = 8;
+
+/// The neighbours of a triangle across its edges, or none.
+std::vector<std::array<Index, 3>> neighbours_of(const Mesh& mesh) {
+    std::vector<std::array<Index, 3>> neighbours(mesh.triangles.size(), {none, none, none});
+    for (const InteriorEdge& edge : mesh.interior_edges)
+        for (int k = 0; k < 2; ++k) neighbours[edge.triangle[k]][edge.side[k]] = edge.triangle[1 - k];
+    return neighbours;
+}
+
+/// A triangle with two neighbours in one other grain joins that grain. Every change removes a border edge, so this
+/// ends.
+void smooth_teeth(Mesh& mesh) {
+    const auto neighbours = neighbours_of(mesh);
+    std::vector<Index> front(mesh.n_triangles());
+    for (Index t = 0; t < mesh.n_triangles(); ++t) front[t] = mesh.n_triangles() - 1 - t;
+    while (!front.empty()) {
+        const Index t = front.back();
+        front.pop_back();
+        if (mesh.grain[t] == none) continue;
+        std::array<Index, 3> grain;
+        for (int k = 0; k < 3; ++k) grain[k] = neighbours[t][k] == none ? none : mesh.grain[neighbours[t][k]];
+        const Index twice = grain[0] == grain[1] || grain[0] == grain[2] ? grain[0]
+                            : grain[1] == grain[2]                       ? grain[1]
+                                                                         : none;
+        if (twice == none || twice == mesh.grain[t]) continue;
+        mesh.grain[t] = twice;
+        for (const Index n : neighbours[t])
+            if (n != none) front.push_back(n);
+    }
+}
+
+/// Moves vertices between grains onto the true borders, and their neighbours out of the way.
+class BorderSmoothing {
+public:
+    BorderSmoothing(Mesh& mesh, const Grains& grains)
+        : mesh_(mesh),
+          grains_(grains),
+          stars_(vertex_stars(mesh)),
+          fixed_(mesh.n_vertices(), 0),
+          size_(mesh.n_vertices(), 1) {
+        const auto fix = [&](Index triangle, Index side) {
+            for (const Index k : {side, (side + 1) % 3}) fixed_[mesh.triangles[triangle][k]] = 1;
+        };
+        for (const BoundaryEdge& edge : mesh.boundary_edges) fix(edge.triangle, edge.side);
+        for (const InteriorEdge& edge : mesh.interior_edges) {
+            const auto [a, b] = edge.triangle;
+            const bool of_materials =
+                mesh.region[a] != mesh.region[b] || (mesh.grain[a] == none) != (mesh.grain[b] == none);
+            if (edge.cracked || edge.joint >= 0 || of_materials) fix(a, edge.side[0]);
+        }
+        for (Index v = 0; v < mesh.n_vertices(); ++v) {
+            double sum = 0;
+            for (const Index t : stars_[v])
+                for (Index k = 0; k < 3; ++k)
+                    if (mesh.triangles[t][k] == v)
+                        sum += 0.5 * (mesh.side_vector(t, k).norm() + mesh.side_vector(t, (k + 2) % 3).norm());
+            if (!stars_[v].empty()) size_[v] = sum / static_cast<double>(stars_[v].size());
+        }
+    }
+
+    void run() {
+        std::vector<Index> on_border, neighbours;
+        std::vector<char> near(mesh_.n_vertices(), 0);
+        for (Index v = 0; v < mesh_.n_vertices(); ++v) {
+            if (fixed_[v] || grains_around(v).size() < 2) continue;
+            on_border.push_back(v);
+            near[v] = 1;
+        }
+        for (const Index v : on_border)
+            for (const Index t : stars_[v])
+                for (const Index w : mesh_.triangles[t])
+                    if (!near[w] && !fixed_[w]) near[w] = 1, neighbours.push_back(w);
+        for (int sweep = 0; sweep < n_sweeps; ++sweep) {
+            for (const Index v : on_border) pull(v);
+            for (const Index v : neighbours) make_way(v);
+        }
+    }
+
+private:
+    std::vector<Index> grains_around(Index v) const {
+        std::vector<Index> found;
+        for (const Index t : stars_[v])
+            if (mesh_.grain[t] != none && std::find(found.begin(), found.end(), mesh_.grain[t]) == found.end())
+                found.push_back(mesh_.grain[t]);
+        return found;
+    }
+
+    /// The nearest point of the border line, or the point where three grains meet (of more: in the least-squares
+    /// sense).
+    Vec2 target(Index v) const {
+        const std::vector<Index> around = grains_around(v);
+        Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+        Vec2 right = Vec2::Zero();
+        const Vec2 x = mesh_.vertices[v];
+        for (std::size_t i = 0; i < around.size(); ++i)
+            for (std::size_t j = i + 1; j < around.size(); ++j) {
+                const Grains::Border border = grains_.border(around[i], around[j]);
+                normal += border.normal * border.normal.transpose();
+                right += border.normal * (border.offset - border.normal.dot(x));
+            }
+        if (around.size() == 2) return x + right;
+        const double trace = normal.trace(), determinant = cross(normal.col(0), normal.col(1));
+        if (determinant < 1e-3 * trace * trace) return x + right / trace;  // nearly parallel borders: towards them
+        return x + Vec2(cross(right, normal.col(1)), cross(normal.col(0), right)) / determinant;
+    }
+
+    /// Moves v as far towards its border as the triangles around it stay good.
+    void pull(Index v) {
+        const Vec2 start = mesh_.vertices[v];
+        const TriangleQuality before = worst_of_star(v);
+        Vec2 way = target(v) - start;
+        if (const double length = way.norm(); length > size_[v]) way *= size_[v] / length;  // a junction may be distant
+        for (double part = 1; part > 0.1; part /= 2) {
+            mesh_.vertices[v] = start + part * way;
+            const TriangleQuality now = worst_of_star(v);
+            if (now.step >= std::min(1.0, before.step) && now.angle >= std::min(1.0, before.angle)) return;
+        }
+        mesh_.vertices[v] = start;
+    }
+
+    /// Moves v towards the middle of its neighbours, where that improves its worst triangle.
+    void make_way(Index v) {
+        Vec2 sum = Vec2::Zero();
+        for (const Index t : stars_[v])
+            for (const Index w : mesh_.triangles[t])
+                if (w != v) sum += mesh_.vertices[w];
+        const Vec2 start = mesh_.vertices[v], middle = sum / (2 * static_cast<double>(stars_[v].size()));
+        const double before = worst_of_star(v).worse();
+        for (double part = 0.5; part > 0.1; part /= 2) {
+            mesh_.vertices[v] = start + part * (middle - start);
+            if (worst_of_star(v).worse() > before) return;
+        }
+        mesh_.vertices[v] = start;
+    }
+
+    TriangleQuality worst_of_star(Index v) const {
+        return worst_of(stars_[v], [&](Index t) { return quality_(mesh_, t, size_[v]); });
+    }
+
+    Mesh& mesh_;
+    const Grains& grains_;
+    QualityTarget quality_;
+    Grouped<Index> stars_;
+    std::vector<char> fixed_;
+    std::vector<double> size_;  // [m] mean edge length around a vertex, taken as the requested one
+};
+
+/// Numbers from `first` on, in the order of the triangles.
+void number_from(Index first, const std::vector<char>& is_new, std::vector<Index>& grain, Index n_grains) {
+    std::vector<Index> number(n_grains, none);
+    for (std::size_t t = 0; t < grain.size(); ++t) {
+        if (!is_new[t]) continue;
+        if (number[grain[t]] == none) number[grain[t]] = first++;
+        grain[t] = number[grain[t]];
+    }
+}
+
+/// Flags of the grains whose triangles all have neighbours within the region of the grains.
+std::vector<char> whole_grains(const Mesh& mesh, Index n_grains) {
+    std::vector<char> whole(n_grains, 1);
+    for (const BoundaryEdge& edge : mesh.boundary_edges)
+        if (mesh.grain[edge.triangle] >= 0) whole[mesh.grain[edge.triangle]] = 0;
+    for (const InteriorEdge& edge : mesh.interior_edges) {
+        const Index a = mesh.grain[edge.triangle[0]], b = mesh.grain[edge.triangle[1]];
+        if (a < 0 && b >= 0) whole[b] = 0;
+        if (b < 0 && a >= 0) whole[a] = 0;
+    }
+    return whole;
+}
+
+/// Area, first and second moments of area.
+struct Moments {
+    double area = 0;
+    Vec2 first = Vec2::Zero();
+    Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
+    Index n_triangles = 0;
+};
+
+std::vector<Moments> moments_of_grains(const Mesh& mesh) {
+    std::vector<Moments> moments;
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        const Index g = mesh.grain[t];
+        if (g < 0) continue;
+        if (g >= static_cast<Index>(moments.size())) moments.resize(g + 1);
+        const double area = mesh.area(t);
+        const Vec2 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2), sum = a + b + c;
+        moments[g].area += area;
+        moments[g].first += area / 3 * sum;
+        moments[g].second +=
+            area / 12 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
+        ++moments[g].n_triangles;
+    }
+    return moments;
+}
+
+}  // namespace
+
+Index put_grains(Mesh& mesh, const Grains& grains, Index region) {
+    const std::vector<Index> old = mesh.grain.empty() ? std::vector<Index>(mesh.triangles.size(), none) : mesh.grain;
+    const Index first = 1 + (old.empty() ? none : *std::max_element(old.begin(), old.end()));
+    std::vector<char> is_new(mesh.triangles.size(), 0);
+    mesh.grain.assign(mesh.triangles.size(), none);
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        if (mesh.region[t] != region || old[t] != none) continue;
+        is_new[t] = 1;
+        mesh.grain[t] = grains.at(mesh.centroid(t));
+    }
+    smooth_teeth(mesh);
+    BorderSmoothing(mesh, grains).run();
+    number_from(first, is_new, mesh.grain, grains.n_grains());
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        if (!is_new[t]) mesh.grain[t] = old[t];
+    return first;
+}
+
+std::vector<double> grain_areas(const Mesh& mesh) {
+    std::vector<double> areas;
+    for (const Moments& m : moments_of_grains(mesh)) areas.push_back(m.area);
+    return areas;
+}
+
+GrainReport judge_grains(const Mesh& mesh) {
+    GrainReport report;
+    const std::vector<Moments> moments = moments_of_grains(mesh);
+    report.n_grains = static_cast<Index>(moments.size());
+    const std::vector<char> whole = whole_grains(mesh, report.n_grains);
+    double sum = 0, squares = 0;
+    Eigen::Matrix2d shape = Eigen::Matrix2d::Zero();
+    for (Index g = 0; g < report.n_grains; ++g) {
+        const Moments& m = moments[g];
+        if (!whole[g] || m.n_triangles == 0) continue;
+        const double diameter = std::sqrt(4 * m.area / std::numbers::pi);
+        sum += diameter;
+        squares += diameter * diameter;
+        const Vec2 centroid = m.first / m.area;
+        shape += (m.second - m.area * centroid * centroid.transpose()) / (m.area * m.area);
+        report.least_triangles = report.n_whole == 0 ? m.n_triangles : std::min(report.least_triangles, m.n_triangles);
+        ++report.n_whole;
+    }
+    if (report.n_whole > 0) {
+        report.mean_diameter = sum / report.n_whole;
+        report.spread =
+            std::sqrt(std::max(0.0, squares / report.n_whole - report.mean_diameter * report.mean_diameter)) /
+            report.mean_diameter;
+        const double mean = 0.5 * shape.trace(), half = 0.5 * (shape(0, 0) - shape(1, 1)),
+                     radius = std::hypot(half, shape(0, 1));
+        report.elongation = std::sqrt((mean + radius) / (mean - radius));
+        report.direction = 0.5 * std::atan2(shape(0, 1), half);
+    }
+    for (const InteriorEdge& edge : mesh.interior_edges)
+        if (mesh.grain[edge.triangle[0]] != mesh.grain[edge.triangle[1]])
+            report.border_length += mesh.side_vector(edge.triangle[0], edge.side[0]).norm();
+    return report;
+}
+
+}  // namespace knap
