@@ -1,5 +1,5 @@
 // dcb_displacement with interface edges of 0.01 mm against the algorithm it is taken from, on the same mesh in the same steps; what is ours on
-// purpose, and what it changes: scenarios/README.md.
+// purpose, and what it changes: scenarios/BENCHMARKS.md.
 #include "program.hpp"
 #include "support/published_beam.hpp"
 #include "support/relative.hpp"
