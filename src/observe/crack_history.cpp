@@ -192,12 +192,10 @@ void CrackHistory::find_main() {
     pattern_.n_branches = static_cast<Index>(arms_.branchings().size());
     std::vector<Index> vertices;
     if (longest >= 0) {
-        const CrackNode& far = arms_.nodes()[arms[longest].tip()];
-        const double edge = far.distance / std::max(far.n, Index(1));
-        if (main_arm_ < 0 || arms[longest].path_length > arms[main_arm_].path_length + options_.arm_edges * edge) main_arm_ = longest;
+        if (main_arm_ < 0 || arms[longest].path_length > arms[main_arm_].path_length) main_arm_ = longest;
         pattern_.main_end = tip_of(main_arm_);
         pattern_.main_start = arms_.cracks()[arms_.first_of(arms[main_arm_].crack)].start;
-        vertices = vertices_of(arms_.way(arms[longest].tip()));
+        vertices = vertices_of(arms_.way(arms[main_arm_].tip()));
     } else if (const LooseStretch& loose = arms_.longest_loose(); loose.length > 0) {
         vertices = loose.way;
         length = loose.length;
@@ -211,7 +209,7 @@ void CrackHistory::find_main() {
     if (!vertices.empty()) pattern_.main_length = std::max(pattern_.main_length, along_chords(vertices).back());
 }
 
-CrackHistory::Past CrackHistory::past() const {
+CrackHistory::Past CrackHistory::conclude() {
     Past past{.main = std::vector<double>(times_.size(), 0), .all = std::vector<double>(times_.size(), 0), .tip = {}};
     past.tip.resize(times_.size());
     const auto line = [&](double since) { return std::lower_bound(times_.begin(), times_.end(), since) - times_.begin(); };
@@ -233,6 +231,7 @@ CrackHistory::Past CrackHistory::past() const {
         }
     }
     std::partial_sum(past.main.begin(), past.main.end(), past.main.begin());
+    if (main_arm_ >= 0) pattern_.main_length = past.main.back();
     std::partial_sum(past.all.begin(), past.all.end(), past.all.begin());
     return past;
 }

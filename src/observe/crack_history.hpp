@@ -67,12 +67,13 @@ public:
     std::optional<double> first_growth_time() const { return first_growth_; }  // [s] first edge of a crack that counts
     std::optional<FirstBranching> first_branching() const;
 
-    /// How much had cracked at each snapshot of what is the main crack (along chords) and of what are arms in the end (along edges), and the tip of that main crack.
+    /// How much had cracked at each snapshot of what is the main crack (along chords) and of what are arms in the end (along edges), and the tip of that main crack:
+    /// all of the one crack that is the longest now. pattern().main_length becomes the last of them.
     struct Past {
         std::vector<double> main, all;              // [m]
         std::vector<std::optional<CrackTip>> tip;   // none before the first edge of its own crack
     };
-    Past past() const;
+    Past conclude();
     /// arms.csv: for each arm its start and then its edges: when the tip came past their far ends, the length of the arm along edges then, and the speed of the tip.
     static std::span<const Output> arm_columns();
     std::vector<std::vector<double>> arm_rows() const;

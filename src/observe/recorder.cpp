@@ -203,14 +203,14 @@ void Recorder::write_fragments(const State& now) {
 void Recorder::write_arms() {
     if (cracks_.arms().arms().empty()) return;
     const Timed timed(*this);
-    const CrackHistory::Past past = cracks_.past();
+    const CrackHistory::Past past = cracks_.conclude();
     for (std::size_t i = 0; i < past.all.size(); ++i) {
         std::vector<double>& row = histories_.cracks.rows[i];
-        row[1] = std::max(row[1], past.main[i]), row[2] = std::max(row[2], past.all[i]);
-        if (!past.tip[i]) continue;
-        const auto& [arm, vertex, place, path_length, speed, arrived] = *past.tip[i];
-        row[7] = place.x(), row[8] = place.y(), row[9] = speed;
-        if (options_.rayleigh_speed > 0) row[10] = speed / options_.rayleigh_speed;
+        constexpr double none = std::numeric_limits<double>::quiet_NaN();
+        const Vec2 place = past.tip[i] ? past.tip[i]->position : Vec2(none, none);
+        const double speed = past.tip[i] ? past.tip[i]->speed : none;
+        row[1] = past.main[i], row[2] = std::max(row[2], past.all[i]);
+        row[7] = place.x(), row[8] = place.y(), row[9] = speed, row[10] = options_.rayleigh_speed > 0 ? speed / options_.rayleigh_speed : none;
     }
     if (options_.directory.empty()) return;
     crack_file_ = opened(options_.directory / "cracks.csv", histories_.cracks);

@@ -197,7 +197,7 @@ void add_keys_of_loads(KeyTable& t) {
         "exactly one of traction, pressure, stress, force, velocity, displacement, body_force, acceleration; at most "
         "one of ramp, table, csv (none: constant)");
     t.text("name",
-        "letters, digits, _ and -: names its columns of reactions.csv, its force in the summary, in specimen.force, "
+        "letters, digits, blanks, _ and -: names its columns of reactions.csv, its force in the summary, in specimen.force, "
         "expect and studies").computed("load0, load1, ...").to(&Load::name);
     t.table("load[].on",
         "where: a boundary, a box, or a boundary inside a box; body_force and acceleration without it act everywhere")

@@ -45,6 +45,11 @@ LineOrder judge_line(const Ensemble& study, std::size_t q, const std::vector<std
     line.trend = trend_of(line.gaps);
     line.fitted = fitted_order(h, line.gaps);
     if (line.trend == Trend::falls && line.fitted < min_order) line.trend = Trend::does_not_fall;
+    // differences of changing sign may shrink while the values are as far from the finest one as before
+    std::vector<double> error;
+    for (const std::size_t run : runs) error.push_back(errors.error[run]);
+    if (line.trend == Trend::falls && errors.reference_run && trend_of(error) == Trend::does_not_fall)
+        line.trend = Trend::does_not_fall;
     if (line.trend != Trend::falls) {
         line.fitted = NAN;
         return line;
