@@ -56,6 +56,7 @@ struct LineOrder {
     std::vector<double>
         gaps;  // orders are judged by these: errors from an exact value, or differences between neighbours
     Trend trend = Trend::unknown;
+    bool errors_grow = false;  // although differences fall: they change their sign
     double fitted = NAN;  // order; NaN where the gaps do not fall
     std::optional<Extrapolation> limit;
 };

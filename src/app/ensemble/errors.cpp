@@ -1,6 +1,8 @@
 // Errors of a study and the orders in which they fall.
 #include "app/ensemble/ensemble.hpp"
 
+#include <algorithm>
+
 namespace knap {
 namespace {
 
@@ -48,8 +50,9 @@ LineOrder judge_line(const Ensemble& study, std::size_t q, const std::vector<std
     // differences of changing sign may shrink while the values are as far from the finest one as before
     std::vector<double> error;
     for (const std::size_t run : runs) error.push_back(errors.error[run]);
-    if (line.trend == Trend::falls && errors.reference_run && trend_of(error) == Trend::does_not_fall)
-        line.trend = Trend::does_not_fall;
+    const bool has_reference = errors.reference_run && std::ranges::find(runs, *errors.reference_run) != runs.end();
+    line.errors_grow = line.trend == Trend::falls && has_reference && trend_of(error) == Trend::does_not_fall;
+    if (line.errors_grow) line.trend = Trend::does_not_fall;
     if (line.trend != Trend::falls) {
         line.fitted = NAN;
         return line;

@@ -169,7 +169,7 @@ std::string orders_text(const Ensemble& study, std::size_t q) {
         if (line.trend == Trend::same) text += "the same on all levels but for rounding";
         if (line.trend == Trend::does_not_fall)
             text += "no convergence seen, " + gaps_text(errors, line.gaps, study.quantities[q].unit) +
-                    (trend_of(line.gaps) == Trend::falls ? " change their sign" : " do not fall with h");
+                    (line.errors_grow ? " fall, but errors grow" : " do not fall with h");
         if (line.trend == Trend::falls) text += "order " + number_text(line.fitted, "%.2f") + " (fitted)";
         if (line.limit)
             text += "; extrapolated to " + shown(line.limit->value, display_unit_of(study, q), "%.8g") +
