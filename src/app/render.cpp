@@ -76,11 +76,17 @@ ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figur
     if (figure.show.empty()) figures = read_scenario(run / "resolved.toml").scenario.figures;
     for (const FigureOptions& one : figures) check_figure(one, finished.histories);
     const std::filesystem::path directory = output.empty() ? run / "rendered" : output;
-    std::filesystem::create_directories(directory);
+    const bool made = std::filesystem::create_directories(directory);
     if (figure.show.empty())
         for (FigureOptions& one : figures) keep_reached(one, finished);
-    for (const FigureOptions& one : figures)
-        for (const auto& path : draw(one, finished, directory)) std::printf("figure:  %s\n", path.string().c_str());
+    try {
+        for (const FigureOptions& one : figures)
+            for (const auto& path : draw(one, finished, directory)) std::printf("figure:  %s\n", path.string().c_str());
+    } catch (...) {
+        std::error_code not_empty;
+        if (made) std::filesystem::remove(directory, not_empty);  // nothing was drawn
+        throw;
+    }
     return exit_done;
 }
 

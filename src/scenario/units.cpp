@@ -221,11 +221,12 @@ std::vector<std::string_view> usual_prefixes(const Unit& unit) {
 std::string_view unit_of_word(std::string word) {
     for (char& c : word) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     if (word.size() > 3 && word.ends_with('s')) word.pop_back();
-    constexpr std::array<std::pair<std::string_view, std::string_view>, 20> words{
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 21> words{
         {{"sec", "s"},      {"second", "s"},   {"msec", "ms"},     {"usec", "us"},    {"micron", "um"},
          {"meter", "m"},    {"metre", "m"},    {"pascal", "Pa"},   {"newton", "N"},   {"joule", "J"},
          {"degree", "deg"}, {"\u00b0", "deg"}, {"hour", "h"},      {"minute", "min"}, {"tonne", "t"},
-         {"ton", "t"},      {"gram", "g"},     {"kilogram", "kg"}, {"percent", "%"},  {"radian", "rad"}}};
+         {"ton", "t"},      {"gram", "g"},     {"kilogram", "kg"}, {"percent", "%"},  {"radian", "rad"},
+         {"cc", "cm3"}}};
     for (const auto& [written, meant] : words)
         if (word == written) return meant;
     return "";

@@ -29,9 +29,9 @@ TEST_CASE("loads that contradict each other are refused with both lines") {
     CHECK(command("run " + folder.in_shell("plate.toml") + " -q -o " + folder.in_shell("run")).code == 2);
     CHECK_FALSE(fs::exists(folder.path / "run"));
     CHECK(command("check " + folder.in_shell("plate.toml") + " -s 'load[0].displacement=[\"free\", \"1 mm\"]'").code == 0);
-    const Answer traction = command(plate(folder, top + "[[load]]\non = \"top\"\ntraction = [0, \"1 MPa\"]\n"));
+    const Answer traction = command(plate(folder, top + "[[load]]\nname = \"lid\"\non = \"top\"\ntraction = [0, \"1 MPa\"]\n"));
     CHECK(traction.code == 2);
-    CHECK(traction.has("`load[0]` (line 16) and `load[1]` (line 20) give a traction and a motion in y to the same edges"));
+    CHECK(traction.has("`load[0]` (line 16) and `load[1]` `lid` (line 20) give a traction and a motion in y to the same edges"));
     CHECK(command(plate(folder, top + "[[load]]\non = \"left\"\ntraction = [0, \"1 MPa\"]\n")).code == 0);
 }
 

@@ -18,11 +18,12 @@ namespace {
 
 const char* const axis[] = {"x", "y"};
 
-/// "`load[1]` (line 20)"
+/// "`load[1]` (line 20)", "`load[1]` `upper edge` (line 20)"
 std::string named(const ReadResult& read, std::size_t load) {
     const std::string path = item("load", load);
     const Diagnostic at = locate(read, path);
-    return "`" + path + "`" + (at.line > 0 ? " (line " + std::to_string(at.line) + ")" : "");
+    const std::string& name = read.scenario.loads[load].name;
+    return "`" + path + "`" + (name == "load" + std::to_string(load) ? "" : " `" + name + "`") + (at.line > 0 ? " (line " + std::to_string(at.line) + ")" : "");
 }
 
 std::string boundary_of(const Load& load) { return load.on.boundary.empty() ? "its box" : "`" + load.on.boundary + "`"; }

@@ -55,7 +55,8 @@ std::vector<Part> parts_near(const Scenario& scenario, const Vec2& x, double rea
 std::string culprits(const std::vector<Part>& parts) {
     if (parts.empty()) return "the mesh";
     if (parts.size() == 1) return "a detail of `" + parts[0].path + "`";
-    if (parts[0].path != parts[1].path) return "`" + parts[0].path + "` and `" + parts[1].path + "`";
+    const auto [first, second] = std::minmax(parts[0].path, parts[1].path);  // whichever is nearer: the same detail
+    if (first != second) return "`" + first + "` and `" + second + "`";
     return "two parts of `" + parts[0].path + "`";
 }
 
