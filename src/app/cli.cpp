@@ -194,7 +194,7 @@ int run_command_line(int argc, char** argv) {
         return exit_done;
     });
     schema_command->add_flag("--json", json, "as JSON Schema, for an editor");
-    schema_command->add_flag("--markdown", markdown, "as a Markdown table");
+    schema_command->add_flag("--markdown", markdown, "as Markdown, a section for each block");
     schema_command->add_flag("--outputs", outputs, "instead every number, column and array that a run writes, as Markdown");
 
     add("list", "names of the built-in scenarios", [&] {

@@ -1,6 +1,10 @@
 #include "scenario/schema.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <ranges>
+#include <utility>
 
 #include "observe/outputs.hpp"
 #include "scenario/check_value.hpp"
@@ -29,39 +33,194 @@ std::string header(const Key& key) {
     return "[[" + path.substr(0, path.size() - 2) + "]]";
 }
 
+// ---- Markdown
+
+/// Of every block of a scenario a few lines that can be read (tests/scenario/test_readme.cpp reads each).
+constexpr std::pair<std::string_view, std::string_view> block_examples[] = {
+    {"", R"(knap = 1
+name = "plate"
+seed = 7
+)"},
+    {"domain", R"([domain]
+shape = "rectangle"
+size  = ["100 mm", "40 mm"]
+)"},
+    {"mesh", R"([mesh]
+size   = "1 mm"
+refine = [{ inside = ["45 mm", "10 mm", "100 mm", "30 mm"], size = "0.5 mm" }]
+)"},
+    {"material", R"([material.glass]
+density = "2450 kg/m3"
+E       = "32 GPa"
+nu      = 0.2
+)"},
+    {"inclusions", R"([[inclusions]]
+size     = "2 mm"
+fraction = "5 %"
+material = "quartz"
+)"},
+    {"joints", R"([[joints]]
+direction = "60 deg"
+spacing   = "20 mm"
+)"},
+    {"map", R"([[map]]
+file   = "thin_section.png"
+colour = [{ rgb = "#d0d0d0", material = "quartz" }, { rgb = "#202020", material = "mica" }]
+)"},
+    {"grains", R"([[grains]]
+size    = "3 mm"
+mineral = [{ material = "quartz", fraction = "30 %" }]
+)"},
+    {"interface", R"([interface.default]
+sigma_c  = "8 MPa"
+G_c      = "20 J/m2"
+friction = 0.3
+)"},
+    {"foundation", R"([[foundation]]
+on    = "bottom"
+glued = true
+)"},
+    {"load", R"([[load]]
+on       = "top"
+velocity = ["free", "1 m/s"]
+ramp     = "10 us"
+)"},
+    {"obstacle", R"([[obstacle]]
+shape  = "half plane"
+at     = ["0 mm", "40 mm"]
+normal = [0, -1]
+)"},
+    {"initial", R"([[initial]]
+velocity = ["0 m/s", "-5 m/s"]
+box      = ["0 mm", "0 mm", "50 mm", "40 mm"]
+)"},
+    {"time", R"([time]
+end  = "1 ms"
+bulk = "implicit"
+step = "20 CFL"
+)"},
+    {"output", R"([output]
+every         = "1 us"
+history_every = "0.2 us"
+)"},
+    {"specimen", R"([specimen]
+test    = "compression"
+force   = "upper platen"
+lateral = ["left", "right"]
+)"},
+    {"probe", R"([[probe]]
+name = "gauge"
+at   = ["30 mm", "20 mm"]
+)"},
+    {"figure", R"([[figure]]
+file = "stress.png"
+show = "principal_stress"
+at   = ["10 us", "20 us"]
+)"},
+    {"limits", R"([limits]
+slip     = 2
+rotation = "none"
+)"},
+    {"expect", R"([expect]
+energy_residual = { below = 1e-10 }
+broken_length   = { value = "50 mm", within = "5 %" }
+)"},
+    {"sweep", R"([sweep]
+set   = ["interface.default.sigma_c=8 MPa,10 MPa,12 MPa"]
+seeds = 20
+)"},
+    {"study", R"([study]
+refine = "both"
+levels = [1, 2, 4]
+)"},
+};
+
+/// "load" of "load[]" and "load[].on.box"; the keys at the top have none.
+std::string_view block_of(const Key& key) {
+    const std::string_view path = key.path;
+    if (!key.is_table() && key.parent().empty()) return "";
+    return path.substr(0, std::min(path.find('.'), path.find('[')));
+}
+
+std::string block_heading(std::string_view block) {
+    if (block.empty()) return "At the top";
+    for (const std::string& row : {std::string(block) + ".*", std::string(block) + "[]", std::string(block)})
+        if (const Key* key = find_key(row)) return "`" + header(*key) + "`";
+    return "";
+}
+
+std::string escaped(std::string text) {
+    for (std::size_t i = 0; (i = text.find('|', i)) != std::string::npos; i += 2) text.insert(i, "\\");
+    return text;
+}
+
+std::string sentence(const Key& table) {
+    std::string text(table.doc);
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+    return text + (table.is_required ? "; required" : "") + ".\n";
+}
+
+std::string key_row(const Key& key) {
+    const std::string value = key.is_table() ? "" : escaped(describe(key));
+    return "| `" + (key.is_table() ? header(key) : key.path) + "` | " + value + " | " + escaped(conditions(key)) + " | " +
+           escaped(std::string(key.doc)) + " |\n";
+}
+
+/// A heading with an anchor of the block's name, what the block is, an example, its keys.
+std::string block_markdown(std::string_view block) {
+    const std::string anchor(block.empty() ? "top" : block);
+    std::string said = "Keys above the first table.\n", example, rows;
+    for (const auto& [name, lines] : block_examples)
+        if (name == block)
+            for (const auto line : std::views::split(lines.substr(0, lines.size() - 1), '\n'))
+                example += "    " + std::string(line.begin(), line.end()) + "\n";
+    for (const Key& key : keys()) {
+        if (block_of(key) != block) continue;
+        if (key.is_table() && key.parent().empty())
+            said = sentence(key);
+        else
+            rows += key_row(key);
+    }
+    return "\n<a id=\"" + anchor + "\"></a>\n\n## " + block_heading(block) + "\n\n" + said + "\n" + example +
+           "\n| key | value | | meaning |\n|---|---|---|---|\n" + rows;
+}
+
 // ---- JSON
 
 std::string json_words(const std::vector<std::string>& words) {
     std::string list, endings;
     for (const std::string& word : words)
-        if (word.starts_with('*')) endings += (endings.empty() ? "" : "|") + word.substr(1);
-        else list += (list.empty() ? "" : ", ") + toml_quoted(word);
+        if (word.starts_with('*'))
+            endings += (endings.empty() ? "" : "|") + word.substr(1);
+        else
+            list += (list.empty() ? "" : ", ") + toml_quoted(word);
     const std::string exact = "{\"enum\": [" + list + "]}";
-    return endings.empty() ? exact
-                           : "{\"anyOf\": [" + exact +
-                                 ", {\"type\": \"string\", \"pattern\": " + toml_quoted(".(" + endings + ")$") + "}]}";
+    return endings.empty()
+               ? exact
+               : "{\"anyOf\": [" + exact + ", {\"type\": \"string\", \"pattern\": " + toml_quoted(".(" + endings + ")$") + "}]}";
 }
 
 std::string json_range(const Range& range) {
     std::string text;
     if (std::isfinite(range.low))
-        text +=
-            std::string(", \"") + (range.low_included ? "minimum" : "exclusiveMinimum") + "\": " + shortest(range.low);
+        text += std::string(", \"") + (range.low_included ? "minimum" : "exclusiveMinimum") + "\": " + shortest(range.low);
     if (std::isfinite(range.high))
-        text += std::string(", \"") + (range.high_included ? "maximum" : "exclusiveMaximum") +
-                "\": " + shortest(range.high);
+        text += std::string(", \"") + (range.high_included ? "maximum" : "exclusiveMaximum") + "\": " + shortest(range.high);
     return text;
 }
 
 std::string json_scalar(const Key& key) {
     switch (key.kind) {
-        case Kind::boolean: return "{\"type\": \"boolean\"}";
-        case Kind::integer: return "{\"type\": \"integer\"" + json_range(key.range) + "}";
-        case Kind::text: return key.words.empty() ? "{\"type\": \"string\"}" : json_words(key.words);
-        default: break;
+        case Kind::boolean:
+            return "{\"type\": \"boolean\"}";
+        case Kind::integer:
+            return "{\"type\": \"integer\"" + json_range(key.range) + "}";
+        case Kind::text:
+            return key.words.empty() ? "{\"type\": \"string\"}" : json_words(key.words);
+        default:
+            break;
     }
-    std::string any =
-        "{\"type\": \"number\"" + json_range(key.range) + "}, {\"type\": \"string\", \"pattern\": \"^ *[-+]?[0-9.]\"}";
+    std::string any = "{\"type\": \"number\"" + json_range(key.range) + "}, {\"type\": \"string\", \"pattern\": \"^ *[-+]?[0-9.]\"}";
     if (!key.words.empty()) any += ", " + json_words(key.words);
     return "{\"anyOf\": [" + any + "]}";
 }
@@ -75,13 +234,20 @@ std::string json_array(const std::string& items, int least, int most) {
 std::string json_form(const Key& key) {
     const std::string one = json_scalar(key);
     switch (key.form) {
-        case Form::one: return one;
-        case Form::pair: return json_array(one, 2, 2);
-        case Form::triple: return json_array(one, 3, 3);
-        case Form::box: return json_array(one, 4, 4);
-        case Form::list: return json_array(one, 1, 0);
-        case Form::one_or_list: return "{\"anyOf\": [" + one + ", " + json_array(one, 1, 0) + "]}";
-        case Form::points: return json_array(json_array(one, 2, 2), 1, 0);
+        case Form::one:
+            return one;
+        case Form::pair:
+            return json_array(one, 2, 2);
+        case Form::triple:
+            return json_array(one, 3, 3);
+        case Form::box:
+            return json_array(one, 4, 4);
+        case Form::list:
+            return json_array(one, 1, 0);
+        case Form::one_or_list:
+            return "{\"anyOf\": [" + one + ", " + json_array(one, 1, 0) + "]}";
+        case Form::points:
+            return json_array(json_array(one, 2, 2), 1, 0);
     }
     return one;
 }
@@ -120,8 +286,8 @@ std::string json_members(std::string_view pattern, const std::string& indent) {
         if (key->is_required && key->condition.values.empty())
             required += (required.empty() ? "" : ", ") + toml_quoted(std::string(key->name()));
     }
-    return "{\"type\": \"object\", \"additionalProperties\": false, \"required\": [" + required +
-           "], \"properties\": {" + properties + "}}";
+    return "{\"type\": \"object\", \"additionalProperties\": false, \"required\": [" + required + "], \"properties\": {" + properties +
+           "}}";
 }
 
 }  // namespace
@@ -135,13 +301,13 @@ std::string schema_text() {
             continue;
         }
         const bool plain = key.kind == Kind::text && key.words.empty() && key.form == Form::one;
-        out += std::string(key.name()) + " = " + (plain ? "a text" : describe(key)) +
-               (also.empty() ? "" : "  (" + also + ")") + "\n    " + std::string(key.doc) + "\n";
+        out += std::string(key.name()) + " = " + (plain ? "a text" : describe(key)) + (also.empty() ? "" : "  (" + also + ")") + "\n    " +
+               std::string(key.doc) + "\n";
     }
     out += "\nNumbers that [expect] can bound\n";
     for (const Output& row : output_table("summary").rows)
-        out += "    " + std::string(row.name) + (row.unit.empty() ? "" : " [" + std::string(row.unit) + "]") + ": " +
-               std::string(row.doc) + "\n";
+        out += "    " + std::string(row.name) + (row.unit.empty() ? "" : " [" + std::string(row.unit) + "]") + ": " + std::string(row.doc) +
+               "\n";
     out +=
         "\nA number is in the unit shown, or a text with a unit: \"40 mm\", \"3.08 MPa\", \"3 J/m2\", \"2450 kg/m3\", "
         "\"80 us\", \"1 mm/ms\".\n\nUnits\n" +
@@ -156,25 +322,27 @@ std::string json_schema() {
 }
 
 std::string schema_markdown() {
-    const auto escaped = [](std::string text) {
-        for (std::size_t i = 0; (i = text.find('|', i)) != std::string::npos; i += 2) text.insert(i, "\\");
-        return text;
-    };
-    std::string out = "| key | value | | meaning |\n|---|---|---|---|\n";
+    std::vector<std::string_view> blocks;
     for (const Key& key : keys())
-        out += "| `" + (key.is_table() ? header(key) : key.path) + "` | " +
-               (key.is_table() ? "" : escaped(describe(key))) + " | " + escaped(conditions(key)) + " | " +
-               escaped(std::string(key.doc)) + " |\n";
-    out +=
-        "\n## Units\n\nA number is in the unit shown above, or a text with a unit of the same kind: `\"40 mm\"`, "
-        "`\"3.08 MPa\"`, `\"3 J/m2\"`.\n\n" +
-        units_markdown();
-    out += "\n## Names\n\nMaterials, interfaces, boundaries, loads, probes and obstacles have names by one rule: " +
+        if (std::ranges::find(blocks, block_of(key)) == blocks.end()) blocks.push_back(block_of(key));
+    std::string contents, sections;
+    for (const std::string_view block : blocks) {
+        contents += (contents.empty() ? "" : ",\n") + std::string("[") + block_heading(block) + "](#" +
+                    std::string(block.empty() ? "top" : block) + ")";
+        sections += block_markdown(block);
+    }
+    return "# Keys of a scenario\n\nWritten by `knap schema --markdown`. What a run writes is in "
+           "[OUTPUTS.md](OUTPUTS.md).\nBlocks: " +
+           contents + ";\n[units](#units), [names](#names).\n" + sections +
+           "\n## Units\n\nA number is in the unit shown above, or a text with a unit of the same kind: `\"40 mm\"`, "
+           "`\"3.08 MPa\"`, `\"3 J/m2\"`.\n\n" +
+           units_markdown() + "\n## Names\n\nMaterials, interfaces, boundaries, loads, probes and obstacles have names by one rule: " +
            std::string(rule_for_names) +
            ". A name with blanks stands in quotes where it is a key: `[material.\"hard rock\"]`. A material's name has "
            "no `-`, which joins two of them in `[interface.A-B]`. "
-           "Names of boundaries that come from a Gmsh file are taken as they are.\n";
-    return out;
+           "Names of boundaries that come from a Gmsh file are taken as they are.\n"
+           "\n## Outputs\n\n[OUTPUTS.md](OUTPUTS.md) lists every number that a run writes; those of the summary can be "
+           "bounded in [`[expect.NAME]`](#expect).\n";
 }
 
 }  // namespace knap

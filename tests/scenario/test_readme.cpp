@@ -1,4 +1,4 @@
-// Every piece of a scenario that a README shows can be read: laid over a scenario that has what it names.
+// Every piece of a scenario that a README or the list of keys shows can be read: laid over a scenario that has what it names.
 #include "samples.hpp"
 
 #include <doctest/doctest.h>
@@ -30,15 +30,15 @@ struct Example {
     std::string text;
 };
 
-/// Indented by four blanks, with the header of a table in them.
+/// Indented by four blanks, with the header of a table or the version in them.
 std::vector<Example> examples() {
     std::vector<Example> found;
-    for (const char* file : {"README.md", "scenarios/README.md"}) {
+    for (const char* file : {"README.md", "scenarios/README.md", "scenarios/KEYS.md"}) {
         std::ifstream in(std::string(KNAP_SOURCE_DIR) + "/" + file);
         Example now;
         int number = 0;
         const auto end = [&] {
-            if (now.text.starts_with("[") || now.text.find("\n[") != std::string::npos) found.push_back(now);
+            if (now.text.starts_with("[") || now.text.starts_with("knap = ") || now.text.find("\n[") != std::string::npos) found.push_back(now);
             now = {};
         };
         for (std::string line; std::getline(in, line);) {
@@ -73,9 +73,9 @@ std::string completed(std::string text) {
 
 }  // namespace
 
-TEST_CASE("the examples of the READMEs are scenarios") {
+TEST_CASE("the examples of the READMEs and of the list of keys are scenarios") {
     const std::vector<Example> all = examples();
-    REQUIRE(all.size() >= 6);
+    REQUIRE(all.size() >= 28);
     for (const Example& example : all) {
         const std::string text = completed(example.text);
         std::string wrong;

@@ -139,9 +139,24 @@ TEST_CASE("schema: text and Markdown name every key") {
         CHECK(text.find(std::string(key.doc)) != std::string::npos);
         CHECK(text.find(key.path.ends_with("*") ? "NAME]" : std::string(key.name())) != std::string::npos);
     }
-    for (const char* row : {"| `domain.size` |", "| `[[load]]` |", "| `[material.NAME]` |", "| `expect.*.below` |"})
+    for (const char* row : {"| `domain.size` |", "## `[[load]]`\n", "## `[material.NAME]`\n", "| `[[domain.crack]]` |", "| `expect.*.below` |"})
         CHECK(markdown.find(row) != std::string::npos);
     for (const Output& row : output_table("summary").rows) CHECK(text.find(std::string(row.name)) != std::string::npos);
+}
+
+TEST_CASE("schema: every block has a section with an anchor and an example of its own") {
+    const std::string markdown = schema_markdown();
+    for (const Key* block : keys_below("")) {
+        if (!block->is_table()) continue;
+        const std::string name(block->name());
+        CAPTURE(name);
+        const std::size_t begin = markdown.find("<a id=\"" + name + "\"></a>");
+        REQUIRE(begin != std::string::npos);
+        const std::string section = markdown.substr(begin, markdown.find("<a id", begin + 1) - begin);
+        CHECK(section.find(block->kind == Kind::list ? "\n    [[" + name + "]]\n" : "\n    [" + name) != std::string::npos);
+        CHECK(section.find("| `" + name) != std::string::npos);
+        CHECK(markdown.find("](#" + name + ")") < begin);
+    }
 }
 
 TEST_CASE("schema: there is a key for every gate that a scenario may move and for no other") {
