@@ -11,9 +11,11 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <new>
 #include <string>
+#include <system_error>
 
 namespace {
 
@@ -31,6 +33,14 @@ bool reader_is_gone(int file) {
     return poll(&asked, 1, 0) > 0 && (asked.revents & POLLERR) != 0;
 }
 
+/// The relocatable archive brings the font with it: Fontconfig is told where, unless the user has told it.
+void find_own_font() {
+    std::error_code none;
+    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", none);
+    const std::filesystem::path fonts = program.parent_path().parent_path() / "share/knap/fonts.conf";
+    if (std::filesystem::exists(fonts, none)) setenv("FONTCONFIG_FILE", fonts.c_str(), 0);
+}
+
 void say(const std::string& message) { std::fprintf(stderr, "%s\n", knap::printable(message).c_str()); }
 
 }  // namespace
@@ -40,6 +50,7 @@ int main(int argc, char** argv) {
     open_standard_streams();
     std::signal(SIGPIPE, SIG_IGN);  // a reader of the messages who goes away ends nothing
     std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
+    find_own_font();
     knap::let_waiting_threads_sleep(argv);
     knap::end_when_interrupted();
     try {

@@ -1,13 +1,29 @@
-# `cpack` in a build directory makes a Debian package that needs nothing but runtime libraries.
+# `cpack` in a build directory makes two packages: a Debian package that needs nothing but runtime libraries, and a relocatable archive for
+# those without root, which brings its libraries (all but glibc's) and its font. `cpack -G DEB` or `cpack -G TGZ` makes one of them.
 include(GNUInstallDirs)
-install(TARGETS knap RUNTIME)
+set(for_both COMPONENT knap)
+set(for_archive COMPONENT archive EXCLUDE_FROM_ALL)
+
+# DT_RPATH, not DT_RUNPATH: libraries find those that they need at the same place. The Debian package has nothing there.
+set_target_properties(knap PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/knap")
+target_link_options(knap PRIVATE LINKER:--disable-new-dtags)
+install(TARGETS knap RUNTIME ${for_both})
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tools/package/knap.1)
 execute_process(COMMAND gzip -9nc ${CMAKE_SOURCE_DIR}/tools/package/knap.1 OUTPUT_FILE ${CMAKE_BINARY_DIR}/knap.1.gz COMMAND_ERROR_IS_FATAL ANY)  # -n: no time in it
-install(FILES ${CMAKE_BINARY_DIR}/knap.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
-install(FILES tools/package/knap.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME knap)
-install(FILES tools/package/copyright README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES ${CMAKE_BINARY_DIR}/knap.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 ${for_both})
+install(FILES tools/package/knap.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME knap ${for_both})
+install(FILES tools/package/copyright README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} ${for_both})
 
-set(CPACK_GENERATOR DEB)
+find_file(KNAP_FONT DejaVuSans.ttf PATHS /usr/share/fonts/truetype/dejavu)
+find_file(KNAP_FONT_BOLD DejaVuSans-Bold.ttf PATHS /usr/share/fonts/truetype/dejavu)
+if(KNAP_FONT AND KNAP_FONT_BOLD)
+  install(FILES tools/package/fonts.conf DESTINATION ${CMAKE_INSTALL_DATADIR}/knap ${for_archive})
+  install(FILES ${KNAP_FONT} ${KNAP_FONT_BOLD} DESTINATION ${CMAKE_INSTALL_DATADIR}/knap/fonts ${for_archive})
+endif()
+install(CODE "set(program \"$<TARGET_FILE:knap>\")\nset(fonts \"${KNAP_FONT}\")" ${for_archive})
+install(SCRIPT tools/package/libraries.cmake ${for_archive})
+
+set(CPACK_GENERATOR DEB TGZ)
 set(CPACK_PACKAGE_CONTACT "the authors of knap")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "2D dynamic fracture with nonsmooth cohesive interfaces")
 set(CPACK_PACKAGE_DESCRIPTION "Meshes a body, lets waves and cracks run through it with a cohesive interface on every edge of the mesh,
@@ -17,4 +33,5 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS fonts-dejavu-core)  # found at run time, by name
+set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_SOURCE_DIR}/tools/package/generator.cmake)
 include(CPack)

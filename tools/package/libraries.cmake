@@ -1,0 +1,32 @@
+# Run at the installation of the archive: copies the shared libraries of the program (all but glibc's) to lib/knap, and their licences.
+file(GET_RUNTIME_DEPENDENCIES EXECUTABLES ${program} RESOLVED_DEPENDENCIES_VAR libraries UNRESOLVED_DEPENDENCIES_VAR missing
+     PRE_EXCLUDE_REGEXES "^ld-linux" "^lib(c|m|mvec|dl|rt|pthread|resolv|util|anl)[.]so")
+if(missing)
+  message(FATAL_ERROR "libraries that are not found: ${missing}")
+endif()
+file(INSTALL ${libraries} DESTINATION ${CMAKE_INSTALL_PREFIX}/lib/knap FOLLOW_SYMLINK_CHAIN)
+foreach(file IN LISTS libraries)  # with a path of its own a library (Open MPI's) would look there and not where the program does
+  get_filename_component(name ${file} REALPATH)
+  get_filename_component(name ${name} NAME)
+  file(RPATH_REMOVE FILE $ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/lib/knap/${name})
+endforeach()
+
+# of the Debian packages that they come from; by the end of the path, for dpkg may know /usr/lib as /lib
+set(names)
+foreach(file IN LISTS libraries fonts)
+  get_filename_component(file ${file} REALPATH)
+  string(REGEX MATCH "[^/]+/[^/]+$" name ${file})
+  list(APPEND names "*/${name}")
+endforeach()
+execute_process(COMMAND dpkg-query --search ${names} OUTPUT_VARIABLE owners RESULT_VARIABLE failed)
+if(failed)
+  message(WARNING "the archive has libraries without their licences: they are not of Debian packages")
+endif()
+string(REGEX MATCHALL "[^\n]+" owners "${owners}")
+list(TRANSFORM owners REPLACE "[:,].*" "")
+list(REMOVE_DUPLICATES owners)
+foreach(owner IN LISTS owners)
+  if(EXISTS /usr/share/doc/${owner}/copyright)
+    file(INSTALL /usr/share/doc/${owner}/copyright DESTINATION ${CMAKE_INSTALL_PREFIX}/share/doc/knap RENAME copyright.${owner})
+  endif()
+endforeach()
