@@ -3,8 +3,8 @@
 #include "app/run/setup.hpp"
 #include "app/run/step_plan.hpp"
 #include "base/stopwatch.hpp"
-#include "observe/figures.hpp"
-#include "observe/vtk_series.hpp"
+#include "figures/figures.hpp"
+#include "output/vtk_series.hpp"
 #include "stepper/moreau_jean.hpp"
 
 #include <unistd.h>

@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "lcp/solvers.hpp"
+#include "record/outputs.hpp"
 #include "scenario/findings.hpp"
 #include "scenario/keys.hpp"
 #include "scenario/schema.hpp"

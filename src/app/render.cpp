@@ -4,10 +4,10 @@
 #include "app/run/read_run.hpp"
 #include "app/run/run_directory.hpp"
 #include "base/error.hpp"
-#include "observe/outputs.hpp"
-#include "observe/sequence.hpp"
-#include "observe/ticks.hpp"
-#include "observe/vtk_series.hpp"
+#include "figures/ticks.hpp"
+#include "output/vtk_series.hpp"
+#include "record/outputs.hpp"
+#include "record/sequence.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,6 +1,6 @@
 // The rows of the key table for [time], what a run writes, and studies of many runs.
-#include "observe/figures.hpp"
-#include "observe/outputs.hpp"
+#include "figures/figures.hpp"
+#include "record/outputs.hpp"
 #include "scenario/key_table.hpp"
 #include "scenario/scenario.hpp"
 

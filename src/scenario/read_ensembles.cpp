@@ -1,7 +1,8 @@
 // [study] and [sweep].
-#include "observe/history_columns.hpp"
-#include "observe/probes.hpp"
-#include "observe/reactions.hpp"
+#include "analysis/history_columns.hpp"
+#include "analysis/probes.hpp"
+#include "analysis/reactions.hpp"
+#include "record/outputs.hpp"
 #include "scenario/reading.hpp"
 #include "scenario/units.hpp"
 

@@ -1,7 +1,7 @@
 // [[inclusions]] and [[joints]], which become regions, holes and cracks of the shape; [[map]], whose colours are
 // materials; [[grains]].
+#include "figures/read_png.hpp"
 #include "microstructure/inclusions.hpp"
-#include "observe/read_png.hpp"
 #include "scenario/reading.hpp"
 
 #include <algorithm>

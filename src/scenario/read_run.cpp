@@ -1,5 +1,5 @@
 // [time], [output], [[probe]], [[figure]], [limits] and [expect].
-#include "observe/outputs.hpp"
+#include "record/outputs.hpp"
 #include "scenario/reading.hpp"
 
 #include <algorithm>

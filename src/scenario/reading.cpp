@@ -1,6 +1,6 @@
 #include "scenario/reading.hpp"
 
-#include "observe/outputs.hpp"
+#include "record/outputs.hpp"
 #include "scenario/built_in.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "scenario/resolve.hpp"
 
-#include "observe/figures.hpp"
-#include "observe/outputs.hpp"
+#include "figures/figures.hpp"
+#include "record/outputs.hpp"
 #include "scenario/check_value.hpp"
 
 #include <algorithm>

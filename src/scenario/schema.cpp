@@ -6,7 +6,7 @@
 #include <ranges>
 #include <utility>
 
-#include "observe/outputs.hpp"
+#include "record/outputs.hpp"
 #include "scenario/check_value.hpp"
 #include "scenario/units.hpp"
 

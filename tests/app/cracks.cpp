@@ -1,6 +1,6 @@
 // Cracks of whole runs: what cracks.csv and arms.csv say, held against the broken interfaces of breaks.csv, which know nothing of arms.
-#include "observe/crack_history.hpp"
-#include "observe/history_csv.hpp"
+#include "analysis/crack_history.hpp"
+#include "output/history_csv.hpp"
 #include "program.hpp"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // The lines of the energy figure add up to the work of the loads, in every line of energy.csv, whatever the numbers took.
 #include "program.hpp"
 
-#include "observe/curve_figures.hpp"
-#include "observe/history_csv.hpp"
+#include "figures/curve_figures.hpp"
+#include "output/history_csv.hpp"
 
 #include <algorithm>
 #include <cmath>

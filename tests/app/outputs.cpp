@@ -1,8 +1,8 @@
 // Every number that a run writes carries its unit, and the list of outputs (scenarios/OUTPUTS.md) has all of them.
 #include "program.hpp"
 
-#include "observe/history_csv.hpp"
-#include "observe/outputs.hpp"
+#include "output/history_csv.hpp"
+#include "record/outputs.hpp"
 #include "support/relative.hpp"
 
 #include <nlohmann/json.hpp>

@@ -4,7 +4,7 @@
 #include "support/published_beam.hpp"
 #include "support/relative.hpp"
 
-#include "observe/history_csv.hpp"
+#include "output/history_csv.hpp"
 
 #include <sstream>
 

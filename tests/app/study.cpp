@@ -2,7 +2,7 @@
 #include "program.hpp"
 
 #include "app/ensemble/ensemble.hpp"
-#include "observe/outputs.hpp"
+#include "record/outputs.hpp"
 #include "support/relative.hpp"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "app/ensemble/ensemble.hpp"
 #include "base/error.hpp"
-#include "observe/history_csv.hpp"
+#include "output/history_csv.hpp"
 #include "support/relative.hpp"
 
 #include <fcntl.h>

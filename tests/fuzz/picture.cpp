@@ -1,7 +1,7 @@
 // Any bytes as a picture.
 #include "target.hpp"
 
-#include "observe/read_png.hpp"
+#include "figures/read_png.hpp"
 
 using namespace knap;
 using tests::require;

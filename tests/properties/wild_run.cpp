@@ -1,7 +1,7 @@
 #include "properties/wild_run.hpp"
 
+#include "analysis/gates.hpp"
 #include "base/error.hpp"
-#include "observe/gates.hpp"
 #include "stepper/step_control.hpp"
 
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "scenario/schema.hpp"
 
-#include "observe/gates.hpp"
-#include "observe/outputs.hpp"
+#include "analysis/gates.hpp"
+#include "record/outputs.hpp"
 #include "scenario/keys.hpp"
 
 #include <doctest/doctest.h>

@@ -4,7 +4,7 @@
 // Phys. Lett. 88 (2006) 261918 (and Int. J. Fract. 139 (2006) 169): mean fragment length s_0 s with s = 4.5/(1 + 4.5 r^(2/3)),
 // s_0 = E G_c/sigma_c^2, r = strain rate over sigma_c^3 c/(E^2 G_c). That fit is for an irreversible law whose unloading goes to the origin;
 // here unloading keeps the cohesion and the traction, so a damaged interface that stops opening draws its sides together and gives beta sigma_c s back.
-#include "observe/fragments.hpp"
+#include "analysis/fragments.hpp"
 #include "support/bodies.hpp"
 #include "support/meshes.hpp"
 #include "support/relative.hpp"

@@ -1,5 +1,5 @@
 // Cracks of the implicit scheme with known answers: a debonding strip (C1), a double cantilever beam (C2).
-#include "observe/chart.hpp"
+#include "figures/chart.hpp"
 #include "support/paths.hpp"
 #include "support/relative.hpp"
 #include "support/springs.hpp"

@@ -1,6 +1,6 @@
 // The implicit scheme on bodies with exact motions: two masses on a cohesive point (B2, B3, B5), a bouncing bar (B11), an impacting
 // stick (B15). Times of events are found between steps.
-#include "observe/chart.hpp"
+#include "figures/chart.hpp"
 #include "support/paths.hpp"
 #include "support/relative.hpp"
 #include "support/springs.hpp"

@@ -1,5 +1,5 @@
 // The four pairs of a bulk and a cohesion scheme on the same exact problems: speed of convergence on B1, events of B3.
-#include "observe/chart.hpp"
+#include "figures/chart.hpp"
 #include "support/paths.hpp"
 #include "support/relative.hpp"
 #include "support/springs.hpp"

@@ -1,5 +1,5 @@
 // The force that drives a body: it is what the works of the ledger say, and what statics says.
-#include "observe/reactions.hpp"
+#include "analysis/reactions.hpp"
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 

@@ -1,7 +1,7 @@
 // Waves in bars and what they do at one interface (B6, B7, B8), at a rigid wall (B10, B11) and at another bar (B12).
 //
 // The bars have E = rho = 1, so that c = 1 and the impedance rho c = 1, no Poisson effect, and a mirror-symmetric mesh.
-#include "observe/chart.hpp"
+#include "figures/chart.hpp"
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
 #include "support/relative.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 // Runs of the stepper on small bodies.
+#include "analysis/energy_ledger.hpp"
 #include "model/state.hpp"
-#include "observe/energy_ledger.hpp"
 #include "stepper/moreau_jean.hpp"
 #include "support/meshes.hpp"
 

@@ -2,9 +2,9 @@
 #include "app/ensemble/ensemble.hpp"
 #include "app/run/finished_run.hpp"
 #include "base/error.hpp"
-#include "observe/chart.hpp"
-#include "observe/contact_sheet.hpp"
-#include "observe/vtk_series.hpp"
+#include "figures/chart.hpp"
+#include "figures/contact_sheet.hpp"
+#include "output/vtk_series.hpp"
 
 #include <algorithm>
 #include <set>

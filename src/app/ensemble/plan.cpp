@@ -3,6 +3,7 @@
 #include "app/run/step_plan.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "record/outputs.hpp"
 
 #include <algorithm>
 #include <regex>

@@ -2,7 +2,7 @@
 
 #include "app/ensemble/statistics.hpp"
 #include "app/run/read_run.hpp"
-#include "observe/history_csv.hpp"
+#include "output/history_csv.hpp"
 
 #include <nlohmann/json.hpp>
 

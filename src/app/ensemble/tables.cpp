@@ -1,9 +1,9 @@
 // The results of an ensemble: Markdown for people, CSV for programs.
 #include "app/ensemble/ensemble.hpp"
 #include "base/text.hpp"
-#include "observe/history_csv.hpp"
-#include "observe/outputs.hpp"
-#include "observe/ticks.hpp"
+#include "figures/ticks.hpp"
+#include "output/history_csv.hpp"
+#include "record/outputs.hpp"
 
 #include <algorithm>
 

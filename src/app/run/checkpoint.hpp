@@ -9,7 +9,7 @@
 //
 //     <run>/checkpoint.end        before the first step that depends on time.end; from it the run goes on to a later one
 #include "base/stopwatch.hpp"
-#include "observe/recorder.hpp"
+#include "record/recorder.hpp"
 #include "stepper/step_control.hpp"
 
 #include <filesystem>

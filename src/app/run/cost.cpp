@@ -1,7 +1,7 @@
 #include "app/run/cost.hpp"
 
 #include "base/stopwatch.hpp"
-#include "observe/figures.hpp"
+#include "figures/figures.hpp"
 #include "stepper/moreau_jean.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "app/run/expectations.hpp"
 
-#include "observe/outputs.hpp"
+#include "record/outputs.hpp"
 
 #include <cmath>
 #include <cstdio>

@@ -1,6 +1,6 @@
 #pragma once
 // [expect]: what a scenario says its run must find.
-#include "observe/summary.hpp"
+#include "record/summary.hpp"
 #include "scenario/scenario.hpp"
 
 #include <string>

@@ -2,8 +2,8 @@
 
 #include "app/run/read_run.hpp"
 #include "base/error.hpp"
-#include "observe/history_csv.hpp"
-#include "observe/vtk_series.hpp"
+#include "output/history_csv.hpp"
+#include "output/vtk_series.hpp"
 
 #include <nlohmann/json.hpp>
 

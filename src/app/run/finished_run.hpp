@@ -1,6 +1,6 @@
 #pragma once
 // What the figures of a finished or interrupted run are drawn from.
-#include "observe/figures.hpp"
+#include "figures/figures.hpp"
 
 #include <filesystem>
 #include <vector>

@@ -1,7 +1,7 @@
 #include "app/run/run_json.hpp"
 
 #include "app/run/version.hpp"
-#include "observe/outputs.hpp"
+#include "record/outputs.hpp"
 
 #include <sys/resource.h>
 #include <unistd.h>

@@ -1,8 +1,8 @@
 #pragma once
 // run.json: what a run was, how it ended, and what it found. Its keys are promised to other programs; new ones may come, none goes.
+#include "analysis/gates.hpp"
 #include "app/run/expectations.hpp"
-#include "observe/gates.hpp"
-#include "observe/summary.hpp"
+#include "record/summary.hpp"
 #include "stepper/step_control.hpp"
 #include "stepper/step_scheme.hpp"
 

@@ -1,6 +1,6 @@
 #include "app/run/run_text.hpp"
 
-#include "observe/outputs.hpp"
+#include "record/outputs.hpp"
 
 #include <cmath>
 #include <cstdio>

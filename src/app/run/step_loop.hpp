@@ -4,7 +4,7 @@
 #include "app/run/run.hpp"
 #include "app/run/run_json.hpp"
 #include "app/run/run_log.hpp"
-#include "observe/progress.hpp"
+#include "record/progress.hpp"
 #include "stepper/moreau_jean.hpp"
 
 #include <functional>

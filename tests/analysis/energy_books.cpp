@@ -1,0 +1,109 @@
+// The energy books at their start, and the figure in which they must close.
+#include "analysis/gates.hpp"
+#include "figures/curve_figures.hpp"
+
+#include "support/bodies.hpp"
+#include "support/relative.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+const CohesiveLaw glue{.sigma_c = 1, .G_c = 0.5};
+
+}  // namespace
+
+TEST_CASE("books: the energy of motion at the start is that of the mass matrix") {
+    const Model model = make_model(point_masses(glue, true));  // one triangle of mass 3
+    State start = initial_state(model);
+    start.velocity[start.node_of_corner[0]] = {1, 0};
+    CHECK(EnergyLedger(model, start).row().kinetic == relative(0.5, 1e-15));                            // 1/2 m/3 v^2
+    CHECK(EnergyLedger(model, start, MassMatrix::consistent).row().kinetic == relative(0.25, 1e-15));   // 1/2 m/6 v^2
+    CHECK(EnergyLedger(model, start, MassMatrix::one_point).row().kinetic == relative(1.0 / 6, 1e-15));  // 1/2 m (v/3)^2
+    for (Vec2& v : start.velocity) v = {1, 2};
+    CHECK(EnergyLedger(model, start).row().kinetic == relative(7.5, 1e-15));
+    CHECK(EnergyLedger(model, start, MassMatrix::consistent).row().kinetic == relative(7.5, 1e-15));  // moved as a whole: the same
+    CHECK(EnergyLedger(model, start, MassMatrix::one_point).row().kinetic == relative(7.5, 1e-15));
+}
+
+TEST_CASE("books: what is no number violates the gate and stays no number beside those that are") {
+    const Model model = make_model(point_masses(glue, true));
+    const State start = initial_state(model);
+    EnergyLedger ledger(model, start);
+    StepReport report;
+    ledger.add(start, report);
+    Gates gates;
+    judge({ledger, 1, 1}, {}, gates);
+    CHECK(gates[0].pass());
+    report.external_work = std::numeric_limits<double>::quiet_NaN();
+    ledger.add(start, report);
+    judge({ledger, 1, 1}, {}, gates);
+    CHECK_FALSE(gates[0].pass());
+    CHECK(std::isnan(gates[0].value));
+}
+
+TEST_CASE("books: a preload is energy of the start and no work") {
+    ModelInput input = point_masses(glue, true);
+    input.materials = {{.density = 3, .E = 8, .nu = 0}};
+    const Model model = make_model(input);
+    State start = initial_state(model);
+    start.displacement[start.node_of_corner[2]] = {0, 0.25};  // eps_yy = 1/4 over the area 1
+    EnergyLedger ledger(model, start);
+    CHECK(ledger.row().strain == relative(0.25, 1e-14));  // 1/2 E eps^2
+    CHECK(ledger.row().external_work == 0);
+    StepReport held;
+    held.strain = ledger.row().strain;
+    ledger.add(start, held);
+    CHECK(std::abs(ledger.row().residual) <= 1e-15);
+}
+
+TEST_CASE("books: what the scheme damps closes the balance") {
+    const Model model = make_model(point_masses(glue, true));
+    State now = initial_state(model);
+    EnergyLedger ledger(model, now);
+    ledger.add(now, {.kinetic = 3, .strain = 1, .external_work = 5, .scheme_dissipation = 1});
+    CHECK(ledger.row().residual == 0);
+    ledger.add(now, {.kinetic = 2, .strain = 1.5, .scheme_dissipation = 0.5});
+    CHECK(ledger.row().scheme_dissipation == 1.5);
+    CHECK(ledger.row().residual == 0);
+}
+
+TEST_CASE("figures: the energy figure closes from the energy of the start and with all that the numbers take") {
+    History energy;
+    energy.columns = {"time",        "kinetic", "strain",        "surface",            "dissipated",      "recoverable", "external_work", "friction_work",
+                      "impact_work", "law_lag_energy", "crossing_loss_energy", "scheme_dissipation", "step_change_work"};
+    energy.rows = {{0, 2, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, {1, 2, 2, 1, 0.75, 0.25, 4, -0.5, -0.25, -0.5, 0.125, 1.25, -0.375}};
+    const Chart chart = energy_chart(energy);
+    const auto curve = [](const Chart& drawn, const std::string& label) -> const Curve* {
+        for (const Curve& c : drawn.curves)
+            if (c.label == label) return &c;
+        return nullptr;
+    };
+    REQUIRE(curve(chart, "sum of all"));
+    REQUIRE(curve(chart, "start + external work"));
+    CHECK(curve(chart, "sum of all")->y == std::vector<double>{3, 7});
+    CHECK(curve(chart, "start + external work")->y == std::vector<double>{3, 7});
+    double drawn = 0;
+    for (std::size_t i = 2; i < chart.curves.size(); ++i) drawn += chart.curves[i].y[1];
+    CHECK(drawn == 7);
+    for (const char* label : {"dissipated", "recoverable", "law lag", "crossing loss", "damped by the scheme", "lost in changes of step"})
+        CHECK_MESSAGE(curve(chart, label), label);
+
+    energy.rows = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, {1, 2, 2, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0}};
+    const Chart plain = energy_chart(energy);
+    CHECK(plain.curves.size() == 5);
+    for (const char* label : {"recoverable", "law lag", "crossing loss", "damped by the scheme", "lost in changes of step"}) CHECK_MESSAGE(!curve(plain, label), label);
+    CHECK(plain.curves[1].label == "external work");
+
+    energy.columns = {"time", "kinetic", "strain", "surface", "external_work"};  // of an older run
+    energy.rows = {{0, 0, 0, 0, 0}, {1, 2, 1, 1, 4}};
+    const Chart older = energy_chart(energy);
+    REQUIRE(curve(older, "surface"));
+    CHECK(curve(older, "sum of all")->y == std::vector<double>{0, 4});
+}

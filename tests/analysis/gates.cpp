@@ -1,0 +1,137 @@
+// What a run is held against: three levels, limits that a scenario sets, warnings that come once.
+#include "analysis/gates.hpp"
+
+#include "support/bodies.hpp"
+#include "support/relative.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+constexpr double none = std::numeric_limits<double>::infinity();
+
+const Gate& named(const Gates& gates, std::string_view name) {
+    return *std::find_if(gates.begin(), gates.end(), [&](const Gate& gate) { return gate.name == name; });
+}
+
+}  // namespace
+
+TEST_CASE("gates: every rule has a name of its own and a meaning and a cure") {
+    std::set<std::string_view> names;
+    for (const GateRule& rule : gate_rules()) {
+        CAPTURE(rule.name);
+        CHECK(names.insert(rule.name).second);
+        CHECK_FALSE(rule.meaning.empty());
+        CHECK_FALSE(rule.cure.empty());
+    }
+}
+
+TEST_CASE("gates: a limit of the scenario holds for the gate that it names where gates allow that") {
+    const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));
+    const State start = initial_state(model);
+    EnergyLedger ledger(model, start);
+    ledger.add(start, {.kinetic = 1, .external_work = 1, .residual = 2e-10, .penetration = 0.5});
+    Gates gates;
+    judge({ledger, 0.25, 1}, {}, gates);
+    CHECK(named(gates, "penetration").limit == 0.25);
+    CHECK(named(gates, "penetration").level == GateLevel::violated);
+    CHECK(named(gates, "interface_residual").level == GateLevel::violated);
+
+    const std::vector<AllowedLimit> more{{"penetration", 0.5}, {"interface_residual", none}};
+    judge({ledger, 0.25, 1}, more, gates);
+    CHECK(named(gates, "penetration").level == GateLevel::ok);  // at its limit
+    CHECK(named(gates, "interface_residual").limit == 1e-10);   // the laws are kept in every scene
+    judge({ledger, 0.25, 1}, std::vector<AllowedLimit>{{"penetration", none}}, gates);
+    CHECK(named(gates, "penetration").pass());
+}
+
+TEST_CASE("gates: the law lag is a signed part of the dissipated energy without an alarm at the first softened point") {
+    const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));
+    State implicit = initial_state(model);
+    implicit.rate.assign(implicit.velocity.size(), Vec2::Zero());
+    const State of_explicit = initial_state(model);
+    Gates gates;
+    const auto level = [&](const EnergyLedger& ledger, std::span<const AllowedLimit> allowed = {}) {
+        judge({ledger, 1, 1}, allowed, gates);
+        return named(gates, "law_lag").level;
+    };
+
+    EnergyLedger first(model, of_explicit);  // explicit bulk: its work is that of half the step, so far, and nothing is dissipated
+    first.add(of_explicit, {.kinetic = 1, .dissipated = 1e-6, .recoverable = 2e-3, .external_work = 1, .cohesive_work = 1.01e-3});
+    CHECK(first.row().law_lag == doctest::Approx(-0.991e-3).epsilon(1e-12).scale(0));
+    CHECK(std::abs(first.law_lag()) < 0.01);
+    CHECK(level(first) == GateLevel::ok);
+
+    EnergyLedger broken(model, implicit);
+    broken.add(implicit, {.kinetic = 1, .dissipated = 0.5, .external_work = 1, .cohesive_work = 0.45, .largest_drop = 0.1, .drop_corner = 4});
+    CHECK(broken.law_lag() == doctest::Approx(-0.1).epsilon(1e-12).scale(0));
+    CHECK(level(broken) == GateLevel::warning);
+    CHECK(level(broken, std::vector<AllowedLimit>{{"law_lag", 0.05}}) == GateLevel::violated);
+    broken.add(implicit, {.kinetic = 1, .dissipated = 0.5, .largest_drop = 0.05, .drop_corner = 5});
+    const DeformationWatch watch(model);
+    judge({broken, 1, 1, false, &watch}, {}, gates);
+    CHECK(named(gates, "law_lag").place == model.mesh.corner(4));  // where a step missed most
+    broken.add(implicit, {.kinetic = 1, .dissipated = 0.5, .cohesive_work = 0.15});
+    CHECK(broken.law_lag() == doctest::Approx(0.2).epsilon(1e-12).scale(0));
+    broken.add(implicit, {.kinetic = 1, .dissipated = 0.5, .cohesive_work = 0.05});
+    CHECK(level(broken) == GateLevel::violated);
+    broken.add(implicit, {.kinetic = 1, .dissipated = 0.5, .cohesive_work = -0.15});
+    CHECK(broken.law_lag() == doctest::Approx(0).epsilon(1e-12));
+    CHECK(broken.largest_law_lag() == doctest::Approx(0.3).epsilon(1e-12).scale(0));
+    CHECK(level(broken) == GateLevel::violated);  // it was
+    CHECK(level(broken, std::vector<AllowedLimit>{{"law_lag", none}}) == GateLevel::warning);
+}
+
+TEST_CASE("gates: what the numbers lose warns from 5 percent of the dissipated energy at the end") {
+    const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));
+    const State now = initial_state(model);
+    EnergyLedger ledger(model, now), elastic(model, now);
+    ledger.add(now, {.kinetic = 1, .dissipated = 0.5, .external_work = 2, .cohesive_work = 0.54, .crossing_loss = 0.04, .scheme_dissipation = 0.02});
+    elastic.add(now, {.kinetic = 1, .external_work = 2, .scheme_dissipation = 1});
+    Gates gates;
+    for (const bool ended : {false, true}) {
+        judge({ledger, 1, 1, ended}, {}, gates);
+        CHECK(named(gates, "crossing_loss").level == (ended ? GateLevel::warning : GateLevel::ok));
+        CHECK(named(gates, "scheme_dissipation_part").level == GateLevel::ok);
+        judge({elastic, 1, 1, ended}, {}, gates);
+        CHECK(named(gates, "scheme_dissipation_part").level == GateLevel::ok);  // no crack to compare with
+    }
+    judge({ledger, 1, 1, true}, {}, gates);
+    CHECK(named(gates, "crossing_loss").value == doctest::Approx(0.08).epsilon(1e-12).scale(0));
+}
+
+TEST_CASE("gates: every step may round the energy a little more") {
+    const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));
+    const State start = initial_state(model);
+    EnergyLedger ledger(model, start);
+    const StepReport rest;
+    for (int i = 0; i < 1 << 16; ++i) ledger.add(start, rest);
+    Gates gates;
+    judge({ledger, 1, 1}, {}, gates);
+    CHECK(named(gates, "energy_residual").limit == relative(1e-10 + std::ldexp(1.0, 16 - 51), 1e-15));
+}
+
+TEST_CASE("gates: no part is faster than ten times the energy that was put in would make the lightest one") {
+    const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));  // three masses of 1
+    const State start = initial_state(model);
+    const auto level = [&](double speed, double work) {
+        EnergyLedger ledger(model, start);
+        ledger.add(start, {.kinetic = 0.5 * speed * speed, .strain = work - 0.5 * speed * speed, .external_work = work, .largest_speed = speed});
+        Gates gates;
+        judge({ledger, 1, 1}, {}, gates);
+        CHECK(named(gates, "energy_residual").pass());  // an unstable leapfrog keeps its identity: what grows is kinetic energy against negative strain energy
+        return named(gates, "largest_speed").level;
+    };
+    CHECK(level(std::sqrt(2), 1) == GateLevel::ok);  // all of it in one mass, as after the first step of a point load
+    CHECK(level(4.4, 1) == GateLevel::ok);
+    CHECK(level(4.5, 1) == GateLevel::violated);     // sqrt 20
+    CHECK(level(0, 0) == GateLevel::ok);
+}
