@@ -2,6 +2,7 @@
 #include "program.hpp"
 
 #include "app/ensemble/ensemble.hpp"
+#include "output/history_csv.hpp"
 #include "record/outputs.hpp"
 #include "support/relative.hpp"
 
