@@ -1,6 +1,6 @@
 #include "analysis/corner_weights.hpp"
 
-#include "bulk/quadratic_triangles.hpp"
+#include "element/quadratic_triangles.hpp"
 #include "model/state.hpp"
 
 namespace knap {

@@ -1,7 +1,7 @@
 #include "analysis/energy_ledger.hpp"
 
-#include "bulk/elastic_forces.hpp"
-#include "bulk/triangle_matrices.hpp"
+#include "element/elastic_forces.hpp"
+#include "element/triangle_matrices.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -10,8 +10,8 @@
 // Kinetic and strain energy of the explicit bulk are those of the leapfrog: 1/2 v' M v at the middle of the step, 1/2 u_n' K u_{n+1}; those
 // of the implicit bulk are at the end of the step. The books begin with the energy of the start, be it of motion or of a preload, and with no work.
 #include "model/state.hpp"
-#include "stepper/scheme_options.hpp"
-#include "stepper/step_report.hpp"
+#include "stepper/common/scheme_options.hpp"
+#include "stepper/common/step_report.hpp"
 
 #include <algorithm>
 

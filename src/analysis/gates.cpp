@@ -67,7 +67,7 @@ const GateRule rules[] = {
      .measure = [](const GateView& run) { return GateValue{run.ledger.worst().largest_beta_growth}; },
      .meaning = "largest growth of the cohesion; it never heals",
      .cure = at_rounding},
-    {.name = "interface_residual", .unit = "", .warning = none, .limit = most_residual, .allowed = false,
+    {.name = "interface_residual", .unit = "", .warning = none, .limit = max_residual, .allowed = false,
      .measure = [](const GateView& run) { return GateValue{run.ledger.worst().residual}; },
      .meaning = "worst violation of the interface laws, scaled",
      .cure = "The solver of the interfaces found no lawful motion. Usual cause: a body driven into what does not give way, very large friction, or slivers; try a "

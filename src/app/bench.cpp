@@ -7,8 +7,8 @@
 #include "app/run/step_plan.hpp"
 #include "app/run/threads.hpp"
 #include "base/stopwatch.hpp"
-#include "bulk/elastic_forces.hpp"
-#include "stepper/mesh_blocks.hpp"
+#include "element/elastic_forces.hpp"
+#include "stepper/explicit/mesh_blocks.hpp"
 #include "stepper/moreau_jean.hpp"
 
 #include <cmath>
@@ -146,13 +146,13 @@ void measure_implicit(Table& table) {
 double time_of_forces(const Model& model, const State& state) {
     ElasticForces forces(model.mesh, model.materials, model.plane, model.thickness);
     const MeshBlocks blocks(model);
-    std::vector<Vec2> force(blocks.most_corners());
-    std::vector<std::uint8_t> hot(model.fans.size(), 0);
+    std::vector<Vec2> force(blocks.max_corners());
+    std::vector<std::uint8_t> candidate(model.fans.size(), 0);
     double best = INFINITY;
     for (int trial = 0; trial < 20; ++trial) {
         const Stopwatch watch;
         for (const MeshBlocks::Block& block : blocks.blocks())
-            forces.evaluate(block.first, block.last, state.displacement, state.node_of_corner, force.data(), hot);
+            forces.evaluate(block.first, block.last, state.displacement, state.node_of_corner, force.data(), candidate);
         best = std::min(best, watch.cpu());
     }
     return best;
@@ -184,11 +184,11 @@ void measure_kernels(double size, double until, const Machine& machine, Table& t
     std::printf("a triangle-step of %d triangles on one thread; the machine: %.3g bytes/s, %.3g flops/s\n", n, machine.bytes, machine.flops);
     table.add(std::to_string(n) + " triangles, kernels of a triangle-step to [us]", 1e6 * until);
     // material 48, nodes 12, half a displacement 8; the forces on the corners stay in the cache
-    print({"forces, stress screen", forces, 68, 52}, machine, table);
+    print({"forces, stress criterion", forces, 68, 52}, machine, table);
     // half of: lists 28, partition 5, velocity and displacement read and written 64, and read before they are written 32
     print({"motion, ledger", both - forces, 65, 19}, machine, table);
     print({"both", both, 133, 71}, machine, table);
-    std::printf("  %-28s %6.2f ns  mean to %.3g us: tests of hot fans, %.3g fans apart a step; at most %.0f ns for one of these\n", "interfaces", 1e9 * (all - both),
+    std::printf("  %-28s %6.2f ns  mean to %.3g us: tests of candidate fans, %.3g fans apart a step; at most %.0f ns for one of these\n", "interfaces", 1e9 * (all - both),
                 1e6 * until, solves * n, 1e9 * (all - both) / solves);
     table.add("interfaces [ns a triangle-step]", 1e9 * (all - both));
     table.add("interfaces [ns a fan that is apart]", 1e9 * (all - both) / solves);

@@ -1,12 +1,12 @@
 // knap mesh: only make, or judge, the mesh.
 #include "app/commands.hpp"
-#include "app/run/model_findings.hpp"
 #include "app/new_file.hpp"
+#include "app/run/model_findings.hpp"
 #include "app/run/setup.hpp"
 #include "base/error.hpp"
-#include "bulk/triangle_matrices.hpp"
-#include "microstructure/grain_mesh.hpp"
+#include "element/triangle_matrices.hpp"
 #include "mesh/mesh_file.hpp"
+#include "microstructure/grain_mesh.hpp"
 
 #include <algorithm>
 #include <numbers>

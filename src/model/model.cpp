@@ -1,7 +1,7 @@
 #include "model/model.hpp"
 
 #include "base/error.hpp"
-#include "bulk/triangle_matrices.hpp"
+#include "element/triangle_matrices.hpp"
 #include "model/fans.hpp"
 #include "model/selections.hpp"
 

@@ -7,9 +7,9 @@
 // The corners round a mesh vertex, in counterclockwise order, with the points between them, form a fan; so do the one or two corners in the
 // middle of an edge with the point between them, and a triangle's centre by itself.
 #include "base/error.hpp"
-#include "mesh/mesh.hpp"
 #include "material/cohesive_law.hpp"
 #include "material/elastic.hpp"
+#include "mesh/mesh.hpp"
 #include "microstructure/scatter.hpp"
 #include "model/loads.hpp"
 #include "model/obstacle.hpp"
@@ -40,7 +40,7 @@ struct FanPoint {
     double area;          // [m2] S
     double gap;           // [m]
 };
-static_assert(sizeof(FanPoint) == 48);  // three quarters of a cache line: tests of hot fans read all of them
+static_assert(sizeof(FanPoint) == 48);  // three quarters of a cache line: tests of candidate fans read all of them
 
 /// The corners and points round one vertex, in counterclockwise order; points[i].after == corners[i] in a closed fan.
 struct Fan {

@@ -1,9 +1,9 @@
 #pragma once
 // Rigid obstacles beside the body: platens, jaws, walls, a boulder. Each has three degrees of freedom, x, y and the angle about its origin (of a
 // free one: its centre of mass); a component is prescribed by a history, or free, with inertia and a force.
-#include "model/outline.hpp"
 #include "material/cohesive_law.hpp"
 #include "model/loads.hpp"
+#include "model/outline.hpp"
 
 #include <Eigen/Core>
 

@@ -1,8 +1,8 @@
 #include "model/state.hpp"
 
 #include "base/room.hpp"
-#include "bulk/quadratic_triangles.hpp"
-#include "bulk/shape_gradients.hpp"
+#include "element/quadratic_triangles.hpp"
+#include "element/shape_gradients.hpp"
 
 #include <cmath>
 

@@ -26,7 +26,7 @@ struct State {
     std::vector<Vec2> velocity;         // [m/s] per node; of the explicit bulk: at the middle of the last step
     std::vector<Vec2> rate;             // [m/s] per node, of the implicit bulk: mean velocity over the last step; empty at the start
     std::vector<Index> node_of_corner;  // per corner
-    std::vector<Index> split_fans;      // in order of release, but where stepper/split_order has put them in that of the fans
+    std::vector<Index> split_fans;      // in order of release, but where stepper/explicit/split_order has put them in that of the fans
     std::vector<Index> first_point;     // per split fan, in that order: into `points`
     std::vector<PointState> points;     // of the split fans, in that order
     std::vector<Index> split_rank;      // per fan: its place in split_fans, or -1

@@ -41,7 +41,7 @@ std::vector<OutputTable> run_outputs() {
           {"rayleigh_speed_m_per_s", "m/s", "c_R of the first material"},
           {"materials", "", "names, by region"},
           {"triangle_steps_per_core_second", "1/s", "triangles times steps over cpu_parts_s.steps"},
-          {"fan_problems", "", "numbers of the problems of vertices: solved, linear_solves, fallbacks, bound_tests, released"},
+          {"fan_problems", "", "numbers of the problems of vertices: solved, linear_solves, fallbacks, bond_checks, released"},
           {"reaction_of", "", "name of the load or obstacle of reaction_x, reaction_y and largest_reaction"},
           {"summary", "", "numbers by name, see above; null: never happened"},
           {"summary_units", "", "their units by name"},

@@ -15,7 +15,7 @@
 #include "model/obstacle.hpp"
 #include "scenario/study_options.hpp"
 #include "scenario/sweep_options.hpp"
-#include "stepper/scheme_options.hpp"
+#include "stepper/common/scheme_options.hpp"
 
 #include <cstdint>
 #include <map>

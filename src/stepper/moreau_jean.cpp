@@ -1,8 +1,8 @@
 #include "stepper/moreau_jean.hpp"
 
 #include "base/error.hpp"
-#include "stepper/explicit_scheme.hpp"
-#include "stepper/implicit_scheme.hpp"
+#include "stepper/explicit/explicit_scheme.hpp"
+#include "stepper/implicit/implicit_scheme.hpp"
 #include "stepper/static_preload.hpp"
 
 #include <cmath>
@@ -22,7 +22,7 @@ MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options) : model
 
 StepReport MoreauJean::step(const State& begin, double h, State& end) {
     StepReport report = scheme_->step(begin, h, end);
-    if (report.refusal != Refusal::none) return report;
+    if (report.rejection != Rejection::none) return report;
     end.time = begin.time + h;
     end.last_step = h;
     end.n_steps = begin.n_steps + 1;

@@ -6,8 +6,8 @@
 //
 // Two schemes do it: explicit_scheme.hpp (lumped mass, forces at the begin of the step: each vertex by itself) and implicit_scheme.hpp (all
 // interfaces and the stiffness together); each with the cohesion frozen over the step or implicit.
-#include "stepper/scheme_options.hpp"
-#include "stepper/step_scheme.hpp"
+#include "stepper/common/scheme_options.hpp"
+#include "stepper/common/step_scheme.hpp"
 
 #include <memory>
 
@@ -18,7 +18,7 @@ public:
     explicit MoreauJean(const Model& model, const SchemeOptions& options = {});
 
     /// One step of size h [s] from `begin` to `end`; `begin` is left alone. `end` may be any earlier state of the same run (its memory
-    /// is reused). A refused step (report.refusal) leaves `end` void. Throws SimulationError where the motion is no longer finite.
+    /// is reused). A rejected step (report.rejection) leaves `end` void. Throws SimulationError where the motion is no longer finite.
     StepReport step(const State& begin, double h, State& end);
 
     /// Static equilibrium under the loads at start.time, before the first step (static_preload.hpp).

@@ -1,7 +1,7 @@
 #include "stepper/static_preload.hpp"
 
 #include "base/error.hpp"
-#include "stepper/implicit_scheme.hpp"
+#include "stepper/implicit/implicit_scheme.hpp"
 #include "stepper/step_control.hpp"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 // solver refuses: what moves far in a step, and a body that is not held moves by the square of it, takes the digits that the solver needs. Nearer to
 // equilibrium less moves, so it is tried again after some steps.
 constexpr double first_step = 1, last_step = 1e4, growth = 10;
-constexpr int most_steps = 200;
+constexpr int max_steps = 200;
 constexpr double in_equilibrium = 1e-12;  // what inertia carries, over the loads
 constexpr double good_enough = 1e-9;      // where rounding lets it come no nearer
 constexpr double astray = 3;              // a large step that leaves so much more of it jammed on the way, with friction
@@ -102,15 +102,15 @@ void load_statically(const Model& model, const SchemeOptions& options, State& st
     };
     rest(now);
     double h = first_step * passage, part = 1;  // of the loads, carried by inertia
-    int patience = 2, wait = 0;                 // steps without growth after a refusal
+    int patience = 2, wait = 0;                 // steps without growth after a rejection
     for (int step = 0; part > in_equilibrium; ++step) {
         const StepReport report = scheme.step(now, h, next);
-        const bool refused = report.refusal != Refusal::none, smallest = h < 2 * first_step * passage;
-        if (refused && smallest) fail(start, "contact and friction do not settle", report.where);
-        const Inertia inertia = refused ? Inertia{} : inertia_of(still, next, h);
-        const double load = refused ? 0 : load_of(still, next), before = part, after = load > 0 ? inertia.carried / load : 0;
-        if (refused || (after > astray * before && !smallest)) {
-            if (step == most_steps) fail(start, "contact and friction do not settle", report.where);
+        const bool rejected = report.rejection != Rejection::none, smallest = h < 2 * first_step * passage;
+        if (rejected && smallest) fail(start, "contact and friction do not settle", report.where);
+        const Inertia inertia = rejected ? Inertia{} : inertia_of(still, next, h);
+        const double load = rejected ? 0 : load_of(still, next), before = part, after = load > 0 ? inertia.carried / load : 0;
+        if (rejected || (after > astray * before && !smallest)) {
+            if (step == max_steps) fail(start, "contact and friction do not settle", report.where);
             h /= growth;
             wait = patience *= 2;
             continue;
@@ -122,7 +122,7 @@ void load_statically(const Model& model, const SchemeOptions& options, State& st
         const bool stalled = part > stands * before;
         if (stalled && part <= good_enough) break;
         const double largest = wait > 0 ? h : last_step * passage;
-        if ((stalled && h >= largest) || step == most_steps)
+        if ((stalled && h >= largest) || step == max_steps)
             fail(start, "nothing holds the body, it would move away", still.mesh.corner(inertia.most));
         h = std::min(growth * h, largest);
         wait = std::max(0, wait - 1);

@@ -9,7 +9,7 @@
 // so each divides what inertia still carries by 1 + (omega h)^2; what it carries is the error of the equilibrium, M (u_new - u_old)/h^2.
 // A body that nothing holds leaves it as it is, and is told apart by that.
 #include "model/state.hpp"
-#include "stepper/scheme_options.hpp"
+#include "stepper/common/scheme_options.hpp"
 
 namespace knap {
 

@@ -14,13 +14,13 @@ double rounding(const State& state, double time) { return static_cast<double>(st
 
 }  // namespace
 
-std::string_view name_of(CutReason reason) {
-    constexpr std::array<std::string_view, cut_reasons.size()> names{"softening", "release", "assumption_1", "not_converged"};
+std::string_view name_of(CutbackReason reason) {
+    constexpr std::array<std::string_view, cutback_reasons.size()> names{"softening", "release", "assumption_1", "not_converged"};
     return names[static_cast<std::size_t>(reason)];
 }
 
-std::string_view describe(CutReason reason) {
-    constexpr std::array<std::string_view, cut_reasons.size()> texts{
+std::string_view describe(CutbackReason reason) {
+    constexpr std::array<std::string_view, cutback_reasons.size()> texts{
         "cohesion begins to fall", "a fan comes apart", "Assumption 1 does not hold, so the step has several solutions",
         "the interface problem was not solved to its tolerance"};
     return texts[static_cast<std::size_t>(reason)];
@@ -40,18 +40,18 @@ double StepControl::next(const State& begin) const {
     return left < step_ ? left : 0.5 * left;
 }
 
-std::optional<CutReason> StepControl::objection(double h, const StepReport& report) const {
-    if (report.refusal == Refusal::assumption_1) return CutReason::assumption_1;
-    if (report.refusal == Refusal::not_converged) return CutReason::not_converged;
+std::optional<CutbackReason> StepControl::objection(double h, const StepReport& report) const {
+    if (report.rejection == Rejection::assumption_1) return CutbackReason::assumption_1;
+    if (report.rejection == Rejection::not_converged) return CutbackReason::not_converged;
     if (h <= limits_.cracking * (1 + 1e-12)) return std::nullopt;
-    if (report.softened > 0) return CutReason::softening;
-    return report.released > 0 ? std::optional(CutReason::release) : std::nullopt;
+    if (report.softened > 0) return CutbackReason::softening;
+    return report.released > 0 ? std::optional(CutbackReason::release) : std::nullopt;
 }
 
-std::optional<StepCut> StepControl::judge(const State& begin, double h, const StepReport& report) {
-    const std::optional<CutReason> reason = objection(h, report);
-    const bool refused = report.refusal != Refusal::none, breaks = !refused && (report.softened > 0 || report.released > 0);
-    if (breaks || reason == CutReason::assumption_1) largest_ = std::min(largest_, limits_.cracking);
+std::optional<Cutback> StepControl::judge(const State& begin, double h, const StepReport& report) {
+    const std::optional<CutbackReason> reason = objection(h, report);
+    const bool rejected = report.rejection != Rejection::none, breaks = !rejected && (report.softened > 0 || report.released > 0);
+    if (breaks || reason == CutbackReason::assumption_1) largest_ = std::min(largest_, limits_.cracking);
     if (!reason) {
         smallest_taken_ = largest_taken_ == 0 ? h : std::min(smallest_taken_, h);
         largest_taken_ = std::max(largest_taken_, h);
@@ -59,13 +59,13 @@ std::optional<StepCut> StepControl::judge(const State& begin, double h, const St
         if (++n_good_ >= steps_until_growth) grow();
         return std::nullopt;
     }
-    ++n_cuts_[static_cast<std::size_t>(*reason)];
-    thrown_away_ += report;
-    const bool to_cracking = !refused || (reason == CutReason::assumption_1 && h > limits_.cracking * (1 + 1e-12));
+    ++n_cutbacks_[static_cast<std::size_t>(*reason)];
+    rejected_steps_ += report;
+    const bool to_cracking = !rejected || (reason == CutbackReason::assumption_1 && h > limits_.cracking * (1 + 1e-12));
     step_ = to_cracking ? limits_.cracking : 0.5 * h;
     n_good_ = 0;
     stuck_ = step_ < limits_.smallest;
-    return StepCut{.reason = *reason, .time = begin.time, .from = h, .to = step_};
+    return Cutback{.reason = *reason, .time = begin.time, .from = h, .to = step_};
 }
 
 void StepControl::grow() {

@@ -3,13 +3,13 @@
 //
 //     while the body is intact     the largest step
 //     cohesion falls               in a step larger than the cracking step: repeated with that one, which is the largest from then on
-//     the stepper refuses          repeated with half the step; at Assumption 1 no larger than the cracking step
+//     the stepper rejects          repeated with half the step; at Assumption 1 no larger than the cracking step
 //     ten steps without a cut      1.5 times the step, up to the largest (the policy of Collins-Craft, Bourrier, Acary, CMAME 400 (2022) 115545)
 //     near the end                 what is left, or two halves of it, so that the last step lands on the end and is no sliver
 //
 // It depends on nothing but the reports, so a run does the same steps every time and whenever it is stopped.
 #include "model/state.hpp"
-#include "stepper/step_report.hpp"
+#include "stepper/common/step_report.hpp"
 
 #include <array>
 #include <optional>
@@ -25,14 +25,14 @@ struct StepLimits {
     double end;       // of the simulated time
 };
 
-enum class CutReason { softening, release, assumption_1, not_converged };
-inline constexpr std::array cut_reasons{CutReason::softening, CutReason::release, CutReason::assumption_1, CutReason::not_converged};
-std::string_view name_of(CutReason reason);     // "assumption_1", as in run.json
-std::string_view describe(CutReason reason);    // "Assumption 1 does not hold"
+enum class CutbackReason { softening, release, assumption_1, not_converged };
+inline constexpr std::array cutback_reasons{CutbackReason::softening, CutbackReason::release, CutbackReason::assumption_1, CutbackReason::not_converged};
+std::string_view name_of(CutbackReason reason);     // "assumption_1", as in run.json
+std::string_view describe(CutbackReason reason);    // "Assumption 1 does not hold"
 
 /// A step that was not taken.
-struct StepCut {
-    CutReason reason;
+struct Cutback {
+    CutbackReason reason;
     double time;      // [s] at its begin
     double from, to;  // [s] the step, and the one to try instead
 };
@@ -48,7 +48,7 @@ public:
     bool depends_on_end(const State& begin) const;
 
     /// What a step of size h [s] from `begin` came to: nothing where it counts, else its end must be thrown away and next() be asked again.
-    std::optional<StepCut> judge(const State& begin, double h, const StepReport& report);
+    std::optional<Cutback> judge(const State& begin, double h, const StepReport& report);
 
     /// The last cut asked for a step below the smallest one.
     bool is_stuck() const { return stuck_; }
@@ -58,15 +58,15 @@ public:
 
     double smallest_taken() const { return smallest_taken_; }  // [s] 0 before the first step
     double largest_taken() const { return largest_taken_; }
-    const std::array<std::int64_t, cut_reasons.size()>& n_cuts() const { return n_cuts_; }  // in the order of cut_reasons
-    const StepReport& thrown_away() const { return thrown_away_; }                          // counts of the steps that were not taken
+    const std::array<std::int64_t, cutback_reasons.size()>& n_cutbacks() const { return n_cutbacks_; }  // in the order of cutback_reasons
+    const StepReport& rejected_steps() const { return rejected_steps_; }  // counts of the steps that were not taken
 
     template <class Archive>
-    void serialize(Archive& archive) { archive(step_, largest_, n_good_, smallest_taken_, largest_taken_, n_cuts_, thrown_away_); }
+    void serialize(Archive& archive) { archive(step_, largest_, n_good_, smallest_taken_, largest_taken_, n_cutbacks_, rejected_steps_); }
 
 private:
     double tolerance(const State& begin) const;  // [s]
-    std::optional<CutReason> objection(double h, const StepReport& report) const;
+    std::optional<CutbackReason> objection(double h, const StepReport& report) const;
     void grow();
 
     StepLimits limits_;
@@ -74,8 +74,8 @@ private:
     int n_good_ = 0;         // steps since the last change
     bool stuck_ = false;
     double smallest_taken_ = 0, largest_taken_ = 0;
-    std::array<std::int64_t, cut_reasons.size()> n_cuts_{};
-    StepReport thrown_away_;
+    std::array<std::int64_t, cutback_reasons.size()> n_cutbacks_{};
+    StepReport rejected_steps_;
 };
 
 /// Where most cohesion was lost in a step, or where a fan came apart if none was [m].

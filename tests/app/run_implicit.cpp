@@ -148,11 +148,11 @@ TEST_CASE("a body that is torn apart with friction is solved in every step of th
 }
 
 TEST_CASE("why a run stopped names place and time and what to change") {
-    const knap::StepCut cut{.reason = knap::CutReason::not_converged, .time = 3e-5, .from = 2e-9, .to = 1e-9};
+    const knap::Cutback cut{.reason = knap::CutbackReason::not_converged, .time = 3e-5, .from = 2e-9, .to = 1e-9};
     const std::string text = knap::stuck_text(cut, {0.25, -0.5}, 1.5e-9);
     for (const char* words : {"t = 3e-05 s", "(0.25, -0.5) m", "2e-09 s", "1.5e-09 s", "time.theta = 0.7", "time.bulk = \"explicit\"", "time.step_min = \"1.5e-12 s\""})
         CHECK_MESSAGE(text.find(words) != std::string::npos, words);
-    CHECK(knap::cut_text(cut, {0.25, -0.5}).find("2e-09 s -> 1e-09 s at (0.25, -0.5) m: the interface problem") != std::string::npos);
+    CHECK(knap::cutback_text(cut, {0.25, -0.5}).find("2e-09 s -> 1e-09 s at (0.25, -0.5) m: the interface problem") != std::string::npos);
 }
 
 TEST_CASE("complementarity problems of chosen steps are stored and can be solved") {

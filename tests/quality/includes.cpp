@@ -10,11 +10,13 @@ using source_tree::File;
 
 namespace {
 
-const std::map<std::string, int> floor_of{{"base", 0},           {"mesh", 1},    {"material", 1},   {"lcp", 1},
-                                          {"microstructure", 2}, {"bulk", 2},    {"interfaces", 2}, {"model", 3},
-                                          {"stepper", 4},        {"output", 5},  {"analysis", 6},   {"figures", 7},
-                                          {"record", 8},         {"scenario", 9}, {"app/run", 10},  {"app/ensemble", 11},
-                                          {"app", 12}};
+const std::map<std::string, int> floor_of{
+    {"base", 0},           {"mesh", 1},       {"material", 1},         {"lcp", 1},
+    {"microstructure", 2}, {"element", 2},    {"interface", 2},        {"model", 3},
+    {"stepper/common", 4}, {"stepper/explicit", 5},                    {"stepper/implicit", 5},
+    {"stepper", 6},        {"output", 7},     {"analysis", 8},         {"figures", 9},
+    {"record", 10},        {"scenario", 11},  {"app/run", 12},         {"app/ensemble", 13},
+    {"app", 14}};
 
 /// What a file includes in quotes or brackets, as written.
 std::vector<std::string> includes(const File& file, char open) {
@@ -29,7 +31,7 @@ std::vector<std::string> includes(const File& file, char open) {
 
 std::string folder_of(const std::string& path) { return path.substr(0, std::min(path.rfind('/'), path.size())); }
 
-/// The room of a file in src: its folder, "app/run" as well; "" for src/main.cpp.
+/// The room of a file in src: its folder, "app/run" and "stepper/explicit" as well; "" for src/main.cpp.
 std::string room(const File& file) {
     const std::string below = file.path.substr(std::string("src/").size());
     return below.find('/') == std::string::npos ? "" : folder_of(below);

@@ -1,6 +1,6 @@
 // The step loop lives on the memory it has: counted where malloc can be replaced (glibc, no sanitizer).
 #include "base/arena.hpp"
-#include "stepper/theta_matrix.hpp"
+#include "stepper/implicit/theta_matrix.hpp"
 #include "support/obstacles.hpp"
 
 #include <doctest/doctest.h>
@@ -78,7 +78,7 @@ CountedStep counted_step(Run& run, double h, State& end) {
     const long before = n_allocations;
     const StepReport report = run.stepper.step(run.now, h, end);
     const long made = n_allocations - before;
-    REQUIRE(report.refusal == Refusal::none);
+    REQUIRE(report.rejection == Rejection::none);
     std::swap(run.now, end);
     return {report, made};
 }

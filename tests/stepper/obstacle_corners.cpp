@@ -16,7 +16,7 @@ Obstacle wedge(const Vec2& tip, const CohesiveLaw& contact, double side) {
     return polygon({tip, tip + Vec2(side * 0.4, side), tip + Vec2(-side * 0.4, side)}, contact);
 }
 
-void check_books(const Run& run) { tests::check_books(run, 1e-10, 1e-12); }
+void check_energy_balance(const Run& run) { tests::check_energy_balance(run, 1e-10, 1e-12); }
 
 const SchemeOptions schemes[] = {{}, implicit()};
 
@@ -48,7 +48,7 @@ TEST_CASE("a tip that meets an edge shares its impulse between the masses at its
                 CHECK(run.v(0, 0).y() == doctest::Approx(0.75 * impulse).epsilon(accuracy));
                 CHECK(run.v(0, 1).y() == doctest::Approx(0.25 * impulse).epsilon(accuracy));
                 if (free) CHECK(run.now.obstacles[0].velocity.y() == doctest::Approx(1 - impulse / mass).epsilon(accuracy));
-                check_books(run);
+                check_energy_balance(run);
             }
 }
 
@@ -87,6 +87,6 @@ TEST_CASE("a sharp boulder that falls between the nodes of a block does not pass
                 CHECK(deepest <= 2e-3);                           // two steps' way, of a way of .15
                 CHECK((momentum() - before).norm() <= 1e-10 * before.norm());
                 CHECK((mu > 0) == (run.ledger.row().friction_work < -1e-9));
-                check_books(run);
+                check_energy_balance(run);
             }
 }

@@ -13,7 +13,7 @@ using namespace knap::tests;
 
 namespace {
 
-void check_books(const Run& run) { tests::check_books(run, 1e-12, 1e-14); }
+void check_energy_balance(const Run& run) { tests::check_energy_balance(run, 1e-12, 1e-14); }
 
 /// Three masses of 1 without stiffness; the lower two at y = 0, x = 0 and 2.
 ModelInput free_points() {
@@ -65,7 +65,7 @@ TEST_CASE("B14 points slide down an inclined platen as Coulomb says and stop whe
             }
             // two masses of 1 press on it
             CHECK(run.now.obstacles[0].reaction.head<2>().dot(normal) == relative(-2 * g * std::cos(angle), 1e-12));
-            check_books(run);
+            check_energy_balance(run);
         }
 }
 
@@ -84,7 +84,7 @@ TEST_CASE("a driven platen takes points along and its drive pays for it") {
     // landing on the wall takes two steps; all but what the impacts take is kinetic energy: m v^2 of work for m v^2/2 of energy, twice
     CHECK(run.ledger.row().external_work == relative(8, 1e-12));
     CHECK(run.ledger.row().kinetic == relative(4, 1e-12));
-    check_books(run);
+    check_energy_balance(run);
 }
 
 TEST_CASE("a polygon that turns sweeps points along with the speed of its surface") {
@@ -93,7 +93,7 @@ TEST_CASE("a polygon that turns sweeps points along with the speed of its surfac
     input.obstacles[0].drive[2] = driven(0.5);
     Run run(input);
     for (int i = 0; i < 300; ++i) run.step(1e-3);
-    check_books(run);
+    check_energy_balance(run);
     // the right point is lifted, the left one is left behind
     CHECK(run.v(0, 0) == Vec2(0, 0));
     CHECK(run.v(0, 1).y() > 0.45);
@@ -117,7 +117,7 @@ TEST_CASE("a disc dropped on a point rebounds by Newton's law") {
         CHECK(run.now.obstacles[0].velocity.y() - run.v(0, 2).y() == doctest::Approx(-e * before).epsilon(1e-12));
         const double reduced = 1 * 10 / 11.0;
         CHECK(run.ledger.row().impact_work == doctest::Approx(-0.5 * reduced * before * before * (1 - e * e)).epsilon(1e-12));
-        check_books(run);
+        check_energy_balance(run);
     }
 }
 
@@ -135,7 +135,7 @@ TEST_CASE("a spinning disc and a free block keep their momentum and the books cl
             CHECK(run.now.obstacles[0].velocity.y() > -2.5);  // it met the block
             CHECK((mu > 0) == (run.ledger.row().friction_work < -1e-6));
             CHECK((mu > 0) == (std::abs(run.now.obstacles[0].velocity.z() - 10) > 0.1));
-            check_books(run);
+            check_energy_balance(run);
         }
 }
 
@@ -163,7 +163,7 @@ TEST_CASE("a boulder on an elastic bar is braked as the wave solution says") {
     CHECK(tau == doctest::Approx(0.22));
     CHECK(worst_v < 0.02);
     CHECK(impulse == doctest::Approx(0.01 * tau * v * (1 - std::exp(-0.9 / tau))).epsilon(0.02));
-    check_books(run);
+    check_energy_balance(run);
 }
 
 TEST_CASE("a block rests on a rough platen with its weight") {
@@ -176,7 +176,7 @@ TEST_CASE("a block rests on a rough platen with its weight") {
     CHECK(std::abs(run.now.obstacles[0].reaction.x()) < 1e-2);
     CHECK(run.now.obstacles[0].reaction.y() == doctest::Approx(-1).epsilon(0.1));
     CHECK(run.ledger.row().surface() == 0);
-    check_books(run);
+    check_energy_balance(run);
 }
 
 namespace {
@@ -241,7 +241,7 @@ TEST_CASE("random bodies among random obstacles hardly penetrate and never gain 
             run.step(h);
             fastest = std::max({fastest, run.last.largest_speed, run.now.obstacles[0].velocity.norm(), run.now.obstacles[1].velocity.norm()});
         }
-        check_books(run);
+        check_energy_balance(run);
         // what comes back from a wall in one step may be thrown back at its own speed and no faster, so that its work stays negative
         for (std::size_t o = 0; o < 2; ++o)
             for (Index c = 0; c < run.model.mesh.n_corners(); ++c) {
@@ -264,7 +264,7 @@ TEST_CASE("a fan squeezed between obstacles whose solution jumps is refused and 
         }
     }
     CHECK(refused > 0);
-    check_books(run);
+    check_energy_balance(run);
 }
 
 TEST_CASE("obstacles do not depend on the units") {

@@ -65,7 +65,7 @@ void go(Run& run, double until, double h, const std::function<void()>& after_ste
     State end;
     while (run.now.time < until * (1 - 1e-9)) {
         const StepReport report = run.stepper.step(run.now, std::min(now, until - run.now.time), end);
-        if (report.refusal != Refusal::none) {
+        if (report.rejection != Rejection::none) {
             now /= 2;
             REQUIRE(now > 1e-6 * h);
             continue;

@@ -83,7 +83,7 @@ void run_a_wave(const SchemeOptions& path, const Mesh& mesh, int n_steps, double
     for (int i = 0; i < n_steps; ++i) {
         for (Run* run : {&reference, &bound, &split}) {
             run->step(h);
-            REQUIRE(run->last.refusal == Refusal::none);
+            REQUIRE(run->last.rejection == Rejection::none);
         }
     }
     CHECK(reference.ledger.row().external_work > 0);
@@ -153,7 +153,7 @@ TEST_CASE("E14 a bar at .99 of its strength rests for ten thousand steps and at 
         for (int i = 0; i < 10000 && run.now.split_fans.empty(); ++i) run.step(h);
         if (level < 1) {
             CHECK(run.now.n_steps == 10000);
-            CHECK(run.ledger.worst().bound_tests + run.ledger.worst().fan_solves > 0);  // it was put to the test
+            CHECK(run.ledger.worst().bond_checks + run.ledger.worst().fan_solves > 0);  // it was put to the test
             double worst = 0;
             for (std::size_t i = 0; i < start.size(); ++i) worst = std::max(worst, (run.now.displacement[i] - start[i]).norm());
             verify_small("movement over the strain in 10 000 steps at .99", worst / strain, {1e-10});

@@ -136,7 +136,7 @@ TEST_CASE("second order: both paths break a plate with the energy identity to ro
         const double h = implicit ? 1e-6 : 0.8 * run.stepper.stable_step();
         while (run.now.time < 5e-4) {
             run.step(h);
-            REQUIRE(run.last.refusal == Refusal::none);
+            REQUIRE(run.last.rejection == Rejection::none);
         }
         const EnergyLedger& ledger = run.ledger;
         CHECK(ledger.largest_residual() <= 1e-10 * ledger.largest_energy());

@@ -32,7 +32,7 @@ TimeFunction wave(int n, double phase) {
     return made;
 }
 
-void check_books(const Run& run) {
+void check_energy_balance(const Run& run) {
     CHECK(run.ledger.largest_residual() <= 1e-12 * run.ledger.largest_energy());
     CHECK(run.ledger.worst().worst_friction_work <= 1e-14 * run.ledger.largest_energy());
     CHECK(run.ledger.worst().worst_impact_work <= 1e-14 * run.ledger.largest_energy());
@@ -65,7 +65,7 @@ TEST_CASE("B14 a sliding point stops at v0 over mu g and then rests exactly") {
         for (int i = 0; i < 5000; ++i) run.step(h);
         verify_that("5000 steps later it has the same place and no velocity, to the bit" + at, run.v(0, 0) == Vec2(0, 0) && run.u(0, 0) == place);
         verify("friction work over the energy of the start" + at, run.ledger.row().friction_work / (-2 * 0.5 * v0 * v0), 1, {1e-12});  // two points of mass 1
-        check_books(run);
+        check_energy_balance(run);
     }
 }
 
@@ -85,7 +85,7 @@ TEST_CASE("B14 a sliding point stops at v0 over mu g and then rests by the impli
         while (run.now.time < 0.9) {
             const double before = run.u(0, 0).x();
             run.step(h);
-            REQUIRE(run.last.refusal == Refusal::none);
+            REQUIRE(run.last.rejection == Rejection::none);
             if (stops == 0 && run.now.time < v0 / (mu * g)) worst = std::max(worst, std::abs(run.v(0, 0).x() - v0 + mu * g * run.now.time) / v0);
             if (stops == 0 && run.u(0, 0).x() == before) stops = run.now.time - h;
         }
@@ -94,7 +94,7 @@ TEST_CASE("B14 a sliding point stops at v0 over mu g and then rests by the impli
         const Vec2 place = run.u(0, 0);
         for (int i = 0; i < 5000; ++i) run.step(h);
         verify_that("5000 steps later it has the same place to the bit" + at, run.u(0, 0) == place);
-        check_books(run);
+        check_energy_balance(run);
     }
 }
 
@@ -113,7 +113,7 @@ TEST_CASE("B14 an elastic block stops when friction has taken its momentum") {
     verify("mean velocity at v_0/(2 mu g), over v_0", run.mean_velocity(all).x() / v0, 0.5, {0.05, 0.01});
     while (run.now.time < 1.2 * v0 / (mu * g)) run.step(h);
     verify_small("mean velocity at 1.2 v_0/(mu g), over v_0", run.mean_velocity(all).x() / v0, {0.05, 0.01});
-    check_books(run);
+    check_energy_balance(run);
     CHECK(run.ledger.row().friction_work < -0.9 * 0.5 * 1000 * v0 * v0);
 }
 
@@ -136,7 +136,7 @@ TEST_CASE("E8 a stuck point under a rotating load does not drift") {
         for (int i = 0; i < 100 * periods; ++i) run.step(h);
         verify_small(std::string("drift over delta_c in 10 000 steps, ") + (glued ? "glued" : "by friction alone"), std::max(run.u(0, 0).norm(), run.u(0, 1).norm()) / delta, {1e-12});
         if (glued) CHECK(cohesion(run.model, run.now, 0) == 1);
-        check_books(run);
+        check_energy_balance(run);
     }
 }
 
@@ -158,5 +158,5 @@ TEST_CASE("E8 a damaged point that has closed sticks again with what strength is
     on_path(both_explicit);
     verify_small("drift over delta_c in 10 000 steps, damaged and closed", (run.u(0, 0) - place).norm() / delta, {1e-12});
     verify_that("its cohesion stays, to the bit", cohesion(run.model, run.now, 0) == beta);
-    check_books(run);
+    check_energy_balance(run);
 }

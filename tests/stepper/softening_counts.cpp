@@ -1,5 +1,5 @@
 // A point that loses cohesion within a step counts as softened with either bulk, and that is what a step size reacts to.
-#include "stepper/point_work.hpp"
+#include "stepper/common/point_work.hpp"
 #include "stepper/step_control.hpp"
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
@@ -81,7 +81,7 @@ TEST_CASE("softening: the step falls to the cracking step at the first of it wit
         Run run(cycled(), path);  // on its foundation no fan comes apart: only the softening tells
         StepControl control({.largest = 0.05, .cracking = 0.01, .smallest = 1e-6, .end = 0.5});
         State next;
-        std::vector<StepCut> cuts;
+        std::vector<Cutback> cuts;
         while (!StepControl::has_reached(run.now, 0.5)) {
             const double h = control.next(run.now);
             const StepReport report = run.stepper.step(run.now, h, next);
@@ -95,7 +95,7 @@ TEST_CASE("softening: the step falls to the cracking step at the first of it wit
             std::swap(run.now, next);
         }
         REQUIRE_MESSAGE(cuts.size() == 1, name_of(path));
-        CHECK(cuts[0].reason == CutReason::softening);
+        CHECK(cuts[0].reason == CutbackReason::softening);
         CHECK(cuts[0].time == 0);
         CHECK(cohesion(run.model, run.now, 0) == relative(0.5 + 0.25, 1e-9));
     }

@@ -286,7 +286,7 @@ TEST_CASE("E14 a preload of .99 of the strength rests and 2 percent more breaks"
         double moved = 0, speed = 0;
         for (int i = 0; i < 10000; ++i) {
             const StepReport report = start.stepper.step(now, h, next);
-            REQUIRE(report.refusal == Refusal::none);
+            REQUIRE(report.rejection == Rejection::none);
             REQUIRE(report.softened + report.released == 0);
             std::swap(now, next);
             ledger.add(now, report);
@@ -309,7 +309,7 @@ TEST_CASE("E14 a preload of .99 of the strength rests and 2 percent more breaks"
     double first = 0;
     while (now.time < 3 && softened == 0) {
         const StepReport report = more.stepper.step(now, 1e-3, next);
-        REQUIRE(report.refusal == Refusal::none);
+        REQUIRE(report.rejection == Rejection::none);
         std::swap(now, next);
         softened += report.softened;
         first = now.time;

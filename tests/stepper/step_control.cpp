@@ -15,9 +15,9 @@ namespace {
 using Script = std::function<StepReport(double time, double h)>;
 
 StepReport good(double, double) { return {}; }
-StepReport refused(Refusal why) {
+StepReport rejected(Rejection why) {
     StepReport report;
-    report.refusal = why;
+    report.rejection = why;
     return report;
 }
 StepReport softens() {
@@ -28,7 +28,7 @@ StepReport softens() {
 
 struct Trace {
     std::vector<double> steps;  // [s] that counted
-    std::vector<StepCut> cuts;
+    std::vector<Cutback> cuts;
     double end;
     bool stuck;
 };
@@ -57,7 +57,7 @@ Trace run(const StepLimits& limits, const Script& script, double until) {
         CHECK(control.largest_taken() == *std::max_element(trace.steps.begin(), trace.steps.end()));
     }
     std::int64_t n = 0;
-    for (const std::int64_t of_reason : control.n_cuts()) n += of_reason;
+    for (const std::int64_t of_reason : control.n_cutbacks()) n += of_reason;
     CHECK(n == static_cast<std::int64_t>(trace.cuts.size()));
     return trace;
 }
@@ -94,7 +94,7 @@ TEST_CASE("step control: the first loss of cohesion brings the cracking step for
     const StepLimits limits{.largest = 1.5, .cracking = 0.25, .smallest = 1e-3, .end = 60};
     const Trace trace = run(limits, [](double time, double h) { return time + h > 20 && time < 25 ? softens() : StepReport{}; });
     REQUIRE(trace.cuts.size() == 1);
-    CHECK(trace.cuts[0].reason == CutReason::softening);
+    CHECK(trace.cuts[0].reason == CutbackReason::softening);
     CHECK(trace.cuts[0].time == 19.5);
     CHECK(trace.cuts[0].from == 1.5);
     CHECK(trace.cuts[0].to == 0.25);
@@ -107,18 +107,18 @@ TEST_CASE("step control: the first loss of cohesion brings the cracking step for
         return report;
     });
     REQUIRE(release.cuts.size() == 1);
-    CHECK(release.cuts[0].reason == CutReason::release);
+    CHECK(release.cuts[0].reason == CutbackReason::release);
     CHECK(release.steps[0] == 0.25);
 }
 
 TEST_CASE("step control: a refused step is halved and grows again after ten good ones") {
     // refused at any size above 0.3 between times 5 and 6
-    const Trace trace = run(constant(1, 40), [](double time, double h) { return time >= 5 && time < 6 && h > 0.3 ? refused(Refusal::not_converged) : StepReport{}; });
+    const Trace trace = run(constant(1, 40), [](double time, double h) { return time >= 5 && time < 6 && h > 0.3 ? rejected(Rejection::not_converged) : StepReport{}; });
     REQUIRE(trace.cuts.size() >= 2);
     CHECK(trace.cuts[0].to == 0.5);
     CHECK(trace.cuts[1].from == 0.5);
     CHECK(trace.cuts[1].to == 0.25);
-    for (const StepCut& cut : trace.cuts) CHECK(cut.reason == CutReason::not_converged);
+    for (const Cutback& cut : trace.cuts) CHECK(cut.reason == CutbackReason::not_converged);
     CHECK(trace.cuts.size() == 2);
     for (std::size_t i = 0; i < 5; ++i) CHECK(trace.steps[i] == 1);
     double expected = 0.25;
@@ -131,19 +131,19 @@ TEST_CASE("step control: a refused step is halved and grows again after ten good
 
 TEST_CASE("step control: Assumption 1 takes the cracking step first and halves from there") {
     const StepLimits limits{.largest = 8, .cracking = 1, .smallest = 1e-3, .end = 100};
-    const Trace trace = run(limits, [](double time, double h) { return time < 4 && h > 0.6 ? refused(Refusal::assumption_1) : StepReport{}; });
+    const Trace trace = run(limits, [](double time, double h) { return time < 4 && h > 0.6 ? rejected(Rejection::assumption_1) : StepReport{}; });
     REQUIRE(trace.cuts.size() >= 2);
     CHECK(trace.cuts[0].to == 1);
     CHECK(trace.cuts[1].to == 0.5);
     CHECK(*std::max_element(trace.steps.begin(), trace.steps.end()) == 1);  // cracking has begun: never larger again
 
     // what does not come from cracking does not end the large steps
-    const Trace contact = run(limits, [](double time, double h) { return time < 4 && h > 0.6 ? refused(Refusal::not_converged) : StepReport{}; });
+    const Trace contact = run(limits, [](double time, double h) { return time < 4 && h > 0.6 ? rejected(Rejection::not_converged) : StepReport{}; });
     CHECK(*std::max_element(contact.steps.begin(), contact.steps.end()) > 3);
 }
 
 TEST_CASE("step control: below the smallest step it is stuck") {
-    const Trace trace = run(constant(1, 10), [](double time, double) { return time < 3 ? StepReport{} : refused(Refusal::assumption_1); });
+    const Trace trace = run(constant(1, 10), [](double time, double) { return time < 3 ? StepReport{} : rejected(Rejection::assumption_1); });
     CHECK(trace.stuck);
     CHECK(trace.end == 3);
     CHECK(trace.cuts.size() == 20);  // 2^-20 < 1e-6 < 2^-19
@@ -154,7 +154,7 @@ TEST_CASE("step control: below the smallest step it is stuck") {
 TEST_CASE("step control: a run that is stopped early is the begin of the longer one") {
     const StepLimits limits{.largest = 1.1, .cracking = 0.3, .smallest = 1e-6, .end = 30};
     const Script script = [](double time, double h) {
-        if (time > 12 && h > 0.2 && std::fmod(time, 3) < 1) return refused(Refusal::not_converged);
+        if (time > 12 && h > 0.2 && std::fmod(time, 3) < 1) return rejected(Rejection::not_converged);
         return time + h > 8 ? softens() : StepReport{};
     };
     const Trace whole = run(limits, script);

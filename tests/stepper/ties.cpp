@@ -65,7 +65,7 @@ std::set<Index> broken_points(const Run& run) {
     return broken;
 }
 
-void check_books(const Run& run) {
+void check_energy_balance(const Run& run) {
     const StepReport& worst = run.ledger.worst();
     CHECK(run.ledger.largest_residual() <= 1e-11 * run.ledger.largest_energy());
     CHECK(worst.worst_friction_work <= 1e-14 * run.ledger.largest_energy());
@@ -107,7 +107,7 @@ void leave_rubble_alone(const SchemeOptions& path, int n_steps) {
     CHECK(first > 0);
     for (int i = 0; i < n_steps; ++i) {
         const StepReport& report = run.step(h);
-        REQUIRE(report.refusal == Refusal::none);
+        REQUIRE(report.rejection == Rejection::none);
         growth = std::max(growth, report.kinetic + report.strain - energy);
         energy = report.kinetic + report.strain;
     }
@@ -115,7 +115,7 @@ void leave_rubble_alone(const SchemeOptions& path, int n_steps) {
     const double rounding = n_steps > 10000 ? 1e-11 : 1e-13;
     verify_small("largest growth of the energy in a step, over that of the start, " + std::to_string(n_steps) + " steps", growth / first, {rounding});
     verify_at_most("energy at the end over that of the start", energy / first, 0.9);
-    if (is_explicit && n_steps <= 10000) check_books(run);
+    if (is_explicit && n_steps <= 10000) check_energy_balance(run);
 }
 
 }  // namespace
@@ -174,7 +174,7 @@ TEST_CASE("with restitution what is pressed comes to rest and a crack costs its 
             Run run(input);
             const double h = 0.5 * run.stepper.stable_step();
             while (run.now.time < 25e-6) run.step(h);
-            check_books(run);
+            check_energy_balance(run);
             CHECK(run.ledger.worst().residual <= 1e-12);
             const EnergyRow& row = run.ledger.row();
             CHECK(broken_points(run).size() > 20);
@@ -194,7 +194,7 @@ TEST_CASE("a fracture run gives the same bits with one thread and with two") {
         while (run.now.time < 20e-6) run.step(h);
         if (ends.empty()) {
             CHECK(broken_points(run).size() > 20);
-            check_books(run);
+            check_energy_balance(run);
             MESSAGE(mesh.n_triangles(), " triangles, ", run.now.n_steps, " steps, broken ", broken_points(run).size(), ", fallbacks ",
                     run.ledger.worst().fan_fallbacks, " of ", run.ledger.worst().fan_solves, ", iterations a solve ",
                     static_cast<double>(run.ledger.worst().fan_iterations) / run.ledger.worst().fan_solves);
@@ -261,6 +261,6 @@ TEST_CASE("E11 friction of 1 and 10 and 1000") {
         verify_at_most("largest friction work of a point in a step, over the energy" + at, run.ledger.worst().worst_friction_work / scale, 1e-14);
         verify_small("residual of the interface laws" + at, run.ledger.worst().residual, {1e-10});
         verify_small("energy residual" + at, run.ledger.largest_residual() / scale, {1e-11});
-        check_books(run);
+        check_energy_balance(run);
     }
 }

@@ -40,7 +40,7 @@ public:
 
     void step() {
         run.step(h_);
-        REQUIRE(run.last.refusal == Refusal::none);
+        REQUIRE(run.last.rejection == Rejection::none);
     }
     double since_arrival() const { return run.now.time - arrival; }
     double beta() const { return cohesion(run.model, run.now, point_); }
@@ -220,7 +220,7 @@ TEST_CASE("B10 a bar hits a rigid wall and rebounds") {
             double release = 0, momentum = -1, plateau = 0, plateau_time = 0;
             while (run.now.time < 2.5) {
                 run.step(h);
-                REQUIRE(run.last.refusal == Refusal::none);
+                REQUIRE(run.last.rejection == Rejection::none);
                 const double now = mean_velocity(run).x();
                 if (now > momentum + 1e-12) release = run.now.time;
                 if (run.now.time > 0.2 && run.now.time < 1.8) plateau += now - momentum, plateau_time += h;
@@ -316,7 +316,7 @@ TEST_CASE("B12 two bars exchange their velocities or graze each other") {
         const auto gap = [&] { return opening(run.model, run.now, contact).x(); };
         const auto go_to = [&](double time) {
             while (run.now.time < time) run.step(h);
-            REQUIRE(run.last.refusal == Refusal::none);
+            REQUIRE(run.last.rejection == Rejection::none);
         };
         const std::string at = equal ? ", equal" : ", L_2 = 2 L_1";
         go_to(L1);

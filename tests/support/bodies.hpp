@@ -52,7 +52,7 @@ public:
     /// False: the step was refused, and nothing has changed.
     bool step_if_taken(double h) {
         last = stepper.step(now, h, next_);
-        if (last.refusal != Refusal::none) return false;
+        if (last.rejection != Rejection::none) return false;
         std::swap(now, next_);
         ledger.add(now, last);
         return true;

@@ -1,6 +1,6 @@
 #pragma once
-// An independent judge of solved fans: it evaluates the formulas of interfaces/fan_problem.hpp directly and shares no code with the solver.
-#include "interfaces/fan_problem.hpp"
+// An independent judge of solved fans: it evaluates the formulas of interface/fan_problem.hpp directly and shares no code with the solver.
+#include "interface/fan_problem.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 #pragma once
-// An independent judge of one implicit step: it evaluates the equations of stepper/implicit_scheme.hpp, point by point and corner by
+// An independent judge of one implicit step: it evaluates the equations of stepper/implicit/implicit_scheme.hpp, point by point and corner by
 // corner, and shares no code with what found the solution. Corners that unbreakable points join are judged together: nothing is known of
 // the impulses between them.
-#include "bulk/elastic_forces.hpp"
-#include "bulk/triangle_matrices.hpp"
+#include "element/elastic_forces.hpp"
+#include "element/triangle_matrices.hpp"
 #include "lcp/solvers.hpp"
-#include "stepper/step_lcp.hpp"
+#include "stepper/implicit/step_lcp.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -193,8 +193,8 @@ private:
         std::vector<Vec2> at_theta(n), left(n, Vec2::Zero());
         std::vector<Index> itself(n);
         for (Index c = 0; c < n; ++c) at_theta[c] = displacement(c) + theta * h_ * rate(end, c), itself[c] = c;
-        std::vector<std::uint8_t> hot(model_.fans.size());
-        ElasticForces(model_.mesh, model_.materials, model_.plane, model_.thickness).evaluate(at_theta, itself, left, hot);
+        std::vector<std::uint8_t> candidate(model_.fans.size());
+        ElasticForces(model_.mesh, model_.materials, model_.plane, model_.thickness).evaluate(at_theta, itself, left, candidate);
         for (Vec2& force : left) force *= h_;
         for (const CornerLoad& load : model_.corner_loads) {
             const TimeFunction& history = model_.histories[load.history];

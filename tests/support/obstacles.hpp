@@ -21,7 +21,7 @@ inline ModelInput free_block(int order, const CohesiveLaw& law) {
 }
 
 /// The balance of energy and the signs of the works of impacts and friction, as parts of the largest energy, and the laws of the interfaces.
-inline void check_books(const Run& run, double energy, double work) {
+inline void check_energy_balance(const Run& run, double energy, double work) {
     const double scale = run.ledger.largest_energy();
     CHECK(run.ledger.largest_residual() <= energy * scale);
     CHECK(run.ledger.worst().worst_friction_work <= work * scale);

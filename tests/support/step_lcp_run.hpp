@@ -111,8 +111,8 @@ public:
     double energy() const {
         double sum = 0;
         std::vector<Vec2> force(model.mesh.n_corners());
-        std::vector<std::uint8_t> hot(model.fans.size());
-        ElasticForces(model.mesh, model.materials, model.plane, model.thickness).evaluate(now.displacement, now.node_of_corner, force, hot);
+        std::vector<std::uint8_t> candidate(model.fans.size());
+        ElasticForces(model.mesh, model.materials, model.plane, model.thickness).evaluate(now.displacement, now.node_of_corner, force, candidate);
         for (Index c = 0; c < model.mesh.n_corners(); ++c)
             sum += 0.5 * model.corner_mass[c] * v(c).squaredNorm() - 0.5 * force[c].dot(u(c));
         return sum;

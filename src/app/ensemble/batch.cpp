@@ -1,6 +1,6 @@
 // Each run is a process of its own: its processor time and memory are its own, and several go side by side.
-#include "app/run/checkpoint.hpp"
 #include "app/ensemble/ensemble.hpp"
+#include "app/run/checkpoint.hpp"
 #include "app/run/interrupt.hpp"
 #include "app/run/run_directory.hpp"
 #include "app/run/run_json.hpp"

@@ -8,9 +8,9 @@
 //     judge_errors             of a study: errors, orders of convergence, extrapolation
 //     overview, ..._csv        tables for people, of the runs, of statistics over the seeds
 //     draw_ensemble            diagrams of a study, contact sheet of a sweep
-#include "app/run/directory_lock.hpp"
 #include "app/ensemble/run_result.hpp"
 #include "app/ensemble/statistics.hpp"
+#include "app/run/directory_lock.hpp"
 #include "app/run/run.hpp"
 
 #include <cstdint>

@@ -31,7 +31,7 @@ double measured_step(const Model& model, MoreauJean& stepper, double step, doubl
         const Stopwatch watch;
         int n = 0;
         do {
-            if (stepper.step(now, step, next).refusal == Refusal::none) std::swap(now, next);
+            if (stepper.step(now, step, next).rejection == Rejection::none) std::swap(now, next);
             ++n;
         } while (watch.cpu() < at_least_for / 10);
         least = std::min(least, watch.cpu() / n);

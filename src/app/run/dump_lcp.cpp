@@ -3,8 +3,8 @@
 #include "base/error.hpp"
 #include "base/union_find.hpp"
 #include "lcp/matrix_market.hpp"
-#include "stepper/corner_partition.hpp"
-#include "stepper/step_lcp.hpp"
+#include "stepper/implicit/corner_partition.hpp"
+#include "stepper/implicit/step_lcp.hpp"
 
 #include <algorithm>
 #include <charconv>

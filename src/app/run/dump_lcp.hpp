@@ -1,7 +1,7 @@
 #pragma once
 // knap run --dump-lcp: the complementarity problems of chosen steps, stored for `knap lcp` and for other programs.
 #include "model/state.hpp"
-#include "stepper/scheme_options.hpp"
+#include "stepper/common/scheme_options.hpp"
 
 #include <array>
 #include <filesystem>

@@ -115,11 +115,11 @@ void conclude(const Scenario& scenario, const Model& model, const State& now, co
     record.steps = now.n_steps;
     record.time = now.time;
     record.counts = recorder.ledger().worst();
-    record.counts.linear_solves += control.thrown_away().linear_solves;
-    record.counts.factorisations += control.thrown_away().factorisations;
+    record.counts.linear_solves += control.rejected_steps().linear_solves;
+    record.counts.factorisations += control.rejected_steps().factorisations;
     record.smallest_step = control.smallest_taken();
     record.largest_step = control.largest_taken();
-    record.n_cuts = control.n_cuts();
+    record.n_cutbacks = control.n_cutbacks();
     record.summary = summarise(model, now, recorder, record.rayleigh_speed);
     record.gates = recorder.gates().gates();
     for (const auto& [gate, text] : recorder.gates().said()) record.warnings.push_back(text.substr(0, text.size() - 1));

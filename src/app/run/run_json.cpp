@@ -94,7 +94,7 @@ std::string run_json(const RunRecord& record) {
     json["step_s"] = record.step;
     json["smallest_step_s"] = record.smallest_step;
     json["largest_step_s"] = record.largest_step;
-    for (const CutReason reason : cut_reasons) json["cuts"][std::string(name_of(reason))] = record.n_cuts[static_cast<std::size_t>(reason)];
+    for (const CutbackReason reason : cutback_reasons) json["cuts"][std::string(name_of(reason))] = record.n_cutbacks[static_cast<std::size_t>(reason)];
     json["scheme"] = scheme(record.scheme);
     json["linear_solves"] = record.counts.linear_solves;
     json["factorisations"] = record.counts.factorisations;
@@ -108,7 +108,7 @@ std::string run_json(const RunRecord& record) {
     json["fan_problems"] = {{"solved", record.counts.fan_solves},
                             {"linear_solves", record.counts.fan_iterations},
                             {"fallbacks", record.counts.fan_fallbacks},
-                            {"bound_tests", record.counts.bound_tests},
+                            {"bond_checks", record.counts.bond_checks},
                             {"released", record.counts.released}};
     json["summary"] = Json::object();
     json["summary_units"] = Json::object();

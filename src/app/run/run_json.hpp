@@ -3,8 +3,8 @@
 #include "analysis/gates.hpp"
 #include "app/run/expectations.hpp"
 #include "record/summary.hpp"
+#include "stepper/common/step_scheme.hpp"
 #include "stepper/step_control.hpp"
-#include "stepper/step_scheme.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -31,7 +31,7 @@ struct RunRecord {
     std::int64_t steps = 0;
     double step = 0, time = 0;       // [s] h as planned, and the time reached
     double smallest_step = 0, largest_step = 0;                 // [s] that were taken
-    std::array<std::int64_t, cut_reasons.size()> n_cuts{};      // steps that were not, in the order of cut_reasons
+    std::array<std::int64_t, cutback_reasons.size()> n_cutbacks{};      // steps that were not, in the order of cutback_reasons
     SchemeOptions scheme;
     double mean_edge = 0;            // [m]
     double rayleigh_speed = 0;       // [m/s]

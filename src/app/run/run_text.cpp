@@ -16,11 +16,11 @@ void add_line(std::string& text, const char* format, Values... values) {
 }
 
 /// What another try could change, with values; `smallest` [s] is the smallest step allowed now.
-std::string advice(CutReason reason, double smallest) {
+std::string advice(CutbackReason reason, double smallest) {
     std::string text;
-    if (reason == CutReason::assumption_1)
+    if (reason == CutbackReason::assumption_1)
         add_line(text, "time.assumption_1 = \"ignore\" to go on with one of the solutions; or time.cohesion = \"explicit\"; or time.step_min = \"%.3g s\"", 1e-3 * smallest);
-    else if (reason == CutReason::not_converged)
+    else if (reason == CutbackReason::not_converged)
         add_line(text,
                  "time.bulk = \"explicit\" with time.cohesion = \"explicit\", whose steps are solved vertex by vertex; or time.theta = 0.7 where it is smaller; or half the "
                  "friction of the interface there, where it wedges the body; or time.step_min = \"%.3g s\"",
@@ -61,22 +61,22 @@ std::string solver_text(const RunRecord& record) {
             add_line(text, "  factor  of %lld unknowns with %lld entries, %.1f an unknown\n", static_cast<long long>(record.factor.unknowns),
                      static_cast<long long>(record.factor.entries), static_cast<double>(record.factor.entries) / static_cast<double>(record.factor.unknowns));
     }
-    for (const CutReason reason : cut_reasons)
-        if (const std::int64_t n = record.n_cuts[static_cast<std::size_t>(reason)]; n > 0)
+    for (const CutbackReason reason : cutback_reasons)
+        if (const std::int64_t n = record.n_cutbacks[static_cast<std::size_t>(reason)]; n > 0)
             add_line(text, "  cuts    %lld: %s\n", static_cast<long long>(n), std::string(describe(reason)).c_str());
     return text;
 }
 
 }  // namespace
 
-std::string cut_text(const StepCut& cut, const Vec2& where) {
+std::string cutback_text(const Cutback& cut, const Vec2& where) {
     std::string text;
     add_line(text, "cut: t = %.9g s, step %.4g s -> %.4g s at (%.6g, %.6g) m: %s\n", cut.time, cut.from, cut.to, where.x(), where.y(),
              std::string(describe(cut.reason)).c_str());
     return text;
 }
 
-std::string stuck_text(const StepCut& cut, const Vec2& where, double smallest) {
+std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest) {
     std::string text;
     add_line(text, "the run cannot go on from t = %.9g s at (x, y) = (%.6g, %.6g) m: %s, even in a step of %.4g s; the smallest step allowed is %.4g s. Try ",
              cut.time, where.x(), where.y(), std::string(describe(cut.reason)).c_str(), cut.from, smallest);

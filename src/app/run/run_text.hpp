@@ -10,10 +10,10 @@
 namespace knap {
 
 /// A line of the log.
-std::string cut_text(const StepCut& cut, const Vec2& where);
+std::string cutback_text(const Cutback& cut, const Vec2& where);
 
 /// Why a run cannot go on after a step that asks for a smaller one than allowed: what, where, when, and what to change.
-std::string stuck_text(const StepCut& cut, const Vec2& where, double smallest);
+std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest);
 
 /// That a run goes on from a checkpoint.
 std::string resumed_text(const State& now);

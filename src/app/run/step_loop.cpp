@@ -11,9 +11,9 @@ namespace {
 void try_step(const Stepping& run, State& now, State& next) {
     const double h = run.control.next(now);
     const StepReport report = run.stepper.step(now, h, next);
-    if (const std::optional<StepCut> cut = run.control.judge(now, h, report)) {
-        const Vec2 where = report.refusal == Refusal::none ? place_of_damage(run.model, now, next) : report.where;
-        run.log.add(cut_text(*cut, where));
+    if (const std::optional<Cutback> cut = run.control.judge(now, h, report)) {
+        const Vec2 where = report.rejection == Rejection::none ? place_of_damage(run.model, now, next) : report.where;
+        run.log.add(cutback_text(*cut, where));
         if (run.control.is_stuck()) throw SimulationError(stuck_text(*cut, where, run.smallest_step));
         return;
     }

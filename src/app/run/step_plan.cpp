@@ -1,6 +1,6 @@
 #include "app/run/step_plan.hpp"
 
-#include "bulk/triangle_matrices.hpp"
+#include "element/triangle_matrices.hpp"
 #include "mesh/size_field.hpp"
 
 #include <algorithm>

@@ -1,0 +1,120 @@
+#include "element/triangle_matrices.hpp"
+
+#include "element/quadratic_triangles.hpp"
+#include "element/shape_gradients.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <cmath>
+#include <span>
+
+namespace knap {
+namespace {
+
+void add_stiffness(std::span<const Vec2> gradient, double lambda, double mu, ElementMatrix& K) {
+    for (std::size_t i = 0; i < gradient.size(); ++i)
+        for (std::size_t j = 0; j < gradient.size(); ++j) {
+            const Vec2 &g = gradient[i], &e = gradient[j];
+            K.block<2, 2>(2 * i, 2 * j) += lambda * g * e.transpose() + mu * (e * g.transpose() + g.dot(e) * Eigen::Matrix2d::Identity());
+        }
+}
+
+ElementMatrix lumped_quadratic() {
+    ElementMatrix M = ElementMatrix::Zero(7, 7);
+    for (Index k = 0; k < 7; ++k) M(k, k) = corner_share(2, k, 1);
+    return M;
+}
+
+ElementMatrix linear(MassMatrix mass) {
+    const auto [own, shared] = shares_of(mass);
+    return own / 3 * ElementMatrix::Identity(3, 3) + ElementMatrix::Constant(3, 3, shared / 3);
+}
+
+/// N = T P from the six quadratic functions and the bubble, whose integrals P P', P b, b b over the unit mass are well known.
+ElementMatrix consistent_quadratic() {
+    ElementMatrix P = ElementMatrix::Zero(7, 7), T = ElementMatrix::Identity(7, 7);
+    for (Index i = 0; i < 3; ++i) {
+        for (Index j = 0; j < 3; ++j) {
+            P(i, j) = (i == j ? 6 : -1) / 180.;
+            P(3 + i, 3 + j) = (i == j ? 32 : 16) / 180.;
+        }
+        P(i, opposite_middle(i)) = P(opposite_middle(i), i) = -4 / 180.;
+        P(i, 6) = P(6, i) = -3 / 140.;
+        P(3 + i, 6) = P(6, 3 + i) = 6 / 35.;
+        T(i, 6) = bubble_weight[i];
+        T(3 + i, 6) = bubble_weight[3 + i];
+    }
+    P(6, 6) = 81 / 280.;
+    return T * P * T.transpose();
+}
+
+ElementMatrix one_point_quadratic() {  // at the centre all other shape functions are zero
+    ElementMatrix M = ElementMatrix::Zero(7, 7);
+    M(6, 6) = 1;
+    return M;
+}
+
+/// [1/s^2] Of order 1: K = V B' D B, M = (m/3) I, V/m = 1/rho: the non-zero eigenvalues of M^-1 K are those of (3/rho) R' B B' R, D = R R'.
+double largest_eigenvalue(const Mesh& mesh, Index t, const Elastic& material, const Eigen::Matrix3d& root) {
+    Eigen::Matrix<double, 3, 6> B = Eigen::Matrix<double, 3, 6>::Zero();
+    const auto gradients = shape_gradients(mesh, t);
+    for (int k = 0; k < 3; ++k) {
+        B(0, 2 * k) = B(2, 2 * k + 1) = gradients[k].x();
+        B(1, 2 * k + 1) = B(2, 2 * k) = gradients[k].y();
+    }
+    const Eigen::Matrix<double, 3, 6> RB = root.transpose() * B;
+    const Eigen::Matrix3d A = 3 / material.density * RB * RB.transpose();
+    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+}
+
+double largest_eigenvalue_quadratic(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane) {
+    ElementMatrix A = stiffness_matrix(mesh, t, material, plane, 1);
+    const double mass = material.density * mesh.area(t);
+    for (Index i = 0; i < A.rows(); ++i)
+        for (Index j = 0; j < A.cols(); ++j) A(i, j) /= std::sqrt(corner_share(2, i / 2, mass) * corner_share(2, j / 2, mass));
+    return Eigen::SelfAdjointEigenSolver<ElementMatrix>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+}
+
+}  // namespace
+
+ElementMatrix stiffness_matrix(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane, double thickness) {
+    const double volume = mesh.area(t) * thickness;
+    const double lambda = material.first_lame(plane), mu = material.shear_modulus();
+    const auto g = shape_gradients(mesh, t);
+    ElementMatrix K = ElementMatrix::Zero(2 * mesh.corners_per_triangle(), 2 * mesh.corners_per_triangle());
+    if (mesh.order == 1) {
+        add_stiffness(g, volume * lambda, volume * mu, K);
+        return K;
+    }
+    for (Index k = 0; k < 3; ++k) add_stiffness(middle_gradients(g, k), volume / 3 * lambda, volume / 3 * mu, K);
+    const Eigen::Matrix2d R = bubble_stiffness(g, volume, lambda, mu);
+    for (Index i = 0; i < 7; ++i)
+        for (Index j = 0; j < 7; ++j) K.block<2, 2>(2 * i, 2 * j) += bubble_weight[i] * bubble_weight[j] * R;
+    return K;
+}
+
+double corner_share(Index order, Index k, double of_triangle) {
+    if (order == 1) return of_triangle / 3;
+    return k < 3 ? of_triangle / 20 : k < 6 ? 2 * of_triangle / 15 : 9 * of_triangle / 20;
+}
+
+const ElementMatrix& mass_matrix(Index order, MassMatrix mass) {
+    static const std::array<ElementMatrix, 3> of_first{linear(MassMatrix::lumped), linear(MassMatrix::consistent), linear(MassMatrix::one_point)};
+    static const std::array<ElementMatrix, 3> of_second{lumped_quadratic(), consistent_quadratic(), one_point_quadratic()};
+    return (order == 1 ? of_first : of_second)[static_cast<std::size_t>(mass)];
+}
+
+std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane) {
+    std::vector<double> steps(mesh.n_triangles());
+    std::vector<Eigen::Matrix3d> root;
+    for (const Elastic& material : materials) root.push_back(material.stiffness(plane).llt().matrixL());
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        const Elastic& material = materials[mesh.region[t]];
+        steps[t] = 2 / std::sqrt(mesh.order == 1 ? largest_eigenvalue(mesh, t, material, root[mesh.region[t]])
+                                                 : largest_eigenvalue_quadratic(mesh, t, material, plane));
+    }
+    return steps;
+}
+
+}  // namespace knap

@@ -1,0 +1,64 @@
+#include "interface/interface_law.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace knap {
+
+ContactBound contact_bound_explicit(double u_N, double V_N, double restitution, double h, double touching) {
+    if (u_N <= touching) return {true, V_N <= 0 ? -restitution * V_N : -V_N};
+    return {restitution == 0, -std::max(u_N / h, V_N)};
+}
+
+ContactBound contact_bound_theta(double u_N, double V_N, double restitution, double h, double theta, double touching) {
+    const double approach = std::max(-V_N, 0.0);
+    if (u_N <= touching) return {true, -(1 - theta * (1 + restitution)) * approach};
+    if (restitution > 0) return {};
+    return {true, std::min(-u_N / h, -(1 - theta) * approach)};
+}
+
+void Staircase::add(const Kink& kink, double tolerance) {
+    if (kink.cohesive == 0 && kink.friction == 0) return;
+    int place = 0;
+    for (; place < n_kinks_ && kinks_[place].rate <= kink.rate + tolerance; ++place) {
+        if (kinks_[place].rate < kink.rate - tolerance) continue;
+        kinks_[place].cohesive += kink.cohesive;
+        kinks_[place].friction += kink.friction;
+        return;
+    }
+    for (int i = n_kinks_; i > place; --i) kinks_[i] = kinks_[i - 1];
+    kinks_[place] = kink;
+    ++n_kinks_;
+}
+
+StaircasePiece Staircase::piece(int state) const {
+    const bool stick = state % 2 == 1;
+    const int here = state / 2;  // the kink, or the number of kinks below
+    StaircasePiece piece{.stick = stick,
+                         .kink = stick ? kinks_[here].rate : 0,
+                         .low = here > 0 ? kinks_[here - 1].rate : -std::numeric_limits<double>::infinity(),
+                         .high = here < n_kinks_ ? kinks_[here].rate : std::numeric_limits<double>::infinity()};
+    for (int i = 0; i < n_kinks_; ++i) {
+        if (stick && i == here) {
+            piece.jump = kinks_[i].cohesive;
+            piece.contact_jump = kinks_[i].friction;
+            continue;
+        }
+        const double sign = i < here ? 1 : -1;
+        piece.offset += sign * kinks_[i].cohesive;
+        piece.contact_offset += sign * kinks_[i].friction;
+    }
+    return piece;
+}
+
+int Staircase::state_of(double rate, double tolerance) const {
+    int state = 0;
+    for (int i = 0; i < n_kinks_; ++i) {
+        if (std::abs(rate - kinks_[i].rate) <= tolerance) return 2 * i + 1;
+        if (rate > kinks_[i].rate) state = 2 * i + 2;
+    }
+    return state;
+}
+
+}  // namespace knap

@@ -1,0 +1,34 @@
+#include "stepper/common/bond_check.hpp"
+
+namespace knap {
+
+bool BondCheck::holds(Index f, std::span<const Vec2> required, double time) {
+    const Fan& fan = model_.fans[f];
+    const FanPoint* point = model_.fan_points.data() + fan.first_point;
+    const auto required_by = [&](Index j) { return required[j]; };
+    const auto breakable = [&](Index j) { return model_.laws[point[j].law].breakable(); };
+    const auto strength = [&](Index j) {
+        const CohesiveLaw& law = model_.laws[point[j].law];
+        return StrengthPolygon::at_rest(law, point[j].normal, law.sigma_c * point[j].area * time);
+    };
+    impulse_.resize(fan.n_points);
+    const auto walk = [&](const Vec2& first) {
+        walk_chain(fan.n_points, fan.closed, first, required_by, [&](Index j, const Vec2& P) { return impulse_[j] = P, true; });
+    };
+
+    const Vec2 least_norm = least_norm_start(fan.n_points, fan.closed, required_by, [&](Index j) { return point[j].area; });
+    walk(least_norm);
+    bool admissible = true;
+    for (Index j = 0; j < fan.n_points; ++j) admissible = admissible && (!breakable(j) || strength(j).smallest_slack(impulse_[j]) >= 0);
+    if (admissible || !fan.closed) return admissible;
+
+    planes_.clear();
+    walk(Vec2::Zero());
+    for (Index j = 0; j < fan.n_points; ++j)
+        if (breakable(j)) strength(j).add_half_planes(j, impulse_[j], Vec2::Ones(), planes_);
+    const SelfStress found = find_self_stress(planes_, least_norm);
+    walk(found.c);
+    return found.slack >= 0;
+}
+
+}  // namespace knap

@@ -1,0 +1,160 @@
+#include "base/random.hpp"
+#include "element/elastic_forces.hpp"
+#include "element/triangle_matrices.hpp"
+#include "support/meshes.hpp"
+#include "support/relative.hpp"
+
+#include <Eigen/LU>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+const Elastic rock{.density = 2000, .E = 5, .nu = 0.3};
+constexpr double thickness = 0.7;
+
+/// Free triangles: corner c is node c, and no fan is ever candidate.
+class FreeTriangles {
+public:
+    explicit FreeTriangles(const Mesh& mesh, PlaneModel plane)
+        : mesh_(mesh), forces_(mesh, {rock}, plane, thickness), node_(mesh.n_corners()), candidate_(1, 0) {
+        for (Index c = 0; c < mesh.n_corners(); ++c) node_[c] = c;
+    }
+
+    std::vector<Vec2> force(const std::vector<Vec2>& u) {
+        std::vector<Vec2> f(mesh_.n_corners());
+        forces_.evaluate(u, node_, f, candidate_);
+        return f;
+    }
+
+private:
+    const Mesh& mesh_;
+    ElasticForces forces_;
+    std::vector<Index> node_;
+    std::vector<std::uint8_t> candidate_;
+};
+
+Mesh skew_mesh() {
+    Mesh mesh = bar_mesh(3, 2, 2, 1);
+    Random random(1, "mesh");
+    for (Vec2& x : mesh.vertices) x += 0.1 * Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
+    return mesh;
+}
+
+template <class Field>
+std::vector<Vec2> displacement(const Mesh& mesh, const Field& field) {
+    std::vector<Vec2> u;
+    for (Index c = 0; c < mesh.n_corners(); ++c) u.push_back(field(mesh.corner(c / 3, c % 3)));
+    return u;
+}
+
+}  // namespace
+
+TEST_CASE("rigid motions cost no force and every triangle is in equilibrium") {
+    const Mesh mesh = skew_mesh();
+    FreeTriangles body(mesh, PlaneModel::strain);
+    for (const Vec2& f : body.force(displacement(mesh, [](const Vec2& x) -> Vec2 { return Vec2(0.3, -2) + 1e-2 * turned_left(x); })))
+        CHECK(f.norm() <= 1e-14);
+    Random random(2, "u");
+    std::vector<Vec2> u(mesh.n_corners());
+    for (Vec2& v : u) v = Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
+    const std::vector<Vec2> f = body.force(u);
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        Vec2 sum = Vec2::Zero();
+        double moment = 0;
+        for (Index k = 0; k < 3; ++k) sum += f[3 * t + k], moment += cross(mesh.corner(t, k), f[3 * t + k]);
+        CHECK(sum.norm() <= 1e-13);
+        CHECK(std::abs(moment) <= 1e-13);
+    }
+}
+
+TEST_CASE("a uniform strain gives the tractions of its stress") {
+    const Mesh mesh = skew_mesh();
+    for (const PlaneModel plane : {PlaneModel::strain, PlaneModel::stress}) {
+        const Eigen::Matrix2d gradient = (Eigen::Matrix2d() << 1e-3, 4e-4, -7e-4, 2e-3).finished();
+        const Eigen::Vector3d s = rock.stiffness(plane) * Eigen::Vector3d(gradient(0, 0), gradient(1, 1), gradient(0, 1) + gradient(1, 0));
+        const Eigen::Matrix2d stress = (Eigen::Matrix2d() << s[0], s[2], s[2], s[1]).finished();
+        const std::vector<Vec2> f = FreeTriangles(mesh, plane).force(displacement(mesh, [&](const Vec2& x) -> Vec2 { return gradient * x; }));
+        for (Index c = 0; c < mesh.n_corners(); ++c) {
+            // the corner pulls its triangle back: minus the tractions on the halves of its two edges = those on half the opposite edge
+            const Index t = c / 3, k = c % 3;
+            const Vec2 opposite = mesh.corner(t, (k + 2) % 3) - mesh.corner(t, (k + 1) % 3);
+            const Vec2 traction = stress * (-turned_left(opposite)) * 0.5 * thickness;
+            CHECK((f[c] - traction).norm() <= 1e-15);
+        }
+    }
+}
+
+TEST_CASE("the forces are minus the derivative of the strain energy") {
+    const Mesh mesh = skew_mesh();
+    FreeTriangles body(mesh, PlaneModel::strain);
+    Random random(3, "u");
+    std::vector<Vec2> u(mesh.n_corners());
+    for (Vec2& v : u) v = Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
+    const auto energy = [&](const std::vector<Vec2>& at) {  // by strains from edge vectors, not by shape functions
+        double sum = 0;
+        for (Index t = 0; t < mesh.n_triangles(); ++t) {
+            Eigen::Matrix2d X, U;
+            X << mesh.corner(t, 1) - mesh.corner(t, 0), mesh.corner(t, 2) - mesh.corner(t, 0);
+            U << at[3 * t + 1] - at[3 * t], at[3 * t + 2] - at[3 * t];
+            const Eigen::Matrix2d gradient = U * X.inverse();
+            const Eigen::Vector3d strain(gradient(0, 0), gradient(1, 1), gradient(0, 1) + gradient(1, 0));
+            sum += 0.5 * mesh.area(t) * thickness * strain.dot(rock.stiffness(PlaneModel::strain) * strain);
+        }
+        return sum;
+    };
+    const std::vector<Vec2> f = body.force(u);
+    for (Index c = 0; c < mesh.n_corners(); ++c)
+        for (int k = 0; k < 2; ++k) {
+            std::vector<Vec2> up = u, down = u;
+            up[c][k] += 1e-4, down[c][k] -= 1e-4;
+            CHECK(f[c][k] == doctest::Approx(-(energy(up) - energy(down)) / 2e-4).scale(1).epsilon(1e-8));
+        }
+}
+
+TEST_CASE("the stable step is that of the free triangle") {
+    const Mesh mesh = skew_mesh();
+    FreeTriangles body(mesh, PlaneModel::strain);
+    const std::vector<double> steps = stable_steps(mesh, {rock}, PlaneModel::strain);
+    std::vector<Vec2> u(mesh.n_corners());
+    Random random(4, "u");
+    for (Vec2& v : u) v = Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
+    std::vector<double> rate(mesh.n_triangles());
+    for (int i = 0; i < 3000; ++i) {  // power iteration on M^-1 K, triangle by triangle
+        const std::vector<Vec2> f = body.force(u);
+        for (Index t = 0; t < mesh.n_triangles(); ++t) {
+            double before = 0, after = 0;
+            const double mass = rock.density * mesh.area(t) * thickness / 3;
+            for (Index k = 0; k < 3; ++k) before += u[3 * t + k].squaredNorm(), after += f[3 * t + k].squaredNorm() / (mass * mass);
+            rate[t] = std::sqrt(after / before);
+            for (Index k = 0; k < 3; ++k) u[3 * t + k] = f[3 * t + k] / (mass * std::sqrt(after));
+        }
+    }
+    for (Index t = 0; t < mesh.n_triangles(); ++t) CHECK(steps[t] == relative(2 / std::sqrt(rate[t]), 1e-6));
+}
+
+TEST_CASE("the stress criterion marks the fans of triangles with much stress and no others") {
+    const Mesh mesh = bar_mesh(4, 1, 4, 1);
+    ElasticForces forces(mesh, {rock}, PlaneModel::strain, thickness);
+    std::vector<Index> fan_of_corner, node;
+    for (Index c = 0; c < mesh.n_corners(); ++c) fan_of_corner.push_back(mesh.triangles[c / 3][c % 3]), node.push_back(c);
+    forces.set_stress_criterion(std::vector<double>(mesh.n_vertices(), 1.0), fan_of_corner);
+    // |sigma|_F = 1.01 and .99 in two triangles, none in the others
+    std::vector<Vec2> u(mesh.n_corners(), Vec2::Zero());
+    const double strain = 1 / (std::sqrt(2.0) * rock.E / (1 + rock.nu) * 0.5);  // of pure shear with |sigma|_F = 1
+    for (const auto& [t, level] : {std::pair<Index, double>{2, 1.01}, {7, 0.99}})
+        for (Index k = 0; k < 3; ++k) u[3 * t + k].x() = level * strain * mesh.corner(t, k).y();
+    std::vector<std::uint8_t> candidate(mesh.n_vertices(), 0);
+    std::vector<Vec2> f(mesh.n_corners());
+    forces.evaluate(u, node, f, candidate);
+    for (Index v = 0; v < mesh.n_vertices(); ++v) {
+        const auto& corners = mesh.triangles[2];
+        CHECK(static_cast<bool>(candidate[v]) == (std::find(corners.begin(), corners.end(), v) != corners.end()));
+    }
+}

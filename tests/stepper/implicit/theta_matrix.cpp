@@ -1,0 +1,183 @@
+// The matrix of an implicit step against the sum of its elements, while fans come apart and points change.
+#include "stepper/implicit/dissection.hpp"
+#include "stepper/implicit/gmres.hpp"
+#include "stepper/implicit/theta_matrix.hpp"
+#include "support/bodies.hpp"
+
+#include <doctest/doctest.h>
+
+#include <Eigen/Dense>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+Model plate(Index order = 1) {
+    ModelInput input;
+    input.mesh = order == 1 ? bar_mesh(12, 7, 1, 0.6) : bar_mesh(7, 4, 1, 0.6);
+    input.mesh.order = order;
+    input.materials = {{.density = 1, .E = 1, .nu = 0.3}};
+    input.laws = {{.sigma_c = 1e-3, .G_c = 2e-5, .gamma = 1, .friction = 0.3}};
+    input.law_of_pair = {{0}};
+    input.loads = {load(Load::Kind::velocity, "left", 0, 0), load(Load::Kind::velocity, "right", 0, std::nullopt)};
+    return make_model(std::move(input));
+}
+
+/// Which fans are active, the blocks of their points, and the matrix that they make.
+struct Setting {
+    const Model& model;
+    double stiffness_factor = 0.5;
+    double rubs = 0;  // how unsymmetric the blocks are
+    std::vector<std::uint8_t> active = std::vector<std::uint8_t>(model.fans.size(), 0);
+    CornerPartition partition;
+    std::vector<std::array<bool, 2>> prescribed;
+    std::vector<PointTangent> points;
+
+    void give(ThetaMatrix& matrix) {
+        partition_corners(model, active, partition);
+        prescribed.assign(partition.n_nodes(), {false, false});
+        for (Index c = 0; c < model.mesh.n_corners(); ++c)
+            if (const Index motion = model.prescribed_of_corner[c]; motion >= 0)
+                prescribed[partition.node_of_corner[c]] = model.prescribed[motion].component;
+        points.clear();
+        for (std::size_t f = 0; f < model.fans.size(); ++f)
+            for (Index i = model.fans[f].first_point; active[f] && i < model.fans[f].first_point + model.fans[f].n_points; ++i) {
+                const FanPoint& point = model.fan_points[i];
+                const Vec2 n = point.normal, t = turned_left(n);
+                const Eigen::Matrix2d closed = (5 + i % 3) * n * n.transpose(), rubbing = rubs * t * n.transpose();
+                points.push_back({i, partition.node_of_corner[point.before], partition.node_of_corner[point.after], closed + rubbing, closed});
+            }
+        matrix.set_nodes(partition, prescribed);
+        matrix.set_bulk(stiffness_factor, MassMatrix::consistent);
+    }
+
+    Eigen::MatrixXd dense() const {
+        Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2 * partition.n_nodes(), 2 * partition.n_nodes());
+        for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
+            const ElementMatrix K = stiffness_matrix(model.mesh, t, model.materials[0], model.plane, model.thickness);
+            const ElementMatrix& M = mass_matrix(model.mesh.order, MassMatrix::consistent);
+            const Index* node = &partition.node_of_corner[M.rows() * t];
+            for (int i = 0; i < M.rows(); ++i)
+                for (int j = 0; j < M.rows(); ++j)
+                    A.block<2, 2>(2 * node[i], 2 * node[j]) +=
+                        stiffness_factor * K.block<2, 2>(2 * i, 2 * j) + model.triangle_mass(t) * M(i, j) * Eigen::Matrix2d::Identity();
+        }
+        for (const PointTangent& point : points)
+            for (const auto& [a, b] : {std::pair(point.after, point.before), std::pair(point.before, point.after)}) {
+                A.block<2, 2>(2 * a, 2 * a) += point.block;
+                A.block<2, 2>(2 * a, 2 * b) -= point.block;
+            }
+        for (Index i = 0; i < 2 * partition.n_nodes(); ++i)
+            if (prescribed[i / 2][i % 2]) A.row(i).setZero(), A.col(i).setZero(), A(i, i) = 1;
+        return A;
+    }
+
+    std::vector<Vec2> right_hand_side() const {
+        std::vector<Vec2> b(partition.n_nodes());
+        for (Index i = 0; i < partition.n_nodes(); ++i)
+            for (int k = 0; k < 2; ++k) b[i][k] = prescribed[i][k] ? 0 : 1 + (7 * i + 3 * k) % 11;
+        return b;
+    }
+
+    double error(const std::vector<Vec2>& x) const {
+        const std::vector<Vec2> b = right_hand_side();
+        const Eigen::Map<const Eigen::VectorXd> flat_x(x[0].data(), 2 * partition.n_nodes()), flat_b(b[0].data(), 2 * partition.n_nodes());
+        return (dense() * flat_x - flat_b).norm() / flat_b.norm();
+    }
+};
+
+std::vector<Vec2> solution(ThetaMatrix& matrix, Setting& setting) {
+    setting.give(matrix);
+    REQUIRE(matrix.factorise(setting.points));
+    std::vector<Vec2> x;
+    matrix.solve(setting.right_hand_side(), x);
+    return x;
+}
+
+}  // namespace
+
+TEST_CASE("the factor that follows the changes is that of a new matrix to the last bit") {
+    const Model model = plate();
+    ThetaMatrix matrix(model);
+    Setting setting{.model = model};
+    std::size_t entries = 0;
+    const auto compare = [&] {
+        const std::vector<Vec2> x = solution(matrix, setting);
+        CHECK(setting.error(x) < 1e-12);
+        ThetaMatrix fresh(model);
+        CHECK(same_bits(x, solution(fresh, setting)));
+        CHECK(matrix.n_entries() == fresh.n_entries());
+        entries = matrix.n_entries();
+    };
+    compare();
+    const std::size_t intact = entries;
+    for (std::size_t f = 0; f < model.fans.size(); f += 5) {  // come apart, near and far
+        setting.active[f] = true;
+        compare();
+    }
+    CHECK(entries > intact);
+    for (std::size_t f = 0; f < model.fans.size(); f += 10) setting.active[f] = false;
+    compare();
+    setting.stiffness_factor = 2;
+    compare();
+    std::fill(setting.active.begin(), setting.active.end(), false);
+    compare();
+    setting.stiffness_factor = 0.5;
+    compare();
+    CHECK(entries == intact);
+}
+
+TEST_CASE("the factor of triangles of second order follows the changes too") {
+    const Model model = plate(2);
+    ThetaMatrix matrix(model);
+    Setting setting{.model = model};
+    for (std::size_t f = 0; f < model.fans.size(); f += 20) {
+        setting.active[f] = model.fans[f].n_points > 0;
+        const std::vector<Vec2> x = solution(matrix, setting);
+        CHECK(setting.error(x) < 1e-12);
+        ThetaMatrix fresh(model);
+        CHECK(same_bits(x, solution(fresh, setting)));
+    }
+}
+
+TEST_CASE("an indefinite matrix is refused and the factor recovers") {
+    const Model model = plate();
+    ThetaMatrix matrix(model);
+    Setting setting{.model = model};
+    for (std::size_t f = 0; f < model.fans.size(); f += 3) setting.active[f] = true;
+    const std::vector<Vec2> before = solution(matrix, setting);
+    std::vector<PointTangent> softening = setting.points;
+    PointTangent& point = softening[softening.size() / 2];
+    point.block = point.symmetric_block = -100 * Eigen::Matrix2d::Identity();
+    CHECK(!matrix.factorise(softening));
+    CHECK(!matrix.factorise(softening));  // not forgotten
+    CHECK(same_bits(before, solution(matrix, setting)));
+}
+
+TEST_CASE("friction that follows the contacts is solved with the factor of the rest") {
+    const Model model = plate();
+    ThetaMatrix matrix(model);
+    Setting setting{.model = model};
+    for (std::size_t f = 0; f < model.fans.size(); f += 4) setting.active[f] = true;
+    for (const double rubs : {0.3, 30.0, 0.3}) {  // little by GMRES, much by LU
+        setting.rubs = rubs;
+        CHECK(setting.error(solution(matrix, setting)) < 1e-7);
+        CHECK(!matrix.is_symmetric());
+    }
+}
+
+TEST_CASE("gmres solves in as many products as the matrix has eigenvalues") {
+    Eigen::MatrixXd A = Eigen::MatrixXd::Identity(9, 9);
+    A(2, 5) = 3, A(5, 2) = -4, A(0, 0) = 2;
+    const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(9, 1, 2);
+    int products = 0;
+    const auto product = [&](const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Ref<Eigen::VectorXd> A_x) { ++products, A_x = A * x; };
+    Gmres gmres;
+    REQUIRE(gmres.solve(product, b, 9, 1e-13));
+    CHECK((A * gmres.solution() - b).norm() < 1e-12);
+    CHECK(products <= 4);  // 1, 2, 1 +- sqrt(-12)
+    CHECK(!gmres.solve(product, b, 2, 1e-13));
+    CHECK(gmres.solve(product, Eigen::VectorXd::Zero(9), 9, 1e-13));
+    CHECK(gmres.solution().isZero(0));
+}
