@@ -1,5 +1,5 @@
 #pragma once
-// Which corners share a node in the equations of an implicit step. A fan that is bonded is one node; a active one falls apart at every
+// Which corners share a node in the equations of an implicit step. A fan that is bonded is one node; an active one falls apart at every
 // interface that can break. (The State knows more nodes: a fan that once came apart has one per corner there for ever.)
 #include "model/model.hpp"
 

@@ -2,9 +2,11 @@
 
 #include "base/room.hpp"
 #include "stepper/common/point_work.hpp"
+#include "stepper/implicit/lemke_fallback.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 namespace knap {
@@ -15,6 +17,7 @@ constexpr int max_passes = 40;
 // Over momenta, loads and strengths: what presses harder is jammed, and no measure of what else may be off. Where a body that is driven against
 // itself has no lawful motion, the impulses that look for one grow for ever. (Impacts of whole bodies, the weight on a column: up to 100.)
 constexpr double max_pressing = 1e3;
+constexpr double obstacle_tolerance = 1e-12;  // of the largest impulse
 constexpr double max_missed = 1e-11;  // of the energies of a step; 1e-15 is usual, the tolerance of the balance leaves 1e-12
 
 }  // namespace
@@ -25,13 +28,13 @@ ImplicitScheme::ImplicitScheme(const Model& model, const SchemeOptions& options)
       bulk_(model, options),
       matrix_(model),
       solver_(model, matrix_),
+      sticking_(model),
       bond_check_(model),
       contacts_(model),
       obstacles_(model) {
     active_point_of_.assign(model.fan_points.size(), -1);
     make_room(model.mesh.n_corners(), rate_, node_inertia_);
     make_room(model.fan_points.size(), points_);
-    make_room_for_joins();
 }
 
 StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
@@ -54,7 +57,7 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
     if (report.rejection == Rejection::none && options_.respect_assumption_1 && solver_.has_several_solutions(points_))
         report.rejection = Rejection::assumption_1;
     if (report.rejection != Rejection::none) return rejected(report, report.rejection);
-    merge_sticking_velocities(rate_);
+    sticking_.merge(active_, active_point_of_, points_, bulk_.prescribed(), rate_);
     check_residual(report);
     if (report.residual > max_residual) return rejected(report, Rejection::not_converged);
     account_points(h, report);
@@ -81,6 +84,19 @@ void ImplicitScheme::solve_points(const State& begin, double h, StepReport& repo
         if (!activate_opening_fans(h, report)) break;
     }
     report.fan_fallbacks += pivoted;
+}
+
+bool ImplicitScheme::start_from_lemke(const State& begin, double h) {
+    const std::optional<StepLcpEnd> found = solve_by_lemke(model_, begin, h, options_);
+    if (!found) return false;
+    corner_rate_ = found->rate;
+    active_.assign(model_.fans.size(), 1);
+    has_guess_.assign(model_.fan_points.size(), 1);
+    for (std::size_t i = 0; i < model_.fan_points.size(); ++i) {
+        const Index point = model_.fan_points[i].point;
+        guess_[i] = options_.theta * Vec2(found->contact[point], found->impulse[point].y());
+    }
+    return true;
 }
 
 void ImplicitScheme::choose_partition(const State& begin, double h) {
@@ -201,6 +217,84 @@ void ImplicitScheme::find_scales() {
     scale_ = std::max({strength, 1e-3 * momentum, std::min(pressing, largest_scale_)});
 }
 
+/// A free obstacle moves as the body lets it: the body is solved for its rates until both agree.
+void ImplicitScheme::find_obstacle_rates(const State& begin, double h, StepReport& report) {
+    std::vector<std::uint8_t>& touched = touched_;
+    touched.assign(model_.obstacles.size(), 0);
+    for (const ObstacleContact& contact : contacts_.all()) touched[contact.obstacle] = model_.obstacles[contact.obstacle].is_free();
+    if (std::find(touched.begin(), touched.end(), 1) == touched.end()) return;
+    const auto response = [&](std::vector<Vec3>& wrench) {
+        report.rejection = Rejection::none;  // of a trial
+        solve_points(begin, h, report);
+        wrench = contact_wrenches();
+    };
+    report.residual = obstacles_.solve(begin, touched, obstacle_tolerance, std::cref(response));  // cref: nothing is copied
+    report.rejection = Rejection::none;
+}
+
+const std::vector<Vec3>& ImplicitScheme::contact_wrenches() {
+    std::vector<Vec3>& wrench = wrench_;
+    wrench.assign(model_.obstacles.size(), Vec3::Zero());
+    for (std::size_t i = 0; i < contacts_.all().size(); ++i) {
+        const ObstacleContact& contact = contacts_.all()[i];
+        wrench[contact.obstacle] -= wrench_of(contact_points()[i].impulse() / options_.theta, contact.arm);
+    }
+    return wrench;
+}
+
+ActivePoint ImplicitScheme::make_contact_point(const ObstacleContact& contact, const State& begin, double h) const {
+    const CohesiveLaw& law = model_.obstacles[contact.obstacle].contact;
+    ActivePoint made{.fan = -1,
+                    .fan_point = -1,
+                    .before = -1,
+                    .after = partition_.node_of_corner[contact.corner],
+                    .normal = contact.normal,
+                    .leaf_corner = contact.corner,
+                    .beside = contact.is_on_edge() ? partition_.node_of_corner[contact.beside] : -1,
+                    .share = contact.share};
+    made.mass = mass_between(made.before, made.after);
+    if (contact.is_on_edge()) {
+        const double s = contact.share, other = mass_between(made.before, made.beside);
+        made.mass = 1 / ((1 - s) * (1 - s) / made.mass + s * s / other);
+    }
+    made.ground_rate = made.in_frame(velocity_at(obstacles_.rate()[contact.obstacle], contact));
+    const Vec2 speed = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }) -
+                       velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
+    made.law = {.u_N = contact.gap,
+                .u_T = 0,
+                .strength = 0,
+                .cohesion = 0,
+                .material = &law,
+                .friction = model_.obstacles[contact.obstacle].is_free() && contact.is_led_along(bulk_.prescribed()[made.after]) ? 0 : law.friction,
+                .contact = contact_bound_theta(contact.gap, contact.normal.dot(speed), law.restitution, h, options_.theta, 0),
+                .implicit_beta = false,
+                .h = h,
+                .theta = options_.theta};
+    impose(made);
+    made.law.set_staircase();
+    return made;
+}
+
+void ImplicitScheme::guess_contacts() {
+    const std::size_t first = points_.size() - contacts_.all().size();
+    for (std::size_t i = 0; i < contacts_.all().size(); ++i) {
+        ActivePoint& point = points_[first + i];
+        point.law.contact_guess = point.law.contact.may_touch ? contact_guess_[i].x() : 0;
+        point.law.tangential_guess = std::isinf(point.law.rho_T) ? 0 : contact_guess_[i].y();
+    }
+}
+
+void ImplicitScheme::keep_contacts() {
+    pushed_.assign(model_.mesh.n_corners(), Vec2::Zero());
+    for (std::size_t i = 0; i < contacts_.all().size(); ++i) {
+        const ActivePoint& point = contact_points()[i];
+        contact_guess_[i] = {point.law.contact_guess, point.law.tangential_guess};
+        const ObstacleContact& contact = contacts_.all()[i];
+        pushed_[contact.corner] += (1 - contact.share) * point.impulse();
+        if (contact.is_on_edge()) pushed_[contact.beside] += contact.share * point.impulse();
+    }
+}
+
 bool ImplicitScheme::activate_opening_fans(double h, StepReport& report) {
     for (const ActivePoint& point : points_)
         if (point.fan_point >= 0) guess_[point.fan_point] = {point.law.contact_guess, point.law.tangential_guess};
@@ -281,6 +375,17 @@ void ImplicitScheme::account_points(double h, StepReport& report) const {
         if (point.fan_point < 0) continue;
         report.crossing_loss += (cohesive_T * w.y() - law.material->gamma * cohesive_N * (std::abs(u_T) - std::abs(law.u_T)) / h) / theta;
     }
+}
+
+bool ImplicitScheme::holds(Index f) const {
+    const Fan& fan = model_.fans[f];
+    for (Index j = 0; j < fan.n_points; ++j) {
+        const Index i = active_point_of_[fan.first_point + j];
+        if (i < 0) continue;
+        const ActivePoint& point = points_[i];
+        if (!point.holds_still() || point.response.softens) return false;
+    }
+    return true;
 }
 
 void ImplicitScheme::store(const State& begin, double h, State& end, StepReport& report) const {

@@ -22,6 +22,7 @@
 #include "stepper/common/obstacle_motion.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/implicit/augmented_lagrangian.hpp"
+#include "stepper/implicit/sticking_nodes.hpp"
 
 #include <limits>
 
@@ -54,8 +55,6 @@ private:
     void guess_contacts();
     void keep_contacts();
     bool activate_opening_fans(double h, StepReport& report);  // fans in one piece that cannot stay so
-    void make_room_for_joins();
-    void merge_sticking_velocities(std::vector<Vec2>& rate);
     bool holds(Index fan) const;
     double momentum_scale() const;  // [N s] of loads, momenta and strengths
     void check_residual(StepReport& report) const;
@@ -70,6 +69,7 @@ private:
     ImplicitBulk bulk_;
     ThetaMatrix matrix_;
     AugmentedLagrangian solver_;
+    StickingNodes sticking_;
     BondCheck bond_check_;
     ObstacleContacts contacts_;
     ObstacleMotion obstacles_;
@@ -88,8 +88,6 @@ private:
     std::vector<Vec2> rate_;                  // per node
     std::vector<Vec2> corner_rate_;
     std::vector<Vec2> required_;                 // [N s] per corner of the fan that is tested
-    std::vector<std::vector<Index>> clusters_;  // of the fan that is joined
-    std::vector<Index> other_;
     std::vector<Vec3> wrench_;
     std::vector<std::uint8_t> touched_;       // per obstacle
     double scale_ = 0, largest_scale_ = 0;    // [N s] AugmentedLagrangian::solve

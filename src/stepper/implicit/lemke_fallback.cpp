@@ -1,8 +1,6 @@
-// Where the method of multipliers finds no solution of a step, in small bodies: the step as one linear complementarity problem (step_lcp.hpp), whose solution by
-// pivots is where the method of multipliers begins anew. So what is taken is found to its tolerance and judged like any other step.
+#include "stepper/implicit/lemke_fallback.hpp"
+
 #include "lcp/solvers.hpp"
-#include "stepper/implicit/implicit_scheme.hpp"
-#include "stepper/implicit/step_lcp.hpp"
 
 #include <cmath>
 
@@ -33,24 +31,16 @@ double power_of_two(double x) { return std::exp2(std::ilogb(x)); }
 
 }  // namespace
 
-bool ImplicitScheme::start_from_lemke(const State& begin, double h) {
-    if (model_.fan_points.size() > max_points || !model_.obstacles.empty()) return false;
-    const StepLcp step = step_lcp(model_, begin, h, options_);
-    const double length = (model_.mesh.corner(1) - model_.mesh.corner(0)).norm();
-    const Units unit(step.layout, power_of_two(model_.corner_mass[0]), power_of_two(length), power_of_two(h));
+std::optional<StepLcpEnd> solve_by_lemke(const Model& model, const State& begin, double h, const SchemeOptions& options) {
+    if (model.fan_points.size() > max_points || !model.obstacles.empty()) return std::nullopt;
+    const StepLcp step = step_lcp(model, begin, h, options);
+    const double length = (model.mesh.corner(1) - model.mesh.corner(0)).norm();
+    const Units unit(step.layout, power_of_two(model.corner_mass[0]), power_of_two(length), power_of_two(h));
     const Eigen::VectorXd scale = unit.row.cwiseInverse();
     const LcpMatrix M(scale.asDiagonal() * step.problem.M * unit.unknown.asDiagonal());
     const LcpSolution found = solve_by_default({M, scale.cwiseProduct(step.problem.q)}, {.exhaustive = false});
-    if (found.status != LcpStatus::solved) return false;
-    const StepLcpEnd end = recover(step, model_, begin, h, unit.unknown.cwiseProduct(found.z));
-    corner_rate_ = end.rate;
-    active_.assign(model_.fans.size(), 1);
-    has_guess_.assign(model_.fan_points.size(), 1);
-    for (std::size_t i = 0; i < model_.fan_points.size(); ++i) {
-        const Index point = model_.fan_points[i].point;
-        guess_[i] = options_.theta * Vec2(end.contact[point], end.impulse[point].y());
-    }
-    return true;
+    if (found.status != LcpStatus::solved) return std::nullopt;
+    return recover(step, model, begin, h, unit.unknown.cwiseProduct(found.z));
 }
 
 }  // namespace knap

@@ -1,34 +1,22 @@
-// Sides of active fans that stick without a jump move as one in the implicit scheme, to the last bit.
-#include "stepper/implicit/implicit_scheme.hpp"
+#include "stepper/implicit/sticking_nodes.hpp"
 
 #include <algorithm>
 #include <span>
 
 namespace knap {
 
-void ImplicitScheme::make_room_for_joins() {
+StickingNodes::StickingNodes(const Model& model) : model_(model) {
     Index max_nodes = 0;  // of a fan, and the ground
-    for (const Fan& fan : model_.fans) max_nodes = std::max(max_nodes, fan.n_corners + 1);
+    for (const Fan& fan : model.fans) max_nodes = std::max(max_nodes, fan.n_corners + 1);
     clusters_.resize(max_nodes);
     for (std::vector<Index>& cluster : clusters_) cluster.reserve(max_nodes);
     other_.reserve(max_nodes);
 }
 
-bool ImplicitScheme::holds(Index f) const {
-    const Fan& fan = model_.fans[f];
-    for (Index j = 0; j < fan.n_points; ++j) {
-        const Index i = active_point_of_[fan.first_point + j];
-        if (i < 0) continue;
-        const ActivePoint& point = points_[i];
-        if (!point.holds_still() || point.response.softens) return false;
-    }
-    return true;
-}
-
-void ImplicitScheme::merge_sticking_velocities(std::vector<Vec2>& rate) {
-    // sides that stick without a jump move as one to the last bit: the mean of what the solver left of 1e-13 or so
+void StickingNodes::merge(const std::vector<std::uint8_t>& fan_is_active, const std::vector<Index>& active_point_of, const std::vector<ActivePoint>& points,
+                          const std::vector<std::array<bool, 2>>& prescribed, std::vector<Vec2>& rate) {
     for (std::size_t f = 0; f < model_.fans.size(); ++f) {
-        if (!active_[f]) continue;
+        if (!fan_is_active[f]) continue;
         const Fan& fan = model_.fans[f];
         std::size_t n_clusters = 0;  // of nodes; -1 is the ground
         const auto cluster_of = [&](Index node) -> std::vector<Index>& {
@@ -38,9 +26,9 @@ void ImplicitScheme::merge_sticking_velocities(std::vector<Vec2>& rate) {
             return clusters_[n_clusters++];
         };
         for (Index j = 0; j < fan.n_points; ++j) {
-            const Index i = active_point_of_[fan.first_point + j];
+            const Index i = active_point_of[fan.first_point + j];
             if (i < 0) continue;
-            const ActivePoint& point = points_[i];
+            const ActivePoint& point = points[i];
             if (!point.holds_still() || point.before == point.after) continue;
             other_ = cluster_of(point.before);
             if (std::find(other_.begin(), other_.end(), point.after) != other_.end()) continue;
@@ -54,11 +42,11 @@ void ImplicitScheme::merge_sticking_velocities(std::vector<Vec2>& rate) {
                 bool is_given = false;
                 for (const Index node : cluster) {
                     if (node < 0) is_given = true, given = 0;
-                    else if (bulk_.prescribed()[node][k] && !is_given) is_given = true, given = rate[node][k];
+                    else if (prescribed[node][k] && !is_given) is_given = true, given = rate[node][k];
                     else sum += rate[node][k];
                 }
                 for (const Index node : cluster)
-                    if (node >= 0 && !bulk_.prescribed()[node][k]) rate[node][k] = is_given ? given : sum / static_cast<double>(cluster.size());
+                    if (node >= 0 && !prescribed[node][k]) rate[node][k] = is_given ? given : sum / static_cast<double>(cluster.size());
             }
     }
 }
