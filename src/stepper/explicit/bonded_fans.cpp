@@ -3,6 +3,7 @@
 
 #include "base/parallel.hpp"
 #include "interface/self_stress.hpp"
+#include "stepper/explicit/corner_motion.hpp"
 
 #include <omp.h>
 
@@ -134,7 +135,7 @@ StepReport VertexScheme::advance_bordering(const State& begin, const FreeMotion&
                 }
             }
             Vec2 velocity = begin.velocity[f] + free.kick_time / mass * force;
-            const PrescribedMotion* motion = prescribed_motion(*corner);
+            const PrescribedMotion* motion = prescribed_motion(model_, *corner);
             if (motion) {
                 const Vec2 given = prescribed_velocity(*motion, begin.displacement[f], begin, free.drift_time);
                 for (int k = 0; k < 2; ++k)
@@ -164,7 +165,7 @@ void VertexScheme::account_drive(Index fan, const PrescribedMotion& motion, cons
 /// which then become what its points must give them.
 bool VertexScheme::bonded_by_estimate(Index f, const Vec2& force, std::vector<Vec2>& forces) {
     const Fan& fan = model_.fans[f];
-    if (fan.split_at_start || prescribed_motion(model_.fan_corners[fan.first_corner])) return false;
+    if (fan.split_at_start || prescribed_motion(model_, model_.fan_corners[fan.first_corner])) return false;
     const FanPoint* point = model_.fan_points.data() + fan.first_point;
     const Vec2 acceleration = force / fan.mass;
     for (Index i = 0; i < fan.n_corners; ++i) forces[i] = mass_[fan.first_corner + i] * acceleration - forces[i];

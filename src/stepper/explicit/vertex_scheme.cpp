@@ -2,6 +2,7 @@
 
 #include "base/parallel.hpp"
 #include "stepper/common/point_work.hpp"
+#include "stepper/explicit/corner_motion.hpp"
 #include "stepper/explicit/split_order.hpp"
 
 #include <omp.h>
@@ -25,6 +26,7 @@ VertexScheme::VertexScheme(const Model& model, const SchemeOptions& options)
       fan_is_candidate_(model.fans.size(), 0),
       splits_(model.fans.size(), 0),
       contacts_(model),
+      stationary_(model, options.cohesion, mass_, contacts_),
       motion_(model) {
     for (const Index corner : model.fan_corners) mass_.push_back(model.corner_mass[corner]);
     workspaces_.resize(omp_get_max_threads());
@@ -140,7 +142,7 @@ void VertexScheme::assemble_problem(Index f, const State& begin, const FreeMotio
         body.free_velocity = body.velocity + free.kick_time * inverse_mass * free.corner_force[corner];
         if (!contacts_.on_edges().empty()) body.free_velocity += inverse_mass * edge_impulse_on(corner);
         body.inverse_mass = Vec2::Constant(inverse_mass);
-        const PrescribedMotion* motion = prescribed_motion(corner);
+        const PrescribedMotion* motion = prescribed_motion(model_, corner);
         if (!motion) continue;
         const Vec2 given = prescribed_velocity(*motion, begin.displacement[node], begin, free.drift_time);
         for (int k = 0; k < 2; ++k)
@@ -177,7 +179,7 @@ void VertexScheme::assemble_problem(Index f, const State& begin, const FreeMotio
     for (const ObstacleContact& contact : contacts_.of_fan(f)) {
         const Index* corner = &model_.fan_corners[fan.first_corner];
         const Obstacle& obstacle = model_.obstacles[contact.obstacle];
-        const PrescribedMotion* motion = prescribed_motion(contact.corner);
+        const PrescribedMotion* motion = prescribed_motion(model_, contact.corner);
         const bool rubs = !(motion && obstacle.is_free() && contact.is_led_along(motion->component));
         problem.links.push_back({.before = static_cast<Index>(problem.bodies.size()),
                                  .after = static_cast<Index>(std::find(corner, corner + fan.n_corners, contact.corner) - corner),
@@ -273,21 +275,9 @@ double crossing_loss(const FanLink& link, double v_T_before, double v_T_after, d
 
 }  // namespace
 
-void VertexScheme::move_corner(Index in_fans, const Vec2& velocity, const State& begin, const FreeMotion& free, State& end, StepReport& report) const {
-    const Index corner = model_.fan_corners[in_fans];
-    const Index from = begin.node_of_corner[corner], to = end.node_of_corner[corner];
-    const Vec2 force = free.corner_force[corner];
-    end.velocity[to] = velocity;
-    end.displacement[to] = begin.displacement[from] + free.drift_time * velocity;
-    report.kinetic += 0.5 * mass_[in_fans] * velocity.squaredNorm();
-    report.strain -= 0.5 * force.dot(end.displacement[to]);
-    report.step_change_work -= 0.25 * (free.drift_time - begin.last_step) * force.dot(velocity - begin.velocity[from]);
-    report.largest_speed = std::max(report.largest_speed, velocity.squaredNorm());
-}
-
 void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work,
                                StepReport& report) {
-    if (advance_stationary(rank, begin, free, end, work, report)) return;
+    if (stationary_.advance(rank, begin, free, end, work.stationary, report)) return;
     const Index f = end.split_fans[rank];
     const Fan& fan = model_.fans[f];
     FanProblem& problem = work.problem;
@@ -307,7 +297,7 @@ void VertexScheme::advance_fan(Index rank, const State& begin, const FreeMotion&
         const Index corner = model_.fan_corners[fan.first_corner + i];
         const double mass = mass_[fan.first_corner + i];
         const Vec2 before = problem.bodies[i].velocity, velocity = problem.bodies[i].end_velocity, force = free.corner_force[corner];
-        move_corner(fan.first_corner + i, velocity, begin, free, end, report);
+        move_corner(corner, mass, velocity, begin, free, end, report);
         for (int k = 0; k < 2; ++k) {  // the reaction of a prescribed motion works; the impulses of the links are taken off below
             if (problem.bodies[i].inverse_mass[k] != 0) continue;
             const double impulse = mass * (velocity[k] - before[k]) - free.kick_time * force[k] - edge_impulse_on(corner)[k];

@@ -16,6 +16,7 @@
 #include "stepper/explicit/free_motion.hpp"
 #include "stepper/explicit/inscribed_circles.hpp"
 #include "stepper/explicit/mesh_blocks.hpp"
+#include "stepper/explicit/stationary_fans.hpp"
 
 #include <memory>
 
@@ -29,22 +30,13 @@ public:
     StepReport advance(const State& begin, const ExplicitBulk& bulk, FreeMotion& free, State& end);
 
 private:
-    /// A fan whose parts are stationary.
-    struct StationaryFan {
-        std::vector<Index> node, part;      // per corner
-        std::vector<std::uint8_t> is_open;  // per point
-        std::vector<double> bound;          // [m/s] per point, of an open one: below it the sides would touch
-        Index first_open, n_parts;          // point, or -1; the last part may be empty
-        std::vector<Vec2> velocity;         // [m/s] per part
-        std::vector<double> mass;           // [kg]
-    };
     struct alignas(128) Workspace {  // no cache line of two threads
         FanProblem problem;
         FanSolver solver;
         std::vector<LinkCohesion> cohesion;
         std::vector<Vec2> force;           // [N] on the corners of a block of triangles
-        std::vector<Vec2> required, impulse;  // per corner, per point of a fan in one piece: [N], or of a stationary one [N s]
-        StationaryFan stationary;
+        std::vector<Vec2> required;        // [N] per corner of a fan in one piece: what its points must give it
+        StationaryFans::Workspace stationary;
         std::vector<double> restitution;  // [-] of the links of a fan, where they are put aside
     };
 
@@ -74,17 +66,10 @@ private:
     StepReport account_loads(const State& begin, const ExplicitBulk& bulk, const FreeMotion& free, const State& end);
     StepReport advance_split(const State& begin, const FreeMotion& free, State& end);
     void advance_fan(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report);
-    bool advance_stationary(Index rank, const State& begin, const FreeMotion& free, State& end, Workspace& work, StepReport& report) const;
-    bool find_parts(Index rank, const State& begin, double h, StationaryFan& stationary) const;
-    void move_corner(Index in_fans, const Vec2& velocity, const State& begin, const FreeMotion& free, State& end, StepReport& report) const;
 
     FanSolution solve(Index fan, const State& begin, Workspace& work) const;
     FanSolution solve_assembled(Index fan, const State& begin, Workspace& work, double rest = 0) const;
     void assemble_problem(Index fan, const State& begin, const FreeMotion& free, FanProblem& problem) const;
-    /// Null where nothing is prescribed. In a fan in one piece all corners have the same.
-    const PrescribedMotion* prescribed_motion(Index corner) const {
-        return model_.prescribed.empty() || model_.prescribed_of_corner[corner] < 0 ? nullptr : &model_.prescribed[model_.prescribed_of_corner[corner]];
-    }
     Vec2 prescribed_velocity(const PrescribedMotion& motion, const Vec2& displacement, const State& begin, double h) const;
     double cohesion_before(Index fan, Index point, const State& begin) const;
 
@@ -96,6 +81,7 @@ private:
     std::vector<std::uint8_t> fan_is_candidate_;   // per fan: the stress criterion does not clear it
     std::vector<std::uint8_t> splits_;  // per fan, in this step
     ObstacleContacts contacts_;
+    StationaryFans stationary_;
     ObstacleMotion motion_;
     std::vector<Vec2> contact_impulse_;      // [N s] per contact, on the body
     std::vector<FanLink> edge_links_;        // of the contacts on edges, solved
