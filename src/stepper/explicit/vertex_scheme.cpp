@@ -1,6 +1,7 @@
 #include "stepper/explicit/vertex_scheme.hpp"
 
 #include "base/parallel.hpp"
+#include "base/room.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/explicit/corner_motion.hpp"
 #include "stepper/explicit/split_order.hpp"
@@ -30,7 +31,10 @@ VertexScheme::VertexScheme(const Model& model, const SchemeOptions& options)
       motion_(model) {
     for (const Index corner : model.fan_corners) mass_.push_back(model.corner_mass[corner]);
     workspaces_.resize(omp_get_max_threads());
-    for (Workspace& work : workspaces_) work.force.resize(blocks_.max_corners());
+    for (Workspace& work : workspaces_) {
+        work.force.resize(blocks_.max_corners());
+        make_room(16, work.stationary.required, work.stationary.impulse);  // more corners and points than most vertices have
+    }
 }
 
 StepReport VertexScheme::advance(const State& begin, const ExplicitBulk& bulk, FreeMotion& free, State& end) {
