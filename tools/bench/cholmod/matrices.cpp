@@ -5,7 +5,7 @@
 #if __has_include("element/triangle_matrices.hpp")
 #include "element/triangle_matrices.hpp"
 #else
-#include "bulk/triangle_matrices.hpp"
+#include "element/triangle_matrices.hpp"
 #endif
 
 #include <algorithm>
@@ -55,10 +55,10 @@ CrackedBody cracked_body(const std::string& scenario_name, const std::string& me
 
 Setting::Setting(const CrackedBody& body, Index n_split, Index n_stronger) {
     const Model& model = body.model;
-    std::vector<std::uint8_t> loose(model.fans.size(), 0), of_path(model.fans.size(), 0);
-    for (std::size_t f = 0; f < model.fans.size(); ++f) loose[f] = model.fans[f].split_at_start;
-    for (Index i = 0; i < n_split; ++i) loose[body.path[i]] = of_path[body.path[i]] = 1;
-    partition_corners(model, loose, partition);
+    std::vector<std::uint8_t> active(model.fans.size(), 0), of_path(model.fans.size(), 0);
+    for (std::size_t f = 0; f < model.fans.size(); ++f) active[f] = model.fans[f].split_at_start;
+    for (Index i = 0; i < n_split; ++i) active[body.path[i]] = of_path[body.path[i]] = 1;
+    partition_corners(model, active, partition);
 
     prescribed.assign(partition.n_nodes(), {false, false});
     for (Index c = 0; c < model.mesh.n_corners(); ++c)

@@ -2,11 +2,7 @@
 // The matrices of an implicit step with a crack that runs: M_hat = M + theta^2 h^2 K and the blocks of the interface points, for both
 // sides.
 #include "model/model.hpp"
-#if __has_include("stepper/implicit/theta_matrix.hpp")
 #include "stepper/implicit/theta_matrix.hpp"
-#else
-#include "stepper/theta_matrix.hpp"
-#endif
 
 #include <Eigen/SparseCore>
 
