@@ -46,16 +46,52 @@ std::filesystem::path file_name(const FigureOptions& options, double time) {
     return file.replace_filename(file.stem().string() + "_" + time_text(asked, true) + file.extension().string());
 }
 
+/// A figure that is drawn from histories. A new one is a row of curve_kinds.
+struct CurveKind {
+    const char* show;
+    Chart (*chart)(const FigureOptions&, const Histories&, const FigureContext&);  // null: draw_rose
+    History Histories::*table = nullptr;  // null: every run has it
+    const char* origin = "";              // of the table, for a run without it
+};
+
+constexpr const char* origin_of_probes = "probes.csv is written where the scenario has a [[probe]]";
+constexpr const char* origin_of_breaks = "breaks.csv is written with output.breaks = true";
+
+using Options = FigureOptions;
+using Context = FigureContext;
+const CurveKind curve_kinds[] = {
+    {"energy", [](const Options&, const Histories& h, const Context&) { return energy_chart(h.energy); }},
+    {"crack_length", [](const Options&, const Histories& h, const Context&) { return crack_length_chart(h.cracks); }},
+    {"crack_speed",
+     [](const Options&, const Histories& h, const Context& context) { return crack_speed_chart(h.cracks, context.rayleigh_speed); }},
+    {"reactions",
+     [](const Options& options, const Histories& h, const Context&) { return reaction_chart(h.reactions, options.over == "time"); },
+     &Histories::reactions, "reactions.csv is written where a load prescribes a motion or there is an obstacle"},
+    {"probes", [](const Options&, const Histories& h, const Context&) { return probe_chart(h.probes); }, &Histories::probes,
+     origin_of_probes},
+    {"probe_velocities", [](const Options&, const Histories& h, const Context&) { return probe_velocity_chart(h.probes); },
+     &Histories::probes, origin_of_probes},
+    {"stress_strain", [](const Options&, const Histories& h, const Context&) { return stress_strain_chart(h.stress_strain); },
+     &Histories::stress_strain, "stress_strain.csv is written where the scenario has a [specimen]"},
+    {"breaks",
+     [](const Options&, const Histories& h, const Context&) {
+         const std::vector<double> time = h.energy.column("time");
+         return break_chart(h.breaks, time.front(), time.back());
+     },
+     &Histories::breaks, origin_of_breaks},
+    {"rose", nullptr, &Histories::breaks, origin_of_breaks},
+    {"fragments", [](const Options&, const Histories& h, const Context&) { return fragment_size_chart(h.fragments); },
+     &Histories::fragments, "fragments.csv is written at the end of a run"},
+};
+
+/// Null for a picture of the body.
+const CurveKind* curve_kind(const std::string& show) {
+    const auto found = std::ranges::find(curve_kinds, show, &CurveKind::show);
+    return found == std::end(curve_kinds) ? nullptr : &*found;
+}
+
 Chart chart_of(const FigureOptions& options, const Histories& histories, const FigureContext& context) {
-    if (options.show == "energy") return energy_chart(histories.energy);
-    if (options.show == "crack_length") return crack_length_chart(histories.cracks);
-    if (options.show == "reactions") return reaction_chart(histories.reactions, options.over == "time");
-    if (options.show == "probes") return probe_chart(histories.probes);
-    if (options.show == "probe_velocities") return probe_velocity_chart(histories.probes);
-    if (options.show == "stress_strain") return stress_strain_chart(histories.stress_strain);
-    if (options.show == "breaks") return break_chart(histories.breaks, histories.energy.column("time").front(), histories.energy.column("time").back());
-    if (options.show == "fragments") return fragment_size_chart(histories.fragments);
-    return crack_speed_chart(histories.cracks, context.rayleigh_speed);
+    return curve_kind(options.show)->chart(options, histories, context);
 }
 
 /// Which table a figure is drawn from, and where that comes from; null where every run has what it needs.
@@ -65,13 +101,9 @@ struct Source {
 };
 
 Source source_of(const std::string& show, const std::string& colour, const Histories& histories) {
-    if (show == "reactions") return {&histories.reactions, "reactions.csv is written where a load prescribes a motion or there is an obstacle"};
-    if (show == "probes" || show == "probe_velocities") return {&histories.probes, "probes.csv is written where the scenario has a [[probe]]"};
-    if (show == "stress_strain") return {&histories.stress_strain, "stress_strain.csv is written where the scenario has a [specimen]"};
-    if (show == "breaks" || show == "rose" || (show == "cracks" && crack_colour(colour).needs_breaks))
-        return {&histories.breaks, "breaks.csv is written with output.breaks = true"};
-    if (show == "fragments") return {&histories.fragments, "fragments.csv is written at the end of a run"};
-    return {};
+    if (show == "cracks" && crack_colour(colour).needs_breaks) return {&histories.breaks, origin_of_breaks};
+    const CurveKind* kind = curve_kind(show);
+    return kind && kind->table ? Source{&(histories.*kind->table), kind->origin} : Source{};
 }
 
 }  // namespace
@@ -102,7 +134,7 @@ std::vector<std::string> figure_fields() {
 std::vector<std::string> figure_subjects() {
     std::vector<std::string> names{"cracks", "materials"};
     for (const std::string& field : figure_fields()) names.push_back(field);
-    names.insert(names.end(), {"energy", "crack_length", "crack_speed", "reactions", "probes", "probe_velocities", "stress_strain", "breaks", "rose", "fragments"});
+    for (const CurveKind& kind : curve_kinds) names.emplace_back(kind.show);
     return names;
 }
 
@@ -120,7 +152,9 @@ bool shows_body(const std::string& subject) {
 }
 
 bool needs_breaks(const std::string& show, const std::string& colour) {
-    return show == "breaks" || show == "rose" || (show == "cracks" && among(figure_colours(), colour) && crack_colour(colour).needs_breaks);
+    if (show == "cracks") return among(figure_colours(), colour) && crack_colour(colour).needs_breaks;
+    const CurveKind* kind = curve_kind(show);
+    return kind && kind->table == &Histories::breaks;
 }
 
 std::string_view unit_of_figure(const std::string& show, const std::string& colour) {
