@@ -1,6 +1,7 @@
 #include "figures/figures.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "figures/body_figures.hpp"
 #include "figures/crack_colours.hpp"
 #include "figures/curve_figures.hpp"
@@ -15,12 +16,6 @@ namespace knap {
 namespace {
 
 bool among(const std::vector<std::string>& words, const std::string& word) { return std::find(words.begin(), words.end(), word) != words.end(); }
-
-std::string joined(const std::vector<std::string>& words) {
-    std::string text;
-    for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-    return text;
-}
 
 void check(const FigureOptions& options) {
     if (!among(figure_subjects(), options.show))

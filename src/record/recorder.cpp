@@ -174,7 +174,10 @@ void Recorder::watch_step(const State& now) {
 }
 
 void Recorder::finish(const State& now, bool failed) {
-    if (now.n_steps > look_.step) deformation_.look_at(now), look_ = {0, now.n_steps};
+    if (now.n_steps > look_.step) {
+        const Timed timed(*this);
+        deformation_.look_at(now), look_ = {0, now.n_steps};
+    }
     gates_.judge(ledger_, deformation_, true);
     if (last_line_ < now.time) write_lines(now);
     if (writer_ && (options_.frame_every > 0 || failed) && frame_times_.back() < now.time) write_frame(now);

@@ -133,6 +133,12 @@ void ObstacleContacts::meet_edge(Index triangle, Index side, Index o, const Stat
     meet(middle, last);
 }
 
+bool ObstacleContacts::find_free(std::vector<std::uint8_t>& free) const {
+    free.assign(model_.obstacles.size(), 0);
+    for (const ObstacleContact& contact : contacts_) free[contact.obstacle] = model_.obstacles[contact.obstacle].is_free();
+    return std::ranges::find(free, 1) != free.end();
+}
+
 std::span<const ObstacleContact> ObstacleContacts::of_fan(Index fan) const {
     struct ByFan {
         bool operator()(const ObstacleContact& contact, Index f) const { return contact.fan < f; }

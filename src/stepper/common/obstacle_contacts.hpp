@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -53,6 +54,15 @@ public:
     std::span<const ObstacleContact> of_fan(Index fan) const;  // at its corners
     std::span<const ObstacleContact> on_edges() const { return std::span(contacts_).subspan(n_at_corners_); }
     std::size_t n_at_corners() const { return n_at_corners_; }
+
+    /// [0/1] per obstacle: it is free, and something may meet it. False where there is none.
+    bool find_free(std::vector<std::uint8_t>& free) const;
+    /// [N s, N s, N m s] of the body on each obstacle, from the impulse on the body at each contact, by its number in all().
+    template <class ImpulseAt>
+    void sum_wrenches(const ImpulseAt& impulse_at, std::vector<Vec3>& wrench) const {
+        wrench.assign(model_.obstacles.size(), Vec3::Zero());
+        for (std::size_t i = 0; i < contacts_.size(); ++i) wrench[contacts_[i].obstacle] -= wrench_of(impulse_at(i), contacts_[i].arm);
+    }
 
 private:
     struct Candidate {

@@ -17,15 +17,12 @@ constexpr int swift_sweeps = 10, max_sweeps = 500;
 
 void VertexScheme::find_obstacle_velocities(const State& begin, const FreeMotion& free, StepReport& report) {
     const std::vector<ObstacleContact>& contacts = contacts_.all();
-    std::vector<std::uint8_t>& touched = touched_;
-    touched.assign(model_.obstacles.size(), 0);
-    for (const ObstacleContact& contact : contacts) touched[contact.obstacle] = model_.obstacles[contact.obstacle].is_free();
-    if (std::find(touched.begin(), touched.end(), 1) == touched.end()) return;
+    if (!contacts_.find_free(touched_)) return;
 
     std::vector<Index>& fans = touching_fans_;
     fans.clear();
     for (std::size_t i = 0; i < contacts_.n_at_corners(); ++i)
-        if (touched[contacts[i].obstacle] && (fans.empty() || fans.back() != contacts[i].fan)) fans.push_back(contacts[i].fan);
+        if (touched_[contacts[i].obstacle] && (fans.empty() || fans.back() != contacts[i].fan)) fans.push_back(contacts[i].fan);
     Workspace& work = workspaces_.front();
     const auto response = [&](std::vector<Vec3>& wrench) {
         StepReport of_trial;
@@ -39,7 +36,7 @@ void VertexScheme::find_obstacle_velocities(const State& begin, const FreeMotion
         }
         wrench = contact_wrenches();
     };
-    const double error = motion_.solve(begin, touched, 1e-14, std::cref(response));  // cref: nothing is copied
+    const double error = motion_.solve(begin, touched_, 1e-14, std::cref(response));  // cref: nothing is copied
     report.residual = std::max(report.residual, error);
     if (error <= max_error) return;
     // a body squeezed with friction has several solutions, or none, and which one its fan finds may jump: smaller steps tell them apart
@@ -48,13 +45,8 @@ void VertexScheme::find_obstacle_velocities(const State& begin, const FreeMotion
 }
 
 const std::vector<Vec3>& VertexScheme::contact_wrenches() {
-    std::vector<Vec3>& wrench = wrench_;
-    wrench.assign(model_.obstacles.size(), Vec3::Zero());
-    for (std::size_t i = 0; i < contact_impulse_.size(); ++i) {
-        const ObstacleContact& contact = contacts_.all()[i];
-        wrench[contact.obstacle] -= wrench_of(contact_impulse_[i], contact.arm);
-    }
-    return wrench;
+    contacts_.sum_wrenches([&](std::size_t i) -> const Vec2& { return contact_impulse_[i]; }, wrench_);
+    return wrench_;
 }
 
 Vec2 VertexScheme::edge_impulse_on(Index corner) const {

@@ -121,12 +121,12 @@ double VertexScheme::cohesion_before(Index fan, Index point, const State& begin)
 
 namespace {
 
-/// Newton's coefficient in this step: none for what cohesion holds, and for what would come to rest within the step under `push` [m/s], the
+/// Newton's coefficient in this step: none for what would come to rest within the step under `push` [m/s], the
 /// approach that lasting pressure makes in a step: a ball rests after infinitely many rebounds, in 2 e |V_N|/((1 - e) push) steps.
 double restitution_under(const FanProblem& problem, const FanLink& link, double push) {
     const double approach = -link.normal.dot(problem.velocity_before(link.after) - problem.velocity_before(link.before));
     const bool rests = 2 * link.restitution * std::max(approach, 0.0) < (1 - link.restitution) * push;
-    return link.cohesive > 0 || rests ? 0 : link.restitution;
+    return rests ? 0 : link.restitution;
 }
 
 }  // namespace
@@ -164,18 +164,19 @@ void VertexScheme::assemble_problem(Index f, const State& begin, const FreeMotio
         };
         const Vec2 jump = displacement(point.after) - displacement(point.before);
         const bool unbreakable = !law.breakable() && !point.cracked;
+        const double beta = unbreakable || point.cracked ? 0 : cohesion_before(f, i, begin);
         problem.links[i] = {.before = body_of(point.before, before),
                             .after = body_of(point.after, before + 1),
                             .normal = point.normal,
                             .u_N = point.gap + point.normal.dot(jump),
                             .u_T = turned_left(point.normal).dot(jump),
-                            .cohesive = unbreakable || point.cracked ? 0 : free.kick_time * law.sigma_c * point.area * cohesion_before(f, i, begin),
+                            .cohesive = beta > 0 ? free.kick_time * law.sigma_c * point.area * beta : 0,
                             .gamma = law.gamma,
                             .friction = law.friction,
-                            .restitution = law.restitution,
+                            .restitution = law.restitution_at(beta),
                             .unbreakable = unbreakable};
-        if (law.restitution == 0 || begin.split_rank[f] < 0) continue;
         FanLink& link = problem.links[i];
+        if (link.restitution == 0 || begin.split_rank[f] < 0) continue;
         const Vec2 mobility = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
         const double pressure = begin.points[begin.first_point[begin.split_rank[f]] + i].traction.x();  // of the step before
         link.restitution = restitution_under(problem, link, free.kick_time * point.area * pressure * link.normal.dot(mobility.cwiseProduct(link.normal)));

@@ -219,27 +219,19 @@ void ImplicitScheme::find_scales() {
 
 /// A free obstacle moves as the body lets it: the body is solved for its rates until both agree.
 void ImplicitScheme::find_obstacle_rates(const State& begin, double h, StepReport& report) {
-    std::vector<std::uint8_t>& touched = touched_;
-    touched.assign(model_.obstacles.size(), 0);
-    for (const ObstacleContact& contact : contacts_.all()) touched[contact.obstacle] = model_.obstacles[contact.obstacle].is_free();
-    if (std::find(touched.begin(), touched.end(), 1) == touched.end()) return;
+    if (!contacts_.find_free(touched_)) return;
     const auto response = [&](std::vector<Vec3>& wrench) {
         report.rejection = Rejection::none;  // of a trial
         solve_points(begin, h, report);
         wrench = contact_wrenches();
     };
-    report.residual = obstacles_.solve(begin, touched, obstacle_tolerance, std::cref(response));  // cref: nothing is copied
+    report.residual = obstacles_.solve(begin, touched_, obstacle_tolerance, std::cref(response));  // cref: nothing is copied
     report.rejection = Rejection::none;
 }
 
 const std::vector<Vec3>& ImplicitScheme::contact_wrenches() {
-    std::vector<Vec3>& wrench = wrench_;
-    wrench.assign(model_.obstacles.size(), Vec3::Zero());
-    for (std::size_t i = 0; i < contacts_.all().size(); ++i) {
-        const ObstacleContact& contact = contacts_.all()[i];
-        wrench[contact.obstacle] -= wrench_of(contact_points()[i].impulse() / options_.theta, contact.arm);
-    }
-    return wrench;
+    contacts_.sum_wrenches([&](std::size_t i) -> Vec2 { return contact_points()[i].impulse() / options_.theta; }, wrench_);
+    return wrench_;
 }
 
 ActivePoint ImplicitScheme::make_contact_point(const ObstacleContact& contact, const State& begin, double h) const {
