@@ -12,7 +12,7 @@ namespace {
 
 constexpr double degree = M_PI / 180;
 constexpr double little = 1e-3;    // of a triangle: faces that slid a little
-constexpr double straight = 1e-6;  // [rad] foundations that turn by less go straight on
+constexpr double straight = 1e-6;  // [rad] supports that turn by less go straight on
 
 struct Gradient {
     double xx, xy, yx, yy;  // u_x,x  u_x,y  u_y,x  u_y,y
@@ -32,7 +32,7 @@ Gradient displacement_gradient(const Mesh& mesh, const State& state, Index t) {
             .yy = inverse * (u_b.y() * a.x() - u_a.y() * b.x())};
 }
 
-Vec2 displacement_of(const State& state, Index corner) { return corner == ground ? Vec2(Vec2::Zero()) : state.displacement[state.node_of_corner[corner]]; }
+Vec2 displacement_of(const State& state, Index corner) { return corner == rigid_support ? Vec2(Vec2::Zero()) : state.displacement[state.node_of_corner[corner]]; }
 
 }  // namespace
 
@@ -45,7 +45,7 @@ DeformationWatch::DeformationWatch(const Model& model) : model_(model) {
     }
     look_path_ = degree * lowest;
     triangle_area_ = body_area_ / std::max<Index>(1, model.mesh.n_triangles());
-    measure_foundations();
+    measure_supports();
 }
 
 double DeformationWatch::search_path() const { return 0.1 * std::sqrt(body_area_ / std::max<Index>(1, model_.mesh.n_triangles())); }
@@ -80,16 +80,16 @@ void DeformationWatch::look_at_points(const State& state) {
             const FanPoint& at = model_.fan_points[fan.first_point + k];
             double slip = turned_left(at.normal).dot(displacement_of(state, at.after) - displacement_of(state, at.before));
             const Index interface = model_.interface_of(at.point);
-            if (at.before == ground || at.after == ground) slip = beyond_foundation(interface, slip);
+            if (at.before == rigid_support || at.after == rigid_support) slip = beyond_support(interface, slip);
             const double edges = std::abs(slip) / model_.interfaces[interface].length;
-            if (!(edges <= slip_.value)) slip_.meet(edges, model_.mesh.corner(at.after == ground ? at.before : at.after));
+            if (!(edges <= slip_.value)) slip_.meet(edges, model_.mesh.corner(at.after == rigid_support ? at.before : at.after));
         }
     }
 }
 
-/// A foundation is rigid, and goes on straight where its last edge ends: what slides along it stays on it. Only where the next edge of the foundation turns away
-/// does a point come to where the foundation is not what it feels.
-void DeformationWatch::measure_foundations() {
+/// A support is rigid, and goes on straight where its last edge ends: what slides along it stays on it. Only where the next edge of the support turns away
+/// does a point come to where the support is not what it feels.
+void DeformationWatch::measure_supports() {
     struct Side {
         Index interface;
         Vec2 along;     // T
@@ -100,7 +100,7 @@ void DeformationWatch::measure_foundations() {
     std::map<Index, std::vector<std::size_t>> at_vertex;
     for (Index i = 0; i < static_cast<Index>(model_.interfaces.size()); ++i) {
         const Interface& interface = model_.interfaces[i];
-        if (interface.triangle[0] != ground && interface.triangle[1] != ground) continue;
+        if (interface.triangle[0] != rigid_support && interface.triangle[1] != rigid_support) continue;
         Side side{.interface = i, .along = turned_left(interface.normal), .length = interface.length, .end = interface.vertex};
         if (side.along.dot(model_.mesh.vertices[side.end[1]] - model_.mesh.vertices[side.end[0]]) < 0) std::swap(side.end[0], side.end[1]);
         for (const Index v : side.end) at_vertex[v].push_back(sides.size());
@@ -134,7 +134,7 @@ void DeformationWatch::measure_foundations() {
     for (std::size_t s = 0; s < sides.size(); ++s) straight_.push_back({.interface = sides[s].interface, .backward = backward[s], .forward = forward[s]});
 }
 
-double DeformationWatch::beyond_foundation(Index interface, double slip) const {
+double DeformationWatch::beyond_support(Index interface, double slip) const {
     const auto found = std::lower_bound(straight_.begin(), straight_.end(), interface, [](const StraightReach& side, Index i) { return side.interface < i; });
     return std::max(0.0, std::abs(slip) - (slip > 0 ? found->forward : found->backward));
 }

@@ -48,10 +48,10 @@ public:
 private:
     void look_at_triangles(const State& state);
     void look_at_points(const State& state);
-    void measure_foundations();
-    double beyond_foundation(Index interface, double slip) const;
+    void measure_supports();
+    double beyond_support(Index interface, double slip) const;
 
-    /// How far a point on a foundation may slide before the foundation turns away from it [m], backward and forward along T.
+    /// How far a point on a support may slide before the support turns away from it [m], backward and forward along T.
     struct StraightReach {
         Index interface;
         double backward, forward;

@@ -77,7 +77,7 @@ Fragments find_fragments(const Model& model, const State& state) {
     for (std::size_t i = 0; i < status.size(); ++i) {
         const auto [a, b] = model.interfaces[i / model.mesh.order].triangle;
         const bool holds = status[i] == InterfaceStatus::intact || status[i] == InterfaceStatus::damaged;
-        if (holds && a != ground && b != ground) joined.push_back({a, b});
+        if (holds && a != rigid_support && b != rigid_support) joined.push_back({a, b});
     }
     return find_fragments(triangles, joined);
 }

@@ -10,7 +10,7 @@ namespace knap {
 
 InterfaceGraph interface_graph(const Model& model) {
     const Mesh& mesh = model.mesh;
-    std::vector<std::pair<Index, Index>> on_foundation;  // edges by their vertices
+    std::vector<std::pair<Index, Index>> on_support;  // edges by their vertices
     InterfaceGraph graph;
     graph.vertices = mesh.vertices;
     graph.ends.reserve(model.interfaces.size());
@@ -25,14 +25,14 @@ InterfaceGraph interface_graph(const Model& model) {
             graph.ends.insert(graph.ends.end(), {{i.vertex[0], middle}, {middle, i.vertex[1]}});
             graph.length.insert(graph.length.end(), 2, 0.5 * i.length);
         }
-        if (i.triangle[0] == ground || i.triangle[1] == ground) on_foundation.push_back(std::minmax(i.vertex[0], i.vertex[1]));
+        if (i.triangle[0] == rigid_support || i.triangle[1] == rigid_support) on_support.push_back(std::minmax(i.vertex[0], i.vertex[1]));
     }
-    std::sort(on_foundation.begin(), on_foundation.end());
+    std::sort(on_support.begin(), on_support.end());
     graph.on_boundary.assign(graph.vertices.size(), 0);
     for (const BoundaryEdge& edge : mesh.boundary_edges) {
         const auto& corners = mesh.triangles[edge.triangle];
         const Index a = corners[edge.side], b = corners[(edge.side + 1) % 3];
-        if (std::binary_search(on_foundation.begin(), on_foundation.end(), std::pair<Index, Index>(std::minmax(a, b)))) continue;
+        if (std::binary_search(on_support.begin(), on_support.end(), std::pair<Index, Index>(std::minmax(a, b)))) continue;
         graph.on_boundary[a] = graph.on_boundary[b] = 1;
     }
     return graph;

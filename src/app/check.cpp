@@ -61,9 +61,9 @@ void print_parts(const Scenario& scenario, const Model& model) {
         restitution = restitution || law.restitution > 0;
         shear = shear || law.gamma > 0;
     }
-    std::printf("what this scene needs\n  cohesion %s, tangential cohesion %s, friction %s, impact %s, foundations %s, driven boundaries %s\n",
+    std::printf("what this scene needs\n  cohesion %s, tangential cohesion %s, friction %s, impact %s, supports %s, driven boundaries %s\n",
                 breakable ? "yes" : "no (elastic)", breakable && shear ? "yes" : "no", friction ? "yes" : "no",
-                restitution ? "with restitution" : "plastic", scenario.foundations.empty() ? "no" : "yes", model.prescribed.empty() ? "no" : "yes");
+                restitution ? "with restitution" : "plastic", scenario.supports.empty() ? "no" : "yes", model.prescribed.empty() ? "no" : "yes");
     const SchemeOptions& scheme = scenario.time.scheme;
     const bool implicit_bulk = scheme.bulk == BulkScheme::implicit_theta, implicit_beta = scheme.cohesion == CohesionScheme::implicit_beta;
     std::printf("  path: ");

@@ -14,7 +14,7 @@ constexpr double highest = 620, narrowest = 60, panel_margin = 4;
 constexpr double tick = 3.5, label_gap = 10, frame_width = 0.7;
 
 /// The surface of a half plane below the middle of the body and a strip of it, where it is not far away.
-void include_ground(const Frame& frame, Index obstacle, double exaggeration, const Box& near, double size, Box& box) {
+void include_support(const Frame& frame, Index obstacle, double exaggeration, const Box& near, double size, Box& box) {
     const auto place = [&](Index k) { return Vec2(frame.obstacle_position[k] + exaggeration * frame.obstacle_displacement[k]); };
     const Index first = obstacle * n_outline_points;
     const Vec2 a = place(first), along = (place(first + 1) - a).normalized(), middle = 0.5 * (near.low + near.high);
@@ -46,7 +46,7 @@ Box bounds(const Frame& frame, double exaggeration, double aspect) {
     const Box near{box.low.array() - 0.75 * size, box.high.array() + 0.75 * size};
     for (Index o = 0; o < frame.n_obstacles(); ++o) {
         if (frame.is_half_plane(o)) {
-            include_ground(frame, o, exaggeration, near, size, box);
+            include_support(frame, o, exaggeration, near, size, box);
             continue;
         }
         for (Index k = o * n_outline_points; k < (o + 1) * n_outline_points; ++k)

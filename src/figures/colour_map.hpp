@@ -9,7 +9,7 @@ namespace knap {
 class ColourMap {
 public:
     static ColourMap viridis();    // sizes: dark blue, green, yellow
-    static ColourMap plasma();     // lines on a light ground: dark blue, magenta, orange
+    static ColourMap plasma();     // lines on a light background: dark blue, magenta, orange
     static ColourMap fading();     // what goes to nothing: from dark purple by red to the grey of what is still whole
     static ColourMap diverging();  // signed values: blue, nearly white at the middle, red
 

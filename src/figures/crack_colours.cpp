@@ -51,8 +51,8 @@ double mean(const std::vector<double>& of_points, Index i) { return 0.5 * (of_po
 
 Kind kind_of(const Frame& frame, Index i) {
     const PointStatus a = frame.status[2 * i], b = frame.status[2 * i + 1];
-    const bool on_foundation = frame.side_a[i][0] < 0 || frame.side_b[i][0] < 0;  // resting on it is no crack
-    if (a == PointStatus::precrack) return on_foundation ? Kind::intact : Kind::precrack;
+    const bool on_support = frame.side_a[i][0] < 0 || frame.side_b[i][0] < 0;  // resting on it is no crack
+    if (a == PointStatus::precrack) return on_support ? Kind::intact : Kind::precrack;
     if (a == PointStatus::broken && b == PointStatus::broken) return Kind::broken;
     return a == PointStatus::intact && b == PointStatus::intact ? Kind::intact : Kind::damaged;
 }

@@ -52,7 +52,7 @@ void FanLcp::make_clusters() {
             inverse_mass_[c][k] = 1 / mass_[c][k];
             free_velocity_[c][k] *= inverse_mass_[c][k];
         }
-        for (Index b = 0; b < n; ++b)  // what is prescribed rules its cluster, and so does the ground
+        for (Index b = 0; b < n; ++b)  // what is prescribed rules its cluster, and so does the support
             if (problem_->bodies[b].inverse_mass[k] == 0) {
                 inverse_mass_[cluster_[b]][k] = 0;
                 free_velocity_[cluster_[b]][k] = problem_->bodies[b].free_velocity[k];

@@ -46,7 +46,7 @@ private:
     double constant(int i) const;
 
     const FanProblem* problem_ = nullptr;
-    // bodies that unbreakable links join move as one; the ground is the last cluster
+    // bodies that unbreakable links join move as one; the support is the last cluster
     std::vector<Index> cluster_;                                // per body
     std::vector<Vec2> mass_, inverse_mass_, free_velocity_;     // per cluster
     double speed_ = 0;          // [m/s sqrt kg] with the largest mass of the links

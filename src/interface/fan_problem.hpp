@@ -26,9 +26,9 @@ struct FanBody {
     Vec2 mass() const { return {inverse_mass.x() > 0 ? 1 / inverse_mass.x() : 0, inverse_mass.y() > 0 ? 1 / inverse_mass.y() : 0}; }
 };
 
-/// An interface point of the chain. Bodies are numbered along the chain; link i joins `before` and `after` = neighbours, or ground.
+/// An interface point of the chain. Bodies are numbered along the chain; link i joins `before` and `after` = neighbours, or support.
 struct FanLink {
-    Index before, after;    // body, or -1 = ground (at rest)
+    Index before, after;    // body, or -1 = support (at rest)
     Vec2 normal;            // N; T = turned_left(N)
     double u_N, u_T;        // [m] opening and slip before the step
     double cohesive;        // [N s] C
@@ -52,7 +52,7 @@ struct FanProblem {
     bool closed = false;
     double drift_time = 0;       // [s] h
 
-    // per body, the ground included
+    // per body, the support included
     Vec2 inverse_mass(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].inverse_mass; }
     Vec2 velocity_before(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].velocity; }
     Vec2 free_velocity(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].free_velocity; }

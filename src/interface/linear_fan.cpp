@@ -72,8 +72,8 @@ bool LinearFan::make_clusters(const std::vector<LinkState>& states) {
     cluster_.resize(n);
     offset_.assign(n, Vec2::Zero());
     for (Index b = 0; b < n; ++b) cluster_[b] = b;
-    ground_cluster_ = n;
-    ground_offset_ = Vec2::Zero();
+    support_cluster_ = n;
+    support_offset_ = Vec2::Zero();
     bool consistent = true;
     for (Index i = 0; i < n_links(); ++i) {
         if (!states[i].sticks()) continue;
@@ -86,7 +86,7 @@ bool LinearFan::make_clusters(const std::vector<LinkState>& states) {
         }
         for (Index b = 0; b < n; ++b)
             if (cluster_[b] == joined) cluster_[b] = kept, offset_[b] += shift;
-        if (ground_cluster_ == joined) ground_cluster_ = kept, ground_offset_ += shift;
+        if (support_cluster_ == joined) support_cluster_ = kept, support_offset_ += shift;
     }
     return consistent;
 }
@@ -120,7 +120,7 @@ void LinearFan::apply_known_impulses(const std::vector<LinkState>& states, FanMo
         }
 }
 
-/// A prescribed component rules its cluster, and so does the ground. False: two of them differ.
+/// A prescribed component rules its cluster, and so does the support. False: two of them differ.
 bool LinearFan::prescribe_clusters() {
     constexpr double ruled = -1;  // in place of the inverse mass
     bool consistent = true;
@@ -131,7 +131,7 @@ bool LinearFan::prescribe_clusters() {
             cluster_velocity_[cluster][k] = velocity;
             inverse_mass = ruled;
         };
-        rule(ground_cluster_, -ground_offset_[k]);
+        rule(support_cluster_, -support_offset_[k]);
         for (Index b = 0; b < n_bodies(); ++b) {
             const FanBody& body = problem_->bodies[b];
             if (body.inverse_mass[k] == 0) rule(cluster_[b], body.free_velocity[k] - offset_[b][k]);

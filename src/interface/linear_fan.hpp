@@ -60,8 +60,8 @@ private:
 
     Index n_links() const { return static_cast<Index>(problem_->links.size()); }
     Index n_bodies() const { return static_cast<Index>(problem_->bodies.size()); }
-    Index cluster_of(Index body) const { return body < 0 ? ground_cluster_ : cluster_[body]; }
-    Vec2 offset_of(Index body) const { return body < 0 ? ground_offset_ : offset_[body]; }
+    Index cluster_of(Index body) const { return body < 0 ? support_cluster_ : cluster_[body]; }
+    Vec2 offset_of(Index body) const { return body < 0 ? support_offset_ : offset_[body]; }
 
     const FanProblem* problem_ = nullptr;
     double speed_tolerance_ = 0;
@@ -70,8 +70,8 @@ private:
     std::vector<LinkEnd> link_ends_;   // the links of each body: along the chain, and contacts with obstacles beside it
     std::vector<Index> cluster_;       // per body
     std::vector<Vec2> offset_;         // velocity of a body minus that of its cluster
-    Index ground_cluster_ = -1;
-    Vec2 ground_offset_ = Vec2::Zero();
+    Index support_cluster_ = -1;
+    Vec2 support_offset_ = Vec2::Zero();
     std::vector<Vec2> cluster_velocity_, cluster_inverse_mass_;
     std::vector<Multiplier> multipliers_;
     std::vector<std::uint8_t> known_, reached_;  // links: not by the walk of the chain; by it so far

@@ -29,7 +29,7 @@ Interface interface_at(const Mesh& mesh, Index a, Index b, Index owner, Index si
             .gap = 0};
 }
 
-InterfaceOfSide make_interfaces(const ModelInput& input, const FoundationOfEdge& foundation_of_edge, Model& model) {
+InterfaceOfSide make_interfaces(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model) {
     const Mesh& mesh = model.mesh;
     InterfaceOfSide interface_of_side(3 * mesh.n_triangles(), none);
     for (const InteriorEdge& edge : mesh.interior_edges) {
@@ -43,13 +43,13 @@ InterfaceOfSide make_interfaces(const ModelInput& input, const FoundationOfEdge&
         model.interfaces.push_back(made);
     }
     for (std::size_t i = 0; i < mesh.boundary_edges.size(); ++i) {
-        if (foundation_of_edge[i] == none) continue;
+        if (support_of_edge[i] == none) continue;
         const BoundaryEdge& edge = mesh.boundary_edges[i];
-        const Foundation& foundation = input.foundations[foundation_of_edge[i]];
-        Interface made = interface_at(mesh, ground, edge.triangle, edge.triangle, edge.side);
-        made.law = foundation.law;
-        made.cracked = !foundation.glued;
-        made.gap = foundation.gap;
+        const Support& support = input.supports[support_of_edge[i]];
+        Interface made = interface_at(mesh, rigid_support, edge.triangle, edge.triangle, edge.side);
+        made.law = support.law;
+        made.cracked = !support.glued;
+        made.gap = support.gap;
         interface_of_side[3 * edge.triangle + edge.side] = static_cast<Index>(model.interfaces.size());
         model.interfaces.push_back(made);
     }
@@ -67,7 +67,7 @@ public:
         Fan fan = no_fan();
         fan.vertex = vertex;
         fan.closed = across(start, ray_side(vertex_place(start))) != none;
-        Index before = fan.closed ? across(start, ray_side(vertex_place(start))) : ground;
+        Index before = fan.closed ? across(start, ray_side(vertex_place(start))) : rigid_support;
         for (Index here = start;;) {
             add_end_point(interface_of_side_[side_of(here, ray_side(vertex_place(here)))], vertex, before, here, fan);
             add_corner(here, fan);
@@ -75,7 +75,7 @@ public:
             here = across(here, last_side(vertex_place(here)));
             if (here == none || here == start) break;
         }
-        if (!fan.closed) add_end_point(interface_of_side_[side_of(before, last_side(vertex_place(before)))], vertex, before, ground, fan);
+        if (!fan.closed) add_end_point(interface_of_side_[side_of(before, last_side(vertex_place(before)))], vertex, before, rigid_support, fan);
         model_.fans.push_back(fan);
     }
 
@@ -87,9 +87,9 @@ public:
             add_corner(corner, fan);
         } else {
             const Interface& edge = model_.interfaces[interface];
-            std::array<Index, 2> sides{ground, ground};  // A and B
+            std::array<Index, 2> sides{rigid_support, rigid_support};  // A and B
             for (int i = 0; i < 2; ++i)
-                if (edge.triangle[i] != ground) add_corner(sides[i] = middle_of(edge.triangle[i], interface), fan);
+                if (edge.triangle[i] != rigid_support) add_corner(sides[i] = middle_of(edge.triangle[i], interface), fan);
             add_point(interface, 2, sides[0], sides[1], edge.normal, 4. / 6, fan);
         }
         model_.fans.push_back(fan);
@@ -126,7 +126,7 @@ private:
     /// The corner at the same vertex on the other side of an edge, or none at the boundary.
     Index across(Index corner, Index side) const {
         const Index i = interface_of_side_[side_of(corner, side)];
-        if (i == none || model_.interfaces[i].triangle[0] == ground) return none;
+        if (i == none || model_.interfaces[i].triangle[0] == rigid_support) return none;
         const auto& pair = model_.interfaces[i].triangle;
         const Index other = pair[0] == model_.mesh.triangle_of(corner) ? pair[1] : pair[0];
         for (Index k = 0; k < 3; ++k)
@@ -177,7 +177,7 @@ private:
                                      .area = part * edge.length * model_.thickness,
                                      .gap = edge.gap});
         ++fan.n_points;
-        fan.split_at_start = fan.split_at_start || edge.cracked || before == ground || after == ground;
+        fan.split_at_start = fan.split_at_start || edge.cracked || before == rigid_support || after == rigid_support;
     }
 
     Model& model_;
@@ -186,8 +186,8 @@ private:
 
 }  // namespace
 
-void make_interfaces_and_fans(const ModelInput& input, const FoundationOfEdge& foundation_of_edge, Model& model) {
-    const InterfaceOfSide interface_of_side = make_interfaces(input, foundation_of_edge, model);
+void make_interfaces_and_fans(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model) {
+    const InterfaceOfSide interface_of_side = make_interfaces(input, support_of_edge, model);
     scatter_strength(input, model);
     model.fan_of_corner.assign(model.mesh.n_corners(), none);
     model.fan_point_of.assign(model.n_points(), none);

@@ -4,10 +4,10 @@
 
 namespace knap {
 
-/// Which foundation each boundary edge stands on, or -1; same order as Mesh::boundary_edges.
-using FoundationOfEdge = std::vector<Index>;
+/// Which support each boundary edge stands on, or -1; same order as Mesh::boundary_edges.
+using SupportOfEdge = std::vector<Index>;
 
 /// Fills interfaces, fans, fan_corners, fan_points, fan_of_corner, fan_point_of from model.mesh.
-void make_interfaces_and_fans(const ModelInput& input, const FoundationOfEdge& foundation_of_edge, Model& model);
+void make_interfaces_and_fans(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model);
 
 }  // namespace knap

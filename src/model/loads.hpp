@@ -59,8 +59,8 @@ struct Load {
     bool drives() const { return kind == Kind::velocity || kind == Kind::displacement; }
 };
 
-/// A rigid, fixed foundation that a boundary stands on, glued by a cohesive law or only in contact.
-struct Foundation {
+/// A rigid, fixed support that a boundary stands on, glued by a cohesive law or only in contact.
+struct Support {
     Selection on;
     Index law = 0;       // index into the model's laws
     bool glued = false;  // false: cohesion zero from the start, contact and friction only

@@ -129,24 +129,24 @@ private:
     std::size_t number_ = 0;  // of the load
 };
 
-FoundationOfEdge foundations_of(const Mesh& mesh, const std::vector<Foundation>& foundations) {
-    FoundationOfEdge of_edge(mesh.boundary_edges.size(), -1);
-    for (std::size_t f = 0; f < foundations.size(); ++f) {
-        const auto edges = selected_edges(mesh, foundations[f].on);
-        if (edges.empty()) selects_nothing("a foundation", foundations[f].on, EmptySelection::foundations, f);
+SupportOfEdge supports_of(const Mesh& mesh, const std::vector<Support>& supports) {
+    SupportOfEdge of_edge(mesh.boundary_edges.size(), -1);
+    for (std::size_t f = 0; f < supports.size(); ++f) {
+        const auto edges = selected_edges(mesh, supports[f].on);
+        if (edges.empty()) selects_nothing("a support", supports[f].on, EmptySelection::supports, f);
         for (const std::size_t i : edges) of_edge[i] = static_cast<Index>(f);
     }
     return of_edge;
 }
 
-/// Per corner of a fan: the first corner that it moves with at the start, or the ground. All corners of a fan in one piece, and in the others
+/// Per corner of a fan: the first corner that it moves with at the start, or the support. All corners of a fan in one piece, and in the others
 /// those that points without end of strength join.
 std::vector<Index> parts_that_move_as_one(const Model& model, const Fan& fan) {
     std::vector<Index> part(fan.n_corners, 0);
     if (!fan.split_at_start) return part;
     const Index* corner = &model.fan_corners[fan.first_corner];
     std::iota(part.begin(), part.end(), 0);
-    const auto part_of = [&](Index c) { return c == ground ? ground : part[std::find(corner, corner + fan.n_corners, c) - corner]; };
+    const auto part_of = [&](Index c) { return c == rigid_support ? rigid_support : part[std::find(corner, corner + fan.n_corners, c) - corner]; };
     for (Index j = 0; j < fan.n_points; ++j) {
         const FanPoint& point = model.fan_points[fan.first_point + j];
         if (point.cracked || model.laws[point.law].breakable()) continue;
@@ -158,7 +158,7 @@ std::vector<Index> parts_that_move_as_one(const Model& model, const Fan& fan) {
 
 void set_initial_velocities(const std::vector<InitialVelocity>& given, Model& model) {
     // corners that move as one have the mass-weighted mean of theirs, so that momentum is what the scenario says. Welded together by the first
-    // step, they would lose energy that is in no book. What stands on the ground stays at rest.
+    // step, they would lose energy that is in no book. What stands on the support stays at rest.
     std::vector<Vec2> of_triangle(model.mesh.n_triangles(), Vec2::Zero());
     for (std::size_t i = 0; i < given.size(); ++i) {
         const InitialVelocity& initial = given[i];
@@ -243,7 +243,7 @@ Model make_model(ModelInput input) {
         model.corner_mass[c] = corner_share(model.mesh.order, model.mesh.place_in_triangle(c), of_triangle);
     }
 
-    make_interfaces_and_fans(input, foundations_of(model.mesh, input.foundations), model);
+    make_interfaces_and_fans(input, supports_of(model.mesh, input.supports), model);
     LoadMaker loads(model);
     for (std::size_t i = 0; i < input.loads.size(); ++i) {
         loads.add(input.loads[i], i);

@@ -1,7 +1,7 @@
 #pragma once
 // The discrete model: immutable after it is made. Nothing here changes in a run; what changes is State.
 //
-// Every triangle owns its corners (mesh.hpp). Every interior edge, and every boundary edge on a foundation, is an interface with points
+// Every triangle owns its corners (mesh.hpp). Every interior edge, and every boundary edge on a support, is an interface with points
 // (nodal quadrature): of order 1 two, one at each end, of area S = 1/2 length x thickness; of order 2 also one in the middle, of areas
 // 1/6, 1/6 and 4/6 (Simpson). Point p = points_per_interface() interface + place; place 0 and 1 are the ends, 2 is the middle.
 // The corners round a mesh vertex, in counterclockwise order, with the points between them, form a fan; so do the one or two corners in the
@@ -18,21 +18,21 @@
 
 namespace knap {
 
-inline constexpr Index ground = -1;  // stands for the rigid foundation where a corner is expected
+inline constexpr Index rigid_support = -1;  // stands for the rigid support where a corner is expected
 
 struct Interface {
-    std::array<Index, 2> triangle;  // sides A and B; A = ground for a foundation
+    std::array<Index, 2> triangle;  // sides A and B; A = support for a support
     std::array<Index, 2> vertex;    // the two ends
     Vec2 normal;                    // N, from side A to side B; T = turned_left(N)
     double length;                  // [m]
     Index law;                      // index into Model::laws
     bool cracked;                   // no cohesion from the start
-    double gap;                     // [m] initial opening (foundations only)
+    double gap;                     // [m] initial opening (supports only)
 };
 
-/// One point of a fan between the corners `before` and `after` (counterclockwise); either may be ground.
+/// One point of a fan between the corners `before` and `after` (counterclockwise); either may be support.
 struct FanPoint {
-    Index before, after;  // corner index, or ground
+    Index before, after;  // corner index, or support
     Index point;          // points_per_interface() interface + place
     Index law : 31;       // into Model::laws
     bool cracked : 1;     // no cohesion from the start
@@ -47,8 +47,8 @@ struct Fan {
     Index vertex;                   // or -1: the middle of an edge, the centre of a triangle
     Index first_corner, n_corners;  // into Model::fan_corners
     Index first_point, n_points;    // into Model::fan_points
-    bool closed;                    // the last point leads back to the first corner; else n_points = n_corners - 1 (+ grounds)
-    bool split_at_start;            // has a cracked point or a foundation
+    bool closed;                    // the last point leads back to the first corner; else n_points = n_corners - 1 (+ supports)
+    bool split_at_start;            // has a cracked point or a support
     double mass;                    // [kg] sum of its corner masses
 };
 
@@ -85,7 +85,7 @@ struct ModelInput {
     std::vector<Scatter> scatter;                 // by law; empty = none scatters
     std::uint64_t seed = 1;                       // of the scatter
     std::vector<Load> loads;
-    std::vector<Foundation> foundations;
+    std::vector<Support> supports;
     std::vector<InitialVelocity> initial_velocities;
     std::vector<Obstacle> obstacles;
 };
@@ -124,7 +124,7 @@ struct Model {
 /// Something acts nowhere on the mesh.
 class EmptySelection : public UserError {
 public:
-    enum List { loads, foundations, initial_velocities };
+    enum List { loads, supports, initial_velocities };
     EmptySelection(List list, std::size_t number, const std::string& message) : UserError("empty-selection", message), list(list), number(number) {}
     List list;           // of ModelInput
     std::size_t number;  // in it, from 0

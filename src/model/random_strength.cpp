@@ -12,7 +12,7 @@ namespace {
 double area_of(const Model& model, const Interface& interface) {
     double area = 0;
     for (const Index t : interface.triangle)
-        if (t != ground) area += model.mesh.area(t) / 3;
+        if (t != rigid_support) area += model.mesh.area(t) / 3;
     return area;
 }
 

@@ -9,7 +9,7 @@ void spread_over_bonds(const Model& model, const Fan& fan, std::vector<char>& he
         for (Index step = 0; step < 2 * fan.n_points; ++step) {
             const Index j = pass == 0 ? step % fan.n_points : fan.n_points - 1 - step % fan.n_points;
             const FanPoint& point = model.fan_points[fan.first_point + j];
-            if (point.cracked || point.before == ground || point.after == ground) continue;
+            if (point.cracked || point.before == rigid_support || point.after == rigid_support) continue;
             if (held[point.before] || held[point.after]) held[point.before] = held[point.after] = 1;
         }
 }

@@ -54,14 +54,14 @@ void split(const Model& model, Index f, State& state) {
 namespace {
 
 Vec2 displacement_of(const State& state, Index corner) {
-    return corner == ground ? Vec2::Zero() : state.displacement[state.node_of_corner[corner]];
+    return corner == rigid_support ? Vec2::Zero() : state.displacement[state.node_of_corner[corner]];
 }
 
 /// The remembered state of a point, or null in a fan in one piece.
 const PointState* remembered(const Model& model, const State& state, Index point) {
     const Index in_fans = model.fan_point_of[point];
     const FanPoint& at = model.fan_points[in_fans];
-    const Index fan = model.fan_of_corner[at.after == ground ? at.before : at.after];
+    const Index fan = model.fan_of_corner[at.after == rigid_support ? at.before : at.after];
     const Index rank = state.split_rank[fan];
     if (rank < 0) return nullptr;
     return &state.points[state.first_point[rank] + in_fans - model.fans[fan].first_point];
@@ -131,7 +131,7 @@ Eigen::Vector3d stress(const Model& model, const State& state, Index t, const Ei
 
 Vec2 traction(const Model& model, const State& state, Index point) {
     if (const PointState* known = remembered(model, state, point)) return known->traction;
-    const FanPoint& at = model.fan_points[model.fan_point_of[point]];  // neither side is ground: that fan would be split
+    const FanPoint& at = model.fan_points[model.fan_point_of[point]];  // neither side is support: that fan would be split
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (const Index corner : {at.before, at.after})
         mean += 0.5 * stress(model, state, model.mesh.triangle_of(corner), coordinates(model.mesh, corner));

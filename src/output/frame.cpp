@@ -31,7 +31,7 @@ std::span<const std::array<Index, 2>> parts(const Mesh& mesh) {
 
 /// The corners of the frame at the two ends of a part of an interface on one of its sides.
 std::array<Index, 2> corners_on(const Model& model, const Interface& interface, Index triangle, const std::array<Index, 2>& part) {
-    if (triangle == ground) return {ground, ground};
+    if (triangle == rigid_support) return {rigid_support, rigid_support};
     const auto& vertices = model.mesh.triangles[triangle];
     const auto place_of = [&](Index vertex) { return static_cast<Index>(std::find(vertices.begin(), vertices.end(), vertex) - vertices.begin()); };
     const std::array<Index, 2> end{place_of(interface.vertex[0]), place_of(interface.vertex[1])};
@@ -45,7 +45,7 @@ std::array<Index, 2> corners_on(const Model& model, const Interface& interface, 
         const Index start = 3 * (static_cast<Index>(all.size()) * triangle + static_cast<Index>(i));
         return {start + static_cast<Index>(first - all[i].begin()), start + static_cast<Index>(second - all[i].begin())};
     }
-    return {ground, ground};  // not reached: an edge is a side of its triangles
+    return {rigid_support, rigid_support};  // not reached: an edge is a side of its triangles
 }
 
 PointStatus status_of(bool cracked, double cohesion) {
@@ -86,7 +86,7 @@ void add_bulk(const Model& model, const State& state, Frame& frame) {
 
 bool in_one_piece(const Model& model, const State& state, Index point) {
     const FanPoint& at = model.fan_points[model.fan_point_of[point]];
-    return state.split_rank[model.fan_of_corner[at.after == ground ? at.before : at.after]] < 0;
+    return state.split_rank[model.fan_of_corner[at.after == rigid_support ? at.before : at.after]] < 0;
 }
 
 /// Cohesion, opening, slip and traction of a point. In a fan in one piece nothing is open, and of order 1 the tractions are those of the stresses that the
@@ -96,7 +96,7 @@ void add_point(const Model& model, const State& state, Index point, Index p, Fra
     const Interface& interface = model.interfaces[model.interface_of(point)];
     const bool whole = in_one_piece(model, state, point);
     const Vec2 u = whole ? Vec2(at.gap, 0) : opening(model, state, point);
-    frame.end_position[p] = model.mesh.corner(at.after == ground ? at.before : at.after);
+    frame.end_position[p] = model.mesh.corner(at.after == rigid_support ? at.before : at.after);
     frame.cohesion[p] = whole ? 1 : cohesion(model, state, point);
     frame.opening[p] = u.x();
     frame.slip[p] = u.y();

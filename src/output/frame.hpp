@@ -34,7 +34,7 @@ struct Frame {
     std::vector<std::int32_t> grain;      // per triangle, -1 = in none; empty = there are none
 
     // interfaces: interface i owns points 2i, 2i+1 (its two ends); of second order each half is one
-    std::vector<std::array<Index, 2>> side_a, side_b;  // per interface: the corner on each side at each end, -1 = ground
+    std::vector<std::array<Index, 2>> side_a, side_b;  // per interface: the corner on each side at each end, -1 = support
     std::vector<Vec2> end_position;                    // [m] per point, reference
     std::vector<double> cohesion;                      // per point
     std::vector<double> opening, slip;                 // [m] per point

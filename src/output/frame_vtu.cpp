@@ -33,14 +33,14 @@ const std::vector<OutputTable>& frame_outputs() {
           {"principal_stress", "Pa", "the largest one of a triangle"},
           {"region", "", "number of the material of a triangle, in the order of `materials` of run.json"},
           {"grain", "", "number of its grain, -1: none; only where there are grains"}}},
-        {"fields/interfaces", "arrays of fields/interfaces_NNNN.vtu: two points an interface, those that are damaged, broken, pre-cracked or on a foundation",
+        {"fields/interfaces", "arrays of fields/interfaces_NNNN.vtu: two points an interface, those that are damaged, broken, pre-cracked or on a support",
          {{"beta", "", "cohesion: 1 intact, 0 broken"},
           {"opening", "m", "along the normal"},
           {"slip", "m", "along the interface"},
           {"traction", "Pa", "normal and tangential"},
           {"displacement", "m", "mean of both sides"},
           {"status", "", "0 intact, 1 damaged, 2 broken, 3 pre-crack"},
-          {"sides", "", "numbers of the corners on both sides in fields/bulk, -1: the ground"}}},
+          {"sides", "", "numbers of the corners on both sides in fields/bulk, -1: the support"}}},
         {"fields/obstacles", "arrays of fields/obstacles_NNNN.vtu: the outlines of obstacles",
          {{"displacement", "m", "of a point of the outline"},
           {"half_plane", "", "1: a half plane, of which the outline is a part"}}},
@@ -176,8 +176,8 @@ std::vector<Index> kept_points(const Frame& frame) {
     std::vector<Index> kept;
     for (Index i = 0; i < frame.n_interfaces(); ++i) {
         const bool intact = frame.status[2 * i] == PointStatus::intact && frame.status[2 * i + 1] == PointStatus::intact;
-        const bool on_foundation = frame.side_a[i][0] < 0 || frame.side_b[i][0] < 0;
-        if (!intact || on_foundation) kept.insert(kept.end(), {2 * i, 2 * i + 1});
+        const bool on_support = frame.side_a[i][0] < 0 || frame.side_b[i][0] < 0;
+        if (!intact || on_support) kept.insert(kept.end(), {2 * i, 2 * i + 1});
     }
     return kept;
 }

@@ -19,7 +19,7 @@ void prepare_vtk();
 /// Appended raw data with LZ4; what is computed with is float64 (positions), what is looked at is float32.
 /// Throws OutputError naming the path.
 void write_bulk(const Frame& frame, const std::filesystem::path& path);
-/// Those that are damaged, broken, pre-cracked or on a foundation.
+/// Those that are damaged, broken, pre-cracked or on a support.
 void write_interfaces(const Frame& frame, const std::filesystem::path& path);
 
 /// The outlines of the obstacles as polygons.

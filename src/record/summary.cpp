@@ -165,7 +165,7 @@ constexpr std::array rows{
     SummaryRow{"largest_speed", "m/s", "largest speed of any corner over the run", [](const F& f) { return f.ledger.worst().largest_speed; }},
     SummaryRow{"largest_rotation", "deg", "largest rotation of a triangle over the run", [](const F& f) { return f.deformation.rotation().value; }},
     SummaryRow{"largest_area_change", "", "largest change of the area of a triangle over its area, over the run", [](const F& f) { return f.deformation.area_change().value; }},
-    SummaryRow{"largest_slip", "", "largest slip of a point under pressure over the run, in lengths of its edge; along a straight foundation none",
+    SummaryRow{"largest_slip", "", "largest slip of a point under pressure over the run, in lengths of its edge; along a straight support none",
                [](const F& f) { return f.deformation.slip().value; }},
     SummaryRow{"overlap_area", "m2", "largest area that the deformed body covers twice, looked for at frames and each time the fastest vertex has gone about a tenth of an edge",
                [](const F& f) { return f.deformation.overlap().value; }},

@@ -145,7 +145,7 @@ void add_keys_of_materials(KeyTable& t) {
 
     t.names("interface",
         "cohesive laws: `default`, `A-B` for a pair of materials (A-A inside one, or between two grains), within a "
-        "grain `A`, for all grains `within` (without them A-A), or a free name for a foundation or a set of joints; "
+        "grain `A`, for all grains `within` (without them A-A), or a free name for a support or a set of joints; "
         "each stands by itself").required();
     t.table("interface.*", "a cohesive law with contact, friction and impact");
     t.flag("breakable", "false: never breaks, whatever sigma_c and G_c say").otherwise("true");
@@ -183,15 +183,15 @@ void add_keys_of_materials(KeyTable& t) {
 }
 
 void add_keys_of_loads(KeyTable& t) {
-    t.list("foundation[]", "a rigid, fixed foundation that a boundary stands on");
-    t.table("foundation[].on", "a boundary, all of it or inside a box").required().or_text("boundary");
+    t.list("support[]", "a rigid, fixed body that a boundary rests on or is glued to");
+    t.table("support[].on", "a boundary, all of it or inside a box").required().or_text("boundary");
     t.text("boundary", "name of a boundary").required().to(&Selection::boundary);
     t.number("box", "m", "only the part inside this box").box().to(&Selection::box);
-    t.in("foundation[]");
-    t.text("interface", "name of the law between body and foundation").otherwise("default");
+    t.in("support[]");
+    t.text("interface", "name of the law between body and support").otherwise("default");
     t.flag("glued", "true: held by the law's cohesion; false: contact and friction only")
-        .otherwise("false").to(&Foundation::glued);
-    t.number("gap", "m", "distance at the start; not of what is glued").at_least(0).otherwise("0").to(&Foundation::gap);
+        .otherwise("false").to(&Support::glued);
+    t.number("gap", "m", "distance at the start; not of what is glued").at_least(0).otherwise("0").to(&Support::gap);
 
     t.list("load[]",
         "exactly one of traction, pressure, stress, force, velocity, displacement, body_force, acceleration; at most "

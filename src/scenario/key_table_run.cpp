@@ -121,7 +121,7 @@ void add_keys_of_run(KeyTable& t) {
     t.number("area_change", "", "of a triangle over its area; one that turns by an angle a grows by tan a squared")
         .above(0).or_word("none").computed("1/3, warned of from 5 %");
     t.number("slip", "",
-        "of a point under pressure, in lengths of its edge; what slides along a straight foundation or an obstacle "
+        "of a point under pressure, in lengths of its edge; what slides along a straight support or an obstacle "
         "has none").above(0).or_word("none").computed("1, warned of from 0.5");
     t.number("overlap", "m2", "area that the deformed body covers twice").above(0).or_word("none")
         .computed("ten of the triangles that lie there, or a thousandth of the body; warned of from a tenth of one");

@@ -1,5 +1,5 @@
-// [material.NAME], [interface.NAME] and [[foundation]]: which law acts between which materials and under which
-// foundation.
+// [material.NAME], [interface.NAME] and [[support]]: which law acts between which materials and under which
+// support.
 #include "scenario/reading.hpp"
 
 #include <algorithm>
@@ -88,11 +88,11 @@ void fill_pairs(Reading& reading, Index standard, const std::vector<std::string>
 }
 
 /// Reads all laws and puts each where its name says: the default, a pair of materials, a grain, or a free name that
-/// foundations and joints use.
+/// supports and joints use.
 void read_interfaces(Reading& reading, const std::vector<std::string>& materials) {
     Scenario& scenario = reading.scenario;
     std::set<std::string> free_names;
-    for (const char* list : {"foundation", "joints"})
+    for (const char* list : {"support", "joints"})
         for (const Table& table : reading.list(list)) free_names.insert(table.text("interface"));
     const auto n = static_cast<Index>(materials.size());
     scenario.law_of_pair.assign(n, std::vector<Index>(n, -1));
@@ -116,7 +116,7 @@ void read_interfaces(Reading& reading, const std::vector<std::string>& materials
                 table.error_at_name("duplicate-name", "", "is the second law of this pair of materials");
             scenario.law_of_pair[a][b] = scenario.law_of_pair[b][a] = number;
         } else if (!free_names.contains(name)) {
-            const std::string text = "belongs to no pair of materials and no foundation or set of joints";
+            const std::string text = "belongs to no pair of materials and no support or set of joints";
             Diagnostic& d = reading.findings.error_at_name("unknown-name", "`" + table.path() + "` " + text,
                                                            reading.at(table.path()));
             d.hint = did_you_mean(name, names_for_laws(materials, with_grains));
@@ -166,14 +166,14 @@ void read_laws(Reading& reading) {
         const Index law = law_of(table).value_or(0);
         if (joint < scenario.law_of_joint.size()) scenario.law_of_joint[joint++] = law;
     }
-    for (std::size_t i = 0; i < scenario.foundations.size(); ++i) {
-        const Table table = reading.table(item("foundation", i));
-        Foundation& foundation = scenario.foundations[i];
+    for (std::size_t i = 0; i < scenario.supports.size(); ++i) {
+        const Table table = reading.table(item("support", i));
+        Support& support = scenario.supports[i];
         const std::optional<Index> law = law_of(table);
         if (!law) continue;
-        foundation.law = *law;
+        support.law = *law;
         const NamedLaw& named = scenario.laws[*law];
-        if (foundation.glued && reading.values.has("interface." + named.name + ".sigma_c") && named.law.sigma_c == 0)
+        if (support.glued && reading.values.has("interface." + named.name + ".sigma_c") && named.law.sigma_c == 0)
             table.report("exclusive-keys", "glued",
                          "`" + table.path() + "` is glued by the law `" + named.name + "`, which has no strength");
     }

@@ -1,4 +1,4 @@
-// [[foundation]], [[load]], [[initial]] and [[obstacle]]: where something acts, what, and when.
+// [[support]], [[load]], [[initial]] and [[obstacle]]: where something acts, what, and when.
 #include "scenario/reading.hpp"
 #include "scenario/units.hpp"
 
@@ -263,12 +263,12 @@ void read_obstacle(const Table& table) {
 
 }  // namespace
 
-void read_foundations(Reading& reading) {
-    for (const Table& table : reading.list("foundation")) {
-        Foundation& foundation =
-            reading.scenario.foundations.emplace_back(Foundation{.on = read_selection(table.table("on"))});
-        table.fill(foundation);
-        if (foundation.glued && foundation.gap > 0)
+void read_supports(Reading& reading) {
+    for (const Table& table : reading.list("support")) {
+        Support& support =
+            reading.scenario.supports.emplace_back(Support{.on = read_selection(table.table("on"))});
+        table.fill(support);
+        if (support.glued && support.gap > 0)
             table.report("exclusive-keys", "gap", "`" + table.path() + "` is glued across a gap").note =
                 "gap = 0, or glued = false";
     }

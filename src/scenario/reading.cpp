@@ -148,7 +148,7 @@ void read_all(Reading& reading) {
     if (reading.values.has("name") && (name.empty() || name.front() == '.' || !std::ranges::all_of(name, is_plain)))
         reading.findings.error("bad-name", "`" + name + "` cannot be the name of a scenario", reading.at("name")).note =
             "letters, digits, - _ and . (it names the run directory)";
-    for (const auto read : {read_materials, read_body, read_microstructure, read_foundations, read_laws, read_loads,
+    for (const auto read : {read_materials, read_body, read_microstructure, read_supports, read_laws, read_loads,
                             read_run, read_study, read_sweep, warn_of_implausible})
         read(reading);
 }

@@ -119,7 +119,7 @@ void read_materials(Reading& reading);       // before shape and laws
 void read_body(Reading& reading);            // [domain] and [mesh]: before everything that names a boundary
 void read_mesh_file(Reading& reading);       // instead of a shape: the mesh that mesh.file names
 void read_microstructure(Reading& reading);  // inclusions and joints, which change the shape; maps; grains
-void read_foundations(Reading& reading);     // before laws: a law may have the name that a foundation uses
+void read_supports(Reading& reading);     // before laws: a law may have the name that a support uses
 void read_laws(Reading& reading);
 void read_loads(Reading& reading);           // loads, initial velocities, obstacles
 void read_run(Reading& reading);             // time, output, probes, specimen, figures, limits, expectations

@@ -33,7 +33,7 @@ struct NamedMaterial {
 };
 
 struct NamedLaw {
-    std::string name;  // "default", or "a-b" for a pair of materials, or a free name used by a foundation
+    std::string name;  // "default", or "a-b" for a pair of materials, or a free name used by a support
     CohesiveLaw law;
     Scatter scatter;
 };
@@ -120,7 +120,7 @@ struct Scenario {
     std::vector<MaterialMap> maps;
     std::vector<NamedFile> files;  // that a run directory keeps
     std::vector<Load> loads;
-    std::vector<Foundation> foundations;
+    std::vector<Support> supports;
     std::vector<InitialVelocity> initial_velocities;
     std::vector<Obstacle> obstacles;
     TimeOptions time;

@@ -76,7 +76,7 @@ sigma_c  = "8 MPa"
 G_c      = "20 J/m2"
 friction = 0.3
 )"},
-    {"foundation", R"([[foundation]]
+    {"support", R"([[support]]
 on    = "bottom"
 glued = true
 )"},

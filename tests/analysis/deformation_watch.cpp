@@ -133,9 +133,9 @@ TEST_CASE("deformation: faces that slid lie over nothing until one is driven int
     CHECK(watch.overlap().place.y() < 1);
 }
 
-TEST_CASE("deformation: what slides along a straight foundation stays on it and what leaves its last edge for a wall does not") {
+TEST_CASE("deformation: what slides along a straight support stays on it and what leaves its last edge for a wall does not") {
     ModelInput input = plate();
-    input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = false}};
+    input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = false}};
     const auto slip = [&](double length) {
         const Model model = make_model(input);
         State state = initial_state(model);
@@ -147,7 +147,7 @@ TEST_CASE("deformation: what slides along a straight foundation stays on it and 
     };
     CHECK(slip(10) == 0);
     CHECK(slip(-10) == 0);
-    input.foundations.push_back({.on = {.boundary = "right", .box = {}}, .law = 0, .glued = false});
+    input.supports.push_back({.on = {.boundary = "right", .box = {}}, .law = 0, .glued = false});
     CHECK(slip(-10) == 0);      // away from the wall along the floor; the wall is not felt sideways
     CHECK(slip(10) == relative(10, 1e-14));  // the last edge of the floor ends at the wall
 }

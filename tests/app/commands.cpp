@@ -209,7 +209,7 @@ TEST_CASE("what selects nothing of the mesh is said with its line") {
         return command("check " + folder.in_shell("plate.toml"));
     };
     const std::string nowhere = "{ box = [1, 1, 2, 2] }\n";
-    for (const std::string& more : {"[[load]]\non = " + nowhere + "velocity = [0, 1]\n", std::string("[[foundation]]\non = { boundary = \"left\", box = [1, 1, 2, 2] }\n"),
+    for (const std::string& more : {"[[load]]\non = " + nowhere + "velocity = [0, 1]\n", std::string("[[support]]\non = { boundary = \"left\", box = [1, 1, 2, 2] }\n"),
                                    std::string("[[initial]]\nbox = [1, 1, 2, 2]\nvelocity = [0, 1]\n")}) {
         const Answer found = answer(more);
         CAPTURE(found.text);
@@ -219,7 +219,7 @@ TEST_CASE("what selects nothing of the mesh is said with its line") {
     }
 }
 
-TEST_CASE("check judges the process zone of a foundation") {
+TEST_CASE("check judges the process zone of a support") {
     const Answer found = command("check dcb_displacement");
     CAPTURE(found.text);
     CHECK(found.code == 0);

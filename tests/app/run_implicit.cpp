@@ -22,7 +22,7 @@ void write_point_masses(const fs::path& folder) {
                                               "$EndPhysicalNames\n$Nodes\n3\n1 0 0 0\n2 2 0 0\n3 1 1 0\n$EndNodes\n$Elements\n4\n1 1 2 1 1 1 2\n"
                                               "2 1 2 2 2 2 3\n3 1 2 2 2 3 1\n4 2 2 3 3 1 2 3\n$EndElements\n";
     std::ofstream(folder / "masses.toml") << "knap = 1\nname = \"masses\"\n[mesh]\nfile = \"triangle.msh\"\n[material.dust]\ndensity = 3\nE = 1e-9\nnu = 0\n"
-                                             "[interface.default]\nbreakable = false\n[interface.glue]\nsigma_c = 1\nG_c = 0.5\n[[foundation]]\non = \"base\"\n"
+                                             "[interface.default]\nbreakable = false\n[interface.glue]\nsigma_c = 1\nG_c = 0.5\n[[support]]\non = \"base\"\n"
                                              "interface = \"glue\"\nglued = true\n[[load]]\nbody_force = [0, 3.3]\n[time]\nend = 9\nbulk = \"implicit\"\n"
                                              "cohesion = \"implicit\"\nstep = 3\n[limits]\nlaw_lag = \"none\"\narea_change = \"none\"\n"
                                              "[output]\nfields = false\n[[figure]]\nfile = \"energy.png\"\nshow = \"energy\"\n";

@@ -1,4 +1,4 @@
-// What pictures of one kind have in common, and what a referee looks for: whole titles, bodies and grounds in their place, lines told apart.
+// What pictures of one kind have in common, and what a referee looks for: whole titles, bodies and supports in their place, lines told apart.
 #include "pixels.hpp"
 #include "support/synthetic_run.hpp"
 
@@ -133,29 +133,29 @@ TEST_CASE("figures: titles are whole") {
 TEST_CASE("figures: a half plane reaches the frame") {
     Frame frame = synthetic::frame(20);
     for (Vec2& u : frame.displacement) u = Vec2::Zero();
-    // the ground below the plate, as a strip of no more than its width
+    // the support below the plate, as a strip of no more than its width
     for (Index k = 0; k < n_outline_points; ++k) {
         const std::array<Vec2, 4> strip{Vec2(0.1, 0), Vec2(0, 0), Vec2(0, -0.005), Vec2(0.1, -0.005)};
         frame.obstacle_position.push_back(strip[std::min<Index>(k, 3)]);
         frame.obstacle_displacement.push_back(Vec2::Zero());
     }
-    const auto ground_at_border = [&](const DrawnFigure& figure) {  // pixels of the ground's colour just inside the left end of the plot, below its surface
+    const auto support_at_border = [&](const DrawnFigure& figure) {  // pixels of the support's colour just inside the left end of the plot, below its surface
         const Pixels pixels(figure.file);
         int n = 0;
         for (int y = 0; y < pixels.height(); ++y) n += pixels.at(54 * pixels.width() / 560, y) == 0xB2B8C2 || pixels.at(54 * pixels.width() / 560, y) == 0xB3B8C2;
         return n;
     };
     frame.half_plane = {0};
-    CHECK(ground_at_border(draw_cracks({.width = 560}, frame, "", pictures() / "strip.png")) == 0);
+    CHECK(support_at_border(draw_cracks({.width = 560}, frame, "", pictures() / "strip.png")) == 0);
     frame.half_plane = {1};
     for (const char* show : {"cracks", "stress_yy", "materials"}) {
         CAPTURE(show);
-        const FigureOptions options{.file = std::string("ground_") + show + ".png", .show = show, .width = 560};
+        const FigureOptions options{.file = std::string("support_") + show + ".png", .show = show, .width = 560};
         const auto file = draw_figure(options, frame, {}, {}, pictures());
-        CHECK(ground_at_border({.file = file}) >= 8);
+        CHECK(support_at_border({.file = file}) >= 8);
     }
     // it is written and read
-    const std::filesystem::path run = pictures() / "ground";
+    const std::filesystem::path run = pictures() / "support";
     std::filesystem::remove_all(run);
     std::filesystem::create_directories(run);
     VtkSeries(run).write(frame);

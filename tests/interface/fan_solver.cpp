@@ -13,7 +13,7 @@ using namespace knap::tests;
 
 namespace {
 
-/// A body on the ground at one point whose frame is turned by 45 degrees: W = [[1, .8], [.8, 1]] in (N, T).
+/// A body on the support at one point whose frame is turned by 45 degrees: W = [[1, .8], [.8, 1]] in (N, T).
 FanProblem coupled_contact(double friction, double q_N, double q_T) {
     FanLink link{.before = -1, .after = 0, .normal = Vec2(M_SQRT1_2, M_SQRT1_2), .u_N = 0, .u_T = 0, .cohesive = 0, .gamma = 0,
                  .friction = friction, .restitution = 0, .unbreakable = false};
@@ -202,7 +202,7 @@ TEST_CASE("E4 one contact with coupled normal and tangential motion") {
 }
 
 TEST_CASE("where friction wedges a driven body the laws are relaxed and nothing gains energy") {
-    // the body is driven along x against an inclined ground; friction lifts it into the ground more than the contact pushes it off
+    // the body is driven along x against an inclined support; friction lifts it into the support more than the contact pushes it off
     FanLink link{.before = -1, .after = 0, .normal = Vec2(-0.6, -0.8), .u_N = 0, .u_T = 0, .cohesive = 0, .gamma = 0, .friction = 100,
                  .restitution = 1, .unbreakable = false};
     FanProblem fan;

@@ -1,4 +1,4 @@
-// Who meets whom round a vertex: closed and open fans, cracks, foundations, a vertex where two bodies touch.
+// Who meets whom round a vertex: closed and open fans, cracks, supports, a vertex where two bodies touch.
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 
@@ -33,7 +33,7 @@ void check_fans(const Model& model) {
         const Fan& fan = model.fans[f];
         const Vec2 centre = model.mesh.vertices[fan.vertex];
         double mass = 0;
-        int n_grounds = 0;
+        int n_supports = 0;
         for (Index i = 0; i < fan.n_corners; ++i) {
             const Index c = model.fan_corners[fan.first_corner + i];
             ++seen_corner[c];
@@ -54,21 +54,21 @@ void check_fans(const Model& model) {
             const Vec2 ray = model.mesh.vertices[edge.vertex[1 - point.point % 2]] - centre;
             CHECK(point.normal.dot(ray) == doctest::Approx(0).scale(1));
             CHECK(cross(ray, point.normal) > 0);
-            if (point.before != ground) CHECK((centroid(model.mesh, point.before / 3) - centre).dot(point.normal) < 0);
-            if (point.after != ground) CHECK((centroid(model.mesh, point.after / 3) - centre).dot(point.normal) > 0);
-            n_grounds += point.before == ground || point.after == ground;
+            if (point.before != rigid_support) CHECK((centroid(model.mesh, point.before / 3) - centre).dot(point.normal) < 0);
+            if (point.after != rigid_support) CHECK((centroid(model.mesh, point.after / 3) - centre).dot(point.normal) > 0);
+            n_supports += point.before == rigid_support || point.after == rigid_support;
             if (fan.closed) CHECK(point.after == model.fan_corners[fan.first_corner + i]);
             if (fan.closed) CHECK(point.before == model.fan_corners[fan.first_corner + (i + fan.n_corners - 1) % fan.n_corners]);
             // in the frame of its interface, up to a turn by 180 degrees
             CHECK(std::abs(point.normal.dot(edge.normal)) == doctest::Approx(1));
         }
-        CHECK(fan.n_points == (fan.closed ? fan.n_corners : fan.n_corners - 1 + n_grounds));
+        CHECK(fan.n_points == (fan.closed ? fan.n_corners : fan.n_corners - 1 + n_supports));
     }
     CHECK(std::all_of(seen_corner.begin(), seen_corner.end(), [](int n) { return n == 1; }));
     CHECK(std::all_of(seen_point.begin(), seen_point.end(), [](int n) { return n == 1; }));
     for (const Interface& edge : model.interfaces) {
         const Vec2 middle = 0.5 * (model.mesh.vertices[edge.vertex[0]] + model.mesh.vertices[edge.vertex[1]]);
-        if (edge.triangle[0] != ground) CHECK((centroid(model.mesh, edge.triangle[0]) - middle).dot(edge.normal) < 0);
+        if (edge.triangle[0] != rigid_support) CHECK((centroid(model.mesh, edge.triangle[0]) - middle).dot(edge.normal) < 0);
         CHECK((centroid(model.mesh, edge.triangle[1]) - middle).dot(edge.normal) > 0);
     }
 }
@@ -113,19 +113,19 @@ TEST_CASE("a crack line splits the fans along it and cuts none of its own") {
     for (Index p = 0; p < model.n_points(); ++p) CHECK(cohesion(model, state, p) == (model.interfaces[p / 2].cracked ? 0 : 1));
 }
 
-TEST_CASE("foundations at one side and round a corner") {
+TEST_CASE("supports at one side and round a corner") {
     ModelInput input = input_of(bar_mesh(2, 1, 2, 1));
-    input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 1, .glued = true},
+    input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 1, .glued = true},
                          {.on = {.boundary = "left", .box = {}}, .law = 0, .glued = false, .gap = 0.25}};
     const Model model = make_model(input);
     check_fans(model);
     CHECK(model.interfaces.size() == 3 + 3);
-    const Fan& corner = fan_at(model, 0);  // ground, two corners, ground
+    const Fan& corner = fan_at(model, 0);  // support, two corners, support
     CHECK(!corner.closed);
     CHECK(corner.n_corners == 2);
     REQUIRE(corner.n_points == 3);
-    CHECK(model.fan_points[corner.first_point].before == ground);
-    CHECK(model.fan_points[corner.first_point + 2].after == ground);
+    CHECK(model.fan_points[corner.first_point].before == rigid_support);
+    CHECK(model.fan_points[corner.first_point + 2].after == rigid_support);
     CHECK(model.fan_points[corner.first_point].law == 1);
     CHECK(!model.fan_points[corner.first_point].cracked);
     CHECK(model.fan_points[corner.first_point + 2].cracked);
@@ -135,10 +135,10 @@ TEST_CASE("foundations at one side and round a corner") {
     for (Index p = 0; p < model.n_points(); ++p) {
         const Interface& edge = model.interfaces[p / 2];
         CHECK(opening(model, state, p).x() == edge.gap);
-        // from the foundation into the body
-        if (edge.triangle[0] == ground) CHECK(edge.normal == (edge.gap > 0 ? Vec2(1, 0) : Vec2(0, 1)));
+        // from the support into the body
+        if (edge.triangle[0] == rigid_support) CHECK(edge.normal == (edge.gap > 0 ? Vec2(1, 0) : Vec2(0, 1)));
     }
-    const Fan& right = fan_at(model, 2);  // one corner on the ground
+    const Fan& right = fan_at(model, 2);  // one corner on the support
     CHECK(right.n_corners == 1);
     CHECK(right.n_points == 1);
 }
@@ -242,7 +242,7 @@ TEST_CASE("a time function is linear between its points and constant outside") {
 TEST_CASE("of second order the middles of edges are fans of two corners and a point and the centres fans of one corner") {
     ModelInput input = input_of(bar_mesh(3, 2, 3, 2));
     input.mesh.order = 2;
-    input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 1, .glued = true}};
+    input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 1, .glued = true}};
     const Model model = make_model(std::move(input));
     const Index n_edges = static_cast<Index>(model.mesh.interior_edges.size() + model.mesh.boundary_edges.size());
     CHECK(static_cast<Index>(model.fans.size()) == model.mesh.n_vertices() + n_edges + model.mesh.n_triangles());
@@ -268,14 +268,14 @@ TEST_CASE("of second order the middles of edges are fans of two corners and a po
             if (fan.vertex >= 0) continue;
             CHECK(point.normal == edge.normal);
             CHECK(point.area == relative(4. / 6 * edge.length * model.thickness, 1e-12));
-            CHECK((point.before == ground ? ground : model.mesh.triangle_of(point.before)) == edge.triangle[0]);
+            CHECK((point.before == rigid_support ? rigid_support : model.mesh.triangle_of(point.before)) == edge.triangle[0]);
             CHECK(model.mesh.triangle_of(point.after) == edge.triangle[1]);
         }
         if (fan.vertex >= 0) continue;
         (model.mesh.place_in_triangle(model.fan_corners[fan.first_corner]) == 6 ? n_centres : n_middles) += 1;
-        const bool on_ground = fan.n_points == 1 && model.fan_points[fan.first_point].before == ground;
-        CHECK(fan.n_points == (on_ground ? 1 : fan.n_corners - 1));
-        CHECK(fan.split_at_start == on_ground);
+        const bool on_support = fan.n_points == 1 && model.fan_points[fan.first_point].before == rigid_support;
+        CHECK(fan.n_points == (on_support ? 1 : fan.n_corners - 1));
+        CHECK(fan.split_at_start == on_support);
     }
     CHECK(n_middles == n_edges);
     CHECK(n_centres == model.mesh.n_triangles());

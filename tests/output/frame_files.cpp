@@ -92,7 +92,7 @@ TEST_CASE("frame files: the interfaces that are not intact come back") {
     for (const int n : n_of_status) CHECK(n > 0);
 }
 
-TEST_CASE("frame files: a foundation is kept and an uncracked body has no interfaces") {
+TEST_CASE("frame files: a support is kept and an uncracked body has no interfaces") {
     Frame frame = synthetic::frame(5);
     for (PointStatus& status : frame.status) status = PointStatus::intact;
     const fs::path run = fresh("intact");

@@ -56,8 +56,8 @@ private:
 
     /// What is glued touches.
     void close_gaps(ModelInput& input) {
-        for (Foundation& foundation : input.foundations)
-            if (foundation.glued) foundation.gap = 0;
+        for (Support& support : input.supports)
+            if (support.glued) support.gap = 0;
     }
 
     void add_cracks(Mesh& mesh) {
@@ -108,7 +108,7 @@ private:
         };
         draw_contact(input.laws[0]);
         input.loads.clear();
-        input.foundations.clear();
+        input.supports.clear();
         const double pressure = std::min(0.1 * input.materials[0].E, std::pow(10, pressing_.uniform(-1, 0.5)));  // the strength is 1
         Obstacle floor = platen({0, 0}, {0, 1});
         draw_contact(floor.contact);

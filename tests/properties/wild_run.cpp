@@ -25,11 +25,11 @@ State start_of(const Model& model, const WildBody& wild) {
         const double x = random.uniform(-1, 1), y = random.uniform(-1, 1);
         if (model.fans[model.fan_of_corner[c]].split_at_start) velocity += wild.scatter * fastest * Vec2(x, y);
     }
-    for (const Fan& fan : model.fans) {  // corners that bonds join move as one, and stand still where one of them is the ground
+    for (const Fan& fan : model.fans) {  // corners that bonds join move as one, and stand still where one of them is the support
         if (!fan.split_at_start) continue;
-        const auto velocity = [&](Index corner) { return corner == ground ? Vec2(Vec2::Zero()) : state.velocity[state.node_of_corner[corner]]; };
+        const auto velocity = [&](Index corner) { return corner == rigid_support ? Vec2(Vec2::Zero()) : state.velocity[state.node_of_corner[corner]]; };
         const auto give = [&](Index from, Index to) {
-            if (to != ground) state.velocity[state.node_of_corner[to]] = velocity(from);
+            if (to != rigid_support) state.velocity[state.node_of_corner[to]] = velocity(from);
         };
         for (int pass = 0; pass < 3; ++pass)
             for (Index i = 0; i < fan.n_points; ++i) {
@@ -50,7 +50,7 @@ public:
         : model_(model), wild_(wild), ledger_(model, start, wild.body.scheme.mass) {
         for (const FanPoint& point : model.fan_points)
             if (model.laws[point.law].breakable()) {
-                const double mass = model.corner_mass[point.after == ground ? point.before : point.after], force = point.area * model.laws[point.law].sigma_c;
+                const double mass = model.corner_mass[point.after == rigid_support ? point.before : point.after], force = point.area * model.laws[point.law].sigma_c;
                 strength_ += force;
                 rounding_ = std::max(rounding_, 1e-13 * force * force / mass);
             }
@@ -131,7 +131,7 @@ private:
         at_most("energy given by interfaces", -row.cohesive_work, 1e-10 * ledger_.largest_energy() + strength_ * deepest_);
     }
 
-    /// What moves by itself stops within what it moves in a step; a given motion may push a body through its foundation.
+    /// What moves by itself stops within what it moves in a step; a given motion may push a body through its support.
     void nothing_penetrates(const StepReport& report) {
         if (model_.prescribed.empty()) at_most("penetration over step times speed", report.penetration / std::max(longest_ * fastest_, 1e-300), 2);
     }

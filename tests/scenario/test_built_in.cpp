@@ -81,10 +81,10 @@ void check_same(const Scenario& a, const Scenario& b) {
     CHECK(a.law_of_pair == b.law_of_pair);
     REQUIRE(a.loads.size() == b.loads.size());
     for (std::size_t i = 0; i < a.loads.size(); ++i) CHECK(same(a.loads[i], b.loads[i]));
-    REQUIRE(a.foundations.size() == b.foundations.size());
-    for (std::size_t i = 0; i < a.foundations.size(); ++i)
-        CHECK((same(a.foundations[i].on, b.foundations[i].on) && a.foundations[i].law == b.foundations[i].law &&
-               a.foundations[i].glued == b.foundations[i].glued && a.foundations[i].gap == b.foundations[i].gap));
+    REQUIRE(a.supports.size() == b.supports.size());
+    for (std::size_t i = 0; i < a.supports.size(); ++i)
+        CHECK((same(a.supports[i].on, b.supports[i].on) && a.supports[i].law == b.supports[i].law &&
+               a.supports[i].glued == b.supports[i].glued && a.supports[i].gap == b.supports[i].gap));
     REQUIRE(a.initial_velocities.size() == b.initial_velocities.size());
     for (std::size_t i = 0; i < a.initial_velocities.size(); ++i)
         CHECK((same(a.initial_velocities[i].on, b.initial_velocities[i].on) && a.initial_velocities[i].value == b.initial_velocities[i].value));

@@ -74,11 +74,11 @@ delta_c = "2 um"
 [interface.glue]
 sigma_c = "1 MPa"
 G_c = 1
-[[foundation]]
+[[support]]
 on = { boundary = "bottom", box = ["0 mm", "0 mm", "10 mm", "2 mm"] }
 interface = "glue"
 glued = true
-[[foundation]]
+[[support]]
 on = "left"
 interface = "glue"
 gap = "1 um"
@@ -369,11 +369,11 @@ const Case cases[] = {
     {rectangle, "interface.glass-steel.friction", "0.3"},
     {rectangle, "interface.glass-steel.restitution", "0.1"},
     {rectangle, "interface.glass-glass.delta_c", "2e-06"},
-    {rectangle, "foundation[0].on.boundary", "\"bottom\""},
-    {rectangle, "foundation[0].on.box", "[0, 0, 0.01, 0.002]"},
-    {rectangle, "foundation[0].interface", "\"glue\""},
-    {rectangle, "foundation[0].glued", "true"},
-    {rectangle, "foundation[1].gap", "1e-06"},
+    {rectangle, "support[0].on.boundary", "\"bottom\""},
+    {rectangle, "support[0].on.box", "[0, 0, 0.01, 0.002]"},
+    {rectangle, "support[0].interface", "\"glue\""},
+    {rectangle, "support[0].glued", "true"},
+    {rectangle, "support[1].gap", "1e-06"},
     {rectangle, "load[0].name", "\"weight\""},
     {rectangle, "load[0].on.boundary", "\"top\""},
     {rectangle, "load[0].traction", "[1e+06, 2e+06]"},
@@ -601,11 +601,11 @@ TEST_CASE("scenario: the structs hold what the file says") {
     CHECK(s.laws[1].law.friction == 0.3);
     CHECK(s.laws[2].law.G_c == tests::relative(2, 1e-15));
     CHECK(s.laws[2].law.delta_c() == tests::relative(2e-6, 1e-15));
-    REQUIRE(s.foundations.size() == 2);
-    CHECK(s.foundations[0].law == 3);
-    CHECK(s.foundations[0].glued);
-    CHECK(s.foundations[1].gap == 1e-6);
-    CHECK(s.foundations[0].on.box->high == Vec2(0.01, 0.002));
+    REQUIRE(s.supports.size() == 2);
+    CHECK(s.supports[0].law == 3);
+    CHECK(s.supports[0].glued);
+    CHECK(s.supports[1].gap == 1e-6);
+    CHECK(s.supports[0].on.box->high == Vec2(0.01, 0.002));
     REQUIRE(s.loads.size() == 8);
     CHECK(s.loads[0].kind == Load::Kind::traction);
     CHECK(s.loads[0].on.boundary == "top");

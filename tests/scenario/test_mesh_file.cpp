@@ -107,8 +107,8 @@ TEST_CASE("mesh file: boundaries are known by name wherever one is selected") {
     CHECK(found[0].code == "unknown-name");
     CHECK(found[0].hint == "did you mean `left side`?");
     CHECK(found[0].line > 0);
-    CHECK(mistakes(two_materials + "[[foundation]]\non = \"hole\"\n").empty());
-    CHECK(mistakes(two_materials + "[[foundation]]\non = \"top\"\n").size() == 1);
+    CHECK(mistakes(two_materials + "[[support]]\non = \"hole\"\n").empty());
+    CHECK(mistakes(two_materials + "[[support]]\non = \"top\"\n").size() == 1);
 }
 
 TEST_CASE("mesh file: names that the scenario does not have are refused") {

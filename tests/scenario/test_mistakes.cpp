@@ -120,8 +120,8 @@ const Case cases[] = {
     {"gravity on a boundary", with(load + "acceleration = [0, 1]\n"), "exclusive-keys", 17, 6, 5, "acts in the body"},
     {"both components free", with(load + "velocity = [\"free\", \"free\"]\n"), "exclusive-keys", 18, 12, 16, "prescribes nothing"},
     {"energy without strength", changed("3.08e6", "0"), "exclusive-keys", 13, 1, 3, "no strength"},
-    {"glued across a gap", with("[[foundation]]\non = \"bottom\"\nglued = true\ngap = 1e-6\n"), "exclusive-keys", 19, 7, 4, "glued = false"},
-    {"glued by nothing", with("[interface.floor]\nsigma_c = 0\n[[foundation]]\non = \"bottom\"\ninterface = \"floor\"\nglued = true\n"), "exclusive-keys", 21, 9, 4,
+    {"glued across a gap", with("[[support]]\non = \"bottom\"\nglued = true\ngap = 1e-6\n"), "exclusive-keys", 19, 7, 4, "glued = false"},
+    {"glued by nothing", with("[interface.floor]\nsigma_c = 0\n[[support]]\non = \"bottom\"\ninterface = \"floor\"\nglued = true\n"), "exclusive-keys", 21, 9, 4,
      "no strength"},
     {"unknown word", changed("rectangle", "rectangl"), "unknown-word", 3, 9, 10, "did you mean `rectangle`?"},
     {"unknown word for a number", changed("[time]", "[time]\nstep = \"atuo\""), "wrong-unit", 15, 8, 6, "did you mean `auto`?"},
@@ -131,8 +131,8 @@ const Case cases[] = {
     {"unknown boundary in a table", with("[[load]]\non = { boundary = \"topp\", box = [0, 0, 1, 1] }\ntraction = [0, 1]\n"), "unknown-name", 17, 19, 6,
      "did you mean `top`?"},
     {"unknown material", with("[[domain.region]]\nbox = [0, 0, 1, 1]\nmaterial = \"glas\"\n"), "unknown-name", 18, 12, 6, "did you mean `glass`?"},
-    {"unknown law", with("[[foundation]]\non = \"bottom\"\ninterface = \"flor\"\n"), "unknown-name", 18, 13, 6, "known: default"},
-    {"law of nobody", with("[interface.floor]\nsigma_c = 0\n"), "unknown-name", 16, 12, 5, "no pair of materials and no foundation"},
+    {"unknown law", with("[[support]]\non = \"bottom\"\ninterface = \"flor\"\n"), "unknown-name", 18, 13, 6, "known: default"},
+    {"law of nobody", with("[interface.floor]\nsigma_c = 0\n"), "unknown-name", 16, 12, 5, "no pair of materials and no support"},
     {"two laws of a pair", with("[material.b]\ndensity = 1\nE = 1\nnu = 0\n[interface.glass-b]\nsigma_c = 0\n[interface.b-glass]\nsigma_c = 0\n"),
      "duplicate-name", 22, 12, 7, "second law"},
     {"reactions of nothing driven", with("[[figure]]\nfile = \"a.png\"\nshow = \"reactions\"\n"), "nothing-to-show", 18, 8, 11, "no load prescribes a motion"},
@@ -148,7 +148,7 @@ const Case cases[] = {
     {"boundary with a comma", changed("shape = \"rectangle\"\nsize = [0.1, 0.04]", "shape = \"polygon\"\npoints = [[0, 0], [1, 0], [1, 1]]\nsides = [\"a\", \"b,c\", \"d\"]"),
      "bad-name", 5, 9, 17, "name of a boundary"},
     {"probe with a slash", with("[[probe]]\nat = [0, 0]\nname = \"a/b\"\n"), "bad-name", 18, 8, 5, "name of a probe"},
-    {"a law without a name", changed("interface.default", "interface", with("[interface.floor]\nsigma_c = 0\n[[foundation]]\non = \"bottom\"\ninterface = \"default\"\n")), "missing-name", 11, 2, 9,
+    {"a law without a name", changed("interface.default", "interface", with("[interface.floor]\nsigma_c = 0\n[[support]]\non = \"bottom\"\ninterface = \"default\"\n")), "missing-name", 11, 2, 9,
      "write [interface.default]"},
     {"a material without a name", changed("material.glass", "material"), "missing-name", 7, 2, 8, "write [material.NAME]"},
     {"a unit in the wrong case", changed("32e9", "\"32 Gpa\""), "wrong-unit", 9, 5, 8, "did you mean `GPa`?"},
@@ -355,7 +355,7 @@ TEST_CASE("names may have blanks everywhere and the resolved scenario reads back
     const std::string text = changed("shape = \"rectangle\"\nsize = [0.1, 0.04]", "shape = \"polygon\"\npoints = [[0, 0], [1, 0], [1, 1]]\nsides = [\"the floor\", \"b\", \"H\u00e4nge\"]\n"
                                                                                     "[[domain.hole]]\ncentre = [0.7, 0.3]\nradius = 0.1\nname = \"round hole\"",
                                      changed("size = 0.001", "size = 0.05", changed("material.glass", "material.\"hard glass\"",
-                                     changed("interface.default", "interface.\"hard glass-hard glass\"", with("[interface.\"on the floor\"]\nsigma_c = 0\n[[foundation]]\n"
+                                     changed("interface.default", "interface.\"hard glass-hard glass\"", with("[interface.\"on the floor\"]\nsigma_c = 0\n[[support]]\n"
                                      "on = \"the floor\"\ninterface = \"on the floor\"\n[[probe]]\nat = [0.5, 0.1]\nname = \"near the floor\"\n" + disc + "name = \"a ball\"\n")))));
     const ReadResult once = samples::read(text, {"material.hard glass.nu=0.25"});
     CHECK(once.scenario.materials[0].elastic.nu == 0.25);

@@ -30,7 +30,7 @@ TEST_CASE("a tip that meets an edge shares its impulse between the masses at its
                 CAPTURE(e);
                 CAPTURE(free);
                 ModelInput input = point_masses({.sigma_c = 0}, false);
-                input.foundations.clear();
+                input.supports.clear();
                 Obstacle tip = wedge({0.5, -0.0105}, {.restitution = e}, -1);
                 const double mass = 5;
                 if (free) {

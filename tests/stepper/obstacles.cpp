@@ -18,7 +18,7 @@ void check_energy_balance(const Run& run) { tests::check_energy_balance(run, 1e-
 /// Three masses of 1 without stiffness; the lower two at y = 0, x = 0 and 2.
 ModelInput free_points() {
     ModelInput input = point_masses({.sigma_c = 0}, false);
-    input.foundations.clear();
+    input.supports.clear();
     return input;
 }
 
@@ -183,7 +183,7 @@ namespace {
 
 /// Some obstacles round a random body of the explicit bulk, on collision course.
 Run random_scene(std::uint64_t seed, double unit_of_length = 1, double unit_of_time = 1, double unit_of_mass = 1) {
-    RandomBodies bodies(seed, {.driven = false, .foundation = false, .units = false});
+    RandomBodies bodies(seed, {.driven = false, .support = false, .units = false});
     RandomBody body = bodies.body();
     ModelInput& input = body.input;
     Random random(seed, "obstacles");

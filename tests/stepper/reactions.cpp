@@ -40,8 +40,8 @@ TEST_CASE("reactions of a bar that is pulled do the external work and are its st
     CHECK(reactions.at(run.now)[1].displacement.x() == relative(strain * length, 1e-12));
 }
 
-TEST_CASE("reactions of a foundation do not reach what stands on it unless it is driven") {
-    // a driven corner on a foundation: the driver gives what load and foundation do not
+TEST_CASE("reactions of a support do not reach what stands on it unless it is driven") {
+    // a driven corner on a support: the driver gives what load and support do not
     ModelInput input = point_masses({.sigma_c = 0, .friction = 0.5}, false);
     input.loads = {load(Load::Kind::body_force, "", 0.0, -3.0), load(Load::Kind::velocity, "base", 1.0, std::nullopt)};
     Run run(input);

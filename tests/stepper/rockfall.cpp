@@ -2,7 +2,7 @@
 //
 // The boulder covers the block from side to side and the block cannot widen, so waves are plane (B. de Saint-Venant 1883, a rigid mass on the end
 // of a bar). With Z = rho c A and T = 2 L/c the end of the block moves with v = a + b, a the wave that leaves it, b = -a(t - T) what comes back from the rigid
-// ground, and the contact force is Z (a - b):
+// support, and the contact force is Z (a - b):
 //
 //     M v' = -Z (a - b),     a = v - b in contact, else a = b (a free end);     contact from where the gap closes until the force vanishes
 #include "support/obstacles.hpp"

@@ -128,7 +128,7 @@ TEST_CASE("second order: both paths break a plate with the energy identity to ro
     const CohesiveLaw law{.sigma_c = 1e6, .G_c = 3, .gamma = 1, .friction = 0.3};
     for (const bool implicit : {false, true}) {
         ModelInput input = plate(bar_mesh(6, 4, 0.15, 0.1), law);
-        input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = true}};
+        input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = true}};
         input.loads = {load(Load::Kind::velocity, "top", 0.02, 0.1, {{0, 1e-4, 2e-4}, {0, 1, -1}})};
         SchemeOptions scheme;
         if (implicit) scheme = {.bulk = BulkScheme::implicit_theta, .cohesion = CohesionScheme::implicit_beta, .mass = MassMatrix::consistent};

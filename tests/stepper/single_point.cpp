@@ -1,5 +1,5 @@
 // Exact one-point cases: imposed motion (A1, A3, A5), the strength polygon (A6), one mass under constant force (B1), a bouncing ball
-// (B13). All go through the whole stepper: a triangle without stiffness on a foundation is a set of point masses on cohesive points.
+// (B13). All go through the whole stepper: a triangle without stiffness on a support is a set of point masses on cohesive points.
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
 
@@ -187,7 +187,7 @@ TEST_CASE("B13 a ball with restitution .8 comes to rest at its Zeno time") {
         on_path(path);
         const CohesiveLaw law{.sigma_c = 0, .restitution = 0.8};
         ModelInput input = point_masses(law, false);
-        input.foundations[0].gap = 1;
+        input.supports[0].gap = 1;
         input.loads = {load(Load::Kind::acceleration, "", 0.0, -9.81)};
         Run run(input, path);
         const double h = 1e-4, zeno = std::sqrt(2 / 9.81) * 9;

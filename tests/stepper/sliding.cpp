@@ -11,14 +11,14 @@ using namespace knap::tests;
 
 namespace {
 
-/// An elastic block of 1 x 1 on the ground.
-ModelInput block_on_ground(const CohesiveLaw& law) {
+/// An elastic block of 1 x 1 on the support.
+ModelInput block_on_support(const CohesiveLaw& law) {
     ModelInput input;
     input.mesh = bar_mesh(4, 4, 1, 1);
     input.materials = {{.density = 1000, .E = 1e7, .nu = 0.3}};
     input.laws = {law, CohesiveLaw::unbreakable()};
     input.law_of_pair = {{1}};
-    input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = false}};
+    input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = false}};
     return input;
 }
 
@@ -99,9 +99,9 @@ TEST_CASE("B14 a sliding point stops at v0 over mu g and then rests by the impli
 }
 
 TEST_CASE("B14 an elastic block stops when friction has taken its momentum") {
-    // the bottom sticks and slides in waves, but the ground's impulse is mu times the weight while the whole bottom slides
+    // the bottom sticks and slides in waves, but the support's impulse is mu times the weight while the whole bottom slides
     const double mu = 0.3, g = 9.81, v0 = 1;
-    ModelInput input = block_on_ground({.sigma_c = 0, .friction = mu});
+    ModelInput input = block_on_support({.sigma_c = 0, .friction = mu});
     input.loads = {load(Load::Kind::acceleration, "", 0.0, -g)};
     input.initial_velocities = {{.on = {}, .value = {v0, 0}}};
     Run run(input);
@@ -109,7 +109,7 @@ TEST_CASE("B14 an elastic block stops when friction has taken its momentum") {
     const auto all = [](Index) { return true; };
     while (run.now.time < 0.5 * v0 / (mu * g)) run.step(h);
     on_path(both_explicit);
-    describe("An elastic block of 1 x 1 with v_0 = 1: its base sticks and slides in waves, but the impulse of the ground is mu times the weight while it slides.");
+    describe("An elastic block of 1 x 1 with v_0 = 1: its base sticks and slides in waves, but the impulse of the support is mu times the weight while it slides.");
     verify("mean velocity at v_0/(2 mu g), over v_0", run.mean_velocity(all).x() / v0, 0.5, {0.05, 0.01});
     while (run.now.time < 1.2 * v0 / (mu * g)) run.step(h);
     verify_small("mean velocity at 1.2 v_0/(mu g), over v_0", run.mean_velocity(all).x() / v0, {0.05, 0.01});

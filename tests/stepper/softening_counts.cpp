@@ -16,7 +16,7 @@ namespace {
 
 constexpr CohesiveLaw glue{.sigma_c = 0.5, .G_c = 0.25};  // delta_c = 1
 
-/// Two points of area 1 on a foundation: opened half way, closed, opened until they break at t = 4, and further.
+/// Two points of area 1 on a support: opened half way, closed, opened until they break at t = 4, and further.
 ModelInput cycled() {
     ModelInput input = point_masses(glue, true);
     input.loads = {load(Load::Kind::displacement, "base", 0.0, 1.0, {{0, 1, 2, 3, 5}, {0, 0.5, 0, 0.5, 1.5}})};
@@ -78,7 +78,7 @@ TEST_CASE("softening: the count is that of the points which lost cohesion on eve
 
 TEST_CASE("softening: the step falls to the cracking step at the first of it with either bulk") {
     for (const SchemeOptions& path : both_paths()) {
-        Run run(cycled(), path);  // on its foundation no fan comes apart: only the softening tells
+        Run run(cycled(), path);  // on its support no fan comes apart: only the softening tells
         StepControl control({.largest = 0.05, .cracking = 0.01, .smallest = 1e-6, .end = 0.5});
         State next;
         std::vector<Cutback> cuts;

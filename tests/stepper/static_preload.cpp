@@ -51,12 +51,12 @@ struct Start {
     Vec2 u(Index corner) const { return loaded.displacement[loaded.node_of_corner[corner]]; }
     Vec2 x(Index corner) const { return model.mesh.corner(corner / 3, corner % 3); }
 
-    /// [N] All that the foundation does to the body.
+    /// [N] All that the support does to the body.
     Vec2 support() const {
         Vec2 sum = Vec2::Zero();
         for (std::size_t e = 0; e < model.interfaces.size(); ++e) {
             const Interface& edge = model.interfaces[e];
-            if (edge.triangle[0] != ground) continue;
+            if (edge.triangle[0] != rigid_support) continue;
             for (Index end = 0; end < 2; ++end) {
                 const Vec2 r = traction(model, loaded, 2 * static_cast<Index>(e) + end);
                 sum += 0.5 * edge.length * model.thickness * (r.x() * edge.normal + r.y() * turned_left(edge.normal));
@@ -96,12 +96,12 @@ double mean_rise(const Start& start, double y, int n) {
 
 }  // namespace
 
-TEST_CASE("a column hangs or stands on its foundation with exact displacements and reaction") {
+TEST_CASE("a column hangs or stands on its support with exact displacements and reaction") {
     // linear elements, a lumped mass and nu = 0: by a virtual displacement min(y, Y) the mean over every row of vertices is exact
     for (const double g : {1.0, -0.4}) {
         for (const MassMatrix mass : {MassMatrix::lumped, MassMatrix::consistent}) {
             ModelInput input = block(bar_mesh(4, 12, 1, 3));
-            input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = true}};
+            input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = true}};
             input.loads = {gravity(g)};
             SchemeOptions options = implicit(0.6);
             options.mass = mass;
@@ -132,12 +132,12 @@ TEST_CASE("a bar between two given ends starts with the displacements of its mom
     for (Index c = 0; c < start.model.mesh.n_corners(); ++c) CHECK((start.u(c) - Vec2(2e-2 * start.x(c).x() / 4, 0)).norm() <= 1e-14);
 }
 
-TEST_CASE("a block falls through its gap onto the foundation and stands there") {
+TEST_CASE("a block falls through its gap onto the support and stands there") {
     for (const double restitution : {0.0, 0.5}) {
         ModelInput input = block(bar_mesh(4, 4, 1, 1), {.sigma_c = 0, .G_c = 0, .gamma = 1, .friction = 0.3, .restitution = restitution});
         input.law_of_pair = {{1}};
         input.laws.push_back(CohesiveLaw::unbreakable());
-        input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = false, .gap = 1e-6}};
+        input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = false, .gap = 1e-6}};
         input.loads = {gravity(1)};
         Start start(input);
         start.load();
@@ -153,7 +153,7 @@ TEST_CASE("a slender beam is held by its clamped end alone") {
     ModelInput input = block(bar_mesh(200, 1, 200, 1));
     input.laws.push_back(CohesiveLaw::unbreakable());
     input.law_of_pair = {{1}};
-    input.foundations = {{.on = {.boundary = "left", .box = {}}, .law = 0, .glued = true}};
+    input.supports = {{.on = {.boundary = "left", .box = {}}, .law = 0, .glued = true}};
     input.loads = {gravity(1e-6)};
     Start start(input);
     start.load();
@@ -219,17 +219,17 @@ void check_rests(const ModelInput& input, int n = 2000) {
 
 }  // namespace
 
-TEST_CASE("the explicit bulk rests from its start in equilibrium under gravity and pressure on glue and on rough or bouncing ground") {
+TEST_CASE("the explicit bulk rests from its start in equilibrium under gravity and pressure on glue and on rough or bouncing support") {
     const CohesiveLaw rough{.sigma_c = 0, .G_c = 0, .gamma = 1, .friction = 0.6}, bouncing{.sigma_c = 0, .G_c = 0, .friction = 0.6, .restitution = 0.5};
     for (const int order : {1, 2})
-        for (const CohesiveLaw& ground_law : {glue, rough, bouncing}) {
+        for (const CohesiveLaw& support_law : {glue, rough, bouncing}) {
             CAPTURE(order);
-            CAPTURE(ground_law.restitution);
+            CAPTURE(support_law.restitution);
             ModelInput input = block(bar_mesh(4, 6, 1, 1.5));
             input.mesh.order = order;
-            input.materials[0].nu = 0.3;  // it spreads on its ground, which friction resists
-            input.laws.push_back(ground_law);
-            input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 1, .glued = ground_law.sigma_c > 0}};
+            input.materials[0].nu = 0.3;  // it spreads on its support, which friction resists
+            input.laws.push_back(support_law);
+            input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 1, .glued = support_law.sigma_c > 0}};
             input.loads = {gravity(0.3), stress_on("left", {-0.4, -0.4, 0}), stress_on("right", {-0.4, -0.4, 0})};
             check_rests(input);
         }
@@ -267,10 +267,10 @@ TEST_CASE("a pressure that grows does the work that the books say") {
 }
 
 TEST_CASE("E14 a preload of .99 of the strength rests and 2 percent more breaks") {
-    describe("A bar on a glued foundation under .99 of its strength: the run begins in static equilibrium.");
+    describe("A bar on a glued support under .99 of its strength: the run begins in static equilibrium.");
     const auto pulled = [](double load_over_strength, TimeFunction history = {}) {
         ModelInput input = block(bar_mesh(6, 2, 3, 1));
-        input.foundations = {{.on = {.boundary = "left", .box = {}}, .law = 0, .glued = true}};
+        input.supports = {{.on = {.boundary = "left", .box = {}}, .law = 0, .glued = true}};
         input.loads = {load(Load::Kind::traction, "right", load_over_strength * glue.sigma_c, 0.0, std::move(history))};
         return input;
     };
@@ -322,10 +322,10 @@ TEST_CASE("E14 a preload of .99 of the strength rests and 2 percent more breaks"
     verify_that("1e-6 below the strength is held", Start(pulled(1 - 1e-6), implicit()).complaint() == "nothing");
 }
 
-TEST_CASE("a preload that its foundation does not hold says where") {
+TEST_CASE("a preload that its support does not hold says where") {
     ModelInput input = block(bar_mesh(4, 4, 1, 1), CohesiveLaw::unbreakable());
     input.laws.push_back({.sigma_c = 1, .G_c = 1e-3, .gamma = 1});
-    input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 1, .glued = true}};
+    input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 1, .glued = true}};
     input.loads = {gravity(-1.5)};
     const std::string said = Start(input).complaint();
     CHECK_MESSAGE(said.find("the preload is more than the interfaces hold, at (") != std::string::npos, said);

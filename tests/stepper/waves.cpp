@@ -66,7 +66,7 @@ private:
 /// Left end of the bar on a rigid wall, or in front of it.
 ModelInput bar_at_wall(int n, double length, double E, double gap) {
     ModelInput input = bar(n, {CohesiveLaw::unbreakable(), {.sigma_c = 0}}, length, E);
-    input.foundations = {{.on = {.boundary = "left", .box = {}}, .law = 1, .glued = false, .gap = gap}};
+    input.supports = {{.on = {.boundary = "left", .box = {}}, .law = 1, .glued = false, .gap = gap}};
     return input;
 }
 
@@ -258,7 +258,7 @@ TEST_CASE("B10 with triangles of second order a bar keeps more of its speed" * d
     }
 }
 
-TEST_CASE("B11 a bar falls and bounces on the ground and comes back to its height") {
+TEST_CASE("B11 a bar falls and bounces on the support and comes back to its height") {
     // E = 900, rho = 1, L = 10, g = 10, gap 5: contact on [1, 5/3] with 300 -> 500 and on [11/3, 13/3] with 500 -> 300, apex 5 at 16/3
     on_path(both_explicit);
     const int n = 200;
@@ -274,7 +274,7 @@ TEST_CASE("B11 a bar falls and bounces on the ground and comes back to its heigh
         while (run.now.time < to) run.step(h);
         return 10 * ((mean_velocity(run).x() - v) / (run.now.time - begin) + 10);  // mass per area 10
     };
-    while (run.u(3, 1).x() > -5) {  // triangle 3 has its edge on the ground
+    while (run.u(3, 1).x() > -5) {  // triangle 3 has its edge on the support
         run.step(h);
         REQUIRE(run.now.time < 1.1);
     }

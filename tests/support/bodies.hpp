@@ -19,7 +19,7 @@ inline Load load(Load::Kind kind, const std::string& boundary, std::optional<dou
     return {.kind = kind, .on = {.boundary = boundary, .box = {}}, .value = {x, y}, .history = std::move(history)};
 }
 
-/// One triangle with its first edge, along x, on a foundation: corners 0 and 1 have a point each, of area 1; every corner has mass 1.
+/// One triangle with its first edge, along x, on a support: corners 0 and 1 have a point each, of area 1; every corner has mass 1.
 inline ModelInput point_masses(const CohesiveLaw& law, bool glued) {
     ModelInput input;
     input.mesh.vertices = {{0, 0}, {2, 0}, {1, 1}};  // the edge has length 2: each of its points has area 1
@@ -31,7 +31,7 @@ inline ModelInput point_masses(const CohesiveLaw& law, bool glued) {
     input.materials = {{.density = 3, .E = 0, .nu = 0}};
     input.laws = {law};
     input.law_of_pair = {{0}};
-    input.foundations = {{.on = {.boundary = "base", .box = {}}, .law = 0, .glued = glued}};
+    input.supports = {{.on = {.boundary = "base", .box = {}}, .law = 0, .glued = glued}};
     return input;
 }
 

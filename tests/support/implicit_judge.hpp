@@ -148,8 +148,8 @@ private:
     /// A unit impulse of the point along `direction`, per corner.
     std::vector<Vec2> pushed(const FanPoint& point, const Vec2& direction) const {
         std::vector<Vec2> made(model_.mesh.n_corners(), Vec2::Zero());
-        if (point.after != ground) made[point.after] += direction;
-        if (point.before != ground) made[point.before] -= direction;
+        if (point.after != rigid_support) made[point.after] += direction;
+        if (point.before != rigid_support) made[point.before] -= direction;
         return made;
     }
 
@@ -164,15 +164,15 @@ private:
             if (unbreakable(point)) continue;
             const double strength = h_ * point.area * (point.cracked ? 0 : model_.laws[point.law].sigma_c);
             impulse_ = std::max({impulse_, end.impulse[point.point].norm(), strength});
-            speed_ = std::max(speed_, strength / model_.corner_mass[point.after == ground ? point.before : point.after]);
+            speed_ = std::max(speed_, strength / model_.corner_mass[point.after == rigid_support ? point.before : point.after]);
         }
         impulse_ = std::max(impulse_, mass * speed_);
     }
 
     bool unbreakable(const FanPoint& point) const { return !point.cracked && !model_.laws[point.law].breakable(); }
-    Vec2 velocity(Index corner) const { return corner == ground ? Vec2::Zero() : begin_.velocity[begin_.node_of_corner[corner]]; }
-    Vec2 displacement(Index corner) const { return corner == ground ? Vec2::Zero() : begin_.displacement[begin_.node_of_corner[corner]]; }
-    static Vec2 rate(const StepLcpEnd& end, Index corner) { return corner == ground ? Vec2::Zero() : end.rate[corner]; }
+    Vec2 velocity(Index corner) const { return corner == rigid_support ? Vec2::Zero() : begin_.velocity[begin_.node_of_corner[corner]]; }
+    Vec2 displacement(Index corner) const { return corner == rigid_support ? Vec2::Zero() : begin_.displacement[begin_.node_of_corner[corner]]; }
+    static Vec2 rate(const StepLcpEnd& end, Index corner) { return corner == rigid_support ? Vec2::Zero() : end.rate[corner]; }
     bool prescribed(Index corner, int k) const {
         return !model_.prescribed.empty() && model_.prescribed_of_corner[corner] >= 0 &&
                model_.prescribed[model_.prescribed_of_corner[corner]].component[k];
@@ -182,7 +182,7 @@ private:
     bool driven(const FanPoint& point) const {
         for (int k = 0; k < 2; ++k)
             for (const Index corner : {point.before, point.after})
-                if (std::abs(point.normal[k]) > 1e-12 && corner != ground && !prescribed(corner, k)) return false;
+                if (std::abs(point.normal[k]) > 1e-12 && corner != rigid_support && !prescribed(corner, k)) return false;
         return true;
     }
 
@@ -203,8 +203,8 @@ private:
         for (const FanPoint& point : model_.fan_points) {
             if (unbreakable(point)) continue;
             const Vec2 P = end.impulse[point.point].x() * point.normal + end.impulse[point.point].y() * turned_left(point.normal);
-            if (point.after != ground) left[point.after] += P;
-            if (point.before != ground) left[point.before] -= P;
+            if (point.after != rigid_support) left[point.after] += P;
+            if (point.before != rigid_support) left[point.before] -= P;
         }
         for (Index c = 0; c < n; ++c) {
             const Vec2 change = end.velocity[c] - velocity(c);
@@ -224,8 +224,8 @@ private:
         for (Index c = 0; c < n; ++c) group[c] = c, known[c] = {prescribed(c, 0), prescribed(c, 1)};
         for (const FanPoint& point : model_.fan_points) {
             if (!unbreakable(point)) continue;
-            if (point.before == ground || point.after == ground) {
-                known[group[point.before == ground ? point.after : point.before]] = {true, true};
+            if (point.before == rigid_support || point.after == rigid_support) {
+                known[group[point.before == rigid_support ? point.after : point.before]] = {true, true};
                 continue;
             }
             const Index from = group[point.before], to = group[point.after];

@@ -1,6 +1,6 @@
 #pragma once
 // Random small bodies in random motion: a few triangles, interior vertices included, every edge an interface or some of them unbreakable,
-// perhaps on a foundation, perhaps driven; random laws, loads and velocities. Strength, density and size are of order 1.
+// perhaps on a support, perhaps driven; random laws, loads and velocities. Strength, density and size are of order 1.
 #include "base/random.hpp"
 #include "support/bodies.hpp"
 
@@ -11,7 +11,7 @@ namespace knap::tests {
 
 struct RandomBodyOptions {
     bool friction = true, tangential = true, restitution = true;
-    bool driven = true, foundation = true, unbreakable = true;
+    bool driven = true, support = true, unbreakable = true;
     bool units = true;     // any units of length, mass and time
     int most_cells = 3;    // each way, of two triangles
     Index order = 1;       // of the triangles
@@ -52,7 +52,7 @@ inline void in_units(RandomBody& made, double length, double mass, double time) 
     for (Elastic& material : input.materials) material.density *= mass / std::pow(length, 3), material.E *= pressure;
     input.laws[0].sigma_c *= pressure;
     input.laws[0].G_c *= pressure * length;
-    for (Foundation& foundation : input.foundations) foundation.gap *= length;
+    for (Support& support : input.supports) support.gap *= length;
     for (Load& each : input.loads) {
         double unit = 1;
         if (each.kind == Load::Kind::traction) unit = pressure;
@@ -95,7 +95,7 @@ private:
         input.mesh = bar_mesh(n_x, n_y, n_x, n_y);
         input.mesh.order = options_.order;
         for (Vec2& x : input.mesh.vertices)
-            if (x.y() > 0) {  // the bottom stays straight, for the foundation
+            if (x.y() > 0) {  // the bottom stays straight, for the support
                 const double dx = random_.uniform(-0.25, 0.25), dy = random_.uniform(-0.25, 0.25);
                 x += Vec2(dx, dy);
             }
@@ -123,8 +123,8 @@ private:
 
     void make_loads(RandomBody& made) {
         ModelInput& input = made.input;
-        if (options_.foundation && chance(0.4))
-            input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = chance(0.6), .gap = chance(0.3) ? 0.01 : 0}};
+        if (options_.support && chance(0.4))
+            input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = chance(0.6), .gap = chance(0.3) ? 0.01 : 0}};
         const auto number = [&](double size) { return random_.uniform(-size, size); };
         if (chance(0.5))
             input.loads.push_back(load(Load::Kind::traction, one_of({"left", "right", "top"}), number(1), number(1), {{0, 2}, {0.5, 1}}));

@@ -1,5 +1,5 @@
 #pragma once
-// Random fans: closed, open, on the ground; with equal and with very unequal masses; at rest, moving together, impacting; with ties; in
+// Random fans: closed, open, on the support; with equal and with very unequal masses; at rest, moving together, impacting; with ties; in
 // any units. Every one has a solution: what is joined for ever moves together before the step, and what is driven can be followed.
 #include "base/random.hpp"
 #include "interface/fan_problem.hpp"
@@ -77,13 +77,13 @@ private:
     }
 
     void make_links(FanProblem& fan, int n) {
-        const bool ground_first = !fan.closed && (n == 1 || chance(0.3)), ground_last = !fan.closed && chance(0.3);
+        const bool support_first = !fan.closed && (n == 1 || chance(0.3)), support_last = !fan.closed && chance(0.3);
         const int lattice = one_of({0, 0, 0, 4, 6, 8});  // rays of a regular mesh: many ties
         const double strength = one_of({1e-2, 1.0, 1.0, 30.0});
         const bool alike = chance(0.6), some_unbreakable = chance(0.2);
         const FanLink common = random_law();
         double angle = random_.uniform(0, 2 * M_PI);
-        for (int i = fan.closed || ground_first ? 0 : 1; i <= (ground_last ? n : n - 1); ++i) {
+        for (int i = fan.closed || support_first ? 0 : 1; i <= (support_last ? n : n - 1); ++i) {
             FanLink link = alike ? common : random_law();
             link.before = fan.closed ? (i + n - 1) % n : i - 1;
             link.after = i == n ? -1 : i;
@@ -99,7 +99,7 @@ private:
     /// What an unbreakable link joins has moved together before.
     void join_unbreakable(FanProblem& fan) {
         const Index n = static_cast<Index>(fan.bodies.size());
-        std::vector<Index> leader(n);  // of each body: the smallest of its group, or -1 = ground
+        std::vector<Index> leader(n);  // of each body: the smallest of its group, or -1 = support
         for (Index b = 0; b < n; ++b) leader[b] = b;
         const auto leader_of = [&](Index b) { return b < 0 ? -1 : leader[b]; };
         for (const FanLink& link : fan.links) {
@@ -115,14 +115,14 @@ private:
 
     void prescribe(FanProblem& fan) {
         const int kind = one_of({0, 0, 0, 0, 1, 2});
-        const bool grounded = std::any_of(fan.links.begin(), fan.links.end(), [](const FanLink& l) { return l.before < 0 || l.after < 0; });
-        const Vec2 before = grounded ? Vec2(Vec2::Zero()) : Vec2(speed_ * vector()), after = grounded ? before : Vec2(speed_ * vector());
+        const bool supported = std::any_of(fan.links.begin(), fan.links.end(), [](const FanLink& l) { return l.before < 0 || l.after < 0; });
+        const Vec2 before = supported ? Vec2(Vec2::Zero()) : Vec2(speed_ * vector()), after = supported ? before : Vec2(speed_ * vector());
         const std::array<bool, 2> which = {chance(0.6), chance(0.6)};
         const std::size_t single = static_cast<std::size_t>(random_.uniform(0, static_cast<double>(fan.bodies.size())));
         for (std::size_t b = 0; b < fan.bodies.size(); ++b)
             for (int k = 0; k < 2; ++k) {
                 // 1: a whole vertex is driven, as a scenario can; 2: one body
-                if (!which[k] || kind == 0 || (kind == 2 && (b != single || grounded))) continue;
+                if (!which[k] || kind == 0 || (kind == 2 && (b != single || supported))) continue;
                 fan.bodies[b].inverse_mass[k] = 0;
                 if (kind == 1) fan.bodies[b].velocity[k] = before[k];
                 driven_velocity_ = after;

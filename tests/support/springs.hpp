@@ -25,7 +25,7 @@ struct SpringBody {
 ///
 ///       b---+---b        triangles, of area 1: 0 = 0 1 +;  1, 2 = springs 0 b b, 1 b b;  3, 4 above them, 5, 6 below
 ///       |\ / \ /|
-///       | 0===1 |        === foundation; each point has area 1
+///       | 0===1 |        === support; each point has area 1
 ///       |/ \ / \|
 ///       b---+---b
 inline ModelInput spring_body(const SpringBody& body) {
@@ -43,7 +43,7 @@ inline ModelInput spring_body(const SpringBody& body) {
     input.materials = {{.density = density, .E = modulus, .nu = 0}, {.density = density, .E = 0, .nu = 0}};
     input.laws = {body.law, CohesiveLaw::unbreakable()};
     input.law_of_pair = {{1, 1}, {1, 1}};
-    input.foundations = {{.on = {.boundary = "base", .box = {}}, .law = 0, .glued = body.glued}};
+    input.supports = {{.on = {.boundary = "base", .box = {}}, .law = 0, .glued = body.glued}};
     for (const double y : {1.0, -1.0})
         input.loads.push_back({.kind = Load::Kind::displacement,
                                .on = {.boundary = "", .box = Box{Vec2(0.9, y - 0.1), Vec2(1.1, y + 0.1)}},
@@ -97,11 +97,11 @@ TimeFunction sampled(const Function& function, double h, int n) {
     return made;
 }
 
-/// What one of the two equal points of the foundation does (the other must do the same).
+/// What one of the two equal points of the support does (the other must do the same).
 class PointView {
 public:
     explicit PointView(const Run& run) : run_(run) {
-        while (run.model.interfaces[point_ / 2].triangle[0] != ground) point_ += 2;
+        while (run.model.interfaces[point_ / 2].triangle[0] != rigid_support) point_ += 2;
     }
     double u(Motion motion = Motion::opening) const { return motion == Motion::opening ? run_.u(0, 0).y() : run_.u(0, 0).x(); }
     double v(Motion motion = Motion::opening) const { return motion == Motion::opening ? run_.v(0, 0).y() : run_.v(0, 0).x(); }

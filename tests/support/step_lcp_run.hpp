@@ -145,7 +145,7 @@ private:
             work += h * mean * load.force.dot(end.rate[load.corner]);
         }
         for (const FanPoint& at : model.fan_points) {
-            const auto rate = [&](Index corner) -> Vec2 { return corner == ground ? Vec2::Zero() : end.rate[corner]; };
+            const auto rate = [&](Index corner) -> Vec2 { return corner == rigid_support ? Vec2::Zero() : end.rate[corner]; };
             const Vec2 w = rate(at.after) - rate(at.before);
             work += end.impulse[at.point].dot(Vec2(at.normal.dot(w), turned_left(at.normal).dot(w)));
         }

@@ -21,7 +21,7 @@ double entries_at_most(const Model& model, const SchemeOptions& scheme) {
     UnionFind parts(model.mesh.triangles.size());
     bool friction = false, gamma = false;
     for (const FanPoint& point : model.fan_points) {
-        if (unbreakable(model, point) && point.before != ground && point.after != ground)
+        if (unbreakable(model, point) && point.before != rigid_support && point.after != rigid_support)
             parts.join(model.mesh.triangle_of(point.before), model.mesh.triangle_of(point.after));
         friction = friction || model.laws[point.law].friction > 0;
         gamma = gamma || model.laws[point.law].gamma > 0;
@@ -31,7 +31,7 @@ double entries_at_most(const Model& model, const SchemeOptions& scheme) {
     for (const FanPoint& point : model.fan_points) {
         if (unbreakable(model, point)) continue;
         for (const Index corner : {point.before, point.after})
-            if (corner != ground) n_points[parts.find(model.mesh.triangle_of(corner))] += 1;
+            if (corner != rigid_support) n_points[parts.find(model.mesh.triangle_of(corner))] += 1;
     }
     double entries = 0;
     for (const double n : n_points) entries += rows * n * rows * n;

@@ -151,9 +151,9 @@ void refuse_contradictions(const ReadResult& read, const Model& model) {
 void refuse_unheld_body(const ReadResult& read, const Model& model) {
     if (!read.scenario.time.start_in_equilibrium || !model.obstacles.empty()) return;  // obstacles may hold it
     const std::vector<Index> body = bodies_of(model);
-    std::vector<char> stands(body.size(), 0);  // on a foundation, which may hold it
+    std::vector<char> stands(body.size(), 0);  // on a support, which may hold it
     for (const Interface& interface : model.interfaces)
-        if (interface.triangle[0] == ground) stands[body[interface.triangle[1]]] = 1;
+        if (interface.triangle[0] == rigid_support) stands[body[interface.triangle[1]]] = 1;
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
         if (body[t] != t || stands[t]) continue;
         const Balance balance = balance_of(model, body, t);
@@ -167,7 +167,7 @@ void refuse_unheld_body(const ReadResult& read, const Model& model) {
         Diagnostic d = locate(read, "time.start");
         d.code = "not-held";
         d.message = text;
-        d.note = "hold it (a load with displacement = [0, 0], a [[foundation]]), balance the loads, let them begin with a ramp, or start = \"rest\"";
+        d.note = "hold it (a load with displacement = [0, 0], a [[support]]), balance the loads, let them begin with a ramp, or start = \"rest\"";
         throw UserError({d});
     }
 }

@@ -149,7 +149,7 @@ Model model_of(const ReadResult& read) {
     } catch (const ShapeError& error) {
         throw UserError({locate(read, error)});
     } catch (const EmptySelection& error) {
-        const char* list = error.list == EmptySelection::loads ? "load" : error.list == EmptySelection::foundations ? "foundation" : "initial";
+        const char* list = error.list == EmptySelection::loads ? "load" : error.list == EmptySelection::supports ? "support" : "initial";
         throw located(read, item(list, error.number) + (error.list == EmptySelection::initial_velocities ? ".box" : ".on"), error);
     }
 }

@@ -43,7 +43,7 @@ Model build_model(const Scenario& scenario) {
     input.law_of_joint = scenario.law_of_joint;
     input.seed = scenario.seed;
     input.loads = scenario.loads;
-    input.foundations = scenario.foundations;
+    input.supports = scenario.supports;
     input.initial_velocities = scenario.initial_velocities;
     input.obstacles = scenario.obstacles;
     return make_model(std::move(input));
@@ -65,11 +65,11 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_e
             judge_law(a == b ? one.name : one.name + "-" + other.name, scenario.laws[scenario.law_of_pair[a][b]],
                       std::min(modulus(one), modulus(other)), std::max(speed(one), speed(other)));
         }
-    for (std::size_t f = 0; f < scenario.foundations.size(); ++f) {
-        if (!scenario.foundations[f].glued) continue;
+    for (std::size_t f = 0; f < scenario.supports.size(); ++f) {
+        if (!scenario.supports[f].glued) continue;
         double least = std::numeric_limits<double>::infinity(), fastest = 0;  // which of the materials stands on it, only the mesh knows
         for (const NamedMaterial& material : scenario.materials) least = std::min(least, modulus(material)), fastest = std::max(fastest, speed(material));
-        judge_law("foundation " + std::to_string(f + 1), scenario.laws[scenario.foundations[f].law], 2 * least, fastest);
+        judge_law("support " + std::to_string(f + 1), scenario.laws[scenario.supports[f].law], 2 * least, fastest);
     }
     return found;
 }

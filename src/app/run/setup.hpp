@@ -9,7 +9,7 @@ namespace knap {
 /// Throws ShapeError for a shape that cannot be meshed, EmptySelection for selections that select nothing.
 Model build_model(const Scenario& scenario);
 
-/// How well a mesh resolves the fracture of one law in one material, between two, or on a glued foundation. A foundation is the mirror of the
+/// How well a mesh resolves the fracture of one law in one material, between two, or on a glued support. A support is the mirror of the
 /// body: half of a body that would break with twice G_c.
 struct Resolution {
     std::string material, law;

@@ -45,7 +45,7 @@ void ObstacleContacts::add_pieces(Index f, const State& begin) {
     const PointState* state = begin.points.data() + begin.first_point[begin.split_rank[f]];
     for (Index i = 0; i < fan.n_points; ++i) {
         const FanPoint& point = model_.fan_points[fan.first_point + i];
-        if (point.before == ground || point.after == ground) continue;
+        if (point.before == rigid_support || point.after == rigid_support) continue;
         if (!fan.closed && (point.after == first || point.after == last)) continue;  // the ends of a chain have theirs
         const bool together = begin.displacement[begin.node_of_corner[point.after]] == begin.displacement[begin.node_of_corner[point.before]];
         const bool intact = !point.cracked && (state[i].cohesion == 1 || !model_.laws[point.law].breakable());

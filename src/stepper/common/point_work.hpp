@@ -38,7 +38,7 @@ inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, doub
     if (const double fall = before - after; fall > min_softening) {
         ++report.softened;
         const double drop = point.area * law.G_c * fall * fall;
-        if (drop > report.largest_drop) report.largest_drop = drop, report.drop_corner = point.after == ground ? point.before : point.after;
+        if (drop > report.largest_drop) report.largest_drop = drop, report.drop_corner = point.after == rigid_support ? point.before : point.after;
     }
     report.largest_beta_growth = std::max(report.largest_beta_growth, after - before);
     account_rest(point, law, after, report);

@@ -36,7 +36,7 @@ bool StationaryFans::find_parts(Index rank, const State& begin, double h, Worksp
     Index part = 0;
     for (Index j = 0; j < fan.n_points; ++j) {
         const FanPoint& point = model_.fan_points[fan.first_point + j];
-        if (point.before == ground || point.after == ground) return false;
+        if (point.before == rigid_support || point.after == rigid_support) return false;
         const CohesiveLaw& law = model_.laws[point.law];
         const Sides at(fan, j);
         const Vec2& u_after = begin.displacement[work.node[at.after]];

@@ -153,14 +153,14 @@ void VertexScheme::assemble_problem(Index f, const State& begin, const FreeMotio
             if (motion->component[k]) body.free_velocity[k] = given[k], body.inverse_mass[k] = 0;
     }
     // links in counterclockwise order; bodies are numbered in the same order
-    const auto body_of = [&](Index corner, Index guess) { return corner == ground ? ground : (guess + fan.n_corners) % fan.n_corners; };
-    const bool ground_first = fan.n_points > 0 && model_.fan_points[fan.first_point].before == ground;
+    const auto body_of = [&](Index corner, Index guess) { return corner == rigid_support ? rigid_support : (guess + fan.n_corners) % fan.n_corners; };
+    const bool support_first = fan.n_points > 0 && model_.fan_points[fan.first_point].before == rigid_support;
     for (Index i = 0; i < fan.n_points; ++i) {
         const FanPoint& point = model_.fan_points[fan.first_point + i];
         const CohesiveLaw& law = model_.laws[point.law];
-        const Index before = fan.closed || ground_first ? i - 1 : i;
+        const Index before = fan.closed || support_first ? i - 1 : i;
         const auto displacement = [&](Index corner) -> Vec2 {
-            return corner == ground ? Vec2::Zero() : begin.displacement[begin.node_of_corner[corner]];
+            return corner == rigid_support ? Vec2::Zero() : begin.displacement[begin.node_of_corner[corner]];
         };
         const Vec2 jump = displacement(point.after) - displacement(point.before);
         const bool unbreakable = !law.breakable() && !point.cracked;

@@ -7,12 +7,12 @@ namespace knap {
 
 /// A point of a active fan in the equations of a step.
 struct ActivePoint {
-    Index fan;            // into Model::fans; points of a fan stand together. -1: a contact with an obstacle, which stands for the ground and moves
+    Index fan;            // into Model::fans; points of a fan stand together. -1: a contact with an obstacle, which stands for the support and moves
     Index fan_point;      // into Model::fan_points, or -1 likewise
-    Index before, after;  // nodes, or -1: ground
+    Index before, after;  // nodes, or -1: support
     Vec2 normal;
     Index leaf_corner = -1;           // of a contact: a corner of the triangle that it belongs to
-    Vec2 ground_rate = Vec2::Zero();  // [m/s] (N, T) of the obstacle
+    Vec2 support_rate = Vec2::Zero();  // [m/s] (N, T) of the obstacle
     Index beside = -1;                // of a contact between two corners: the node of the second one, and its share
     double share = 0;
     PointLaw law;
@@ -28,7 +28,7 @@ struct ActivePoint {
         return in_frame(at(after) - at(before));
     }
     /// [m/s] (w_N, w_T)
-    Vec2 rate_at(const std::vector<Vec2>& rate) const { return across(rate) - ground_rate; }
+    Vec2 rate_at(const std::vector<Vec2>& rate) const { return across(rate) - support_rate; }
     /// Its sides move as one.
     bool holds_still() const { return response.closed && response.sticks && law.contact.rate == 0 && response.kink == 0; }
     Vec2 impulse() const { return response.normal(law) * normal + response.tangential * turned_left(normal); }  // [N s] q

@@ -21,7 +21,7 @@ void partition_corners(const Model& model, const std::vector<std::uint8_t>& fan_
         }
         // the points are in the order of the corners: a part begins behind every point that can break
         const FanPoint* point = model.fan_points.data() + fan.first_point;
-        const auto parts = [&](Index j) { return point[j].after != ground && (point[j].before == ground || !unbreakable(model, point[j])); };
+        const auto parts = [&](Index j) { return point[j].after != rigid_support && (point[j].before == rigid_support || !unbreakable(model, point[j])); };
         const auto mark = [&](Index c) -> Index& { return partition.node_of_corner[corner[c]]; };
         bool any = false;
         for (Index j = 0, c = 0; j < fan.n_points; ++j) {

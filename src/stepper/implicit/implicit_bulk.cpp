@@ -59,9 +59,9 @@ void ImplicitBulk::set_partition(const CornerPartition& partition, std::vector<V
             prescribed_end_[i][k] = given.end_velocity;
         }
     }
-    for (const FanPoint& point : model_.fan_points) {  // glued to the ground for good
-        if ((point.before != ground && point.after != ground) || !unbreakable(model_, point)) continue;
-        const Index node = partition.node_of_corner[point.before == ground ? point.after : point.before];
+    for (const FanPoint& point : model_.fan_points) {  // glued to the support for good
+        if ((point.before != rigid_support && point.after != rigid_support) || !unbreakable(model_, point)) continue;
+        const Index node = partition.node_of_corner[point.before == rigid_support ? point.after : point.before];
         prescribed_[node] = {true, true};
         prescribed_rate_[node] = prescribed_end_[node] = rate[node] = Vec2::Zero();
     }

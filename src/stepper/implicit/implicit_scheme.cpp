@@ -138,9 +138,9 @@ void ImplicitScheme::make_points(const State& begin, double h) {
 ActivePoint ImplicitScheme::make_point(const State& begin, double h, Index f, Index i) const {
     const FanPoint& point = model_.fan_points[i];
     const CohesiveLaw& law = model_.laws[point.law];
-    const auto node_of = [&](Index corner) { return corner == ground ? -1 : partition_.node_of_corner[corner]; };
+    const auto node_of = [&](Index corner) { return corner == rigid_support ? -1 : partition_.node_of_corner[corner]; };
     const auto at_begin = [&](const std::vector<Vec2>& of_node, Index corner) -> Vec2 {
-        return corner == ground ? Vec2::Zero() : of_node[begin.node_of_corner[corner]];
+        return corner == rigid_support ? Vec2::Zero() : of_node[begin.node_of_corner[corner]];
     };
     ActivePoint made{.fan = f, .fan_point = i, .before = node_of(point.before), .after = node_of(point.after), .normal = point.normal};
     made.mass = mass_between(made.before, made.after);
@@ -191,7 +191,7 @@ void ImplicitScheme::guess_multipliers(const State& begin, double h) {
         if (i < 0) continue;
         if (!has_guess_[i]) {  // of a fan that was active before: its tractions go on
             const FanPoint& at = model_.fan_points[i];
-            const Index f = model_.fan_of_corner[at.after == ground ? at.before : at.after], rank = begin.split_rank[f];
+            const Index f = model_.fan_of_corner[at.after == rigid_support ? at.before : at.after], rank = begin.split_rank[f];
             const double impulse = options_.theta * h * at.area;
             if (rank >= 0) {
                 const PointState& known = begin.points[begin.first_point[rank] + i - model_.fans[f].first_point];
@@ -209,7 +209,7 @@ void ImplicitScheme::guess_multipliers(const State& begin, double h) {
 void ImplicitScheme::find_scales() {
     double momentum = bulk_.largest_impulse(), strength = 0, pressing = 0;
     for (const ActivePoint& point : points_) {
-        momentum = std::max(momentum, point.mass * point.ground_rate.norm());
+        momentum = std::max(momentum, point.mass * point.support_rate.norm());
         strength = std::max(strength, point.law.strength);
         pressing = std::max(pressing, point.law.contact_guess);
     }
@@ -249,7 +249,7 @@ ActivePoint ImplicitScheme::make_contact_point(const ObstacleContact& contact, c
         const double s = contact.share, other = mass_between(made.before, made.beside);
         made.mass = 1 / ((1 - s) * (1 - s) / made.mass + s * s / other);
     }
-    made.ground_rate = made.in_frame(velocity_at(obstacles_.rate()[contact.obstacle], contact));
+    made.support_rate = made.in_frame(velocity_at(obstacles_.rate()[contact.obstacle], contact));
     const Vec2 speed = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }) -
                        velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
     made.law = {.u_N = contact.gap,
@@ -411,7 +411,7 @@ void ImplicitScheme::store(const State& begin, double h, State& end, StepReport&
             const ActivePoint& point = points_[active];
             state.traction = Vec2(point.response.normal(point.law), point.response.tangential) / (options_.theta * h * at.area);
             const auto displacement = [&](Index corner) -> Vec2 {
-                return corner == ground ? Vec2::Zero() : end.displacement[end.node_of_corner[corner]];
+                return corner == rigid_support ? Vec2::Zero() : end.displacement[end.node_of_corner[corner]];
             };
             const CohesiveLaw& material = model_.laws[at.law];
             const Vec2 u = point.in_frame(displacement(at.after) - displacement(at.before));
@@ -433,7 +433,7 @@ Vec2 ImplicitScheme::place_of_trouble(Rejection rejection) const {
         for (const ActivePoint& point : points_) {
             if (point.fan_point < 0 || (!point.response.softens && !point.response.breaks)) continue;
             const FanPoint& at = model_.fan_points[point.fan_point];
-            corner = at.after == ground ? at.before : at.after;
+            corner = at.after == rigid_support ? at.before : at.after;
         }
     return model_.mesh.corner(corner);
 }

@@ -15,7 +15,7 @@
 //     apart, e = 0:              c = min(-u_N/h, -(1 - theta) max(-V_N, 0))  lands on the wall, or stops at it
 //     apart, e > 0:              no contact in this step: it must touch first
 // The work of an impulse is P . w; since c <= 0 and the friction opposes w_T, every single contact and friction work is <= 0.
-// A corner near a rigid obstacle has a point more, whose ground moves; the rates of a free obstacle are found by ObstacleMotion.
+// A corner near a rigid obstacle has a point more, whose support moves; the rates of a free obstacle are found by ObstacleMotion.
 // Prescribed components: a velocity is reached at t + h (w is the mean), a displacement at t + h (v+ is the slope of its history there).
 #include "stepper/common/bond_check.hpp"
 #include "stepper/common/obstacle_contacts.hpp"
@@ -43,7 +43,7 @@ private:
     void choose_partition(const State& begin, double h);
     void make_points(const State& begin, double h);
     ActivePoint make_point(const State& begin, double h, Index fan, Index fan_point) const;
-    bool is_given(Index node, int component) const;             // prescribed, or the ground
+    bool is_given(Index node, int component) const;             // prescribed, or the support
     double mass_between(Index before, Index after) const;       // [kg] ActivePoint::mass
     void impose(ActivePoint& point) const;  // components (N, T) of its rate that both sides prescribe are not decided
     void guess_multipliers(const State& begin, double h);

@@ -68,7 +68,7 @@ private:
         for (const FanPoint& at : model_.fan_points) {
             Point& point = points_[at.point];
             const auto velocity = [&](Index corner) -> Vec2 {
-                return corner == ground ? Vec2::Zero() : begin_.velocity[begin_.node_of_corner[corner]];
+                return corner == rigid_support ? Vec2::Zero() : begin_.velocity[begin_.node_of_corner[corner]];
             };
             const Vec2 jump = velocity(at.after) - velocity(at.before);
             point = {.at = &at,
@@ -110,8 +110,8 @@ private:
             const Vec2 axis[2] = {point.at->normal, turned_left(point.at->normal)};
             for (int d = 0; d < 2; ++d)
                 for (int k = 0; k < 2; ++k) {
-                    if (point.at->after != ground) entries.emplace_back(2 * point.at->point + d, 2 * point.at->after + k, axis[d][k]);
-                    if (point.at->before != ground) entries.emplace_back(2 * point.at->point + d, 2 * point.at->before + k, -axis[d][k]);
+                    if (point.at->after != rigid_support) entries.emplace_back(2 * point.at->point + d, 2 * point.at->after + k, axis[d][k]);
+                    if (point.at->before != rigid_support) entries.emplace_back(2 * point.at->point + d, 2 * point.at->before + k, -axis[d][k]);
                 }
         }
         step_.jump.resize(2 * model_.n_points(), 2 * model_.mesh.n_corners());

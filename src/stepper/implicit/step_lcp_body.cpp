@@ -75,17 +75,17 @@ PartedBody::PartedBody(const Model& model, const State& begin, double h, const S
 }
 
 void PartedBody::join(const Model& model) {
-    UnionFind corners(model.mesh.n_corners() + 1), triangles(model.mesh.n_triangles());  // the last corner stands for the foundation
-    const auto member = [&](Index corner) { return corner == ground ? model.mesh.n_corners() : corner; };
+    UnionFind corners(model.mesh.n_corners() + 1), triangles(model.mesh.n_triangles());  // the last corner stands for the support
+    const auto member = [&](Index corner) { return corner == rigid_support ? model.mesh.n_corners() : corner; };
     for (const FanPoint& point : model.fan_points) {
         if (point.cracked || model.laws[point.law].breakable()) continue;
         corners.join(member(point.before), member(point.after));
-        if (point.before != ground && point.after != ground) triangles.join(model.mesh.triangle_of(point.before), model.mesh.triangle_of(point.after));
+        if (point.before != rigid_support && point.after != rigid_support) triangles.join(model.mesh.triangle_of(point.before), model.mesh.triangle_of(point.after));
     }
     leader_.resize(model.mesh.n_corners());
     part_of_triangle_.resize(model.mesh.n_triangles());
-    const Index foundation = corners.find(model.mesh.n_corners());
-    for (Index c = 0; c < model.mesh.n_corners(); ++c) leader_[c] = corners.find(c) == foundation ? ground : corners.find(c);
+    const Index support = corners.find(model.mesh.n_corners());
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) leader_[c] = corners.find(c) == support ? rigid_support : corners.find(c);
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) part_of_triangle_[t] = triangles.find(t);
 }
 
@@ -94,8 +94,8 @@ void PartedBody::prescribe(const Model& model, const State& begin, double h, dou
     is_known_.assign(n, 0);
     known_rate_ = known_velocity_ = Eigen::VectorXd::Zero(n);
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
-        if (leader_[c] == ground) is_known_[2 * c] = is_known_[2 * c + 1] = 1;
-        if (leader_[c] == ground || model.prescribed.empty() || model.prescribed_of_corner[c] < 0) continue;
+        if (leader_[c] == rigid_support) is_known_[2 * c] = is_known_[2 * c + 1] = 1;
+        if (leader_[c] == rigid_support || model.prescribed.empty() || model.prescribed_of_corner[c] < 0) continue;
         const PrescribedMotion& motion = model.prescribed[model.prescribed_of_corner[c]];
         for (Index k = 0; k < 2; ++k) {
             if (!motion.component[k]) continue;
@@ -108,7 +108,7 @@ void PartedBody::prescribe(const Model& model, const State& begin, double h, dou
         }
     }
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
-        if (leader_[c] == ground) continue;
+        if (leader_[c] == rigid_support) continue;
         for (Index k = 0; k < 2; ++k) {
             const Index i = 2 * c + k, from = 2 * leader_[c] + k;
             is_known_[i] = is_known_[from];

@@ -43,7 +43,7 @@ private:
         Eigen::SimplicialLDLT<Matrix> factor;
     };
     double theta_;
-    std::vector<Index> leader_;                    // per corner: the lowest that it moves with for ever, or ground
+    std::vector<Index> leader_;                    // per corner: the lowest that it moves with for ever, or support
     std::vector<Index> part_of_triangle_;          // its lowest triangle
     std::vector<char> is_known_;                   // per component of a corner
     Eigen::VectorXd known_rate_, known_velocity_;  // [m/s] w and v+ where known, else 0

@@ -6,7 +6,7 @@
 namespace knap {
 
 StickingNodes::StickingNodes(const Model& model) : model_(model) {
-    Index max_nodes = 0;  // of a fan, and the ground
+    Index max_nodes = 0;  // of a fan, and the support
     for (const Fan& fan : model.fans) max_nodes = std::max(max_nodes, fan.n_corners + 1);
     clusters_.resize(max_nodes);
     for (std::vector<Index>& cluster : clusters_) cluster.reserve(max_nodes);
@@ -18,7 +18,7 @@ void StickingNodes::merge(const std::vector<std::uint8_t>& fan_is_active, const 
     for (std::size_t f = 0; f < model_.fans.size(); ++f) {
         if (!fan_is_active[f]) continue;
         const Fan& fan = model_.fans[f];
-        std::size_t n_clusters = 0;  // of nodes; -1 is the ground
+        std::size_t n_clusters = 0;  // of nodes; -1 is the support
         const auto cluster_of = [&](Index node) -> std::vector<Index>& {
             for (std::size_t i = 0; i < n_clusters; ++i)
                 if (std::find(clusters_[i].begin(), clusters_[i].end(), node) != clusters_[i].end()) return clusters_[i];

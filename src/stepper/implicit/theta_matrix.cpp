@@ -35,11 +35,11 @@ ThetaMatrix::ThetaMatrix(const Model& model) : model_(model), dissection_(dissec
 
 Index ThetaMatrix::leaf_of_point(Index fan_point) const {
     const FanPoint& point = model_.fan_points[fan_point];
-    return leaf_of_corner(point.before == ground ? point.after : point.before);
+    return leaf_of_corner(point.before == rigid_support ? point.after : point.before);
 }
 
 bool ThetaMatrix::couples(const FanPoint& point) const {
-    return point.before != ground && point.after != ground && node_name_[point.before] != node_name_[point.after];
+    return point.before != rigid_support && point.after != rigid_support && node_name_[point.before] != node_name_[point.after];
 }
 
 void ThetaMatrix::set_nodes(const CornerPartition& partition, const std::vector<std::array<bool, 2>>& prescribed_of_node) {
@@ -101,12 +101,12 @@ void ThetaMatrix::add_elements(Index leaf, std::vector<Element>& elements) const
     }
     for (Index i = first_point_of_leaf_[leaf]; i < first_point_of_leaf_[leaf + 1]; ++i) {
         const FanPoint& point = model_.fan_points[point_of_leaf_[i]];
-        const bool on_ground = point.before == ground || point.after == ground;
-        if (!on_ground && !couples(point)) continue;
+        const bool on_support = point.before == rigid_support || point.after == rigid_support;
+        if (!on_support && !couples(point)) continue;
         Element& made = elements.emplace_back();
         const Eigen::Matrix2d& D = block_[point_of_leaf_[i]];
-        made.n_unknowns = on_ground ? 2 : 4;
-        const Index first = point.before == ground ? point.after : point.before;
+        made.n_unknowns = on_support ? 2 : 4;
+        const Index first = point.before == rigid_support ? point.after : point.before;
         for (int k = 0; k < made.n_unknowns; ++k) made.unknown[k] = unknown(k < 2 ? first : point.after, k % 2);
         made.matrix.resize(4, 4);
         made.matrix.topLeftCorner<2, 2>() = made.matrix.block<2, 2>(2, 2) = D;

@@ -14,9 +14,9 @@
 
 namespace knap {
 
-/// Change of the impulse on `after` (minus that on `before`) with their relative velocity: -block. Either may be -1: the ground.
+/// Change of the impulse on `after` (minus that on `before`) with their relative velocity: -block. Either may be -1: the support.
 struct PointTangent {
-    Index fan_point;                  // into Model::fan_points; -1: a contact with an obstacle, `before` is the ground
+    Index fan_point;                  // into Model::fan_points; -1: a contact with an obstacle, `before` is the support
     Index before, after;              // nodes
     Eigen::Matrix2d block;            // [kg]
     Eigen::Matrix2d symmetric_block;  // [kg] the same without the friction that follows the contact

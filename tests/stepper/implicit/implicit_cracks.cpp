@@ -65,20 +65,20 @@ struct Strip {
         input.materials = {{.density = 1, .E = 2, .nu = 0}};
         input.laws = {{.sigma_c = 1, .G_c = G_c(), .gamma = 0}, CohesiveLaw::unbreakable()};
         input.law_of_pair = {{1}};
-        input.foundations = {{.on = {.boundary = "bottom", .box = Box{Vec2(a_0(), -1), Vec2(2 * length, 1)}}, .law = 0, .glued = true}};
+        input.supports = {{.on = {.boundary = "bottom", .box = Box{Vec2(a_0(), -1), Vec2(2 * length, 1)}}, .law = 0, .glued = true}};
         input.loads = {{.kind = Load::Kind::velocity, .on = {.boundary = "", .box = Box{Vec2(-1, -1), Vec2(2 * length, 1)}}, .value = {0.0, std::nullopt}, .history = {}},
                        load(Load::Kind::traction, "left", 0.0, P() / 0.5)};
         return input;
     }
 };
 
-/// Time and place at which each vertex of the foundation broke, up to a place, and what all surfaces had cost by then.
+/// Time and place at which each vertex of the support broke, up to a place, and what all surfaces had cost by then.
 std::vector<std::pair<double, double>> front(Run& run, double until, double h, std::vector<double>& surface) {
     std::vector<std::pair<double, double>> found;
-    std::vector<std::pair<double, Index>> points;  // place, point at the right end of each foundation edge
+    std::vector<std::pair<double, Index>> points;  // place, point at the right end of each support edge
     for (Index p = 0; p < run.model.n_points(); ++p) {
         const Interface& interface = run.model.interfaces[p / 2];
-        if (interface.triangle[0] == ground) points.push_back({run.model.mesh.vertices[interface.vertex[p % 2]].x(), p});
+        if (interface.triangle[0] == rigid_support) points.push_back({run.model.mesh.vertices[interface.vertex[p % 2]].x(), p});
     }
     std::sort(points.begin(), points.end());
     std::size_t next = 0;
@@ -108,7 +108,7 @@ TEST_CASE("C1 reference speeds of the debonding strip") {
 TEST_CASE("C1 a debonding strip has the exact speed of its crack") {
     // the consistent mass makes short waves too fast, the trapezoidal rule too slow: at .6 of the time that a wave needs for a cell most of
     // it cancels. (Lumped: -1.3 % with 5 cells in l_cz, -.35 % with 10, from both.)
-    describe("A shear string (a row of cells of 1 x 1/2 that moves in y only) is glued to a rigid foundation from a_0 on; a force step P at its end, q = G_c N/(2 P^2) = 1/8. The crack runs at "
+    describe("A shear string (a row of cells of 1 x 1/2 that moves in y only) is glued to a rigid support from a_0 on; a force step P at its end, q = G_c N/(2 P^2) = 1/8. The crack runs at "
              "v/c = (1 - q)/(1 + q) until the reflected wave meets it again, and faster waves follow. Trapezoidal rule with the consistent mass.");
     SchemeOptions options = implicit();
     options.mass = MassMatrix::consistent;

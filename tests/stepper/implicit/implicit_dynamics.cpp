@@ -258,7 +258,7 @@ TEST_CASE("B11 a bar falls and bounces twice") {
     input.materials = {{.density = 1, .E = 900, .nu = 0}};
     input.laws = {{.sigma_c = 0}, CohesiveLaw::unbreakable()};
     input.law_of_pair = {{1}};
-    input.foundations = {{.on = {.boundary = "left", .box = {}}, .law = 0, .glued = false, .gap = 5}};
+    input.supports = {{.on = {.boundary = "left", .box = {}}, .law = 0, .glued = false, .gap = 5}};
     input.loads = {load(Load::Kind::acceleration, "", -g, 0.0)};
     Run run(input, implicit());
     const double h = 1.0 / 600;
@@ -305,7 +305,7 @@ TEST_CASE("B15 an impacting stick gains nothing from friction") {
     input.materials = {{.density = 1 / (s * width), .E = 1e4 / width, .nu = 0.3}};
     input.laws = {{.sigma_c = 0, .friction = 0.01, .restitution = 1}, CohesiveLaw::unbreakable()};
     input.law_of_pair = {{1}};
-    input.foundations = {{.on = {.boundary = "left", .box = {}}, .law = 0, .glued = false}};
+    input.supports = {{.on = {.boundary = "left", .box = {}}, .law = 0, .glued = false}};
     input.loads = {load(Load::Kind::acceleration, "", 0.0, -10.0)};
     const Vec2 centre(0.5 * (s + width), 0.5 * s);
     Mesh turned = input.mesh;

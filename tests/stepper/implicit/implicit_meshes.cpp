@@ -211,7 +211,7 @@ TEST_CASE("E12 slivers of half a degree do not disturb what is bound") {
     }
 }
 
-TEST_CASE("a foundation that cannot break holds the body in implicit steps") {
+TEST_CASE("a support that cannot break holds the body in implicit steps") {
     // column of height 1 under its own weight: u(top) = -rho g/(2 E), and the base stays
     ModelInput input;
     input.plane = PlaneModel::stress;
@@ -219,7 +219,7 @@ TEST_CASE("a foundation that cannot break holds the body in implicit steps") {
     input.materials = {{.density = 1, .E = 1000, .nu = 0}};
     input.laws = {CohesiveLaw::unbreakable()};
     input.law_of_pair = {{0}};
-    input.foundations = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = true}};
+    input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = true}};
     input.loads = {load(Load::Kind::acceleration, "", 0.0, -10.0)};
     Run run(input, implicit(1));
     for (int i = 0; i < 20; ++i) {

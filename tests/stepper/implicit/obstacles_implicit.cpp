@@ -66,7 +66,7 @@ TEST_CASE("a guided platen under a force comes to press with it") {
 TEST_CASE("an implicit disc dropped on a point rebounds by the law of Newton") {
     for (const double e : {0.0, 0.4, 1.0}) {
         ModelInput input = point_masses({.sigma_c = 0}, false);
-        input.foundations.clear();
+        input.supports.clear();
         input.materials[0].density = 30;  // ten times the mass of the disc
         input.obstacles = {boulder({1, 2.5}, 1, {0, -1.5}, {.restitution = e})};  // above the vertex (1, 1)
         Run run(input, implicit());
@@ -191,7 +191,7 @@ TEST_CASE("implicit points slide down an inclined platen as Coulomb says") {
     const double g = 9.81, h = 1e-2, angle = 0.5, v0 = 0.1;
     for (const double mu : {0.0, 0.3}) {
         ModelInput input = point_masses({.sigma_c = 0}, false);
-        input.foundations.clear();
+        input.supports.clear();
         const Vec2 down(-std::cos(angle), -std::sin(angle)), normal(-std::sin(angle), std::cos(angle));
         for (Vec2& x : input.mesh.vertices) x = -x.x() * down + x.y() * normal + Vec2(3, 7);
         input.obstacles = {platen(Vec2(3, 7), normal, {.friction = mu})};

@@ -274,7 +274,7 @@ public:
 void follow_the_crack(const CrackedBody& body, Table& table) {
     const Index n_path = static_cast<Index>(body.path.size());
     const Setting intact(body, 0), broken(body, n_path);
-    const bool splits = broken.n_unknowns > intact.n_unknowns;  // else it comes off the ground
+    const bool splits = broken.n_unknowns > intact.n_unknowns;  // else it comes off the support
     table.state = "crack runs", table.n_unknowns = broken.n_unknowns;
     const std::pair<std::string, int> orderings[] = {{"AMD", CHOLMOD_AMD}, {"METIS", CHOLMOD_METIS}};
     std::vector<std::unique_ptr<Extended>> theirs;

@@ -28,7 +28,7 @@ CrackedBody cracked_body(const std::string& scenario_name, const std::string& me
     bool glued = false;
     Vec2 tip = Vec2::Zero();
     const auto holds = [&](const FanPoint& p) { return !p.cracked && model.laws[p.law].breakable(); };
-    for (const FanPoint& p : model.fan_points) glued = glued || ((p.before == ground || p.after == ground) && holds(p));
+    for (const FanPoint& p : model.fan_points) glued = glued || ((p.before == rigid_support || p.after == rigid_support) && holds(p));
     const auto place = [&](const Fan& fan) -> Vec2 { return fan.vertex < 0 ? Vec2::Constant(1e9) : model.mesh.vertices[fan.vertex]; };
     for (const Fan& fan : model.fans)
         if (fan.split_at_start && !glued && place(fan).x() > tip.x()) tip = place(fan);
@@ -38,8 +38,8 @@ CrackedBody cracked_body(const std::string& scenario_name, const std::string& me
         bool may = false;
         for (Index i = fan.first_point; i < fan.first_point + fan.n_points; ++i) {
             const FanPoint& p = model.fan_points[i];
-            const bool on_ground = p.before == ground || p.after == ground;
-            may = may || (holds(p) && on_ground == glued);
+            const bool on_support = p.before == rigid_support || p.after == rigid_support;
+            may = may || (holds(p) && on_support == glued);
         }
         const Vec2 at = place(fan);
         if (may && (glued || (!fan.split_at_start && at.x() > tip.x() && std::abs(at.y() - tip.y()) < band)))
@@ -65,8 +65,8 @@ Setting::Setting(const CrackedBody& body, Index n_split, Index n_stronger) {
         if (const Index motion = model.prescribed_of_corner[c]; motion >= 0)
             prescribed[partition.node_of_corner[c]] = model.prescribed[motion].component;
     for (const FanPoint& p : model.fan_points)
-        if ((p.before == ground || p.after == ground) && unbreakable(model, p))
-            prescribed[partition.node_of_corner[p.before == ground ? p.after : p.before]] = {true, true};
+        if ((p.before == rigid_support || p.after == rigid_support) && unbreakable(model, p))
+            prescribed[partition.node_of_corner[p.before == rigid_support ? p.after : p.before]] = {true, true};
     for (const std::array<bool, 2>& node : prescribed)
         for (const bool fixed : node) unknown.push_back(fixed ? -1 : n_unknowns++);
 
@@ -76,10 +76,10 @@ Setting::Setting(const CrackedBody& body, Index n_split, Index n_stronger) {
         for (Index i = fan.first_point; i < fan.first_point + fan.n_points; ++i) {
             const FanPoint& p = model.fan_points[i];
             if (p.cracked || !model.laws[p.law].breakable()) continue;
-            const bool on_ground = p.before == ground || p.after == ground;
-            if (on_ground ? split : !split || i % 3 == 0) continue;
-            const Index before = p.before == ground ? -1 : partition.node_of_corner[p.before],
-                        after = p.after == ground ? -1 : partition.node_of_corner[p.after];
+            const bool on_support = p.before == rigid_support || p.after == rigid_support;
+            if (on_support ? split : !split || i % 3 == 0) continue;
+            const Index before = p.before == rigid_support ? -1 : partition.node_of_corner[p.before],
+                        after = p.after == rigid_support ? -1 : partition.node_of_corner[p.after];
             if (before == after) continue;
             const Eigen::Matrix2d block = stiffness * (n_stronger-- > 0 ? 1.5 : 1) * Eigen::Matrix2d::Identity();
             points.push_back({i, before, after, block, block});
