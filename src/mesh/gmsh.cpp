@@ -214,10 +214,8 @@ private:
             const Index a = vertex_of_node_[node(line.nodes[0], line.where)],
                         b = vertex_of_node_[node(line.nodes[1], line.where)];
             if (line.group == 0) continue;
-            if (a < 0 || b < 0)
-                ++n_without_effect_[line.group];
-            else
-                lines_.push_back({edge_key(a, b), line.group, line.where});
+            if (a < 0 || b < 0) ++n_without_effect_[line.group];
+            else lines_.push_back({edge_key(a, b), line.group, line.where});
         }
         std::sort(lines_.begin(), lines_.end(), [](const Line& a, const Line& b) {
             return std::tie(a.edge, a.group, a.where) < std::tie(b.edge, b.group, b.where);

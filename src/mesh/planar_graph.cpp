@@ -43,10 +43,8 @@ private:
         stops.push_back({1.0, to});
         constexpr int max_bends = 6;
         for (std::size_t i = 0; i + 1 < stops.size(); ++i) {
-            if (stops.size() == 2 || n_bends == max_bends)
-                connect(stops[i].node, stops[i + 1].node, labels);
-            else
-                connect_through(stops[i].node, stops[i + 1].node, labels, n_bends + 1);
+            if (stops.size() == 2 || n_bends == max_bends) connect(stops[i].node, stops[i + 1].node, labels);
+            else connect_through(stops[i].node, stops[i + 1].node, labels, n_bends + 1);
         }
     }
 

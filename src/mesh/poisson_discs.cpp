@@ -42,10 +42,8 @@ std::vector<Vec2> poisson_points(const Shape& shape, const std::vector<Vec2>& on
             const double u = random.uniform(), v = random.uniform();
             const Vec2 dart = grid.place(cell, u, v);
             const double factor = random.uniform(1 - CellGrid::spread, 1 + CellGrid::spread);
-            if (!grid.crowded({dart, radius(dart), factor}) && shape.contains(dart))
-                grid.add(dart, factor);
-            else
-                still_free.push_back(cell);
+            if (!grid.crowded({dart, radius(dart), factor}) && shape.contains(dart)) grid.add(dart, factor);
+            else still_free.push_back(cell);
         }
         cells.swap(still_free);
     }

@@ -134,8 +134,7 @@ PlacedInclusions place_inclusions(Shape& shape, const InclusionOptions& options,
             done = true;
             ++placed.n;
             placed.fraction += std::abs(signed_area(candidate.points)) / area;
-            if (options.tag)
-                shape.regions.push_back({candidate.points, *options.tag});
+            if (options.tag) shape.regions.push_back({candidate.points, *options.tag});
             else
                 shape.holes.push_back(
                     {candidate.points, std::vector<Index>(candidate.points.size(), options.boundary)});

@@ -116,10 +116,8 @@ int place_joints(Shape& shape, const JointOptions& options, std::uint64_t seed, 
             if (!reaches_body(body, box, trace)) return;
             const std::vector<Vec2> points = outline(trace, options.thickness);
             if (!drawing.add(sides_of(points, points.size() > 2), options.nearest)) continue;
-            if (options.tag)
-                shape.regions.push_back({points, *options.tag});
-            else
-                shape.cracks.push_back({points, options.joint});
+            if (options.tag) shape.regions.push_back({points, *options.tag});
+            else shape.cracks.push_back({points, options.joint});
             return;
         }
         ++n_left_out;

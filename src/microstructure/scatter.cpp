@@ -20,18 +20,14 @@ double weibull_scale(const Scatter& s) { return 1 / std::tgamma(1 + 1 / s.modulu
 /// S_0^-1(exp(-hazard))
 double uncut(const Scatter& s, double hazard) {
     switch (s.kind) {
-        case Scatter::Kind::none:
-            break;
-        case Scatter::Kind::weibull:
-            return weibull_scale(s) * std::pow(hazard, 1 / s.modulus);
-        case Scatter::Kind::normal:
-            return 1 + s.deviation * normal_quantile(hazard);
+        case Scatter::Kind::none: break;
+        case Scatter::Kind::weibull: return weibull_scale(s) * std::pow(hazard, 1 / s.modulus);
+        case Scatter::Kind::normal: return 1 + s.deviation * normal_quantile(hazard);
         case Scatter::Kind::lognormal: {
             const double deviation = log_deviation(s);
             return std::exp(deviation * normal_quantile(hazard) - 0.5 * deviation * deviation);
         }
-        case Scatter::Kind::uniform:
-            return 1 + std::sqrt(3.0) * s.deviation * (1 - 2 * std::exp(-hazard));
+        case Scatter::Kind::uniform: return 1 + std::sqrt(3.0) * s.deviation * (1 - 2 * std::exp(-hazard));
     }
     return 1;
 }
@@ -40,18 +36,14 @@ double uncut(const Scatter& s, double hazard) {
 
 double survival(const Scatter& s, double x) {
     switch (s.kind) {
-        case Scatter::Kind::none:
-            return x < 1 ? 1 : 0;
-        case Scatter::Kind::weibull:
-            return x > 0 ? std::exp(-std::pow(x / weibull_scale(s), s.modulus)) : 1;
-        case Scatter::Kind::normal:
-            return normal_survival((x - 1) / s.deviation);
+        case Scatter::Kind::none: return x < 1 ? 1 : 0;
+        case Scatter::Kind::weibull: return x > 0 ? std::exp(-std::pow(x / weibull_scale(s), s.modulus)) : 1;
+        case Scatter::Kind::normal: return normal_survival((x - 1) / s.deviation);
         case Scatter::Kind::lognormal: {
             const double deviation = log_deviation(s);
             return x > 0 ? normal_survival(std::log(x) / deviation + 0.5 * deviation) : 1;
         }
-        case Scatter::Kind::uniform:
-            return std::clamp(0.5 - 0.5 * (x - 1) / (std::sqrt(3.0) * s.deviation), 0.0, 1.0);
+        case Scatter::Kind::uniform: return std::clamp(0.5 - 0.5 * (x - 1) / (std::sqrt(3.0) * s.deviation), 0.0, 1.0);
     }
     return 0;
 }
