@@ -1,5 +1,4 @@
-// From the nodes, lines and triangles of the file to a Mesh: numbers for tags, counterclockwise triangles, edges with
-// names.
+// From the nodes, lines and triangles of the file to a Mesh: numbers for tags, counterclockwise triangles, named edges.
 #include "mesh/gmsh.hpp"
 
 #include "base/union_find.hpp"
@@ -8,7 +7,6 @@
 #include "mesh/overlap.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <set>
 #include <unordered_map>
 
@@ -20,8 +18,6 @@ constexpr double plane_tolerance = 1e-8;  // of z, relative to the extent of the
 constexpr double same_place = 1e-9;       // of two nodes, relative to the extent of the mesh
 constexpr double max_coordinate = 1e100;  // so that its square is a number
 
-std::string text(std::int64_t n) { return std::to_string(n); }
-
 /// Connected components of triangles that share edges.
 Index n_pieces(const Mesh& mesh) {
     UnionFind pieces(mesh.triangles.size());
@@ -31,7 +27,7 @@ Index n_pieces(const Mesh& mesh) {
 }
 
 /// Vertices of the boundary at the same place as another one (in a grid of the tolerance, so a few may be missed).
-Index n_doubled_vertices(const Mesh& mesh) {
+std::size_t n_doubled_vertices(const Mesh& mesh) {
     const Box box = bounding_box(mesh.vertices);
     const double scale = 1 / (same_place * box.diagonal());
     std::set<Index> on_boundary;
@@ -42,7 +38,7 @@ Index n_doubled_vertices(const Mesh& mesh) {
         const Vec2 x = (mesh.vertices[v] - box.low) * scale;
         cells.emplace(std::round(x.x()), std::round(x.y()));
     }
-    return static_cast<Index>(on_boundary.size() - cells.size());
+    return on_boundary.size() - cells.size();
 }
 
 /// The number of a name in a list, appended if it is new.
@@ -59,7 +55,6 @@ public:
 
     GmshMesh make() {
         number_nodes();
-        check_number();
         add_triangles();
         check_plane();
         const std::vector<Index> new_number = order_along_curve(mesh_);
@@ -68,10 +63,13 @@ public:
         try {
             find_edges(mesh_);
         } catch (const ShapeError&) {
-            name_overlapping_neighbours();
-            throw;
+            fail_for_overlapping_neighbours();
         }
-        check_overlap();
+        if (const auto overlap = find_overlap(mesh_)) {
+            const Vec2 x = mesh_.centroid((*overlap)[0]), y = mesh_.centroid((*overlap)[1]);
+            file_.fail(file_.end, "the triangle round (", x.x(), ", ", x.y(), ") lies over the one round (", y.x(),
+                       ", ", y.y(), "), with which it shares no edge");
+        }
         sort_lines();
         name_boundary();
         name_inner_edges();
@@ -87,14 +85,6 @@ private:
         std::size_t where;   // in the file
         bool found = false;  // it is a side of a triangle
     };
-
-    void check_number() const {
-        if (file_.triangles.empty())
-            file_.fail_with_note(file_.end, file_.lines.empty() ? "mesh in two dimensions: gmsh -2" : saved_in_groups,
-                                 "this mesh has no triangles");
-        if (static_cast<double>(file_.triangles.size()) > max_triangles)
-            file_.fail(file_.end, "this mesh has too many triangles");
-    }
 
     /// Tags need be neither ascending nor without gaps.
     void number_nodes() {
@@ -114,18 +104,25 @@ private:
     Vec2 position(Index node) const { return {file_.nodes[node].position[0], file_.nodes[node].position[1]}; }
 
     void add_triangles() {
+        if (file_.triangles.empty())
+            file_.fail({file_.end, file_.lines.empty() ? "mesh in two dimensions: gmsh -2" : saved_in_groups},
+                       "this mesh has no triangles");
+        if (static_cast<double>(file_.triangles.size()) > max_triangles)
+            file_.fail(file_.end, "this mesh has too many triangles");
         std::map<std::int32_t, Index> number;  // of groups
         for (const auto& triangle : file_.triangles) {
             const auto [found, is_new] = number.try_emplace(triangle.group, static_cast<Index>(number.size()));
-            if (is_new)
-                made_.surface_groups.push_back(
-                    {file_.group_name(2, triangle.group), file_.group_names.contains({2, triangle.group})});
+            if (is_new) made_.surface_groups.push_back(group(2, triangle.group));
             mesh_.region.push_back(found->second);
             ++made_.surface_groups[found->second].n;
             std::array<Index, 3> corners = counterclockwise_nodes(triangle);
             for (Index& n : corners) n = vertex_of(n);
             mesh_.triangles.push_back(corners);
         }
+    }
+
+    GmshGroup group(int dimension, std::int32_t tag) const {
+        return {file_.group_name(dimension, tag), file_.group_names.contains({dimension, tag})};
     }
 
     std::array<Index, 3> counterclockwise_nodes(const GmshElement<3>& triangle) const {
@@ -165,48 +162,28 @@ private:
         }
         const Eigen::Array3d extent = high - low;
         if (extent.z() > plane_tolerance * extent.maxCoeff())
-            file_.fail_with_note(file_.end, "a body is meshed in the x-y plane",
-                                 "this mesh does not lie in a plane z = const");
+            file_.fail({file_.end, "a body is meshed in the x-y plane"}, "this mesh does not lie in a plane z = const");
     }
 
     /// Fails at the first triangle of the file that lies on the same side of an edge as an earlier one.
-    void name_overlapping_neighbours() const {
-        std::map<std::array<Index, 2>, std::size_t> triangle_at;  // of directed sides, by their nodes
-        for (std::size_t t = 0; t < file_.triangles.size(); ++t) {
-            const std::array<Index, 3> nodes = counterclockwise_nodes(file_.triangles[t]);
+    void fail_for_overlapping_neighbours() const {
+        std::map<std::array<Index, 2>, const GmshElement<3>*> triangle_at;  // of directed sides, by their nodes
+        for (const GmshElement<3>& triangle : file_.triangles) {
+            const std::array<Index, 3> nodes = counterclockwise_nodes(triangle);
             for (int k = 0; k < 3; ++k) {
                 const Index from = nodes[k], to = nodes[(k + 1) % 3];
-                const auto [found, is_new] = triangle_at.try_emplace({from, to}, t);
-                if (!is_new)
-                    fail_for_overlap(file_.triangles[found->second], file_.triangles[t], file_.nodes[from].tag,
-                                     file_.nodes[to].tag);
+                const auto [found, is_new] = triangle_at.try_emplace({from, to}, &triangle);
+                if (is_new) continue;
+                const GmshElement<3>& earlier = *found->second;
+                if (!std::is_permutation(earlier.nodes.begin(), earlier.nodes.end(), triangle.nodes.begin()))
+                    file_.fail(triangle.where, "this triangle and one before it overlap: both lie on the same side of ",
+                               "the edge between the nodes ", file_.nodes[from].tag, " and ", file_.nodes[to].tag);
+                if (earlier.group == triangle.group) file_.fail(triangle.where, "this triangle is in the file twice");
+                file_.fail(triangle.where, "this triangle is in two physical groups, `",
+                           file_.group_name(2, earlier.group), "` and `", file_.group_name(2, triangle.group),
+                           "`, and can have one material only");
             }
         }
-    }
-
-    [[noreturn]] void fail_for_overlap(const GmshElement<3>& first, const GmshElement<3>& second, std::int64_t from,
-                                       std::int64_t to) const {
-        if (!std::is_permutation(first.nodes.begin(), first.nodes.end(), second.nodes.begin()))
-            file_.fail(
-                second.where,
-                "this triangle and one before it overlap: both lie on the same side of the edge between the nodes ",
-                from, " and ", to);
-        if (first.group == second.group) file_.fail(second.where, "this triangle is in the file twice");
-        file_.fail(second.where, "this triangle is in two physical groups, `", file_.group_name(2, first.group),
-                   "` and `", file_.group_name(2, second.group), "`, and can have one material only");
-    }
-
-    void check_overlap() const {
-        const auto found = find_overlap(mesh_);
-        if (!found) return;
-        const auto place = [&](Index t) {
-            const Vec2 x = mesh_.centroid(t);
-            char words[80];
-            std::snprintf(words, sizeof words, "(%.6g, %.6g)", x.x(), x.y());
-            return std::string(words);
-        };
-        file_.fail(file_.end, "the triangle round ", place((*found)[0]), " lies over the one round ",
-                   place((*found)[1]), ", with which it shares no edge");
     }
 
     void sort_lines() {
@@ -217,21 +194,19 @@ private:
             if (a < 0 || b < 0) ++n_without_effect_[line.group];
             else lines_.push_back({edge_key(a, b), line.group, line.where});
         }
-        std::sort(lines_.begin(), lines_.end(), [](const Line& a, const Line& b) {
-            return std::tie(a.edge, a.group, a.where) < std::tie(b.edge, b.group, b.where);
-        });
+        std::ranges::sort(lines_, {}, [](const Line& l) { return std::tuple(l.edge, l.group, l.where); });
     }
 
     /// The lines on a side of a triangle, which are marked as found.
     std::span<Line> lines_on(Index triangle, Index side) {
         const auto& corners = mesh_.triangles[triangle];
-        const Line key{edge_key(corners[side], corners[(side + 1) % 3]), 0, 0};
-        const auto [first, last] = std::equal_range(lines_.begin(), lines_.end(), key,
-                                                    [](const Line& a, const Line& b) { return a.edge < b.edge; });
-        for (auto line = first; line != last; ++line) line->found = true;
-        return {first, last};
+        const auto lines =
+            std::ranges::equal_range(lines_, edge_key(corners[side], corners[(side + 1) % 3]), {}, &Line::edge);
+        for (Line& line : lines) line.found = true;
+        return lines;
     }
 
+    /// The tag of the group of lines that names an edge, 0 for none.
     std::int32_t group_on(const BoundaryEdge& edge) {
         const std::span<Line> lines = lines_on(edge.triangle, edge.side);
         if (lines.empty()) return 0;
@@ -247,12 +222,13 @@ private:
     void name_boundary() {
         std::map<std::int32_t, std::vector<BoundaryEdge*>> edges;  // by group
         for (BoundaryEdge& edge : mesh_.boundary_edges) edges[group_on(edge)].push_back(&edge);
+        const auto name = [&](std::int32_t group, const std::vector<BoundaryEdge*>& of_group) {
+            const Index number = number_of(file_.group_name(1, group), mesh_.boundary_names);
+            for (BoundaryEdge* edge : of_group) edge->boundary = number;
+        };
         const auto unnamed = edges.extract(0);
-        for (const auto& [group, of_group] : edges)
-            for (BoundaryEdge* edge : of_group)
-                edge->boundary = number_of(file_.group_name(1, group), mesh_.boundary_names);
-        if (!unnamed.empty())
-            for (BoundaryEdge* edge : unnamed.mapped()) edge->boundary = number_of("", mesh_.boundary_names);
+        for (const auto& [group, of_group] : edges) name(group, of_group);
+        if (!unnamed.empty()) name(0, unnamed.mapped());
     }
 
     void name_inner_edges() {
@@ -260,8 +236,7 @@ private:
         for (Index i = 0; i < std::ssize(mesh_.interior_edges); ++i)
             for (const Line& line : lines_on(mesh_.interior_edges[i].triangle[0], mesh_.interior_edges[i].side[0])) {
                 const Index number = number_of(file_.group_name(1, line.group), names);
-                if (names.size() > made_.inner_groups.size())
-                    made_.inner_groups.push_back({names.back(), file_.group_names.contains({1, line.group})});
+                if (names.size() > made_.inner_groups.size()) made_.inner_groups.push_back(group(1, line.group));
                 made_.inner_lines.push_back({i, number});
                 ++made_.inner_groups[number].n;
             }
@@ -269,23 +244,23 @@ private:
 
     /// Of probable mistakes: separate pieces, vertices at the same place, lines that are no sides of triangles.
     void warn() {
+        const auto add = [&](const auto&... parts) {
+            std::ostringstream text;
+            (text << ... << parts);
+            made_.warnings.push_back(text.str());
+        };
         if (const Index n = n_pieces(mesh_); n > 1)
-            made_.warnings.push_back(
-                "the mesh falls into " + text(n) +
+            add("the mesh falls into ", n,
                 " pieces that share no edge: they never feel each other, there is no contact between them");
-        if (const Index n = n_doubled_vertices(mesh_); n > 0)
-            made_.warnings.push_back(
-                text(n) +
-                " nodes of the boundary lie on top of others: the body is open there, without cohesion and contact "
+        if (const std::size_t n = n_doubled_vertices(mesh_); n > 0)
+            add(n, " nodes of the boundary lie on top of others: the body is open there, without cohesion and contact ",
                 "(`Coherence` in Gmsh joins surfaces; a crack is a group of lines inside the body)");
         for (const Line& line : lines_) n_without_effect_[line.group] += !line.found;
-        for (const auto& [group, n] : n_without_effect_) {
-            if (n == 0) continue;
-            const char* effect = n == 1 ? "` is no side of a triangle and has no effect"
-                                        : "` are no sides of triangles and have no effect";
-            made_.warnings.push_back(text(n) + (n == 1 ? " line" : " lines") + " of the group `" +
-                                     file_.group_name(1, group) + effect);
-        }
+        for (const auto& [group, n] : n_without_effect_)
+            if (n > 0)
+                add(n, n == 1 ? " line" : " lines", " of the group `", file_.group_name(1, group),
+                    n == 1 ? "` is no side of a triangle and has no effect"
+                           : "` are no sides of triangles and have no effect");
     }
 
     const GmshFile& file_;

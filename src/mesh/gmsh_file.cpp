@@ -1,3 +1,5 @@
+// The numbers of a section are text or bytes. Names of sections, physical names and the counts of format 2.2 are text
+// in any file.
 #include "mesh/gmsh_file.hpp"
 
 #include "base/error.hpp"
@@ -9,17 +11,44 @@
 #include <cstring>
 #include <limits>
 #include <set>
+#include <span>
 #include <string_view>
 
 namespace knap {
 namespace {
+
+using Integer = std::int64_t;
 
 const char* const how_to_convert = "Gmsh converts it: gmsh -0 old.msh -o new.msh -format msh41 (or msh22)";
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool is_space(char c) { return is_blank(c) || c == '\n'; }
 
-/// Reads a file from its begin. Numbers do not depend on the locale.
+/// Number of nodes of an element type; fails for all types but points, lines and triangles of first order.
+int nodes_of_type(const GmshFile& file, std::size_t where, Integer type) {
+    if (type == 15) return 1;
+    if (type == 1 || type == 2) return static_cast<int>(type) + 1;
+    constexpr auto no_quads = "only triangles can be read: mesh without `Recombine Surface`";
+    constexpr auto order_1 =
+        "only triangles of 3 nodes can be read: save the mesh with order 1 (Mesh.ElementOrder = 1)";
+    constexpr auto plane = "only plane meshes can be read: mesh in two dimensions (gmsh -2)";
+    constexpr auto known = "only triangles of 3 nodes (type 2), lines of 2 nodes (1) and points (15) can be read";
+    struct Type {
+        Integer type;
+        const char *name, *note;
+    };
+    // clang-format off
+    constexpr Type types[]{
+        {3, "a quadrangle", no_quads}, {10, "a quadrangle of 9 nodes", no_quads}, {16, "a quadrangle of 8 nodes", no_quads},
+        {4, "a tetrahedron", plane}, {5, "a hexahedron", plane}, {6, "a prism", plane}, {7, "a pyramid", plane},
+        {8, "a line of 3 nodes", order_1}, {9, "a triangle of 6 nodes", order_1}};
+    // clang-format on
+    for (const auto& t : types)
+        if (t.type == type) file.fail({where, t.note}, t.name, " is in this mesh");
+    file.fail({where, known}, "an element of type ", type, " is in this mesh");
+}
+
+/// Reads a file from its start. Numbers do not depend on the locale; `what` names the expected number in messages.
 class Reader {
 public:
     explicit Reader(GmshFile& file) : file_(file), bytes_(file.bytes) {}
@@ -27,8 +56,7 @@ public:
     void read() {
         read_header();
         std::set<std::string> seen;
-        while (true) {
-            const std::size_t where = at_;
+        for (std::size_t where = at_; true; where = at_) {
             const std::string line(next_line().substr(0, 64));
             if (line.empty()) break;
             if (line.front() != '$' || line.starts_with("$End")) fail(where, "a section `$Name` should begin here");
@@ -39,21 +67,27 @@ public:
         }
         file_.end = at_;
         for (const char* needed : {"Nodes", "Elements"})
-            if (!seen.contains(needed))
-                file_.fail_with_note(at_, saved_in_groups, "this file has no section $", needed);
+            if (!seen.contains(needed)) fail({at_, saved_in_groups}, "this file has no section $", needed);
     }
 
 private:
+    using Entity = std::pair<int, Integer>;  // dimension and tag
+
     template <class... Parts>
-    [[noreturn]] void fail(const Parts&... parts) const {
-        file_.fail(parts...);
+    [[noreturn]] void fail(const GmshFile::Place& place, const Parts&... parts) const {
+        file_.fail(place, parts...);
     }
 
-    // --- words and numbers; `what` names the expected number in messages
+    // --- lines
+
+    template <class Predicate>
+    void skip(Predicate is_skipped) {
+        while (at_ < bytes_.size() && is_skipped(bytes_[at_])) ++at_;
+    }
 
     /// The next line that is not blank, without blanks at its ends; empty at the end of the file.
     std::string_view next_line() {
-        while (at_ < bytes_.size() && is_space(bytes_[at_])) ++at_;
+        skip(is_space);
         const std::size_t begin = at_, end = std::min(bytes_.find('\n', at_), bytes_.size());
         at_ = std::min(end + 1, bytes_.size());
         std::string_view line = std::string_view(bytes_).substr(begin, end - begin);
@@ -66,45 +100,39 @@ private:
         const std::string_view line = next_line();
         if (line == expected) return;
         if (line.empty()) fail(where, "the file ends before `", expected, "`");
-        file_.fail_with_note(where, "is there more in this section than it announces?", "`", expected,
-                             "` should stand here");
-    }
-
-    void skip_blanks() {
-        while (at_ < bytes_.size() && is_blank(bytes_[at_])) ++at_;
+        fail({where, "is there more in this section than it announces?"}, "`", expected, "` should stand here");
     }
 
     void end_of_line() {
-        skip_blanks();
+        skip(is_blank);
         if (at_ < bytes_.size() && bytes_[at_] != '\n') fail(at_, "there is more on this line than expected");
         at_ = std::min(at_ + 1, bytes_.size());
-        if (file_.binary) return;  // bytes that look like blanks would be numbers
-        while (at_ < bytes_.size() && is_space(bytes_[at_])) ++at_;
+        if (!file_.binary) skip(is_space);  // in a binary file, bytes that look like blanks may be numbers
     }
 
     void end_of_record() {
         if (!file_.binary) end_of_line();
     }
 
-    /// A number in text, on this line.
-    template <class Number = std::int64_t>
+    // --- numbers
+
+    template <class Number = Integer>
     Number text(const char* what) {
-        skip_blanks();
+        skip(is_blank);
         const char *end = bytes_.data() + bytes_.size(), *from = bytes_.data() + at_;
         if (from == end) fail(at_, "the file ends where ", what, " should be");
         if (*from == '\n') fail(at_, "this line ends where ", what, " should be");
         Number number{};
         const auto [last, error] = std::from_chars(*from == '+' ? from + 1 : from, end, number);
-        if (error != std::errc() || (last != end && !is_space(*last))) {
-            const char* stop = std::find_if(from, std::min(end, from + 24), is_space);
-            fail(at_, "`", std::string(from, stop), "` is not ", what);
-        }
+        if (error != std::errc() || (last != end && !is_space(*last)))
+            fail(at_, "`", std::string(from, std::find_if(from, std::min(end, from + 24), is_space)), "` is not ",
+                 what);
         at_ = static_cast<std::size_t>(last - bytes_.data());
         return number;
     }
 
     /// A number of a section: text, or the bytes of `Binary`.
-    template <class Binary, class Text>
+    template <class Binary, class Text = Binary>
     Text number(const char* what) {
         if (!file_.binary) return text<Text>(what);
         if (bytes_.size() - at_ < sizeof(Binary)) fail(bytes_.size(), "the file ends where ", what, " should be");
@@ -114,18 +142,20 @@ private:
         return value;
     }
 
-    std::int64_t integer(const char* what) { return number<std::int32_t, std::int64_t>(what); }
-    std::int64_t long_integer(const char* what) { return number<std::int64_t, std::int64_t>(what); }
+    Integer integer(const char* what) { return number<std::int32_t, Integer>(what); }
+    Integer long_integer(const char* what) { return number<std::int64_t>(what); }
+    /// Of a node or an element.
+    Integer tag(const char* what) { return is_41_ ? long_integer(what) : integer(what); }
 
     double real(const char* what) {
         const std::size_t where = at_;
-        const double x = number<double, double>(what);
+        const double x = number<double>(what);
         if (!std::isfinite(x)) fail(where, what, " is not finite");
         return x;
     }
 
-    /// `n` if that many items of at least so many bytes can still follow.
-    std::size_t count(std::int64_t n, std::size_t bytes_each, const char* items) const {
+    /// `n` where the file has room for that many items of at least `bytes_each`.
+    std::size_t count(Integer n, std::size_t bytes_each, const char* items) const {
         if (n < 0) fail(at_, n, " ", items, " are announced");
         if (static_cast<std::uint64_t>(n) > (bytes_.size() - at_) / bytes_each)
             fail(at_, n, " ", items, " are announced, and the file ends before that");
@@ -141,13 +171,13 @@ private:
 
     /// A count of format 4.1; `bytes_each` in a binary file.
     std::size_t long_count(std::size_t bytes_each, const char* items) {
-        const std::int64_t n = long_integer(("the number of " + std::string(items)).c_str());
+        const Integer n = long_integer(("the number of " + std::string(items)).c_str());
         return count(n, file_.binary ? bytes_each : 2, items);
     }
 
-    /// The tag of a physical group; the sign in the file is an orientation, which does not matter here.
-    std::int32_t group(std::size_t where, std::int64_t number) const {
-        constexpr std::int64_t largest = std::numeric_limits<std::int32_t>::max();
+    /// The tag of a physical group. Its sign in the file is an orientation, which has no meaning here.
+    std::int32_t group(std::size_t where, Integer number) const {
+        constexpr Integer largest = std::numeric_limits<std::int32_t>::max();
         if (number > largest || number < -largest) fail(where, number, " cannot be the tag of a physical group");
         return static_cast<std::int32_t>(std::abs(number));
     }
@@ -155,66 +185,63 @@ private:
     // --- header and sections
 
     void read_header() {
+        constexpr auto readable = " of Gmsh's format; 2.2 and 4.1 can be read";
         const std::string_view first = next_line();
         if (first.empty()) fail(0, "this file is empty");
-        if (first == "$NOD")
-            file_.fail_with_note(0, how_to_convert,
-                                 "this file has version 1 of Gmsh's format; 2.2 and 4.1 can be read");
+        if (first == "$NOD") fail({0, how_to_convert}, "this file has version 1", readable);
         if (first != "$MeshFormat") fail(0, "this is no Gmsh mesh: it does not begin with $MeshFormat");
         const std::size_t where = at_;
         const double version = real("the version of the format");
-        const std::int64_t type = text("the file type (0 ASCII, 1 binary)"), size = text("the size of numbers");
-        is_22_ = std::abs(version - 2.2) < 1e-6;
-        if (!is_22_ && std::abs(version - 4.1) >= 1e-6) {
+        const Integer type = text("the file type (0 ASCII, 1 binary)"), size = text("the size of numbers");
+        is_41_ = std::abs(version - 4.1) < 1e-6;
+        if (!is_41_ && std::abs(version - 2.2) >= 1e-6) {
             char shown[32];
             std::snprintf(shown, sizeof shown, "%.1f", std::fmin(std::fabs(version), 1e6));
-            file_.fail_with_note(where, how_to_convert, "this file has version ", shown,
-                                 " of Gmsh's format; 2.2 and 4.1 can be read");
+            fail({where, how_to_convert}, "this file has version ", shown, readable);
         }
         if (type != 0 && type != 1) fail(where, "the file type is ", type, ", neither 0 (ASCII) nor 1 (binary)");
         if (size != 8) fail(where, "numbers have ", size, " bytes in this file; 8 can be read");
         file_.binary = type == 1;
         end_of_line();
-        if (file_.binary) check_byte_order();
+        if (file_.binary) {
+            const std::size_t here = at_;
+            const Integer one = integer("the number 1 that shows the byte order");
+            if (one == 0x01000000)
+                fail({here, "save it as text, or on this kind of machine"},
+                     "this file was written with the other byte order");
+            if (one != 1) fail(here, "the number 1 that shows the byte order is ", one);
+        }
         expect_line("$EndMeshFormat");
     }
 
-    void check_byte_order() {
-        const std::size_t where = at_;
-        const std::int64_t one = integer("the number 1 that shows the byte order");
-        if (one == 0x01000000)
-            file_.fail_with_note(where, "save it as text, or on this kind of machine",
-                                 "this file was written with the other byte order");
-        if (one != 1) fail(where, "the number 1 that shows the byte order is ", one);
-    }
-
-    /// Reads a section, or skips one that does not concern the mesh. Begins after `$Name`.
+    /// Reads a section after its line `$Name`; skips one that does not describe the mesh.
     void read_section(const std::string& name, std::size_t where) {
+        struct {
+            const char* name;
+            void (Reader::*in_22)();
+            void (Reader::*in_41)();
+        } constexpr sections[]{{"PhysicalNames", &Reader::read_group_names, &Reader::read_group_names},
+                               {"Entities", nullptr, &Reader::read_entities_41},
+                               {"Nodes", &Reader::read_nodes_22, &Reader::read_nodes_41},
+                               {"Elements", &Reader::read_elements_22, &Reader::read_elements_41}};
         if (name == "PartitionedEntities" || name == "GhostElements")
-            file_.fail_with_note(where, "save it whole: Mesh > Unpartition in Gmsh, or `UnpartitionMesh;`",
-                                 "this mesh is cut into partitions");
-        if (name == "PhysicalNames") {
-            read_group_names();
-        } else if (name == "Entities" && !is_22_) {
-            read_entities_41();
-        } else if (name == "Nodes") {
-            is_22_ ? read_nodes_22() : read_nodes_41();
-        } else if (name == "Elements") {
-            is_22_ ? read_elements_22() : read_elements_41();
-        } else {
-            const std::size_t end = bytes_.find("$End" + name, at_);
-            if (end == std::string::npos) fail(where, "the section $", name, " has no end");
-            at_ = end + 4 + name.size();
-            return;
-        }
-        expect_line("$End" + name);
+            fail({where, "save it whole: Mesh > Unpartition in Gmsh, or `UnpartitionMesh;`"},
+                 "this mesh is cut into partitions");
+        for (const auto& section : sections)
+            if (const auto read = is_41_ ? section.in_41 : section.in_22; read && name == section.name) {
+                (this->*read)();
+                return expect_line("$End" + name);
+            }
+        const std::size_t end = bytes_.find("$End" + name, at_);
+        if (end == std::string::npos) fail(where, "the section $", name, " has no end");
+        at_ = end + 4 + name.size();
     }
 
     /// Text in any file: dimension, tag and "name" per line.
     void read_group_names() {
         for (std::size_t n = text_count(7, "physical names"); n > 0; --n) {
             const std::size_t where = at_;
-            const std::int64_t dimension = text("the dimension of a group");
+            const Integer dimension = text("the dimension of a group");
             const std::int32_t tag = group(where, text("the tag of a group"));
             const std::string_view rest = next_line();
             const std::size_t open = rest.find('"'), close = rest.rfind('"');
@@ -236,46 +263,29 @@ private:
     }
 
     /// ASCII, per element: number, type, number of tags, tags, nodes. Binary, per block: type, number of elements,
-    /// number of tags; then for each element: number, tags, nodes.
+    /// number of tags; then for each element: number, tags, nodes. Tags are physical group, entity, partitions.
     void read_elements_22() {
         const std::size_t n_elements = text_count(8, "elements");
         for (std::size_t i = 0; i < n_elements;) {
-            const std::size_t where = at_;
-            if (!file_.binary) {
-                text("the number of an element");
-                const int n_nodes = nodes_of_type(where, text("the type of an element"));
-                read_element_22(n_nodes, text("the number of tags"), where);
-                end_of_line();
-                ++i;
-                continue;
-            }
-            const int n_nodes = nodes_of_type(where, integer("the type of elements"));
-            const std::int64_t announced = integer("the number of elements");
-            const std::size_t n_tags = count(integer("the number of tags"), 4, "tags");
-            const std::size_t n = count(announced, 4 * (1 + n_tags + n_nodes), "elements"), left = n_elements - i;
+            const std::size_t where = at_, left = n_elements - i;
+            if (!file_.binary) integer("the number of an element");
+            const int n_nodes = nodes_of_type(file_, where, integer("the type of an element"));
+            const Integer announced = file_.binary ? integer("the number of elements") : 1;
+            const std::size_t n_tags = count(integer("the number of tags"), file_.binary ? 4 : 2, "tags");
+            const std::size_t n = file_.binary ? count(announced, 4 * (1 + n_tags + n_nodes), "elements") : 1;
             if (n == 0 || n > left) fail(where, n, " elements follow here, where 1 to ", left, " should");
             for (const std::size_t end = i + n; i < end; ++i) {
-                const std::size_t here = at_;
-                integer("the number of an element");
-                read_element_22(n_nodes, static_cast<std::int64_t>(n_tags), here);
+                const std::size_t here = file_.binary ? at_ : where;
+                if (file_.binary) integer("the number of an element");
+                std::int32_t of_group = 0;
+                for (std::size_t k = 0; k < n_tags; ++k)
+                    if (const Integer tag = integer("a tag of an element"); k == 0) of_group = group(here, tag);
+                add_element(n_nodes, {&of_group, 1}, here);
             }
         }
     }
 
-    /// Tags are physical group, entity, and possibly partitions.
-    void read_element_22(int n_nodes, std::int64_t n_tags, std::size_t where) {
-        std::int32_t of_group = 0;
-        for (std::int64_t i = 0; i < n_tags; ++i) {
-            const std::int64_t tag = integer("a tag of an element");
-            if (i == 0) of_group = group(where, tag);
-        }
-        std::array<std::int64_t, 3> corners{};
-        for (int k = 0; k < n_nodes; ++k) corners[k] = integer("the tag of a node");
-        add_element(n_nodes, corners, of_group, where);
-    }
-
-    /// Entities have a place (points) or a box, then the physical groups, then (not points) the entities of the
-    /// boundary.
+    /// Per entity: its place (points) or box, the physical groups, and (not points) the entities of the boundary.
     void read_entities_41() {
         std::array<std::size_t, 4> n{};
         for (std::size_t& of_dimension : n) of_dimension = long_count(4, "entities");
@@ -284,115 +294,97 @@ private:
         for (int dimension = 0; dimension < 4; ++dimension)
             for (std::size_t i = 0; i < n[dimension]; ++i) {
                 const std::size_t where = at_;
-                const std::int64_t tag = integer("the tag of an entity");
+                const Integer tag = integer("the tag of an entity");
                 for (int k = 0; k < (dimension == 0 ? 3 : 6); ++k) real("a coordinate");
                 std::vector<std::int32_t> groups(long_count(4, "physical groups"));
                 for (std::int32_t& g : groups) g = group(where, integer("the tag of a physical group"));
-                const std::size_t n_borders = dimension == 0 ? 0 : long_count(4, "entities of a boundary");
-                for (std::size_t k = 0; k < n_borders; ++k) integer("the tag of an entity");
+                for (std::size_t k = dimension == 0 ? 0 : long_count(4, "entities of a boundary"); k > 0; --k)
+                    integer("the tag of an entity");
                 end_of_record();
                 groups_of_entity_[{dimension, tag}] = std::move(groups);
             }
     }
 
-    /// Numbers of blocks and of items, then the smallest and the largest tag.
-    std::array<std::size_t, 2> read_totals_41(std::size_t bytes_each, const char* blocks, const char* items) {
-        const std::size_t n_blocks = long_count(20, blocks), n = long_count(bytes_each, items);
-        for (const char* end : {"the smallest tag", "the largest tag"}) long_integer(end);
+    struct Block {
+        std::size_t where;
+        Entity entity;
+        Integer type;   // of elements; for nodes 1 where parametric coordinates follow
+        std::size_t n;  // items
+    };
+
+    /// A section in blocks: numbers of blocks and of items, smallest and largest tag; then per block dimension and tag
+    /// of an entity, `type`, the number of items, and these.
+    void read_blocks_41(const std::string& items, std::size_t bytes_each, const char* type,
+                        void (Reader::*read)(const Block&)) {
+        const std::size_t n_blocks = long_count(20, ("blocks of " + items).c_str());
+        const std::size_t n_items = long_count(bytes_each, items.c_str());
+        for (const char* limit : {"the smallest tag", "the largest tag"}) long_integer(limit);
         end_of_record();
-        return {n_blocks, n};
-    }
-
-    void read_nodes_41() {
-        const auto [n_blocks, n_nodes] = read_totals_41(32, "blocks of nodes", "nodes");
-        std::vector<GmshNode>& nodes = file_.nodes;
-        for (std::size_t block = 0; block < n_blocks; ++block) {
-            const std::size_t where = at_;
-            const std::int64_t dimension = integer("a dimension");
-            integer("the tag of an entity");
-            const bool parametric = integer("0 or 1 (parametric)") != 0;
-            const std::size_t n = long_count(32, "nodes"), first = nodes.size();
-            end_of_record();
-            if (dimension < 0 || dimension > 3) fail(where, "nodes cannot have the dimension ", dimension);
-            if (n > n_nodes - first)
-                fail(where, "the blocks hold more than the ", n_nodes, " nodes that are announced");
-            nodes.resize(first + n);
-            for (std::size_t i = first; i < nodes.size(); ++i) {
-                nodes[i].tag = long_integer("the tag of a node");
-                end_of_record();
-            }
-            for (std::size_t i = first; i < nodes.size(); ++i) {
-                for (double& x : nodes[i].position) x = real("a coordinate");
-                for (std::int64_t d = 0; parametric && d < dimension; ++d) real("a parametric coordinate");
-                end_of_record();
-            }
-        }
-        if (nodes.size() != n_nodes) fail(at_, "the blocks hold ", nodes.size(), " nodes, announced are ", n_nodes);
-    }
-
-    void read_elements_41() {
-        static const std::vector<std::int32_t> none{0};
-        const auto [n_blocks, n_elements] = read_totals_41(16, "blocks of elements", "elements");
         std::size_t n_read = 0;
-        for (std::size_t block = 0; block < n_blocks; ++block) {
-            const std::size_t where = at_;
-            const std::int64_t dimension = integer("a dimension"), tag = integer("the tag of an entity");
-            const int n_nodes = nodes_of_type(where, integer("the type of elements"));
-            const std::size_t n = long_count(8 * (1 + static_cast<std::size_t>(n_nodes)), "elements");
+        for (std::size_t i = 0; i < n_blocks; ++i) {
+            Block block{.where = at_};
+            const Integer dimension = integer("a dimension");
+            block.entity = {static_cast<int>(dimension), integer("the tag of an entity")};
+            block.type = integer(type);
+            block.n = long_count(bytes_each, items.c_str());
             end_of_record();
-            if (n > n_elements - n_read)
-                fail(where, "the blocks hold more than the ", n_elements, " elements that are announced");
-            if (dimension != n_nodes - 1) fail(where, "elements of this type cannot have the dimension ", dimension);
-            const auto entity = groups_of_entity_.find({n_nodes - 1, tag});
-            if (has_entities_ && entity == groups_of_entity_.end())
-                fail(where, "$Entities has no entity ", tag, " of dimension ", dimension);
-            const std::vector<std::int32_t>& groups = !has_entities_ || entity->second.empty() ? none : entity->second;
-            for (std::size_t i = 0; i < n; ++i) {
-                const std::size_t here = at_;
-                long_integer("the tag of an element");
-                std::array<std::int64_t, 3> corners{};
-                for (int k = 0; k < n_nodes; ++k) corners[k] = long_integer("the tag of a node");
-                end_of_record();
-                for (const std::int32_t of_group : groups) add_element(n_nodes, corners, of_group, here);
-            }
-            n_read += n;
+            if (dimension < 0 || dimension > 3) fail(block.where, items, " cannot have the dimension ", dimension);
+            if (block.n > n_items - n_read)
+                fail(block.where, "the blocks hold more than the ", n_items, " ", items, " that are announced");
+            (this->*read)(block);
+            n_read += block.n;
         }
-        if (n_read != n_elements) fail(at_, "the blocks hold ", n_read, " elements, announced are ", n_elements);
+        if (n_read != n_items) fail(at_, "the blocks hold ", n_read, " ", items, ", announced are ", n_items);
     }
 
-    /// Number of nodes of an element type; any other type than points, lines and triangles of first order is refused.
-    int nodes_of_type(std::size_t where, std::int64_t type) const {
-        if (type == 15) return 1;
-        if (type == 1 || type == 2) return static_cast<int>(type) + 1;
-        // clang-format off
-        static const std::map<std::int64_t, const char*> names{
-            {3, "a quadrangle"}, {4, "a tetrahedron"}, {5, "a hexahedron"}, {6, "a prism"}, {7, "a pyramid"},
-            {8, "a line of 3 nodes"}, {9, "a triangle of 6 nodes"}, {10, "a quadrangle of 9 nodes"}, {16, "a quadrangle of 8 nodes"}};
-        // clang-format on
-        const auto found = names.find(type);
-        const char* note = "only triangles of 3 nodes (type 2), lines of 2 nodes (1) and points (15) can be read";
-        if (type == 3 || type == 10 || type == 16)
-            note = "only triangles can be read: mesh without `Recombine Surface`";
-        if (type == 8 || type == 9)
-            note = "only triangles of 3 nodes can be read: save the mesh with order 1 (Mesh.ElementOrder = 1)";
-        if (type >= 4 && type <= 7) note = "only plane meshes can be read: mesh in two dimensions (gmsh -2)";
-        file_.fail_with_note(where, note,
-                             found == names.end() ? "an element of type " + std::to_string(type) : found->second,
-                             " is in this mesh");
+    void read_nodes_41() { read_blocks_41("nodes", 32, "0 or 1 (parametric)", &Reader::read_block_of_nodes); }
+
+    void read_block_of_nodes(const Block& block) {
+        file_.nodes.resize(file_.nodes.size() + block.n);
+        const std::span<GmshNode> nodes = std::span(file_.nodes).last(block.n);
+        for (GmshNode& node : nodes) node.tag = tag("the tag of a node"), end_of_record();
+        for (GmshNode& node : nodes) {
+            for (double& x : node.position) x = real("a coordinate");
+            for (int d = 0; block.type != 0 && d < block.entity.first; ++d) real("a parametric coordinate");
+            end_of_record();
+        }
     }
 
-    void add_element(int n_nodes, const std::array<std::int64_t, 3>& corners, std::int32_t of_group,
-                     std::size_t where) {
-        if (n_nodes == 2) file_.lines.push_back({{corners[0], corners[1]}, of_group, where});
-        if (n_nodes == 3) file_.triangles.push_back({corners, of_group, where});
+    void read_elements_41() { read_blocks_41("elements", 16, "the type of elements", &Reader::read_block_of_elements); }
+
+    void read_block_of_elements(const Block& block) {
+        const int n_nodes = nodes_of_type(file_, block.where, block.type);
+        const auto& [dimension, number] = block.entity;
+        if (dimension != n_nodes - 1) fail(block.where, "elements of this type cannot have the dimension ", dimension);
+        const auto entity = groups_of_entity_.find(block.entity);
+        if (has_entities_ && entity == groups_of_entity_.end())
+            fail(block.where, "$Entities has no entity ", number, " of dimension ", dimension);
+        const bool in_group = has_entities_ && !entity->second.empty();
+        for (std::size_t i = 0; i < block.n; ++i) {
+            const std::size_t where = at_;
+            tag("the tag of an element");
+            add_element(n_nodes, in_group ? std::span<const std::int32_t>(entity->second) : no_group, where);
+        }
     }
 
+    /// Reads the nodes of an element, which end its record.
+    void add_element(int n_nodes, std::span<const std::int32_t> groups, std::size_t where) {
+        std::array<Integer, 3> nodes{};
+        for (int k = 0; k < n_nodes; ++k) nodes[k] = tag("the tag of a node");
+        end_of_record();
+        for (const std::int32_t of_group : groups) {
+            if (n_nodes == 2) file_.lines.push_back({{nodes[0], nodes[1]}, of_group, where});
+            if (n_nodes == 3) file_.triangles.push_back({nodes, of_group, where});
+        }
+    }
+
+    static constexpr std::array<std::int32_t, 1> no_group{0};
     GmshFile& file_;
     const std::string& bytes_;
-    std::size_t at_ = 0;
-    bool is_22_ = false;  // else 4.1
+    std::size_t at_ = 0;  // byte
+    bool is_41_ = false;  // else 2.2
     bool has_entities_ = false;
-    std::map<std::pair<int, std::int64_t>, std::vector<std::int32_t>> groups_of_entity_;  // by dimension and tag
+    std::map<Entity, std::vector<std::int32_t>> groups_of_entity_;
 };
 
 }  // namespace
@@ -402,17 +394,16 @@ GmshFile::GmshFile(const std::string& bytes_of_file, const std::string& name_of_
     Reader(*this).read();
 }
 
-void GmshFile::throw_error(std::size_t where, const std::string& message, const std::string& note) const {
+void GmshFile::throw_error(const Place& place, const std::string& message) const {
     constexpr std::size_t longest_line_shown = 160;
-    Diagnostic d{.code = "bad-mesh", .message = message, .file = name, .note = note};
-    where = std::min(where, bytes.size());
+    Diagnostic d{.code = "bad-mesh", .message = message, .file = name, .note = place.note};
+    const std::size_t where = std::min(place.where, bytes.size());
     if (binary) {
         d.message += " (at byte " + std::to_string(where) + ")";
         throw UserError({d});
     }
-    const std::size_t line = where == 0 ? std::string::npos : bytes.rfind('\n', where - 1);
-    const std::size_t begin = line == std::string::npos ? 0 : line + 1,
-                      stop = std::min(bytes.find('\n', begin), bytes.size());
+    const std::size_t begin = where == 0 ? 0 : bytes.rfind('\n', where - 1) + 1,  // npos + 1 = 0
+        stop = std::min(bytes.find('\n', begin), bytes.size());
     d.line = 1 + static_cast<int>(std::count(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(begin), '\n'));
     d.column = 1 + static_cast<int>(where - begin);
     if (stop - begin <= longest_line_shown) {

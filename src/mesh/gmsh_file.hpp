@@ -1,5 +1,5 @@
 #pragma once
-// The content of a Gmsh file: nodes, lines, triangles and the names of physical groups, as they stand there.
+// The content of a Gmsh file: nodes, lines, triangles and names of physical groups, with the tags of the file.
 // Source: Gmsh reference manual, "MSH file format" (version 4.1) and "Legacy formats" (version 2.2).
 #include <array>
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace knap {
 
-/// The most frequent reason for an empty file.
-inline const char* const saved_in_groups =
+/// The most frequent cause of a file without elements.
+inline const std::string saved_in_groups =
     "where there are physical groups, Gmsh saves only what is in one: give surfaces one, too";
 
 struct GmshNode {
@@ -19,12 +19,12 @@ struct GmshNode {
     std::array<double, 3> position;  // in the unit of the file
 };
 
-/// A line (2 nodes) or a triangle (3 nodes). One that is in several physical groups occurs several times.
+/// A line (2 nodes) or a triangle (3 nodes). An element in several physical groups occurs several times.
 template <std::size_t n_nodes>
 struct GmshElement {
     std::array<std::int64_t, n_nodes> nodes;  // tags
     std::int32_t group;                       // tag of the physical group, 0 for none
-    std::size_t where;                        // in the file, for messages
+    std::size_t where;                        // byte in the file, for messages
 };
 
 struct GmshFile {
@@ -32,34 +32,35 @@ struct GmshFile {
     /// outlive this.
     GmshFile(const std::string& bytes, const std::string& name);
 
-    /// Throws UserError with the parts of the message joined, the file and the line of `where`, or the byte in a binary
+    /// Byte of the file that a message is about, and the cure.
+    struct Place {
+        Place(std::size_t byte, std::string cure = "") : where(byte), note(std::move(cure)) {}
+        std::size_t where;
+        std::string note;
+    };
+    /// Throws UserError: the parts of the message joined, the file, and the line of the place or the byte in a binary
     /// file.
     template <class... Parts>
-    [[noreturn]] void fail(std::size_t where, const Parts&... message) const {
-        fail_with_note(where, "", message...);
-    }
-
-    template <class... Parts>
-    [[noreturn]] void fail_with_note(std::size_t where, const std::string& note, const Parts&... message) const {
+    [[noreturn]] void fail(const Place& place, const Parts&... message) const {
         std::ostringstream text;
         (text << ... << message);
-        throw_error(where, text.str(), note);
+        throw_error(place, text.str());
     }
 
-    /// The tag where the file gives no name, empty for tag 0 (no group).
+    /// Where the file gives no name, the tag; empty for tag 0 (no group).
     std::string group_name(int dimension, std::int32_t tag) const;
 
     const std::string& bytes;
     const std::string name;
-    bool binary = false;  // the numbers in the sections; section names and their counts are text in any file
-    std::size_t end = 0;  // of the last section
+    bool binary = false;                                              // the numbers in the sections
+    std::size_t end = 0;                                              // byte after the last section
     std::map<std::pair<int, std::int32_t>, std::string> group_names;  // by dimension and tag
     std::vector<GmshNode> nodes;
     std::vector<GmshElement<2>> lines;
     std::vector<GmshElement<3>> triangles;
 
 private:
-    [[noreturn]] void throw_error(std::size_t where, const std::string& message, const std::string& note) const;
+    [[noreturn]] void throw_error(const Place& place, const std::string& message) const;
 };
 
 }  // namespace knap
