@@ -3,7 +3,6 @@
 #include "mesh/polygon.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <stdexcept>
 
@@ -13,7 +12,6 @@ namespace {
 /// Text with numbers that read back to the same bits, whatever the locale.
 class Text {
 public:
-    Text& operator<<(const char* words) { return text += words, *this; }
     Text& operator<<(const std::string& words) { return text += words, *this; }
     template <class Number>
     requires std::is_arithmetic_v<Number> Text& operator<<(Number number) {
@@ -24,53 +22,47 @@ public:
     std::string text;
 };
 
-Index n_regions(const Mesh& mesh) {
-    return mesh.region.empty() ? 0 : 1 + *std::max_element(mesh.region.begin(), mesh.region.end());
+Index n_regions(const Mesh& mesh) { return mesh.region.empty() ? 0 : 1 + std::ranges::max(mesh.region); }
+
+/// The vertices of an edge.
+std::array<Index, 2> ends(const Mesh& mesh, const BoundaryEdge& e) {
+    return {mesh.triangles[e.triangle][e.side], mesh.triangles[e.triangle][(e.side + 1) % 3]};
+}
+std::array<Index, 2> ends(const Mesh& mesh, const InteriorEdge& e) {
+    return ends(mesh, BoundaryEdge{e.triangle[0], e.side[0], 0});
 }
 
-/// Triangle and side.
-std::pair<Index, Index> first_side(const BoundaryEdge& edge) { return {edge.triangle, edge.side}; }
-std::pair<Index, Index> first_side(const InteriorEdge& edge) { return {edge.triangle[0], edge.side[0]}; }
-
-/// Gmsh file format 2.2: physical groups are the boundaries (lines), the regions (triangles) and the pre-cracks
-/// (lines).
+/// Format 2.2. Physical groups are the boundaries (lines), the regions (triangles) and the pre-cracks (lines).
 std::string gmsh(const Mesh& mesh, const std::vector<std::string>& region_names) {
     Text out;
     const Index n_boundaries = static_cast<Index>(mesh.boundary_names.size());
-    const auto cracked = std::count_if(mesh.interior_edges.begin(), mesh.interior_edges.end(),
-                                       [](const InteriorEdge& e) { return e.cracked; });
-    const auto unnamed = std::count(mesh.boundary_names.begin(), mesh.boundary_names.end(), "");
+    const auto n_cracked = std::ranges::count(mesh.interior_edges, true, &InteriorEdge::cracked);
+    const auto n_unnamed = std::ranges::count(mesh.boundary_names, "");
     out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n"
-        << n_boundaries - unnamed + n_regions(mesh) + (cracked > 0 ? 1 : 0) << "\n";
+        << n_boundaries - n_unnamed + n_regions(mesh) + (n_cracked > 0 ? 1 : 0) << "\n";
     for (Index i = 0; i < n_boundaries; ++i)
         if (!mesh.boundary_names[i].empty()) out << "1 " << i + 1 << " \"" << mesh.boundary_names[i] << "\"\n";
-    if (cracked > 0) out << "1 " << n_boundaries + 1 << " \"crack\"\n";
+    if (n_cracked > 0) out << "1 " << n_boundaries + 1 << " \"crack\"\n";
     for (Index i = 0; i < n_regions(mesh); ++i) {
-        const bool has_name = i < static_cast<Index>(region_names.size());
+        const bool has_name = i < std::ssize(region_names);
         out << "2 " << n_boundaries + 2 + i << " \"" << (has_name ? region_names[i] : "region" + std::to_string(i))
             << "\"\n";
     }
     out << "$EndPhysicalNames\n$Nodes\n" << mesh.n_vertices() << "\n";
     for (Index v = 0; v < mesh.n_vertices(); ++v)
         out << v + 1 << " " << mesh.vertices[v].x() << " " << mesh.vertices[v].y() << " 0\n";
-    out << "$EndNodes\n$Elements\n"
-        << static_cast<Index>(mesh.boundary_edges.size() + cracked) + mesh.n_triangles() << "\n";
+    out << "$EndNodes\n$Elements\n" << std::ssize(mesh.boundary_edges) + n_cracked + mesh.n_triangles() << "\n";
     Index n = 0;
-    const auto line = [&](const auto& edge, Index group) {
-        const auto [triangle, side] = first_side(edge);
-        out << ++n << " 1 2 " << group << " " << group << " " << mesh.triangles[triangle][side] + 1 << " "
-            << mesh.triangles[triangle][(side + 1) % 3] + 1 << "\n";
+    const auto element = [&](int type, Index group, const auto& vertices) {
+        out << ++n << " " << type << " 2 " << group << " " << group;
+        for (const Index v : vertices) out << " " << v + 1;
+        out << "\n";
     };
     for (const BoundaryEdge& edge : mesh.boundary_edges)
-        line(edge, mesh.boundary_names[edge.boundary].empty() ? 0 : edge.boundary + 1);
+        element(1, mesh.boundary_names[edge.boundary].empty() ? 0 : edge.boundary + 1, ends(mesh, edge));
     for (const InteriorEdge& edge : mesh.interior_edges)
-        if (edge.cracked) line(edge, n_boundaries + 1);
-    for (Index t = 0; t < mesh.n_triangles(); ++t) {
-        const Index group = n_boundaries + 2 + mesh.region[t];
-        out << ++n << " 2 2 " << group << " " << group;
-        for (const Index v : mesh.triangles[t]) out << " " << v + 1;
-        out << "\n";
-    }
+        if (edge.cracked) element(1, n_boundaries + 1, ends(mesh, edge));
+    for (Index t = 0; t < mesh.n_triangles(); ++t) element(2, n_boundaries + 2 + mesh.region[t], mesh.triangles[t]);
     out << "$EndElements\n";
     return out.text;
 }
@@ -107,29 +99,26 @@ std::string svg(const Mesh& mesh) {
     constexpr double width = 1600, margin = 10;  // [pixel]
     const double pixels = width / box.extent().x();
     Text out;
-    const auto point = [&](const char* command, const Vec2& x) {
+    const auto point = [&](const char* command, Index vertex) {
+        const Vec2& x = mesh.vertices[vertex];
         out << command << margin + pixels * (x.x() - box.low.x()) << " " << margin + pixels * (box.high.y() - x.y());
     };
     const auto lines = [&](const char* colour, double line_width, const auto& edges, const auto& is_drawn) {
         out << "<path fill=\"none\" stroke=\"" << colour << "\" stroke-width=\"" << line_width << "\" d=\"";
-        for (const auto& edge : edges) {
-            if (!is_drawn(edge)) continue;
-            const auto [triangle, side] = first_side(edge);
-            point("M", mesh.corner(triangle, side));
-            point("L", mesh.corner(triangle, (side + 1) % 3));
-        }
+        for (const auto& edge : edges)
+            if (is_drawn(edge)) point("M", ends(mesh, edge)[0]), point("L", ends(mesh, edge)[1]);
         out << "\"/>\n";
     };
     out << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width + 2 * margin << "\" height=\""
         << pixels * box.extent().y() + 2 * margin << "\">\n";
-    static constexpr std::array<const char*, 8> fills{"#ffffff", "#f0c8b4", "#bcd8ea", "#d6e2ae",
-                                                      "#f0e0a4", "#d8c4e6", "#aee2d4", "#f0c0d4"};
+    constexpr const char* fills[]{"#ffffff", "#f0c8b4", "#bcd8ea", "#d6e2ae",
+                                  "#f0e0a4", "#d8c4e6", "#aee2d4", "#f0c0d4"};
     for (Index region = 1; region < n_regions(mesh); ++region) {
-        out << "<path fill=\"" << fills[region % fills.size()] << "\" d=\"";
+        out << "<path fill=\"" << fills[region % std::size(fills)] << "\" d=\"";
         for (Index t = 0; t < mesh.n_triangles(); ++t) {
             if (mesh.region[t] != region) continue;
-            for (Index k = 0; k < 3; ++k) point(k == 0 ? "M" : "L", mesh.corner(t, k));
-            out << "Z";
+            const auto& [a, b, c] = mesh.triangles[t];
+            point("M", a), point("L", b), point("L", c), out << "Z";
         }
         out << "\"/>\n";
     }

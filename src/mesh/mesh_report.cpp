@@ -9,10 +9,10 @@
 #include <queue>
 
 namespace knap {
-
 namespace {
 
 constexpr double degree = 180 / std::numbers::pi;
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The vertices that every vertex shares an edge with.
 Grouped<Index> neighbours_of_vertices(const Mesh& mesh) {
@@ -35,7 +35,7 @@ double percentile(std::vector<double>& values, double fraction) {
 
 void judge_triangles(const Mesh& mesh, MeshReport& report) {
     std::vector<double> smallest_angles;
-    report.smallest_altitude = std::numeric_limits<double>::infinity();
+    report.smallest_altitude = infinity;
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         double smallest = 180, longest_edge = 0;
         for (Index k = 0; k < 3; ++k) {
@@ -50,7 +50,7 @@ void judge_triangles(const Mesh& mesh, MeshReport& report) {
         report.area += mesh.area(t);
         report.smallest_altitude = std::min(report.smallest_altitude, 2 * mesh.area(t) / longest_edge);
     }
-    report.smallest_angle = *std::min_element(smallest_angles.begin(), smallest_angles.end());
+    report.smallest_angle = std::ranges::min(smallest_angles);
     for (std::size_t i = 0; i < 3; ++i)
         report.smallest_angle_percentiles[i] = percentile(smallest_angles, std::array{0.01, 0.1, 0.5}[i]);
 }
@@ -58,7 +58,7 @@ void judge_triangles(const Mesh& mesh, MeshReport& report) {
 void judge_edges(const Mesh& mesh, const Grouped<Index>& graph, MeshReport& report) {
     double sum = 0;
     Index n_sides = 0;
-    report.smallest_edge = std::numeric_limits<double>::infinity();
+    report.smallest_edge = infinity;
     for (Index v = 0; v < mesh.n_vertices(); ++v)
         for (const Index w : graph[v]) {
             const double length = (mesh.vertices[w] - mesh.vertices[v]).norm();
@@ -70,43 +70,32 @@ void judge_edges(const Mesh& mesh, const Grouped<Index>& graph, MeshReport& repo
     report.mean_edge = sum / n_sides;
 }
 
-/// Shortest paths along edges from one vertex (Dijkstra), as far as `reach` in straight distance. Storage is kept
-/// between sources.
-class ShortestPaths {
-public:
-    ShortestPaths(const Mesh& mesh, const Grouped<Index>& graph)
-        : mesh_(mesh), graph_(graph), length_(mesh.vertices.size(), std::numeric_limits<double>::infinity()) {}
-
-    /// Calls `found(vertex, path length)` for every vertex within `reach`, nearest first.
-    template <class Found>
-    void from(Index source, double reach, Found found) {
-        std::vector<Index> touched{source};
-        std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-        length_[source] = 0;
-        queue.emplace(0.0, source);
-        while (!queue.empty()) {
-            const auto [length, v] = queue.top();
-            queue.pop();
-            if (length > length_[v]) continue;
-            found(v, length);
-            for (const Index w : graph_[v]) {
-                if ((mesh_.vertices[w] - mesh_.vertices[source]).squaredNorm() > reach * reach) continue;
-                const double through = length + (mesh_.vertices[w] - mesh_.vertices[v]).norm();
-                if (through >= length_[w]) continue;
-                length_[w] = through;
-                touched.push_back(w);
-                queue.emplace(through, w);
-            }
-        }
-        for (const Index v : touched) length_[v] = std::numeric_limits<double>::infinity();
-    }
-
-private:
+/// Calls found(vertex, path length) for the vertices within the straight distance `reach` [m] of a source, nearest by
+/// path along edges first (Dijkstra). `lengths` is scratch: infinity for every vertex, before and after.
+template <class Found>
+void visit_shortest_paths(const Mesh& mesh, const Grouped<Index>& graph, Index source, double reach,
+                          std::vector<double>& lengths, const Found& found) {
     using Entry = std::pair<double, Index>;
-    const Mesh& mesh_;
-    const Grouped<Index>& graph_;
-    std::vector<double> length_;  // [m] per vertex
-};
+    std::vector<Index> touched{source};
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    lengths[source] = 0;
+    queue.emplace(0.0, source);
+    while (!queue.empty()) {
+        const auto [length, v] = queue.top();
+        queue.pop();
+        if (length > lengths[v]) continue;
+        found(v, length);
+        for (const Index w : graph[v]) {
+            if ((mesh.vertices[w] - mesh.vertices[source]).squaredNorm() > reach * reach) continue;
+            const double through = length + (mesh.vertices[w] - mesh.vertices[v]).norm();
+            if (through >= lengths[w]) continue;
+            lengths[w] = through;
+            touched.push_back(w);
+            queue.emplace(through, w);
+        }
+    }
+    for (const Index v : touched) lengths[v] = infinity;
+}
 
 struct Source {
     Index vertex;
@@ -125,11 +114,10 @@ std::vector<Source> sources_within(const Mesh& mesh, const Grouped<Index>& graph
         for (const Index w : graph[v])
             local_edge += (mesh.vertices[w] - mesh.vertices[v]).norm() / static_cast<double>(graph[v].size());
         const double reach = n_edges * local_edge;
-        const bool free =
-            std::none_of(mesh.boundary_edges.begin(), mesh.boundary_edges.end(), [&](const BoundaryEdge& edge) {
+        if (std::ranges::none_of(mesh.boundary_edges, [&](const BoundaryEdge& edge) {
                 return (mesh.corner(edge.triangle, edge.side) - mesh.vertices[v]).squaredNorm() < reach * reach;
-            });
-        if (free) sources.push_back({v, reach});
+            }))
+            sources.push_back({v, reach});
     }
     return sources;
 }
@@ -139,11 +127,7 @@ struct PathSum {
     double straight = 0, path = 0;
     int n = 0;
 
-    void add(double straight_length, double path_length, double reach) {
-        straight += straight_length / reach;
-        path += path_length / reach;
-        ++n;
-    }
+    void add(double straight_length, double path_length) { straight += straight_length, path += path_length, ++n; }
 };
 
 void judge_paths(const Mesh& mesh, const Grouped<Index>& graph, MeshReport& report) {
@@ -157,21 +141,22 @@ void judge_paths(const Mesh& mesh, const Grouped<Index>& graph, MeshReport& repo
 
     std::array<Index, MeshReport::n_directions> n_found{};
     PathSum half, full;
-    ShortestPaths paths(mesh, graph);
-    for (const Source& source : sources)
-        paths.from(source.vertex, source.reach, [&](Index v, double length) {
-            const Vec2 straight = mesh.vertices[v] - mesh.vertices[source.vertex];
-            const double part = straight.norm() / source.reach;
-            if (part > 0.4 && part < 0.5) half.add(straight.norm(), length, source.reach);
-            if (part < 0.85 || part > 0.95) return;
-            full.add(straight.norm(), length, source.reach);
-            report.path_reach += straight.norm();
-            const double turn = std::atan2(straight.y(), straight.x()) / std::numbers::pi * MeshReport::n_directions;
-            const int direction =
-                (static_cast<int>(std::lround(turn)) + MeshReport::n_directions) % MeshReport::n_directions;
-            report.path_excess[direction] += length / straight.norm() - 1;
-            ++n_found[direction];
-        });
+    std::vector<double> lengths(mesh.vertices.size(), infinity);
+    for (const auto& [vertex, reach] : sources)
+        visit_shortest_paths(
+            mesh, graph, vertex, reach, lengths, [&, vertex = vertex, reach = reach](Index v, double length) {
+                const Vec2 straight = mesh.vertices[v] - mesh.vertices[vertex];
+                const double part = straight.norm() / reach;
+                if (part > 0.4 && part < 0.5) half.add(straight.norm() / reach, length / reach);
+                if (part < 0.85 || part > 0.95) return;
+                full.add(straight.norm() / reach, length / reach);
+                report.path_reach += straight.norm();
+                const double turn =
+                    std::atan2(straight.y(), straight.x()) / std::numbers::pi * MeshReport::n_directions;
+                const auto direction = (std::lround(turn) + MeshReport::n_directions) % MeshReport::n_directions;
+                report.path_excess[direction] += length / straight.norm() - 1;
+                ++n_found[direction];
+            });
     double sum_of_squares = 0;
     for (int d = 0; d < MeshReport::n_directions; ++d) {
         report.path_excess[d] /= std::max(n_found[d], Index{1});
@@ -194,8 +179,7 @@ MeshReport judge(const Mesh& mesh) {
     report.n_vertices = mesh.n_vertices();
     report.n_interior_edges = static_cast<Index>(mesh.interior_edges.size());
     report.n_boundary_edges = static_cast<Index>(mesh.boundary_edges.size());
-    report.n_cracked_edges = static_cast<Index>(std::count_if(mesh.interior_edges.begin(), mesh.interior_edges.end(),
-                                                              [](const InteriorEdge& edge) { return edge.cracked; }));
+    report.n_cracked_edges = static_cast<Index>(std::ranges::count(mesh.interior_edges, true, &InteriorEdge::cracked));
     if (mesh.triangles.empty()) return report;
     const Grouped<Index> graph = neighbours_of_vertices(mesh);
     judge_triangles(mesh, report);

@@ -35,18 +35,16 @@ std::vector<Vec2> poisson_points(const Shape& shape, const std::vector<Vec2>& on
 
     // dart throwing: one dart in every free cell, a few times; the remaining gaps are closed by the Delaunay refinement
     constexpr int n_rounds = 12;
-    for (int round = 0; round < n_rounds; ++round) {
-        std::vector<CellGrid::Cell> still_free;
-        for (const CellGrid::Cell& cell : cells) {
-            if (!grid.empty(cell)) continue;
+    for (int round = 0; round < n_rounds; ++round)
+        std::erase_if(cells, [&](const CellGrid::Cell& cell) {
+            if (!grid.empty(cell)) return true;
             const double u = random.uniform(), v = random.uniform();
             const Vec2 dart = grid.place(cell, u, v);
             const double factor = random.uniform(1 - CellGrid::spread, 1 + CellGrid::spread);
-            if (!grid.crowded({dart, radius(dart), factor}) && shape.contains(dart)) grid.add(dart, factor);
-            else still_free.push_back(cell);
-        }
-        cells.swap(still_free);
-    }
+            const bool hits = !grid.crowded({dart, radius(dart), factor}) && shape.contains(dart);
+            if (hits) grid.add(dart, factor);
+            return hits;
+        });
     return {grid.points().begin() + static_cast<std::ptrdiff_t>(on_lines.size()), grid.points().end()};
 }
 
@@ -57,25 +55,19 @@ CellGrid::CellGrid(const Shape& shape, const std::vector<Vec2>& on_lines, const 
     low_ = box.low;
     width_ = std::max(6 * radius.largest(), std::sqrt(extent.x() * extent.y()) / 4000);
     for (const int axis : {0, 1}) n_roots_[axis] = static_cast<Index>(extent[axis] / width_) + 1;
-    mark_reached(shape, on_lines);
-    for (Index block = 0; block < std::ssize(blocks_); ++block) divide(block, radius);  // children come at the end
-    for (const Vec2& p : on_lines) add(p, 1);
-}
-
-/// The roots that the body reaches have their centre in it, or lie within a quarter of a block from a point of its
-/// lines, which are nearer to each other than that.
-void CellGrid::mark_reached(const Shape& shape, const std::vector<Vec2>& on_lines) {
+    // the roots that the body reaches have their centre in it, or lie within a quarter of a block from a point of its
+    // lines, which are nearer to each other than that
     for (Index root = 0; root < n_roots_[0] * n_roots_[1]; ++root) {
-        Block block{
-            .low = low_ + width_ * Vec2(root % n_roots_[0], root / n_roots_[0]), .width = width_, .reached = false};
+        const Vec2 low = low_ + width_ * Vec2(root % n_roots_[0], root / n_roots_[0]);
+        Block& block = blocks_.emplace_back(Block{.low = low, .width = width_});
         block.reached = shape.contains(block.middle());
-        blocks_.push_back(block);
     }
     for (const Vec2& p : on_lines)
         for (const double dx : {-0.25, 0.25})
             for (const double dy : {-0.25, 0.25})
-                blocks_[root_along(1, p.y() + dy * width_) * n_roots_[0] + root_along(0, p.x() + dx * width_)].reached =
-                    true;
+                blocks_[root_at(p.x() + dx * width_, p.y() + dy * width_)].reached = true;
+    for (Index block = 0; block < std::ssize(blocks_); ++block) divide(block, radius);  // children come at the end
+    for (const Vec2& p : on_lines) add(p, 1);
 }
 
 /// Into four, or into cells with a diagonal below the smallest distance of two points.
@@ -115,27 +107,18 @@ std::vector<CellGrid::Cell> CellGrid::cells_of_body() const {
     return cells;
 }
 
-bool CellGrid::empty(const Cell& cell) const {
-    const Block& block = blocks_[cell.block];
-    return first_[block.first_cell + cell.row * block.n_cells + cell.column] < 0;
-}
-
 Vec2 CellGrid::place(const Cell& cell, double u, double v) const {
     const Block& block = blocks_[cell.block];
     return block.low + (block.width / block.n_cells) * Vec2(cell.column + u, cell.row + v);
 }
 
-Index CellGrid::cell_at(const Vec2& p) const {
-    const Block* block = &blocks_[root_along(1, p.y()) * n_roots_[0] + root_along(0, p.x())];
+void CellGrid::add(const Vec2& p, double factor) {
+    const Block* block = &blocks_[root_at(p.x(), p.y())];
     while (block->first_child >= 0) {
         const Vec2 middle = block->middle();
         block = &blocks_[block->first_child + 2 * (p.y() >= middle.y()) + (p.x() >= middle.x())];
     }
-    return block->first_cell + block->cell_along(1, p.y()) * block->n_cells + block->cell_along(0, p.x());
-}
-
-void CellGrid::add(const Vec2& p, double factor) {
-    Index& first = first_[cell_at(p)];
+    Index& first = first_[block->cell(block->cell_along(0, p.x()), block->cell_along(1, p.y()))];
     next_.push_back(first);
     first = static_cast<Index>(points_.size());
     points_.push_back(p);
@@ -164,15 +147,10 @@ bool CellGrid::crowded_in(const Block& block, const Disc& disc, const Box& near)
     const Index bottom = block.cell_along(1, near.low.y()), top = block.cell_along(1, near.high.y());
     for (Index row = bottom; row <= top; ++row)
         for (Index column = left; column <= right; ++column)
-            if (crowded_in_cell(block.first_cell + row * block.n_cells + column, disc)) return true;
-    return false;
-}
-
-bool CellGrid::crowded_in_cell(Index cell, const Disc& disc) const {
-    for (Index k = first_[cell]; k >= 0; k = next_[k]) {
-        const double factor = k < n_on_lines_ ? 1 : 0.5 * (disc.factor + factor_[k]);
-        if ((points_[k] - disc.centre).norm() < disc.radius * factor) return true;
-    }
+            for (Index k = first_[block.cell(column, row)]; k >= 0; k = next_[k]) {
+                const double factor = k < n_on_lines_ ? 1 : 0.5 * (disc.factor + factor_[k]);
+                if ((points_[k] - disc.centre).norm() < disc.radius * factor) return true;
+            }
     return false;
 }
 

@@ -1,8 +1,9 @@
 #pragma once
-// Random points for a mesh without preferred directions: jittered along lines, and Poisson discs (no two points nearer
-// than a local radius, and hardly room for one more) over the body. The Delaunay triangles of such points have angles
-// of about 30 to 120 degree and edges of 1 to 2 radii. Source: M. Ebeida, S. Mitchell, A. Davidson, A. Patney, P.
-// Knupp, J. Owens, "Efficient and good Delaunay meshes from random points", Computer-Aided Design 43 (2011) 1506.
+// Random points for a mesh without preferred directions: jittered along lines, and a maximal Poisson disc sample of the
+// body (no two points nearer than a local radius, and hardly room for one more). The Delaunay triangles of such points
+// have angles of about 30 to 120 degree and edges of 1 to 2 radii. Source: M. Ebeida, S. Mitchell, A. Davidson,
+// A. Patney, P. Knupp, J. Owens, "Efficient and good Delaunay meshes from random points", Computer-Aided Design 43
+// (2011) 1506.
 #include "base/random.hpp"
 #include "mesh/shape.hpp"
 #include "mesh/size_field.hpp"
@@ -25,7 +26,7 @@ struct Disc {
     double factor;  // [-] 1 - spread to 1 + spread; 1 for points of lines
 };
 
-/// Finds the neighbours of a new point: square blocks, divided into four as long as the radius varies by more than a
+/// Finds the neighbours of a new point: square blocks, each divided into four while the radius varies by more than a
 /// factor of two within one, and then into cells just too small for two points. The cells follow the local radius, so
 /// that a strongly graded body needs no more of them per point than a uniform one.
 class CellGrid {
@@ -41,7 +42,7 @@ public:
 
     /// The cells of all blocks that the body reaches.
     std::vector<Cell> cells_of_body() const;
-    bool empty(const Cell& cell) const;
+    bool empty(const Cell& cell) const { return first_[blocks_[cell.block].cell(cell.column, cell.row)] < 0; }
     /// The point at (u, v) in [0, 1)^2 of a cell.
     Vec2 place(const Cell& cell, double u, double v) const;
 
@@ -65,14 +66,13 @@ private:
 
         Vec2 middle() const { return low + Vec2::Constant(width / 2); }
         Index cell_along(int axis, double x) const;  // column or row
+        Index cell(Index column, Index row) const { return first_cell + row * n_cells + column; }
     };
 
-    void mark_reached(const Shape& shape, const std::vector<Vec2>& on_lines);
     void divide(Index block, const SizeField& radius);
     Index root_along(int axis, double x) const;  // column or row
-    Index cell_at(const Vec2& p) const;
+    Index root_at(double x, double y) const { return root_along(1, y) * n_roots_[0] + root_along(0, x); }
     bool crowded_in(const Block& block, const Disc& disc, const Box& near) const;
-    bool crowded_in_cell(Index cell, const Disc& disc) const;
 
     Vec2 low_;                         // [m] lower left corner of the first root
     double width_;                     // [m] of a root

@@ -22,62 +22,38 @@ TriangleQuality QualityTarget::operator()(const Mesh& mesh, Index triangle, doub
     return quality;
 }
 
-namespace {
-
-class Relaxation {
-public:
-    Relaxation(Mesh& mesh, const SizeField& size, const QualityTarget& target)
-        : mesh_(mesh), size_(size), target_(target), stars_(vertex_stars(mesh)) {}
-
-    TriangleQuality quality(Index t) const { return target_(mesh_, t, size_(mesh_.centroid(t))); }
-
-    /// Pattern search for the position of one vertex where the worst triangle of its star is best. No angle becomes
-    /// worse than the target for it: where the shape itself has small details the step ratio cannot be reached, and
-    /// angles must not pay for trying.
-    void move(Index v) {
-        static const std::array<Vec2, 8> directions{Vec2(1, 0),  Vec2(0.7, 0.7),   Vec2(0, 1),  Vec2(-0.7, 0.7),
-                                                    Vec2(-1, 0), Vec2(-0.7, -0.7), Vec2(0, -1), Vec2(0.7, -0.7)};
-        TriangleQuality best = worst_of_star(v);
-        double step = 0.1 * size_(mesh_.vertices[v]);
+void relax_worst(Mesh& mesh, const std::vector<char>& fixed, const SizeField& size, const QualityTarget& target) {
+    static const std::array<Vec2, 8> directions{Vec2(1, 0),  Vec2(0.7, 0.7),   Vec2(0, 1),  Vec2(-0.7, 0.7),
+                                                Vec2(-1, 0), Vec2(-0.7, -0.7), Vec2(0, -1), Vec2(0.7, -0.7)};
+    const Grouped<Index> stars = vertex_stars(mesh);
+    const auto quality = [&](Index t) { return target(mesh, t, size(mesh.centroid(t))); };
+    // Pattern search for the position of one vertex where the worst triangle of its star is best. No angle becomes
+    // worse than the target for it: where the shape itself has small details the step ratio cannot be reached, and
+    // angles must not pay for trying.
+    const auto move = [&](Index v) {
+        Vec2& x = mesh.vertices[v];
+        TriangleQuality best = worst_of(stars[v], quality);
+        double step = 0.1 * size(x);
         for (int n_halvings = 0; n_halvings < 4 && best.worse() < 1;) {
-            const Vec2 start = mesh_.vertices[v];
+            const Vec2 start = x;
             Vec2 place = start;
             for (const Vec2& direction : directions) {
-                mesh_.vertices[v] = start + step * direction;
-                const TriangleQuality found = worst_of_star(v);
-                if (found.angle >= std::min(1.0, best.angle) && found.worse() > best.worse()) {
-                    best = found;
-                    place = mesh_.vertices[v];
-                }
+                x = start + step * direction;
+                const TriangleQuality found = worst_of(stars[v], quality);
+                if (found.angle >= std::min(1.0, best.angle) && found.worse() > best.worse()) best = found, place = x;
             }
-            mesh_.vertices[v] = place;
+            x = place;
             if (place == start) step /= 2, ++n_halvings;
         }
-    }
-
-private:
-    TriangleQuality worst_of_star(Index v) const {
-        return worst_of(stars_[v], [&](Index t) { return quality(t); });
-    }
-
-    Mesh& mesh_;
-    const SizeField& size_;
-    const QualityTarget& target_;
-    Grouped<Index> stars_;
-};
-
-}  // namespace
-
-void relax_worst(Mesh& mesh, const std::vector<char>& fixed, const SizeField& size, const QualityTarget& target) {
-    Relaxation relaxation(mesh, size, target);
+    };
     for (int sweep = 0; sweep < 4; ++sweep) {
         std::vector<std::pair<double, Index>> bad;
         for (Index t = 0; t < mesh.n_triangles(); ++t)
-            if (const double quality = relaxation.quality(t).worse(); quality < 1) bad.emplace_back(quality, t);
-        std::sort(bad.begin(), bad.end());
-        for (const auto& [quality, t] : bad)
+            if (const double worse = quality(t).worse(); worse < 1) bad.emplace_back(worse, t);
+        std::ranges::sort(bad);
+        for (const auto& [worse, t] : bad)
             for (const Index v : mesh.triangles[t])
-                if (!fixed[v]) relaxation.move(v);
+                if (!fixed[v]) move(v);
     }
 }
 
