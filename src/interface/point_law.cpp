@@ -8,10 +8,10 @@ namespace {
 
 /// beta+ and beta_theta from the openings at the end of the step.
 void lose_cohesion(const PointLaw& law, double u_N, double u_T, PointResponse& r) {
-    r.end_cohesion = law.implicit_beta ? law.material->next_cohesion(law.cohesion, u_N, u_T) : law.cohesion;
+    r.end_cohesion = law.step->implicit_beta ? law.material->next_cohesion(law.cohesion, u_N, u_T) : law.cohesion;
     r.softens = r.end_cohesion < law.cohesion && r.end_cohesion > 0;
     r.breaks = r.end_cohesion < law.cohesion && r.end_cohesion == 0;
-    r.cohesion_theta = law.theta * r.end_cohesion + (1 - law.theta) * law.cohesion;
+    r.cohesion_theta = law.step->theta * r.end_cohesion + (1 - law.step->theta) * law.cohesion;
     r.opens = u_N > 0;
 }
 
@@ -63,7 +63,7 @@ std::uint32_t piece(const PointLaw& law, const PointResponse& r) {
 void PointLaw::set_staircase() {
     tangential = {};
     tangential.add({.rate = 0, .cohesive = 0, .friction = friction}, 0);
-    tangential.add({.rate = u_T == 0 ? 0 : -u_T / h, .cohesive = material->gamma * strength, .friction = 0}, 0);
+    tangential.add({.rate = u_T == 0 ? 0 : -u_T / step->h, .cohesive = material->gamma * strength, .friction = 0}, 0);
 }
 
 PointResponse respond(const PointLaw& law, double w_N, double w_T) {
@@ -71,20 +71,20 @@ PointResponse respond(const PointLaw& law, double w_N, double w_T) {
     r.contact = law.contact.may_touch ? std::max(0.0, law.contact_guess - law.rho_N * (w_N - law.contact.rate)) : 0;
     r.closed = r.contact > 0;
     // what is closed, or sticks, is where it is held, not where the augmentation has it
-    const double u_N = law.u_N + law.h * (r.closed ? law.contact.rate : w_N);
-    lose_cohesion(law, u_N, law.u_T + law.h * w_T, r);
+    const double u_N = law.u_N + law.step->h * (r.closed ? law.contact.rate : w_N);
+    lose_cohesion(law, u_N, law.u_T + law.step->h * w_T, r);
     find_tangential(law, w_T, r);
     if (r.sticks) {
         lose_cohesion(law, u_N, r.kink == 0 ? law.u_T : 0, r);
         const double kink = r.kink;
         find_tangential(law, w_T, r);
-        if (!r.sticks || r.kink != kink) lose_cohesion(law, u_N, law.u_T + law.h * w_T, r);
+        if (!r.sticks || r.kink != kink) lose_cohesion(law, u_N, law.u_T + law.step->h * w_T, r);
     }
     r.state = piece(law, r);
     return r;
 }
 
-double softening_modulus(const PointLaw& law) { return law.strength * law.theta * law.h / law.material->softening_length(law.cohesion); }
+double softening_modulus(const PointLaw& law) { return law.strength * law.step->theta * law.step->h / law.material->softening_length(law.cohesion); }
 
 Vec2 loss_direction(const PointLaw& law, const PointResponse& r) {
     return {r.opens && !r.closed ? 1.0 : 0.0, r.sticks ? 0 : law.material->gamma * r.cohesion_sign};

@@ -16,6 +16,15 @@
 
 namespace knap {
 
+/// A step of the theta scheme.
+struct ThetaStep {
+    double h = 0;                // [s]
+    double theta = 0.5;          // [-]
+    bool implicit_beta = false;  // cohesion follows the openings at the end of the step
+    double kick() const { return theta * h; }                              // [s] impulse times theta, of a force
+    double stiffness_factor() const { return theta * theta * h * h; }      // [s2] of K in M_hat
+};
+
 /// Impulses are those of the law times theta, as they stand in the equation of w [N s].
 struct PointLaw {
     // over the step
@@ -25,8 +34,7 @@ struct PointLaw {
     const CohesiveLaw* material;
     double friction;         // [-] Coulomb's mu; 0 where the scheme leaves friction out
     ContactBound contact;
-    bool implicit_beta;
-    double h, theta;
+    const ThetaStep* step;
     bool friction_follows = true;  // mu p bounds the friction; else mu times `pressed` does: Tresca's law, a step towards Coulomb's
     double pressed = 0;            // [N s]
     Staircase tangential = {};     // with cohesive weights for beta_theta = 1

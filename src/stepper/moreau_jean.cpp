@@ -18,7 +18,8 @@ std::unique_ptr<StepScheme> make_scheme(const Model& model, const SchemeOptions&
 
 }  // namespace
 
-MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options) : model_(model), options_(options), scheme_(make_scheme(model, options)) {}
+MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options)
+    : model_(model), options_(options), scheme_(make_scheme(model, options)) {}
 
 StepReport MoreauJean::step(const State& begin, double h, State& end) {
     StepReport report = scheme_->step(begin, h, end);
@@ -30,7 +31,8 @@ StepReport MoreauJean::step(const State& begin, double h, State& end) {
         const Vec2 where = place_of_largest_speed(model_, end);
         char text[240];
         std::snprintf(text, sizeof text,
-                      "the motion is no longer finite at t = %.9g s (step %lld) at (x, y) = (%.6g, %.6g) m: the step is probably too large, or a load or velocity "
+                      "the motion is no longer finite at t = %.9g s (step %lld) at (x, y) = (%.6g, %.6g) m: the step "
+                      "is probably too large, or a load or velocity "
                       "absurd; try a smaller time.step, and look at the units of the loads",
                       end.time, static_cast<long long>(end.n_steps), where.x(), where.y());
         throw SimulationError(text);
@@ -38,8 +40,6 @@ StepReport MoreauJean::step(const State& begin, double h, State& end) {
     return report;
 }
 
-void MoreauJean::start_in_equilibrium(State& start) const {
-    load_statically(model_, options_, start);
-}
+void MoreauJean::start_in_equilibrium(State& start) const { load_statically(model_, options_, start); }
 
 }  // namespace knap

@@ -11,15 +11,15 @@
 namespace knap {
 namespace {
 
-// The step in passages of a wave through the body. It grows, since a slender body that is held needs a large one, until it is the largest or the
-// solver refuses: what moves far in a step, and a body that is not held moves by the square of it, takes the digits that the solver needs. Nearer to
-// equilibrium less moves, so it is tried again after some steps.
+// The step in passages of a wave through the body. It grows, since a slender body that is held needs a large one, until
+// it is the largest or the solver refuses: what moves far in a step, and a body that is not held moves by the square of
+// it, takes the digits that the solver needs. Nearer to equilibrium less moves, so it is tried again after some steps.
 constexpr double first_step = 1, last_step = 1e4, growth = 10;
 constexpr int max_steps = 200;
 constexpr double in_equilibrium = 1e-12;  // what inertia carries, over the loads
 constexpr double good_enough = 1e-9;      // where rounding lets it come no nearer
-constexpr double astray = 3;              // a large step that leaves so much more of it jammed on the way, with friction
-constexpr double stands = 0.95;           // a step that leaves more than that of it changes nothing
+constexpr double astray = 3;     // a large step that leaves so much more of it jammed on the way, with friction
+constexpr double stands = 0.95;  // a step that leaves more than that of it changes nothing
 
 /// The model at one moment for ever, without impacts.
 Model frozen(const Model& model, double time) {
@@ -67,7 +67,8 @@ Inertia inertia_of(const Model& model, const State& state, double h) {
     }
     for (std::size_t o = 0; o < model.obstacles.size(); ++o)
         for (int k = 0; k < 2; ++k)
-            if (model.obstacles[o].is_free(k)) inertia.carried += model.obstacles[o].mass * std::abs(state.obstacles[o].velocity[k]) / h;
+            if (model.obstacles[o].is_free(k))
+                inertia.carried += model.obstacles[o].mass * std::abs(state.obstacles[o].velocity[k]) / h;
     return inertia;
 }
 
@@ -83,7 +84,8 @@ double load_of(const Model& model, const State& state) {
 
 [[noreturn]] void fail(const State& start, const char* what, const Vec2& where) {
     char text[400];
-    std::snprintf(text, sizeof text, "no equilibrium under the loads at t = %.6g s: %s, at (%.6g, %.6g) m", start.time, what, where.x(), where.y());
+    std::snprintf(text, sizeof text, "no equilibrium under the loads at t = %.6g s: %s, at (%.6g, %.6g) m", start.time,
+                  what, where.x(), where.y());
     throw SimulationError(text);
 }
 
@@ -92,7 +94,8 @@ double load_of(const Model& model, const State& state) {
 void load_statically(const Model& model, const SchemeOptions& options, State& start) {
     const Model still = frozen(model, start.time);
     // which of several solutions a softening step has is no question here: nothing may soften
-    ImplicitScheme scheme(still, {.bulk = BulkScheme::implicit_theta, .theta = 1, .mass = options.mass, .respect_assumption_1 = false});
+    ImplicitScheme scheme(
+        still, {.bulk = BulkScheme::implicit_theta, .theta = 1, .mass = options.mass, .respect_assumption_1 = false});
     const double passage = passage_time(still);
     State now = start, next;
     const auto rest = [](State& state) {
@@ -108,14 +111,16 @@ void load_statically(const Model& model, const SchemeOptions& options, State& st
         const bool rejected = report.rejection != Rejection::none, smallest = h < 2 * first_step * passage;
         if (rejected && smallest) fail(start, "contact and friction do not settle", report.where);
         const Inertia inertia = rejected ? Inertia{} : inertia_of(still, next, h);
-        const double load = rejected ? 0 : load_of(still, next), before = part, after = load > 0 ? inertia.carried / load : 0;
+        const double load = rejected ? 0 : load_of(still, next), before = part,
+                     after = load > 0 ? inertia.carried / load : 0;
         if (rejected || (after > astray * before && !smallest)) {
             if (step == max_steps) fail(start, "contact and friction do not settle", report.where);
             h /= growth;
             wait = patience *= 2;
             continue;
         }
-        if (report.softened > 0) fail(start, "the preload is more than the interfaces hold", place_of_damage(still, now, next));
+        if (report.softened > 0)
+            fail(start, "the preload is more than the interfaces hold", place_of_damage(still, now, next));
         part = after;
         std::swap(now, next);
         rest(now);
@@ -127,7 +132,8 @@ void load_statically(const Model& model, const SchemeOptions& options, State& st
         h = std::min(growth * h, largest);
         wait = std::max(0, wait - 1);
     }
-    for (Index c = 0; c < model.mesh.n_corners(); ++c) now.velocity[now.node_of_corner[c]] = start.velocity[start.node_of_corner[c]];
+    for (Index c = 0; c < model.mesh.n_corners(); ++c)
+        now.velocity[now.node_of_corner[c]] = start.velocity[start.node_of_corner[c]];
     for (std::size_t o = 0; o < now.obstacles.size(); ++o) now.obstacles[o].velocity = start.obstacles[o].velocity;
     start = std::move(now);
 }

@@ -10,12 +10,15 @@ constexpr int steps_until_growth = 10;
 constexpr double growth = 1.5;
 
 /// [s] What a time that was added up step by step may be wrong by.
-double rounding(const State& state, double time) { return static_cast<double>(state.n_steps + 1) * std::numeric_limits<double>::epsilon() * time; }
+double rounding(const State& state, double time) {
+    return static_cast<double>(state.n_steps + 1) * std::numeric_limits<double>::epsilon() * time;
+}
 
 }  // namespace
 
 std::string_view name_of(CutbackReason reason) {
-    constexpr std::array<std::string_view, cutback_reasons.size()> names{"softening", "release", "assumption_1", "not_converged"};
+    constexpr std::array<std::string_view, cutback_reasons.size()> names{"softening", "release", "assumption_1",
+                                                                         "not_converged"};
     return names[static_cast<std::size_t>(reason)];
 }
 
@@ -32,7 +35,9 @@ bool StepControl::has_reached(const State& state, double time) { return state.ti
 
 double StepControl::tolerance(const State& begin) const { return std::min(rounding(begin, limits_.end), 0.25 * step_); }
 
-bool StepControl::depends_on_end(const State& begin) const { return limits_.end - begin.time < 2 * step_ - tolerance(begin); }
+bool StepControl::depends_on_end(const State& begin) const {
+    return limits_.end - begin.time < 2 * step_ - tolerance(begin);
+}
 
 double StepControl::next(const State& begin) const {
     const double left = limits_.end - begin.time;
@@ -50,7 +55,8 @@ std::optional<CutbackReason> StepControl::objection(double h, const StepReport& 
 
 std::optional<Cutback> StepControl::judge(const State& begin, double h, const StepReport& report) {
     const std::optional<CutbackReason> reason = objection(h, report);
-    const bool rejected = report.rejection != Rejection::none, breaks = !rejected && (report.softened > 0 || report.released > 0);
+    const bool rejected = report.rejection != Rejection::none,
+               breaks = !rejected && (report.softened > 0 || report.released > 0);
     if (breaks || reason == CutbackReason::assumption_1) largest_ = std::min(largest_, limits_.cracking);
     if (!reason) {
         smallest_taken_ = largest_taken_ == 0 ? h : std::min(smallest_taken_, h);

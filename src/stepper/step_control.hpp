@@ -1,11 +1,13 @@
 #pragma once
-// The size of the next step: the policy outside of the stepper, which only says what it thinks of the step it was given.
+// The size of the next step: the policy outside of the stepper, which only says what it thinks of the step it was
+// given.
 //
 //     while the body is intact     the largest step
-//     cohesion falls               in a step larger than the cracking step: repeated with that one, which is the largest from then on
-//     the stepper rejects          repeated with half the step; at Assumption 1 no larger than the cracking step
-//     ten steps without a cut      1.5 times the step, up to the largest (the policy of Collins-Craft, Bourrier, Acary, CMAME 400 (2022) 115545)
-//     near the end                 what is left, or two halves of it, so that the last step lands on the end and is no sliver
+//     cohesion falls               in a step larger than the cracking step: repeated with that one, which is the
+//     largest from then on the stepper rejects          repeated with half the step; at Assumption 1 no larger than the
+//     cracking step ten steps without a cut      1.5 times the step, up to the largest (the policy of Collins-Craft,
+//     Bourrier, Acary, CMAME 400 (2022) 115545) near the end                 what is left, or two halves of it, so that
+//     the last step lands on the end and is no sliver
 //
 // It depends on nothing but the reports, so a run does the same steps every time and whenever it is stopped.
 #include "model/state.hpp"
@@ -26,9 +28,10 @@ struct StepLimits {
 };
 
 enum class CutbackReason { softening, release, assumption_1, not_converged };
-inline constexpr std::array cutback_reasons{CutbackReason::softening, CutbackReason::release, CutbackReason::assumption_1, CutbackReason::not_converged};
-std::string_view name_of(CutbackReason reason);     // "assumption_1", as in run.json
-std::string_view describe(CutbackReason reason);    // "Assumption 1 does not hold"
+inline constexpr std::array cutback_reasons{CutbackReason::softening, CutbackReason::release,
+                                            CutbackReason::assumption_1, CutbackReason::not_converged};
+std::string_view name_of(CutbackReason reason);   // "assumption_1", as in run.json
+std::string_view describe(CutbackReason reason);  // "Assumption 1 does not hold"
 
 /// A step that was not taken.
 struct Cutback {
@@ -47,7 +50,8 @@ public:
     /// Whether that step depends on where the run ends: all before are those of a longer run.
     bool depends_on_end(const State& begin) const;
 
-    /// What a step of size h [s] from `begin` came to: nothing where it counts, else its end must be thrown away and next() be asked again.
+    /// What a step of size h [s] from `begin` came to: nothing where it counts, else its end must be thrown away and
+    /// next() be asked again.
     std::optional<Cutback> judge(const State& begin, double h, const StepReport& report);
 
     /// The last cut asked for a step below the smallest one.
@@ -58,11 +62,15 @@ public:
 
     double smallest_taken() const { return smallest_taken_; }  // [s] 0 before the first step
     double largest_taken() const { return largest_taken_; }
-    const std::array<std::int64_t, cutback_reasons.size()>& n_cutbacks() const { return n_cutbacks_; }  // in the order of cutback_reasons
+    const std::array<std::int64_t, cutback_reasons.size()>& n_cutbacks() const {
+        return n_cutbacks_;
+    }                                                                     // in the order of cutback_reasons
     const StepReport& rejected_steps() const { return rejected_steps_; }  // counts of the steps that were not taken
 
     template <class Archive>
-    void serialize(Archive& archive) { archive(step_, largest_, n_good_, smallest_taken_, largest_taken_, n_cutbacks_, rejected_steps_); }
+    void serialize(Archive& archive) {
+        archive(step_, largest_, n_good_, smallest_taken_, largest_taken_, n_cutbacks_, rejected_steps_);
+    }
 
 private:
     double tolerance(const State& begin) const;  // [s]

@@ -1,4 +1,5 @@
-// Starts in static equilibrium: exact columns and bars, contact, supports that do not hold, a preload just below the strength (E14).
+// Starts in static equilibrium: exact columns and bars, contact, supports that do not hold, a preload just below the
+// strength (E14).
 #include "base/error.hpp"
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
@@ -33,7 +34,8 @@ Load gravity(double g) { return load(Load::Kind::acceleration, "", 0.0, -g); }
 
 /// A body, its stepper and its state at the start.
 struct Start {
-    explicit Start(ModelInput input, const SchemeOptions& options = implicit()) : model(make_model(std::move(input))), stepper(model, options), now(initial_state(model)) {
+    explicit Start(ModelInput input, const SchemeOptions& options = implicit())
+        : model(make_model(std::move(input))), stepper(model, options), now(initial_state(model)) {
         loaded = now;
     }
     Start(const Start&) = delete;  // the stepper refers to the model
@@ -97,7 +99,8 @@ double mean_rise(const Start& start, double y, int n) {
 }  // namespace
 
 TEST_CASE("a column hangs or stands on its support with exact displacements and reaction") {
-    // linear elements, a lumped mass and nu = 0: by a virtual displacement min(y, Y) the mean over every row of vertices is exact
+    // linear elements, a lumped mass and nu = 0: by a virtual displacement min(y, Y) the mean over every row of
+    // vertices is exact
     for (const double g : {1.0, -0.4}) {
         for (const MassMatrix mass : {MassMatrix::lumped, MassMatrix::consistent}) {
             ModelInput input = block(bar_mesh(4, 12, 1, 3));
@@ -128,13 +131,16 @@ TEST_CASE("a bar between two given ends starts with the displacements of its mom
     start.load();
     check_fresh(start);
     for (Index c = 0; c < start.model.mesh.n_corners(); ++c)
-        CHECK(start.loaded.velocity[start.loaded.node_of_corner[c]] == Vec2(start.x(c).x() == 0 ? 1 : 0, 0));  // what is driven begins with its speed
-    for (Index c = 0; c < start.model.mesh.n_corners(); ++c) CHECK((start.u(c) - Vec2(2e-2 * start.x(c).x() / 4, 0)).norm() <= 1e-14);
+        CHECK(start.loaded.velocity[start.loaded.node_of_corner[c]] ==
+              Vec2(start.x(c).x() == 0 ? 1 : 0, 0));  // what is driven begins with its speed
+    for (Index c = 0; c < start.model.mesh.n_corners(); ++c)
+        CHECK((start.u(c) - Vec2(2e-2 * start.x(c).x() / 4, 0)).norm() <= 1e-14);
 }
 
 TEST_CASE("a block falls through its gap onto the support and stands there") {
     for (const double restitution : {0.0, 0.5}) {
-        ModelInput input = block(bar_mesh(4, 4, 1, 1), {.sigma_c = 0, .G_c = 0, .gamma = 1, .friction = 0.3, .restitution = restitution});
+        ModelInput input = block(bar_mesh(4, 4, 1, 1),
+                                 {.sigma_c = 0, .G_c = 0, .gamma = 1, .friction = 0.3, .restitution = restitution});
         input.law_of_pair = {{1}};
         input.laws.push_back(CohesiveLaw::unbreakable());
         input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = false, .gap = 1e-6}};
@@ -158,11 +164,12 @@ TEST_CASE("a slender beam is held by its clamped end alone") {
     Start start(input);
     start.load();
     check_fresh(start);
-    CHECK((start.support() - Vec2(0, 200e-6)).norm() <= 1e-6 * 200e-6);  // the forces of its bending are a million times the load
+    CHECK((start.support() - Vec2(0, 200e-6)).norm() <=
+          1e-6 * 200e-6);  // the forces of its bending are a million times the load
     double sag = 0;
     for (const Vec2& u : start.loaded.displacement) sag = std::min(sag, u.y());
     const double slender = -1e-6 * std::pow(200, 4) / (8 * 1000.0 / 12);  // Euler and Bernoulli
-    CHECK(sag / slender == doctest::Approx(0.222).epsilon(0.01));         // one row of linear triangles locks: 2/9 of it
+    CHECK(sag / slender == doctest::Approx(0.222).epsilon(0.01));  // one row of linear triangles locks: 2/9 of it
 }
 
 TEST_CASE("a free body in balanced tension is in equilibrium and one that is pushed is not") {
@@ -172,12 +179,14 @@ TEST_CASE("a free body in balanced tension is in equilibrium and one that is pus
     pulled.load();
     check_fresh(pulled);
     for (Index t = 0; t < pulled.model.mesh.n_triangles(); ++t)
-        CHECK((stress(pulled.model, pulled.loaded, t) - Eigen::Vector3d(1, 0, 0)).norm() <= 1e-6);  // its place is free, and large beside its strain
+        CHECK((stress(pulled.model, pulled.loaded, t) - Eigen::Vector3d(1, 0, 0)).norm() <=
+              1e-6);  // its place is free, and large beside its strain
 
     input.loads = {load(Load::Kind::traction, "left", 1.0, 0.0)};
     const std::string said = Start(input).complaint();
     CHECK_MESSAGE(said.find("nothing holds the body") != std::string::npos, said);
-    input.loads = {load(Load::Kind::traction, "left", 0.0, 1.0), load(Load::Kind::traction, "right", 0.0, -1.0)};  // it would turn
+    input.loads = {load(Load::Kind::traction, "left", 0.0, 1.0),
+                   load(Load::Kind::traction, "right", 0.0, -1.0)};  // it would turn
     const std::string turned = Start(input).complaint();
     CHECK_MESSAGE(turned.find("nothing holds the body") != std::string::npos, turned);
     input.loads = {gravity(1)};
@@ -219,8 +228,11 @@ void check_rests(const ModelInput& input, int n = 2000) {
 
 }  // namespace
 
-TEST_CASE("the explicit bulk rests from its start in equilibrium under gravity and pressure on glue and on rough or bouncing support") {
-    const CohesiveLaw rough{.sigma_c = 0, .G_c = 0, .gamma = 1, .friction = 0.6}, bouncing{.sigma_c = 0, .G_c = 0, .friction = 0.6, .restitution = 0.5};
+TEST_CASE(
+    "the explicit bulk rests from its start in equilibrium under gravity and pressure on glue and on rough or bouncing "
+    "support") {
+    const CohesiveLaw rough{.sigma_c = 0, .G_c = 0, .gamma = 1, .friction = 0.6},
+        bouncing{.sigma_c = 0, .G_c = 0, .friction = 0.6, .restitution = 0.5};
     for (const int order : {1, 2})
         for (const CohesiveLaw& support_law : {glue, rough, bouncing}) {
             CAPTURE(order);
@@ -244,16 +256,19 @@ TEST_CASE("a stress in situ fills a body uniformly and the explicit bulk keeps i
     Start start(input, {});
     start.load();
     for (Index t = 0; t < start.model.mesh.n_triangles(); ++t)
-        CHECK((stress(start.model, start.loaded, t) - Eigen::Vector3d(-2, -1, 0.5)).norm() <= 1e-6);  // its place is free
+        CHECK((stress(start.model, start.loaded, t) - Eigen::Vector3d(-2, -1, 0.5)).norm() <=
+              1e-6);  // its place is free
 }
 
 TEST_CASE("a pressure that grows does the work that the books say") {
-    // slowly, on a disc-like block on both bulks: work = p^2/2 times the compliance of plane stress, 2 (1 - nu)/E of an area of 2
+    // slowly, on a disc-like block on both bulks: work = p^2/2 times the compliance of plane stress, 2 (1 - nu)/E of an
+    // area of 2
     for (const SchemeOptions& options : {SchemeOptions{}, implicit()}) {
         ModelInput input = block(bar_mesh(4, 2, 2, 1), CohesiveLaw::unbreakable());
         input.materials[0].nu = 0.25;
         TimeFunction smooth;  // no ringing is left at its end
-        for (int i = 0; i <= 100; ++i) smooth.time.push_back(i * 0.04), smooth.value.push_back(0.5 - 0.5 * std::cos(i * M_PI / 100));
+        for (int i = 0; i <= 100; ++i)
+            smooth.time.push_back(i * 0.04), smooth.value.push_back(0.5 - 0.5 * std::cos(i * M_PI / 100));
         for (const char* side : {"left", "right", "bottom", "top"}) {
             input.loads.push_back(stress_on(side, {-3, -3, 0}));
             input.loads.back().history = smooth;
@@ -280,7 +295,8 @@ TEST_CASE("E14 a preload of .99 of the strength rests and 2 percent more breaks"
         check_fresh(start);
         const double most = 3 * 0.99 * glue.sigma_c / 1000, h = 0.2, speed_of_sound = std::sqrt(1000.0);
         for (Index t = 0; t < start.model.mesh.n_triangles(); ++t)
-            CHECK((stress(start.model, start.loaded, t) - Eigen::Vector3d(0.99 * glue.sigma_c, 0, 0)).norm() <= 1e-11 * glue.sigma_c);
+            CHECK((stress(start.model, start.loaded, t) - Eigen::Vector3d(0.99 * glue.sigma_c, 0, 0)).norm() <=
+                  1e-11 * glue.sigma_c);
         EnergyLedger ledger(start.model, start.loaded);
         State now = start.loaded, next;
         double moved = 0, speed = 0;
@@ -298,7 +314,8 @@ TEST_CASE("E14 a preload of .99 of the strength rests and 2 percent more breaks"
         on_path(both_implicit);
         const std::string at = ", theta = " + digits(theta);
         verify_small("largest movement over the displacement, 10 000 steps" + at, moved / most, {1e-11});
-        verify_small("largest speed over that of sound times strain" + at, speed / (speed_of_sound * most / 3), {1e-10});
+        verify_small("largest speed over that of sound times strain" + at, speed / (speed_of_sound * most / 3),
+                     {1e-10});
         CHECK(ledger.largest_residual() <= 1e-11 * ledger.largest_energy());
     }
     // the same load in the run, then more
@@ -315,10 +332,12 @@ TEST_CASE("E14 a preload of .99 of the strength rests and 2 percent more breaks"
         first = now.time;
     }
     verify_at_least("points that soften when the load grows by 2 percent", static_cast<double>(softened), 1);
-    verify("time at which they do", first, 1.505, {0.1});  // .99 x 1.0101 = 1, after half of the rise; the end of the bar rings
+    verify("time at which they do", first, 1.505,
+           {0.1});  // .99 x 1.0101 = 1, after half of the rise; the end of the bar rings
     // and at the start
     const std::string said = Start(pulled(0.99 * 1.02), implicit()).complaint();
-    verify_that("2 percent more at the start is refused", said.find("the preload is more than the interfaces hold") != std::string::npos);
+    verify_that("2 percent more at the start is refused",
+                said.find("the preload is more than the interfaces hold") != std::string::npos);
     verify_that("1e-6 below the strength is held", Start(pulled(1 - 1e-6), implicit()).complaint() == "nothing");
 }
 

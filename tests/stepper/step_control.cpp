@@ -64,7 +64,9 @@ Trace run(const StepLimits& limits, const Script& script, double until) {
 
 Trace run(const StepLimits& limits, const Script& script) { return run(limits, script, limits.end); }
 
-StepLimits constant(double step, double end) { return {.largest = step, .cracking = step, .smallest = 1e-6 * step, .end = end}; }
+StepLimits constant(double step, double end) {
+    return {.largest = step, .cracking = step, .smallest = 1e-6 * step, .end = end};
+}
 
 }  // namespace
 
@@ -92,7 +94,8 @@ TEST_CASE("step control: steps land on the end and none is a sliver") {
 
 TEST_CASE("step control: the first loss of cohesion brings the cracking step for good") {
     const StepLimits limits{.largest = 1.5, .cracking = 0.25, .smallest = 1e-3, .end = 60};
-    const Trace trace = run(limits, [](double time, double h) { return time + h > 20 && time < 25 ? softens() : StepReport{}; });
+    const Trace trace =
+        run(limits, [](double time, double h) { return time + h > 20 && time < 25 ? softens() : StepReport{}; });
     REQUIRE(trace.cuts.size() == 1);
     CHECK(trace.cuts[0].reason == CutbackReason::softening);
     CHECK(trace.cuts[0].time == 19.5);
@@ -113,7 +116,9 @@ TEST_CASE("step control: the first loss of cohesion brings the cracking step for
 
 TEST_CASE("step control: a refused step is halved and grows again after ten good ones") {
     // refused at any size above 0.3 between times 5 and 6
-    const Trace trace = run(constant(1, 40), [](double time, double h) { return time >= 5 && time < 6 && h > 0.3 ? rejected(Rejection::not_converged) : StepReport{}; });
+    const Trace trace = run(constant(1, 40), [](double time, double h) {
+        return time >= 5 && time < 6 && h > 0.3 ? rejected(Rejection::not_converged) : StepReport{};
+    });
     REQUIRE(trace.cuts.size() >= 2);
     CHECK(trace.cuts[0].to == 0.5);
     CHECK(trace.cuts[1].from == 0.5);
@@ -131,19 +136,25 @@ TEST_CASE("step control: a refused step is halved and grows again after ten good
 
 TEST_CASE("step control: Assumption 1 takes the cracking step first and halves from there") {
     const StepLimits limits{.largest = 8, .cracking = 1, .smallest = 1e-3, .end = 100};
-    const Trace trace = run(limits, [](double time, double h) { return time < 4 && h > 0.6 ? rejected(Rejection::assumption_1) : StepReport{}; });
+    const Trace trace = run(limits, [](double time, double h) {
+        return time < 4 && h > 0.6 ? rejected(Rejection::assumption_1) : StepReport{};
+    });
     REQUIRE(trace.cuts.size() >= 2);
     CHECK(trace.cuts[0].to == 1);
     CHECK(trace.cuts[1].to == 0.5);
     CHECK(*std::max_element(trace.steps.begin(), trace.steps.end()) == 1);  // cracking has begun: never larger again
 
     // what does not come from cracking does not end the large steps
-    const Trace contact = run(limits, [](double time, double h) { return time < 4 && h > 0.6 ? rejected(Rejection::not_converged) : StepReport{}; });
+    const Trace contact = run(limits, [](double time, double h) {
+        return time < 4 && h > 0.6 ? rejected(Rejection::not_converged) : StepReport{};
+    });
     CHECK(*std::max_element(contact.steps.begin(), contact.steps.end()) > 3);
 }
 
 TEST_CASE("step control: below the smallest step it is stuck") {
-    const Trace trace = run(constant(1, 10), [](double time, double) { return time < 3 ? StepReport{} : rejected(Rejection::assumption_1); });
+    const Trace trace = run(constant(1, 10), [](double time, double) {
+        return time < 3 ? StepReport{} : rejected(Rejection::assumption_1);
+    });
     CHECK(trace.stuck);
     CHECK(trace.end == 3);
     CHECK(trace.cuts.size() == 20);  // 2^-20 < 1e-6 < 2^-19

@@ -90,11 +90,11 @@ public:
 
     /// Builds, solves, judges and takes the step. False, and nothing happens, where the problem was not solved.
     bool step(double h) {
-        const StepLcp made = step_lcp(model, now, h, options);
-        const LcpSolution solution = solve_step(made.problem);
-        n_rows = made.problem.size();
+        const StepLcp made(model, now, h, options);
+        const LcpSolution solution = solve_step(made.problem());
+        n_rows = made.problem().size();
         if (solution.status != LcpStatus::solved) return false;
-        end = recover(made, model, now, h, solution.z);
+        end = made.end(solution.z);
         verdict = ImplicitJudge(model, now, h, options).verdict(end);
         identity = energy_gain(h);
         now = end_state(model, now, h, end);

@@ -95,7 +95,7 @@ void check_dump(const Model& model, const SchemeOptions& scheme) {
 std::string dump_lcp(const Model& model, const State& begin, double h, const SchemeOptions& scheme, const std::filesystem::path& directory) {
     char name[32];
     std::snprintf(name, sizeof name, "step_%06lld", static_cast<long long>(begin.n_steps + 1));
-    const LcpProblem problem = step_lcp(model, begin, h, scheme).problem;
+    const LcpProblem problem = StepLcp(model, begin, h, scheme).problem();
     std::error_code error;
     std::filesystem::create_directories(directory, error);
     try {

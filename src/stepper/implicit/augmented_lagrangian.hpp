@@ -1,23 +1,20 @@
 #pragma once
-// All active interface points of the body at once: the equations of implicit_scheme.hpp by the method of multipliers with a semismooth
-// Newton method inside.
+// All active interface points of the body at once: the equations of implicit_scheme.hpp by the method of multipliers,
+// with a semismooth Newton method inside.
 //
-//     bulk_impulse(w) = H' q(w; multipliers),        multipliers <- q(w)        until they stand still
+//     r(w) = H' q(w; multipliers),        multipliers <- q(w)        until they no longer change
 //
-// For given multipliers the points are piecewise linear springs (interface/point_law.hpp), so every Newton step is one linear system
-// M_hat + H' D H with a definite D, also where points are redundant round a vertex. Without friction and inside Assumption 1 the equations
-// are the gradient of a convex function: a step length that zeroes the slope along the step makes Newton's method converge from anywhere.
-// The loss of cohesion enters D with its sign. Where that makes the matrix indefinite (Assumption 1 is violated), it is left out: then the
-// iteration majorises, beta falls only as far as the openings ask for, starting from the beta of the begin; it never breaks what holds.
-// (D. Bertsekas, Constrained Optimization and Lagrange Multiplier Methods, 1982; B. Hermans, A. Themelis, P. Patrinos, QPALM, Math. Prog.
-// Comp. 2022, for the exact line search and the proximal Newton step.)
+// For given multipliers the points are piecewise linear springs (interface/point_law.hpp), so every Newton step is one
+// linear system M_hat + H' D H with a definite D, also where points are redundant round a vertex. Without friction and
+// inside Assumption 1 the equations are the gradient of a convex function: a step length that zeroes the slope along
+// the step makes Newton's method converge from any start. The loss of cohesion enters D with its sign. Where that makes
+// the matrix indefinite (Assumption 1 is violated), it is left out: the iteration then majorises. It starts from beta
+// at the start of the step and lowers it only as far as the openings require, so it never breaks a point below its
+// strength. (D. Bertsekas, Constrained Optimization and Lagrange Multiplier Methods, 1982; B. Hermans, A. Themelis,
+// P. Patrinos, QPALM, Math. Prog. Comp. 2022, for the exact line search and the proximal Newton step.)
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/implicit/active_point.hpp"
-#include "stepper/implicit/implicit_bulk.hpp"
-#include "stepper/implicit/multiplier_extrapolation.hpp"
 #include "stepper/implicit/theta_matrix.hpp"
-
-#include <vector>
 
 namespace knap {
 
@@ -25,56 +22,60 @@ struct SolverCounts {
     int factorisations = 0, linear_solves = 0;
 };
 
+/// Unknowns of a step: rates of the nodes [m/s], and the points with their multipliers.
+struct Iterate {
+    std::vector<Vec2> rate;
+    std::vector<ActivePoint> points;  // those of a fan in succession
+};
+
 class AugmentedLagrangian {
 public:
-    enum class Status { solved, not_converged };
+    /// Solves for `iterate`; all references must outlive the solver.
+    AugmentedLagrangian(const Model& model, const ImplicitBulk& bulk, ThetaMatrix& matrix, Iterate& iterate);
 
-    AugmentedLagrangian(const Model& model, ThetaMatrix& matrix);
-
-    /// The pattern or the values of the matrix without points have changed.
+    /// The nodes, the step size or the mass have changed.
     void forget_factor() { factored_states_.clear(); }
 
-    /// From a guess of the rates and of the multipliers to the solution. Impulses that matter [N s]: `scale` those that are known beforehand,
-    /// `largest_scale` the most that contacts may make of it.
-    Status solve(const ImplicitBulk& bulk, std::vector<ActivePoint>& points, std::vector<Vec2>& rate, double scale, double largest_scale);
+    /// From an initial guess in `iterate` to the solution; false: not converged. Scale of impulses [N s]: `scale` is
+    /// known beforehand, contact impulses may raise it to `largest_scale`.
+    bool solve(double scale, double largest_scale);
 
     void give_up_when(GiveUp asked) { given_up_ = asked; }
     const SolverCounts& counts() const { return counts_; }
-    double unit() const { return unit_; }  // [N s] the scale, or the largest contact impulse, unless it is jammed
-    /// The softening of the solution outweighs inertia and stiffness: Assumption 1 does not hold there.
-    /// (Judged with the descending branches of all points that lost cohesion in the step.)
-    bool has_several_solutions(const std::vector<ActivePoint>& points);
-    Index worst_node() const;  // with the largest residual: where it did not converge
-    const std::vector<Vec2>& corner_impulse() const { return corner_impulse_; }  // [N s] by the bulk, at the last rates
-    const std::vector<Vec2>& residual_impulse() const { return residual_; }  // [N s] per node: reactions of what is prescribed
+    double unit() const { return unit_; }  // [N s] scale of the tolerances
+    /// Softening outweighs inertia and stiffness at the solution: Assumption 1 does not hold there.
+    /// (With the descending branches of all points that lost cohesion in the step.)
+    bool violates_assumption_1();
+    Index worst_node() const;                                                    // with the largest residual
+    const std::vector<Vec2>& corner_impulse() const { return corner_impulse_; }  // [N s] r(w) per corner
+    /// [N s] r(w) - H' q per node: the reaction in prescribed components.
+    const std::vector<Vec2>& residual_impulse() const { return residual_; }
 
 private:
-    bool approach(const ImplicitBulk& bulk, std::vector<ActivePoint>& points, std::vector<Vec2>& rate, double tolerance);
-    bool settle(const ImplicitBulk& bulk, std::vector<ActivePoint>& points, std::vector<Vec2>& rate, double goal, int max_steps);
-    void find_friction(const ImplicitBulk& bulk, std::vector<ActivePoint>& points, std::vector<Vec2>& rate);
-    bool find_rates(const ImplicitBulk& bulk, std::vector<ActivePoint>& points, std::vector<Vec2>& rate, double tolerance,
-                    int max_steps);
-    void evaluate(const ImplicitBulk& bulk, std::vector<ActivePoint>& points, const std::vector<Vec2>& rate);
+    bool find_multipliers(double goal, int max_steps);
+    bool continue_penalties(double tolerance);
+    bool find_rates(double tolerance, int max_steps);
+    void iterate_friction();
+    void evaluate();
     double residual(Index node) const;  // [N s] of its free components
-    void make_tangents(const std::vector<ActivePoint>& points, Softening softening);
-    bool prepare_matrix(const std::vector<ActivePoint>& points);
-    double step_length(const std::vector<ActivePoint>& points, const std::vector<Vec2>& direction, const std::vector<Vec2>& changed);
-    double move_multipliers(std::vector<ActivePoint>& points) const;
-    void augment(std::vector<ActivePoint>& points, double augmentation);
+    void make_tangents(Softening softening);
+    bool prepare_matrix();
+    double step_length();
+    double update_multipliers();
+    void extrapolate_multipliers(double min_move);
+    void set_augmentation(double augmentation);
 
+    const ImplicitBulk& bulk_;
     ThetaMatrix& matrix_;
-    std::vector<std::uint32_t> factored_states_;  // the pieces of the points for which the matrix is factorised
-    double settled_augmentation_ = 0;             // of the attempt
+    Iterate& x_;
+    Iterate before_, first_;                      // at the start of an attempt, of the step
+    std::vector<std::uint32_t> factored_states_;  // pieces of the laws for which the matrix is factorised
+    double final_augmentation_ = 0;               // of the attempt
     double augmentation_ = 0;                     // with which the matrix is factorised
     bool indefinite_ = false;
     std::vector<PointTangent> tangents_;
-    std::vector<Vec2> corner_impulse_, bulk_impulse_, residual_, downhill_, direction_, changed_;
-    std::vector<Vec2> turn_, last_multipliers_;  // per point
-    std::vector<ActivePoint> points_before_;
-    std::vector<Vec2> rate_before_;
-    std::vector<ActivePoint> first_points_;
-    std::vector<Vec2> first_rate_;
-    MultiplierExtrapolation extrapolation_;
+    std::vector<Vec2> corner_impulse_, of_corner_, bulk_impulse_, residual_, right_side_, direction_, changed_;
+    std::vector<Vec2> turn_, last_multipliers_, move_, last_move_;  // per point, (N, T)
     SolverCounts counts_;
     GiveUp given_up_ = nullptr;
     double unit_ = 1, largest_unit_ = 1;

@@ -1,6 +1,8 @@
 #pragma once
-// Which corners share a node in the equations of an implicit step. A fan that is bonded is one node; an active one falls apart at every
-// interface that can break. (The State knows more nodes: a fan that once came apart has one per corner there for ever.)
+// The nodes of an implicit step: which corners move as one, and which components of their motion are prescribed.
+//
+// A bonded fan is one node. An active fan has one node on each side of every interface that can break.
+// (State keeps its own nodes: one per corner of every fan that has ever split.)
 #include "model/model.hpp"
 
 #include <cstdint>
@@ -9,15 +11,51 @@
 namespace knap {
 
 struct CornerPartition {
-    std::vector<Index> node_of_corner;
-    std::vector<Index> corner_of_node;  // one of its corners
+    std::vector<std::uint8_t> active;   // [0/1] per fan: its interfaces may open in this step
+    std::vector<Index> node_of_corner;  // per corner
+    std::vector<Index> corner_of_node;  // per node: its first corner
+    std::vector<Index> motion;          // per node: into Model::prescribed, or -1
+    std::vector<std::array<bool, 2>>
+        prescribed;  // per node, x and y: by its motion or by unbreakable glue to the support
+
     Index n_nodes() const { return static_cast<Index>(corner_of_node.size()); }
+    /// `node` -1 is the rigid support.
+    bool is_prescribed(Index node, int component) const { return node < 0 || prescribed[node][component]; }
 };
 
-/// A point that holds for good: its law cannot break and it is no crack.
-inline bool unbreakable(const Model& model, const FanPoint& point) { return !point.cracked && !model.laws[point.law].breakable(); }
+/// A point that never opens: its law cannot break and it is not cracked from the start.
+inline bool unbreakable(const Model& model, const FanPoint& point) {
+    return !point.cracked && !model.laws[point.law].breakable();
+}
 
-/// Nodes are numbered fan by fan, those of a fan one after the other. What `partition` was is overwritten; its memory is used again.
-void partition_corners(const Model& model, const std::vector<std::uint8_t>& fan_is_active, CornerPartition& partition);
+/// The nodes on the two sides of an interface point, or of a contact with an obstacle, which is `before` there.
+struct PointSides {
+    Index fan_point;         // into Model::fan_points; -1: contact with an obstacle
+    Index before, after;     // nodes; -1: the rigid support, or the obstacle
+    Index beside = -1;       // contact on an edge: the node of its second corner
+    double share = 0;        // [-] of `beside` in the motion of that contact
+    Index leaf_corner = -1;  // contact: a corner of its triangle
+
+    /// visit(node, weight in the relative motion after - before)
+    template <class Visit>
+    void for_each_node(const Visit& visit) const {
+        if (after >= 0) visit(after, 1 - share);
+        if (before >= 0) visit(before, -1.0);
+        if (beside >= 0) visit(beside, share);
+    }
+    /// A force on `after`, and its reaction on `before`.
+    void add_force(const Vec2& force, std::vector<Vec2>& of_node) const {
+        for_each_node([&](Index node, double weight) { of_node[node] += weight * force; });
+    }
+    Vec2 jump(const std::vector<Vec2>& of_node) const {
+        const auto at = [&](Index node) -> Vec2 { return node < 0 ? Vec2::Zero() : of_node[node]; };
+        if (beside >= 0) return (1 - share) * at(after) + share * at(beside) - at(before);
+        return at(after) - at(before);
+    }
+    bool operator==(const PointSides&) const = default;
+};
+
+/// Fills `partition` and reuses its memory. Nodes are numbered fan by fan.
+void partition_corners(const Model& model, const std::vector<std::uint8_t>& active, CornerPartition& partition);
 
 }  // namespace knap

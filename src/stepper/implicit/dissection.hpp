@@ -1,7 +1,7 @@
 #pragma once
-// Nested dissection (A. George 1973): the triangles are halved again and again, each time across the axis that cuts through fewer vertices.
-// Unknowns of a vertex that no other half touches are eliminated within a half; those of the cuts come last, so eliminating fills little and
-// what changes at one place changes only the halves round it.
+// Nested dissection (A. George 1973): the triangles are halved again and again, each time across the axis that cuts
+// fewer vertices. Unknowns inside a half are eliminated there, those of the cut vertices after both halves: little
+// fill-in, and a local change reaches only the parts that contain it.
 #include "model/model.hpp"
 
 #include <span>
@@ -12,7 +12,7 @@ namespace knap {
 struct Dissection {
     struct Part {
         Index first_triangle, n_triangles;  // into `triangles`
-        Index parent = -1;                  // -1: the whole
+        Index parent = -1;                  // -1: the whole body
         Index child[2] = {-1, -1};          // -1: a leaf
         bool is_leaf() const { return child[0] < 0; }
     };
@@ -24,7 +24,9 @@ struct Dissection {
         while (a != b) (a < b ? a : b) = parts[a < b ? a : b].parent;
         return a;
     }
-    std::span<const Index> triangles_of(const Part& part) const { return {&triangles[part.first_triangle], static_cast<std::size_t>(part.n_triangles)}; }
+    std::span<const Index> triangles_of(const Part& part) const {
+        return {&triangles[part.first_triangle], static_cast<std::size_t>(part.n_triangles)};
+    }
 };
 
 Dissection dissect(const Model& model);

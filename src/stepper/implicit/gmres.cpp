@@ -15,7 +15,7 @@ bool Gmres::solve(const Product& product, const Eigen::Ref<const Eigen::VectorXd
     auto next = next_.head(n), x = x_.head(n);
     x.setZero();
     if (norm == 0) return true;
-    // A V_k = V_k+1 H; rotations make H upper triangular as it grows, and |residual| is the last entry of g
+    // Arnoldi: A V_k = V_k+1 H. Rotations keep H upper triangular; the last entry of g is the norm of the residual.
     H_.setZero(max_steps + 1, max_steps);
     g_.setZero(max_steps + 1);
     rotations_.clear();
@@ -23,7 +23,7 @@ bool Gmres::solve(const Product& product, const Eigen::Ref<const Eigen::VectorXd
     g_[0] = norm;
     for (int k = 0; k < max_steps; ++k) {
         product(V.col(k), next);
-        for (int twice = 0; twice < 2; ++twice)  // once is not orthogonal to rounding
+        for (int twice = 0; twice < 2; ++twice)  // a second pass restores orthogonality to rounding
             for (int i = 0; i <= k; ++i) {
                 const double along = V.col(i).dot(next);
                 H_(i, k) += along;

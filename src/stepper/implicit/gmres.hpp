@@ -1,5 +1,6 @@
 #pragma once
-// GMRES without restart (Y. Saad, M. Schultz 1986): A x = b with A known by what it does, for matrices close to the unit matrix.
+// GMRES without restart (Y. Saad, M. Schultz 1986): A x = b with A given by its products, for A close to the unit
+// matrix. Memory is kept from one system to the next.
 #include <Eigen/Core>
 #include <Eigen/Jacobi>
 
@@ -8,17 +9,16 @@
 
 namespace knap {
 
-/// Keeps its memory from one system to the next.
 class Gmres {
 public:
     using Product = std::function<void(const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Ref<Eigen::VectorXd> A_x)>;
 
-    /// False, where the residual is not below `tolerance` times |b| after `max_steps` products.
+    /// False: the residual exceeds `tolerance` times |b| after `max_steps` products.
     bool solve(const Product& product, const Eigen::Ref<const Eigen::VectorXd>& b, int max_steps, double tolerance);
     auto solution() const { return x_.head(n_); }
 
 private:
-    Eigen::Index n_ = 0;           // of this system; V, next and x have room for more
+    Eigen::Index n_ = 0;  // size of this system; V, next and x may be larger
     Eigen::MatrixXd V_, H_;
     Eigen::VectorXd g_, next_, x_;
     std::vector<Eigen::JacobiRotation<double>> rotations_;

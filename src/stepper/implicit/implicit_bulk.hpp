@@ -1,61 +1,72 @@
 #pragma once
-// The bulk in an implicit step (implicit_scheme.hpp): what its corners take of impulse at a given rate w = v_theta of the nodes,
+// The bulk in an implicit step (implicit_scheme.hpp): the impulse that each element node needs from the interfaces at a
+// given rate w of the nodes,
 //
-//     bulk_impulse(w) = theta M (v+ - v) + theta h K (u + theta h w) - theta h F_theta,      theta (v+ - v) = w - v where nothing is prescribed,
+//     r(w) = theta M (v+ - v) + theta h K (u + theta h w) - theta h F_theta,     theta (v+ - v) = w - v where w is
+//     free,
 //
-// and the energies of the step. In equilibrium the points supply what the corners of a node take together.
+// its derivative M_hat = M + theta^2 h^2 K, and the energies of the step.
 #include "element/elastic_forces.hpp"
+#include "element/triangle_matrices.hpp"
+#include "interface/point_law.hpp"
 #include "model/state.hpp"
-#include "stepper/common/scheme_options.hpp"
 #include "stepper/common/step_report.hpp"
 #include "stepper/implicit/corner_partition.hpp"
 
-#include <array>
-
 namespace knap {
+
+/// What all parts of an implicit step share; the step owns it.
+struct StepContext : ThetaStep {
+    const State* begin = nullptr;
+    StepTimes times() const { return {.begin = begin->time, .h = h, .theta = theta}; }
+};
+
+/// M_hat of one triangle [kg]; `stiffness_factor` [s2]: theta^2 h^2.
+ElementMatrix theta_element(const Model& model, Index triangle, double stiffness_factor, MassMatrix mass);
 
 class ImplicitBulk {
 public:
-    ImplicitBulk(const Model& model, const SchemeOptions& options);
+    ImplicitBulk(const Model& model, MassMatrix mass);
 
-    /// Loads and prescribed motions of a step of size h from `begin`, which must outlive it.
-    void begin_step(const State& begin, double h);
-    /// Nodes of the step. Their rate is a guess for w: velocities at the begin; what is prescribed is exact.
-    void set_partition(const CornerPartition& partition, std::vector<Vec2>& rate);
+    /// Loads of the step. `step` must outlive it.
+    void begin_step(const StepContext& step);
+    /// Prescribed motions. `rate` becomes the prescribed rates, and `corner_rate` [m/s, per corner] where w is free.
+    void set_nodes(const CornerPartition& nodes, const std::vector<Vec2>& corner_rate, std::vector<Vec2>& rate);
 
-    void bulk_impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const;           // [N s]
+    void impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const;            // [N s] r(w)
+    void apply_matrix(const std::vector<Vec2>& direction, std::vector<Vec2>& of_corner) const;  // M_hat times direction
     void sum_to_nodes(const std::vector<Vec2>& of_corner, std::vector<Vec2>& of_node) const;
-    void apply_matrix(const std::vector<Vec2>& direction, std::vector<Vec2>& of_node) const;  // M_hat times a direction of free components
 
-    const std::vector<std::array<bool, 2>>& prescribed() const { return prescribed_; }  // per node
-    Vec2 end_velocity(Index node, const Vec2& rate) const;
-    double corner_stiffness(Index corner) const { return corner_stiffness_[corner]; }    // [N/m] mean of the diagonal
-    double corner_mass(Index corner) const;                                              // [kg] on the diagonal
-    double largest_impulse() const { return largest_impulse_; }                          // [N s] of loads and momenta: the scale of rounding
+    Vec2 end_velocity(Index node, const Vec2& rate) const;       // [m/s] v+
+    double corner_inertia(Index corner) const;                   // [kg] mean of the diagonal of M_hat in its triangle
+    double largest_impulse() const { return largest_impulse_; }  // [N s] of momenta and loads: the scale of rounding
 
-    /// Energies and the work of loads and prescribed motions. `residual_impulse` [N s, per node]: bulk_impulse minus supplied, the reactions.
-    void account(const std::vector<Vec2>& rate, const std::vector<Vec2>& residual_impulse, StepReport& report) const;
+    /// Scratch memory of account().
+    struct Workspace {
+        std::vector<Vec2> of_corner, of_node;
+    };
+    /// Energies, and works of loads and prescribed motions. `reaction` [N s, per node]: r(w) minus the impulses of the
+    /// interfaces.
+    void account(const std::vector<Vec2>& rate, const std::vector<Vec2>& reaction, Workspace& work,
+                 StepReport& report) const;
 
 private:
-    void add_mass_times(const std::vector<Vec2>& of_node, double factor, std::vector<Vec2>& of_corner) const;
-    void elastic(const std::vector<Vec2>& displacement, std::vector<Vec2>& force) const;
+    template <class OfNode>
+    void add_mass_times(const OfNode& of_node, std::vector<Vec2>& of_corner) const;
+    void elastic_force(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner,
+                       std::vector<Vec2>& of_corner) const;
 
     const Model& model_;
-    SchemeOptions options_;
+    MassMatrix mass_;
     ElasticForces forces_;
-    std::vector<double> corner_stiffness_;
-    const State* begin_ = nullptr;
-    double h_ = 0;
-    std::vector<Vec2> load_, begin_force_;  // [N] F_theta and -K u per corner
-    CornerPartition partition_;
-    std::vector<Vec2> displacement_, velocity_;       // per node, at the begin
-    std::vector<std::array<bool, 2>> prescribed_;     // per node
-    std::vector<Vec2> prescribed_rate_, prescribed_end_;  // [m/s] w and v+
-    double largest_impulse_ = 0;
-    std::vector<double> amplitude_;                       // [-] of each history
-    mutable std::vector<Vec2> moved_, force_;
-    mutable std::vector<Vec2> end_, change_, momentum_;   // of account()
-    mutable std::vector<std::uint8_t> unused_;
+    std::vector<double> corner_stiffness_;  // [N/m] mean of the diagonal of K
+    const StepContext* step_ = nullptr;
+    const CornerPartition* nodes_ = nullptr;
+    std::vector<double> amplitude_;         // [-] theta mean of each history
+    std::vector<Vec2> load_, begin_force_;  // [N] F_theta and -K u, per corner
+    std::vector<Vec2> velocity_;            // [m/s] v, per node
+    std::vector<Vec2> prescribed_end_;      // [m/s] v+ of prescribed components, per node
+    double begin_impulse_ = 0, largest_impulse_ = 0;
 };
 
 }  // namespace knap

@@ -1,245 +1,294 @@
 #include "stepper/implicit/step_lcp.hpp"
 
-#include "interface/interface_law.hpp"
-#include "stepper/implicit/corner_partition.hpp"
-#include "stepper/implicit/step_lcp_body.hpp"
+#include "base/union_find.hpp"
+#include "lcp/solvers.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace knap {
 namespace {
 
-using Sparse = Eigen::SparseMatrix<double>;
-using Triplets = std::vector<Eigen::Triplet<double>>;
+constexpr double rounding = 1e-12;  // [-] relative
 
-constexpr double bond_is_gone = 1e-12;  // [-] cohesion below it is none
-constexpr double rounding = 1e-12;      // relative
-
-/// A point that can come apart, at the begin of the step.
-struct Point {
-    const FanPoint* at;
-    const CohesiveLaw* law;
-    Vec2 opening, rate;           // [m], [m/s] (N, T)
-    double cohesion;              // [-]
-    ContactBound contact;
-};
-
-class StepLcpMaker {
-public:
-    StepLcpMaker(const Model& model, const State& begin, double h, const SchemeOptions& options)
-        : model_(model), begin_(begin), h_(h), theta_(options.theta), implicit_beta_(options.cohesion == CohesionScheme::implicit_beta) {
-        step_.body = std::make_shared<PartedBody>(model, begin, h, options);
-        find_points();
-        make_jumps();
-        lay_out();
-    }
-
-    StepLcp made() {
-        const int n = step_.layout.size();
-        known_ = Eigen::VectorXd::Zero(n);
-        step_.known_impulse = Eigen::VectorXd::Zero(2 * model_.n_points());
-        if (implicit_beta_)
-            add_cohesion();
-        else
-            add_frozen_cohesion();
-        add_contacts();
-        if (step_.layout.tangential) add_tangential_cohesion();
-
-        const auto matrix = [](Eigen::Index rows, Eigen::Index columns, const Triplets& entries) {
-            LcpMatrix made(rows, columns);
-            made.setFromTriplets(entries.begin(), entries.end());
-            return made;
-        };
-        // the rates of the points, and with them the rows: rows_of_rate (w_free + theta W P) + coupling z + known
-        const LcpMatrix rows_of_rate = matrix(n, 2 * model_.n_points(), rows_of_rate_);
-        step_.impulse_of_z = matrix(2 * model_.n_points(), n, impulse_of_z_);
-        const Sparse W = theta_ * step_.body->delassus(step_.jump);
-        const LcpMatrix of_impulse = rows_of_rate * W;
-        step_.problem.M = matrix(n, n, coupling_) + LcpMatrix(of_impulse * step_.impulse_of_z);
-        step_.problem.M.makeCompressed();
-        step_.problem.q = known_ + rows_of_rate * (step_.jump * step_.body->free_rate()) + of_impulse * step_.known_impulse;
-        return std::move(step_);
-    }
-
-private:
-    void find_points() {
-        points_.resize(model_.n_points());
-        for (const FanPoint& at : model_.fan_points) {
-            Point& point = points_[at.point];
-            const auto velocity = [&](Index corner) -> Vec2 {
-                return corner == rigid_support ? Vec2::Zero() : begin_.velocity[begin_.node_of_corner[corner]];
-            };
-            const Vec2 jump = velocity(at.after) - velocity(at.before);
-            point = {.at = &at,
-                     .law = &model_.laws[at.law],
-                     .opening = opening(model_, begin_, at.point),
-                     .rate = {at.normal.dot(jump), turned_left(at.normal).dot(jump)},
-                     .cohesion = cohesion(model_, begin_, at.point),
-                     .contact = {}};
-            if (at.cracked || point.law->sigma_c == 0 || point.cohesion < bond_is_gone) point.cohesion = 0;
-            point.contact = contact_bound_theta(point.opening.x(), point.rate.x(), point.law->restitution_at(point.cohesion), h_, theta_, touching_gap(model_, begin_, at));
-        }
-    }
-
-    void lay_out() {
-        StepLcpLayout& layout = step_.layout;
-        layout.implicit_beta = implicit_beta_;
-        for (const Interface& edge : model_.interfaces) {
-            const CohesiveLaw& law = model_.laws[edge.law];
-            if (!edge.cracked && !law.breakable()) continue;
-            layout.friction = layout.friction || law.friction > 0;
-            layout.tangential = layout.tangential || (!edge.cracked && law.sigma_c > 0 && law.gamma > 0);
-        }
-        const Eigen::VectorXd freedom = step_.body->freedom(step_.jump);
-        for (Point& point : points_) {
-            if (unbreakable(model_, *point.at)) continue;
-            if (freedom[2 * point.at->point] < rounding) point.contact.may_touch = false;  // driven on both sides: no contact stops that
-            if (point.contact.may_touch) layout.contacts.push_back(point.at->point);
-            if (point.cohesion == 0) continue;
-            layout.cohesive.push_back(point.at->point);
-            const bool lands = !point.contact.may_touch || point.opening.x() + h_ * point.contact.rate < -rounding * point.law->delta_c();
-            if (implicit_beta_ && lands) layout.landing.push_back(point.at->point);
-        }
-    }
-
-    void make_jumps() {
-        Triplets entries;
-        for (const Point& point : points_) {
-            if (unbreakable(model_, *point.at)) continue;
-            const Vec2 axis[2] = {point.at->normal, turned_left(point.at->normal)};
-            for (int d = 0; d < 2; ++d)
-                for (int k = 0; k < 2; ++k) {
-                    if (point.at->after != rigid_support) entries.emplace_back(2 * point.at->point + d, 2 * point.at->after + k, axis[d][k]);
-                    if (point.at->before != rigid_support) entries.emplace_back(2 * point.at->point + d, 2 * point.at->before + k, -axis[d][k]);
-                }
-        }
-        step_.jump.resize(2 * model_.n_points(), 2 * model_.mesh.n_corners());
-        step_.jump.setFromTriplets(entries.begin(), entries.end());
-    }
-
-    void couple(int row, int column, double value) { coupling_.emplace_back(row, column, value); }
-    /// Component d (0 normal, 1 tangential) of the rate of a point in a row, and of its impulse in an unknown.
-    void take_rate(int row, Index point, int d, double factor) { rows_of_rate_.emplace_back(row, 2 * point + d, factor); }
-    void give_impulse(int unknown, Index point, int d, double factor) { impulse_of_z_.emplace_back(2 * point + d, unknown, factor); }
-
-    void add_cohesion() {
-        const StepLcpLayout& at = step_.layout;
-        for (int i = 0; i < at.m(); ++i) {
-            const Index p = at.cohesive[i];
-            const Point& point = points_[p];
-            const double S = point.at->area, strength = point.law->sigma_c;
-            const int bond = at.bond(i), beta = at.beta(i);
-            couple(bond, beta, -theta_ / S);
-            known_[bond] = theta_ * point.cohesion;
-            couple(beta, bond, theta_ / S);
-            couple(beta, beta, theta_ * strength * point.law->delta_c() / S);
-            known_[beta] = -theta_ * strength * point.law->delta_c();
-            if (at.tangential) couple(beta, at.offset(i), theta_ * strength * point.law->gamma);
-            const auto landing = std::lower_bound(at.landing.begin(), at.landing.end(), p);
-            if (landing != at.landing.end() && *landing == p) {
-                const int o = at.opening(static_cast<int>(landing - at.landing.begin()));
-                couple(beta, o, theta_ * strength);
-                couple(o, o, 1);
-                take_rate(o, p, 0, -h_);
-                known_[o] = -point.opening.x();
-            } else {
-                take_rate(beta, p, 0, theta_ * strength * h_);
-                known_[beta] += theta_ * strength * point.opening.x();
-            }
-            give_impulse(beta, p, 0, -h_ * strength * theta_);
-            step_.known_impulse[2 * p] = -h_ * strength * (1 - theta_) * S * point.cohesion;
-        }
-    }
-
-    void add_frozen_cohesion() {
-        for (const Index p : step_.layout.cohesive)
-            step_.known_impulse[2 * p] = -h_ * points_[p].at->area * points_[p].law->sigma_c * points_[p].cohesion;
-    }
-
-    void add_contacts() {
-        const StepLcpLayout& at = step_.layout;
-        for (int k = 0; k < at.c(); ++k) {
-            const Index p = at.contacts[k];
-            take_rate(at.normal(k), p, 0, 1);
-            known_[at.normal(k)] = -points_[p].contact.rate;
-            give_impulse(at.normal(k), p, 0, 1);
-            if (!at.friction) continue;
-            couple(at.slip_rate(k), at.normal(k), points_[p].law->friction);
-            for (int side = 0; side < 2; ++side) {
-                const double sign = side == 0 ? 1 : -1;
-                take_rate(at.slip(k) + side, p, 1, sign);
-                couple(at.slip(k) + side, at.slip_rate(k), 1);
-                couple(at.slip_rate(k), at.slip(k) + side, -1);
-                give_impulse(at.slip(k) + side, p, 1, sign);
-            }
-        }
-    }
-
-    void add_tangential_cohesion() {
-        const StepLcpLayout& at = step_.layout;
-        for (int i = 0; i < at.m(); ++i) {
-            const Point& point = points_[at.cohesive[i]];
-            const double traction = point.law->gamma * point.law->sigma_c, known_part = implicit_beta_ ? 1 - theta_ : 1;
-            if (implicit_beta_) couple(at.offset(i), at.beta(i), theta_ * traction);
-            known_[at.offset(i)] = traction * known_part * point.at->area * point.cohesion;
-            for (int side = 0; side < 2; ++side) {
-                const int row = at.tangent(i) + side;
-                const double sign = side == 0 ? 1 : -1;
-                take_rate(row, at.cohesive[i], 1, sign * h_);
-                known_[row] = sign * point.opening.y();
-                couple(row, at.offset(i), 1);
-                couple(at.offset(i), row, -1);
-                give_impulse(row, at.cohesive[i], 1, sign * h_);
-            }
-        }
-    }
-
-    const Model& model_;
-    const State& begin_;
-    double h_, theta_;
-    bool implicit_beta_;
-    std::vector<Point> points_;  // by their number
-    Triplets rows_of_rate_, impulse_of_z_, coupling_;
-    Eigen::VectorXd known_;
-    StepLcp step_;
-};
+double power_of_two(double x) { return std::exp2(std::ilogb(x)); }
 
 }  // namespace
 
-StepLcp step_lcp(const Model& model, const State& begin, double h, const SchemeOptions& options) {
-    return StepLcpMaker(model, begin, h, options).made();
+StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeOptions& options)
+    : model_(model),
+      step_{{.h = h, .theta = options.theta, .implicit_beta = options.cohesion == CohesionScheme::implicit_beta},
+            &begin},
+      bulk_(model, options.mass) {
+    partition_corners(model, std::vector<std::uint8_t>(model.fans.size(), 1), nodes_);
+    bulk_.begin_step(step_);
+    factorise(options.mass);
+    make_points();
+    lay_out();
+
+    const int n = static_cast<int>(row_unit_.size()), n_jumps = 2 * model.n_points();
+    constant_ = Eigen::VectorXd::Zero(n);
+    known_impulse_ = Eigen::VectorXd::Zero(n_jumps);
+    add_cohesion();
+    add_contacts();
+    if (tangential_) add_tangential_cohesion();
+
+    // rows = rows_of_rate (H w_free + theta W P) + coupling z + constant
+    const auto matrix = [](Eigen::Index rows, Eigen::Index columns, const Triplets& entries) {
+        LcpMatrix made(rows, columns);
+        made.setFromTriplets(entries.begin(), entries.end());
+        return made;
+    };
+    Eigen::VectorXd free_jump(n_jumps);
+    for (Index p = 0; p < model.n_points(); ++p) free_jump.segment<2>(2 * p) = points_[p].across(free_rate_);
+    const LcpMatrix rows_of_rate = matrix(n, n_jumps, rows_of_rate_);
+    impulse_of_z_ = matrix(n_jumps, n, impulse_of_unknown_);
+    const Matrix W = step_.theta * delassus();
+    const LcpMatrix of_impulse = rows_of_rate * W;
+    problem_.M = matrix(n, n, coupling_) + LcpMatrix(of_impulse * impulse_of_z_);
+    problem_.M.makeCompressed();
+    problem_.q = constant_ + rows_of_rate * free_jump + of_impulse * known_impulse_;
 }
 
-StepLcpEnd recover(const StepLcp& step, const Model& model, const State& begin, double h, const Eigen::VectorXd& z) {
-    const StepLcpLayout& at = step.layout;
-    const Eigen::VectorXd P = step.impulse_of_z * z + step.known_impulse;
-    const Eigen::VectorXd rate = step.body->rate(step.jump.transpose() * P);
-    const Eigen::VectorXd velocity = step.body->end_velocity(rate), jump = step.jump * rate;
+void StepLcp::factorise(MassMatrix mass) {
+    const Index n = model_.mesh.corners_per_triangle();
+    const auto node = [&](Index triangle, Index k) { return nodes_.node_of_corner[n * triangle + k]; };
+    UnionFind parts(nodes_.n_nodes());
+    for (Index t = 0; t < model_.mesh.n_triangles(); ++t)
+        for (Index k = 1; k < n; ++k) parts.join(node(t, 0), node(t, k));
+    std::vector<Index> order(nodes_.n_nodes());  // part by part
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, {}, [&](Index i) { return parts.find(i); });
+    unknown_.assign(2 * nodes_.n_nodes(), -1);
+    Index n_unknowns = 0;
+    for (const Index i : order) {
+        if (parts.find(i) == i) parts_.emplace_back().first = n_unknowns;
+        for (int k = 0; k < 2; ++k)
+            if (!nodes_.prescribed[i][k]) unknown_[2 * i + k] = n_unknowns++;
+        parts_.back().n = n_unknowns - parts_.back().first;
+    }
+
+    Triplets entries;
+    for (Index t = 0; t < model_.mesh.n_triangles(); ++t) {
+        const ElementMatrix M_hat = theta_element(model_, t, step_.stiffness_factor(), mass);
+        for (Index i = 0; i < 2 * n; ++i)
+            for (Index j = 0; j < 2 * n; ++j) {
+                const Index row = unknown_[2 * node(t, i / 2) + i % 2], column = unknown_[2 * node(t, j / 2) + j % 2];
+                if (row >= 0 && column >= 0) entries.emplace_back(row, column, M_hat(i, j));
+            }
+    }
+    Matrix M_hat(n_unknowns, n_unknowns);
+    M_hat.setFromTriplets(entries.begin(), entries.end());
+    for (Part& part : parts_)
+        if (part.n > 0) part.factor.compute(M_hat.block(part.first, part.first, part.n, part.n));
+
+    // w_free = w_0 - M_hat^-1 r(w_0) with the prescribed rates in w_0
+    std::vector<Vec2> of_corner, of_node;
+    bulk_.set_nodes(nodes_, std::vector<Vec2>(model_.mesh.n_corners(), Vec2::Zero()), free_rate_);
+    bulk_.impulse(free_rate_, of_corner);
+    bulk_.sum_to_nodes(of_corner, of_node);
+    Eigen::VectorXd needed(n_unknowns);
+    for (std::size_t i = 0; i < unknown_.size(); ++i)
+        if (unknown_[i] >= 0) needed[unknown_[i]] = of_node[i / 2][i % 2];
+    const Eigen::VectorXd change = response(needed);
+    for (std::size_t i = 0; i < unknown_.size(); ++i)
+        if (unknown_[i] >= 0) free_rate_[i / 2][i % 2] -= change[unknown_[i]];
+}
+
+void StepLcp::make_points() {
+    points_.resize(model_.n_points());
+    Triplets entries;
+    for (std::size_t f = 0; f < model_.fans.size(); ++f)
+        for (Index j = 0; j < model_.fans[f].n_points; ++j) {
+            const Index i = model_.fans[f].first_point + j, p = model_.fan_points[i].point;
+            points_[p] = interface_point(model_, step_, nodes_, static_cast<Index>(f), i);
+            if (unbreakable(model_, model_.fan_points[i])) continue;
+            const Vec2 axis[2] = {points_[p].normal, turned_left(points_[p].normal)};
+            points_[p].sides.for_each_node([&](Index node, double weight) {
+                for (int d = 0; d < 2; ++d)
+                    for (int k = 0; k < 2; ++k)
+                        if (const Index u = unknown_[2 * node + k]; u >= 0)
+                            entries.emplace_back(2 * p + d, u, weight * axis[d][k]);
+            });
+        }
+    H_.resize(2 * model_.n_points(), static_cast<Index>(parts_.back().first + parts_.back().n));
+    H_.setFromTriplets(entries.begin(), entries.end());
+}
+
+void StepLcp::lay_out() {
+    for (const FanPoint& at : model_.fan_points) {
+        const CohesiveLaw& law = model_.laws[at.law];
+        if (unbreakable(model_, at)) continue;
+        friction_ = friction_ || law.friction > 0;
+        tangential_ = tangential_ || (!at.cracked && law.sigma_c > 0 && law.gamma > 0);
+    }
+    for (Index p = 0; p < model_.n_points(); ++p) {
+        const PointLaw& law = points_[p].law;
+        if (unbreakable(model_, model_.fan_points[points_[p].sides.fan_point])) continue;
+        if (law.contact.may_touch) contacts_.push_back(p);
+        if (law.cohesion == 0) continue;
+        cohesive_.push_back(p);
+        const double end_at_bound = law.u_N + step_.h * law.contact.rate;
+        const bool lands = !law.contact.may_touch || end_at_bound < -rounding * law.material->delta_c();
+        if (step_.implicit_beta && lands) landing_.push_back(p);
+    }
+    // units in powers of two, of the body: the path of a solver must not depend on the user's units
+    const double mass = power_of_two(model_.corner_mass[0]), time = power_of_two(step_.h),
+                 length = power_of_two((model_.mesh.corner(1) - model_.mesh.corner(0)).norm()), speed = length / time,
+                 impulse = mass * speed, force = impulse / time;
+    const auto group = [&](std::size_t n, double row_unit, double unknown_unit) {
+        const int first = static_cast<int>(row_unit_.size());
+        row_unit_.insert(row_unit_.end(), n, row_unit);
+        unknown_unit_.insert(unknown_unit_.end(), n, unknown_unit);
+        return first;
+    };
+    const std::size_t m = cohesive_.size(), c = contacts_.size();
+    loss_ = group(step_.implicit_beta ? m : 0, 1, force * length);
+    beta_ = group(step_.implicit_beta ? m : 0, force / length, length * length);
+    normal_ = group(c, speed, impulse);
+    slip_ = group(friction_ ? 2 * c : 0, speed, impulse);
+    slip_rate_ = group(friction_ ? c : 0, impulse, speed);
+    tangent_ = group(tangential_ ? 2 * m : 0, length, force);
+    offset_ = group(tangential_ ? m : 0, force, length);
+    opening_ = group(landing_.size(), length, length);
+}
+
+void StepLcp::add_cohesion() {
+    const double theta = step_.theta, h = step_.h;
+    for (int i = 0; i < static_cast<int>(cohesive_.size()); ++i) {
+        const Index p = cohesive_[i];
+        const PointLaw& law = points_[p].law;
+        const double S = model_.fan_points[points_[p].sides.fan_point].area, strength = law.material->sigma_c;
+        if (!step_.implicit_beta) {
+            known_impulse_[2 * p] = -h * S * strength * law.cohesion;
+            continue;
+        }
+        const int loss = loss_ + i, beta = beta_ + i;
+        coupling_.emplace_back(loss, beta, -theta / S);
+        constant_[loss] = theta * law.cohesion;
+        coupling_.emplace_back(beta, loss, theta / S);
+        coupling_.emplace_back(beta, beta, theta * strength * law.material->delta_c() / S);
+        constant_[beta] = -theta * strength * law.material->delta_c();
+        if (tangential_) coupling_.emplace_back(beta, offset_ + i, theta * strength * law.material->gamma);
+        const auto landing = std::ranges::lower_bound(landing_, p);
+        if (landing != landing_.end() && *landing == p) {
+            const int o = opening_ + static_cast<int>(landing - landing_.begin());
+            coupling_.emplace_back(beta, o, theta * strength);
+            coupling_.emplace_back(o, o, 1);
+            rows_of_rate_.emplace_back(o, 2 * p, -h);
+            constant_[o] = -law.u_N;
+        } else {
+            rows_of_rate_.emplace_back(beta, 2 * p, theta * strength * h);
+            constant_[beta] += theta * strength * law.u_N;
+        }
+        impulse_of_unknown_.emplace_back(2 * p, beta, -h * strength * theta);
+        known_impulse_[2 * p] = -h * strength * (1 - theta) * S * law.cohesion;
+    }
+}
+
+void StepLcp::add_contacts() {
+    for (int k = 0; k < static_cast<int>(contacts_.size()); ++k) {
+        const Index p = contacts_[k];
+        rows_of_rate_.emplace_back(normal_ + k, 2 * p, 1);
+        constant_[normal_ + k] = -points_[p].law.contact.rate;
+        impulse_of_unknown_.emplace_back(2 * p, normal_ + k, 1);
+        if (!friction_) continue;
+        coupling_.emplace_back(slip_rate_ + k, normal_ + k, points_[p].law.friction);
+        for (const int sign : {1, -1}) {
+            const int row = slip_ + 2 * k + (sign < 0);
+            rows_of_rate_.emplace_back(row, 2 * p + 1, sign);
+            coupling_.emplace_back(row, slip_rate_ + k, 1);
+            coupling_.emplace_back(slip_rate_ + k, row, -1);
+            impulse_of_unknown_.emplace_back(2 * p + 1, row, sign);
+        }
+    }
+}
+
+void StepLcp::add_tangential_cohesion() {
+    for (int i = 0; i < static_cast<int>(cohesive_.size()); ++i) {
+        const Index p = cohesive_[i];
+        const PointLaw& law = points_[p].law;
+        const double S = model_.fan_points[points_[p].sides.fan_point].area;
+        const double traction = law.material->gamma * law.material->sigma_c;
+        if (step_.implicit_beta) coupling_.emplace_back(offset_ + i, beta_ + i, step_.theta * traction);
+        constant_[offset_ + i] = traction * (step_.implicit_beta ? 1 - step_.theta : 1) * S * law.cohesion;
+        for (const int sign : {1, -1}) {
+            const int row = tangent_ + 2 * i + (sign < 0);
+            rows_of_rate_.emplace_back(row, 2 * p + 1, sign * step_.h);
+            constant_[row] = sign * law.u_T;
+            coupling_.emplace_back(row, offset_ + i, 1);
+            coupling_.emplace_back(offset_ + i, row, -1);
+            impulse_of_unknown_.emplace_back(2 * p + 1, row, sign * step_.h);
+        }
+    }
+}
+
+StepLcp::Matrix StepLcp::delassus() const {
+    Triplets entries;
+    std::vector<Index> place(H_.rows(), -1);
+    for (const Part& part : parts_) {
+        std::vector<Index> jumps;  // of this part
+        for (Eigen::Index j = part.first; j < part.first + part.n; ++j)
+            for (Matrix::InnerIterator entry(H_, j); entry; ++entry)
+                if (Index& at = place[entry.row()]; at < 0)
+                    at = static_cast<Index>(jumps.size()), jumps.push_back(static_cast<Index>(entry.row()));
+        const Index n = static_cast<Index>(jumps.size());
+        Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, part.n);
+        for (Eigen::Index j = 0; j < part.n; ++j)
+            for (Matrix::InnerIterator entry(H_, part.first + j); entry; ++entry)
+                H(place[entry.row()], j) = entry.value();
+        for (const Index jump : jumps) place[jump] = -1;
+        if (n == 0) continue;
+        const Eigen::MatrixXd W = H * part.factor.solve(H.transpose());
+        for (Index i = 0; i < n; ++i)
+            for (Index j = 0; j < n; ++j) entries.emplace_back(jumps[i], jumps[j], 0.5 * (W(i, j) + W(j, i)));
+    }
+    Matrix W(H_.rows(), H_.rows());
+    W.setFromTriplets(entries.begin(), entries.end());
+    return W;
+}
+
+Eigen::VectorXd StepLcp::response(const Eigen::VectorXd& impulse) const {
+    Eigen::VectorXd x(impulse.size());
+    for (const Part& part : parts_)
+        if (part.n > 0) x.segment(part.first, part.n) = part.factor.solve(impulse.segment(part.first, part.n));
+    return x;
+}
+
+StepLcpEnd StepLcp::end(const Eigen::VectorXd& z) const {
+    const Eigen::VectorXd P = impulse_of_z_ * z + known_impulse_, change = response(H_.transpose() * P);
+    std::vector<Vec2> rate = free_rate_;
+    for (std::size_t i = 0; i < unknown_.size(); ++i)
+        if (unknown_[i] >= 0) rate[i / 2][i % 2] += step_.theta * change[unknown_[i]];
     StepLcpEnd end;
-    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
-        end.rate.push_back(rate.segment<2>(2 * c));
-        end.velocity.push_back(velocity.segment<2>(2 * c));
+    for (const Index node : nodes_.node_of_corner) {
+        end.rate.push_back(Vec2(rate[node]));
+        end.velocity.push_back(bulk_.end_velocity(node, rate[node]));
     }
-    for (Index p = 0; p < model.n_points(); ++p) {
-        const FanPoint& point = model.fan_points[model.fan_point_of[p]];
-        const CohesiveLaw& law = model.laws[point.law];
-        end.opening.push_back(opening(model, begin, p) + h * jump.segment<2>(2 * p));
+    for (Index p = 0; p < model_.n_points(); ++p) {
+        const PointLaw& law = points_[p].law;
+        const Vec2 u = Vec2(law.u_N, law.u_T) + step_.h * points_[p].across(rate);
+        const bool breaks = !unbreakable(model_, model_.fan_points[points_[p].sides.fan_point]);
+        end.opening.push_back(u);
         end.impulse.push_back(P.segment<2>(2 * p));
-        const double before = cohesion(model, begin, p);
-        if (unbreakable(model, point))
-            end.cohesion.push_back(1);
-        else if (point.cracked || law.sigma_c == 0 || before < bond_is_gone)
-            end.cohesion.push_back(0);
-        else
-            end.cohesion.push_back(law.next_cohesion(before, end.opening[p].x(), end.opening[p].y()));
+        end.cohesion.push_back(breaks ? law.material->next_cohesion(law.cohesion, u.x(), u.y()) : 1);
     }
-    end.contact.assign(model.n_points(), 0);
-    for (int k = 0; k < at.c(); ++k) end.contact[at.contacts[k]] = z[at.normal(k)];
-    if (at.implicit_beta)
-        for (int i = 0; i < at.m(); ++i)
-            end.cohesion[at.cohesive[i]] = z[at.beta(i)] / model.fan_points[model.fan_point_of[at.cohesive[i]]].area;
+    end.contact.assign(model_.n_points(), 0);
+    for (int k = 0; k < static_cast<int>(contacts_.size()); ++k) end.contact[contacts_[k]] = z[normal_ + k];
+    for (int i = 0; i < static_cast<int>(cohesive_.size()) && step_.implicit_beta; ++i)
+        end.cohesion[cohesive_[i]] = z[beta_ + i] / model_.fan_points[points_[cohesive_[i]].sides.fan_point].area;
     return end;
+}
+
+std::optional<StepLcpEnd> StepLcp::solve() const {
+    const Eigen::Map<const Eigen::VectorXd> row_unit(row_unit_.data(), problem_.size()),
+        unknown_unit(unknown_unit_.data(), problem_.size());
+    const Eigen::VectorXd scale = row_unit.cwiseInverse();
+    const LcpMatrix M(scale.asDiagonal() * problem_.M * unknown_unit.asDiagonal());
+    const LcpSolution found = solve_by_default({M, scale.cwiseProduct(problem_.q)}, {.exhaustive = false});
+    if (found.status != LcpStatus::solved) return std::nullopt;
+    return end(unknown_unit.cwiseProduct(found.z));
 }
 
 }  // namespace knap

@@ -1,70 +1,99 @@
 #pragma once
-// One step of the implicit theta scheme (stepper/implicit/implicit_scheme.hpp) as a linear complementarity problem, full and unreduced: every
-// triangle moves by itself, every point that is not unbreakable has its rows. Equations (22)-(24) of the method, with the cohesion law at
-// k+1. The reference of the implicit path on small meshes, and what a run stores of a step. Rows and unknowns, times the areas S:
+// One step of the implicit theta scheme (implicit_scheme.hpp) as a linear complementarity problem, full and unreduced:
+// all fans are active, so every triangle moves by itself unless unbreakable points join it to others. Equations
+// (22)-(24) of the method, with the cohesion law at the end of the step. The reference of the implicit scheme on small
+// meshes, its fallback there, and what `--dump-lcp` stores.
 //
-//     S A       theta (beta - beta+)                                       what the cohesion has lost
-//     S beta+   theta [ A - sigma_c (delta_c (1 - beta+) - s_N - gamma chi) ]   s_N = u_N+, or o below
-//     p_N       w_N - c                                                    of points that may touch and are not driven on both sides
-//     p_T+-     zeta +- w_T                  zeta      mu p_N - p_T+ - p_T-
-//     r_T+-     chi +- u_T+                  chi       S gamma sigma_c beta_theta - r_T+ - r_T-
-//     o         o - u_N+                                                   so o = max(u_N+, 0)
+//     M_hat w = M v - theta h K u + theta h F_theta + theta H' P,       so   H w = H w_free + theta W P
+//     P_N = p_N - h S sigma_c beta_theta,   P_T = p_T+ - p_T- + h (r_T+ - r_T-),      W = H M_hat^-1 H' (Delassus)
 //
-// with  w = w_free + theta W P,  W = H M_hat^-1 H',  P_N = p_N - h S sigma_c beta_theta,  P_T = p_T+ - p_T- + h (r_T+ - r_T-).
-// Only the rows that a scene needs are there: no law with friction, no p_T and zeta; no gamma, no r_T and chi; explicit beta, no A, beta+
-// and o. Points without cohesion have p_N, p_T and zeta alone. o is needed where a cohesive point can end the step with u_N+ < 0: where
-// it lands faster than the scheme can stop it; without such points, and with friction and gamma, the layout is that of
-// lcp/spurious_breaking.hpp. With theta < 1 no bond breaks spuriously: beta_theta > 0 wherever beta > 0, so r_T stays and with it chi = |u_T|.
+// Rows and unknowns of a point, those of the cohesion times its area S:
+//
+//     unknown >= 0          row >= 0
+//     S A                   theta (beta - beta+)                                  loss of cohesion
+//     S beta+               theta (A - sigma_c (delta_c (1 - beta+) - s_N - gamma chi))      s_N = u_N+, or o
+//     p_N                   w_N - c                                               may touch, w_N not prescribed
+//     p_T+, p_T-            zeta + w_T, zeta - w_T
+//     zeta                  mu p_N - p_T+ - p_T-
+//     S r_T+, S r_T-        chi + u_T+, chi - u_T+
+//     chi                   S gamma sigma_c beta_theta - r_T+ - r_T-
+//     o                     o - u_N+                                              so o = max(u_N+, 0)
+//
+// Only the rows that a scene needs are there: p_T, zeta with friction; r_T, chi with gamma > 0; A, beta+, o with
+// implicit beta. Points without cohesion have p_N, p_T, zeta alone. o is needed where a cohesive point can end the step
+// with u_N+ < 0, because it lands faster than the scheme can stop it; without such points, and with friction and gamma,
+// the layout is that of lcp/spurious_breaking.hpp. With theta < 1 no bond breaks spuriously: beta_theta > 0 wherever
+// beta > 0, so r_T stays and with it chi = |u_T|.
 #include "lcp/problem.hpp"
-#include "model/state.hpp"
 #include "stepper/common/scheme_options.hpp"
+#include "stepper/implicit/active_point.hpp"
 
-#include <memory>
+#include <Eigen/SparseCholesky>
+
+#include <deque>
+#include <optional>
 
 namespace knap {
-
-class PartedBody;
-
-/// First unknown of every group; a group that a scene does not need is empty. Points by their number: 2 interface + end.
-struct StepLcpLayout {
-    std::vector<Index> cohesive, contacts, landing;  // points with cohesion; that may touch; that need o
-    bool implicit_beta = false, friction = false, tangential = false;
-
-    int m() const { return static_cast<int>(cohesive.size()); }
-    int c() const { return static_cast<int>(contacts.size()); }
-    int bond(int i) const { return i; }  // A
-    int beta(int i) const { return m() + i; }
-    int normal(int k) const { return (implicit_beta ? 2 * m() : 0) + k; }
-    int slip(int k) const { return normal(c()) + 2 * k; }                       // p_T+, then p_T-
-    int slip_rate(int k) const { return slip(friction ? c() : 0) + k; }         // zeta
-    int tangent(int i) const { return slip_rate(friction ? c() : 0) + 2 * i; }  // r_T+, then r_T-
-    int offset(int i) const { return tangent(tangential ? m() : 0) + i; }       // chi
-    int opening(int j) const { return offset(tangential ? m() : 0) + j; }       // o
-    int size() const { return opening(static_cast<int>(landing.size())); }
-};
-
-struct StepLcp {
-    LcpProblem problem;
-    StepLcpLayout layout;
-    // what a solution z means: impulses P = impulse_of_z z + known_impulse of every point, N then T, 2 per point [N s]
-    LcpMatrix impulse_of_z;
-    Eigen::VectorXd known_impulse;
-    Eigen::SparseMatrix<double> jump;  // H [2 n_points, 2 n_corners]; rows of unbreakable points are empty
-    std::shared_ptr<const PartedBody> body;
-};
-
-/// `options.bulk` is taken to be implicit_theta.
-StepLcp step_lcp(const Model& model, const State& begin, double h, const SchemeOptions& options);
 
 /// The end of the step that a solution stands for.
 struct StepLcpEnd {
     std::vector<Vec2> rate, velocity;  // [m/s] w and v+, per corner
     std::vector<Vec2> opening;         // [m] (u_N+, u_T+), per point
-    std::vector<Vec2> impulse;         // [N s] P, per point, in its frame; of unbreakable points it is not known: 0
-    std::vector<double> contact;       // [N s] p, per point
+    std::vector<Vec2> impulse;         // [N s] P (N, T), per point; 0 for unbreakable points, where it is unknown
+    std::vector<double> contact;       // [N s] p_N, per point
     std::vector<double> cohesion;      // [-] beta+, per point
 };
 
-StepLcpEnd recover(const StepLcp& step, const Model& model, const State& begin, double h, const Eigen::VectorXd& z);
+class StepLcp {
+public:
+    /// `model` and `begin` must outlive it; `options.bulk` is taken as implicit_theta. Without obstacles.
+    StepLcp(const Model& model, const State& begin, double h, const SchemeOptions& options);
+    StepLcp(const StepLcp&) = delete;
+
+    const LcpProblem& problem() const { return problem_; }
+    StepLcpEnd end(const Eigen::VectorXd& z) const;
+    /// By the default solver, ending with Lemke's method, in units of the body; nothing where it finds no solution.
+    std::optional<StepLcpEnd> solve() const;
+
+private:
+    using Matrix = Eigen::SparseMatrix<double>;
+    using Triplets = std::vector<Eigen::Triplet<double>>;
+
+    void factorise(MassMatrix mass);
+    void make_points();
+    void lay_out();
+    void add_cohesion();
+    void add_contacts();
+    void add_tangential_cohesion();
+    Matrix delassus() const;
+    Eigen::VectorXd response(const Eigen::VectorXd& impulse) const;  // M_hat^-1 impulse
+
+    struct Part {                       // triangles that nothing can separate
+        Eigen::Index first = 0, n = 0;  // its unknowns
+        Eigen::SimplicialLDLT<Matrix> factor;
+    };
+    const Model& model_;
+    StepContext step_;
+    ImplicitBulk bulk_;
+    CornerPartition nodes_;
+    std::vector<Index> unknown_;  // per node, x and y: of M_hat, or -1
+    std::deque<Part> parts_;
+    std::vector<Vec2> free_rate_;      // [m/s] w without any P, per node
+    std::vector<ActivePoint> points_;  // by their number
+    Matrix H_;                         // [2 n_points, unknowns]; rows of unbreakable points are empty
+
+    // the layout: points, and the first row of every group, which may be empty
+    std::vector<Index> cohesive_, contacts_, landing_;  // points with cohesion; that may touch; that need o
+    bool friction_ = false, tangential_ = false;
+    int loss_, beta_, normal_, slip_, slip_rate_, tangent_, offset_, opening_;
+    std::vector<double> row_unit_, unknown_unit_;
+
+    Triplets rows_of_rate_, impulse_of_unknown_, coupling_;
+    Eigen::VectorXd constant_;
+    // P = impulse_of_z z + known_impulse [N s], N and T of every point
+    LcpMatrix impulse_of_z_;
+    Eigen::VectorXd known_impulse_;
+    LcpProblem problem_;
+};
 
 }  // namespace knap

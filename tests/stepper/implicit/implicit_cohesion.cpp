@@ -13,7 +13,9 @@ using namespace knap::tests;
 
 namespace {
 
-SchemeOptions implicit_cohesion(double theta = 0.5) { return {.cohesion = CohesionScheme::implicit_beta, .theta = theta}; }
+SchemeOptions implicit_cohesion(double theta = 0.5) {
+    return {.cohesion = CohesionScheme::implicit_beta, .theta = theta};
+}
 
 /// A random mesh of 40 x 20 mm of glass with a crack of 15 mm from the left, pulled apart.
 ModelInput pulled_block() {
@@ -53,13 +55,16 @@ TEST_CASE("B1 implicit beta with the explicit bulk solves its difference equatio
             double before = 0, now = next(0, 0.5 * h, 0), worst = 0;
             for (int i = 0; now < 0.9; ++i) {
                 run.step(h);
-                worst = std::max({worst, std::abs(run.u(0, 0).y() - now), std::abs(cohesion(run.model, run.now, 0) - (1 - now))});
+                worst = std::max(
+                    {worst, std::abs(run.u(0, 0).y() - now), std::abs(cohesion(run.model, run.now, 0) - (1 - now))});
                 const double after = next(2 * now - before, h, now);
                 before = now;
                 now = after;
             }
             CHECK(run.now.n_steps > 10);
-            verify_small("error of u_n and beta_n against the difference equation, theta = " + digits(theta) + ", h = " + digits(h), worst, {1e-13});
+            verify_small("error of u_n and beta_n against the difference equation, theta = " + digits(theta) +
+                             ", h = " + digits(h),
+                         worst, {1e-13});
             CHECK(run.ledger.worst().residual <= 1e-13);
             CHECK(run.ledger.largest_residual() <= 1e-14 * run.ledger.largest_energy());
         }
@@ -95,8 +100,9 @@ TEST_CASE("a crack runs with implicit beta and the explicit bulk and the books c
         CHECK(worst.largest_beta_growth == 0);
         CHECK(worst.residual <= 1e-10);
         MESSAGE("steps ", run.now.n_steps, ", broken points ", n_broken(run), ", iterations a fan ",
-                static_cast<double>(worst.fan_iterations) / worst.fan_solves, ", law lag over energy ", run.ledger.row().law_lag / scale,
-                ", crossing loss ", run.ledger.row().crossing_loss / scale, ", residual of the laws ", worst.residual);
+                static_cast<double>(worst.fan_iterations) / worst.fan_solves, ", law lag over energy ",
+                run.ledger.row().law_lag / scale, ", crossing loss ", run.ledger.row().crossing_loss / scale,
+                ", residual of the laws ", worst.residual);
     };
     const ModelInput input = pulled_block();
     double last_lag = 0;
@@ -105,7 +111,8 @@ TEST_CASE("a crack runs with implicit beta and the explicit bulk and the books c
         run_to(frozen, safety);
         run_to(half, safety);
         run_to(whole, safety);
-        // the force of beta_theta is that of theta h later: the work is less than the energy of the surfaces, by an amount of first order
+        // the force of beta_theta is that of theta h later: the work is less than the energy of the surfaces, by an
+        // amount of first order
         const double lag = half.ledger.row().law_lag;
         CHECK(lag < -2 * std::abs(frozen.ledger.row().law_lag));
         CHECK(whole.ledger.row().law_lag < 1.5 * lag);

@@ -22,8 +22,9 @@ ModelInput heap(double width, double pressure) {
     input.materials = {{.density = 1, .E = 1, .nu = 0.2}};
     input.laws = {{.sigma_c = 0.1, .G_c = 1, .gamma = 1}};
     input.law_of_pair = {{0}};
-    input.loads = {load(Load::Kind::traction, "top", 0.0, -pressure), load(Load::Kind::traction, "bottom", 0.0, pressure),
-                   load(Load::Kind::traction, "left", pressure, 0.0), load(Load::Kind::traction, "right", -pressure, 0.0)};
+    input.loads = {
+        load(Load::Kind::traction, "top", 0.0, -pressure), load(Load::Kind::traction, "bottom", 0.0, pressure),
+        load(Load::Kind::traction, "left", pressure, 0.0), load(Load::Kind::traction, "right", -pressure, 0.0)};
     return input;
 }
 

@@ -13,8 +13,9 @@ using namespace knap::tests;
 
 namespace {
 
-/// Speeds of C1 over the wave speed, phase after phase: m_n = (1 - q/I_n^2)/(1 + q/I_n^2), I_1 = 1, I_{n+1} = 1 - q/I_n. In phase n the end
-/// force has been reflected n - 1 times; I_n is the amplitude of the wave that meets the tip, over the first one's.
+/// Speeds of C1 over the wave speed, phase after phase: m_n = (1 - q/I_n^2)/(1 + q/I_n^2), I_1 = 1, I_{n+1} = 1 -
+/// q/I_n. In phase n the end force has been reflected n - 1 times; I_n is the amplitude of the wave that meets the tip,
+/// over the first one's.
 std::vector<double> strip_speeds(double q, int n) {
     std::vector<double> speeds;
     double I = 1;
@@ -34,7 +35,8 @@ double slope(const std::vector<std::pair<double, double>>& points) {
     return tx / tt;
 }
 
-/// A shear string: a strip of one layer of cells of 1 x 1/2 that moves in y only, G = rho = 1 (c = 1, N = 1/2), glued from a_0 on.
+/// A shear string: a strip of one layer of cells of 1 x 1/2 that moves in y only, G = rho = 1 (c = 1, N = 1/2), glued
+/// from a_0 on.
 struct Strip {
     double q = 0.125;
     int zone = 5;        // cells in l_cz of the first phase
@@ -43,7 +45,9 @@ struct Strip {
 
     double N() const { return 0.5; }
     double first_speed() const { return strip_speeds(q, 1)[0]; }
-    double delta_c() const { return std::pow(zone / (M_PI / 2), 2) / (N() * (1 - first_speed() * first_speed())); }  // sigma_c = 1
+    double delta_c() const {
+        return std::pow(zone / (M_PI / 2), 2) / (N() * (1 - first_speed() * first_speed()));
+    }  // sigma_c = 1
     double G_c() const { return 0.5 * delta_c(); }
     double P() const { return std::sqrt(G_c() * N() / (2 * q)); }
     double a_0() const { return free_zones * zone; }
@@ -65,8 +69,12 @@ struct Strip {
         input.materials = {{.density = 1, .E = 2, .nu = 0}};
         input.laws = {{.sigma_c = 1, .G_c = G_c(), .gamma = 0}, CohesiveLaw::unbreakable()};
         input.law_of_pair = {{1}};
-        input.supports = {{.on = {.boundary = "bottom", .box = Box{Vec2(a_0(), -1), Vec2(2 * length, 1)}}, .law = 0, .glued = true}};
-        input.loads = {{.kind = Load::Kind::velocity, .on = {.boundary = "", .box = Box{Vec2(-1, -1), Vec2(2 * length, 1)}}, .value = {0.0, std::nullopt}, .history = {}},
+        input.supports = {
+            {.on = {.boundary = "bottom", .box = Box{Vec2(a_0(), -1), Vec2(2 * length, 1)}}, .law = 0, .glued = true}};
+        input.loads = {{.kind = Load::Kind::velocity,
+                        .on = {.boundary = "", .box = Box{Vec2(-1, -1), Vec2(2 * length, 1)}},
+                        .value = {0.0, std::nullopt},
+                        .history = {}},
                        load(Load::Kind::traction, "left", 0.0, P() / 0.5)};
         return input;
     }
@@ -78,7 +86,8 @@ std::vector<std::pair<double, double>> front(Run& run, double until, double h, s
     std::vector<std::pair<double, Index>> points;  // place, point at the right end of each support edge
     for (Index p = 0; p < run.model.n_points(); ++p) {
         const Interface& interface = run.model.interfaces[p / 2];
-        if (interface.triangle[0] == rigid_support) points.push_back({run.model.mesh.vertices[interface.vertex[p % 2]].x(), p});
+        if (interface.triangle[0] == rigid_support)
+            points.push_back({run.model.mesh.vertices[interface.vertex[p % 2]].x(), p});
     }
     std::sort(points.begin(), points.end());
     std::size_t next = 0;
@@ -106,10 +115,13 @@ TEST_CASE("C1 reference speeds of the debonding strip") {
 }
 
 TEST_CASE("C1 a debonding strip has the exact speed of its crack") {
-    // the consistent mass makes short waves too fast, the trapezoidal rule too slow: at .6 of the time that a wave needs for a cell most of
-    // it cancels. (Lumped: -1.3 % with 5 cells in l_cz, -.35 % with 10, from both.)
-    describe("A shear string (a row of cells of 1 x 1/2 that moves in y only) is glued to a rigid support from a_0 on; a force step P at its end, q = G_c N/(2 P^2) = 1/8. The crack runs at "
-             "v/c = (1 - q)/(1 + q) until the reflected wave meets it again, and faster waves follow. Trapezoidal rule with the consistent mass.");
+    // the consistent mass makes short waves too fast, the trapezoidal rule too slow: at .6 of the time that a wave
+    // needs for a cell most of it cancels. (Lumped: -1.3 % with 5 cells in l_cz, -.35 % with 10, from both.)
+    describe(
+        "A shear string (a row of cells of 1 x 1/2 that moves in y only) is glued to a rigid support from a_0 on; a "
+        "force step P at its end, q = G_c N/(2 P^2) = 1/8. The crack runs at "
+        "v/c = (1 - q)/(1 + q) until the reflected wave meets it again, and faster waves follow. Trapezoidal rule with "
+        "the consistent mass.");
     SchemeOptions options = implicit();
     options.mass = MassMatrix::consistent;
     on_path(options);
@@ -122,7 +134,8 @@ TEST_CASE("C1 a debonding strip has the exact speed of its crack") {
         double from = strip.a_0();
         for (int phase = 0; phase < strip.n_phases; ++phase) {
             // without what the start of a phase still disturbs
-            const double zone_length = strip.l_cz(speeds[phase]), low = from + 0.4 * (ends[phase] - from), high = 0.97 * ends[phase];
+            const double zone_length = strip.l_cz(speeds[phase]), low = from + 0.4 * (ends[phase] - from),
+                         high = 0.97 * ends[phase];
             std::vector<std::pair<double, double>> part;
             for (const auto& [t, x] : path)
                 if (x > low && x < high) part.push_back({t, x});
@@ -132,16 +145,24 @@ TEST_CASE("C1 a debonding strip has the exact speed of its crack") {
             from = ends[phase];
         }
         // energy per length: the surface energy of what is broken, and of the zone ahead (a third of w l_cz or so)
-        const double broken = path.back().second - strip.a_0(), zone_length = strip.l_cz(speeds.back()), spent = run.ledger.row().surface() / strip.G_c();
+        const double broken = path.back().second - strip.a_0(), zone_length = strip.l_cz(speeds.back()),
+                     spent = run.ledger.row().surface() / strip.G_c();
         CHECK(spent > broken);
         CHECK(spent < broken + zone_length);
         std::vector<std::pair<double, double>> late;  // place and energy, at the speed of the last phase
-        const double from_here = ends.back() - 0.5 * (ends.back() - (strip.n_phases > 1 ? ends[ends.size() - 2] : strip.a_0()));
+        const double from_here =
+            ends.back() - 0.5 * (ends.back() - (strip.n_phases > 1 ? ends[ends.size() - 2] : strip.a_0()));
         for (std::size_t i = 0; i < path.size(); ++i)
             if (path[i].second > from_here) late.push_back({path[i].second, surface[i]});
-        verify("energy per length over G_c in the second half of the last phase, " + digits(zone_length, 3) + " cells in the process zone", slope(late) / strip.G_c(), 1, {0.005, 0.0005});
+        verify("energy per length over G_c in the second half of the last phase, " + digits(zone_length, 3) +
+                   " cells in the process zone",
+               slope(late) / strip.G_c(), 1, {0.005, 0.0005});
         if (const auto file = zone == 5 ? picture("C1.png") : std::nullopt) {
-            Chart chart{.title = "C1: the crack of a debonding strip", .x_quantity = "time times c over the cell size", .x_unit = "", .y_quantity = "crack length over the cell size", .y_unit = ""};
+            Chart chart{.title = "C1: the crack of a debonding strip",
+                        .x_quantity = "time times c over the cell size",
+                        .x_unit = "",
+                        .y_quantity = "crack length over the cell size",
+                        .y_unit = ""};
             for (const auto& [t, x] : path) time.push_back(t), place.push_back(x - strip.a_0());
             double x = strip.a_0(), t = strip.a_0();  // the crack starts when the wave meets it
             std::vector<double> exact_time{t}, exact_place{0};
@@ -149,7 +170,8 @@ TEST_CASE("C1 a debonding strip has the exact speed of its crack") {
                 t += (ends[i] - x) / speeds[i], x = ends[i];
                 exact_time.push_back(t), exact_place.push_back(x - strip.a_0());
             }
-            chart.curves = {{"exact", exact_time, exact_place, Colour{0.75, 0.75, 0.75}, 4}, {"knap", time, place, curve_colour(0)}};
+            chart.curves = {{"exact", exact_time, exact_place, Colour{0.75, 0.75, 0.75}, 4},
+                            {"knap", time, place, curve_colour(0)}};
             draw_chart(chart, *file, 640);
         }
         CHECK(run.ledger.largest_residual() <= 1e-10 * run.ledger.largest_energy());

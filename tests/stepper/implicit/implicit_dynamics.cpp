@@ -1,5 +1,5 @@
-// The implicit scheme on bodies with exact motions: two masses on a cohesive point (B2, B3, B5), a bouncing bar (B11), an impacting
-// stick (B15). Times of events are found between steps.
+// The implicit scheme on bodies with exact motions: two masses on a cohesive point (B2, B3, B5), a bouncing bar (B11),
+// an impacting stick (B15). Times of events are found between steps.
 #include "figures/chart.hpp"
 #include "support/paths.hpp"
 #include "support/relative.hpp"
@@ -26,14 +26,17 @@ void check_energy_balance(const Run& run, double tolerance = 1e-12) {
 
 void take(Run& run, double h) {
     run.step(h);
-    REQUIRE_MESSAGE(run.last.rejection == Rejection::none, "refused at the step after ", run.now.n_steps, " steps of ", h);
+    REQUIRE_MESSAGE(run.last.rejection == Rejection::none, "refused at the step after ", run.now.n_steps, " steps of ",
+                    h);
 }
 
 }  // namespace
 
 TEST_CASE("B2 statically ill-posed and dynamically regular") {
-    describe("Two masses of .25 with a spring k = .5 (the limit of snap-back), sigma_c = .5, delta_c = 1, e = 0; the second mass is driven by U = t/2, 1 - t/2, -2 + t/2 (kinks at t = 1, 3). It "
-             "opens at t = 6, then u_1 = (t - 6)^3/6.");
+    describe(
+        "Two masses of .25 with a spring k = .5 (the limit of snap-back), sigma_c = .5, delta_c = 1, e = 0; the second "
+        "mass is driven by U = t/2, 1 - t/2, -2 + t/2 (kinks at t = 1, 3). It "
+        "opens at t = 6, then u_1 = (t - 6)^3/6.");
     const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1};
     const SpringBody body{.law = law, .mass = 0.25, .stiffness = 0.5};
     const auto open = [&](const SchemeOptions& path, double h, double previous) {
@@ -47,7 +50,10 @@ TEST_CASE("B2 statically ill-posed and dynamically regular") {
         double worst_r = 0, worst_u = 0;
         while (run.now.time < 5.99) {
             take(run, h);
-            const double t = run.now.time - (is_explicit ? 1 : 0.5) * h, U = t < 1 ? t / 2 : t < 3 ? 1 - t / 2 : -2 + t / 2;  // forces are those of the begin, or means over the step
+            const double t = run.now.time - (is_explicit ? 1 : 0.5) * h,
+                         U = t < 1   ? t / 2
+                             : t < 3 ? 1 - t / 2
+                                     : -2 + t / 2;  // forces are those of the begin, or means over the step
             const bool kink = std::abs(t - 1) < h || std::abs(t - 3) < h;
             if (!kink) worst_r = std::max(worst_r, std::abs(point.traction().x() + 0.5 * U));
             worst_u = std::max(worst_u, std::abs(point.u()));
@@ -55,7 +61,8 @@ TEST_CASE("B2 statically ill-posed and dynamically regular") {
         double opens = 0, at_7_5 = 0;
         while (point.beta() > 0) {
             take(run, h);
-            if (opens == 0 && point.u() > 0) opens = run.now.time - (is_explicit ? h : 0);  // central differences kick at the begin of a step
+            if (opens == 0 && point.u() > 0)
+                opens = run.now.time - (is_explicit ? h : 0);  // central differences kick at the begin of a step
             if (std::abs(run.now.time - 7.5) < 0.1 * h) at_7_5 = point.u();
             REQUIRE(run.now.time < 9);
         }
@@ -85,7 +92,8 @@ struct Opening {
 };
 
 /// B3 until it breaks. An opening is a time of at least 20 steps without a contact force; the last one has no close.
-std::vector<Opening> openings_of_b3(Run& run, double h, double until, const std::function<void()>& look = [] {}) {
+std::vector<Opening> openings_of_b3(
+    Run& run, double h, double until, const std::function<void()>& look = [] {}) {
     const PointView point(run);
     std::vector<double> u{0}, beta{1}, contact{1};  // at the ends of the steps; impulse of the contact in the step
     while (run.now.time < until - 0.5 * h && point.beta() > 0) {
@@ -112,7 +120,8 @@ std::vector<Opening> openings_of_b3(Run& run, double h, double until, const std:
             made.peak = u[top] - 0.5 * slope * slope / curvature;
             made.closes = h * static_cast<double>(end - 1);
             for (std::size_t j = end; j < std::min(end + 3, n); ++j) made.impulse += contact[j];
-            if (contact[end + 4] > 0) made.impulse -= 3 * contact[end + 4];  // it stays closed: what the force gives all the time
+            if (contact[end + 4] > 0)
+                made.impulse -= 3 * contact[end + 4];  // it stays closed: what the force gives all the time
         }
         found.push_back(made);
         i = end;
@@ -128,7 +137,8 @@ const std::vector<Opening> b3_exact = {{.76397902, 1.84797937, .08621670, .91378
 ModelInput b3_body(double h) {
     const SpringBody body{.law = {.sigma_c = 1, .G_c = 0.5, .gamma = 1}, .mass = 2.5, .stiffness = 10};
     ModelInput input = spring_body(body);
-    push(input, body.motion, sampled([](double t) { return 1.5 * std::exp(t / 4) * std::sin(M_PI * t); }, h, static_cast<int>(8.5 / h)));
+    push(input, body.motion,
+         sampled([](double t) { return 1.5 * std::exp(t / 4) * std::sin(M_PI * t); }, h, static_cast<int>(8.5 / h)));
     return input;
 }
 
@@ -137,7 +147,8 @@ ModelInput in_si(ModelInput input) {
     const double length = 1e-3, mass = 1e-3, time = 1e-3, pressure = mass / (length * time * time);
     for (Vec2& x : input.mesh.vertices) x *= length;
     input.thickness *= length;
-    for (Elastic& material : input.materials) material.density *= mass / (length * length * length), material.E *= pressure;
+    for (Elastic& material : input.materials)
+        material.density *= mass / (length * length * length), material.E *= pressure;
     input.laws[0].sigma_c *= pressure, input.laws[0].G_c *= pressure * length;
     for (Load& each : input.loads) {
         if (each.on.box) each.on.box->low *= length, each.on.box->high *= length;
@@ -151,14 +162,17 @@ ModelInput in_si(ModelInput input) {
 }  // namespace
 
 TEST_CASE("B3 four openings and three impacts") {
-    describe("Masses 2.5 and 2.5 with a spring k = 10, sigma_c = delta_c = 1, e = 0, the force 1.5 exp(t/4) sin(pi t) on the outer mass; theta = 1/2, h = 2e-3. Reference: the event-driven "
-             "solution.");
+    describe(
+        "Masses 2.5 and 2.5 with a spring k = 10, sigma_c = delta_c = 1, e = 0, the force 1.5 exp(t/4) sin(pi t) on "
+        "the outer mass; theta = 1/2, h = 2e-3. Reference: the event-driven "
+        "solution.");
     on_path(both_implicit);
     const double h = 2e-3;
     Run run(b3_body(h), implicit());
     const PointView point(run);
     std::vector<double> time, opened, beta;
-    const std::vector<Opening> found = openings_of_b3(run, h, 8, [&] { time.push_back(run.now.time), opened.push_back(point.u()), beta.push_back(point.beta()); });
+    const std::vector<Opening> found = openings_of_b3(
+        run, h, 8, [&] { time.push_back(run.now.time), opened.push_back(point.u()), beta.push_back(point.beta()); });
     REQUIRE(found.size() == 4);
     for (std::size_t i = 0; i < 4; ++i) {
         const Opening &is = found[i], &exact = b3_exact[i];
@@ -175,7 +189,11 @@ TEST_CASE("B3 four openings and three impacts") {
     verify_near("v_1 when broken", point.v(), 2.02508544, {5e-3});
     verify_small("energy residual", run.ledger.largest_residual() / run.ledger.largest_energy(), {1e-12});
     if (const auto file = picture("B3.png")) {
-        Chart chart{.title = "B3: opening and cohesion", .x_quantity = "time", .x_unit = "s", .y_quantity = "u_{1}, beta", .y_unit = ""};
+        Chart chart{.title = "B3: opening and cohesion",
+                    .x_quantity = "time",
+                    .x_unit = "s",
+                    .y_quantity = "u_{1}, beta",
+                    .y_unit = ""};
         chart.curves = {{"opening", time, opened, curve_colour(0)}, {"beta", time, beta, curve_colour(1)}};
         draw_chart(chart, *file, 640);
     }
@@ -205,8 +223,10 @@ TEST_CASE("E20 B3 has the same events in SI and in mm and g and ms") {
 }
 
 TEST_CASE("B5 shear with an oscillating force") {
-    describe("Masses of .25, k = 4.5, pressure 5, mu = .5, gamma = 1, sigma_c = .5, delta_c = 1, a force .375 exp(t/4) sin(pi t): it slips forth, back, and forth until it breaks; h = 1e-3. "
-             "Reference: the event-driven solution.");
+    describe(
+        "Masses of .25, k = 4.5, pressure 5, mu = .5, gamma = 1, sigma_c = .5, delta_c = 1, a force .375 exp(t/4) "
+        "sin(pi t): it slips forth, back, and forth until it breaks; h = 1e-3. "
+        "Reference: the event-driven solution.");
     const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .friction = 0.5};
     const SpringBody body{.law = law, .mass = 0.25, .stiffness = 4.5, .motion = Motion::slip};
     const double h = 1e-3;
@@ -221,13 +241,15 @@ TEST_CASE("B5 shear with an oscillating force") {
         struct Rest {
             double time, u, beta;
         };
-        const std::vector<Rest> exact = {{6.44, 0, 1}, {7.1, 0.148312, 0.851688}, {8.3, -0.903693, 0.096307}, {9.28, 0.254583, 0.096307}};
+        const std::vector<Rest> exact = {
+            {6.44, 0, 1}, {7.1, 0.148312, 0.851688}, {8.3, -0.903693, 0.096307}, {9.28, 0.254583, 0.096307}};
         std::vector<double> u, beta;
         double opens = 0, zero = 0, last = 0;
         while (point.beta() > 0) {
             REQUIRE(run.now.time < 11);
             take(run, h);
-            if (u.size() < exact.size() && run.now.time >= exact[u.size()].time) u.push_back(point.u(Motion::slip)), beta.push_back(point.beta());
+            if (u.size() < exact.size() && run.now.time >= exact[u.size()].time)
+                u.push_back(point.u(Motion::slip)), beta.push_back(point.beta());
             if (opens == 0 && point.beta() < 1) opens = run.now.time;
             if (zero == 0 && last > 0 && point.u(Motion::slip) <= 0) zero = run.now.time;
             last = point.u(Motion::slip);
@@ -246,9 +268,12 @@ TEST_CASE("B5 shear with an oscillating force") {
 }
 
 TEST_CASE("B11 a bar falls and bounces twice") {
-    // E = 900, rho = 1, L = 10, g = 10, gap 5 (c = 30): falls 1 s; waves run through the bar while it stands, which also weighs
-    describe("A bar, E = 900, rho = 1, L = 10, g = 10, falls by 5: contact on [1, 5/3] with 300 -> 500, rises to its height at 5 - with waves in it - and is in contact again on [11/3, 13/3] with "
-             "500 -> 300; apex 5 at 16/3. 100 elements.");
+    // E = 900, rho = 1, L = 10, g = 10, gap 5 (c = 30): falls 1 s; waves run through the bar while it stands, which
+    // also weighs
+    describe(
+        "A bar, E = 900, rho = 1, L = 10, g = 10, falls by 5: contact on [1, 5/3] with 300 -> 500, rises to its height "
+        "at 5 - with waves in it - and is in contact again on [11/3, 13/3] with "
+        "500 -> 300; apex 5 at 16/3. 100 elements.");
     on_path(both_implicit);
     const int n = 100;
     const double L = 10, g = 10, height = 0.1;
@@ -262,7 +287,10 @@ TEST_CASE("B11 a bar falls and bounces twice") {
     input.loads = {load(Load::Kind::acceleration, "", -g, 0.0)};
     Run run(input, implicit());
     const double h = 1.0 / 600;
-    const auto pressure = [&] { return std::max(0.0, 0.5 * (traction(run.model, run.now, run.model.n_points() - 2).x() + traction(run.model, run.now, run.model.n_points() - 1).x())); };
+    const auto pressure = [&] {
+        return std::max(0.0, 0.5 * (traction(run.model, run.now, run.model.n_points() - 2).x() +
+                                    traction(run.model, run.now, run.model.n_points() - 1).x()));
+    };
     const auto end = [&] { return 5 + run.u(3, 1).x(); };  // of triangle left in cell 0: {d, a, middle}; corner a
     double first = 0, last = 0, again = 0, over = 0, impulse[2] = {}, early[2] = {}, late[2] = {}, apex = 0;
     while (run.now.time < 5.5) {
@@ -293,15 +321,19 @@ TEST_CASE("B11 a bar falls and bounces twice") {
 }
 
 TEST_CASE("B15 an impacting stick gains nothing from friction") {
-    // a stick of length 1 and mass 1 under 45 degrees stands with its foot near a rough floor (small rotations: the floor meets it in
-    // its first position); it flies with (-.5, .1) and turns with .1, falls, and bounces with e = 1 and mu = .01
-    describe("A rod of length 1 and mass 1 at 45 degrees flies with (-.5, .1) and turns with .1 onto a rough floor, g = 10, e = 1, mu = .01, h = 1e-4 or the stable step: friction in an impact takes energy, always.");
+    // a stick of length 1 and mass 1 under 45 degrees stands with its foot near a rough floor (small rotations: the
+    // floor meets it in its first position); it flies with (-.5, .1) and turns with .1, falls, and bounces with e = 1
+    // and mu = .01
+    describe(
+        "A rod of length 1 and mass 1 at 45 degrees flies with (-.5, .1) and turns with .1 onto a rough floor, g = 10, "
+        "e = 1, mu = .01, h = 1e-4 or the stable step: friction in an impact takes energy, always.");
     const int n = 12;
     const double width = 0.02, s = std::sqrt(0.5);
     ModelInput input;
     input.plane = PlaneModel::stress;
     input.mesh = bar_mesh(n, 1, 1, 1);
-    for (Vec2& x : input.mesh.vertices) x = Vec2(s * x.x() + width * x.y(), s * x.x());  // the foot is the side "left", at y = 0
+    for (Vec2& x : input.mesh.vertices)
+        x = Vec2(s * x.x() + width * x.y(), s * x.x());  // the foot is the side "left", at y = 0
     input.materials = {{.density = 1 / (s * width), .E = 1e4 / width, .nu = 0.3}};
     input.laws = {{.sigma_c = 0, .friction = 0.01, .restitution = 1}, CohesiveLaw::unbreakable()};
     input.law_of_pair = {{1}};
@@ -313,18 +345,24 @@ TEST_CASE("B15 an impacting stick gains nothing from friction") {
     for (auto& triangle : turned.triangles) std::swap(triangle[1], triangle[2]);
     name_sides(turned, 1, 1);
     for (BoundaryEdge& edge : turned.boundary_edges)
-        edge.boundary = 0.5 * (turned.corner(edge.triangle, edge.side) + turned.corner(edge.triangle, (edge.side + 1) % 3)).y() < 1e-9 ? 0 : 1;
+        edge.boundary =
+            0.5 * (turned.corner(edge.triangle, edge.side) + turned.corner(edge.triangle, (edge.side + 1) % 3)).y() <
+                    1e-9
+                ? 0
+                : 1;
     input.mesh = turned;
     for (Index t = 0; t < input.mesh.n_triangles(); ++t) {
         const Vec2 middle = (input.mesh.corner(t, 0) + input.mesh.corner(t, 1) + input.mesh.corner(t, 2)) / 3;
-        input.initial_velocities.push_back({.on = {.boundary = "", .box = Box{middle - Vec2(1e-6, 1e-6), middle + Vec2(1e-6, 1e-6)}},
-                                            .value = Vec2(-0.5, 0.1) + 0.1 * turned_left(middle - centre)});
+        input.initial_velocities.push_back(
+            {.on = {.boundary = "", .box = Box{middle - Vec2(1e-6, 1e-6), middle + Vec2(1e-6, 1e-6)}},
+             .value = Vec2(-0.5, 0.1) + 0.1 * turned_left(middle - centre)});
     }
     for (const SchemeOptions& path : both_paths()) {
         on_path(path);
         Run run(input, path);
         CHECK(std::accumulate(run.model.corner_mass.begin(), run.model.corner_mass.end(), 0.0) == doctest::Approx(1));
-        const double h = path.bulk == BulkScheme::explicit_lumped ? std::min(1e-4, 0.8 * run.stepper.stable_step()) : 1e-4;
+        const double h =
+            path.bulk == BulkScheme::explicit_lumped ? std::min(1e-4, 0.8 * run.stepper.stable_step()) : 1e-4;
         double friction = 0, impact = 0, first = 0;  // residual of the first step, which joins the corners of the foot
         int n_impacts = 0, n_steps = 0;
         bool touched = false;

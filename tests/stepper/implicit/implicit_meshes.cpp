@@ -33,7 +33,8 @@ int go(Run& run, double until, double h) {
         if (report.rejection != Rejection::none) {
             ++rejections;
             now /= 2;
-            REQUIRE_MESSAGE(now > 1e-6 * h, "stuck at t = ", run.now.time, " after ", run.now.n_steps, " steps, ", rejections, " rejections, the last ", static_cast<int>(report.rejection));
+            REQUIRE_MESSAGE(now > 1e-6 * h, "stuck at t = ", run.now.time, " after ", run.now.n_steps, " steps, ",
+                            rejections, " rejections, the last ", static_cast<int>(report.rejection));
             continue;
         }
         std::swap(run.now, end);
@@ -63,7 +64,8 @@ TEST_CASE("E3 all interfaces of a homogeneous bar reach their strength in one im
     input.materials = {{.density = 1, .E = 1, .nu = 0}};
     input.laws = {{.sigma_c = 1e-3, .G_c = 2e-5, .gamma = 1, .friction = 0.3}};
     input.law_of_pair = {{0}};
-    input.loads = {load(Load::Kind::velocity, "left", -1e-3, std::nullopt), load(Load::Kind::velocity, "right", 1e-3, std::nullopt)};
+    input.loads = {load(Load::Kind::velocity, "left", -1e-3, std::nullopt),
+                   load(Load::Kind::velocity, "right", 1e-3, std::nullopt)};
     const auto strain = [](Run& run) {  // a homogeneous rate of strain, from a stress a little below the strength
         for (Index c = 0; c < run.model.mesh.n_corners(); ++c) {
             const double x = run.model.mesh.corner(c / 3, c % 3).x();
@@ -80,8 +82,10 @@ TEST_CASE("E3 all interfaces of a homogeneous bar reach their strength in one im
     CHECK(go(again, 2, h) == rejections);
     on_path(both_implicit);
     verify_at_most("refused steps", rejections, 0);
-    verify_that("a second run has the same bits", same_bits(run.now.displacement, again.now.displacement) && run.now.split_fans == again.now.split_fans);
-    verify_at_least("vertices that come apart (95 inside)", static_cast<double>(run.now.split_fans.size()), 0.8 * 19 * 5);
+    verify_that("a second run has the same bits",
+                same_bits(run.now.displacement, again.now.displacement) && run.now.split_fans == again.now.split_fans);
+    verify_at_least("vertices that come apart (95 inside)", static_cast<double>(run.now.split_fans.size()),
+                    0.8 * 19 * 5);
     verify_small("residual of the interface laws", run.ledger.worst().residual, {1e-10});
     check_energy_balance(run);
 }
@@ -100,7 +104,8 @@ ModelInput pulled_plate(double speed) {
     input.materials = {glass};
     input.laws = {{.sigma_c = 4e6, .G_c = 3, .gamma = 1}};
     input.law_of_pair = {{0}};
-    input.loads = {load(Load::Kind::velocity, "top", std::nullopt, speed), load(Load::Kind::velocity, "bottom", std::nullopt, -speed)};
+    input.loads = {load(Load::Kind::velocity, "top", std::nullopt, speed),
+                   load(Load::Kind::velocity, "bottom", std::nullopt, -speed)};
     return input;
 }
 
@@ -162,9 +167,11 @@ TEST_CASE("E11 friction of 1 and 10 and 1000 with all edges implicit") {
         const std::string at = ", mu = " + digits(friction);
         const double scale = run.ledger.largest_energy();
         verify_at_most("friction work over the energy" + at, run.ledger.row().friction_work / scale, 0);
-        verify_at_most("largest friction work of a point in a step, over the energy" + at, run.ledger.worst().worst_friction_work / scale, 1e-14);
+        verify_at_most("largest friction work of a point in a step, over the energy" + at,
+                       run.ledger.worst().worst_friction_work / scale, 1e-14);
         verify_small("residual of the interface laws" + at, run.ledger.worst().residual, {1e-10});
-        verify_at_most("steps refused of " + std::to_string(run.now.n_steps) + at, rejections, static_cast<double>(run.now.n_steps) / 2);
+        verify_at_most("steps refused of " + std::to_string(run.now.n_steps) + at, rejections,
+                       static_cast<double>(run.now.n_steps) / 2);
         CHECK(n_broken(run) > 0.5 * n_broken(twin));
         CHECK(n_broken(run) < 1.5 * n_broken(twin) + 20);
         CHECK(run.ledger.row().friction_work < 0);
@@ -173,8 +180,11 @@ TEST_CASE("E11 friction of 1 and 10 and 1000 with all edges implicit") {
 }
 
 TEST_CASE("E12 slivers of half a degree do not disturb what is bound") {
-    describe("A plate of 6 x 6 cells with a triangle of half a degree, masses 1 to 250 apart; 40 steps without interfaces, with all edges cohesive, and with every vertex split.");
-    // one vertex so near to an edge that a triangle of half a degree remains; all vertices solved with their points (split from the start)
+    describe(
+        "A plate of 6 x 6 cells with a triangle of half a degree, masses 1 to 250 apart; 40 steps without interfaces, "
+        "with all edges cohesive, and with every vertex split.");
+    // one vertex so near to an edge that a triangle of half a degree remains; all vertices solved with their points
+    // (split from the start)
     Mesh mesh = bar_mesh(6, 6, 1, 1);
     const Index vertex = 3 * 7 + 3;
     mesh.vertices[vertex] -= Vec2(0.4, 1 - 4e-3) / 6;

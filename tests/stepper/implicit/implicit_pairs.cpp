@@ -16,7 +16,8 @@ namespace {
 
 struct Pair {
     SchemeOptions options;
-    double order;  // of convergence: 2 where the cohesion is taken at the moment at which the bulk takes its forces, else 1
+    double order;  // of convergence: 2 where the cohesion is taken at the moment at which the bulk takes its forces,
+                   // else 1
 };
 
 const std::vector<Pair> pairs = {
@@ -43,7 +44,8 @@ double opening_of_b1(const SchemeOptions& options, double h) {
 double opening_of_b3(const SchemeOptions& options, double h) {
     const SpringBody body{.law = {.sigma_c = 1, .G_c = 0.5, .gamma = 1}, .mass = 2.5, .stiffness = 10};
     ModelInput input = spring_body(body);
-    push(input, body.motion, sampled([](double t) { return 1.5 * std::exp(t / 4) * std::sin(M_PI * t); }, h, static_cast<int>(6.5 / h)));
+    push(input, body.motion,
+         sampled([](double t) { return 1.5 * std::exp(t / 4) * std::sin(M_PI * t); }, h, static_cast<int>(6.5 / h)));
     Run run(input, options);
     while (run.now.time < 6 - 0.5 * h) {
         run.step(h);
@@ -57,16 +59,30 @@ double opening_of_b3(const SchemeOptions& options, double h) {
 }  // namespace
 
 TEST_CASE("B1 the four pairs of schemes converge with their order") {
-    describe("u(1.5) at h = .1, .05, ... .00625. The order is 2 where the cohesion is taken at the moment at which the bulk takes its forces, else 1.");
+    describe(
+        "u(1.5) at h = .1, .05, ... .00625. The order is 2 where the cohesion is taken at the moment at which the bulk "
+        "takes its forces, else 1.");
     const double exact = 0.5 * (std::cosh(1.5) - 1);
-    Chart chart{.title = "B1: error of u(1.5)", .x_quantity = "step", .x_unit = "s", .y_quantity = "relative error", .y_unit = "", .curves = {}, .levels = {}, .x_logarithmic = true,
+    Chart chart{.title = "B1: error of u(1.5)",
+                .x_quantity = "step",
+                .x_unit = "s",
+                .y_quantity = "relative error",
+                .y_unit = "",
+                .curves = {},
+                .levels = {},
+                .x_logarithmic = true,
                 .y_logarithmic = true};
     for (const Pair& pair : pairs) {
         on_path(pair.options);
         double previous = 0;
-        Curve curve{.label = name_of(pair.options), .x = {}, .y = {}, .colour = curve_colour(chart.curves.size()), .marker = Marker::circle};
+        Curve curve{.label = name_of(pair.options),
+                    .x = {},
+                    .y = {},
+                    .colour = curve_colour(chart.curves.size()),
+                    .marker = Marker::circle};
         for (const double h : {0.1, 0.05, 0.025, 0.0125, 0.00625}) {
-            const double error = opening_of_b1(pair.options, h) / exact - 1, order = previous != 0 ? std::log2(std::abs(previous / error)) : 0;
+            const double error = opening_of_b1(pair.options, h) / exact - 1,
+                         order = previous != 0 ? std::log2(std::abs(previous / error)) : 0;
             curve.x.push_back(h), curve.y.push_back(std::abs(error));
             if (h < 0.02) verify_near("order of u(1.5), h = " + digits(h), order, pair.order, {0.05});
             previous = error;
@@ -84,6 +100,7 @@ TEST_CASE("B3 the four pairs of schemes find the same motion") {
     for (const Pair& pair : pairs) {
         on_path(pair.options);
         for (const double h : {8e-3, 4e-3, 2e-3, 1e-3})  // events fall between steps
-            verify("u_1(6) against both implicit at h = 1.25e-4, h = " + digits(h), opening_of_b3(pair.options, h), reference, {5 * h, h});
+            verify("u_1(6) against both implicit at h = 1.25e-4, h = " + digits(h), opening_of_b3(pair.options, h),
+                   reference, {5 * h, h});
     }
 }

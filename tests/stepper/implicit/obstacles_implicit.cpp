@@ -67,7 +67,7 @@ TEST_CASE("an implicit disc dropped on a point rebounds by the law of Newton") {
     for (const double e : {0.0, 0.4, 1.0}) {
         ModelInput input = point_masses({.sigma_c = 0}, false);
         input.supports.clear();
-        input.materials[0].density = 30;  // ten times the mass of the disc
+        input.materials[0].density = 30;                                          // ten times the mass of the disc
         input.obstacles = {boulder({1, 2.5}, 1, {0, -1.5}, {.restitution = e})};  // above the vertex (1, 1)
         Run run(input, implicit());
         double before = 0;
@@ -79,7 +79,8 @@ TEST_CASE("an implicit disc dropped on a point rebounds by the law of Newton") {
         for (int i = 0; i < 3; ++i) run.step(1e-3);  // with e = 0 it lands first
         CHECK(run.now.obstacles[0].velocity.y() - run.v(0, 2).y() == doctest::Approx(-e * before).epsilon(1e-10));
         CHECK(run.now.obstacles[0].velocity.y() + 10 * run.v(0, 2).y() == doctest::Approx(-1.5).epsilon(1e-12));
-        CHECK(run.ledger.row().impact_work == doctest::Approx(-0.5 * 10 / 11.0 * 2.25 * (1 - e * e)).epsilon(1e-10).scale(1));
+        CHECK(run.ledger.row().impact_work ==
+              doctest::Approx(-0.5 * 10 / 11.0 * 2.25 * (1 - e * e)).epsilon(1e-10).scale(1));
         check_energy_balance(run);
     }
 }
@@ -91,7 +92,8 @@ Vec3 momentum(const Run& run) {
     Vec3 sum = Vec3::Zero();
     for (Index c = 0; c < run.model.mesh.n_corners(); ++c) {
         const Index node = run.now.node_of_corner[c];
-        sum += wrench_of(run.model.corner_mass[c] * run.now.velocity[node], run.model.mesh.corner(c) + run.now.displacement[node]);
+        sum += wrench_of(run.model.corner_mass[c] * run.now.velocity[node],
+                         run.model.mesh.corner(c) + run.now.displacement[node]);
     }
     for (std::size_t o = 0; o < run.model.obstacles.size(); ++o) {
         const Obstacle& obstacle = run.model.obstacles[o];
@@ -142,7 +144,8 @@ TEST_CASE("the two bulks agree on a boulder and a block the better the smaller t
         input.obstacles[1] = polygon({{0.1, 2}, {0.9, 2}, {0.9, 2.5}, {0.1, 2.5}}, {.friction = 0.2});
         set_free(input.obstacles[1], 1);
         TimeFunction push;
-        for (int i = 0; i <= 200; ++i) push.time.push_back(i * 0.01), push.value.push_back(0.5 - 0.5 * std::cos(M_PI * i * 0.01));
+        for (int i = 0; i <= 200; ++i)
+            push.time.push_back(i * 0.01), push.value.push_back(0.5 - 0.5 * std::cos(M_PI * i * 0.01));
         input.obstacles[1].forces = {{.value = Vec3(0.02, -1, 0), .history = push}};
         Run run(input, scheme);
         const double h = 4e-3 * part;
@@ -200,7 +203,8 @@ TEST_CASE("implicit points slide down an inclined platen as Coulomb says") {
         Run run(input, implicit());
         for (int i = 0; i < 20; ++i) {
             run.step(h);
-            CHECK(run.v(0, 0).dot(down) == relative(v0 + g * (std::sin(angle) - mu * std::cos(angle)) * run.now.time, 1e-9));
+            CHECK(run.v(0, 0).dot(down) ==
+                  relative(v0 + g * (std::sin(angle) - mu * std::cos(angle)) * run.now.time, 1e-9));
         }
         CHECK(run.now.obstacles[0].reaction.head<2>().dot(normal) == relative(-2 * g * std::cos(angle), 1e-9));
         check_energy_balance(run);
@@ -223,7 +227,8 @@ TEST_CASE("an implicit boulder on an elastic bar is braked as the wave solution 
     double worst = 0;
     while (run.now.time < 0.9) {
         run.step(0.01);
-        if (run.now.time > 0.05) worst = std::max(worst, std::abs(run.now.obstacles[0].velocity.x() / v - std::exp(-run.now.time / tau)));
+        if (run.now.time > 0.05)
+            worst = std::max(worst, std::abs(run.now.obstacles[0].velocity.x() / v - std::exp(-run.now.time / tau)));
     }
     CHECK(worst < 0.02);
     check_energy_balance(run);

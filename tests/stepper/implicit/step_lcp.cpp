@@ -1,4 +1,5 @@
-// The full, unreduced problem of an implicit step, by itself: exact solutions, the energy identity, and every step judged by the equations.
+// The full, unreduced problem of an implicit step, by itself: exact solutions, the energy identity, and every step
+// judged by the equations.
 #include "base/random.hpp"
 #include "lcp/spurious_breaking.hpp"
 #include "support/bodies.hpp"
@@ -107,29 +108,29 @@ TEST_CASE("step LCP: the strength of a point is the polygon of tension and frict
         for (const double part : {0.999, 1.001}) {
             if (std::isinf(strength)) continue;
             ModelInput input = point_masses(glue, true);
-            input.loads = {load(Load::Kind::body_force, "", 3 * part * strength * direction.x(), 3 * part * strength * direction.y())};
+            input.loads = {load(Load::Kind::body_force, "", 3 * part * strength * direction.x(),
+                                3 * part * strength * direction.y())};
             StepLcpRun run(input);
             REQUIRE(run.step(0.1));
             CHECK(run.verdict.worst() < 1e-12);
             CAPTURE(angle);
-            if (part < 1)
-                CHECK(run.u(0).norm() < 1e-13);
-            else
-                CHECK(run.u(0).norm() > 1e-7);
+            if (part < 1) CHECK(run.u(0).norm() < 1e-13);
+            else CHECK(run.u(0).norm() > 1e-7);
         }
     }
 }
 
 TEST_CASE("step LCP: two triangles drawn apart or along each other follow the exact discrete solution") {
-    // two point masses m on a bond of area S: relative motion y'' = kappa^2 y about the place where the bond ends; the step turns (y, y')
-    // by the hyperbolic angle a
+    // two point masses m on a bond of area S: relative motion y'' = kappa^2 y about the place where the bond ends; the
+    // step turns (y, y') by the hyperbolic angle a
     struct Mode {
         CohesiveLaw law;
         bool shear;
     };
     for (const Mode& mode :
          {Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 0}, false}, Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 2}, false},
-          Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 2}, true}, Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 0.5, .friction = 0.3}, true}}) {
+          Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 2}, true},
+          Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 0.5, .friction = 0.3}, true}}) {
         ModelInput input;
         input.mesh = bar_mesh(1, 1, 2, 1);
         input.materials = {{.density = 3, .E = 0, .nu = 0}};
@@ -142,7 +143,8 @@ TEST_CASE("step LCP: two triangles drawn apart or along each other follow the ex
         const double V0 = 1.1 * kappa * reach;
         const FanPoint& at = run.model.fan_points[run.model.fan_point_of[0]];
         const Vec2 apart = mode.shear ? turned_left(at.normal) : at.normal;
-        for (Index c = 0; c < 6; ++c) run.now.velocity[run.now.node_of_corner[c]] = (c / 3 == at.after / 3 ? 0.5 : -0.5) * V0 * apart;
+        for (Index c = 0; c < 6; ++c)
+            run.now.velocity[run.now.node_of_corner[c]] = (c / 3 == at.after / 3 ? 0.5 : -0.5) * V0 * apart;
         int n = 0;
         for (;; ++n) {
             const double expected = reach * (1 - std::cosh(n * a)) + V0 / kappa * std::sinh(n * a);
@@ -215,13 +217,15 @@ TEST_CASE("step LCP: a strong body moves like one whose bonds cannot break") {
     CohesiveLaw strong = glue;
     strong.sigma_c = 1e3;
     strong.G_c = 1e7;  // its softening must not outweigh the inertia of the step, or it could break as well
-    for (const MassMatrix mass : {MassMatrix::lumped, MassMatrix::consistent}) {  // one point: a triangle by itself has none for its turning
+    for (const MassMatrix mass :
+         {MassMatrix::lumped, MassMatrix::consistent}) {  // one point: a triangle by itself has none for its turning
         SchemeOptions options = implicit_scheme;
         options.mass = mass;
         StepLcpRun parted(square(strong, 2), options), whole(square(CohesiveLaw::unbreakable(), 2), options);
         for (Index c = 0; c < 24; ++c) {
             const Vec2& x = parted.model.mesh.corner(c / 3, c % 3);
-            for (StepLcpRun* run : {&parted, &whole}) run->now.velocity[run->now.node_of_corner[c]] = Vec2(x.x() * x.y(), 1 - 2 * x.x());
+            for (StepLcpRun* run : {&parted, &whole})
+                run->now.velocity[run->now.node_of_corner[c]] = Vec2(x.x() * x.y(), 1 - 2 * x.x());
         }
         for (int n = 0; n < 3; ++n) {
             REQUIRE(parted.step(0.2));
@@ -234,8 +238,8 @@ TEST_CASE("step LCP: a strong body moves like one whose bonds cannot break") {
 }
 
 TEST_CASE("step LCP: a glued boundary that is driven") {
-    // velocity and displacement histories that mean the same motion; both points break in one step, the third corner follows by inertia
-    // alone
+    // velocity and displacement histories that mean the same motion; both points break in one step, the third corner
+    // follows by inertia alone
     const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1};
     ModelInput by_place = point_masses(law, true), by_speed = by_place;
     by_place.loads = {load(Load::Kind::displacement, "base", 0.0, 1.0, {{0, 4}, {0, 2}})};
@@ -258,22 +262,22 @@ TEST_CASE("step LCP: only the rows that a scene needs") {
         const Model model = make_model(hexagon(law));
         SchemeOptions options = implicit_scheme;
         options.cohesion = cohesion;
-        return step_lcp(model, initial_state(model), 0.1, options);
+        return StepLcp(model, initial_state(model), 0.1, options).problem();
     };
     const int n = 12;  // points: six interfaces
-    const StepLcp full = layout(glue, CohesionScheme::implicit_beta);
-    CHECK(full.problem.size() == 9 * n);
-    const auto known = cohesive_layout(full.problem);
+    const LcpProblem full = layout(glue, CohesionScheme::implicit_beta);
+    CHECK(full.size() == 9 * n);
+    const auto known = cohesive_layout(full);
     REQUIRE(known.has_value());
     CHECK(known->n_cohesive == n);
     CHECK(known->n_contacts == n);
-    CHECK(layout({.sigma_c = 1, .G_c = 1, .gamma = 0}, CohesionScheme::implicit_beta).problem.size() == 3 * n);
-    CHECK(layout({.sigma_c = 1, .G_c = 1, .gamma = 1}, CohesionScheme::implicit_beta).problem.size() == 6 * n);
-    CHECK(layout({.sigma_c = 1, .G_c = 1, .gamma = 0, .friction = 1}, CohesionScheme::explicit_beta).problem.size() == 4 * n);
-    CHECK(layout({.friction = 0}, CohesionScheme::explicit_beta).problem.size() == n);
-    CHECK(layout(CohesiveLaw::unbreakable(), CohesionScheme::implicit_beta).problem.size() == 0);
+    CHECK(layout({.sigma_c = 1, .G_c = 1, .gamma = 0}, CohesionScheme::implicit_beta).size() == 3 * n);
+    CHECK(layout({.sigma_c = 1, .G_c = 1, .gamma = 1}, CohesionScheme::implicit_beta).size() == 6 * n);
+    CHECK(layout({.sigma_c = 1, .G_c = 1, .gamma = 0, .friction = 1}, CohesionScheme::explicit_beta).size() == 4 * n);
+    CHECK(layout({.friction = 0}, CohesionScheme::explicit_beta).size() == n);
+    CHECK(layout(CohesiveLaw::unbreakable(), CohesionScheme::implicit_beta).size() == 0);
     // without friction and gamma the matrix is semidefinite where softening does not outweigh inertia
-    const Eigen::MatrixXd M = layout({.sigma_c = 1, .G_c = 1, .gamma = 0}, CohesionScheme::implicit_beta).problem.M;
+    const Eigen::MatrixXd M = layout({.sigma_c = 1, .G_c = 1, .gamma = 0}, CohesionScheme::implicit_beta).M;
     CHECK(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(M + M.transpose()).eigenvalues().minCoeff() > -1e-13);
 }
 
@@ -281,8 +285,11 @@ TEST_CASE("step LCP: random motions of a closed fan obey the equations and the e
     int n_steps = 0, n_unsolved = 0, n_broken = 0;
     for (int seed = 0; seed < 20; ++seed) {
         Random random(seed, "step lcp");
-        CohesiveLaw law{
-            .sigma_c = 1, .G_c = 0.05, .gamma = random.uniform(0, 2), .friction = random.uniform(), .restitution = random.uniform()};
+        CohesiveLaw law{.sigma_c = 1,
+                        .G_c = 0.05,
+                        .gamma = random.uniform(0, 2),
+                        .friction = random.uniform(),
+                        .restitution = random.uniform()};
         if (seed % 3 == 0) law.restitution = 0;
         SchemeOptions options = implicit_scheme;
         if (seed % 2 == 1) options.cohesion = CohesionScheme::explicit_beta;

@@ -103,17 +103,16 @@ void from_scratch(const CrackedBody& body, Index n_split, int repeats, Table& ta
             const double ms = milliseconds(work);
             if (round > 0) table.line(quantity, way).times.push_back(ms);
         };
-        time("analysis", "knap", [&] { ours = std::make_unique<ThetaMatrix>(body.model); });
-        ours->set_nodes(setting.partition, setting.prescribed);
-        ours->set_bulk(2 * body.stiffness_factor, body.mass);
+        time("analysis", "knap", [&] { ours = std::make_unique<ThetaMatrix>(body.model, body.mass); });
+        ours->set(setting.partition, 2 * body.stiffness_factor);
         if (!ours->factorise(setting.points)) std::exit(1);
-        ours->set_bulk(body.stiffness_factor, body.mass);  // now its memory is there, as CHOLMOD's is in the second round
+        ours->set(setting.partition, body.stiffness_factor);  // now its memory is there, as CHOLMOD's is in the second round
         time("factor", "knap", [&] { ours->factorise(setting.points); });
         std::vector<Vec2> x;
         ours->solve(b, x);
         time("substitution", "knap", [&] { ours->solve(b, x); });
         ours_x = setting.as_vector(x);
-        table.line("factor", "knap").entries = static_cast<double>(ours->n_entries());
+        table.line("factor", "knap").entries = static_cast<double>(ours->size().entries);
         table.line("factor", "knap").residual = residual(A, ours_x, flat);
         time("element matrices", "knap", [&] { element_matrices(body); });
         time("element matrices", "and their assembly from triplets", [&] { assembled(body, setting); });
@@ -222,8 +221,8 @@ public:
     double update(const Setting& before, const Setting& after, Index n_split) {
         const std::vector<Index> at = places(after, n_split);
         std::map<Index, std::pair<double, const PointTangent*>> change;
-        for (const PointTangent& p : before.points) change[p.fan_point] = {-p.block(0, 0), &p};
-        for (const PointTangent& p : after.points) change[p.fan_point].first += p.block(0, 0), change[p.fan_point].second = &p;
+        for (const PointTangent& p : before.points) change[p.sides.fan_point] = {-p.block(0, 0), &p};
+        for (const PointTangent& p : after.points) change[p.sides.fan_point].first += p.block(0, 0), change[p.sides.fan_point].second = &p;
         std::vector<Eigen::Triplet<double, int>> entries;
         int n_columns = 0;
         bool adds = true;
@@ -231,7 +230,7 @@ public:
             if (what.first == 0) continue;
             adds = what.first > 0;
             for (int k = 0; k < 2; ++k, ++n_columns)
-                for (const auto& [node, sign] : {std::pair(what.second->after, 1.0), std::pair(what.second->before, -1.0)})
+                for (const auto& [node, sign] : {std::pair(what.second->sides.after, 1.0), std::pair(what.second->sides.before, -1.0)})
                     if (const Index u = node < 0 ? -1 : after.unknown[2 * node + k]; u >= 0)
                         entries.emplace_back(at[u], n_columns, sign * std::sqrt(std::abs(what.first)));
         }
@@ -279,10 +278,9 @@ void follow_the_crack(const CrackedBody& body, Table& table) {
     const std::pair<std::string, int> orderings[] = {{"AMD", CHOLMOD_AMD}, {"METIS", CHOLMOD_METIS}};
     std::vector<std::unique_ptr<Extended>> theirs;
     for (const auto& [name, ordering] : orderings) theirs.push_back(std::make_unique<Extended>(body, splits, ordering));
-    ThetaMatrix ours(body.model);
-    ours.set_bulk(body.stiffness_factor, body.mass);
+    ThetaMatrix ours(body.model, body.mass);
     const auto go_to = [&](const Setting& setting) {
-        ours.set_nodes(setting.partition, setting.prescribed);
+        ours.set(setting.partition, body.stiffness_factor);
         if (!ours.factorise(setting.points)) std::exit(1);
     };
     const auto put = [&](const std::string& quantity, std::size_t i, double modified, bool same_nodes) {

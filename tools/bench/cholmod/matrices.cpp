@@ -60,14 +60,7 @@ Setting::Setting(const CrackedBody& body, Index n_split, Index n_stronger) {
     for (Index i = 0; i < n_split; ++i) active[body.path[i]] = of_path[body.path[i]] = 1;
     partition_corners(model, active, partition);
 
-    prescribed.assign(partition.n_nodes(), {false, false});
-    for (Index c = 0; c < model.mesh.n_corners(); ++c)
-        if (const Index motion = model.prescribed_of_corner[c]; motion >= 0)
-            prescribed[partition.node_of_corner[c]] = model.prescribed[motion].component;
-    for (const FanPoint& p : model.fan_points)
-        if ((p.before == rigid_support || p.after == rigid_support) && unbreakable(model, p))
-            prescribed[partition.node_of_corner[p.before == rigid_support ? p.after : p.before]] = {true, true};
-    for (const std::array<bool, 2>& node : prescribed)
+    for (const std::array<bool, 2>& node : partition.prescribed)
         for (const bool fixed : node) unknown.push_back(fixed ? -1 : n_unknowns++);
 
     const double stiffness = 0.3 * body.stiffness_factor * model.materials[0].E * model.thickness;  // of the size of the diagonal of M_hat
@@ -82,7 +75,7 @@ Setting::Setting(const CrackedBody& body, Index n_split, Index n_stronger) {
                         after = p.after == rigid_support ? -1 : partition.node_of_corner[p.after];
             if (before == after) continue;
             const Eigen::Matrix2d block = stiffness * (n_stronger-- > 0 ? 1.5 : 1) * Eigen::Matrix2d::Identity();
-            points.push_back({i, before, after, block, block});
+            points.push_back({{i, before, after}, block, block});
         }
     };
     for (Index i = 0; i < static_cast<Index>(body.path.size()); ++i)
@@ -95,7 +88,7 @@ std::vector<Vec2> Setting::right_hand_side() const {
     std::vector<Vec2> b(partition.n_nodes(), Vec2::Zero());
     for (Index i = 0; i < partition.n_nodes(); ++i)
         for (int k = 0; k < 2; ++k)
-            if (!prescribed[i][k]) b[i][k] = 1 + (7 * i + 3 * k) % 11;
+            if (!partition.prescribed[i][k]) b[i][k] = 1 + (7 * i + 3 * k) % 11;
     return b;
 }
 
@@ -138,8 +131,9 @@ SparseMatrix assembled(const CrackedBody& body, const Setting& setting) {
     for (const PointTangent& p : setting.points)
         for (int i = 0; i < 2; ++i)
             for (int j = 0; j < 2; ++j) {
-                add(p.after, i, p.after, j, p.block(i, j)), add(p.before, i, p.before, j, p.block(i, j));
-                add(p.after, i, p.before, j, -p.block(i, j)), add(p.before, i, p.after, j, -p.block(i, j));
+                const auto& [before, after] = std::pair(p.sides.before, p.sides.after);
+                add(after, i, after, j, p.block(i, j)), add(before, i, before, j, p.block(i, j));
+                add(after, i, before, j, -p.block(i, j)), add(before, i, after, j, -p.block(i, j));
             }
     SparseMatrix A(setting.n_unknowns, setting.n_unknowns);
     A.setFromTriplets(entries.begin(), entries.end());

@@ -1,0 +1,56 @@
+#include "stepper/implicit/active_point.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace knap {
+namespace {
+
+constexpr double no_cohesion = 1e-12;  // [-] beta below it is zero
+
+}  // namespace
+
+ActivePoint interface_point(const Model& model, const StepContext& step, const CornerPartition& nodes, Index fan,
+                            Index fan_point) {
+    const FanPoint& at = model.fan_points[fan_point];
+    const CohesiveLaw& law = model.laws[at.law];
+    const auto node_of = [&](Index corner) { return corner == rigid_support ? -1 : nodes.node_of_corner[corner]; };
+    const auto velocity = [&](Index corner) -> Vec2 {
+        return corner == rigid_support ? Vec2::Zero() : step.begin->velocity[step.begin->node_of_corner[corner]];
+    };
+    const Vec2 u = opening(model, *step.begin, at.point);
+    const double u_rate = at.normal.dot(velocity(at.after) - velocity(at.before));
+    double beta = at.cracked || law.sigma_c == 0 ? 0 : cohesion(model, *step.begin, at.point);
+    if (beta < no_cohesion) beta = 0;
+    ActivePoint made{.sides = {.fan_point = fan_point, .before = node_of(at.before), .after = node_of(at.after)},
+                     .fan = fan,
+                     .normal = at.normal,
+                     .law = {.u_N = u.x(),
+                             .u_T = u.y(),
+                             .strength = beta > 0 ? step.kick() * at.area * law.sigma_c : 0,
+                             .cohesion = beta,
+                             .material = &law,
+                             .friction = law.friction,
+                             .contact = contact_bound_theta(u.x(), u_rate, law.restitution_at(beta), step.h, step.theta,
+                                                            touching_gap(model, *step.begin, at)),
+                             .step = &step}};
+    apply_prescribed(nodes, made);
+    made.law.set_staircase();
+    return made;
+}
+
+void apply_prescribed(const CornerPartition& nodes, ActivePoint& point) {
+    std::array<bool, 2> prescribed{true, true}, along{false, false};  // x, y; N, T
+    for (int k = 0; k < 2; ++k)
+        for (const Index node : {point.sides.before, point.sides.after, point.sides.beside})
+            prescribed[k] = prescribed[k] && nodes.is_prescribed(node, k);
+    for (int k = 0; k < 2; ++k) {
+        if (!prescribed[k]) continue;
+        along[0] = along[0] || prescribed[1 - k] || std::abs(point.normal[k]) > 1 - 1e-9;
+        along[1] = along[1] || prescribed[1 - k] || std::abs(point.normal[k]) < 1e-9;
+    }
+    if (along[0]) point.law.contact.may_touch = false;
+    if (along[1]) point.law.rho_T = std::numeric_limits<double>::infinity();
+}
+
+}  // namespace knap
