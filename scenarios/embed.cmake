@@ -1,4 +1,5 @@
-# Writes scenarios/*.toml, the files that they name (*.msh) and the template of `knap new` into one C++ file, so that the program knows them by name from any directory.
+# Writes scenarios/*.toml, the files that they name (*.msh), the template of `knap new` and the examples of
+# `knap schema --markdown` into one C++ file, so that the program needs no other file.
 function(knap_embed_table pattern with_ending result)
   file(GLOB files CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/scenarios/${pattern})
   set(table "")
@@ -18,9 +19,10 @@ endfunction()
 function(knap_embed_scenarios output)
   knap_embed_table(*.toml FALSE scenarios)
   knap_embed_table(*.msh TRUE files)
-  set(template ${CMAKE_SOURCE_DIR}/src/scenario/new_scenario.toml)
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${template})
-  file(READ ${template} template)
+  foreach(name new_scenario block_examples)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/scenario/${name}.toml)
+    file(READ ${CMAKE_SOURCE_DIR}/src/scenario/${name}.toml ${name})
+  endforeach()
   file(CONFIGURE OUTPUT ${output} @ONLY CONTENT
 "// Generated from scenarios/*.toml and scenarios/*.msh.
 #include \"scenario/built_in.hpp\"
@@ -40,7 +42,12 @@ const std::vector<BuiltIn>& built_in_files() {
 }
 
 const std::string& scenario_template() {
-    static const std::string text = R\"knap_file(@template@)knap_file\";
+    static const std::string text = R\"knap_file(@new_scenario@)knap_file\";
+    return text;
+}
+
+const std::string& block_examples() {
+    static const std::string text = R\"knap_file(@block_examples@)knap_file\";
     return text;
 }
 

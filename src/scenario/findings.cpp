@@ -1,7 +1,6 @@
 #include "scenario/findings.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <tuple>
 
 namespace knap {
@@ -13,26 +12,19 @@ constexpr std::size_t max_quoted = 10'000'000;  // characters: a line of a megab
 Source::Source(std::string name, std::string text) : name_(std::move(name)), text_(std::move(text)) {
     std::string line;
     for (const char c : text_) {
-        if (c == '\n') {
-            lines_.push_back(std::move(line));
-            line.clear();
-        } else if (c != '\r') {
-            line += c == '\t' ? ' ' : c;  // one column wide, so that the marks stand right
-        }
+        if (c == '\n') lines_.push_back(std::exchange(line, {}));
+        else if (c != '\r') line += c == '\t' ? ' ' : c;  // a tab is one column wide, as the marks need
     }
     if (!line.empty()) lines_.push_back(std::move(line));
 }
 
-void Source::point_at_name(Diagnostic& d, const Node& node) const {
-    point(d, node, node.name_place.line > 0 ? node.name_place : node.place);
-}
-
-void Source::point(Diagnostic& d, const Node& node, const Place& place) const {
+void Source::set_place(Diagnostic& d, const Node& node) const {
     d.file = node.set_by.empty() ? name_ : node.set_by;
     if (!node.set_by.empty()) return;
-    d.line = place.line;
-    d.column = place.column;
-    d.length = place.length;
+    const bool about_name = d.code == "unknown-key" || d.code == "exclusive-keys" ||
+                            (node.type == Node::Type::table && d.code.ends_with("-name"));
+    const Place& place = about_name && node.name_place.line > 0 ? node.name_place : node.place;
+    std::tie(d.line, d.column, d.length) = std::tie(place.line, place.column, place.length);
 }
 
 void Source::quote(Diagnostic& d) const {
@@ -42,23 +34,16 @@ void Source::quote(Diagnostic& d) const {
     d.length = std::max(1, std::min(d.length, to_the_end));
 }
 
-Diagnostic& Findings::error(const std::string& code, const std::string& message, const Node& at) {
-    source_.point(error(code, message), at);
-    return found_.back();
+void Findings::error(const std::string& code, const std::string& message, const Node& at, const std::string& note,
+                     const std::string& hint) {
+    found_.push_back({.code = code, .message = message, .hint = hint, .note = note});
+    source_.set_place(found_.back(), at);
 }
 
-Diagnostic& Findings::error_at_name(const std::string& code, const std::string& message, const Node& at) {
-    source_.point_at_name(error(code, message), at);
-    return found_.back();
-}
-
-Diagnostic& Findings::error(const std::string& code, const std::string& message) {
-    return found_.emplace_back(Diagnostic{.code = code, .message = message, .file = source_.name()});
-}
-
-Diagnostic& Findings::warning(const std::string& code, const std::string& message, const Node& at) {
-    error(code, message, at).severity = Diagnostic::Severity::warning;
-    return found_.back();
+void Findings::warning(const std::string& code, const std::string& message, const Node& at, const std::string& note,
+                       const std::string& hint) {
+    error(code, message, at, note, hint);
+    found_.back().severity = Diagnostic::Severity::warning;
 }
 
 bool Findings::has_errors() const {

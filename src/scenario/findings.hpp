@@ -1,5 +1,5 @@
 #pragma once
-// The source text of a scenario and everything that is found wrong with it.
+// The source text of a scenario, and the errors and warnings about it.
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "scenario/toml_tree.hpp"
@@ -16,14 +16,13 @@ public:
     const std::string& name() const { return name_; }  // as the user wrote it, for messages
     const std::string& text() const { return text_; }  // verbatim
 
-    /// Fills in file, line, column and length of a node, or the `--set` that the node comes from.
-    void point(Diagnostic& diagnostic, const Node& node) const { point(diagnostic, node, node.place); }
-    void point_at_name(Diagnostic& diagnostic, const Node& node) const;
-    /// Adds the source line, and ends the marks with it.
+    /// Fills in file, line, column and length of a node, or the `--set` that the node comes from. The place is that of
+    /// the node's name for errors about the name (unknown or excluded keys, names of tables), otherwise of its value.
+    void set_place(Diagnostic& diagnostic, const Node& node) const;
+    /// Adds the source line, and shortens the marks to its end.
     void quote(Diagnostic& diagnostic) const;
 
 private:
-    void point(Diagnostic& diagnostic, const Node& node, const Place& place) const;
     std::string name_, text_;
     std::vector<std::string> lines_;
 };
@@ -32,11 +31,13 @@ class Findings {
 public:
     explicit Findings(const Source& source) : source_(source) {}
 
-    /// The returned reference is for adding a hint or a note at once; the next call ends its life.
-    Diagnostic& error(const std::string& code, const std::string& message, const Node& at);
-    Diagnostic& error_at_name(const std::string& code, const std::string& message, const Node& at);
-    Diagnostic& error(const std::string& code, const std::string& message);
-    Diagnostic& warning(const std::string& code, const std::string& message, const Node& at);
+    /// A message at the place of a node; without a place for Node{}. `note`: the allowed values or the cure; `hint`: a
+    /// suggestion under the marks.
+    void error(const std::string& code, const std::string& message, const Node& at, const std::string& note = {},
+               const std::string& hint = {});
+    void warning(const std::string& code, const std::string& message, const Node& at, const std::string& note = {},
+                 const std::string& hint = {});
+    void add(Diagnostic found) { found_.push_back(std::move(found)); }
 
     bool has_errors() const;
     /// In the order of the file, with source lines; findings without a line come last.

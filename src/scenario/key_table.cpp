@@ -1,270 +1,279 @@
-// The rows of the key table. A new key is a row here; where its value is a member of an options struct as it stands,
+// The rows of the key table. A new key is a row here. If its value is a member of an options struct,
 // `.to(&Struct::member)` is all that reads it. Other values are read, and checked against each other, in read_*.cpp.
 #include "scenario/key_table.hpp"
+
 #include "microstructure/inclusions.hpp"
 #include "scenario/scenario.hpp"
 
+#include <numbers>
+
 namespace knap {
+namespace {
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 // clang-format off
+void add_arcs(KeyTable& t, const std::string& table, std::string_view doc, std::vector<std::string> shapes = {}) {
+    t.list(joined_path(table, "arcs[]"), doc).only_with("shape", std::move(shapes));
+    t.integer("side", "number of the side; side 1 joins the first point to the second, the last side closes the ring")
+        .at_least(1).required();
+    t.number("through", "m", "point on the arc between the ends of the side; the arc becomes a polygon with its "
+        "corners on the arc and sides of the local mesh size").pair().required();
+    t.in(table);
+}
+
+void add_contact(KeyTable& t) {
+    t.number("friction", "", "Coulomb friction coefficient").at_least(0).otherwise("0").to(&CohesiveLaw::friction);
+    t.number("restitution", "", "Newton's coefficient of restitution: 0 plastic, 1 elastic impact")
+        .at_least(0).at_most(1).otherwise("0").to(&CohesiveLaw::restitution);
+}
+
+void add_history(KeyTable& t, std::string_view what) {
+    t.number("ramp", "s", what).above(0);
+    t.number("table", "s", "factor over time as pairs [time, factor], linear between them and constant outside")
+        .points().second("");
+    t.text("csv", "file with lines `time, factor` [s, -], instead of a table, relative to the scenario file; # starts "
+        "a comment");
+}
+
 void add_keys_of_body(KeyTable& t) {
-    t.integer("knap", "version of the scenario format; this program reads 1").at_least(1).required();
-    t.text("name", "short name: letters, digits, - _ and .").computed("the name of the file").to(&Scenario::name);
-    t.text("title", "one line for people").otherwise("").to(&Scenario::title);
-    t.integer("seed", "the only source of randomness (mesh, grains, inclusions, joints, strength)")
+    t.integer("knap", "version of the scenario format; this program reads version 1").at_least(1).required();
+    t.text("name", "name of the run directory: letters, digits, - _ and .")
+        .computed("the name of the file").to(&Scenario::name);
+    t.text("title", "title of the figures; empty: the name").otherwise("").to(&Scenario::title);
+    t.integer("seed", "seed of all random numbers: mesh, grains, inclusions, joints, strength")
         .at_least(0).otherwise("1").to(&Scenario::seed);
 
     t.table("domain", "the body; with mesh.file only model and thickness");
-    t.word("shape", {"rectangle", "polygon", "disc"},
-        "needed without mesh.file; rectangle has the boundaries left, right, bottom, top; disc has rim");
+    t.word("shape", {"rectangle", "polygon", "disc"}, "outline of the body, required without mesh.file; a rectangle "
+        "has the boundaries left, right, bottom, top, a disc the boundary rim");
     t.number("size", "m", "width and height").pair().above(0).required().only_with("shape", {"rectangle"});
     t.number("origin", "m", "lower left corner").pair().otherwise("[0, 0]").only_with("shape", {"rectangle"});
-    t.number("points", "m", "corners in order, the first one not repeated")
+    t.number("points", "m", "corners in order, without repeating the first one")
         .points().required().only_with("shape", {"polygon"});
-    t.text("sides", "boundary names, one for each side from a point to the next; a name may come back")
+    t.text("sides", "boundary names of the sides, in the order of the points; sides may share a name")
         .list().computed("side1, side2, ...").only_with("shape", {"polygon"});
-    t.list("domain.arcs[]", "sides that are arcs of a circle; they keep their boundary name")
-        .only_with("shape", {"polygon"});
-    t.integer("side", "number of the side: 1 leads from the first point to the second, the last one back to the first")
-        .at_least(1).required();
-    t.number("through", "m",
-        "a point of the arc between the two corners; the arc becomes a polygon with sides of the local mesh size, "
-        "corners on the arc").pair().required();
-    t.in("domain");
-    t.number("centre", "m", "centre").pair().otherwise("[0, 0]").only_with("shape", {"disc"});
-    t.number("radius", "m", "radius; the rim becomes a polygon with sides of the local mesh size")
+    add_arcs(t, "domain", "sides of the polygon that are circular arcs; they keep their boundary names", {"polygon"});
+    t.number("centre", "m", "centre of the disc").pair().otherwise("[0, 0]").only_with("shape", {"disc"});
+    t.number("radius", "m", "radius of the disc, meshed as a polygon with sides of the local mesh size")
         .above(0).required().only_with("shape", {"disc"});
-    t.word("model", {"plane strain", "plane stress"}, "what is zero across the plane").otherwise("plane strain");
-    t.number("thickness", "m", "thickness of the body").above(0).otherwise("1").to(&Scenario::thickness);
-    t.list("domain.hole[]", "a hole: points, or centre and radius");
+    t.word("model", {"plane strain", "plane stress"}, "assumption on the out-of-plane direction")
+        .otherwise("plane strain").to(&Scenario::plane, {PlaneModel::strain, PlaneModel::stress});
+    t.number("thickness", "m", "out-of-plane thickness; forces and energies are those of this thickness")
+        .above(0).otherwise("1").to(&Scenario::thickness);
+    t.list("domain.hole[]", "a hole, given by points, or by centre and radius");
     t.number("points", "m", "corners in order").points();
-    t.list("domain.hole[].arcs[]", "sides between the points that are arcs of a circle, as domain.arcs");
-    t.integer("side", "number of the side, from 1").at_least(1).required();
-    t.number("through", "m", "a point of the arc between the two corners").pair().required();
-    t.in("domain.hole[]");
+    add_arcs(t, "domain.hole[]", "sides between the points that are circular arcs");
     t.number("centre", "m", "centre of a round hole").pair();
-    t.number("radius", "m", "radius of a round hole, a polygon with sides of the local mesh size, at least twelve")
-        .above(0);
-    t.text("name", "boundary name of its border").computed("hole1, hole2, ...");
-    t.list("domain.crack[]", "a closed crack: no cohesion; contact and friction of the material pair it lies between");
-    t.number("points", "m", "the crack as a polyline").points().required();
-    t.list("domain.region[]",
-        "a part with a material of its own: points, centre and radius, or box; later ones lie over earlier ones");
+    t.number("radius", "m", "radius of a round hole, meshed as a polygon with at least twelve sides").above(0);
+    t.text("name", "boundary name of its edge").computed("hole1, hole2, ...");
+    t.list("domain.crack[]", "a closed initial crack without cohesion; contact and friction follow the interface law "
+        "of the materials on its sides");
+    t.number("points", "m", "polyline of the crack").points().required();
+    t.list("domain.region[]", "a part of another material, given by points, by centre and radius, or by a box; later "
+        "regions overwrite earlier ones");
     t.number("points", "m", "corners in order").points();
-    t.list("domain.region[].arcs[]", "sides between the points that are arcs of a circle, as domain.arcs");
-    t.integer("side", "number of the side, from 1").at_least(1).required();
-    t.number("through", "m", "a point of the arc between the two corners").pair().required();
-    t.in("domain.region[]");
+    add_arcs(t, "domain.region[]", "sides between the points that are circular arcs");
     t.number("centre", "m", "centre of a disc").pair();
     t.number("radius", "m", "radius of a disc").above(0);
     t.number("box", "m", "lower left and upper right corner").box();
     t.text("material", "name of a material").required();
 
     t.table("mesh", "the triangle mesh").required();
-    t.number("size", "m", "wanted mean edge length; or file").above(0).to(&MeshOptions::size);
-    t.number("min_angle", "deg", "wanted smallest angle")
+    t.number("size", "m", "requested mean edge length; required without mesh.file").above(0).to(&MeshOptions::size);
+    t.number("min_angle", "deg", "requested minimum angle of the triangles")
         .at_least(0).at_most(30).otherwise("20").to(&MeshOptions::min_angle);
-    t.number("grading", "", "growth of the size per distance away from a refine box")
+    t.number("grading", "", "growth of the edge length per distance from a refined box")
         .above(0).otherwise("0.3").to(&MeshOptions::grading);
-    t.integer("order",
-        "of the displacement on a triangle; 2: seven nodes, three points an interface, more accurate in waves, "
-        "impact and bending; use triangles of twice the size")
+    t.integer("order", "order of the displacement in a triangle; 2: seven nodes a triangle and three points an "
+        "interface, more accurate in waves, impact and bending, with triangles of twice the size")
         .at_least(1).at_most(2).otherwise("1").to(&Scenario::order);
-    t.list("mesh.refine[]", "a box with smaller triangles; the smallest size wins where boxes overlap");
+    t.list("mesh.refine[]", "a box with smaller triangles; the smallest size holds where boxes overlap");
     t.number("inside", "m", "lower left and upper right corner").box().required();
-    t.number("size", "m", "wanted mean edge length inside").above(0).required();
+    t.number("size", "m", "requested mean edge length inside").above(0).required();
     t.in("mesh");
-    t.text("file",
-        "a Gmsh mesh (.msh 2.2 or 4.1) beside the scenario, instead of meshing: physical curves name boundaries, "
-        "physical surfaces materials");
-    t.number("unit", "m", "what 1 in the coordinates of mesh.file is, as in \"1 mm\"; 1 m without it")
+    t.text("file", "Gmsh mesh (.msh 2.2 or 4.1) that replaces shape and size, relative to the scenario file; its "
+        "physical curves name boundaries, its physical surfaces materials");
+    t.number("unit", "m", "length of one unit of the coordinates in mesh.file, as in \"1 mm\"; default 1 m")
         .at_least(1e-12).at_most(1e6);
-    t.text("cracks", "physical curves of mesh.file inside the body that are closed cracks").list();
+    t.text("cracks", "physical curves of mesh.file inside the body that are closed initial cracks").list();
 }
 
-void add_keys_of_materials(KeyTable& t) {
+void add_keys_of_microstructure(KeyTable& t) {
     t.names("material", "materials by name; the first one is that of the domain").required();
-    t.table("material.*", "a linear elastic material; no - in its name");
-    t.number("density", "kg/m3", "density").above(0).required().to(&Elastic::density);
+    t.table("material.*", "a linear elastic isotropic material; its name has no -");
+    t.number("density", "kg/m3", "mass density").above(0).required().to(&Elastic::density);
     t.number("E", "Pa", "Young's modulus").above(0).required().to(&Elastic::E);
     t.number("nu", "", "Poisson's ratio").above(-1).below(0.5).required().to(&Elastic::nu);
 
-    t.list("inclusions[]",
-        "random discs or polygons of a material, or pores; they do not overlap, nor touch borders and cracks");
-    t.number("size", "m", "mean diameter, of the circle of equal area; at least 1.5 mesh sizes")
+    t.list("inclusions[]", "random discs or polygons of a material, or pores, that touch neither each other nor "
+        "boundaries nor cracks");
+    t.number("size", "m", "mean diameter (of the circle of equal area), at least 1.5 times mesh.size")
         .above(0).required().to(&InclusionOptions::size);
-    t.number("fraction", "", "of the area of the body; equal discs find no room above about 0.5; or number")
-        .above(0).at_most(0.6).to(&InclusionOptions::fraction);
-    t.integer("number", "how many; or fraction").at_least(1).at_most(1000000).to(&InclusionOptions::number);
-    t.number("spread", "", "standard deviation of the diameters (lognormal) over their mean")
+    t.number("fraction", "", "area fraction of the body; random placement of equal discs fails above about 0.5; "
+        "either fraction or number").above(0).at_most(0.6).to(&InclusionOptions::fraction);
+    t.integer("number", "number of inclusions; either fraction or number")
+        .at_least(1).at_most(1000000).to(&InclusionOptions::number);
+    t.number("spread", "", "standard deviation of the lognormal distribution of diameters over their mean")
         .at_least(0).at_most(1).otherwise("0").to(&InclusionOptions::spread);
-    t.number("distance", "m", "least distance between them, and from borders and cracks")
+    t.number("distance", "m", "minimum distance between inclusions, and to boundaries and cracks")
         .above(0).computed("mesh.size/2").to(&InclusionOptions::distance);
-    t.integer("corners", "of random polygons; none: discs (ellipses)")
+    t.integer("corners", "number of corners of random polygons; without it discs (ellipses)")
         .at_least(3).at_most(12).to(&InclusionOptions::corners);
     t.number("elongation", "", "length over width")
         .at_least(1).at_most(5).otherwise("1").to(&InclusionOptions::elongation);
-    t.number("direction", "deg", "of the length, from x; none: at random");
-    t.text("material", "name of a material; none: pores");
-    t.text("name", "boundary name of pores").computed("pores");
+    t.number("direction", "deg", "angle of the long axis to x; without it random")
+        .to(&InclusionOptions::direction, radians);
+    t.text("material", "name of a material; without it pores");
+    t.text("name", "boundary name of the edges of pores").computed("pores");
 
-    t.list("joints[]", "a set of joints: closed cracks, or interfaces with a law; with thickness and material veins");
-    t.number("direction", "deg", "of the traces, from x").required();
-    t.number("spread", "deg", "standard deviation of the direction").at_least(0).at_most(30).otherwise("0");
-    t.number("spacing", "m", "mean distance across").above(0).required().to(&JointOptions::spacing);
-    t.number("persistence", "", "part of a row that is joint, the rest is bridges of rock; 1: from end to end")
-        .above(0).at_most(1).otherwise("1").to(&JointOptions::persistence);
-    t.number("length", "m", "mean length of a trace; needed with persistence below 1")
+    t.list("joints[]", "a joint set: closed cracks, or interfaces with a law of their own; with thickness and material "
+        "veins");
+    t.number("direction", "deg", "mean angle of the traces to x").required().to(&JointOptions::direction, radians);
+    t.number("spread", "deg", "standard deviation of the angle")
+        .at_least(0).at_most(30).otherwise("0").to(&JointOptions::spread, radians);
+    t.number("spacing", "m", "mean distance between traces, across them")
+        .above(0).required().to(&JointOptions::spacing);
+    t.number("persistence", "", "joint length over total length along a row of traces; the rest are rock bridges; "
+        "1: traces cross the body").above(0).at_most(1).otherwise("1").to(&JointOptions::persistence);
+    t.number("length", "m", "mean length of a trace, required with persistence below 1")
         .above(0).to(&JointOptions::length);
-    t.text("interface", "name of the law of the joints; none: cracked from the start");
-    t.number("thickness", "m", "of veins; at least half a mesh size").above(0).to(&JointOptions::thickness);
-    t.text("material", "of veins: name of a material");
+    t.text("interface", "name of the interface law of the joints; without it they are cracked from the start");
+    t.number("thickness", "m", "thickness of veins, at least half of mesh.size").above(0).to(&JointOptions::thickness);
+    t.text("material", "material of veins");
 
-    t.list("map[]", "a picture whose colours are materials; each triangle takes the one that covers most of it");
-    t.text("file", "a PNG picture beside the scenario").required();
-    t.number("box", "m", "where the picture lies: lower left and upper right corner").box().computed("round the body");
-    t.list("map[].colour[]",
-        "a colour and its material; pixels take the nearest colour, those of none leave what is there");
-    t.text("rgb", "as \"#rrggbb\"").required();
+    t.list("map[]", "a picture whose colours are materials; a triangle takes the material that covers most of it");
+    t.text("file", "PNG picture, relative to the scenario file").required();
+    t.number("box", "m", "position of the picture: lower left and upper right corner")
+        .box().computed("the bounding box of the body");
+    t.list("map[].colour[]", "a colour and its material; a pixel counts as the nearest colour of the list, and changes "
+        "nothing if all are far");
+    t.text("rgb", "colour as \"#rrggbb\"").required();
     t.text("material", "name of a material").required();
 
-    t.list("grains[]",
-        "grains in place of one material; between grains of materials A and B acts `A-B`, within a grain `A` or "
-        "`within` (below)");
-    t.number("size", "m", "mean diameter, of the circle of equal area; at least 1.5 mesh sizes")
+    t.list("grains[]", "grains that replace one material; the interface law is `A-B` between grains of materials A and "
+        "B, and `A` or `within` inside a grain");
+    t.number("size", "m", "mean diameter (of the circle of equal area), at least 1.5 times mesh.size")
         .above(0).required().to(&GrainOptions::size);
-    t.number("spread", "", "standard deviation of the diameters (lognormal) over their mean")
+    t.number("spread", "", "standard deviation of the lognormal distribution of diameters over their mean")
         .at_least(0).at_most(0.6).otherwise("0.25").to(&GrainOptions::spread);
     t.number("elongation", "", "length over width")
         .at_least(1).at_most(10).otherwise("1").to(&GrainOptions::elongation);
-    t.number("direction", "deg", "of the length, from x").otherwise("0");
-    t.text("in", "the material that becomes grains").computed("the first material");
-    t.list("grains[].mineral[]", "a material of some of the grains; the rest keeps the one they are in");
+    t.number("direction", "deg", "angle of the long axis to x").otherwise("0").to(&GrainOptions::direction, radians);
+    t.text("in", "the replaced material").computed("the first material");
+    t.list("grains[].mineral[]", "a material for a part of the grains; the other grains keep the replaced material");
     t.text("material", "name of a material").required();
-    t.number("fraction", "", "of the area of these grains").at_least(0).at_most(1).required();
+    t.number("fraction", "", "area fraction of the grains").at_least(0).at_most(1).required().to(&Mineral::fraction);
 
-    t.names("interface",
-        "cohesive laws: `default`, `A-B` for a pair of materials (A-A inside one, or between two grains), within a "
-        "grain `A`, for all grains `within` (without them A-A), or a free name for a support or a set of joints; "
-        "each stands by itself").required();
+    t.names("interface", "interface laws: `default`; `A-B` between two materials, A-A inside one or between two of its "
+        "grains; `A` inside grains of a material, `within` inside all grains (without them A-A); any other name for "
+        "supports and joint sets. A law inherits nothing from `default`").required();
     t.table("interface.*", "a cohesive law with contact, friction and impact");
-    t.flag("breakable", "false: never breaks, whatever sigma_c and G_c say").otherwise("true");
-    t.number("sigma_c", "Pa", "tensile strength; 0 = contact and friction only; needed unless breakable = false")
+    t.flag("breakable", "false: the interface never breaks").otherwise("true");
+    t.number("sigma_c", "Pa", "tensile strength; 0: contact and friction only; required unless breakable = false")
         .at_least(0);
-    t.number("G_c", "J/m2",
-        "fracture energy; or delta_c. G_c (1 - beta)^2 is dissipated; unloading keeps beta and the traction beta "
-        "sigma_c, and closing gives beta sigma_c s back").above(0);
-    t.number("delta_c", "m", "opening at which it is broken, 2 G_c/sigma_c; or G_c").above(0);
-    t.number("gamma", "", "mode II over mode I traction; 0 = mode I only")
+    t.number("G_c", "J/m2", "fracture energy, dissipated as G_c (1 - beta)^2; unloading keeps the cohesion beta and "
+        "the traction beta sigma_c; either G_c or delta_c").above(0);
+    t.number("delta_c", "m", "critical opening 2 G_c/sigma_c, at which the cohesion is lost; either G_c or delta_c")
+        .above(0);
+    t.number("gamma", "", "shear strength over tensile strength without pressure; 0: cohesion in mode I only")
         .at_least(0).otherwise("1").to(&CohesiveLaw::gamma);
-    t.number("friction", "", "Coulomb's coefficient").at_least(0).otherwise("0").to(&CohesiveLaw::friction);
-    t.number("restitution", "", "Newton's coefficient of impact")
-        .at_least(0).at_most(1).otherwise("0").to(&CohesiveLaw::restitution);
-    t.table("interface.*.scatter",
-        "random strength, drawn for every interface with the seed; the mean is the law's value");
-    t.word("kind", {"weibull", "normal", "lognormal", "uniform"}, "distribution").required();
-    t.number("modulus", "", "Weibull's modulus m")
+    add_contact(t);
+    t.table("interface.*.scatter", "random strength of every interface, drawn with the seed; its mean is the value of "
+        "the law");
+    t.word("kind", {"weibull", "normal", "lognormal", "uniform"}, "distribution").required().to(&Scatter::kind,
+        {Scatter::Kind::weibull, Scatter::Kind::normal, Scatter::Kind::lognormal, Scatter::Kind::uniform});
+    t.number("modulus", "", "Weibull modulus m; larger: less scatter")
         .at_least(1).required().only_with("kind", {"weibull"}).to(&Scatter::modulus);
-    t.number("deviation", "", "standard deviation over the mean, also \"1 %\"")
+    t.number("deviation", "", "standard deviation over the mean, as 0.01 or \"1 %\"")
         .above(0).required().only_with("kind", {"normal", "lognormal", "uniform"}).to(&Scatter::deviation);
-    t.word("of", {"sigma_c", "G_c"}, "what scatters; both by the same factor").one_or_list().otherwise("sigma_c");
-    t.number("length", "m",
-        "length of the piece of interface that the mean belongs to: shorter pieces are stronger, so that chains of "
-        "them do not depend on the mesh").above(0).to(&Scatter::length);
-    t.number("area", "m2",
-        "likewise, area of the part of the body that the mean belongs to; for cracks that may start anywhere; a body "
-        "grows stronger with finer meshes then, unlike with correlation").above(0).to(&Scatter::area);
-    t.number("correlation", "m",
-        "correlation length L of a random field, correlation exp(-(r/L)^2), the same for every mesh; none: every "
-        "interface by itself").above(0).to(&Scatter::correlation);
-    t.number("lowest", "", "smallest value over the mean; what is below is drawn again")
+    t.word("of", {"sigma_c", "G_c"}, "the random properties; both are multiplied by the same factor")
+        .one_or_list().otherwise("sigma_c");
+    t.number("length", "m", "interface length with the given mean; shorter interfaces are stronger, so that the "
+        "strength of a chain of interfaces does not depend on the mesh (weakest link)").above(0).to(&Scatter::length);
+    t.number("area", "m2", "area of the body with the given mean, for cracks that may start anywhere (volume effect); "
+        "smaller triangles are stronger").above(0).to(&Scatter::area);
+    t.number("correlation", "m", "correlation length L of a random field with the correlation exp(-(r/L)^2), the same "
+        "for every mesh; without it interfaces are independent").above(0).to(&Scatter::correlation);
+    t.number("lowest", "", "lower bound of the value over the mean; smaller values are redrawn")
         .at_least(0).below(1).otherwise("0").to(&Scatter::lowest);
-    t.number("highest", "", "largest value over the mean, likewise; none").above(1).to(&Scatter::highest);
+    t.number("highest", "", "upper bound of the value over the mean; larger values are redrawn; without it unbounded")
+        .above(1).to(&Scatter::highest);
 }
 
 void add_keys_of_loads(KeyTable& t) {
-    t.list("support[]", "a rigid, fixed body that a boundary rests on or is glued to");
-    t.table("support[].on", "a boundary, all of it or inside a box").required().or_text("boundary");
+    t.list("support[]", "a rigid, fixed body that a boundary stands on or is glued to");
+    t.table("support[].on", "a boundary, or the part of it inside a box").required().or_text("boundary");
     t.text("boundary", "name of a boundary").required().to(&Selection::boundary);
-    t.number("box", "m", "only the part inside this box").box().to(&Selection::box);
+    t.number("box", "m", "lower left and upper right corner").box().to(&Selection::box);
     t.in("support[]");
-    t.text("interface", "name of the law between body and support").otherwise("default");
-    t.flag("glued", "true: held by the law's cohesion; false: contact and friction only")
+    t.text("interface", "name of the interface law between body and support").otherwise("default");
+    t.flag("glued", "true: held by the cohesion of the law; false: contact and friction only")
         .otherwise("false").to(&Support::glued);
-    t.number("gap", "m", "distance at the start; not of what is glued").at_least(0).otherwise("0").to(&Support::gap);
+    t.number("gap", "m", "initial distance from the boundary; 0 if glued").at_least(0).otherwise("0").to(&Support::gap);
 
-    t.list("load[]",
-        "exactly one of traction, pressure, stress, force, velocity, displacement, body_force, acceleration; at most "
-        "one of ramp, table, csv (none: constant)");
-    t.text("name",
-        "letters, digits, blanks, _ and -: names its columns of reactions.csv, its force in the summary, in specimen.force, "
-        "expect and studies").computed("load0, load1, ...").to(&Load::name);
-    t.table("load[].on",
-        "where: a boundary, a box, or a boundary inside a box; body_force and acceleration without it act everywhere")
-        .or_text("boundary");
+    t.list("load[]", "a load or prescribed motion: exactly one of traction, pressure, stress, force, velocity, "
+        "displacement, body_force, acceleration; its factor over time by at most one of ramp, table, csv, otherwise "
+        "constant");
+    t.text("name", "name of the load in reactions.csv, in the summary, in specimen.force, [expect] and [study]; "
+        "letters, digits, blanks, _ and -").computed("load0, load1, ...").to(&Load::name);
+    t.table("load[].on", "place: a boundary, a box, or the part of a boundary inside a box; body_force and "
+        "acceleration without it act on the whole body").or_text("boundary");
     t.text("boundary", "name of a boundary").to(&Selection::boundary);
     t.number("box", "m", "lower left and upper right corner").box().to(&Selection::box);
     t.in("load[]");
-    t.number("traction", "Pa", "force per area on boundary edges, x and y").pair();
-    t.number("pressure", "Pa",
-        "force per area on boundary edges against their outward normal, of the body as it was at first: it does not "
-        "follow what turns");
-    t.number("stress", "Pa",
-        "the traction on boundary edges that a stress [xx, yy, xy] around the body has there, tension positive "
-        "(stress in situ)").triple();
-    t.number("force", "N", "force, shared equally by the vertices on a boundary or in a box, x and y").pair();
+    t.number("traction", "Pa", "force per area on the boundary, x and y").pair();
+    t.number("pressure", "Pa", "normal force per area on the boundary, towards the body; the normal is that of the "
+        "undeformed body");
+    t.number("stress", "Pa", "stress [xx, yy, xy] around the body (in situ stress), applied to the boundary as its "
+        "traction; tension is positive").triple();
+    t.number("force", "N", "total force, x and y, shared equally by the vertices on the boundary or in the box").pair();
     t.number("velocity", "m/s", "prescribed velocity, x and y").pair().or_word("free");
     t.number("displacement", "m", "prescribed displacement, x and y").pair().or_word("free");
     t.number("body_force", "N/m3", "force per volume, x and y").pair();
-    t.number("acceleration", "m/s2", "body force per mass (gravity), x and y").pair();
-    t.number("ramp", "s", "grows linearly from zero over this time, then constant").above(0);
-    t.number("table", "s", "[[time, factor], ...], linear in between, constant outside").points().second("");
-    t.text("csv", "file with lines `time, factor` [s, -], beside the scenario; # begins a comment");
+    t.number("acceleration", "m/s2", "force per mass, x and y, as gravity").pair();
+    add_history(t, "rise time: the factor grows linearly from 0 to 1 and stays 1");
 
-    t.list("obstacle[]",
-        "a rigid body beside the meshed one, in contact with it: held, driven (velocity or displacement), or free "
-        "where it has a mass and nothing is prescribed");
+    t.list("obstacle[]", "a rigid body in contact with the meshed body: fixed, driven (velocity or displacement), or "
+        "free if it has a mass and nothing is prescribed");
     t.text("name", "name in reactions.csv").computed("obstacle1, obstacle2, ...").to(&Obstacle::name);
-    t.word("shape", {"half plane", "disc", "polygon"}, "its outline, convex").required();
-    t.number("at", "m", "a point on its border").pair().required().only_with("shape", {"half plane"});
-    t.number("normal", "", "direction out of it, towards the body")
+    t.word("shape", {"half plane", "disc", "polygon"}, "outline; a polygon is convex").required();
+    t.number("at", "m", "point on the surface").pair().required().only_with("shape", {"half plane"});
+    t.number("normal", "", "outward normal of the surface, towards the body")
         .pair().required().only_with("shape", {"half plane"});
     t.number("centre", "m", "centre").pair().required().only_with("shape", {"disc"});
-    t.number("radius", "m", "radius").above(0).required().only_with("shape", {"disc"});
+    t.number("radius", "m", "radius").above(0).required().only_with("shape", {"disc"}).to(&Outline::radius);
     t.number("points", "m", "corners in order").points().required().only_with("shape", {"polygon"});
-    t.number("friction", "", "Coulomb's coefficient between it and the body")
-        .at_least(0).otherwise("0").to(&CohesiveLaw::friction);
-    t.number("restitution", "", "Newton's coefficient of impact")
-        .at_least(0).at_most(1).otherwise("0").to(&CohesiveLaw::restitution);
+    add_contact(t);
     t.number("velocity", "m/s", "prescribed velocity, x and y").pair().or_word("free");
     t.number("displacement", "m", "prescribed displacement, x and y").pair().or_word("free");
     t.number("spin", "deg/s", "prescribed angular velocity, counterclockwise");
-    t.number("mass", "kg", "its mass; or density").above(0);
-    t.number("density", "kg/m3", "density of a disc or polygon as thick as the body; or mass").above(0);
-    t.flag("turns", "free to turn about its centre of mass").computed("with a mass and nothing prescribed");
-    t.number("force", "N", "force on its free components, x and y; gravity (acceleration) acts on it, too").pair();
-    t.number("initial_velocity", "m/s", "of its free components at the start").pair();
-    t.number("initial_spin", "deg/s", "angular velocity at the start");
-    t.number("ramp", "s", "what is prescribed, and the force, grow linearly from zero over this time").above(0);
-    t.number("table", "s", "[[time, factor], ...] of what is prescribed and of the force").points().second("");
-    t.text("csv", "file with lines `time, factor` [s, -], as in load");
+    t.number("mass", "kg", "mass of free components; either mass or density").above(0);
+    t.number("density", "kg/m3", "density of a disc or polygon, as thick as the body; either mass or density").above(0);
+    t.flag("turns", "free to rotate about its centre of mass").computed("with a mass and nothing prescribed");
+    t.number("force", "N", "force on the free components, x and y, in addition to gravity (acceleration)").pair();
+    t.number("initial_velocity", "m/s", "initial velocity of the free components, x and y").pair();
+    t.number("initial_spin", "deg/s", "initial angular velocity, counterclockwise");
+    add_history(t, "rise time: the factor of prescribed motion and force grows linearly from 0 to 1 and stays 1");
 
-    t.list("initial[]", "velocity at the start; later ones lie over earlier ones");
+    t.list("initial[]", "an initial velocity; later entries overwrite earlier ones");
     t.number("velocity", "m/s", "velocity, x and y").pair().required().to(&InitialVelocity::value);
-    t.number("box", "m", "only triangles with their centroid inside; everywhere without").box().to(&Selection::box);
+    t.number("box", "m", "box of the centroids of the triangles that have it; without it the whole body")
+        .box().to(&Selection::box);
 }
-
 // clang-format on
 
+}  // namespace
+
 std::span<const Key> keys() {
-    static const KeyTable all = [] {
+    static const std::vector<Key> rows = [] {
         KeyTable t;
         for (const auto add :
-             {add_keys_of_body, add_keys_of_materials, add_keys_of_loads, add_keys_of_run, add_keys_of_ensembles})
+             {add_keys_of_body, add_keys_of_microstructure, add_keys_of_loads, add_keys_of_run, add_keys_of_ensembles})
             add(t);
-        return t;
+        return std::move(t.rows);
     }();
-    return all.rows;
+    return rows;
 }
 
 }  // namespace knap

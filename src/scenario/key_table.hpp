@@ -1,8 +1,6 @@
 #pragma once
-// How the rows of the key table are written.
+// Builder of the rows of the key table.
 #include "scenario/keys.hpp"
-
-#include <utility>
 
 namespace knap {
 
@@ -10,41 +8,38 @@ class KeyTable {
 public:
     std::vector<Key> rows;
 
-    // tables: by path; the rows that follow are keys of it
+    // tables, by path; the rows that follow are keys of the table
     Key& table(const std::string& path, std::string_view doc) { return head(path, Kind::table, doc); }
     Key& list(const std::string& path, std::string_view doc) { return head(path, Kind::list, doc); }
     Key& names(const std::string& path, std::string_view doc) { return head(path, Kind::names, doc); }
-    /// Rows that follow are keys of this table again.
-    void in(const std::string& path) { prefix_ = path + "."; }
+    /// The rows that follow are keys of this table again.
+    void in(const std::string& path) { table_ = path; }
 
-    Key& flag(const std::string& name, std::string_view doc) { return row(name, Kind::boolean, doc); }
-    Key& integer(const std::string& name, std::string_view doc) { return row(name, Kind::integer, doc); }
-    Key& text(const std::string& name, std::string_view doc) { return row(name, Kind::text, doc); }
-    Key& word(const std::string& name, std::vector<std::string> words, std::string_view doc) {
+    Key& flag(std::string_view name, std::string_view doc) { return row(name, Kind::boolean, doc); }
+    Key& integer(std::string_view name, std::string_view doc) { return row(name, Kind::integer, doc); }
+    Key& text(std::string_view name, std::string_view doc) { return row(name, Kind::text, doc); }
+    Key& word(std::string_view name, std::vector<std::string> words, std::string_view doc) {
         Key& key = text(name, doc);
         key.words = std::move(words);
         return key;
     }
-    Key& number(const std::string& name, std::string_view unit, std::string_view doc) {
+    Key& number(std::string_view name, std::string_view unit, std::string_view doc) {
         Key& key = row(name, Kind::number, doc);
         key.unit = unit;
         return key;
     }
 
 private:
-    Key& row(const std::string& name, Kind kind, std::string_view doc) {
-        return rows.emplace_back(Key{prefix_ + name, kind, doc});
+    Key& row(std::string_view name, Kind kind, std::string_view doc) {
+        return rows.emplace_back(Key{.path = joined_path(table_, name), .kind = kind, .doc = doc});
     }
     Key& head(const std::string& path, Kind kind, std::string_view doc) {
         in(path);
-        return rows.emplace_back(Key{path, kind, doc});
+        return rows.emplace_back(Key{.path = path, .kind = kind, .doc = doc});
     }
-    std::string prefix_;
+    std::string table_;
 };
 
-void add_keys_of_body(KeyTable& t);
-void add_keys_of_materials(KeyTable& t);
-void add_keys_of_loads(KeyTable& t);
 void add_keys_of_run(KeyTable& t);
 void add_keys_of_ensembles(KeyTable& t);
 

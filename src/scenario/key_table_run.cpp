@@ -1,4 +1,4 @@
-// The rows of the key table for [time], what a run writes, and studies of many runs.
+// The rows of the key table for [time], outputs, and studies of many runs.
 #include "figures/figures.hpp"
 #include "record/outputs.hpp"
 #include "scenario/key_table.hpp"
@@ -17,170 +17,172 @@ std::vector<std::string> summary_names() {
 
 // clang-format off
 void add_keys_of_run(KeyTable& t) {
-    t.table("time", "time and the stepper").required();
-    t.number("end", "s", "time simulated").above(0).required().to(&TimeOptions::end);
-    t.word("bulk", {"explicit", "implicit"},
-        "explicit: lumped mass, steps up to the stable one; implicit: theta scheme, steps of any size")
-        .otherwise("explicit");
-    t.word("cohesion", {"explicit", "implicit"},
-        "explicit: cohesion frozen over a step; implicit: part of the complementarity problem").otherwise("explicit");
-    t.number("step", "s",
-        "step, also as a multiple of the stable step of the explicit bulk, \"20 CFL\"; auto: safety x stable step, "
-        "with the implicit bulk 20 CFL").above(0).or_word("auto").otherwise("\"auto\"");
-    t.number("step_cracking", "s", "the largest step from the first loss of cohesion on; CFL as in time.step")
-        .above(0).computed("time.step");
-    t.number("step_min", "s", "a run that needs a smaller step stops; CFL as in time.step")
-        .above(0).computed("2^-20 time.step_cracking");
-    t.number("safety", "", "fraction of the stable step that auto takes")
+    t.table("time", "duration and time integration").required();
+    t.number("end", "s", "end of the simulation").above(0).required().to(&TimeOptions::end);
+    t.word("bulk", {"explicit", "implicit"}, "explicit: central differences with lumped mass, limited to the stable "
+        "step; implicit: theta scheme, steps of any size")
+        .otherwise("explicit").to(&SchemeOptions::bulk, {BulkScheme::explicit_lumped, BulkScheme::implicit_theta});
+    t.word("cohesion", {"explicit", "implicit"}, "explicit: cohesion beta constant during a step and updated at its "
+        "end; implicit: unknown of the step")
+        .otherwise("explicit").to(&SchemeOptions::cohesion,
+                                  {CohesionScheme::explicit_beta, CohesionScheme::implicit_beta});
+    t.number("step", "s", "time step, also as a multiple of the stable step of the explicit bulk, \"20 CFL\"; auto: "
+        "safety times the stable step, 20 CFL with the implicit bulk")
+        .above(0).or_word("auto").or_multiple_of({"CFL"}).otherwise("\"auto\"").to(&TimeOptions::step);
+    t.number("step_cracking", "s", "maximum step from the first loss of cohesion on; CFL as in time.step")
+        .above(0).or_multiple_of({"CFL"}).computed("time.step").to(&TimeOptions::step_cracking);
+    t.number("step_min", "s", "minimum step; a run that needs a smaller one fails; CFL as in time.step")
+        .above(0).or_multiple_of({"CFL"}).computed("2^-20 time.step_cracking").to(&TimeOptions::step_min);
+    t.number("safety", "", "step over stable step with step = \"auto\" and the explicit bulk")
         .above(0).at_most(1).otherwise("0.8").to(&TimeOptions::safety);
-    t.number("theta", "",
-        "of the implicit bulk and the implicit cohesion: 0.5 keeps the energy, more damps; at most 1/(1 + "
-        "restitution)").at_least(0.5).at_most(1).otherwise("0.5").to(&SchemeOptions::theta);
-    t.word("mass", {"lumped", "consistent", "one point"},
-        "mass matrix of a triangle; consistent: the exact integral; one point: from its centroid alone; both with "
-        "the implicit bulk only").otherwise("lumped");
-    t.word("start", {"rest", "equilibrium"}, "rest: undeformed; equilibrium: deformed by the loads at t = 0")
-        .otherwise("rest");
-    t.word("assumption_1", {"respect", "ignore"},
-        "implicit cohesion: where a step has several solutions, cut it (respect) or take one of them (ignore)")
-        .otherwise("respect");
+    t.number("theta", "", "parameter of the implicit bulk and the implicit cohesion: 0.5 conserves energy, larger "
+        "values damp; at most 1/(1 + restitution)").at_least(0.5).at_most(1).otherwise("0.5").to(&SchemeOptions::theta);
+    t.word("mass", {"lumped", "consistent", "one point"}, "mass matrix of a triangle: lumped at its nodes, the exact "
+        "integral, or one quadrature point at the centroid; the last two with the implicit bulk only")
+        .otherwise("lumped").to(&SchemeOptions::mass,
+                                {MassMatrix::lumped, MassMatrix::consistent, MassMatrix::one_point});
+    t.word("start", {"rest", "equilibrium"}, "initial state: undeformed, or in static equilibrium with the loads at "
+        "t = 0").otherwise("rest").to(&TimeOptions::start_in_equilibrium, {false, true});
+    t.word("assumption_1", {"respect", "ignore"}, "steps of the implicit cohesion that may have several solutions "
+        "(softening faster than the step resolves): repeat with a smaller step, or accept one of the solutions")
+        .otherwise("respect").to(&SchemeOptions::respect_assumption_1, {true, false});
 
-    t.table("output", "what is written");
-    t.number("every", "s", "between two field frames").above(0).computed("time.end/40").to(&OutputOptions::every);
-    t.number("history_every", "s", "between two lines of energy.csv and cracks.csv")
+    t.table("output", "output intervals and files");
+    t.number("every", "s", "time between two field frames").above(0).computed("time.end/40").to(&OutputOptions::every);
+    t.number("history_every", "s", "time between two lines of energy.csv and the other histories")
         .above(0).computed("time.end/400").to(&OutputOptions::history_every);
-    t.number("checkpoint_every", "s",
-        "wall time between two checkpoints; an unfinished run goes on from the last one when it is started again")
-        .at_least(0).otherwise("60").to(&OutputOptions::checkpoint_every);
+    t.number("checkpoint_every", "s", "wall time between two checkpoints; the same command continues an interrupted "
+        "run from its last checkpoint").at_least(0).otherwise("60").to(&OutputOptions::checkpoint_every);
     t.flag("fields", "write .vtu frames").otherwise("true").to(&OutputOptions::fields);
-    t.flag("breaks",
-        "write breaks.csv: a line for every interface that breaks, with time, place, direction, length, mode (part "
-        "of sliding in it) and energy")
+    t.flag("breaks", "write breaks.csv, a line for every broken interface: time, place, direction, length, mode (part "
+        "of sliding) and energy")
         .computed("true with a specimen or a figure that needs them").to(&OutputOptions::breaks);
 
-    t.table("specimen",
-        "the body is the specimen of a rock test: stress_strain.csv, strength, moduli, crack initiation and damage");
-    t.word("test", {"compression", "tension", "brazilian", "bending"},
-        "what the stress is: force over width x thickness, of a disc 2 P/(pi height thickness), of a beam 3 P "
-        "span/(2 height^2 thickness); compression and shortening are positive but in tension").required();
-    t.text("force", "whose reaction is the force: name of an obstacle, or of a load that prescribes a motion")
+    t.table("specimen", "the body as the specimen of a rock test: writes stress_strain.csv, strength, moduli, stresses "
+        "of crack initiation and crack damage");
+    t.word("test", {"compression", "tension", "brazilian", "bending"}, "kind of test and its stress for the force P: "
+        "P/(width thickness); of a disc 2 P/(pi height thickness); of a beam 3 P span/(2 height^2 thickness); stress "
+        "and shortening are positive, in tension stress and elongation")
+        .required().to(&SpecimenOptions::test, {SpecimenOptions::Test::compression, SpecimenOptions::Test::tension,
+                                                SpecimenOptions::Test::brazilian, SpecimenOptions::Test::bending});
+    t.text("force", "name of the obstacle, or of the load with prescribed motion, whose reaction is the force P")
         .required();
-    t.word("axis", {"x", "y"}, "direction of the test").otherwise("y");
-    t.number("height", "m", "along the axis: diameter of a disc, height of a beam (of the ligament above a notch)")
+    t.word("axis", {"x", "y"}, "direction of the test").otherwise("y").to(&SpecimenOptions::axis, {0, 1});
+    t.number("height", "m", "size along the axis: diameter of a disc, height of a beam (of its ligament above a notch)")
         .above(0).computed("that of the body").to(&SpecimenOptions::height);
-    t.number("width", "m", "across").above(0).computed("that of the body").to(&SpecimenOptions::width);
-    t.number("span", "m", "between the supports")
+    t.number("width", "m", "size across the axis").above(0).computed("that of the body").to(&SpecimenOptions::width);
+    t.number("span", "m", "distance of the supports of a beam")
         .above(0).required().only_with("test", {"bending"}).to(&SpecimenOptions::span);
-    t.text("axial", "the two ends of the axial gauge, each a boundary (mean along it), a probe, an obstacle or a load")
-        .list().computed("the travel of what gives the force, over the height (the other end stands still)");
-    t.text("lateral", "the two ends of the lateral gauge, likewise; none: no Poisson's ratio, no volumetric strain")
+    t.text("axial", "ends of the axial gauge: two boundaries (mean displacement), probes, obstacles or loads")
+        .list().computed("the displacement of `force` over the height, the other end fixed");
+    t.text("lateral", "ends of the lateral gauge, likewise; without it no Poisson's ratio and no volumetric strain")
         .list().only_with("test", {"compression", "tension"});
-    t.number("modulus_between", "", "parts of the peak between which modulus and Poisson's ratio are fitted")
-        .pair().at_least(0).at_most(1).otherwise("[0.4, 0.6]");
+    t.number("modulus_between", "", "stress interval of the fit of modulus and Poisson's ratio, over the peak stress")
+        .pair().at_least(0).at_most(1).otherwise("[0.4, 0.6]").to(&SpecimenOptions::modulus_between);
 
-    t.list("probe[]", "a place that is watched; goes to probes.csv");
-    t.number("at", "m", "where; outside of the body the nearest vertex").pair().required().to(&ProbeOptions::at);
-    t.word("watch", {"place", "interface"},
-        "place: displacement and velocity; interface: opening, slip and cohesion of the nearest one that can break, "
-        "mean of its points").otherwise("place");
-    t.text("name", "name of its columns").computed("probe1, probe2, ...").to(&ProbeOptions::name);
+    t.list("probe[]", "a point whose motion, or interface whose opening, is written to probes.csv");
+    t.number("at", "m", "position; outside the body the nearest vertex").pair().required().to(&ProbeOptions::at);
+    t.word("watch", {"place", "interface"}, "place: displacement and velocity of the point; interface: opening, slip "
+        "and cohesion of the nearest breakable interface, averaged over its points")
+        .otherwise("place").to(&ProbeOptions::interface, {false, true});
+    t.text("name", "prefix of its columns").computed("probe1, probe2, ...").to(&ProbeOptions::name);
 
-    t.list("figure[]", "a picture that the run draws");
-    t.text("file", "file name, .png, .svg or .pdf; with several times the time is put into it")
+    t.list("figure[]", "a picture drawn by the run");
+    t.text("file", "file name that ends in .png, .svg or .pdf; the time is added if there are several")
         .required().to(&FigureOptions::file);
-    t.word("show", figure_subjects(), "what it shows").otherwise("cracks").to(&FigureOptions::show);
-    t.number("at", "s",
-        "times; with several the pictures share their colour range and are drawn at the end, from frames that are "
-        "kept").one_or_list().at_least(0).computed("time.end").to(&FigureOptions::at);
-    t.word("colour", figure_colours(),
-        "what colours the cracks; mode (0 opened, 1 slid) and break_time need output.breaks")
-        .otherwise("opening").to(&FigureOptions::colour);
-    t.word("over", figure_abscissas(), "what reactions are drawn over")
+    t.word("show", figure_subjects(), "subject: cracks, a field of the body, or curves over time")
+        .otherwise("cracks").to(&FigureOptions::show);
+    t.number("at", "s", "times of pictures of the body; several pictures share one colour range and are drawn at the "
+        "end of the run").one_or_list().at_least(0).computed("time.end").to(&FigureOptions::at);
+    t.word("colour", figure_colours(), "colour of the cracks; mode (0 opening, 1 sliding) and break_time need "
+        "output.breaks").otherwise("opening").to(&FigureOptions::colour);
+    t.word("over", figure_abscissas(), "abscissa of reactions")
         .otherwise("displacement").to(&FigureOptions::over);
-    t.number("deform", "", "exaggeration of the displacement").at_least(0).otherwise("1").to(&FigureOptions::deform);
-    t.number("box", "m", "the part that is shown; a colour range from the data is that of what lies inside")
+    t.number("deform", "", "magnification of displacements").at_least(0).otherwise("1").to(&FigureOptions::deform);
+    t.number("box", "m", "visible part of the body; a colour range from the data is that of this part")
         .box().computed("the whole body").to(&FigureOptions::box);
-    t.number("aspect", "", "of a slender body: how much larger the short side is drawn than the long one")
+    t.number("aspect", "", "magnification of the short side of a slender body against its long side")
         .at_least(1).at_most(1000).otherwise("1").to(&FigureOptions::aspect);
-    t.number("range", "*", "colour range, in the unit of what is shown").pair().computed("from the data");
+    t.number("range", "*", "colour range, in the unit of the quantity").pair().computed("from the data")
+        .to(&FigureOptions::range);
     t.integer("width", "width in pixels").at_least(200).at_most(20000).otherwise("1600").to(&FigureOptions::width);
-    t.text("title", "title above the picture").otherwise("").to(&FigureOptions::title);
-    t.flag("panel",
-        "bare: without title, legend and axes of a body, and its frame is kept; knap sweep draws those of all runs "
-        "with one colour range").otherwise("false").to(&FigureOptions::panel);
+    t.text("title", "title; empty: that of the scenario").otherwise("").to(&FigureOptions::title);
+    t.flag("panel", "without title, legend and axes, as a panel of a contact sheet: knap sweep draws the panels of all "
+        "runs with one colour range").otherwise("false").to(&FigureOptions::panel);
 
-    t.table("limits",
-        "how far a run may go beyond what knap computes (README, Limits) before it ends; a warning comes as early as "
-        "without");
-    t.number("penetration", "m", "how deep two sides in contact may be in each other")
+    t.table("limits", "limits of the assumptions of the model (README, Limits): a run beyond one ends; none: a warning "
+        "only");
+    t.number("penetration", "m", "maximum interpenetration of two sides in contact")
         .above(0).or_word("none").computed("the critical opening, or a thousandth of the body");
-    t.number("law_lag", "",
-        "largest part of the dissipated energy by which the work of the interfaces misses their law (law lag)")
-        .above(0).or_word("none").otherwise("0.2");
-    t.number("rotation", "deg", "of a triangle").above(0).or_word("none").computed("30 deg, warned of from 5 deg");
-    t.number("area_change", "", "of a triangle over its area; one that turns by an angle a grows by tan a squared")
-        .above(0).or_word("none").computed("1/3, warned of from 5 %");
-    t.number("slip", "",
-        "of a point under pressure, in lengths of its edge; what slides along a straight support or an obstacle "
-        "has none").above(0).or_word("none").computed("1, warned of from 0.5");
-    t.number("overlap", "m2", "area that the deformed body covers twice").above(0).or_word("none")
-        .computed("ten of the triangles that lie there, or a thousandth of the body; warned of from a tenth of one");
+    t.number("law_lag", "", "maximum difference between the work of the interfaces and the energy of their law, over "
+        "the dissipated energy").above(0).or_word("none").otherwise("0.2");
+    t.number("rotation", "deg", "maximum rotation of a triangle")
+        .above(0).or_word("none").computed("30 deg, warning from 5 deg");
+    t.number("area_change", "", "maximum relative change of the area of a triangle; a rotation by a changes it by "
+        "tan^2 a").above(0).or_word("none").computed("1/3, warning from 5 %");
+    t.number("slip", "", "maximum slip of a point under pressure over the length of its edge; not of sliding along "
+        "straight supports and obstacles").above(0).or_word("none").computed("1, warning from 0.5");
+    t.number("overlap", "m2", "maximum area that the deformed body covers twice").above(0).or_word("none")
+        .computed("ten triangles, or a thousandth of the body; warning from a tenth of a triangle");
 
-    t.names("expect", "what the run must find, by number of its summary: a bound, or value and within");
-    t.table("expect.*", "bounds on one number").words = summary_names();
-    t.number("below", "*", "less than this; a speed may be a multiple of the Rayleigh speed, \"0.65 cR\"")
-        .to(&Expectation::below);
-    t.number("above", "*", "more than this").to(&Expectation::above);
-    t.number("at_least", "*", "this or more").to(&Expectation::at_least);
-    t.number("at_most", "*", "this or less").to(&Expectation::at_most);
-    t.number("value", "*", "this, up to `within`").to(&Expectation::value);
-    t.number("within", "*", "allowed deviation from `value`, or relative: \"2 %\"")
-        .at_least(0).to(&Expectation::within);
+    t.names("expect", "expected results, by number of the summary: bounds, or value and within; a run that misses one "
+        "has the exit code 4");
+    t.table("expect.*", "bounds of one number").words = summary_names();
+    t.number("below", "*", "less than this; a speed also as a multiple of the Rayleigh wave speed, \"0.65 cR\"")
+        .or_multiple_of({"cR"}).to(&Expectation::below);
+    t.number("above", "*", "more than this").or_multiple_of({"cR"}).to(&Expectation::above);
+    t.number("at_least", "*", "this or more").or_multiple_of({"cR"}).to(&Expectation::at_least);
+    t.number("at_most", "*", "this or less").or_multiple_of({"cR"}).to(&Expectation::at_most);
+    t.number("value", "*", "this value, with the deviation `within`").or_multiple_of({"cR"}).to(&Expectation::value);
+    t.number("within", "*", "allowed deviation from `value`, absolute or relative (\"2 %\")")
+        .at_least(0).or_multiple_of({"cR", "%"}).to(&Expectation::within);
 }
 
 void add_keys_of_ensembles(KeyTable& t) {
-    t.table("sweep", "what `knap sweep` varies: all combinations");
-    t.text("set", "KEY=VALUE,VALUE,... as with its --set; commas in quotes and brackets are part of a value").list();
-    t.integer("seeds", "every combination is run with this many seeds, from `seed` on").at_least(1).at_most(100000);
-    t.word("quantities", summary_names(), "numbers of the summary in the table")
-        .list().computed("with a specimen peak_stress and tangent_modulus, broken_length, dissipated, fragments");
-    t.word("show", figure_subjects(), "what the contact sheet shows of every run").otherwise("cracks");
+    t.table("sweep", "parameter study of `knap sweep`: runs of all combinations");
+    t.text("set", "varied keys, each as KEY=VALUE,VALUE,... ; commas in quotes and brackets belong to a value")
+        .list().to(&SweepOptions::set);
+    t.integer("seeds", "number of seeds of every combination, counted from `seed`")
+        .at_least(1).at_most(100000).to(&SweepOptions::n_seeds);
+    t.word("quantities", summary_names(), "numbers of the summary in the table of results").list()
+        .computed("with a specimen peak_stress and tangent_modulus, broken_length, dissipated, fragments")
+        .to(&SweepOptions::quantities);
+    t.word("show", figure_subjects(), "subject of the contact sheet").otherwise("cracks").to(&SweepOptions::show);
 
-    t.table("study", "what `knap study` varies and compares");
-    t.word("refine", {"step", "mesh", "both"},
-        "what a level divides: time.step, the sizes of [mesh], or both; a step in CFL or auto follows the mesh by "
-        "itself").computed("step");
-    t.number("levels", "", "the divisors: 4 is a quarter of the step, 0.5 twice the step")
+    t.table("study", "convergence study or statistics of `knap study`");
+    t.word("refine", {"step", "mesh", "both"}, "what a level divides: time.step, the sizes of [mesh], or both; a step "
+        "in CFL or auto follows the mesh by itself").computed("step")
+        .to(&StudyOptions::refine, {Refine::step, Refine::mesh, Refine::both});
+    t.number("levels", "", "divisors: 4 is a quarter of the step, 0.5 twice the step")
         .list().above(0).computed("[1, 2, 4, 8], with seeds [1]");
-    t.integer("seeds", "statistics: every level is run with this many seeds, from `seed` on")
-        .at_least(2).at_most(10000);
+    t.integer("seeds", "number of seeds of every level, counted from `seed`, for statistics")
+        .at_least(2).at_most(10000).to(&StudyOptions::n_seeds);
     t.word("schemes", {"all", "explicit/explicit", "explicit/implicit", "implicit/explicit", "implicit/implicit"},
-        "pairs bulk/cohesion, a line of the diagram each; or line").list().computed("the scenario's own");
-    t.word("reference", {"auto", "finest"},
-        "what errors are taken from; auto: exact, else the value in [expect], else the finest run of the first line")
-        .computed("auto");
-    t.text("set", "KEY=VALUE in all runs, as with --set; \"KEY=\" leaves a key out").list();
+        "compared schemes bulk/cohesion, each a line of the diagram; either schemes or line")
+        .list().computed("the scenario's own");
+    t.word("reference", {"auto", "finest"}, "reference of errors; auto: the exact value, else the value in [expect], "
+        "else the finest run of the first line").computed("auto").to(&StudyOptions::against_finest, {false, true});
+    t.text("set", "KEY=VALUE for all runs, as with --set; \"KEY=\" removes a key").list().to(&StudyOptions::set);
     t.list("study.line[]", "a line of the diagram: a variant of the scenario");
-    t.text("name", "what the key says").computed("its scheme");
-    t.text("set", "KEY=VALUE in its runs").list();
-    t.number("levels", "", "its divisors").list().above(0).computed("study.levels");
-    t.list("study.quantity[]",
-        "a number that is compared; without one those with a value in [expect], or external_work, dissipated, "
-        "strain_energy and kinetic_energy");
-    t.text("of",
-        "a number of the summary, or a column of energy.csv, cracks.csv, reactions.csv, probes.csv or "
-        "stress_strain.csv: its value at the end").required();
-    t.number("at", "s", "the column's value at this time").at_least(0);
-    t.number("reaches", "*", "the time when the column first reaches this");
-    t.text("since",
-        "another column: the time since that one reached the same; between two probes it is the speed of what runs by");
-    t.flag("largest", "the column's largest value").computed("false");
-    t.number("slope", "s",
-        "between these two times: slope of the line of least squares through the column; of surface it is the "
-        "crack's speed times G_c, free of the edges it jumps").pair().at_least(0);
-    t.number("exact", "*", "what it should be");
-    t.number("scale", "*", "errors are parts of this").above(0).computed("the reference, absolute if that is 0");
-    t.text("name", "title of its table and figures").computed("from the rest");
+    t.text("name", "name in the legend").computed("its scheme").to(&StudyLine::name);
+    t.text("set", "KEY=VALUE for its runs").list().to(&StudyLine::set);
+    t.number("levels", "", "its divisors").list().above(0).computed("study.levels").to(&StudyLine::levels);
+    t.list("study.quantity[]", "a compared number; without one those with a value in [expect], or external_work, "
+        "dissipated, strain_energy and kinetic_energy");
+    t.text("of", "a number of the summary, or a column of energy.csv, cracks.csv, reactions.csv, probes.csv or "
+        "stress_strain.csv, of which the last value counts").required().to(&StudyQuantity::of);
+    t.number("at", "s", "time at which the value of the column is taken").at_least(0).to(&StudyQuantity::at);
+    t.number("reaches", "*", "value of the column; compared is the time at which the column first reaches it")
+        .to(&StudyQuantity::reaches);
+    t.text("since", "another column; compared is the time from its reaching the value to that of the first column, as "
+        "for the speed of a wave between two probes").to(&StudyQuantity::since);
+    t.flag("largest", "maximum of the column").computed("false").to(&StudyQuantity::largest);
+    t.number("slope", "s", "interval of time of the least-squares slope of the column; the slope of `surface` is the "
+        "crack speed times G_c, without the jumps from edge to edge").pair().at_least(0).to(&StudyQuantity::slope);
+    t.number("exact", "*", "exact value").to(&StudyQuantity::exact);
+    t.number("scale", "*", "value by which errors are divided")
+        .above(0).computed("the reference, or 1 if that is 0").to(&StudyQuantity::scale);
+    t.text("name", "title of its table and figures").computed("from the other keys").to(&StudyQuantity::name);
 }
 // clang-format on
 

@@ -1,9 +1,11 @@
-// What the key table says of a path.
+// Properties of keys, paths and names.
 #include "scenario/keys.hpp"
 
 #include "base/text.hpp"
+#include "scenario/units.hpp"
 
 #include <algorithm>
+#include <map>
 
 namespace knap {
 
@@ -17,10 +19,6 @@ std::string Range::text() const {
     if (low > -infinity) parts.push_back((low_included ? "at least " : "greater than ") + shortest(low));
     if (high < infinity) parts.push_back((high_included ? "at most " : "less than ") + shortest(high));
     return joined(parts, " and ");
-}
-
-std::string Condition::text() const {
-    return values.empty() ? "" : std::string(neighbour) + "=" + joined(values, " or ");
 }
 
 std::string_view Key::name() const {
@@ -41,31 +39,67 @@ bool is_word(const std::vector<std::string>& words, std::string_view text) {
 }
 
 const Key* find_key(std::string_view pattern) {
-    for (const Key& key : keys())
-        if (key.path == pattern) return &key;
-    return nullptr;
+    const auto found = std::ranges::find(keys(), pattern, [](const Key& key) { return std::string_view(key.path); });
+    return found == keys().end() ? nullptr : &*found;
 }
 
-std::vector<const Key*> keys_below(std::string_view pattern) {
-    std::vector<const Key*> below;
-    for (const Key& key : keys())
-        if (key.parent() == pattern) below.push_back(&key);
-    return below;
+const std::vector<const Key*>& keys_below(std::string_view pattern) {
+    static const auto rows = [] {
+        std::map<std::string_view, std::vector<const Key*>> below;
+        for (const Key& key : keys()) below[key.path], below[key.parent()].push_back(&key);
+        return below;
+    }();
+    return rows.at(pattern);
 }
 
 std::string pattern_of(std::string_view path) {
     std::string pattern;
     while (!path.empty()) {
-        const std::size_t dot = path.find('.');
+        const std::size_t dot = std::min(path.find('.'), path.size());
         std::string part(path.substr(0, dot));
-        path.remove_prefix(dot == std::string_view::npos ? path.size() : dot + 1);
-        if (const std::size_t bracket = part.find('['); bracket != std::string::npos)
-            part = part.substr(0, bracket) + "[]";
+        path.remove_prefix(std::min(dot + 1, path.size()));
+        if (const std::size_t bracket = part.find('['); bracket != std::string::npos) part.replace(bracket, -1, "[]");
         const Key* parent = find_key(pattern);
-        if (parent && parent->kind == Kind::names) part = "*";
-        pattern += (pattern.empty() ? "" : ".") + part;
+        pattern = joined_path(pattern, parent && parent->kind == Kind::names ? "*" : part);
     }
     return pattern;
+}
+
+std::string joined_path(std::string_view table, std::string_view key) {
+    return std::string(table) + (table.empty() || key.empty() ? "" : ".") + std::string(key);
+}
+
+std::string describe_unit(std::string_view unit) {
+    if (unit == "*") return "a number or a text with a unit";
+    return unit.empty() ? "a number" : kind_name(dimension_of(unit)) + " [" + std::string(unit) + "]";
+}
+
+std::string describe_one(const Key& key, std::string_view unit) {
+    switch (key.kind) {
+        case Kind::boolean: return "true or false";
+        case Kind::integer: return "a whole number";
+        case Kind::text: return key.words.empty() ? "a text" : "one of " + joined(key.words);
+        case Kind::number: break;
+        default: return "a table";
+    }
+    std::string text = describe_unit(unit);
+    for (const std::string& word : key.words) text += " or \"" + word + "\"";
+    return text;
+}
+
+std::string describe(const Key& key, std::string_view unit) {
+    const std::string one = describe_one(key, unit);
+    switch (key.form) {
+        case Form::one: return one;
+        case Form::pair: return "two values [a, b], each " + one;
+        case Form::triple: return "three values [a, b, c], each " + one;
+        case Form::box: return "a box [xmin, ymin, xmax, ymax], each " + one;
+        case Form::list: return "a list [a, b, ...], each " + one;
+        case Form::one_or_list: return one + ", or a list of them";
+        case Form::points: break;
+    }
+    if (key.second_unit == "=") return "a list of pairs [[a, b], ...], each " + one;
+    return "a list of pairs [[a, b], ...], a being " + one + " and b " + describe_unit(key.second_unit);
 }
 
 bool is_name(std::string_view text) {

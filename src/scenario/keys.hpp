@@ -1,20 +1,15 @@
 #pragma once
-// The key table: every key that a scenario may have, declared once. The reader, `check --full`, `schema` and the
-// documentation all come from it.
+// The key table: every key that a scenario may have, declared once (key_table.cpp, key_table_run.cpp). The reader,
+// `check --full`, `schema` and scenarios/KEYS.md all use it.
 //
-// Paths: `domain.size` is a key of the table [domain]; `load[]` a list of tables [[load]]; `material.*` a table with a
-// name of the user's choice. The row of a table stands above the rows of its keys.
-#include "model/loads.hpp"
+// Patterns of paths: `domain.size` is a key of the table [domain]; `load[]` a list of tables [[load]]; `material.*` a
+// table [material.NAME]. The row of a table precedes the rows of its keys.
 #include "scenario/toml_tree.hpp"
 
 #include <functional>
 #include <limits>
 #include <span>
-#include <string>
-#include <string_view>
-#include <type_traits>
 #include <typeinfo>
-#include <vector>
 
 namespace knap {
 
@@ -42,64 +37,49 @@ struct Range {
     double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
     bool low_included = true, high_included = true;
     bool contains(double value) const;
-    std::string text() const;  // "greater than 0"; empty for everything
+    std::string text() const;  // "greater than 0"; empty if unbounded
 };
 
-/// A key that belongs to some values of a neighbour.
+/// A key that exists only with some values of a neighbouring key of its table.
 struct Condition {
-    std::string_view neighbour;  // its name; empty: no condition
+    std::string_view neighbour;  // empty: no condition
     std::vector<std::string> values;
-    std::string text() const;  // "kind=normal or lognormal"
 };
 
-/// A node as a C++ value; nothing where it is of another type (a word in the place of a number).
 template <class T>
-std::optional<T> value_as(const Node& node) {
-    const auto number = [&](std::size_t i) { return node.children[i].number; };
-    const auto only_if = [](bool good, auto&& value) { return good ? std::optional<T>(value()) : std::nullopt; };
-    if constexpr (std::is_same_v<T, bool>) {
-        return only_if(node.type == Node::Type::boolean, [&] { return node.boolean; });
-    } else if constexpr (std::is_integral_v<T>) {
-        return only_if(node.type == Node::Type::integer, [&] { return static_cast<T>(node.integer); });
-    } else if constexpr (std::is_same_v<T, double>) {
-        return only_if(node.is_number(), [&] { return node.number; });
-    } else if constexpr (std::is_same_v<T, std::string>) {
-        return only_if(node.type == Node::Type::text, [&] { return node.text; });
-    } else if constexpr (std::is_same_v<T, Vec2>) {
-        return only_if(node.children.size() == 2, [&] { return Vec2(number(0), number(1)); });
-    } else if constexpr (std::is_same_v<T, Box>) {
-        return only_if(node.children.size() == 4, [&] { return Box{{number(0), number(1)}, {number(2), number(3)}}; });
-    } else {
-        T list;
-        for (const Node& child : node.children)
-            if (const auto value = value_as<typename T::value_type>(child)) list.push_back(*value);
-        return list;
-    }
-}
+struct WithoutOptional {
+    using type = T;
+};
+template <class T>
+struct WithoutOptional<std::optional<T>> {
+    using type = T;
+};
 
 struct Key {
     std::string path;
     Kind kind;
     std::string_view doc;
     Form form = Form::one;
-    std::string_view unit = {};          // of plain numbers; "*" where it depends on another key
-    std::string_view second_unit = "=";  // of the second number of a point; "=": the same
+    std::string_view unit = {};          // of plain numbers; "*": depends on other keys
+    std::string_view second_unit = "=";  // of the second number of a point; "=": the same unit
+    std::vector<std::string> multiples;  // units that are kept instead of converted: "CFL", "cR", "%"
     Range range = {};
-    std::vector<std::string> words =
-        {};  // the texts that are allowed ("*_force_x": with any begin); of a number: besides numbers
-    std::string default_toml = {};      // the default, as TOML
-    std::string_view default_doc = {};  // the default in words, where it is computed
-    bool is_required = false;           // within its table
+    std::vector<std::string> words = {};  // allowed texts ("*_force_x": with any prefix); of a number: besides numbers
+    std::string default_toml = {};        // a constant default
+    std::string_view default_doc = {};    // a computed default, in words
+    bool is_required = false;             // within its table
     Condition condition = {};
-    std::string_view text_key = {};                      // of a table: the key that a bare text stands for
-    const std::type_info* owner = nullptr;               // the options struct to which the value is bound
-    std::function<void(void*, const Node&)> store = {};  // writes the value into an object of that type
+    std::string_view text_key = {};                      // of a table: the key that a text in place of the table gives
+    const std::type_info* owner = nullptr;               // the options struct that has a member for the value
+    std::function<void(void*, const Node&)> store = {};  // writes the value into such a struct
 
     std::string_view name() const;    // the last part of the path, without []
-    std::string_view parent() const;  // path of the table it belongs to, "" at the top
+    std::string_view parent() const;  // pattern of the table that has the key, "" at the top
     bool is_table() const { return kind == Kind::table || kind == Kind::list || kind == Kind::names; }
+    /// Whether plain numbers have a unit that does not depend on other keys.
+    bool has_fixed_unit() const { return kind == Kind::number && !unit.empty() && unit != "*"; }
 
-    // what a row of the table says besides path, kind and doc
+    // further properties of a row of the key table
     Key& pair() { return form = Form::pair, *this; }
     Key& triple() { return form = Form::triple, *this; }
     Key& box() { return form = Form::box, *this; }
@@ -107,6 +87,7 @@ struct Key {
     Key& one_or_list() { return form = Form::one_or_list, *this; }
     Key& points() { return form = Form::points, *this; }
     Key& second(std::string_view of_second) { return second_unit = of_second, *this; }
+    Key& or_multiple_of(std::vector<std::string> units) { return multiples = std::move(units), *this; }
     Key& above(double x) { return range.low = x, range.low_included = false, *this; }
     Key& at_least(double x) { return range.low = x, *this; }
     Key& below(double x) { return range.high = x, range.high_included = false, *this; }
@@ -121,17 +102,26 @@ struct Key {
         return condition = {key, std::move(values)}, *this;
     }
     Key& or_text(std::string_view of_key) { return text_key = of_key, *this; }
-    /// The value goes to this member of an options struct (Values::fill).
+    /// Table::fill writes the value, a number through `convert`, to this member of an options struct.
     template <class T, class M>
-    Key& to(M T::*member) {
+    Key& to(M T::*member, double (*convert)(double) = nullptr) {
+        using Value = typename WithoutOptional<M>::type;
         owner = &typeid(T);
-        store = [member](void* object, const Node& node) {
-            if constexpr (requires {
-                              typename M::value_type;
-                              requires std::is_same_v<M, std::optional<typename M::value_type>>;
-                          })
-                static_cast<T*>(object)->*member = value_as<typename M::value_type>(node);
-            else if (const std::optional<M> value = value_as<M>(node)) static_cast<T*>(object)->*member = *value;
+        store = [=](void* object, const Node& node) {
+            std::optional<Value> value = value_as<Value>(node);
+            if (!value) return;
+            if constexpr (std::is_same_v<Value, double>) value = convert ? convert(*value) : *value;
+            static_cast<T*>(object)->*member = std::move(*value);
+        };
+        return *this;
+    }
+    /// The member becomes the element of `of_words` that has the position of the text among `words`.
+    template <class T, class M>
+    Key& to(M T::*member, std::initializer_list<M> of_words) {
+        owner = &typeid(T);
+        store = [member, names = words, values = std::vector<M>(of_words)](void* object, const Node& node) {
+            for (std::size_t i = 0; i < names.size(); ++i)
+                if (names[i] == node.text) static_cast<T*>(object)->*member = values[i];
         };
         return *this;
     }
@@ -140,21 +130,27 @@ struct Key {
 /// All rows, in the order in which a scenario is printed.
 std::span<const Key> keys();
 
-/// The row of a pattern such as "load[].on"; null when there is none.
+/// The row of a pattern such as "load[].on"; null if there is none.
 const Key* find_key(std::string_view pattern);
+/// Rows directly below the row of a table.
+const std::vector<const Key*>& keys_below(std::string_view pattern);
+/// "load[2].on.box" -> "load[].on.box", "material.glass.E" -> "material.*.E"
+std::string pattern_of(std::string_view path);
 
-/// Rows directly below a table's row.
-std::vector<const Key*> keys_below(std::string_view pattern);
+/// "a", "b" -> "a.b"
+std::string joined_path(std::string_view table, std::string_view key);
 
 /// Whether a text is one of the words of a key.
 bool is_word(const std::vector<std::string>& words, std::string_view text);
 
-/// "load[2].on.box" -> "load[].on.box", "material.glass.E" -> "material.*.E"
-std::string pattern_of(std::string_view path);
+/// The values that a key accepts, plain numbers in `unit`: "a length [m]", "two values [a, b], each a pressure [Pa]".
+std::string describe(const Key& key, std::string_view unit);
+std::string describe_one(const Key& key, std::string_view unit);  // one value of a list or a pair
+std::string describe_unit(std::string_view unit);                 // "a length [m]"
 
-/// Materials, interfaces, boundaries, loads, probes, obstacles: letters of any script, digits, blanks, _ and -; no
-/// blank at an end. (The scenario's own name and names of files are parts of paths and have narrower rules.)
+/// Whether a text may be the name of a material, interface, boundary, load, probe or obstacle. (The name of a scenario
+/// and file names are parts of paths and have narrower rules.)
 bool is_name(std::string_view text);
-inline constexpr const char* rule_for_names = "a name has letters, digits, blanks, _ and -, and no blank at its ends";
+inline constexpr const char* rule_for_names = "a name has letters, digits, blanks, _ and -, and no blank at either end";
 
 }  // namespace knap

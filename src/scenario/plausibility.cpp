@@ -1,145 +1,128 @@
-// Values that the program can compute with but hardly anybody means: most are numbers whose unit was forgotten.
+// Warnings of values that are possible, but likely mistakes: most are numbers with a forgotten unit.
 #include "scenario/reading.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <limits>
 #include <numbers>
 
 namespace knap {
 namespace {
 
-/// What real materials have. Nothing is forbidden.
+/// The range of real materials, and what a value beyond it would be. `meant`: the unit that a plain number between
+/// `meant_low` and `meant_high` probably has.
 struct Plausible {
-    const char *table, *key, *unit;
+    const char *table, *key;
     double low, high;
-    const char *below, *above;     // what such a value would be
-    const char* meant;             // unit of a plain number that was probably meant
-    double meant_low, meant_high;  // numbers for which it was
+    const char *below, *above;
+    const char* meant = "";
+    double meant_low = 0, meant_high = 0;
 };
 
 // From gels and aerogels to diamond and osmium.
 constexpr Plausible ranges[] = {
-    {"material", "E", "Pa", 1e3, 2e12, "softer than any gel", "stiffer than diamond", "GPa", 0.01, 1000},
-    {"material", "density", "kg/m3", 10, 3e4, "lighter than any foam", "heavier than osmium", "g/cm3", 0.1, 30},
-    {"interface", "sigma_c", "Pa", 10, 2e11, "weaker than any gel", "stronger than diamond", "MPa", 0.01, 1000},
-    {"interface", "G_c", "J/m2", 1e-4, 1e7, "less than the surface energy of any solid",
-     "more than that of the toughest steel", "", 0, 0},
-    {"interface", "delta_c", "m", 1e-11, 0.1, "less than the size of an atom",
-     "more than any solid opens before it breaks", "um", 0.1, 10000},
-    {"interface", "friction", "", 0, 3, "", "beyond that of any rock", "", 0, 0},
+    {"material", "E", 1e3, 2e12, "softer than any gel", "stiffer than diamond", "GPa", 0.01, 1000},
+    {"material", "density", 10, 3e4, "lighter than any foam", "heavier than osmium", "g/cm3", 0.1, 30},
+    {"interface", "sigma_c", 10, 2e11, "weaker than any gel", "stronger than diamond", "MPa", 0.01, 1000},
+    {"interface", "G_c", 1e-4, 1e7, "less than the surface energy of any solid",
+     "more than that of the toughest steel"},
+    {"interface", "delta_c", 1e-11, 0.1, "less than the size of an atom", "more than any solid opens before it breaks",
+     "um", 0.1, 10000},
+    {"interface", "friction", 0, 3, "", "more than that of any rock"},
 };
-constexpr double softest_material = 1e3;  // [Pa] the first row's
+constexpr double min_modulus = ranges[0].low;  // [Pa]
 
 /// Zero is a choice: no strength, no friction.
-void check(const Reading& reading, const Plausible& range, const std::string& path) {
-    const std::optional<double> value = reading.values.number(path);
+void check(const Table& table, const Plausible& range) {
+    const std::optional<double> value = table.number(range.key);
     if (!value || *value == 0 || (*value >= range.low && *value <= range.high)) return;
-    const std::string number = shortest(*value), unit = *range.unit ? " " + std::string(range.unit) : "";
-    const char* what = *value < range.low ? range.below : range.above;
-    Diagnostic& d =
-        reading.findings.warning("implausible", "`" + path + "` = " + number + unit + " is " + what, reading.at(path));
-    if (std::string(range.key) == "friction" && *value < 90) {
-        char text[100];
-        std::snprintf(text, sizeof text, "a coefficient is wanted, not an angle: tan(%.4g deg) = %.3g", *value,
-                      std::tan(*value * std::numbers::pi / 180));
-        d.note = text;
-        return;
+    const Key& key = *find_key(std::string(range.table) + ".*." + range.key);
+    const std::string number = shortest(*value), unit = key.unit.empty() ? "" : " " + std::string(key.unit);
+    const std::string text = "= " + number + unit + " is " + (*value < range.low ? range.below : range.above);
+    if (key.name() == "friction" && *value < 90) {
+        char tangent[40];
+        std::snprintf(tangent, sizeof tangent, "%.3g", std::tan(*value * std::numbers::pi / 180));
+        return table.warning("implausible", range.key, text,
+                             "a coefficient, not an angle: tan(" + number + " deg) = " + tangent);
     }
-    if (reading.values.given(path) && *range.meant && *value >= range.meant_low && *value <= range.meant_high)
-        d.hint = "did you mean \"" + number + " " + range.meant + "\"?";
-    d.note = "plausible: " + shortest(range.low) + " to " + shortest(range.high) + unit +
-             "; a number without a unit is in SI; it is taken as it stands";
+    const bool mistaken = *range.meant && *value >= range.meant_low && *value <= range.meant_high;
+    table.warning("implausible", range.key, text,
+                  "plausible: " + shortest(range.low) + " to " + shortest(range.high) + unit +
+                      "; a number without a unit is in SI; the value is used as given",
+                  mistaken ? "did you mean \"" + number + " " + range.meant + "\"?" : "");
 }
 
-/// A strength above the modulus means strains above 1 at the crack, far beyond the small strains that are computed.
-void check_strengths(Reading& reading) {
-    double stiffest = 0;
-    for (const NamedMaterial& material : reading.scenario.materials) stiffest = std::max(stiffest, material.elastic.E);
-    if (!(stiffest >= softest_material)) return;  // reported already
-    for (const NamedLaw& named : reading.scenario.laws)
-        if (named.law.breakable() && named.law.sigma_c > stiffest)
-            reading.table("interface." + named.name)
-                .warning(
-                    "implausible", "sigma_c",
-                    "= " + shortest(named.law.sigma_c) + " Pa is above the largest E, " + shortest(stiffest) + " Pa",
-                    "strains are to be small: a strength is a thousandth of E or less");
-}
-
-double largest(const Load& load) {
-    if (load.kind != Load::Kind::stress) return std::hypot(load.value[0].value_or(0), load.value[1].value_or(0));
-    return std::max({std::abs(load.stress[0]), std::abs(load.stress[1]), std::abs(load.stress[2])});
-}
-
-double largest_factor(const TimeFunction& history) {
-    double factor = history.time.empty() ? 1 : 0;
-    for (const double value : history.value) factor = std::max(factor, std::abs(value));
-    return factor;
-}
-
-void check_load(const Table& table, const Load& load, double softest, double fastest) {
-    const double size = largest(load) * largest_factor(load.history);
-    const bool is_stress = load.kind == Load::Kind::traction || load.kind == Load::Kind::stress;
-    if (is_stress && softest >= softest_material && size > 0.1 * softest)
-        table.warning("implausible", "",
-                      "puts a stress of " + shortest(size) + " Pa on a material of E = " + shortest(softest) + " Pa",
-                      "strains are to be small: a stress is a hundredth of E or less");
-    if (load.kind == Load::Kind::velocity && fastest > 0 && size > fastest) {
-        const std::string waves = "faster than waves run in it, " + shortest(std::round(fastest)) + " m/s";
-        const std::string text = "`" + table.path() + "` drives the body at " + shortest(size) + " m/s, " + waves;
-        table.reading().findings.warning("implausible", text, table.reading().at(table.path("velocity"))).note =
-            "a number without a unit is in m/s";
-    }
-}
-
-void check_loads(Reading& reading) {
-    double softest = std::numeric_limits<double>::infinity(), fastest = 0;
-    for (const NamedMaterial& material : reading.scenario.materials) {
+/// Stresses above these would mean strains beyond those of the linear theory; velocities faster than waves.
+void check_strains(Reading& reading) {
+    const Scenario& scenario = reading.scenario;
+    double softest = std::numeric_limits<double>::infinity(), stiffest = 0, fastest = 0;
+    for (const NamedMaterial& material : scenario.materials) {
         softest = std::min(softest, material.elastic.E);
+        stiffest = std::max(stiffest, material.elastic.E);
         if (material.elastic.density > 0)
-            fastest = std::max(fastest, material.elastic.dilatational_speed(reading.scenario.plane));
+            fastest = std::max(fastest, material.elastic.dilatational_speed(scenario.plane));
     }
-    for (std::size_t i = 0; i < reading.scenario.loads.size(); ++i)
-        check_load(reading.table(item("load", i)), reading.scenario.loads[i], softest, fastest);
+    if (stiffest >= min_modulus)  // otherwise reported already
+        for (const NamedLaw& named : scenario.laws)
+            if (named.law.breakable() && named.law.sigma_c > stiffest)
+                reading.table("interface." + named.name)
+                    .warning("implausible", "sigma_c",
+                             "= " + shortest(named.law.sigma_c) + " Pa is above the largest E, " + shortest(stiffest) +
+                                 " Pa",
+                             "strains are assumed small: a strength is a thousandth of E or less");
+    for (std::size_t i = 0; i < scenario.loads.size(); ++i) {
+        const Load& load = scenario.loads[i];
+        const Table table = reading.table(item("load", i));
+        double size = std::hypot(load.value[0].value_or(0), load.value[1].value_or(0)), factor = 0;
+        for (const double stress : load.stress) size = std::max(size, std::abs(stress));
+        for (const double value : load.history.value) factor = std::max(factor, std::abs(value));
+        if (!load.history.time.empty()) size *= factor;
+        const bool is_stress = load.kind == Load::Kind::traction || load.kind == Load::Kind::stress;
+        if (is_stress && softest >= min_modulus && size > 0.1 * softest)
+            table.warning(
+                "implausible", "",
+                "puts a stress of " + shortest(size) + " Pa on a material of E = " + shortest(softest) + " Pa",
+                "strains are assumed small: a stress is a hundredth of E or less");
+        if (load.kind == Load::Kind::velocity && fastest > 0 && size > fastest)
+            table.warning("implausible", "velocity",
+                          "= " + shortest(size) + " m/s is faster than waves in the body, " +
+                              shortest(std::round(fastest)) + " m/s",
+                          "a number without a unit is in m/s");
+    }
 }
 
-/// A table that begins when the run is over never changes anything.
-void check_history(const Table& table, const TimeFunction& history) {
-    const double end = table.reading().scenario.time.end;
-    if (history.time.empty() || history.time.front() < end) return;
-    table.warning("after-the-end", table.given("csv") ? "csv" : "table",
-                  "begins at " + shortest(history.time.front()) + " s, and the run ends at " + shortest(end) +
-                      " s: its factor is " + shortest(history.value.front()) + " all the time",
-                  "a number without a unit is in seconds");
-}
-
+/// Times after the end of the run.
 void check_times(Reading& reading) {
     const Scenario& scenario = reading.scenario;
-    if (!(scenario.time.end > 0)) return;
-    for (std::size_t i = 0; i < scenario.loads.size(); ++i)
-        check_history(reading.table(item("load", i)), scenario.loads[i].history);
-    for (std::size_t i = 0; i < scenario.obstacles.size(); ++i) {
-        const auto& drives = scenario.obstacles[i].drive;
-        const auto driven =
-            std::ranges::find_if(drives, [](const Drive& drive) { return !drive.history.time.empty(); });
-        if (driven != drives.end()) check_history(reading.table(item("obstacle", i)), driven->history);
-    }
+    const double end = scenario.time.end;
+    if (!(end > 0)) return;
+    const auto check_history = [&](const std::string& path, const TimeFunction& history) {
+        if (history.time.empty() || history.time.front() < end) return;
+        reading.table(path).warning("after-the-end", "table",
+                                    "begins at " + shortest(history.time.front()) + " s, and the run ends at " +
+                                        shortest(end) + " s: its factor is " + shortest(history.value.front()) +
+                                        " all the time",
+                                    "a number without a unit is in seconds");
+    };
+    for (std::size_t i = 0; i < scenario.loads.size(); ++i) check_history(item("load", i), scenario.loads[i].history);
+    for (std::size_t i = 0; i < scenario.obstacles.size(); ++i)
+        for (const Drive& drive : scenario.obstacles[i].drive)
+            if (!drive.history.time.empty()) {
+                check_history(item("obstacle", i), drive.history);
+                break;
+            }
     for (const Table& quantity : reading.list("study.quantity"))
-        if (const auto at = quantity.number("at"); at && *at > scenario.time.end)
-            quantity.warning("after-the-end", "at",
-                             "is " + shortest(*at) + " s, and the run ends at " + shortest(scenario.time.end) +
-                                 " s: there is no such value");
+        if (const auto at = quantity.number("at"); at && *at > end)
+            quantity.warning(
+                "after-the-end", "at",
+                "is " + shortest(*at) + " s, and the run ends at " + shortest(end) + " s: there is no such value");
 }
 
 }  // namespace
 
 void warn_of_implausible(Reading& reading) {
     for (const Plausible& range : ranges)
-        for (const std::string& name : reading.values.names(range.table))
-            check(reading, range, std::string(range.table) + "." + name + "." + range.key);
-    check_strengths(reading);
-    check_loads(reading);
+        for (const Table& table : reading.list(range.table)) check(table, range);
+    check_strains(reading);
     check_times(reading);
 }
 

@@ -2,7 +2,6 @@
 #include "mesh/size_field.hpp"
 #include "scenario/reading.hpp"
 
-#include <algorithm>
 #include <map>
 #include <numbers>
 
@@ -18,25 +17,25 @@ std::vector<Vec2> rectangle(const Vec2& low, const Vec2& high) {
 /// Reads closed curves and polylines.
 class CurveReader {
 public:
-    explicit CurveReader(Reading& reading) : mesh_(reading.scenario.mesh), size_(mesh_, 1) {}
+    explicit CurveReader(const MeshOptions& mesh) : mesh_(mesh), size_(mesh_, 1) {}
 
     /// A circle as a polygon with sides of about the local mesh size.
     std::vector<Vec2> circle(const Table& table) const {
-        const std::optional<Vec2> centre = table.pair("centre");
-        const std::optional<double> radius = table.number("radius");
+        const auto centre = table.get<Vec2>("centre");
+        const auto radius = table.number("radius");
         if (!centre || !radius || !(mesh_.size > 0)) return {};
         if (too_fine(table, "radius", {*centre, *radius, 0, 2 * std::numbers::pi})) return {};
         return knap::circle(*centre, *radius, size_);
     }
 
-    std::vector<Vec2> points(const Table& table, std::size_t least) const {
-        std::vector<Vec2> list = table.points("points");
-        if (table.has("points") && list.size() < least)
-            table.error("out-of-range", "points", "needs at least " + std::to_string(least) + " points");
-        return list;
+    std::vector<Vec2> points(const Table& table, std::size_t min) const {
+        const auto list = table.get<std::vector<Vec2>>("points");
+        if (list && list->size() < min)
+            table.error("out-of-range", "points", "needs at least " + std::to_string(min) + " points");
+        return list.value_or(std::vector<Vec2>());
     }
 
-    /// A polygon some of whose sides are arcs, and the side that each of its pieces belongs to.
+    /// A polygon some of whose sides are arcs, and the side to which each of its pieces belongs.
     struct Polygon {
         std::vector<Vec2> points;
         std::vector<std::size_t> side;
@@ -55,18 +54,16 @@ public:
 
     /// The curve of a hole or a region: points, a circle, or (`boxes`) a box.
     std::vector<Vec2> curve(const Table& table, bool boxes) const {
-        const auto which =
-            boxes ? table.the_one({"points", "radius", "box"}, true) : table.the_one({"points", "radius"}, true);
-        const bool is_round = which == "radius";
-        if (which && is_round != table.given("centre"))
-            table.report("missing-key", is_round ? "" : "centre",
-                         "`" + table.path() + "`: centre and radius belong together");
-        if (which && which != "points" && !table.list("arcs").empty())
-            table.reading().findings.error_at_name("exclusive-keys", "`" + table.path("arcs") + "` belongs to points",
-                                                   table.reading().at(table.list("arcs")[0].path()));
+        std::vector<std::string> forms{"points", "radius"};
+        if (boxes) forms.emplace_back("box");
+        const auto form = table.the_one(forms, true);
+        const bool is_round = form == "radius";
+        if (form && is_round != table.given("centre"))
+            table.error("missing-key", is_round ? "" : "centre", ": centre and radius belong together");
+        if (form && form != "points" && table.given("arcs")) table.error("exclusive-keys", "arcs", "belongs to points");
         if (is_round) return circle(table);
-        if (which == "points") return polygon(table, points(table, 3)).points;
-        if (const std::optional<Box> box = table.box("box")) return rectangle(box->low, box->high);
+        if (form == "points") return polygon(table, points(table, 3)).points;
+        if (const auto box = table.get<Box>("box")) return rectangle(box->low, box->high);
         return {};
     }
 
@@ -81,25 +78,23 @@ private:
     std::map<std::size_t, Arc> arcs(const Table& table, const std::vector<Vec2>& corners) const {
         std::map<std::size_t, Arc> found;
         for (const Table& row : table.list("arcs")) {
-            const std::optional<double> number = row.number("side");
-            const std::optional<Vec2> through = row.pair("through");
+            const auto number = row.get<std::int64_t>("side");
+            const auto through = row.get<Vec2>("through");
             if (!number || !through || corners.empty()) continue;
-            if (*number > static_cast<double>(corners.size())) {
-                const auto n = static_cast<long long>(*number);
-                row.error("out-of-range", "side",
-                          "is " + std::to_string(n) + ", and there are " + std::to_string(corners.size()) + " sides",
-                          "side 1 leads from the first point to the second, the last one back to the first");
+            if (*number > std::ssize(corners)) {
+                row.error(
+                    "out-of-range", "side",
+                    "is " + std::to_string(*number) + ", and there are " + std::to_string(corners.size()) + " sides",
+                    "side 1 joins the first point to the second, the last side closes the ring");
                 continue;
             }
             const std::size_t side = static_cast<std::size_t>(*number) - 1;
-            const std::optional<Arc> arc = arc_through(corners[side], *through, corners[(side + 1) % corners.size()]);
+            const auto arc = arc_through(corners[side], *through, corners[(side + 1) % corners.size()]);
             if (!arc)
-                row.error(
-                    "out-of-range", "through", "lies on the straight line of its side, so there is no arc",
-                    "a point of the arc between the two corners, beside their line; a straight side needs no arc");
+                row.error("out-of-range", "through", "lies on the straight line of its side, so there is no arc",
+                          "a point of the arc between the two corners, off their line; a straight side needs no arc");
             else if (!too_fine(row, "through", *arc) && !found.emplace(side, *arc).second)
-                row.report("duplicate-name", "side",
-                           "`" + row.path() + "` is the second arc of side " + std::to_string(side + 1));
+                row.error("duplicate-name", "side", "gives a second arc of side " + std::to_string(side + 1));
         }
         return found;
     }
@@ -108,21 +103,16 @@ private:
     SizeField size_;
 };
 
-void check_shape_is_given(Reading& reading) {
-    const Table domain = reading.table("domain"), mesh = reading.table("mesh");
-    const bool known_wrong = domain.given() && !domain.has();
-    if (!domain.given("shape") && !known_wrong) {
-        const std::string missing = domain.given() ? "`domain.shape`" : "`domain`";
-        reading.findings.error("missing-key", missing + " is missing", reading.at("domain")).note =
-            "shape: rectangle, polygon, disc; or a mesh of your own, mesh.file";
-    }
+void check_shape_is_given(const Table& domain, const Table& mesh) {
+    if (!domain.given("shape") && (!domain.given() || domain.has("")))
+        domain.error("missing-key", domain.given() ? "shape" : "", "is missing",
+                     "shape: rectangle, polygon, disc; or a mesh of your own, mesh.file");
     for (const char* key : {"unit", "cracks"})
         if (mesh.given(key))
-            mesh.error_at_name("exclusive-keys", key, "belongs to mesh.file",
-                               "a shape has [[domain.crack]] and units of its own");
+            mesh.error("exclusive-keys", key, "belongs to mesh.file", "a shape has [[domain.crack]], and units itself");
 }
 
-/// One name a side; those of a polygon are computed where they are not given.
+/// One name for each side; computed if not given.
 void read_polygon(const Table& domain, const CurveReader& curves, Shape& shape) {
     const std::vector<Vec2> corners = curves.points(domain, 3);
     const CurveReader::Polygon outline = curves.polygon(domain, corners);
@@ -131,9 +121,9 @@ void read_polygon(const Table& domain, const CurveReader& curves, Shape& shape) 
     for (std::size_t i = 1; i <= n; ++i) sides.push_back(Node::of_text("side" + std::to_string(i)));
     if (n > 0) domain.compute("sides", Node::of_list(std::move(sides)));
     std::vector<Index> of_side;
-    for (const Node* name : domain.items("sides")) {
-        domain.check_name("sides", name->text, "a boundary");
-        of_side.push_back(boundary_index(shape, name->text));
+    for (const std::string& name : domain.texts("sides")) {
+        domain.check_name("sides", name, "a boundary");
+        of_side.push_back(boundary_index(shape, name));
     }
     shape.outer.points = outline.points;
     for (const std::size_t side : outline.side)
@@ -143,13 +133,12 @@ void read_polygon(const Table& domain, const CurveReader& curves, Shape& shape) 
                      "has " + std::to_string(of_side.size()) + " names for " + std::to_string(n) + " sides");
 }
 
-void read_shape(Reading& reading) {
-    const Table domain = reading.table("domain");
-    const CurveReader curves(reading);
-    Shape& shape = reading.scenario.shape;
+void read_shape(const Table& domain, Scenario& scenario) {
+    const CurveReader curves(scenario.mesh);
+    Shape& shape = scenario.shape;
     const std::string kind = domain.text("shape");
     if (kind == "rectangle") {
-        const std::optional<Vec2> size = domain.pair("size"), origin = domain.pair("origin");
+        const auto size = domain.get<Vec2>("size"), origin = domain.get<Vec2>("origin");
         if (size && origin) shape.outer.points = rectangle(*origin, *origin + *size);
         for (const char* name : {"bottom", "right", "top", "left"})
             shape.outer.boundary.push_back(boundary_index(shape, name));
@@ -180,23 +169,17 @@ void read_shape(Reading& reading) {
 void read_body(Reading& reading) {
     Scenario& scenario = reading.scenario;
     const Table mesh = reading.table("mesh"), domain = reading.table("domain");
-    if (mesh.has()) mesh.the_one({"size", "file"}, true);
+    if (mesh.given() && mesh.has("")) mesh.the_one({"size", "file"}, true);
     mesh.fill(scenario.mesh);
     mesh.fill(scenario);
     domain.fill(scenario);
     scenario.mesh.seed = scenario.seed;
-    for (const Table& refine : mesh.list("refine")) {
-        const std::optional<Box> box = refine.box("inside");
-        const std::optional<double> size = refine.number("size");
-        if (box && size) scenario.mesh.refine.push_back({box->low, box->high, *size});
-    }
-    if (mesh.given("file")) {
-        read_mesh_file(reading);
-    } else {
-        check_shape_is_given(reading);
-        read_shape(reading);
-    }
-    if (domain.text("model") == "plane stress") scenario.plane = PlaneModel::stress;
+    for (const Table& refine : mesh.list("refine"))
+        if (const auto box = refine.get<Box>("inside"); box && refine.has("size"))
+            scenario.mesh.refine.push_back({box->low, box->high, *refine.number("size")});
+    if (mesh.given("file")) return read_mesh_file(reading);
+    check_shape_is_given(domain, mesh);
+    read_shape(domain, scenario);
 }
 
 }  // namespace knap

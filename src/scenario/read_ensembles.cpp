@@ -4,7 +4,6 @@
 #include "analysis/reactions.hpp"
 #include "record/outputs.hpp"
 #include "scenario/reading.hpp"
-#include "scenario/units.hpp"
 
 #include <algorithm>
 
@@ -15,22 +14,6 @@ bool in_summary(const std::string& name) { return find_output("summary", name) !
 
 StudyQuantity of_summary(const std::string& name) {
     return {.name = name, .of = name, .unit = std::string(unit_of("summary", name))};
-}
-
-std::vector<std::string> texts(const Values& values, const std::string& path) {
-    std::vector<std::string> list;
-    for (const Node* node : values.items(path)) list.push_back(node->text);
-    return list;
-}
-
-std::vector<double> numbers(const Values& values, const std::string& path) {
-    std::vector<double> list;
-    for (const Node* node : values.items(path)) list.push_back(node->number);
-    return list;
-}
-
-int integer_or_0(const Values& values, const std::string& path) {
-    return values.has(path) ? static_cast<int>(values.find(path)->node.integer) : 0;
 }
 
 /// Columns of the histories that the run will have.
@@ -60,58 +43,42 @@ std::string name_of(const StudyQuantity& q) {
     return q.largest ? "largest " + q.of : q.of;
 }
 
-std::string quantity_unit(const StudyQuantity& q) {
+std::string unit_of_quantity(const StudyQuantity& q) {
     if (q.reaches) return "s";
     if (!q.from_history() && in_summary(q.of)) return std::string(unit_of("summary", q.of));
     return std::string(q.slope ? unit_of_slope(q.of) : unit_of_column(q.of));
 }
 
-void check_quantity(const Reading& reading, const std::string& path, const StudyQuantity& quantity) {
-    Findings& findings = reading.findings;
-    std::vector<std::string> columns = history_columns(reading.scenario);
-    const auto is_column = [&](const std::string& name) {
-        return std::find(columns.begin(), columns.end(), name) != columns.end();
+void check_quantity(const Table& table, const StudyQuantity& q) {
+    Reading& reading = table.reading();
+    std::vector<std::string> columns = history_columns(table.scenario());
+    const auto check_column = [&](const char* key, const std::string& name) {
+        reading.find(table.path(key), "column of a history", name, columns);
     };
-    if (quantity.at.has_value() + quantity.reaches.has_value() + quantity.largest + quantity.slope.has_value() > 1)
-        findings.error("exclusive-keys", "`" + path + "` has more than one of at, reaches, largest and slope",
-                       reading.at(path));
-    if (quantity.slope && (*quantity.slope)[0] >= (*quantity.slope)[1])
-        findings.error("bad-interval", "`" + path + ".slope` must go from an earlier to a later time",
-                       reading.at(path + ".slope"));
-    if (!quantity.since.empty() && !quantity.reaches)
-        findings.error("missing-key", "`" + path + ".since` needs reaches", reading.at(path + ".since")).note =
-            "the value whose times are compared";
-    if (!quantity.since.empty() && !is_column(quantity.since))
-        reading.unknown_name(path + ".since", "column of a history", quantity.since, columns);
-    if (is_column(quantity.of)) return;
-    if (quantity.from_history())
-        return reading.unknown_name(path + ".of", "column of a history", quantity.of, columns);
-    if (in_summary(quantity.of)) return reading.check_summary_number(path + ".of", quantity.of);
+    if (q.at.has_value() + q.reaches.has_value() + q.largest + q.slope.has_value() > 1)
+        table.error("exclusive-keys", "", "has more than one of at, reaches, largest and slope");
+    if (q.slope && (*q.slope)[0] >= (*q.slope)[1])
+        table.error("bad-interval", "slope", "must go from an earlier to a later time");
+    if (!q.since.empty() && !q.reaches)
+        table.error("missing-key", "since", "needs reaches", "the value whose times are compared");
+    if (!q.since.empty()) check_column("since", q.since);
+    if (q.from_history()) return check_column("of", q.of);
+    if (std::ranges::count(columns, q.of) > 0) return;
+    if (in_summary(q.of)) return reading.check_summary_number(table.path("of"), q.of);
     for (const Output& row : output_table("summary").rows) columns.emplace_back(row.name);
-    reading.unknown_name(path + ".of", "number or column", quantity.of, columns);
+    reading.find(table.path("of"), "number or column", q.of, columns);
 }
 
-StudyQuantity quantity_at(const Reading& reading, const std::string& path) {
-    const Values& values = reading.values;
-    StudyQuantity quantity{.of = values.text(path + ".of").value_or(""),
-                         .at = values.number(path + ".at"),
-                         .reaches = values.number(path + ".reaches"),
-                         .since = values.text(path + ".since").value_or(""),
-                         .largest = values.flag(path + ".largest").value_or(false),
-                         .exact = values.number(path + ".exact"),
-                         .scale = values.number(path + ".scale")};
-    if (const auto times = values.pair(path + ".slope")) quantity.slope = {times->x(), times->y()};
-    if (values.has(path + ".of")) check_quantity(reading, path, quantity);
-    quantity.name = values.text(path + ".name").value_or(name_of(quantity));
-    quantity.unit = quantity_unit(quantity);
-    return quantity;
-}
-
-std::vector<StudyQuantity> study_quantities(const Reading& reading) {
+std::vector<StudyQuantity> study_quantities(Reading& reading) {
     std::vector<StudyQuantity> quantities;
+    for (const Table& table : reading.list("study.quantity")) {
+        StudyQuantity& quantity = quantities.emplace_back();
+        table.fill(quantity);
+        if (table.has("of")) check_quantity(table, quantity);
+        if (!table.has("name")) quantity.name = name_of(quantity);
+        quantity.unit = unit_of_quantity(quantity);
+    }
     const std::vector<Expectation>& expect = reading.scenario.expect;
-    for (std::size_t i = 0; i < reading.values.count("study.quantity"); ++i)
-        quantities.push_back(quantity_at(reading, item("study.quantity", i)));
     if (quantities.empty())
         for (const Expectation& expected : expect)
             if (expected.value && *expected.value != 0 && expected.unit.empty())
@@ -127,33 +94,26 @@ std::vector<StudyQuantity> study_quantities(const Reading& reading) {
     return quantities;
 }
 
-/// A pair bulk/cohesion. The explicit bulk has a lumped mass and no larger step before the crack runs.
+/// A pair bulk/cohesion. The explicit bulk has a lumped mass and one step size.
 StudyLine line_of_scheme(const std::string& pair) {
-    const std::string bulk = pair.substr(0, pair.find('/')), cohesion = pair.substr(pair.find('/') + 1);
-    StudyLine line{.set = {"time.bulk=" + bulk, "time.cohesion=" + cohesion}};
-    if (bulk == "explicit") line.set.insert(line.set.end(), {"time.step_cracking=", "time.mass="});
+    const std::size_t slash = pair.find('/');
+    StudyLine line{.set = {"time.bulk=" + pair.substr(0, slash), "time.cohesion=" + pair.substr(slash + 1)}};
+    if (pair.starts_with("explicit/")) line.set.insert(line.set.end(), {"time.step_cracking=", "time.mass="});
     return line;
 }
 
-std::vector<StudyLine> study_lines(const Reading& reading, bool statistics) {
-    const Values& values = reading.values;
+std::vector<StudyLine> study_lines(const Table& study, bool statistics) {
     std::vector<StudyLine> lines;
-    std::vector<std::string> schemes = texts(values, "study.schemes");
-    if (std::find(schemes.begin(), schemes.end(), "all") != schemes.end())
+    std::vector<std::string> schemes = study.texts("schemes");
+    if (std::ranges::count(schemes, "all") > 0)
         schemes = {"explicit/explicit", "explicit/implicit", "implicit/explicit", "implicit/implicit"};
     for (const std::string& pair : schemes) lines.push_back(line_of_scheme(pair));
-    const std::size_t n = values.count("study.line");
-    if (n > 0 && !schemes.empty())
-        reading.findings.error("exclusive-keys", "`study` has schemes and line, and only one of them can hold",
-                                reading.at("study.schemes"));
-    for (std::size_t i = 0; i < n; ++i) {
-        const std::string path = item("study.line", i);
-        lines.push_back({values.text(path + ".name").value_or(""), texts(values, path + ".set"),
-                         numbers(values, path + ".levels")});
-    }
+    if (!study.list("line").empty() && !schemes.empty())
+        study.error("exclusive-keys", "schemes", "and study.line are given, of which only one is allowed");
+    for (const Table& table : study.list("line")) table.fill(lines.emplace_back());
     if (lines.empty()) lines.emplace_back();
-    std::vector<double> levels = numbers(values, "study.levels");
-    if (levels.empty()) levels = statistics ? std::vector<double>{1} : std::vector<double>{1, 2, 4, 8};
+    const auto levels = study.get<std::vector<double>>("levels").value_or(statistics ? std::vector<double>{1}
+                                                                                     : std::vector<double>{1, 2, 4, 8});
     for (StudyLine& line : lines)
         if (line.levels.empty()) line.levels = levels;
     return lines;
@@ -162,29 +122,21 @@ std::vector<StudyLine> study_lines(const Reading& reading, bool statistics) {
 }  // namespace
 
 void read_study(Reading& reading) {
-    const Values& values = reading.values;
+    const Table table = reading.table("study");
     StudyOptions& study = reading.scenario.study;
-    const std::string refine = values.text("study.refine").value_or("step");
-    study.refine = refine == "mesh" ? Refine::mesh : refine == "both" ? Refine::both : Refine::step;
+    table.fill(study);
     if (study.refine != Refine::step && reading.scenario.given)
-        reading.findings.error("exclusive-keys",
-                                "`study.refine` = \"" + refine + "\": a mesh that was read cannot be refined",
-                                reading.at("study.refine"));
-    study.n_seeds = integer_or_0(values, "study.seeds");
-    study.against_finest = values.text("study.reference") == "finest";
-    study.set = texts(values, "study.set");
-    study.lines = study_lines(reading, study.n_seeds > 0);
+        table.error("exclusive-keys", "refine", "= \"" + table.text("refine") + "\", but a mesh file cannot be refined",
+                    "refine = \"step\"");
+    study.lines = study_lines(table, study.n_seeds > 0);
     study.quantities = study_quantities(reading);
 }
 
 void read_sweep(Reading& reading) {
-    const Values& values = reading.values;
+    const Table table = reading.table("sweep");
     SweepOptions& sweep = reading.scenario.sweep;
-    sweep.set = texts(values, "sweep.set");
-    sweep.n_seeds = integer_or_0(values, "sweep.seeds");
-    sweep.show = values.text("sweep.show").value_or(sweep.show);
-    sweep.quantities = texts(values, "sweep.quantities");
-    for (const std::string& name : sweep.quantities) reading.check_summary_number("sweep.quantities", name);
+    table.fill(sweep);
+    for (const std::string& name : sweep.quantities) reading.check_summary_number(table.path("quantities"), name);
     if (!sweep.quantities.empty()) return;
     if (reading.scenario.specimen) sweep.quantities = {"peak_stress", "tangent_modulus"};
     sweep.quantities.insert(sweep.quantities.end(), {"broken_length", "dissipated", "fragments"});

@@ -1,4 +1,4 @@
-// mesh.file: the mesh is read; its physical surfaces are materials, its physical curves boundaries and cracks.
+// mesh.file: a mesh from a file. Its physical surfaces are materials, its physical curves boundaries and cracks.
 #include "mesh/gmsh.hpp"
 #include "scenario/reading.hpp"
 
@@ -8,107 +8,99 @@
 namespace knap {
 namespace {
 
-/// The file says what the body is: nothing else may.
+/// The file defines the body and its mesh: keys that do so, too, are errors, and their defaults have no meaning.
 void check_nothing_else(Reading& reading) {
-    for (const Entry& entry : reading.values.entries()) {
-        const std::string& path = entry.path;
-        const bool of_domain = path.starts_with("domain.") && path != "domain.model" && path != "domain.thickness";
-        const bool of_mesh = path == "mesh.min_angle" || path == "mesh.grading" || path.starts_with("mesh.refine[");
-        const bool of_a_list = path.find('.') != path.rfind('.');
-        if ((of_domain || of_mesh) && !of_a_list && reading.values.given(path))
-            reading.table(path).error_at_name("exclusive-keys", "", "has no meaning beside mesh.file",
-                                              "the file says what the body and its mesh are");
-    }
-    for (const char* path : {"mesh.min_angle", "mesh.grading"}) reading.values.leave_out(path);
+    const auto exclude = [&](const char* table, std::string_view key) {
+        if (!reading.table(table).given(key)) return reading.table(table).leave_out(key);
+        reading.table(table).error("exclusive-keys", key, "has no meaning with mesh.file",
+                                   "the file defines the body and its mesh");
+    };
+    for (const Key* key : keys_below("domain"))
+        if (key->name() != "model" && key->name() != "thickness") exclude("domain", key->name());
+    for (const char* key : {"min_angle", "grading", "refine"}) exclude("mesh", key);
 }
 
-std::optional<GmshMesh> parse_mesh(Reading& reading, const std::string& file, const std::string& bytes) {
+std::optional<GmshMesh> parse_mesh(const Table& table, const std::string& bytes) {
+    Findings& findings = table.reading().findings;
     try {
-        GmshMesh read = read_gmsh(bytes, (reading.beside.directory / file).string());
-        for (const std::string& warning : read.warnings)
-            reading.findings.warning("mesh", "`" + file + "`: " + warning, reading.at("mesh.file"));
+        GmshMesh read = read_gmsh(bytes, (table.reading().files.directory / table.text("file")).string());
+        for (const std::string& warning : read.warnings) table.warning("mesh", "file", ": " + warning);
         return read;
     } catch (const UserError& error) {
-        for (const Diagnostic& d : error.diagnostics) reading.findings.error(d.code, d.message) = d;
+        for (const Diagnostic& d : error.diagnostics) findings.add(d);
         return std::nullopt;
     }
 }
 
 /// The material of each physical surface.
-std::vector<Index> materials_of_groups(const Reading& reading, const std::string& file,
-                                       const std::vector<GmshGroup>& groups) {
-    const std::vector<std::string> materials = reading.scenario.material_names();
-    const auto n = static_cast<Index>(materials.size());
+std::vector<Index> materials_of_groups(const Table& table, const std::vector<GmshGroup>& groups) {
+    const std::vector<std::string> materials = table.scenario().material_names();
     std::vector<Index> of_group;
     for (const GmshGroup& group : groups) {
-        const Index found = index_in(materials, group.name);
-        of_group.push_back(found < n ? found : 0);
-        if (found < n || n == 0 || (!group.named && n == 1)) continue;  // no material: reported elsewhere
-        const bool nameless = group.name.empty();
-        const std::string text = nameless
-                                     ? "`" + file + "`: " + std::to_string(group.n) +
-                                           " triangles are in no physical surface, so their material is not known"
-                                     : "the physical surface `" + group.name + "` of `" + file + "` is no material";
-        Diagnostic& d = reading.findings.error("unknown-name", text, reading.at("mesh.file"));
-        if (!nameless) d.hint = did_you_mean(group.name, materials);
-        d.note = nameless ? "give each surface a physical group, with one of the names " + joined(materials) +
-                                " (Mesh.SaveAll leaves groups out of format 2.2)"
-                          : "materials: " + joined(materials);
+        const auto found = std::ranges::find(materials, group.name);
+        of_group.push_back(found == materials.end() ? 0 : static_cast<Index>(found - materials.begin()));
+        if (found != materials.end() || materials.empty() || (!group.named && materials.size() == 1)) continue;
+        if (group.name.empty())
+            table.error("unknown-name", "file",
+                        "has " + std::to_string(group.n) +
+                            " triangles in no physical surface, so that their material is unknown",
+                        "give each surface a physical group, with one of the names " + joined(materials) +
+                            " (Mesh.SaveAll leaves groups out of format 2.2)");
+        else
+            table.error("unknown-name", "file", "has the physical surface `" + group.name + "`, which is no material",
+                        "materials: " + joined(materials), did_you_mean(group.name, materials));
     }
     return of_group;
 }
 
-void mark_cracks(const Reading& reading, GmshMesh& read) {
+void mark_cracks(const Table& table, GmshMesh& read) {
     std::vector<std::string> known;
     for (const GmshGroup& group : read.inner_groups) known.push_back(group.name);
-    for (const Node* name : reading.values.items("mesh.cracks")) {
-        const Index group = index_in(known, name->text);
-        if (group == static_cast<Index>(known.size())) {
-            const bool on_boundary = std::ranges::count(read.mesh.boundary_names, name->text) > 0;
-            Diagnostic& d = reading.findings.error(
-                "unknown-name", "there is no physical curve `" + name->text + "` inside the body", *name);
-            d.hint = did_you_mean(name->text, known);
-            d.note = on_boundary     ? "all of it lies on the boundary"
-                     : known.empty() ? "there is none"
-                                     : "known: " + joined(known);
-        }
+    for (const Node& name : table.items("cracks")) {
+        const auto group = std::ranges::find(known, name.text) - known.begin();
+        const bool on_boundary = std::ranges::count(read.mesh.boundary_names, name.text) > 0;
+        if (group == std::ssize(known))
+            table.reading().findings.error("unknown-name",
+                                           "there is no physical curve `" + name.text + "` inside the body", name,
+                                           on_boundary     ? "it lies on the boundary"
+                                           : known.empty() ? "there is none"
+                                                           : "known: " + joined(known),
+                                           did_you_mean(name.text, known));
         for (const InnerLine& line : read.inner_lines)
             if (line.group == group) read.mesh.interior_edges[line.edge].cracked = true;
     }
 }
 
 /// A drawing in millimetres would become a mountain.
-void warn_of_metres(const Reading& reading, const std::string& file, const Mesh& mesh) {
+void warn_of_metres(const Table& table, const Mesh& mesh) {
     if (mesh.vertices.empty()) return;
-    Vec2 low = mesh.vertices.front(), high = low;
-    for (const Vec2& x : mesh.vertices) low = low.cwiseMin(x), high = high.cwiseMax(x);
+    const Box box = bounding_box(mesh.vertices);
     char size[80];
-    std::snprintf(size, sizeof size, "%.6g m x %.6g m", high.x() - low.x(), high.y() - low.y());
-    const std::string text = "`" + file + "` is read in metres, since `mesh.unit` is missing: the body is " + size;
-    reading.findings.warning("no-unit", text, reading.at("mesh.file")).note =
-        "unit = \"1 m\" in [mesh] if that is right, else what 1 in the file is, as in \"1 mm\"";
+    std::snprintf(size, sizeof size, "%.6g m x %.6g m", box.high.x() - box.low.x(), box.high.y() - box.low.y());
+    table.warning("no-unit", "file", std::string("is read in metres, without `mesh.unit`: the body is ") + size,
+                  "unit = \"1 m\" in [mesh] if that is right, else the length of one unit, as \"1 mm\"");
 }
 
 }  // namespace
 
 void read_mesh_file(Reading& reading) {
+    const Table table = reading.table("mesh");
     check_nothing_else(reading);
-    if (!reading.values.has("mesh.file")) return;
-    const std::string file = *reading.values.text("mesh.file");
-    std::optional<std::string> bytes = reading.bytes_of("mesh.file", file);
+    if (!table.has("file")) return;
+    std::optional<std::string> bytes = table.bytes_of("file");
     if (!bytes) return;
-    std::optional<GmshMesh> read = parse_mesh(reading, file, *bytes);
+    std::optional<GmshMesh> read = parse_mesh(table, *bytes);
     if (!read) return;
-    const std::vector<Index> material = materials_of_groups(reading, file, read->surface_groups);
-    mark_cracks(reading, *read);
+    const std::vector<Index> material = materials_of_groups(table, read->surface_groups);
+    mark_cracks(table, *read);
     Mesh& mesh = read->mesh;
-    const double unit = reading.values.number("mesh.unit").value_or(1);
+    const double unit = table.number("unit").value_or(1);
     for (Vec2& x : mesh.vertices) x *= unit;
-    if (!reading.values.given("mesh.unit")) warn_of_metres(reading, file, mesh);
+    if (!table.given("unit")) warn_of_metres(table, mesh);
     for (Index& region : mesh.region) region = material[region];
     for (const std::string& name : mesh.boundary_names)
         if (!name.empty()) reading.scenario.shape.boundary_names.push_back(name);
-    reading.scenario.files.push_back({"mesh.file", "mesh.msh", std::move(*bytes)});
+    reading.scenario.files.push_back({table.path("file"), "mesh.msh", std::move(*bytes)});
     reading.scenario.given = std::make_shared<const MeshFile>(MeshFile{std::move(mesh)});
 }
 

@@ -12,102 +12,98 @@
 namespace knap {
 namespace {
 
-constexpr double min_size = 1.5;  // [mesh size] grains and inclusions of fewer triangles would have no shape
-constexpr int max_colour_distance =
-    80;  // of a pixel from the colour that it counts as, each of red, green, blue to 255
+constexpr double min_size = 1.5;         // [mesh size] grains and inclusions of fewer triangles would have no shape
+constexpr int max_colour_distance = 80;  // of a pixel from its colour, in the RGB cube of side 255
 
-/// Random sets change a shape; with a mesh file or without a good body there is none.
+/// Random sets change a shape; with a mesh file or without a valid body there is none.
 bool has_body(const Table& set) {
-    const Reading& reading = set.reading();
-    if (reading.values.given("mesh.file")) {
-        set.error_at_name("exclusive-keys", "", "has no meaning beside mesh.file",
-                          "the file says what the body is; grains and maps go with it");
+    if (set.reading().table("mesh").given("file")) {
+        set.error("exclusive-keys", "", "has no meaning with mesh.file",
+                  "the file defines the body; grains and maps are allowed");
         return false;
     }
-    const Scenario& scenario = reading.scenario;
-    return scenario.shape.outer.points.size() >= 3 && scenario.mesh.size > 0 && !reading.findings.has_errors();
+    return set.scenario().shape.outer.points.size() >= 3 && set.scenario().mesh.size > 0 &&
+           !set.reading().findings.has_errors();
 }
 
-void check_size(const Table& table, double size, const std::string& cure) {
-    if (table.has("size") && size < min_size * table.reading().scenario.mesh.size)
-        table.error("out-of-range", "size", "is below 1.5 times mesh.size", cure);
+/// An error if a length is below `factor` times mesh.size; `factor_text` names the factor: "half of ".
+void check_length(const Table& table, const char* key, double factor, const char* factor_text, const char* cure = "") {
+    const std::optional<double> length = table.number(key);
+    if (length && *length < factor * table.scenario().mesh.size)
+        table.error("out-of-range", key, std::string("is below ") + factor_text + "mesh.size", cure);
+}
+
+/// Calls `place`, which changes the shape, and reports its failure at `key`.
+template <class Place>
+void place_set(const Table& table, const std::string& key, const std::string& cure, const Place& place) {
+    try {
+        place();
+    } catch (const ShapeError& error) {
+        table.error("geometry", key, std::string("cannot be met: ") + error.what(), cure);
+    }
 }
 
 void read_inclusions(const Table& table, std::size_t number) {
-    Scenario& scenario = table.reading().scenario;
+    Scenario& scenario = table.scenario();
+    Shape& shape = scenario.shape;
     const double size = scenario.mesh.size;
-    const std::optional<std::string> amount = table.the_one({"fraction", "number"}, true);
+    const auto amount = table.the_one({"fraction", "number"}, true);
     if (size > 0) table.compute("distance", Node::of_number(0.5 * size));
-    InclusionOptions options{.tag = table.material("material"), .mesh = scenario.mesh};
-    table.fill(options);
-    if (table.has("direction")) options.direction = table.radians("direction");
     const bool pores = !table.given("material");
     if (pores) table.compute("name", Node::of_text("pores"));
+    InclusionOptions options{.tag = table.material("material"), .mesh = scenario.mesh};
+    table.fill(options);
     if (table.has("name")) table.check_name("name", table.text("name"), "a boundary");
     if (!pores && table.given("name"))
-        table.error_at_name("exclusive-keys", "name", "belongs to pores, which have no material");
-    check_size(table, options.size, "larger inclusions or a finer mesh");
-    if (table.has("distance") && options.distance < 0.2 * size)
-        table.error("out-of-range", "distance", "is below a fifth of mesh.size");
+        table.error("exclusive-keys", "name", "belongs to pores, which have no material");
+    check_length(table, "size", min_size, "1.5 times ", "larger inclusions or a finer mesh");
+    check_length(table, "distance", 0.2, "a fifth of ");
     if (!amount || !has_body(table)) return;
-    if (pores) options.boundary = boundary_index(scenario.shape, table.has("name") ? table.text("name") : "pores");
+    if (pores) options.boundary = boundary_index(shape, table.has("name") ? table.text("name") : "pores");
     RandomSet set{.path = table.path(), .part = pores ? RandomSet::Part::holes : RandomSet::Part::regions};
-    set.first = pores ? scenario.shape.holes.size() : scenario.shape.regions.size();
-    try {
+    set.first = pores ? shape.holes.size() : shape.regions.size();
+    const std::string cure =
+        "a smaller " + *amount + ", or a smaller distance" + (options.number > 0 ? ", or smaller inclusions" : "");
+    place_set(table, *amount, cure, [&] {
         const PlacedInclusions placed =
-            place_inclusions(scenario.shape, options, scenario.seed, "inclusions " + std::to_string(number));
+            place_inclusions(shape, options, scenario.seed, "inclusions " + std::to_string(number));
         set.n = placed.n;
         set.fraction = placed.fraction;
-    } catch (const ShapeError& error) {
-        const std::string smaller = options.number > 0 ? ", or smaller inclusions" : "";
-        table.report("geometry", *amount, "`" + table.path() + "` " + error.what()).note =
-            "a smaller " + *amount + ", a smaller distance" + smaller;
-    }
+    });
     scenario.random_sets.push_back(set);
 }
 
 void read_joints(const Table& table, std::size_t number) {
-    Scenario& scenario = table.reading().scenario;
-    JointOptions options{.direction = table.radians("direction"), .spread = table.radians("spread")};
+    Scenario& scenario = table.scenario();
+    JointOptions options{.tag = table.material("material"), .nearest = 0.2 * scenario.mesh.size};
     table.fill(options);
-    options.tag = table.material("material");
-    options.nearest = 0.2 * scenario.mesh.size;
-    const auto belong_together = [&](const std::string& text, const std::string& note) {
-        table.report("missing-key", "", "`" + table.path() + "`: " + text).note = note;
-    };
-    if (table.has("persistence") && (options.persistence < 1) != table.given("length"))
-        belong_together("length belongs to a persistence below 1", "both, or none of them for joints from end to end");
+    const bool crosses = options.persistence == 1, has_law = table.given("interface");
+    if (table.has("persistence") && crosses == table.given("length"))
+        table.error("missing-key", "", ": length belongs to a persistence below 1",
+                    "both keys, or none of them for joints from end to end");
     if (table.given("thickness") != table.given("material"))
-        belong_together("thickness and material belong together", "they make veins");
-    if (table.given("interface")) table.the_one({"interface", "thickness"}, false);
-    if (table.has("spacing") && options.spacing < scenario.mesh.size)
-        table.error("out-of-range", "spacing", "is below mesh.size");
-    if (table.has("thickness") && options.thickness < 0.5 * scenario.mesh.size)
-        table.error("out-of-range", "thickness", "is below half of mesh.size");
+        table.error("missing-key", "", ": thickness and material belong together", "they make veins");
+    if (has_law) table.the_one({"interface", "thickness"}, false);
+    check_length(table, "spacing", 1, "");
+    check_length(table, "thickness", 0.5, "half of ");
     if (!has_body(table)) return;
-    if (table.given("interface")) {
+    if (has_law) {
         options.joint = static_cast<Index>(scenario.law_of_joint.size());
-        scenario.law_of_joint.push_back(-1);  // found with the laws
+        scenario.law_of_joint.push_back(-1);  // set by read_laws
     }
     RandomSet set{.path = table.path(), .part = options.tag ? RandomSet::Part::regions : RandomSet::Part::cracks};
-    const auto size_of_part = [&] {
-        return options.tag ? scenario.shape.regions.size() : scenario.shape.cracks.size();
-    };
+    const Shape& shape = scenario.shape;
+    const auto size_of_part = [&] { return options.tag ? shape.regions.size() : shape.cracks.size(); };
     set.first = size_of_part();
     int n_left_out = 0;
-    try {
+    place_set(table, "spacing", "a larger spacing or length, or a smaller body", [&] {
         n_left_out = place_joints(scenario.shape, options, scenario.seed, "joints " + std::to_string(number));
-    } catch (const ShapeError& error) {
-        table.report("geometry", "spacing", "`" + table.path() + "` " + error.what()).note =
-            "a larger spacing or length, or a smaller body";
-    }
+    });
     set.n = static_cast<int>(size_of_part() - set.first);
     scenario.random_sets.push_back(set);
     if (n_left_out > 0)
-        table.reading().findings.warning(
-            "geometry",
-            std::to_string(n_left_out) + " traces of `" + table.path() + "` found no place beside the other lines",
-            table.reading().at(table.path()));
+        table.warning("geometry", "",
+                      "left out " + std::to_string(n_left_out) + " traces, which found no place between other lines");
 }
 
 // ---- maps
@@ -134,12 +130,11 @@ std::vector<PaintedMaterial> palette(const Table& map) {
     std::vector<PaintedMaterial> found;
     const std::vector<Table> rows = map.list("colour");
     for (const Table& row : rows) {
-        const std::optional<Index> material = row.material("material");
-        if (!row.has("rgb")) continue;
+        const auto material = row.material("material");
         const auto rgb = colour_of(row.text("rgb"));
-        if (!rgb)
-            row.report("bad-value", "rgb", "`" + row.text("rgb") + "` is no colour").note =
-                "as \"#rrggbb\", two digits 0-9 a-f each";
+        if (row.has("rgb") && !rgb)
+            row.error("bad-value", "rgb", "= \"" + row.text("rgb") + "\" is no colour",
+                      "as \"#rrggbb\", two hexadecimal digits each");
         if (rgb && material) found.push_back({*rgb, *material});
     }
     if (rows.empty())
@@ -158,86 +153,57 @@ Index material_of_pixel(const std::vector<PaintedMaterial>& palette, const std::
     return material;
 }
 
-/// The rectangle round the body.
-void set_box(const Table& table, MaterialMap& map) {
-    if (const std::optional<Box> box = table.box("box")) {
-        map.low = box->low;
-        map.high = box->high;
-        return;
-    }
-    const Scenario& scenario = table.reading().scenario;
-    const std::vector<Vec2>& points = scenario.given ? scenario.given->mesh.vertices : scenario.shape.outer.points;
-    if (points.empty()) return;
-    map.low = map.high = points.front();
-    for (const Vec2& x : points) map.low = map.low.cwiseMin(x), map.high = map.high.cwiseMax(x);
-}
-
 void read_map(const Table& table, std::size_t number) {
-    Reading& reading = table.reading();
+    Scenario& scenario = table.scenario();
     const std::vector<PaintedMaterial> colours = palette(table);
     if (!table.has("file")) return;
-    const std::string file = table.text("file");
-    const std::optional<std::string> bytes = reading.bytes_of(table.path("file"), file);
+    const auto bytes = table.bytes_of("file");
     if (!bytes) return;
-    const Node& at = reading.at(table.path("file"));
     std::string problem;
     const std::optional<Picture> picture = read_png(*bytes, problem);
-    if (!picture) {
-        reading.findings.error("bad-file", "`" + file + "` " + problem, at);
-        return;
-    }
-    MaterialMap map{.width = picture->width, .height = picture->height};
-    set_box(table, map);
+    if (!picture) return table.error("bad-file", "file", problem);
+    const std::vector<Vec2>& body = scenario.given ? scenario.given->mesh.vertices : scenario.shape.outer.points;
+    if (body.empty()) return;
+    const Box box = table.get<Box>("box").value_or(bounding_box(body));
+    MaterialMap map{.low = box.low, .high = box.high, .width = picture->width, .height = picture->height};
     for (std::size_t pixel = 0; pixel < picture->rgb.size() / 3; ++pixel)
         map.material.push_back(material_of_pixel(colours, &picture->rgb[3 * pixel]));
     const auto n = static_cast<double>(map.material.size()),
                n_none = static_cast<double>(std::ranges::count(map.material, -1));
     if (n_none == n && !colours.empty()) {
-        reading.findings.error("bad-value", "no pixel of `" + file + "` has one of the colours",
-                               reading.at(table.path()));
+        table.error("bad-value", "", "has no pixel with one of the colours");
     } else if (n_none > 0) {
         const std::string percent = std::to_string(static_cast<int>(std::ceil(100 * n_none / n)));
-        reading.findings.warning(
-            "map", percent + " % of the pixels of `" + file + "` have none of the colours and change nothing", at);
+        table.warning("map", "file", "has " + percent + " % of its pixels in none of the colours; they change nothing");
     }
-    reading.scenario.maps.push_back(std::move(map));
-    reading.scenario.files.push_back({table.path("file"), "map" + std::to_string(number + 1) + ".png", *bytes});
+    scenario.maps.push_back(std::move(map));
+    scenario.files.push_back({table.path("file"), "map" + std::to_string(number + 1) + ".png", *bytes});
 }
 
 // ---- grains
 
-std::vector<Mineral> minerals(const Table& grains, Index base) {
-    std::vector<Mineral> found;
-    double sum = 0;
-    for (const Table& mineral : grains.list("mineral")) {
-        const double fraction = mineral.number("fraction").value_or(0);
-        sum += fraction;
-        const std::optional<Index> material = mineral.material("material");
-        if (!material) continue;
-        found.push_back({*material, fraction});
-        if (*material == base)
-            mineral
-                .report("duplicate-name", "material",
-                        "`" + mineral.path() + "` is of the material that the other grains keep")
-                .note = "its fraction is what the others leave";
-    }
-    if (sum > 1 + 1e-9)
-        grains.report("out-of-range", item("mineral", 0) + ".fraction",
-                      "the fractions of `" + grains.path() + "` sum to more than 1");
-    return found;
-}
-
 void read_grains(const Table& table) {
-    Scenario& scenario = table.reading().scenario;
+    Scenario& scenario = table.scenario();
     GrainedRock rock;
     if (!scenario.materials.empty()) table.compute("in", Node::of_text(scenario.materials.front().name));
     rock.material = table.material("in").value_or(0);
     if (std::ranges::count(scenario.rocks, rock.material, &GrainedRock::material) > 0)
         table.error("duplicate-name", "", "is the second that makes grains of this material");
     table.fill(rock.grains);
-    rock.grains.direction = table.radians("direction");
-    rock.minerals = minerals(table, rock.material);
-    check_size(table, rock.grains.size, "a grain needs a few triangles: larger grains or a finer mesh");
+    double sum = 0;
+    for (const Table& row : table.list("mineral")) {
+        Mineral mineral{.region = row.material("material").value_or(-1)};
+        row.fill(mineral);
+        sum += mineral.fraction;
+        if (mineral.region < 0) continue;
+        rock.minerals.push_back(mineral);
+        if (mineral.region == rock.material)
+            row.error("duplicate-name", "material", "is the material of the other grains",
+                      "its fraction is the rest that the others leave");
+    }
+    if (sum > 1 + 1e-9)
+        table.error("out-of-range", "mineral[0].fraction", "and the other fractions sum to more than 1");
+    check_length(table, "size", min_size, "1.5 times ", "a grain needs a few triangles: larger grains or a finer mesh");
     scenario.rocks.push_back(std::move(rock));
 }
 

@@ -1,11 +1,11 @@
 #include "scenario/read_scenario.hpp"
 
-#include <algorithm>
-
 #include "base/whole_file.hpp"
 #include "scenario/built_in.hpp"
 #include "scenario/reading.hpp"
 #include "scenario/resolve.hpp"
+
+#include <algorithm>
 
 namespace knap {
 namespace {
@@ -13,44 +13,31 @@ namespace {
 constexpr std::int64_t newest_format = 1;
 constexpr std::uintmax_t largest_file = 20'000'000;  // bytes: a polygon of 1e5 points has 5 MB
 
-[[noreturn]] void give_up(const Findings& findings) { throw UserError(findings.sorted(Diagnostic::Severity::error)); }
-
-/// What stops the reading at once: no text, not text, not TOML, a format from the future.
+/// The tree of a text. Reading stops if it is no text, no TOML, or of a newer format.
 Node parsed(const Source& source, Findings& findings) {
-    const std::string& text = source.text();
-    if (text.find('\0') != std::string::npos) {
-        findings.error("binary-file", "`" + source.name() + "` is not a text file").note =
-            "a scenario is a TOML file; `knap new` writes one";
-        give_up(findings);
-    }
+    const auto stop = [&](const std::string& code, const std::string& message, const Node& at, const char* note) {
+        findings.error(code, message, at, note);
+        throw UserError(findings.sorted(Diagnostic::Severity::error));
+    };
+    if (source.text().find('\0') != std::string::npos)
+        stop("binary-file", "`" + source.name() + "` is not a text file", Node{},
+             "a scenario is a TOML file; `knap new` writes one");
     Node root;
-    if (const auto error = parse_toml(text, root)) {
-        Node at{.place = error->place};
-        findings.error("bad-toml", error->message, at).note =
-            "a scenario is a TOML file (toml.io); text goes into \"quotes\"";
-        give_up(findings);
-    }
-    if (root.children.empty()) {
-        findings.error("empty-file", "`" + source.name() + "` says nothing").note =
-            "`knap new` writes a scenario to start from";
-        give_up(findings);
-    }
+    if (const auto error = parse_toml(source.text(), root))
+        stop("bad-toml", error->message, Node{.place = error->place},
+             "a scenario is a TOML file (toml.io); text goes into \"quotes\"");
+    if (root.children.empty())
+        stop("empty-file", "`" + source.name() + "` has no keys", Node{}, "`knap new` writes a scenario to start from");
+    const Node* format = root.find("knap");
+    if (format && format->type == Node::Type::integer && format->integer > newest_format)
+        stop("newer-format",
+             "this scenario has format " + std::to_string(format->integer) + ", and this program reads up to " +
+                 std::to_string(newest_format),
+             *format, "use a newer version of knap");
     return root;
 }
 
-void check_format(const Node& root, Findings& findings) {
-    const Node* format = root.find("knap");
-    if (!format || format->type != Node::Type::integer || format->integer <= newest_format) return;
-    findings
-        .error("newer-format",
-               "this scenario has format " + std::to_string(format->integer) + ", and this program reads up to " +
-                   std::to_string(newest_format),
-               *format)
-        .note = "use a newer version of knap";
-    give_up(findings);
-}
-
-/// The file's name without its type; what cannot be in a scenario's name becomes "-".
+/// The file's name without its type; characters that a scenario's name cannot have become "-".
 std::string name_from(const std::string& file) {
     std::string name = std::filesystem::path(file).stem().string();
     std::ranges::replace_if(
@@ -58,49 +45,36 @@ std::string name_from(const std::string& file) {
     return name.empty() || name.front() == '.' ? "scenario" : name;
 }
 
-[[noreturn]] void refuse(const std::string& code, const std::string& message, const std::string& file,
-                         const std::string& note) {
-    throw UserError({{.code = code, .message = message, .file = file, .note = note}});
-}
-
 std::string text_of_file(const std::filesystem::path& file) {
+    const std::string name = "`" + file.string() + "`";
     std::error_code code;
-    const std::string name = file.string();
-    if (!std::filesystem::exists(file, code)) refuse("missing-file", "there is no file `" + name + "`", "", "");
+    if (!std::filesystem::exists(file, code)) throw UserError("missing-file", "there is no file " + name);
     if (std::filesystem::is_directory(file, code))
-        refuse("not-a-file", "`" + name + "` is a directory", "", "give the scenario file in it");
-    if (!std::filesystem::is_regular_file(file, code))
-        refuse("not-a-file", "`" + name + "` is not a regular file", "", "");
+        throw UserError("not-a-file", name + " is a directory", "give the scenario file in it");
+    if (!std::filesystem::is_regular_file(file, code)) throw UserError("not-a-file", name + " is not a regular file");
     if (std::filesystem::file_size(file, code) > largest_file)
-        refuse("too-large", "`" + name + "` has more than " + std::to_string(largest_file / 1'000'000) + " MB", "",
-               "large meshes are read by mesh.file");
+        throw UserError("too-large", name + " has more than " + std::to_string(largest_file / 1'000'000) + " MB",
+                        "large meshes are read by mesh.file");
     try {
         return read_whole_file(file);
     } catch (const OutputError& error) {
-        refuse("unreadable-file", error.what(), "", "");
+        throw UserError("unreadable-file", error.what());
     }
 }
 
 /// "holes[1]" of a Shape -> "domain.hole[1]" of the scenario.
 std::string path_of_part(const std::string& part) {
     if (part == "size") return "mesh.size";
-    for (const auto& [theirs, ours] :
-         {std::pair{"holes[", "domain.hole["}, {"cracks[", "domain.crack["}, {"regions[", "domain.region["}})
-        if (part.starts_with(theirs)) return ours + part.substr(std::string_view(theirs).size());
+    for (const auto& [list, key] :
+         {std::pair{"holes", "domain.hole"}, {"cracks", "domain.crack"}, {"regions", "domain.region"}})
+        if (part.starts_with(list)) return key + part.substr(std::string_view(list).size());
     return "domain";
 }
 
-/// The key in a table that says its shape.
-std::string key_of_shape(const Values& values, const std::string& table) {
-    for (const char* key : {".points", ".size", ".radius", ".box"})
-        if (values.given(table + key)) return table + key;
-    return table;
-}
-
-/// The built-in scenario that a name means: itself, or the shortest that begins with it where all that do begin with
-/// that one (edge-crack: edge_cracked_block, not its variants). Empty: none.
+/// The built-in scenario that a name means: itself, or the shortest name with this beginning if all others with it
+/// begin with that name (edge-crack: edge_cracked_block, not its variants). Empty: none.
 std::string full_name(std::string begin, const std::vector<std::string>& names) {
-    std::replace(begin.begin(), begin.end(), '-', '_');
+    std::ranges::replace(begin, '-', '_');
     std::string shortest;
     for (const std::string& name : names) {
         if (name == begin) return name;
@@ -108,22 +82,20 @@ std::string full_name(std::string begin, const std::vector<std::string>& names) 
             shortest = name;
     }
     const auto agrees = [&](const std::string& name) { return !name.starts_with(begin) || name.starts_with(shortest); };
-    const bool clear = std::ranges::all_of(names, agrees);
-    return clear ? shortest : "";
+    return std::ranges::all_of(names, agrees) ? shortest : "";
 }
 
 ReadResult read_text(const std::string& text, const std::string& name, const std::vector<std::string>& overrides,
-                     const Beside& beside) {
+                     const FileSource& files) {
     ReadResult result{.source = Source(name, text)};
     Findings findings(result.source);
     Node root = parsed(result.source, findings);
-    check_format(root, findings);
     apply_overrides(root, overrides, findings);
     result.values = resolve(root, findings);
-    result.values.compute("name", Node::of_text(name_from(name)));
-    Reading reading{result.values, findings, result.scenario, beside};
+    Reading reading{result.values, findings, result.scenario, files};
+    Table(reading, "", result.values.root).compute("name", Node::of_text(name_from(name)));
     read_all(reading);
-    if (findings.has_errors()) give_up(findings);
+    if (findings.has_errors()) throw UserError(findings.sorted(Diagnostic::Severity::error));
     result.warnings = findings.sorted(Diagnostic::Severity::warning);
     return result;
 }
@@ -144,14 +116,12 @@ ReadResult open_scenario(const std::string& file_or_name, const std::vector<std:
     if (std::filesystem::exists(file_or_name, code)) return read_scenario(file_or_name, overrides);
     const auto names = built_in_scenarios();
     const std::string name = full_name(file_or_name, names);
-    if (name.empty()) {
-        Diagnostic d{.code = "missing-file",
-                     .message = "there is no file and no built-in scenario `" + file_or_name + "`"};
-        d.hint = did_you_mean(file_or_name, names);
-        d.note = "built in: " + joined(names);
-        throw UserError({d});
-    }
-    return read_text(built_in_scenario(name), name, overrides, {.directory = {}, .in_binary = true});
+    if (name.empty())
+        throw UserError({{.code = "missing-file",
+                          .message = "there is no file and no built-in scenario `" + file_or_name + "`",
+                          .hint = did_you_mean(file_or_name, names),
+                          .note = "built in: " + joined(names)}});
+    return read_text(built_in_scenario(name), name, overrides, {.directory = {}, .in_program = true});
 }
 
 std::vector<std::string> built_in_scenarios() {
@@ -167,30 +137,21 @@ const std::string& built_in_scenario(const std::string& name) {
                     "built in: " + joined(built_in_scenarios()));
 }
 
-Diagnostic locate(const ReadResult& result, const std::string& key_path) {
-    Diagnostic d{.file = result.source.name()};
-    const Node& node = result.values.place_of(key_path);
-    if (!node.is_placed()) return d;
-    result.source.point(d, node);
-    result.source.quote(d);
-    return d;
+Diagnostic ReadResult::at(const std::string& key_path, Diagnostic message) const {
+    message.file = source.name();
+    if (const Node& node = values.place_of(key_path); node.is_placed()) {
+        source.set_place(message, node);
+        source.quote(message);
+    }
+    return message;
 }
 
-UserError located(const ReadResult& result, const std::string& key_path, const UserError& error) {
-    Diagnostic placed = locate(result, key_path);
-    const Diagnostic& first = error.diagnostics.front();
-    placed.code = first.code;
-    placed.message = first.message;
-    placed.note = first.note;
-    return UserError({placed});
-}
-
-Diagnostic locate(const ReadResult& result, const ShapeError& error) {
+Diagnostic ReadResult::at_shape(const ShapeError& error) const {
     const std::string path = path_of_part(error.part);
-    Diagnostic d = locate(result, key_of_shape(result.values, path));
-    d.code = "bad-shape";
-    d.message = "`" + path + "` " + error.what();
-    return d;
+    std::string key = path;
+    for (const char* outline : {".box", ".radius", ".size", ".points"})
+        if (const Node* node = values.find(path + outline); node && node->is_given()) key = path + outline;
+    return at(key, {.code = "bad-shape", .message = "`" + path + "` " + error.what()});
 }
 
 }  // namespace knap

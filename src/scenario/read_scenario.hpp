@@ -5,8 +5,6 @@
 #include "scenario/values.hpp"
 
 #include <filesystem>
-#include <string>
-#include <vector>
 
 namespace knap {
 
@@ -14,32 +12,28 @@ struct ReadResult {
     Scenario scenario;
     std::vector<Diagnostic> warnings;
     Values values;  // every key with its value and origin
-    Source source;  // the text as it was read
+    Source source;  // the text of the file
+
+    /// A message with the place (file, line, column, source line) of a key, or of the nearest table above it.
+    Diagnostic at(const std::string& key_path, Diagnostic message) const;
+    /// An error of the mesher about a part of the shape, at the keys of that part.
+    Diagnostic at_shape(const ShapeError& error) const;
 };
 
 /// `overrides` are KEY=VALUE, as in mesh.size="0.25 mm" or mesh.size=0.25 mm.
 ReadResult read_scenario(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
-/// The same from text. `name` stands for the file in messages; file names in the scenario are relative to `directory`.
+/// The same from text. `name` replaces the file name in messages; files named in the scenario are relative to
+/// `directory`.
 ReadResult read_scenario_text(const std::string& text, const std::string& name,
                               const std::vector<std::string>& overrides = {},
                               const std::filesystem::path& directory = {});
 
-/// A file, or where there is no such file a built-in scenario of that name.
+/// A file or, if there is none of that name, a built-in scenario.
 ReadResult open_scenario(const std::string& file_or_name, const std::vector<std::string>& overrides = {});
 
 /// Names of the built-in scenarios, and the text of one (throws UserError for an unknown name).
 std::vector<std::string> built_in_scenarios();
 const std::string& built_in_scenario(const std::string& name);
-
-/// A message's place: file, line, column, source line of a key, or of the nearest table above it. Severity, code and
-/// message are left to the caller.
-Diagnostic locate(const ReadResult& result, const std::string& key_path);
-
-/// An error that was found later, at the place of a key.
-UserError located(const ReadResult& result, const std::string& key_path, const UserError& error);
-
-/// What geometry says about a shape, as an error about the scenario.
-Diagnostic locate(const ReadResult& result, const ShapeError& error);
 
 }  // namespace knap

@@ -2,30 +2,161 @@
 
 #include "figures/figures.hpp"
 #include "record/outputs.hpp"
-#include "scenario/check_value.hpp"
+#include "scenario/keys.hpp"
+#include "scenario/units.hpp"
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <set>
 
 namespace knap {
 namespace {
 
-void forget_places(Node& node) {
-    node.place = node.name_place = {};
-    for (Node& child : node.children) forget_places(child);
+std::string in_quotes(const std::string& text) { return "\"" + text + "\""; }
+
+/// "the number 3", "a list of 2"
+std::string type_name(const Node& node) {
+    switch (node.type) {
+        case Node::Type::table: return "a table";
+        case Node::Type::array: return "a list of " + std::to_string(node.children.size());
+        case Node::Type::text: return "the text " + in_quotes(node.text);
+        case Node::Type::integer: return "the number " + std::to_string(node.integer);
+        case Node::Type::number: return "the number " + shortest(node.number);
+        case Node::Type::boolean: return node.boolean ? "true" : "false";
+        case Node::Type::date: return "a date";
+    }
+    return "";
 }
 
-std::string below(const std::string& path, std::string_view name) {
-    return path.empty() ? std::string(name) : path + "." + std::string(name);
-}
+/// Checks the value of one key, plain numbers in `unit`, and reports every mistake in it. Its parts convert a node to
+/// SI; none if it is wrong.
+class ValueCheck {
+public:
+    ValueCheck(Findings& findings, const Key& key, const std::string& path, std::string_view unit)
+        : findings_(findings), key_(key), path_(path), unit_(unit) {}
 
-std::vector<std::string> in_quotes(std::vector<std::string> texts) {
-    for (std::string& text : texts) text = knap::quoted(text);
-    return texts;
-}
+    std::optional<Node> checked(const Node& node) {
+        const bool array = node.type == Node::Type::array;
+        const auto is_array = [](const Node& child) { return child.type == Node::Type::array; };
+        const auto list_of = [&](std::size_t least, std::size_t most) {
+            return array && node.children.size() >= least && node.children.size() <= most ? list(node) : wrong(node);
+        };
+        switch (key_.form) {
+            case Form::one: return scalar(node, unit_);
+            case Form::one_or_list:
+                if (array) return list_of(1, -1);
+                if (auto one = scalar(node, unit_)) return Node::of_list({std::move(*one)});
+                return std::nullopt;
+            case Form::list: return list_of(1, -1);
+            case Form::pair: return list_of(2, 2);
+            case Form::triple: return list_of(3, 3);
+            case Form::box: return box(node, list_of(4, 4));
+            case Form::points: return array && std::ranges::any_of(node.children, is_array) ? list(node) : wrong(node);
+        }
+        return std::nullopt;
+    }
 
-/// Of what a [[study.quantity]] is compared with: a time, or as what it is made of.
+private:
+    std::optional<Node> list(const Node& node) {
+        Node found{.type = Node::Type::array};
+        for (const Node& child : node.children)
+            if (auto value = key_.form == Form::points ? point(child) : scalar(child, unit_))
+                found.children.push_back(std::move(*value));
+        return found.children.size() == node.children.size() ? std::optional(std::move(found)) : std::nullopt;
+    }
+
+    std::optional<Node> point(const Node& node) {
+        if (node.type != Node::Type::array || node.children.size() != 2) return wrong(node);
+        auto a = scalar(node.children[0], unit_);
+        auto b = scalar(node.children[1], key_.second_unit == "=" ? unit_ : key_.second_unit);
+        if (!a || !b) return std::nullopt;
+        Node found = Node::of_list({std::move(*a), std::move(*b)});
+        found.take_place(node);
+        return found;
+    }
+
+    std::optional<Node> box(const Node& node, std::optional<Node> found) {
+        const auto box = found ? value_as<Box>(*found) : std::nullopt;
+        if (!box || (box->low.array() < box->high.array()).all()) return found;
+        return error("out-of-range", " has no area", node, "a box is [xmin, ymin, xmax, ymax], with min < max");
+    }
+
+    /// One number, text or truth value.
+    std::optional<Node> scalar(const Node& node, std::string_view unit) {
+        Node value{.type = node.type, .number = node.number, .integer = node.integer, .boolean = node.boolean};
+        value.take_place(node);
+        switch (key_.kind) {
+            case Kind::boolean: return node.type == Node::Type::boolean ? std::optional(value) : wrong(node);
+            case Kind::integer: return node.type == Node::Type::integer ? in_range(std::move(value)) : wrong(node);
+            case Kind::text: break;
+            default: return number(node, std::move(value), unit);
+        }
+        // a bare text of the command line that is read as another type: name=2026
+        const bool raw = !node.set_by.empty() && node.type != Node::Type::text && key_.form == Form::one;
+        if (!raw && node.type != Node::Type::text) return wrong(node);
+        value.text = raw ? node.set_by.substr(node.set_by.find('=') + 1) : node.text;
+        value.type = Node::Type::text;
+        if (key_.words.empty() || is_word(key_.words, value.text)) return value;
+        return error("unknown-word", " cannot be " + in_quotes(value.text), node, "allowed: " + joined(key_.words),
+                     did_you_mean(value.text, key_.words));
+    }
+
+    std::optional<Node> number(const Node& node, Node value, std::string_view unit) {
+        value.type = Node::Type::number;
+        if (node.is_number()) return in_range(std::move(value));
+        if (node.type != Node::Type::text) return wrong(node);
+        if (std::ranges::count(key_.words, node.text) > 0) {
+            value.type = Node::Type::text;
+            value.text = node.text;
+            return value;
+        }
+        const Quantity quantity = parse_quantity(node.text);
+        if (!quantity.problem.empty()) {
+            std::string hint = did_you_mean(node.text, key_.words);
+            if (hint.empty() && quantity.unknown_unit) hint = unit_suggestion(quantity.unit, unit);
+            return error("wrong-unit", ": " + in_quotes(node.text) + " " + quantity.problem, node,
+                         "expected: " + describe_one(key_, unit), hint);
+        }
+        const bool kept = std::ranges::count(key_.multiples, quantity.unit) > 0;
+        if (kept && (quantity.unit != "cR" || unit == "m/s")) {
+            value.number = quantity.number;
+            value.unit = quantity.unit;
+        } else if (quantity.dimension == dimension_of(unit)) {
+            value.number = quantity.value;
+        } else {
+            const std::string found = quantity.unit.empty() ? "has no unit" : "is " + kind_name(quantity.dimension);
+            return error("wrong-unit",
+                         " must be " + describe_unit(unit) + ", and " + in_quotes(node.text) + " " + found, node);
+        }
+        return in_range(std::move(value));
+    }
+
+    std::optional<Node> in_range(Node value) {
+        const bool finite = std::isfinite(value.number);
+        if (finite && key_.range.contains(value.number)) return value;
+        const std::string allowed = finite ? key_.range.text() : "finite";
+        const std::string unit = key_.has_fixed_unit() ? " " + std::string(key_.unit) : "";
+        return error("out-of-range", " must be " + allowed + ", not " + shortest(value.number) + unit, value);
+    }
+
+    std::optional<Node> wrong(const Node& node) {
+        return error("wrong-type", " must be " + describe(key_, unit_) + ", not " + type_name(node), node);
+    }
+
+    std::optional<Node> error(const std::string& code, const std::string& text, const Node& at,
+                              const std::string& note = {}, const std::string& hint = {}) {
+        findings_.error(code, "`" + path_ + "`" + text, at, note, hint);
+        return std::nullopt;
+    }
+
+    Findings& findings_;
+    const Key& key_;
+    const std::string& path_;
+    std::string_view unit_;
+};
+
+/// Unit of a number of a [[study.quantity]]: that of a time, or of the quantity.
 std::string_view unit_of_quantity(const Key& key, const Node& table) {
     if (table.find("reaches") && key.name() != "reaches") return "s";
     const Node* of = table.find("of");
@@ -36,206 +167,227 @@ std::string_view unit_of_quantity(const Key& key, const Node& table) {
     return in_summary ? unit_of("summary", of->text) : unit_of_column(of->text);
 }
 
-/// The unit of a key's plain numbers, also where it depends on a neighbour or on a name.
-std::string_view unit_of_key(const Key& key, const Node& table, const std::string& path) {
+/// The unit of plain numbers of a key, also if it depends on a neighbour or on the name of the table.
+std::string_view unit_of_key(const Key& key, const Node& table) {
     if (key.unit != "*") return key.unit;
-    if (path.starts_with("expect.")) return unit_of("summary", path.substr(7, path.rfind('.') - 7));
-    if (path.starts_with("study.")) return unit_of_quantity(key, table);
+    if (key.path.starts_with("expect.")) return unit_of("summary", table.name);
+    if (key.path.starts_with("study.")) return unit_of_quantity(key, table);
     const Node *show = table.find("show"), *colour = table.find("colour");
     return unit_of_figure(show ? show->text : "cracks", colour ? colour->text : "opening");
 }
 
 enum class Applies { no, perhaps, yes };
 
-/// The condition of a key, held against its neighbours. Beside a missing or wrong neighbour it may apply.
+/// The condition of a key, checked against its neighbours. With a missing or wrong neighbour it is undecided.
 Applies applies(const Key& key, const Node& table) {
     const Condition& condition = key.condition;
     if (condition.values.empty()) return Applies::yes;
     const Node* neighbour = table.find(condition.neighbour);
-    if (!neighbour) return Applies::perhaps;
-    const auto is_one_of = [&](const std::vector<std::string>& texts) {
-        return std::ranges::count(texts, neighbour->text) > 0;
-    };
-    if (!is_one_of(find_key(below(std::string(key.parent()), condition.neighbour))->words)) return Applies::perhaps;
+    const auto is_one_of = [&](const auto& texts) { return std::ranges::count(texts, neighbour->text) > 0; };
+    if (!neighbour || !is_one_of(find_key(joined_path(key.parent(), condition.neighbour))->words))
+        return Applies::perhaps;
     return is_one_of(condition.values) ? Applies::yes : Applies::no;
 }
 
-std::string own_table_of(const std::string& name) {
-    for (const Key& key : keys())
-        if (key.name() == name && !key.parent().empty()) return "there is `" + key.path + "`";
-    return "";
-}
-
-/// One walk over the tree.
+/// Walks over the tree of a file along the key table and builds the tree of values.
 class Resolver {
 public:
     explicit Resolver(Findings& findings) : findings_(findings) {}
 
-    void members(const Node& table, std::string_view pattern, const std::string& path) {
-        report_unknown(table, pattern, path);
-        for (const Key* key : keys_below(pattern)) member(*key, table, path);
+    /// The table `found` with the keys that `given` has, and defaults.
+    void members(Node& found, const Node& given, std::string_view pattern, const std::string& path) {
+        report_unknown(found, given, pattern, path);
+        for (const Key* key : keys_below(pattern)) {
+            if (found.find(key->name())) continue;  // misspelt: reported, and counted as given
+            Node child{.name = std::string(key->name()), .key = key};
+            if (member(child, given, joined_path(path, child.name))) found.children.push_back(std::move(child));
+        }
     }
-
-    Values values;
 
 private:
-    void add(const Key& key, const std::string& path, Node node, bool valid) {
-        const Origin origin = node.set_by.empty() ? Origin::file : Origin::set;
-        values.add({path, &key, std::move(node), origin, valid});
+    void unknown_key(const Node& node, const std::string& path, const std::vector<std::string>& known) {
+        std::string hint = did_you_mean(node.name, known);
+        for (const Key& key : keys())
+            if (hint.empty() && key.name() == node.name && !key.parent().empty()) hint = "there is `" + key.path + "`";
+        findings_.error("unknown-key", "`" + path + "` is not a key of a scenario", node, "keys here: " + joined(known),
+                        hint);
     }
 
-    void add_table(const Key& key, const std::string& path, const Node& table) {
-        Node place;
-        place.take_place(table);
-        add(key, path, std::move(place), true);
-    }
-
-    Diagnostic& unknown_key(const Node& node, const std::string& path, const std::vector<std::string>& known) {
-        Diagnostic& d = findings_.error_at_name("unknown-key", "`" + path + "` is not a key of a scenario", node);
-        d.hint = did_you_mean(node.name, known);
-        d.note = "known here: " + joined(known);
-        return d;
-    }
-
-    void report_unknown(const Node& table, std::string_view pattern, const std::string& path) {
-        const auto rows = keys_below(pattern);
+    void report_unknown(Node& found, const Node& given, std::string_view pattern, const std::string& path) {
         std::vector<std::string> known;
-        for (const Key* key : rows)
-            if (applies(*key, table) != Applies::no) known.emplace_back(key->name());
-        for (const Node& child : table.children) {
-            if (std::ranges::any_of(rows, [&](const Key* key) { return key->name() == child.name; })) continue;
-            Diagnostic& d = unknown_key(child, below(path, child.name), known);
-            if (d.hint.empty()) d.hint = own_table_of(child.name);
-            // the key that was meant counts as given, so that it is not reported as missing too
-            if (const std::string* meant = nearest(child.name, known); meant && !table.find(*meant)) {
-                const std::string meant_path = below(path, *meant);
-                misspelt_.insert(meant_path);
-                if (const Key* key = find_key(pattern_of(meant_path))) add(*key, meant_path, {}, false);
+        for (const Key* key : keys_below(pattern))
+            if (applies(*key, given) != Applies::no) known.emplace_back(key->name());
+        for (const Node& child : given.children) {
+            if (std::ranges::count(keys_below(pattern), child.name, &Key::name) > 0) continue;
+            unknown_key(child, joined_path(path, child.name), known);
+            // the key that was meant is present and invalid, so that it is not reported as missing, too
+            if (const std::string* meant = nearest(child.name, known); meant && !given.find(*meant)) {
+                const auto key = std::ranges::find(keys_below(pattern), *meant, &Key::name);
+                found.children.push_back({.name = *meant, .key = *key, .valid = false});
             }
         }
     }
 
-    void member(const Key& key, const Node& table, const std::string& path) {
+    /// Fills `child` in; false if the scenario has no such key.
+    bool member(Node& child, const Node& table, const std::string& path) {
+        const Key& key = *child.key;
         const Node* node = table.find(key.name());
-        const std::string here = below(path, key.name());
         const Applies fits = applies(key, table);
-        if (node && fits == Applies::no) {
-            const std::string neighbour(key.condition.neighbour), all = joined(in_quotes(key.condition.values), " or ");
-            findings_.error_at_name("exclusive-keys", "`" + here + "` belongs to " + neighbour + " = " + all, *node)
-                .note = "here " + neighbour + " = " + quoted(table.find(neighbour)->text);
-        } else if (node) {
-            present(key, *node, table, here);
-        } else if (fits == Applies::yes && !misspelt_.contains(here)) {
-            absent(key, table, here);
-        }
+        if (!node) return fits == Applies::yes && absent(child, table, path);
+        if (fits != Applies::no) return present(child, *node, table, path);
+        const std::string neighbour(key.condition.neighbour);
+        std::vector<std::string> values = key.condition.values;
+        std::ranges::transform(values, values.begin(), in_quotes);
+        findings_.error("exclusive-keys", "`" + path + "` belongs to " + neighbour + " = " + joined(values, " or "),
+                        *node, "here " + neighbour + " = " + in_quotes(table.find(neighbour)->text));
+        return false;
     }
 
-    void absent(const Key& key, const Node& table, const std::string& path) {
+    bool absent(Node& child, const Node& table, const std::string& path) {
+        const Key& key = *child.key;
+        const auto needed = [](const Key* k) { return k->is_required && k->condition.values.empty(); };
         if (key.is_required) {
-            Diagnostic& d = findings_.error("missing-key", "`" + path + "` is missing", table);
-            if (table.place.line == 0 || path.find('.') == std::string::npos)
-                d = {.code = d.code, .message = d.message, .file = d.file};
-            d.note = std::string(key.name()) + ": " + std::string(key.doc) +
-                     (key.kind == Kind::table ? "" : "; " + describe(key));
-        } else if (key.kind == Kind::table) {
-            // a table that needs something in it is there for a choice; of others the defaults count
-            const auto needed = [](const Key* k) { return k->is_required && k->condition.values.empty(); };
-            if (std::ranges::none_of(keys_below(key.path), needed)) members(Node{}, key.path, path);
+            const bool at_top = table.place.line == 0 || path.find('.') == std::string::npos;
+            findings_.error("missing-key", "`" + path + "` is missing", at_top && table.set_by.empty() ? Node{} : table,
+                            std::string(key.name()) + ": " + std::string(key.doc) +
+                                (key.kind == Kind::table ? "" : "; " + describe(key, key.unit)));
+        } else if (key.kind == Kind::table && std::ranges::none_of(keys_below(key.path), needed)) {
+            child.origin = Origin::constant_default;
+            members(child, Node{}, key.path, path);
+            return true;
         } else if (!key.default_toml.empty()) {
-            std::optional<Node> value = check_value(findings_, key, parse_toml_value(key.default_toml), path, key.unit);
-            assert(value);  // a default that the table itself refuses
-            forget_places(*value);
-            values.add({path, &key, std::move(*value), Origin::standard});
+            auto value = ValueCheck(findings_, key, path, key.unit).checked(parse_toml_value(key.default_toml));
+            assert(value);  // otherwise the row contradicts itself
+            assign(child, std::move(*value));
+            child.origin = Origin::constant_default;
+            return true;
         } else if (!key.default_doc.empty()) {
-            values.add({path, &key, {}, Origin::computed, false});
+            child.valid = false;
+            child.origin = Origin::computed_default;
+            return true;
         }
+        return false;  // without a default, or a table with required keys, which is an option
     }
 
-    void present(const Key& key, const Node& node, const Node& table, const std::string& path) {
+    bool present(Node& child, const Node& node, const Node& table, const std::string& path) {
+        const Key& key = *child.key;
+        child.take_place(node);
+        child.origin = node.set_by.empty() ? Origin::file : Origin::command_line;
         switch (key.kind) {
-            case Kind::table: return present_table(key, node, path);
-            case Kind::list: return present_list(key, node, path);
-            case Kind::names: return present_names(key, node, path);
+            case Kind::table: return present_table(child, node, path);
+            case Kind::list: return present_list(child, node, path);
+            case Kind::names: return present_names(child, node, path);
             default: break;
         }
-        std::optional<Node> value = check_value(findings_, key, node, path, unit_of_key(key, table, path));
-        Node kept = value ? *value : Node{};
-        kept.take_place(node);
-        add(key, path, std::move(kept), value.has_value());
+        auto value = ValueCheck(findings_, key, path, unit_of_key(key, table)).checked(node);
+        child.valid = value.has_value();
+        if (value) assign(child, std::move(*value));
+        return true;
     }
 
-    void present_table(const Key& key, const Node& node, const std::string& path) {
+    bool wrong_type(Node& child, const Node& node, const std::string& path, const char* form, const std::string& note) {
+        const std::string text = "`" + path + "` must be " + form + ", not " + type_name(node);
+        findings_.error("wrong-type", text, node, note);
+        child.valid = false;
+        return true;
+    }
+
+    bool present_table(Node& child, const Node& node, const std::string& path) {
+        const Key& key = *child.key;
         if (node.type == Node::Type::text && !key.text_key.empty()) {
             Node table{.children = {node}};
             table.take_place(node);
             table.children[0].name = std::string(key.text_key);
-            return present_table(key, table, path);
+            return present_table(child, table, path);
         }
-        if (node.type != Node::Type::table) {
-            const std::string form = key.text_key.empty() ? "a table" : "a text or a table";
-            findings_.error("wrong-type", "`" + path + "` must be " + form + ", not " + type_name(node), node);
-            return add(key, path, node, false);
-        }
-        add_table(key, path, node);
-        members(node, key.path, path);
+        if (node.type != Node::Type::table)
+            return wrong_type(child, node, path, key.text_key.empty() ? "a table" : "a text or a table", "");
+        members(child, node, key.path, path);
+        return true;
     }
 
-    void present_list(const Key& key, const Node& node, const std::string& path) {
-        const auto is_table = [](const Node& child) { return child.type == Node::Type::table; };
-        if (node.type != Node::Type::array || !std::ranges::all_of(node.children, is_table)) {
-            findings_.error("wrong-type", "`" + path + "` must be a list of tables, not " + type_name(node), node)
-                .note = "write [[" + path + "]]";
-            return;
+    bool present_list(Node& child, const Node& node, const std::string& path) {
+        const auto is_table = [](const Node& entry) { return entry.type == Node::Type::table; };
+        if (node.type != Node::Type::array || !std::ranges::all_of(node.children, is_table))
+            return wrong_type(child, node, path, "a list of tables", "write [[" + path + "]]");
+        child.type = Node::Type::array;
+        for (std::size_t i = 0; i < node.children.size(); ++i) {
+            Node entry{.key = child.key};
+            present_entry(entry, node.children[i], item(path, i));
+            child.children.push_back(std::move(entry));
         }
-        for (std::size_t i = 0; i < node.children.size(); ++i) present_table(key, node.children[i], item(path, i));
+        return true;
     }
 
-    /// [interface] with the keys of an [interface.NAME].
-    static bool lacks_name(const Key& row, const Node& node) {
-        const auto rows = keys_below(row.path);
-        return std::ranges::any_of(node.children, [&](const Node& child) {
-            const auto is_it = [&](const Key* key) { return key->name() == child.name; };
-            return child.type != Node::Type::table && std::ranges::any_of(rows, is_it);
+    /// One table of a list, or with a name of the user's choice.
+    void present_entry(Node& entry, const Node& node, const std::string& path) {
+        entry.take_place(node);
+        entry.origin = node.set_by.empty() ? Origin::file : Origin::command_line;
+        present_table(entry, node, path);
+    }
+
+    bool present_names(Node& child, const Node& node, const std::string& path) {
+        if (node.type != Node::Type::table)
+            return wrong_type(child, node, path, "a table", "write [" + path + ".NAME]");
+        const Key& row = *find_key(child.key->path + ".*");
+        // [interface] with the keys of an [interface.NAME]
+        const bool lacks_name = std::ranges::any_of(node.children, [&](const Node& entry) {
+            return entry.type != Node::Type::table &&
+                   std::ranges::count(keys_below(row.path), entry.name, &Key::name) > 0;
         });
-    }
-
-    void present_names(const Key& key, const Node& node, const std::string& path) {
-        if (node.type != Node::Type::table) {
-            findings_.error("wrong-type", "`" + path + "` must be a table, not " + type_name(node), node).note =
-                "write [" + path + ".NAME]";
-            return;
+        if (lacks_name) {
+            const std::string name = child.key->path == "interface" ? "default" : "NAME";
+            findings_.error("missing-name", "`[" + path + "]` has no name", node,
+                            "write [" + path + "." + name + "]: " + std::string(child.key->doc));
+            child.valid = false;
+            return true;
         }
-        const Key& row = *find_key(key.path + ".*");
-        if (lacks_name(row, node)) {
-            const std::string name = key.path == "interface" ? "default" : "NAME";
-            findings_.error_at_name("missing-name", "`[" + path + "]` has no name", node).note =
-                "write [" + path + "." + name + "]: " + std::string(key.doc);
-            return add(key, path, node, false);
-        }
-        add_table(key, path, node);
-        for (const Node& child : node.children) {
-            const std::string here = below(path, child.name);
-            if (!row.words.empty() && !is_word(row.words, child.name)) {
-                unknown_key(child, here, row.words);
-            } else if (!is_name(child.name)) {
-                findings_.error_at_name("bad-name", "`" + child.name + "` cannot be a name here", child).note =
-                    rule_for_names;
+        for (const Node& entry : node.children) {
+            const std::string here = joined_path(path, entry.name);
+            if (!row.words.empty() && !is_word(row.words, entry.name)) {
+                unknown_key(entry, here, row.words);
+            } else if (!is_name(entry.name)) {
+                findings_.error("bad-name", "`" + entry.name + "` cannot be a name here", entry, rule_for_names);
             } else {
-                present_table(row, child, here);
+                Node named{.key = &row};
+                present_entry(named, entry, here);
+                child.children.push_back(std::move(named));
             }
         }
+        return true;
     }
 
     Findings& findings_;
-    std::set<std::string> misspelt_;
 };
 
 }  // namespace
 
+void assign(Node& node, Node value) {
+    value.take_place(node);
+    value.key = node.key;
+    value.origin = node.origin;
+    node = std::move(value);
+}
+
+Node* Values::deepest(std::string_view path, bool placed) {
+    static Node nowhere;
+    Node *node = &root, *found = &nowhere;
+    for (const PathPart& part : path_parts(path).value_or(std::vector<PathPart>())) {
+        node = find_part(*node, part);
+        if (!node) return placed ? found : nullptr;
+        if (node->is_placed()) found = node;
+    }
+    return placed ? found : node;
+}
+
+void Values::set(std::string_view path, Node value) {
+    if (Node* node = deepest(path, false)) assign(*node, std::move(value));
+}
+
 Values resolve(const Node& root, Findings& findings) {
-    Resolver resolver(findings);
-    resolver.members(root, "", "");
-    return std::move(resolver.values);
+    Values values;
+    Resolver(findings).members(values.root, root, "", "");
+    return values;
 }
 
 }  // namespace knap

@@ -1,5 +1,5 @@
 #pragma once
-// A scenario: the sum of the option structs of the floors below. SI throughout.
+// A scenario: the options structs of the lower floors. SI throughout.
 #include "analysis/gates.hpp"
 #include "analysis/probes.hpp"
 #include "analysis/specimen.hpp"
@@ -13,17 +13,11 @@
 #include "microstructure/scatter.hpp"
 #include "model/loads.hpp"
 #include "model/obstacle.hpp"
-#include "scenario/study_options.hpp"
-#include "scenario/sweep_options.hpp"
+#include "scenario/ensemble_options.hpp"
+#include "scenario/toml_tree.hpp"
 #include "stepper/common/scheme_options.hpp"
 
-#include <cstdint>
-#include <map>
 #include <memory>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace knap {
 
@@ -38,14 +32,14 @@ struct NamedLaw {
     Scatter scatter;
 };
 
-/// Grains in place of one material.
+/// Grains that replace one material.
 struct GrainedRock {
     GrainOptions grains;
-    Index material = 0;  // that becomes grains
+    Index material = 0;  // the replaced one
     std::vector<Mineral> minerals;
 };
 
-/// A step as a scenario gives it.
+/// A time step as given in a scenario.
 struct StepLength {
     double value = 0;             // [s], or a multiple; 0 = not given
     bool of_stable_step = false;  // a multiple of the stable step of the explicit bulk ("20 CFL")
@@ -53,13 +47,18 @@ struct StepLength {
     bool operator==(const StepLength&) const = default;
 };
 
+template <>
+inline std::optional<StepLength> value_as(const Node& node) {
+    return node.is_number() ? std::optional(StepLength{node.number, node.unit == "CFL"}) : std::nullopt;  // "auto"
+}
+
 struct TimeOptions {
     double end = 0;  // [s]
     SchemeOptions scheme;
     StepLength step;           // 0 = auto
     StepLength step_cracking;  // from the first loss of cohesion on; 0 = step
     StepLength step_min;       // 0 = 2^-20 of the step
-    double safety = 0.8;       // [-] fraction of the stable step that "auto" takes
+    double safety = 0.8;       // [-] fraction of the stable step used by "auto"
     bool start_in_equilibrium = false;
 };
 
@@ -75,24 +74,24 @@ struct OutputOptions {
 struct Expectation {
     std::string key;
     std::optional<double> below, above, at_least, at_most, value;
-    double within = 0;  // with `value`: allowed deviation, absolute, or relative where `relative`
+    double within = 0;  // with `value`: allowed deviation, absolute, or relative if `relative`
     bool relative = false;
     std::string unit;  // "" = SI; "cR" = multiples of the Rayleigh speed
 };
 
-/// A mesh that was read instead of made.
+/// A mesh that was read from a file.
 struct MeshFile {
     Mesh mesh;  // regions are the scenario's materials
 };
 
-/// A file that the scenario names, as a run directory keeps it.
+/// The copy of a file of the scenario in a run directory.
 struct NamedFile {
-    std::string key;   // that names it
+    std::string key;   // path of the key that names the file
     std::string name;  // in the run directory
     std::string bytes;
 };
 
-/// What a set of inclusions or joints became: a stretch of one of the lists of the shape.
+/// The inclusions or joints placed for one [[inclusions]] or [[joints]]: a part of one of the lists of the shape.
 struct RandomSet {
     std::string path;  // "inclusions[0]"
     enum class Part { regions, holes, cracks } part;
@@ -113,12 +112,12 @@ struct Scenario {
     std::vector<NamedMaterial> materials;
     std::vector<NamedLaw> laws;
     std::vector<std::vector<Index>> law_of_pair;
-    std::vector<Index> law_within;    // a grain, by material
-    std::vector<Index> law_of_joint;  // by number of the joint set; of those that have cohesion
+    std::vector<Index> law_within;    // within a grain, by material
+    std::vector<Index> law_of_joint;  // by number of the joint set, of the sets with cohesion
     std::vector<RandomSet> random_sets;
     std::vector<GrainedRock> rocks;
     std::vector<MaterialMap> maps;
-    std::vector<NamedFile> files;  // that a run directory keeps
+    std::vector<NamedFile> files;  // copied to the run directory
     std::vector<Load> loads;
     std::vector<Support> supports;
     std::vector<InitialVelocity> initial_velocities;

@@ -5,18 +5,18 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <charconv>
 #include <limits>
 
 namespace knap {
 namespace {
 
 Place place_of(const toml::source_region& region) {
-    Place place{.line = static_cast<int>(region.begin.line), .column = static_cast<int>(region.begin.column)};
-    const bool one_line = region.begin.line == region.end.line && region.end.column > region.begin.column;
-    // over several lines: marked to the end of the first one (Source::quote shortens it)
-    place.length =
-        one_line ? static_cast<int>(region.end.column - region.begin.column) : std::numeric_limits<int>::max();
-    return place;
+    const auto [begin, end] = std::pair(region.begin, region.end);
+    const bool one_line = begin.line == end.line && end.column > begin.column;
+    // a value over several lines is marked to the end of its first line (Source::quote shortens the length)
+    const int length = one_line ? static_cast<int>(end.column - begin.column) : std::numeric_limits<int>::max();
+    return {static_cast<int>(begin.line), static_cast<int>(begin.column), length};
 }
 
 bool stands_before(const Node& a, const Node& b) {
@@ -54,7 +54,7 @@ Node node_of(const toml::node& value) {
     return node;
 }
 
-/// The end of the string that begins at `at`, or of the text.
+/// Position of the quote that ends the string beginning at `at`, or the end of the text.
 std::size_t end_of_string(std::string_view text, std::size_t at) {
     const char quote = text[at];
     const std::string three(3, quote);
@@ -67,7 +67,7 @@ std::size_t end_of_string(std::string_view text, std::size_t at) {
     return text.size();
 }
 
-/// Where a key has too many parts. (The library counts brackets itself, up to 256.)
+/// Place of a key with too many parts. (The library limits nested brackets itself, to 256.)
 std::optional<Place> too_deep_key(std::string_view text) {
     std::size_t n_dots = 0;
     for (std::size_t at = 0; at < text.size(); ++at) {
@@ -86,6 +86,31 @@ std::optional<Place> too_deep_key(std::string_view text) {
 }
 
 }  // namespace
+
+std::optional<std::vector<PathPart>> path_parts(std::string_view path) {
+    std::vector<PathPart> parts;
+    for (std::size_t begin = 0; begin <= path.size();) {
+        const std::size_t dot = std::min(path.find('.', begin), path.size());
+        const std::string_view text = path.substr(begin, dot - begin);
+        const std::size_t bracket = std::min(text.find('['), text.size());
+        PathPart& part = parts.emplace_back(PathPart{std::string(text.substr(0, bracket)), std::nullopt});
+        if (part.name.empty()) return std::nullopt;
+        if (bracket < text.size()) {
+            const char* end = text.data() + text.size();
+            const auto [last, error] = std::from_chars(text.data() + bracket + 1, end, part.index.emplace());
+            if (error != std::errc() || last + 1 != end || *last != ']') return std::nullopt;
+        }
+        begin = dot + 1;
+    }
+    return parts;
+}
+
+Node* find_part(Node& table, const PathPart& part) {
+    Node* node = table.find(part.name);
+    if (!node || !part.index) return node;
+    return node->type == Node::Type::array && *part.index < node->children.size() ? &node->children[*part.index]
+                                                                                  : nullptr;
+}
 
 std::optional<TomlError> parse_toml(const std::string& text, Node& root) {
     if (const std::optional<Place> place = too_deep_key(text))

@@ -1,12 +1,10 @@
 #pragma once
 #include "scenario/read_scenario.hpp"
 
-#include <string>
-
 namespace knap {
 
-/// The scenario with every default in place, in SI with full precision. Reading it again gives the same scenario.
-/// Tables of numbers are written out; mesh and pictures are still named.
+/// The scenario as TOML with all defaults, in SI with full precision. Reading it again gives the same scenario. Tables
+/// of numbers are written out; mesh and picture files remain references.
 std::string resolved_toml(const ReadResult& result);
 
 /// Every key with its value and the origin of the value, one a line (`check --full`).

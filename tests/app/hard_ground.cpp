@@ -237,7 +237,7 @@ TEST_CASE("what is no scenario is refused in a few lines") {
     };
     const Answer empty = written("empty.toml", ""), picture = written("picture.toml", std::string("\x89PNG\r\n\x1a\n\0\0\0", 11));
     CHECK(empty.code == 2);
-    CHECK(empty.has("says nothing"));
+    CHECK(empty.has("has no keys"));
     CHECK(picture.code == 2);
     CHECK(picture.has("is not a text file"));
     written("large.toml", "knap = 1\n");

@@ -2,6 +2,7 @@
 #include "scenario/write_scenario.hpp"
 
 #include "samples.hpp"
+#include "scenario/keys.hpp"
 #include "support/relative.hpp"
 
 #include <doctest/doctest.h>
@@ -542,8 +543,7 @@ const Case cases[] = {
 };
 
 std::string value(const ReadResult& result, const std::string& path) {
-    const Entry* entry = result.values.find(path);
-    return entry && entry->valid ? toml_text(entry->node) : "(none)";
+    return result.values.has(path) ? toml_text(*result.values.find(path)) : "(none)";
 }
 
 }  // namespace

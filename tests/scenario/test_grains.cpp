@@ -54,7 +54,7 @@ TEST_CASE("grains: mistakes") {
     CHECK(says(changed("5 mm", "1 mm", grains("")), "out-of-range", "1.5 times mesh.size"));
     CHECK(says(grains("in = \"glas\"\n"), "unknown-name", "did you mean `glass`?"));
     CHECK(says(grains("mineral = [{ material = \"quarz\", fraction = 0.1 }]\n"), "unknown-name", "did you mean `quartz`?"));
-    CHECK(says(grains("mineral = [{ material = \"glass\", fraction = 0.1 }]\n"), "duplicate-name", "what the others leave"));
+    CHECK(says(grains("mineral = [{ material = \"glass\", fraction = 0.1 }]\n"), "duplicate-name", "the others leave"));
     CHECK(says(grains("mineral = [{ material = \"quartz\", fraction = 0.6 }, { material = \"quartz\", fraction = 0.6 }]\n"), "out-of-range", "more than 1"));
     CHECK(says(grains("mineral = [{ material = \"quartz\" }]\n"), "missing-key", "fraction"));
     CHECK(says(grains("[[grains]]\nsize = \"6 mm\"\n"), "duplicate-name", "second"));
@@ -137,6 +137,6 @@ TEST_CASE("maps: colours become materials") {
     CHECK(says(map("{ rgb = \"#00ff00\", material = \"quartz\" }"), "bad-value", "no pixel"));
     CHECK(says(map("{ rgb = \"#2040e0\", material = \"quarz\" }"), "unknown-name", "did you mean"));
     CHECK(says(map(""), "missing-key", "no colours"));
-    CHECK(says(changed("two_halves.png", "none.png", map(right)), "missing-file", "cannot read"));
+    CHECK(says(changed("two_halves.png", "none.png", map(right)), "missing-file", "cannot be read"));
     CHECK(says(changed("data/two_halves.png", "test_grains.cpp", map(right)), "bad-file", "no PNG"));
 }

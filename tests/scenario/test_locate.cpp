@@ -31,7 +31,7 @@ TEST_CASE("locate: parts of a shape") {
     for (const Case& c : {Case{"outer", 4, 8, 11}, Case{"holes[0]", 18, 10, 5}, Case{"cracks[0]", 20, 10, 25}, Case{"cracks[1]", 22, 10, 11},
                           Case{"regions[0]", 25, 7, 18}, Case{"size", 6, 8, 5}}) {
         CAPTURE(c.part);
-        const Diagnostic d = locate(result, ShapeError(c.part, "is no good"));
+        const Diagnostic d = result.at_shape(ShapeError(c.part, "is no good"));
         CHECK(d.code == "bad-shape");
         CHECK(d.severity == Diagnostic::Severity::error);
         CHECK(d.message.ends_with("is no good"));
@@ -40,16 +40,16 @@ TEST_CASE("locate: parts of a shape") {
         CHECK(d.column == c.column);
         CHECK(d.length == c.length);
     }
-    CHECK(locate(result, ShapeError("cracks[1]", "x")).message == "`domain.crack[1]` x");
+    CHECK(result.at_shape(ShapeError("cracks[1]", "x")).message == "`domain.crack[1]` x");
 }
 
 TEST_CASE("locate: keys and tables above them") {
     const ReadResult result = samples::read(text, {"mesh.grading=0.5"});
-    CHECK(locate(result, "mesh.size").line == 6);
-    CHECK(locate(result, "mesh.min_angle").line == 5);  // a default: its table
-    CHECK(locate(result, "time.safety").line == 14);
-    CHECK(locate(result, "output.every").line == 0);
-    CHECK(locate(result, "output.every").file == "sample.toml");
-    CHECK(locate(result, "mesh.grading").file == "--set mesh.grading=0.5");
-    CHECK(locate(result, "mesh.grading").line == 0);
+    CHECK(result.at("mesh.size", {}).line == 6);
+    CHECK(result.at("mesh.min_angle", {}).line == 5);  // a default: its table
+    CHECK(result.at("time.safety", {}).line == 14);
+    CHECK(result.at("output.every", {}).line == 0);
+    CHECK(result.at("output.every", {}).file == "sample.toml");
+    CHECK(result.at("mesh.grading", {}).file == "--set mesh.grading=0.5");
+    CHECK(result.at("mesh.grading", {}).line == 0);
 }

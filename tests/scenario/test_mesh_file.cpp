@@ -114,7 +114,7 @@ TEST_CASE("mesh file: boundaries are known by name wherever one is selected") {
 TEST_CASE("mesh file: names that the scenario does not have are refused") {
     const auto material = mistakes(samples::changed("material.steel", "material.steal", two_materials));
     REQUIRE(material.size() == 1);
-    CHECK(material[0].message == "the physical surface `steel` of `block_41_binary.msh` is no material");
+    CHECK(material[0].message == "`mesh.file` has the physical surface `steel`, which is no material");
     CHECK(material[0].hint == "did you mean `steal`?");
     CHECK(material[0].note == "materials: glass, steal");
     const auto crack = [](const std::string& name) { return mistakes(samples::changed("\"crack\"", "\"" + name + "\"", two_materials)); };
@@ -122,7 +122,7 @@ TEST_CASE("mesh file: names that the scenario does not have are refused") {
     REQUIRE(crack("crak").size() == 1);
     CHECK(crack("crak")[0].note == "known: crack, joint");
     REQUIRE(crack("hole").size() == 1);
-    CHECK(crack("hole")[0].note == "all of it lies on the boundary");
+    CHECK(crack("hole")[0].note == "it lies on the boundary");
 }
 
 TEST_CASE("mesh file: triangles without a name have the only material") {
@@ -132,7 +132,7 @@ TEST_CASE("mesh file: triangles without a name have the only material") {
     CHECK(beside(square("5 0", names), one_material).scenario.given->mesh.n_triangles() == 2);
     const auto without = mistakes_beside(square("5 0", names), two_materials);
     REQUIRE(without.size() == 1);
-    CHECK(without[0].message == "`m.msh`: 1 triangles are in no physical surface, so their material is not known");
+    CHECK(without[0].message == "`mesh.file` has 1 triangles in no physical surface, so that their material is unknown");
     CHECK(mistakes_beside(square("5 7", names), two_materials).size() == 1);
     const std::string numbered = samples::changed("material.steel", "material.7", two_materials);  // a number may be a name
     CHECK(beside(square("5 7", names), numbered).scenario.given->mesh.region.size() == 2);
@@ -146,7 +146,7 @@ TEST_CASE("mesh file: nothing else may say what the body is") {
         const auto found = with(more);
         REQUIRE(found.size() == 1);
         CHECK(found[0].code == "exclusive-keys");
-        CHECK(found[0].message.find("has no meaning beside mesh.file") != std::string::npos);
+        CHECK(found[0].message.find("has no meaning with mesh.file") != std::string::npos);
     }
     for (const char* more : {"size = 1\n", "min_angle = 20\n"})
         CHECK(mistakes(samples::changed("[mesh]\n", std::string("[mesh]\n") + more, two_materials)).size() == 1);
@@ -162,7 +162,7 @@ TEST_CASE("mesh file: without it the shape and the size are needed") {
     };
     CHECK(message("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n", "") == "`domain` is missing");
     CHECK(message("shape = \"rectangle\"\nsize = [0.1, 0.04]\n", "") == "`domain.shape` is missing");
-    CHECK(message("size = 0.001\n", "") == "`mesh` says none of size, file");
+    CHECK(message("size = 0.001\n", "") == "`mesh` has none of size, file");
     CHECK(message("[mesh]\nsize = 0.001\n", "") == "`mesh` is missing");
 }
 

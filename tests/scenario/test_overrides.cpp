@@ -49,10 +49,10 @@ TEST_CASE("set: a later one wins and the origin is kept") {
     const ReadResult result = read(least, {"seed=3", "seed=4"});
     CHECK(result.scenario.seed == 4);
     REQUIRE(result.values.find("seed"));
-    CHECK(result.values.find("seed")->origin == Origin::set);
+    CHECK(result.values.find("seed")->origin == Origin::command_line);
     CHECK(result.values.find("mesh.size")->origin == Origin::file);
-    CHECK(result.values.find("mesh.grading")->origin == Origin::standard);
-    CHECK(result.values.find("output.every")->origin == Origin::computed);
+    CHECK(result.values.find("mesh.grading")->origin == Origin::constant_default);
+    CHECK(result.values.find("output.every")->origin == Origin::computed_default);
 }
 
 TEST_CASE("set: mistakes name the option") {

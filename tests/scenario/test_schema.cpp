@@ -6,129 +6,43 @@
 
 #include <doctest/doctest.h>
 
-#include <cctype>
-#include <map>
-#include <stdexcept>
-#include <string>
-#include <vector>
+#include <nlohmann/json.hpp>
+
+#include <sstream>
 
 using namespace knap;
 
 namespace {
 
-/// A small JSON reader: throws on anything that is not JSON, and knows the members of objects.
-struct Json {
-    std::map<std::string, Json> members;
-    std::vector<Json> items;
-    std::string text;
-};
-
-class Reader {
-public:
-    explicit Reader(const std::string& text) : text_(text) {}
-    Json whole() {
-        Json value = one();
-        space();
-        if (at_ != text_.size()) throw std::runtime_error("more after the end");
-        return value;
-    }
-
-private:
-    void space() {
-        while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_]))) ++at_;
-    }
-    char next() {
-        space();
-        return text_.at(at_);
-    }
-    void take(char c) {
-        if (next() != c) throw std::runtime_error("expected " + std::string(1, c) + " at " + std::to_string(at_));
-        ++at_;
-    }
-    std::string string() {
-        take('"');
-        std::string out;
-        for (; text_.at(at_) != '"'; ++at_) {
-            if (static_cast<unsigned char>(text_[at_]) < 0x20) throw std::runtime_error("control character");
-            if (text_[at_] == '\\') ++at_;
-            out += text_.at(at_);
-        }
-        ++at_;
-        return out;
-    }
-    Json one() {
-        Json value;
-        switch (next()) {
-            case '{':
-                ++at_;
-                for (bool first = true; next() != '}'; first = false) {
-                    if (!first) take(',');
-                    const std::string name = string();
-                    take(':');
-                    if (!value.members.emplace(name, one()).second) throw std::runtime_error("twice: " + name);
-                }
-                ++at_;
-                return value;
-            case '[':
-                ++at_;
-                for (bool first = true; next() != ']'; first = false) {
-                    if (!first) take(',');
-                    value.items.push_back(one());
-                }
-                ++at_;
-                return value;
-            case '"': value.text = string(); return value;
-            default: break;
-        }
-        for (const char* word : {"true", "false", "null"})
-            if (text_.compare(at_, std::string(word).size(), word) == 0) {
-                value.text = word;
-                at_ += value.text.size();
-                return value;
-            }
-        std::size_t length = 0;
-        std::stod(text_.substr(at_), &length);
-        value.text = text_.substr(at_, length);
-        at_ += length;
-        return value;
-    }
-
-    const std::string& text_;
-    std::size_t at_ = 0;
-};
+using Json = nlohmann::json;
 
 /// The object schema behind lists, names and shorthands.
 const Json& object(const Json& schema) {
-    if (schema.members.contains("properties")) return schema;
-    if (schema.members.contains("items")) return object(schema.members.at("items"));
-    if (schema.members.contains("additionalProperties")) return object(schema.members.at("additionalProperties"));
-    return object(schema.members.at("anyOf").items.at(1));
+    if (schema.contains("properties")) return schema;
+    if (schema.contains("items")) return object(schema.at("items"));
+    if (schema.contains("additionalProperties")) return object(schema.at("additionalProperties"));
+    return object(schema.at("anyOf").at(1));
 }
 
 }  // namespace
 
 TEST_CASE("schema: JSON Schema is JSON and has every key") {
-    const std::string text = json_schema();
-    const Json root = Reader(text).whole();
-    CHECK(root.members.at("title").text == "knap scenario");
+    const Json root = Json::parse(json_schema());
+    CHECK(root.at("title") == "knap scenario");
+    CHECK(root.at("required") == Json{"knap", "mesh", "material", "interface", "time"});
     for (const Key& key : keys()) {
-        const std::string path(key.path);
-        if (path.ends_with(".*")) continue;
-        CAPTURE(path);
+        if (key.path.ends_with(".*")) continue;
+        CAPTURE(key.path);
         const Json* schema = &root;
-        std::size_t begin = 0;
-        while (begin <= path.size()) {
-            const std::size_t dot = std::min(path.find('.', begin), path.size());
-            std::string part = path.substr(begin, dot - begin);
-            if (part.ends_with("[]")) part.resize(part.size() - 2);
-            if (part != "*") {
-                const Json& table = object(*schema);
-                REQUIRE(table.members.at("properties").members.contains(part));
-                schema = &table.members.at("properties").members.at(part);
-            }
-            begin = dot + 1;
+        std::istringstream parts(key.path);
+        for (std::string part; std::getline(parts, part, '.');) {
+            if (part == "*") continue;
+            const Json& properties = object(*schema).at("properties");
+            part = part.substr(0, part.find("[]"));
+            REQUIRE(properties.contains(part));
+            schema = &properties.at(part);
         }
-        CHECK(schema->members.at("description").text.starts_with(std::string(key.doc)));
+        CHECK(schema->at("description").get<std::string>().starts_with(std::string(key.doc)));
     }
 }
 

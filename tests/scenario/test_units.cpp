@@ -1,5 +1,7 @@
 #include "scenario/units.hpp"
 
+#include "base/text.hpp"
+
 #include <doctest/doctest.h>
 
 #include <clocale>

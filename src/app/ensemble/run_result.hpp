@@ -1,6 +1,6 @@
 #pragma once
 // The numbers of one run of an ensemble, read from its directory.
-#include "scenario/study_options.hpp"
+#include "scenario/ensemble_options.hpp"
 
 #include <cmath>
 #include <filesystem>

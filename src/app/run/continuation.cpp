@@ -30,13 +30,13 @@ std::optional<ReadResult> scenario_in(const fs::path& directory, std::string& te
 }
 
 bool is_from_default(const ReadResult& read, const std::string& key) {
-    const Entry* entry = read.values.find(key);
-    return entry && (entry->origin == Origin::computed || entry->origin == Origin::standard);
+    const Node* node = read.values.find(key);
+    return node && !node->is_given();
 }
 
 bool step_follows_from_end(const ReadResult& read) { return read.scenario.time.step.value == 0 || read.scenario.time.step.of_stable_step; }
 
-void set(ReadResult& read, const std::string& key, double value) { read.values.replace(key, key, Node::of_number(value)); }
+void set(ReadResult& read, const std::string& key, double value) { read.values.set(key, Node::of_number(value)); }
 
 void keep_step(ReadResult& read, double step) {
     set(read, "time.step", step);
@@ -70,7 +70,7 @@ std::string resolved_with_end(ReadResult read, double end) {
         if (!is_from_default(read, key)) continue;
         Node list{.type = Node::Type::array};
         list.children.push_back(Node::of_number(end));
-        read.values.replace(key, key, std::move(list));
+        read.values.set(key, std::move(list));
     }
     return resolved_for_run(read);
 }

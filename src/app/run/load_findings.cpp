@@ -21,7 +21,7 @@ const char* const axis[] = {"x", "y"};
 /// "`load[1]` (line 20)", "`load[1]` `upper edge` (line 20)"
 std::string named(const ReadResult& read, std::size_t load) {
     const std::string path = item("load", load);
-    const Diagnostic at = locate(read, path);
+    const Diagnostic at = read.at(path, {});
     const std::string& name = read.scenario.loads[load].name;
     return "`" + path + "`" + (name == "load" + std::to_string(load) ? "" : " `" + name + "`") + (at.line > 0 ? " (line " + std::to_string(at.line) + ")" : "");
 }
@@ -37,7 +37,7 @@ std::string motion_text(const Load& load, int k) {
 Diagnostic described(const ReadResult& read, const Contradiction& c) {
     const auto& loads = read.scenario.loads;
     const auto [a, b] = c.load;
-    Diagnostic d = locate(read, item("load", b));
+    Diagnostic d = read.at(item("load", b), {});
     d.code = "contradiction";
     const std::string both = named(read, a) + " and " + named(read, b), k = axis[c.component], at = place_text(c.where);
     if (c.kind == Contradiction::Kind::motions) {
@@ -164,7 +164,7 @@ void refuse_unheld_body(const ReadResult& read, const Model& model) {
                       "`time.start` asks for equilibrium, and nothing holds the body round (%.6g, %.6g) m: a force of (%.3g, %.3g) N and a moment of %.3g N m "
                       "of the loads at t = 0 would move it away",
                       balance.centre.x(), balance.centre.y(), unheld.x(), unheld.y(), unheld.z() * balance.length);
-        Diagnostic d = locate(read, "time.start");
+        Diagnostic d = read.at("time.start", {});
         d.code = "not-held";
         d.message = text;
         d.note = "hold it (a load with displacement = [0, 0], a [[support]]), balance the loads, let them begin with a ramp, or start = \"rest\"";

@@ -88,7 +88,7 @@ void check_regions(const ReadResult& read, const Mesh& mesh, std::vector<Diagnos
 }
 
 void check_box(const ReadResult& read, const Mesh& mesh, const std::string& key, std::vector<Diagnostic>& found) {
-    const auto box = read.values.box(key);
+    const auto box = read.values.get<Box>(key);
     if (!box) return;
     const Extent extent = extent_of(mesh);
     const auto inside = [&](const Vec2& x) { return box->contains(x); };
@@ -113,7 +113,7 @@ std::vector<Diagnostic> findings_of_places(const ReadResult& read, const Model& 
 }
 
 Diagnostic warning_at(const ReadResult& read, const std::string& key, const std::string& code, const std::string& message, const std::string& note) {
-    Diagnostic d = locate(read, key);
+    Diagnostic d = read.at(key, {});
     d.severity = Diagnostic::Severity::warning;
     d.code = code;
     d.message = message;

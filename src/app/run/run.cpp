@@ -91,7 +91,7 @@ void check_specimen(const ReadResult& read, const Model& model) {
     try {
         Specimen(model, Reactions(model), *read.scenario.specimen);
     } catch (const UserError& error) {
-        throw located(read, "specimen", error);
+        throw UserError({read.at("specimen", error.diagnostics.front())});
     }
 }
 
@@ -137,7 +137,7 @@ void conclude(const Scenario& scenario, const Model& model, const State& now, co
 std::string resolved_for_run(const ReadResult& read) {
     if (read.scenario.files.empty()) return resolved_toml(read);
     ReadResult there = read;
-    for (const NamedFile& file : read.scenario.files) there.values.replace(file.key, file.key, Node::of_text(file.name));
+    for (const NamedFile& file : read.scenario.files) there.values.set(file.key, Node::of_text(file.name));
     return resolved_toml(there);
 }
 
@@ -147,10 +147,11 @@ Model model_of(const ReadResult& read) {
         refuse_contradictions(read, model);
         return model;
     } catch (const ShapeError& error) {
-        throw UserError({locate(read, error)});
+        throw UserError({read.at_shape(error)});
     } catch (const EmptySelection& error) {
         const char* list = error.list == EmptySelection::loads ? "load" : error.list == EmptySelection::supports ? "support" : "initial";
-        throw located(read, item(list, error.number) + (error.list == EmptySelection::initial_velocities ? ".box" : ".on"), error);
+        throw UserError({read.at(item(list, error.number) + (error.list == EmptySelection::initial_velocities ? ".box" : ".on"),
+                                 error.diagnostics.front())});
     }
 }
 
@@ -158,7 +159,7 @@ std::vector<Diagnostic> resolution_warnings(const ReadResult& read, double mean_
     std::vector<Diagnostic> warnings;
     for (const Resolution& r : judge_resolution(read.scenario, mean_edge)) {
         if (r.n_edges >= 5) continue;
-        Diagnostic warning = locate(read, read.scenario.given ? "mesh.file" : "mesh.size");
+        Diagnostic warning = read.at(read.scenario.given ? "mesh.file" : "mesh.size", {});
         warning.severity = Diagnostic::Severity::warning;
         warning.code = "resolution";
         char text[240];

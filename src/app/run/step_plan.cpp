@@ -100,7 +100,7 @@ StepPlan plan_of(const ReadResult& read, const Model& model, double until) {
         std::stable_sort(plan.slow.begin(), plan.slow.end(), [](const SlowTriangle& a, const SlowTriangle& b) { return a.step < b.step; });
         return plan;
     } catch (const BadStep& error) {
-        throw located(read, error.key, error);
+        throw UserError({read.at(error.key, error.diagnostics.front())});
     }
 }
 

@@ -1,0 +1,52 @@
+#pragma once
+// [study] and [sweep]: which runs of a scenario are made, and by which numbers they are compared. SI throughout.
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace knap {
+
+/// The quantity that a level of a study divides: the step, the sizes of the mesh, or both.
+enum class Refine { step, mesh, both };
+
+/// A number that is compared between runs.
+struct StudyQuantity {
+    std::string name;  // title of its table and figures
+    std::string of;    // a number of the summary; a column of a history if from_history() or if there is no such number
+    std::optional<double> at;                    // [s] the value of the column at this time
+    std::optional<double> reaches;               // the time [s] at which the column first reaches this value
+    std::string since;                           // with `reaches`: the time since this column reached the value
+    bool largest = false;                        // the largest value of the column
+    std::optional<std::array<double, 2>> slope;  // [s] the mean slope of the column between two times
+    std::optional<double> exact;                 // the exact value
+    std::optional<double> scale;                 // unit of errors; none: the reference value
+    std::string unit;                            // of the number itself; "" for none
+
+    bool from_history() const { return at || reaches || largest || slope; }
+};
+
+/// A line of the diagram: a scheme, or any other variant of the scenario.
+struct StudyLine {
+    std::string name;              // empty: named by its scheme
+    std::vector<std::string> set;  // KEY=VALUE
+    std::vector<double> levels;
+};
+
+struct StudyOptions {
+    Refine refine = Refine::step;
+    int n_seeds = 0;               // 0: one run per level; otherwise statistics over this many
+    bool against_finest = false;   // errors from the finest run even if an exact or expected value is known
+    std::vector<std::string> set;  // KEY=VALUE, in all runs
+    std::vector<StudyLine> lines;  // at least one
+    std::vector<StudyQuantity> quantities;
+};
+
+struct SweepOptions {
+    std::vector<std::string> set;         // KEY=VALUE,VALUE,...
+    int n_seeds = 0;                      // 0: the seed of the scenario
+    std::vector<std::string> quantities;  // numbers of the summary that the table shows
+    std::string show = "cracks";          // subject of the contact sheet
+};
+
+}  // namespace knap
