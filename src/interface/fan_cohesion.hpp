@@ -1,34 +1,33 @@
 #pragma once
-// A fan whose cohesion falls within the step (implicit beta with the explicit bulk): the smallest problem of its kind.
+// A fan whose cohesion falls within the step (implicit beta with the explicit bulk):
 //
-//     forces with  beta_theta = theta beta+ + (1 - theta) beta,      beta+ = law at the end openings that they lead to
+//     forces with  beta_theta = theta beta+ + (1 - theta) beta,      beta+ = law at the end openings under these forces
 //
-// With a given beta+ the fan is the problem of fan_problem.hpp; beta+ is a fixed point of solving that. One sweep contracts by
-// theta h k S sigma_c/(delta_c m), small inside the stable step of a mesh that resolves the process zone; a secant over all links of the fan (mixing of
-// depth one, D. G. Anderson, J. ACM 12, 1965) makes it exact in three solves where one link softens. It starts from the cohesion of the begin, so
-// what can hold does hold: nothing breaks below its strength where there are several solutions.
+// With a given beta+ the fan is the problem of fan_problem.hpp, so beta+ is a fixed point. One iteration contracts by
+// theta h k S sigma_c/(delta_c m), small inside the stable step of a mesh that resolves the process zone; a secant over
+// all links of the fan (mixing of depth one, D. G. Anderson, J. ACM 12, 1965) makes it exact in three solves where one
+// link softens. The iteration starts from beta+ = beta: where there are several solutions, nothing breaks below its
+// strength.
 #include "interface/fan_solver.hpp"
 #include "material/cohesive_law.hpp"
 
-#include <vector>
-
 namespace knap {
 
-/// A link that has cohesion at the begin of the step.
+/// A link that has cohesion at the start of the step.
 struct LinkCohesion {
     Index link;
     const CohesiveLaw* law;
-    double begin;        // [-] beta
-    double strength;     // [N s] C with the beta of the begin
-    double guess = 0;    // [-] of beta+: the forces were found with it
-    double answer = 0;   // [-] beta+ by the law
-    double last_gap = 0, last_answer = 0;  // answer - guess, and answer, of the solve before
+    double start;                          // [-] beta
+    double strength;                       // [N s] C with this beta
+    double guess = 0;                      // [-] beta+ that the forces were found with
+    double answer = 0;                     // [-] beta+ by the law
+    double last_gap = 0, last_answer = 0;  // of the solve before
 
     double gap() const { return answer - guess; }
 };
 
-/// Links of `problem` come with the cohesive impulse of the begin and leave with that of beta_theta. A fan that does not settle says so: a smaller
-/// step, in which h k is smaller still, does.
+/// Links of `problem` come with the cohesive impulse of the start and leave with that of beta_theta. A fan that does
+/// not settle is reported in the solution: a smaller step, in which the contraction is stronger, does.
 FanSolution solve_softening(FanProblem& problem, FanSolver& solver, std::vector<LinkCohesion>& cohesion, double theta);
 
 }  // namespace knap

@@ -1,62 +1,77 @@
 #pragma once
-// The nonsmooth problem of one fan in one step of the explicit bulk: a chain of bodies (corners) linked by interface points.
+// The nonsmooth problem of one fan in one step of the explicit bulk: a chain of bodies (corners) linked by interface
+// points, with the cohesion beta frozen over the step (explicit beta).
 //
-//     v_i+ = v_i_free + m_i^-1 (P_left - P_right)          P = impulse of a point, acting on the body after it, minus on the one before
-//     P = P_N N + P_T T,      V = v_after+ - v_before+,    the cohesion beta frozen over the step (explicit beta)
-//     P_N = -C + p,           0 <= p  perp  V_N - b >= 0   where the point may touch, else p = 0          C = k S beta sigma_c
+//     v_i+ = v_i_free + m_i^-1 (P_left - P_right)          P = impulse of a point, acting on the body after it and
+//     P = P_N N + P_T T,      V = v_after+ - v_before+,    opposite on the body before it
+//     P_N = -C + p,           0 <= p  perp  V_N - b >= 0   where the point may touch, else p = 0;  C = k S beta sigma_c
 //    -P_T in gamma C sgn(u_T + h V_T) + mu p 1/2 [ sgn(V_T) + sgn(V_T + V_T-) ]
 //
-// k is the time over which forces act on the velocity, h the time over which the velocity moves the points (equal at constant step).
-// The bound b and the two-sign friction make the work of every single contact non-positive when it is taken with the mean velocity
-// (V+ + V-)/2, as the leapfrog energy asks, and still let a sliding point come to exact rest; see src/README.md.
+// k is the time over which forces act on the velocity, h the time over which the velocity moves the points (equal at
+// constant step). The bound b and the two signs of friction make the work of every contact with the mean velocity
+// (V+ + V-)/2 non-positive, as the leapfrog energy requires, and still let a sliding point come to exact rest.
 #include "base/vec.hpp"
 
 #include <vector>
 
 namespace knap {
 
-/// A corner, or a whole cluster of them. A zero component of inverse_mass: that velocity component is prescribed (= free_velocity).
+/// A corner. A component with zero inverse_mass is prescribed: its velocity is free_velocity.
 struct FanBody {
     Vec2 velocity;       // [m/s] before the step
     Vec2 free_velocity;  // [m/s] after the step if no interface acted
     Vec2 inverse_mass;   // [1/kg] per component
     Vec2 end_velocity;   // [m/s] result
 
-    /// [kg] per component; 0 where the motion is prescribed: the constraint takes what acts there.
-    Vec2 mass() const { return {inverse_mass.x() > 0 ? 1 / inverse_mass.x() : 0, inverse_mass.y() > 0 ? 1 / inverse_mass.y() : 0}; }
+    /// [kg] per component; 0 where the motion is prescribed.
+    Vec2 mass() const {
+        return {inverse_mass.x() > 0 ? 1 / inverse_mass.x() : 0, inverse_mass.y() > 0 ? 1 / inverse_mass.y() : 0};
+    }
 };
 
-/// An interface point of the chain. Bodies are numbered along the chain; link i joins `before` and `after` = neighbours, or support.
+/// An interface point of the chain.
 struct FanLink {
-    Index before, after;    // body, or -1 = support (at rest)
-    Vec2 normal;            // N; T = turned_left(N)
-    double u_N, u_T;        // [m] opening and slip before the step
-    double cohesive;        // [N s] C
-    double gamma;           // [-]
-    double friction;        // [-]
-    double restitution;     // [-]
-    bool unbreakable;       // sticks for ever
-    double contact = 0;     // [N s] result: p
-    double tangential = 0;  // [N s] result: P_T = cohesive part + friction
-    double friction_part = 0;     // [N s] result: what of P_T is friction
-    Vec2 impulse = Vec2::Zero();  // [N s] result: P, on the body after
-    bool stuck = false;     // result: no relative velocity was found necessary
+    Index before, after;          // neighbouring bodies, or -1 = support (at rest)
+    Vec2 normal;                  // N; T = turned_left(N)
+    double u_N, u_T;              // [m] opening and slip before the step
+    double cohesive;              // [N s] C
+    double gamma;                 // [-]
+    double friction;              // [-]
+    double restitution;           // [-]
+    bool unbreakable;             // sticks for ever
+    double contact = 0;           // [N s] result: p
+    double tangential = 0;        // [N s] result: P_T = cohesive part + friction
+    double friction_part = 0;     // [N s] result: friction of P_T
+    Vec2 impulse = Vec2::Zero();  // [N s] result: P
+    bool stuck = false;           // result: closed, at a kink of its staircase
 
     Vec2 tangent() const { return turned_left(normal); }
-    Vec2 vector(double along_normal, double along_tangent) const { return along_normal * normal + along_tangent * tangent(); }
+    Vec2 vector(double along_normal, double along_tangent) const {
+        return along_normal * normal + along_tangent * tangent();
+    }
 };
 
 struct FanProblem {
     std::vector<FanBody> bodies;
-    std::vector<FanLink> links;  // in the order of the chain; in a closed chain the first leads from the last body to the first
+    std::vector<FanLink>
+        links;  // in the order of the chain; of a closed one the first joins the last body to the first
     bool closed = false;
-    double drift_time = 0;       // [s] h
+    double drift_time = 0;  // [s] h
 
     // per body, the support included
     Vec2 inverse_mass(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].inverse_mass; }
     Vec2 velocity_before(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].velocity; }
     Vec2 free_velocity(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].free_velocity; }
     Vec2 velocity_after(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].end_velocity; }
+};
+
+/// Velocities and impulses while a solver works on them.
+struct FanMotion {
+    std::vector<Vec2> velocity;  // [m/s] end velocity per body
+    std::vector<Vec2> impulse;   // [N s] per link
+
+    Vec2 velocity_of(Index body) const { return body < 0 ? Vec2::Zero() : velocity[body]; }
+    Vec2 across(const FanLink& link) const { return velocity_of(link.after) - velocity_of(link.before); }
 };
 
 }  // namespace knap

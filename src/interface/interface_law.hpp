@@ -4,8 +4,9 @@
 //     contact       0 <= p  perp  rate_N - bound >= 0
 //     tangential   -P_T in sum (cohesive_i + friction_i p) sgn(rate_T - kink_i)      at most three kinks
 //
-// Three solvers read it: the active set of a fan (link_state.hpp), complementarity rows (fan_lcp.hpp) and the resolvent of the
-// augmented Lagrangian (point_law.hpp). The rate is the end velocity V+ beside the explicit bulk, the mean rate w in the theta scheme.
+// Three solvers use it: the active set of a fan (link_state.hpp), complementarity rows (fan_lcp.hpp) and the resolvent
+// of the augmented Lagrangian (point_law.hpp). The rate is the end velocity V+ with the explicit bulk, the mean rate w
+// in the theta scheme.
 #include <array>
 #include <span>
 
@@ -17,20 +18,21 @@ struct ContactBound {
     double rate = 0;  // [m/s]
 };
 
-/// Explicit bulk, V+ >= bound. Touching: Newton's law V+ = -e V- against an approach. Apart: without restitution the end of the step is
-/// the wall (no penetration); with it the sides must touch first. What separates may at most be thrown back at its own speed, so that the
-/// work of the mean velocity stays <= 0. `touching` [m]: what rounding leaves of a closed gap.
+/// Explicit bulk, V+ >= bound. Touching: Newton's law V+ = -e V- for an approach. Apart: without restitution no
+/// penetration at the end of the step; with it the sides must touch first. A separating point may at most be thrown
+/// back at its own speed, so that the work of the mean velocity stays <= 0. `touching` [m]: rounding of a closed gap.
 ContactBound contact_bound_explicit(double u_N, double V_N, double restitution, double h, double touching);
 
-/// Theta scheme, w >= bound. Touching: Newton's law V+ = -e V- against an approach, else w >= 0. Apart as above, or it stops at the wall.
+/// Theta scheme, w >= bound. Touching: Newton's law V+ = -e V- for an approach, else w >= 0. Apart: as above, or the
+/// point stops when the gap is closed.
 ContactBound contact_bound_theta(double u_N, double V_N, double restitution, double h, double theta, double touching);
 
-/// Where a tangential rate stands on a staircase: between two kinks -P_T = offset + contact_offset p;
+/// A tangential rate on a staircase: between two kinks -P_T = offset + contact_offset p;
 /// at a kink P_T = -(offset + contact_offset p) + lambda with |lambda| <= jump + contact_jump p.
 struct StaircasePiece {
-    bool stick;
-    double kink;       // [m/s] the rate at the kink
-    double low, high;  // [m/s] bounds of the rate between kinks
+    bool stick;                             // at a kink
+    double kink;                            // [m/s] the rate there
+    double low, high;                       // [m/s] bounds of the rate between kinks
     double offset = 0, contact_offset = 0;  // [N s], [-]
     double jump = 0, contact_jump = 0;      // [N s], [-]
 };
@@ -41,14 +43,14 @@ public:
         double rate, cohesive, friction;  // [m/s]; weights [N s], [-] of the sign function that jumps here
     };
 
-    /// Kinks are ascending; those within `tolerance` [m/s] of each other are one.
+    /// Kinks are ascending; those within `tolerance` [m/s] of each other are merged.
     void add(const Kink& kink, double tolerance);
 
     std::span<const Kink> kinks() const { return {kinks_.data(), static_cast<std::size_t>(n_kinks_)}; }
     /// States are numbered 0 .. 2 n_kinks: even between kinks, odd at kink state/2.
     int n_states() const { return 2 * n_kinks_ + 1; }
     StaircasePiece piece(int state) const;
-    /// The state that holds the rate; a kink takes what lies within `tolerance` of it.
+    /// The state of a rate; a kink takes all rates within `tolerance` of it.
     int state_of(double rate, double tolerance) const;
 
 private:
@@ -56,21 +58,12 @@ private:
     int n_kinks_ = 0;
 };
 
-/// Of a point beside the explicit bulk, where closed and open points have staircases of their own.
-class InterfaceLaw {
-public:
-    InterfaceLaw() = default;
-    InterfaceLaw(const ContactBound& contact, const Staircase& open, const Staircase& closed) : contact_(contact), open_(open), closed_(closed) {}
+/// With the explicit bulk, where closed and open points have different staircases.
+struct InterfaceLaw {
+    ContactBound contact;
+    Staircase open, closed;
 
-    bool may_touch() const { return contact_.may_touch; }
-    double bound() const { return contact_.rate; }  // [m/s]
-    const Staircase& staircase(bool closed) const { return closed ? closed_ : open_; }
-    void remove_rebound() { contact_.rate = contact_.rate < 0 ? contact_.rate : 0; }
-    void remove_friction() { closed_ = open_; }
-
-private:
-    ContactBound contact_;
-    Staircase open_, closed_;
+    const Staircase& staircase(bool is_closed) const { return is_closed ? closed : open; }
 };
 
 }  // namespace knap

@@ -1,82 +1,67 @@
 #pragma once
-// The problem of one fan (fan_problem.hpp) in given states of its links: linear, and solved without a matrix of the whole fan.
-//
-// Links that stick join bodies to clusters with one velocity, up to known offsets. Closed sliding links and open links at a kink leave one
-// multiplier each between clusters: a small dense system. The impulses of the links that stick follow by walking the chain; where
-// everything sticks all round, or between two constraints, they are known up to one constant per component.
-#include "interface/fan_problem.hpp"
+// The problem of one fan (fan_problem.hpp) in given states of its links: linear, and solved without a matrix of the
+// whole fan. Closed sliding links and open links at a kink leave one multiplier each between clusters: a small dense
+// system. The impulses of the links that stick follow by walking along the chain; where everything sticks all round, or
+// between two constraints, they are known up to one constant per component.
+#include "interface/fan_clusters.hpp"
 #include "interface/link_state.hpp"
 
-#include <cstdint>
-#include <vector>
+#include <span>
 
 namespace knap {
 
-struct FanMotion {
-    std::vector<Vec2> velocity;  // [m/s] end velocity per body
-    std::vector<Vec2> impulse;   // [N s] per link
-
-    Vec2 velocity_of(Index body) const { return body < 0 ? Vec2::Zero() : velocity[body]; }
-    Vec2 across(const FanLink& link) const { return velocity_of(link.after) - velocity_of(link.before); }
-};
-
-/// Keeps its workspace between solves. `begin` sets the problem, which must outlive the solves.
+/// Keeps its workspace between solves. `start` sets the problem, which must outlive the solves.
 class LinearFan {
 public:
-    void begin(const FanProblem& problem, double speed_tolerance);
+    void start(const FanProblem& problem, double speed_tolerance);
 
-    /// False: what sticks contradicts itself or what is prescribed. `mismatch` [N s]: of the balance where it is met twice.
+    /// False: sticking links contradict each other or a prescribed motion. `mismatch` [N s]: largest error of the
+    /// momentum balance of a body whose impulses are all known.
     bool solve(const std::vector<LinkState>& states, FanMotion& motion, double& mismatch);
-    /// Impulses of the unbreakable links from all else; returns the mismatch [N s].
+    /// Impulses of the unbreakable links from the motion and the other impulses; returns the mismatch [N s].
     double find_unbreakable_impulses(FanMotion& motion);
-    /// Per component: by how much of the constant of the last walk the impulse is not known; 0 where it is.
+    /// Per component: the factor of the undetermined constant in the impulse of the link; 0 where the impulse is known.
     const Vec2& undetermined(Index link) const { return undetermined_[link]; }
 
 private:
-    /// Along `force`, holds the relative velocity along `row`.
+    /// An impulse along `force` that gives the relative velocity along `row` its `target` [m/s].
     struct Multiplier {
-        Index link, after, before;  // after, before: clusters
+        Index link;
         Vec2 row, force;
-        double wanted;  // [m/s]
+        double target;
     };
 
-    /// A link as one of its bodies has it.
+    /// A link at one of its bodies.
     struct LinkEnd {
         Index link;
-        double sign;  // +1 on the body after it
+        double sign;  // +1 at the body after it
     };
 
-    void list_links();
-    bool make_clusters(const std::vector<LinkState>& states);
-    void apply_known_impulses(const std::vector<LinkState>& states, FanMotion& motion);
-    bool prescribe_clusters();
-    void list_multipliers(const std::vector<LinkState>& states);
-    bool apply_multipliers(FanMotion& motion);
+    bool find_multipliers(const std::vector<LinkState>& states, FanMotion& motion);
     double walk_chain(FanMotion& motion);
     double walk_component(int k, FanMotion& motion);
     void spread_over_loops(int k, FanMotion& motion);
-    template <class Matrix>
-    void find_least_norm(int k, FanMotion& motion) const;
 
     Index n_links() const { return static_cast<Index>(problem_->links.size()); }
     Index n_bodies() const { return static_cast<Index>(problem_->bodies.size()); }
-    Index cluster_of(Index body) const { return body < 0 ? support_cluster_ : cluster_[body]; }
-    Vec2 offset_of(Index body) const { return body < 0 ? support_offset_ : offset_[body]; }
+    std::span<const LinkEnd> ends_at(Index body) const {
+        return {link_ends_.data() + first_end_[body], link_ends_.data() + first_end_[body + 1]};
+    }
+    /// [N s] the sum of the impulses that gives a body its end velocity; passes on nothing where it is prescribed.
+    double required(Index b, int k, const FanMotion& motion) const {
+        const FanBody& body = problem_->bodies[b];
+        return (motion.velocity[b][k] - body.free_velocity[k]) / body.inverse_mass[k];
+    }
 
     const FanProblem* problem_ = nullptr;
     double speed_tolerance_ = 0;
-    std::vector<Index> first_end_;     // per body, into link_ends_
-    std::vector<Index> place_;
-    std::vector<LinkEnd> link_ends_;   // the links of each body: along the chain, and contacts with obstacles beside it
-    std::vector<Index> cluster_;       // per body
-    std::vector<Vec2> offset_;         // velocity of a body minus that of its cluster
-    Index support_cluster_ = -1;
-    Vec2 support_offset_ = Vec2::Zero();
-    std::vector<Vec2> cluster_velocity_, cluster_inverse_mass_;
+    FanClusters clusters_;
+    std::vector<Index> first_end_;    // per body, into link_ends_
+    std::vector<LinkEnd> link_ends_;  // the links of each body: along the chain, and contacts with obstacles
     std::vector<Multiplier> multipliers_;
-    std::vector<std::uint8_t> known_, reached_;  // links: not by the walk of the chain; by it so far
+    std::vector<std::uint8_t> known_, reached_;  // links: before the walk of the chain; by the walk so far
     std::vector<Vec2> undetermined_;
-    std::vector<Index> unknown_, balance_;       // links and bodies, where several loops meet
+    std::vector<Index> unknown_, balance_;  // links and bodies, where several loops meet
 };
 
 }  // namespace knap

@@ -7,20 +7,49 @@
 namespace knap {
 namespace {
 
-constexpr double found_at = 1e-9;  // of speed and impulse: within this distance of a kink a link is at it
+constexpr double relative_tolerance = 1e-12;  // of the largest impulse, or speed
+constexpr double found_at = 1e-9;             // of speed and impulse: a link within this distance of a kink is at it
 
 }  // namespace
 
+FanScales scales_of(const FanProblem& problem, double rest) {
+    double impulse = 0, speed = 0, mass = 0;
+    for (const FanBody& body : problem.bodies) {
+        const Vec2 m = body.mass();
+        impulse = std::max(impulse, m.cwiseProduct(body.free_velocity - body.velocity).cwiseAbs().maxCoeff());
+        speed = std::max({speed, body.free_velocity.cwiseAbs().maxCoeff(), body.velocity.cwiseAbs().maxCoeff()});
+        mass = std::max(mass, m.maxCoeff());
+    }
+    for (const FanLink& link : problem.links) {  // the impulse of an impact, and the speed that the cohesion can cause
+        const Vec2 w = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
+        const Vec2 approach = (problem.free_velocity(link.after) - problem.free_velocity(link.before)).cwiseAbs();
+        for (int k = 0; k < 2; ++k)
+            if (w[k] > 0) impulse = std::max(impulse, approach[k] / w[k]);
+        if (link.unbreakable) continue;
+        impulse = std::max(impulse, link.cohesive);
+        speed = std::max(speed, link.cohesive * w.maxCoeff());
+    }
+    // an impulse is a difference of momenta, whose rounding limits it; for a fan at rest without load any unit will do
+    impulse += 0.01 * mass * speed;
+    if (impulse == 0) impulse = 1;
+    if (speed == 0) speed = 1;
+    return {.impulse = impulse,
+            .speed = speed,
+            .impulse_tolerance = relative_tolerance * impulse,
+            .speed_tolerance = relative_tolerance * speed,
+            .rest = std::max(relative_tolerance * speed, rest * speed)};
+}
+
 InterfaceLaw law_of(const FanLink& link, const Vec2& velocity_before, double h, double tolerance) {
     const double V_N = link.normal.dot(velocity_before), V_T = link.tangent().dot(velocity_before);
-    const Staircase::Kink zero_crossing{.rate = -link.u_T / h, .cohesive = link.gamma * link.cohesive, .friction = 0};
-    Staircase open, closed;
-    open.add(zero_crossing, tolerance);
-    // rest comes first: where kinks are merged, it is exact rest that remains
-    closed.add({.rate = 0, .cohesive = 0, .friction = 0.5 * link.friction}, tolerance);
-    closed.add({.rate = -V_T, .cohesive = 0, .friction = 0.5 * link.friction}, tolerance);
-    closed.add(zero_crossing, tolerance);
-    return {contact_bound_explicit(link.u_N, V_N, link.restitution, h, tolerance * h), open, closed};
+    const Staircase::Kink zero_slip{.rate = -link.u_T / h, .cohesive = link.gamma * link.cohesive, .friction = 0};
+    InterfaceLaw law{.contact = contact_bound_explicit(link.u_N, V_N, link.restitution, h, tolerance * h)};
+    law.open.add(zero_slip, tolerance);
+    // rest comes first: where kinks are merged, exact rest remains
+    law.closed.add({.rate = 0, .cohesive = 0, .friction = 0.5 * link.friction}, tolerance);
+    law.closed.add({.rate = -V_T, .cohesive = 0, .friction = 0.5 * link.friction}, tolerance);
+    law.closed.add(zero_slip, tolerance);
+    return law;
 }
 
 void LinkState::set(bool to_closed, int to_tangential_state) {
@@ -36,41 +65,42 @@ void LinkState::guess(const FanProblem& problem, const FanLink& link, const FanS
         tangential = {.stick = true, .kink = 0, .low = 0, .high = 0};
         return;
     }
-    const Vec2 relative = problem.velocity_before(link.after) - problem.velocity_before(link.before);
-    law = law_of(link, relative, problem.drift_time, scales.rest);
-    // what is prescribed on both sides is known beforehand, all else is guessed to go on as before
-    const auto prescribed = [&](Index body, int k) { return body < 0 || problem.bodies[body].inverse_mass[k] == 0; };
-    Vec2 expected = relative;
+    Vec2 expected = problem.velocity_before(link.after) - problem.velocity_before(link.before);
+    law = law_of(link, expected, problem.drift_time, scales.rest);
     int n_imposed = 0;
     for (int k = 0; k < 2; ++k) {
-        if (!prescribed(link.before, k) || !prescribed(link.after, k)) continue;
+        const auto prescribed = [&](Index body) { return problem.inverse_mass(body)[k] == 0; };
+        if (!prescribed(link.before) || !prescribed(link.after)) continue;
         expected[k] = problem.free_velocity(link.after)[k] - problem.free_velocity(link.before)[k];
         ++n_imposed;
     }
     imposed = n_imposed == 2, led = n_imposed == 1;
-    const bool touches = law.may_touch() && link.normal.dot(expected) <= law.bound() + scales.speed_tolerance;
+    const bool touches =
+        law.contact.may_touch && link.normal.dot(expected) <= law.contact.rate + scales.speed_tolerance;
     set(touches, state_of(touches, link.tangent().dot(expected), scales.speed_tolerance));
 }
 
 void LinkState::fit(const FanLink& link, const Vec2& velocity, const Vec2& impulse, const FanScales& scales) {
-    const double p = link.normal.dot(impulse) + link.cohesive, v_T = link.tangent().dot(velocity), P_T = link.tangent().dot(impulse);
+    const double p = link.normal.dot(impulse) + link.cohesive, v_T = link.tangent().dot(velocity),
+                 P_T = link.tangent().dot(impulse);
     const bool presses = p > scales.impulse_tolerance;
     int nearest = 0;
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     for (int i = 0; i < law.staircase(presses).n_states(); ++i) {
         const StaircasePiece at = law.staircase(presses).piece(i);
         const double off = at.stick ? std::abs(v_T - at.kink) : std::max({at.low - v_T, v_T - at.high, 0.0});
-        const double force = P_T + at.offset + at.contact_offset * (presses ? p : 0), jump = at.jump + at.contact_jump * (presses ? p : 0);
-        const double distance = std::max(off / scales.speed, std::max(std::abs(force) - jump, 0.0) / scales.impulse);
-        const double counted = at.stick ? distance : std::max(distance, found_at);
-        if (counted < least) least = counted, nearest = i;
+        const double force = P_T + at.offset + at.contact_offset * (presses ? p : 0),
+                     jump = at.jump + at.contact_jump * (presses ? p : 0);
+        double distance = std::max(off / scales.speed, std::max(std::abs(force) - jump, 0.0) / scales.impulse);
+        if (!at.stick) distance = std::max(distance, found_at);
+        if (distance < smallest) smallest = distance, nearest = i;
     }
     set(presses, nearest);
 }
 
 Vec2 LinkState::target(const FanLink& link) const {
     if (link.unbreakable) return Vec2::Zero();
-    return link.vector(law.bound(), tangential.kink);
+    return link.vector(law.contact.rate, tangential.kink);
 }
 
 Vec2 LinkState::known_impulse(const FanLink& link) const { return link.vector(-link.cohesive, -tangential.offset); }
@@ -79,13 +109,14 @@ double LinkState::friction_part(const FanLink& link) const {
     if (link.unbreakable) return 0;
     const double friction = -tangential.contact_offset * link.contact;  // of the signs that are known
     if (!tangential.stick || tangential.contact_jump == 0) return friction;
-    // at rest both may jump: cohesion takes what it can, friction the rest
+    // at rest both may jump: cohesion bears as much as it can, friction the rest
     const double lambda = link.tangential + tangential.offset + tangential.contact_offset * link.contact;
     return friction + lambda - std::clamp(lambda, -tangential.jump, tangential.jump);
 }
 
-StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& velocity, const Vec2& impulse, const FanScales& scales) {
-    const InterfaceLaw& law = state.law;
+StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& velocity, const Vec2& impulse,
+                      const FanScales& scales) {
+    const ContactBound& contact = state.law.contact;
     const StaircasePiece& tangential = state.tangential;
     const double v_N = link.normal.dot(velocity), v_T = link.tangent().dot(velocity);
     const double p = state.closed ? link.normal.dot(impulse) + link.cohesive : 0;
@@ -95,17 +126,21 @@ StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& v
         change.violation = std::max(change.violation, amount / unit);
         return true;
     };
-    const auto too_fast = [&](double excess, int slack = 1) { return violates(excess, slack * scales.speed_tolerance, scales.speed); };
+    const auto too_fast = [&](double excess, int slack = 1) {
+        return violates(excess, slack * scales.speed_tolerance, scales.speed);
+    };
     const auto too_strong = [&](double excess) { return violates(excess, scales.impulse_tolerance, scales.impulse); };
 
     if (tangential.stick) {
         const double q = link.tangent().dot(impulse) + tangential.offset + tangential.contact_offset * p;
-        const double most = tangential.jump + tangential.contact_jump * std::max(p, 0.0);
-        if (too_strong(std::abs(q) - most)) change.tangential_state += q > 0 ? -1 : 1;
-        // what its cluster holds already may hold it elsewhere than at the kink
-        if (!state.closed && too_fast(std::abs(v_T - tangential.kink), 10)) change.tangential_state = state.state_of(false, v_T, 0);
+        const double bound = tangential.jump + tangential.contact_jump * std::max(p, 0.0);
+        if (too_strong(std::abs(q) - bound)) change.tangential_state += q > 0 ? -1 : 1;
+        // its cluster may already fix its slip elsewhere than at the kink
+        if (!state.closed && too_fast(std::abs(v_T - tangential.kink), 10))
+            change.tangential_state = state.state_of(false, v_T, 0);
     } else if (too_fast(tangential.low - v_T) || too_fast(v_T - tangential.high)) {
-        if (state.closed && state.led) change.tangential_state = state.state_of(true, v_T, scales.speed_tolerance);  // no kink on the way could hold it
+        if (state.closed && state.led)  // no kink on the way could hold it
+            change.tangential_state = state.state_of(true, v_T, scales.speed_tolerance);
         else change.tangential_state += v_T < tangential.low ? -1 : 1;
     }
 
@@ -115,14 +150,14 @@ StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& v
         const double at = tangential.stick ? tangential.kink + step * 2 * scales.speed_tolerance : v_T;
         change.closed = false;
         change.tangential_state = state.state_of(false, at, stays_at_kink ? scales.speed_tolerance : 0);
-    } else if (!state.closed && law.may_touch() && too_fast(law.bound() - v_N)) {
+    } else if (!state.closed && contact.may_touch && too_fast(contact.rate - v_N)) {
         change.closed = true;
         change.tangential_state = state.state_of(true, v_T, scales.speed_tolerance);
-    } else if (state.closed && too_fast(v_N - law.bound(), 10)) {
+    } else if (state.closed && too_fast(v_N - contact.rate, 10)) {
         change.closed = false;
         change.tangential_state = state.state_of(false, v_T, scales.speed_tolerance);
     } else if (state.closed) {
-        change.unmended = (law.bound() - v_N) / scales.speed;
+        change.irreparable = (contact.rate - v_N) / scales.speed;
     }
     return change;
 }

@@ -1,34 +1,49 @@
 #pragma once
-// The state of a link: closed or open, and where on the staircase of its tangential law (interface_law.hpp) it is, between two kinks or
-// at one. States are guessed from the motion before the step; what violates its law names the state that would mend it.
+// The state of a link: closed or open, and its place on the staircase of its tangential law (interface_law.hpp),
+// between two kinks or at one. States are guessed from the motion before the step; a violated law names the next state.
 #include "interface/fan_problem.hpp"
-#include "interface/fan_scales.hpp"
 #include "interface/interface_law.hpp"
 
 namespace knap {
 
-/// Friction has two signs, those of the end velocity and of the mean velocity: together they never do positive work and let a sliding
-/// point come to exact rest (fan_problem.hpp). The tangential cohesion has the sign of the slip at the end of the step.
-/// `tolerance` [m/s]: kinks that are nearer to each other are one.
+/// Units of the impulses and velocities of one fan, and its tolerances.
+struct FanScales {
+    double impulse = 1;            // [N s] the largest that can occur
+    double speed = 1;              // [m/s]
+    double impulse_tolerance = 0;  // [N s]
+    double speed_tolerance = 0;    // [m/s]
+    double rest = 0;               // [m/s] kinks of a staircase that are nearer to each other are merged
+};
+
+/// Slips below `rest` times the largest speed come to rest.
+FanScales scales_of(const FanProblem& problem, double rest);
+
+/// Friction has two signs, those of the end velocity and of the mean velocity: together they never do positive work and
+/// let a sliding point come to exact rest (fan_problem.hpp). The tangential cohesion has the sign of the slip at the
+/// end of the step. `tolerance` [m/s]: kinks that are nearer to each other are merged.
 InterfaceLaw law_of(const FanLink& link, const Vec2& velocity_before, double h, double tolerance);
 
 struct LinkState {
-    InterfaceLaw law;  // not of an unbreakable link: that one is closed and sticks for ever
+    InterfaceLaw law;  // not of an unbreakable link, which is closed and sticks for ever
     StaircasePiece tangential;
     int tangential_state = 0;
     bool closed = false;
     bool imposed = false;  // both sides fully prescribed: nothing to decide
-    bool led = false;      // both sides prescribed in one component: its normal velocity says how fast it slides
+    bool led = false;      // both sides prescribed in one component: the normal velocity determines the slip
 
     bool holds() const { return closed && tangential.stick; }
     bool sticks() const { return holds() && !imposed; }
-    bool partial() const { return closed != tangential.stick && !imposed; }  // one component of its impulse is to be found
+    /// One component of its impulse is unknown.
+    bool partial() const { return closed != tangential.stick && !imposed; }
 
     void set(bool to_closed, int to_tangential_state);
-    int state_of(bool if_closed, double rate_T, double tolerance) const { return law.staircase(if_closed).state_of(rate_T, tolerance); }
-    /// The motion goes on as before the step.
+    int state_of(bool if_closed, double rate_T, double tolerance) const {
+        return law.staircase(if_closed).state_of(rate_T, tolerance);
+    }
+    /// The state if the motion continues as before the step.
     void guess(const FanProblem& problem, const FanLink& link, const FanScales& scales);
-    /// The state that comes nearest to this relative velocity [m/s] and impulse [N s]: between kinks that rounding cannot tell apart only the force decides.
+    /// The state that is nearest to this relative velocity [m/s] and impulse [N s]: between kinks that rounding cannot
+    /// tell apart only the force decides.
     void fit(const FanLink& link, const Vec2& velocity, const Vec2& impulse, const FanScales& scales);
 
     Vec2 target(const FanLink& link) const;           // [m/s] relative velocity of a link that sticks
@@ -37,13 +52,14 @@ struct LinkState {
 };
 
 struct StateChange {
-    double violation = 0;  // of the law, relative; 0: no change
-    double unmended = 0;   // relative: must hold, and no state mends it
+    double violation = 0;    // of the law, relative; 0: no change
+    double irreparable = 0;  // violation that no state removes, relative
     bool closed = false;
     int tangential_state = 0;
 };
 
-/// What the law asks for at this relative velocity [m/s] and impulse [N s]; not for unbreakable links.
-StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& velocity, const Vec2& impulse, const FanScales& scales);
+/// The state that the law requires at this relative velocity [m/s] and impulse [N s]; not for unbreakable links.
+StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& velocity, const Vec2& impulse,
+                      const FanScales& scales);
 
 }  // namespace knap

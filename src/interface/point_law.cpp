@@ -7,7 +7,7 @@ namespace knap {
 namespace {
 
 /// beta+ and beta_theta from the openings at the end of the step.
-void lose_cohesion(const PointLaw& law, double u_N, double u_T, PointResponse& r) {
+void update_cohesion(const PointLaw& law, double u_N, double u_T, PointResponse& r) {
     r.end_cohesion = law.step->implicit_beta ? law.material->next_cohesion(law.cohesion, u_N, u_T) : law.cohesion;
     r.softens = r.end_cohesion < law.cohesion && r.end_cohesion > 0;
     r.breaks = r.end_cohesion < law.cohesion && r.end_cohesion == 0;
@@ -15,10 +15,12 @@ void lose_cohesion(const PointLaw& law, double u_N, double u_T, PointResponse& r
     r.opens = u_N > 0;
 }
 
-/// The resolvent of the staircase  -q_T in sum W_i sgn(w_T - kink_i):  where it stands, and its signs (0 at their kink).
+/// The resolvent of the staircase  -q_T in sum W_i sgn(w_T - kink_i): its force and its signs (0 at their kink).
 void find_tangential(const PointLaw& law, double w_T, PointResponse& r) {
     const double p = law.friction_follows ? r.contact : law.pressed;
-    const auto weight = [&](const Staircase::Kink& kink) { return kink.friction * p + kink.cohesive * r.cohesion_theta; };
+    const auto weight = [&](const Staircase::Kink& kink) {
+        return kink.friction * p + kink.cohesive * r.cohesion_theta;
+    };
     double force = 0;  // -q_T
     for (const Staircase::Kink& kink : law.tangential.kinks()) force -= weight(kink);
     r.friction_sign = r.cohesion_sign = 0;
@@ -31,7 +33,7 @@ void find_tangential(const PointLaw& law, double w_T, PointResponse& r) {
             sign = w_T > kink.rate ? 1 : w_T < kink.rate ? -1 : 0;
             force += (1 + sign) * W;
         } else if (passed) {
-            const double at_kink = law.rho_T * (w_T - kink.rate) - law.tangential_guess;  // -q_T if it stood there
+            const double at_kink = law.rho_T * (w_T - kink.rate) - law.tangential_guess;  // -q_T for this rate
             sign = at_kink > force + 2 * W ? 1 : at_kink >= force && W > 0 ? 0 : -1;
             force = sign > 0 ? force + 2 * W : sign == 0 ? at_kink : force;
         }
@@ -42,7 +44,7 @@ void find_tangential(const PointLaw& law, double w_T, PointResponse& r) {
     }
     r.tangential = -force;
 
-    // friction's share: where its sign is known it is known; where both signs are free cohesion takes what it can
+    // the part of friction is known with its sign; where both signs are free cohesion bears as much as it can
     const double F = law.friction * p, G = law.material->gamma * law.strength * r.cohesion_theta;
     if (F == 0) r.friction_part = 0;
     else if (r.friction_sign != 0) r.friction_part = -F * r.friction_sign;
@@ -70,39 +72,40 @@ PointResponse respond(const PointLaw& law, double w_N, double w_T) {
     PointResponse r;
     r.contact = law.contact.may_touch ? std::max(0.0, law.contact_guess - law.rho_N * (w_N - law.contact.rate)) : 0;
     r.closed = r.contact > 0;
-    // what is closed, or sticks, is where it is held, not where the augmentation has it
-    const double u_N = law.u_N + law.step->h * (r.closed ? law.contact.rate : w_N);
-    lose_cohesion(law, u_N, law.u_T + law.step->h * w_T, r);
+    // a closed or sticking component has the rate of its bound or kink, not the one of the augmentation
+    const double u_N = law.u_N + law.step->h * (r.closed ? law.contact.rate : w_N), u_T = law.u_T + law.step->h * w_T;
+    update_cohesion(law, u_N, u_T, r);
     find_tangential(law, w_T, r);
     if (r.sticks) {
-        lose_cohesion(law, u_N, r.kink == 0 ? law.u_T : 0, r);
+        update_cohesion(law, u_N, r.kink == 0 ? law.u_T : 0, r);
         const double kink = r.kink;
         find_tangential(law, w_T, r);
-        if (!r.sticks || r.kink != kink) lose_cohesion(law, u_N, law.u_T + law.step->h * w_T, r);
+        if (!r.sticks || r.kink != kink) update_cohesion(law, u_N, u_T, r);
     }
     r.state = piece(law, r);
     return r;
 }
 
-double softening_modulus(const PointLaw& law) { return law.strength * law.step->theta * law.step->h / law.material->softening_length(law.cohesion); }
+double softening_modulus(const PointLaw& law) {
+    return law.strength * law.step->theta * law.step->h / law.material->softening_length(law.cohesion);
+}
 
 Vec2 loss_direction(const PointLaw& law, const PointResponse& r) {
     return {r.opens && !r.closed ? 1.0 : 0.0, r.sticks ? 0 : law.material->gamma * r.cohesion_sign};
 }
 
 Eigen::Matrix2d tangent(const PointLaw& law, const PointResponse& r, Softening softening) {
+    const bool with_friction = r.closed && law.friction > 0 && law.friction_follows && softening != Softening::at_all;
     Eigen::Matrix2d D = Eigen::Matrix2d::Zero();
     if (r.closed) D(0, 0) = law.rho_N;
-    if (r.sticks)
-        D(1, 1) = std::isinf(law.rho_T) ? 0 : law.rho_T;
-    else if (r.closed && law.friction > 0 && law.friction_follows && softening != Softening::at_all)
-        D(1, 0) = -law.friction * r.friction_sign * law.rho_N;  // -q_T = mu p sgn + ..., dp = -rho dw_N
+    if (r.sticks) D(1, 1) = std::isinf(law.rho_T) ? 0 : law.rho_T;
+    else if (with_friction) D(1, 0) = -law.friction * r.friction_sign * law.rho_N;  // -q_T = mu p sgn, dp = -rho dw_N
     if ((softening != Softening::none && r.softens) || (softening == Softening::at_all && r.breaks)) {
         // q = -C beta_theta (1, gamma sgn), d beta_theta = -theta h/delta_c (opens, gamma sgn) . dw
         const Vec2 loss = loss_direction(law, r);
         D -= softening_modulus(law) * loss * loss.transpose();
-        // what is closed carries the lost pull in its contact, and rubs with it
-        if (r.closed && law.friction > 0 && law.friction_follows && softening != Softening::at_all) D(0, 1) -= softening_modulus(law) * loss.y();
+        // the contact of a closed point carries the lost tension, and its friction grows with it
+        if (with_friction) D(0, 1) -= softening_modulus(law) * loss.y();
     }
     return D;
 }

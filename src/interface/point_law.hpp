@@ -1,11 +1,13 @@
 #pragma once
-// One interface point over one implicit step (stepper/implicit/implicit_scheme.hpp has the law): impulses as a function of its rate w = (w_N, w_T),
-// in augmented form, and the derivative. What is set-valued in the law (interface_law.hpp) is a resolvent here,
+// One interface point over one implicit step: its impulses as a function of its rate w = (w_N, w_T), in augmented form,
+// and the derivative. The set-valued law (interface_law.hpp) becomes a resolvent,
 //
-//     p = max(0, p^ - rho (w_N - bound)),        q_T = t^ - rho (w_T - omega)   with   -q_T in F sgn(omega) + G sgn(omega + u_T/h),
+//     p = max(0, p^ - rho (w_N - bound)),
+//     q_T = t^ - rho (w_T - omega)   with   -q_T in F sgn(omega) + G sgn(omega + u_T/h),
 //
-// with multipliers p^, t^ from the iterate before: at a fixed point it is the law itself, whatever rho > 0 (method of multipliers: Hestenes,
-// Powell, Rockafellar; for contact P. Alart, A. Curnier 1991). Redundant points do no harm, and the derivative is definite.
+// with multipliers p^, t^ from the iterate before: a fixed point satisfies the law itself, whatever rho > 0 (method of
+// multipliers: Hestenes, Powell, Rockafellar; for contact P. Alart, A. Curnier 1991). Redundant points do no harm, and
+// the derivative is definite.
 #include "base/vec.hpp"
 #include "interface/interface_law.hpp"
 #include "material/cohesive_law.hpp"
@@ -21,42 +23,43 @@ struct ThetaStep {
     double h = 0;                // [s]
     double theta = 0.5;          // [-]
     bool implicit_beta = false;  // cohesion follows the openings at the end of the step
-    double kick() const { return theta * h; }                              // [s] impulse times theta, of a force
-    double stiffness_factor() const { return theta * theta * h * h; }      // [s2] of K in M_hat
+
+    double kick() const { return theta * h; }                          // [s] impulse times theta, of a force
+    double stiffness_factor() const { return theta * theta * h * h; }  // [s2] of K in M_hat
 };
 
-/// Impulses are those of the law times theta, as they stand in the equation of w [N s].
+/// Impulses are those of the law times theta, as they enter the equation of w [N s].
 struct PointLaw {
     // over the step
-    double u_N, u_T;         // [m] at its begin
-    double strength;         // [N s] C = theta h S sigma_c; 0: no cohesion left
-    double cohesion;         // [-] beta at its begin
+    double u_N, u_T;  // [m] at its start
+    double strength;  // [N s] C = theta h S sigma_c; 0: no cohesion left
+    double cohesion;  // [-] beta at its start
     const CohesiveLaw* material;
-    double friction;         // [-] Coulomb's mu; 0 where the scheme leaves friction out
+    double friction;  // [-] Coulomb's mu; 0 where the scheme neglects friction
     ContactBound contact;
     const ThetaStep* step;
-    bool friction_follows = true;  // mu p bounds the friction; else mu times `pressed` does: Tresca's law, a step towards Coulomb's
+    bool friction_follows = true;  // friction is bounded by mu p, else by mu `pressed` (Tresca, a step towards Coulomb)
     double pressed = 0;            // [N s]
     Staircase tangential = {};     // with cohesive weights for beta_theta = 1
 
     // augmentation
-    double rho_N = 0, rho_T = 0;   // [kg]; infinite rho_T: the rate itself decides (prescribed on both sides)
-    double contact_guess = 0;      // [N s] p^ >= 0
-    double tangential_guess = 0;   // [N s] t^
+    double rho_N = 0, rho_T = 0;  // [kg]; infinite rho_T: the rate itself decides (prescribed on both sides)
+    double contact_guess = 0;     // [N s] p^ >= 0
+    double tangential_guess = 0;  // [N s] t^
 
-    /// The kinks of the tangential law, when all above is known.
+    /// The kinks of the tangential law, when the law over the step is known.
     void set_staircase();
 };
 
 struct PointResponse {
-    double contact = 0;       // [N s] p >= 0
-    double tangential = 0;    // [N s] q_T
-    double friction_part = 0; // [N s] what of q_T is friction
+    double contact = 0;                           // [N s] p >= 0
+    double tangential = 0;                        // [N s] q_T
+    double friction_part = 0;                     // [N s] friction of q_T
     double cohesion_theta = 0, end_cohesion = 0;  // [-] beta_theta, beta+
-    std::uint32_t state = 0;  // which smooth piece of the law this is
+    std::uint32_t state = 0;                      // identifies the smooth piece of the law
     bool closed = false, sticks = false, softens = false, breaks = false, opens = false;
     double friction_sign = 0, cohesion_sign = 0;  // of the two tangential forces, negative; 0 where they are free
-    double kink = 0;          // [m/s] where it sticks
+    double kink = 0;                              // [m/s] where it sticks
 
     double normal(const PointLaw& law) const { return contact - law.strength * cohesion_theta; }  // [N s] q_N
 };
@@ -65,16 +68,16 @@ PointResponse respond(const PointLaw& law, double w_N, double w_T);
 
 enum class Softening {
     none,
-    now,      // of points that are on the descending branch
-    at_all    // of points that lost all their cohesion in the step, too: the branch they came down.
-              // Without the friction that the contact carries, which has no part in the question of definiteness
+    now,    // of points on the descending branch
+    at_all  // of points that lost all their cohesion in the step, too: the branch that they came down. Without the
+            // friction that the contact carries, which does not affect definiteness
 };
 
-/// How fast the cohesive impulse falls on the descending branch [kg], and along what; what is held takes no part.
+/// Slope of the cohesive impulse on the descending branch [kg] and its direction; a fixed component takes no part.
 double softening_modulus(const PointLaw& law);
 Vec2 loss_direction(const PointLaw& law, const PointResponse& response);
 
-/// -dq/dw in (N, T) of the piece that `response` is on; with the loss of cohesion it may be indefinite.
+/// -dq/dw in (N, T) of the piece of `response`; with softening it may be indefinite.
 Eigen::Matrix2d tangent(const PointLaw& law, const PointResponse& response, Softening softening);
 
 }  // namespace knap

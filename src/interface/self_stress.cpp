@@ -6,8 +6,6 @@
 namespace knap {
 namespace {
 
-/// The point of the convex hull of the active gradients that is nearest to zero: the direction of steepest ascent.
-/// Reduces the active set to the gradients that carry it.
 class ActiveSet {
 public:
     explicit ActiveSet(const std::vector<HalfPlane>& planes) : planes_(planes) {}
@@ -17,6 +15,8 @@ public:
     int size() const { return n_; }
     Index operator[](int i) const { return members_[i]; }
 
+    /// The direction of steepest ascent: the point nearest to zero in the convex hull of the active gradients. Reduces
+    /// the active set to the gradients that carry it.
     Vec2 steepest_ascent() {
         if (n_ == 3 && holds_zero()) return Vec2::Zero();
         Vec2 best = gradient(0);
@@ -42,7 +42,8 @@ public:
 private:
     const Vec2& gradient(int i) const { return planes_[members_[i]].gradient; }
     bool holds_zero() const {
-        const double a = cross(gradient(0), gradient(1)), b = cross(gradient(1), gradient(2)), c = cross(gradient(2), gradient(0));
+        const double a = cross(gradient(0), gradient(1)), b = cross(gradient(1), gradient(2)),
+                     c = cross(gradient(2), gradient(0));
         return (a > 0 && b > 0 && c > 0) || (a < 0 && b < 0 && c < 0);
     }
 
@@ -71,7 +72,7 @@ SelfStress find_self_stress(const std::vector<HalfPlane>& planes, const Vec2& st
     for (int iteration = 0; iteration < 100; ++iteration) {
         const Vec2 direction = active.steepest_ascent();
         const double rate = direction.squaredNorm();
-        if (rate <= 1e-24 * scale) break;  // the maximum
+        if (rate <= 1e-24 * scale) break;         // the maximum
         double length = -2 * found.slack / rate;  // as far inside as it was outside
         Index blocking = -1;
         for (Index i = 0; i < n; ++i) {

@@ -1,8 +1,9 @@
 #pragma once
-// While the corners of a chain move as one, the reactions P between them follow by walking along it: P_after = P_before - required, where
-// `required` is what a corner must get from its points. Round a closed chain they are known up to one free 2-vector c, added to every point: the
-// chain stays bonded if and only if some c makes every point admissible (static theorem of limit analysis; formulation: node binding).
-// One test for all schemes: the c of least norm first, which mostly will do, then the best one.
+// Static test of a chain of corners that move as one. The impulses P between them follow by walking along the chain:
+// P_after = P_before - required, where `required` is the sum that a corner must receive from its points. Round a closed
+// chain they are known up to one constant 2-vector c, the self-stress, added to every point: the chain stays bonded if
+// and only if some c makes every point admissible (static theorem of limit analysis). The c of least norm is tried
+// first, which is mostly sufficient, then the best one.
 #include "base/vec.hpp"
 #include "material/cohesive_law.hpp"
 
@@ -21,11 +22,12 @@ struct HalfPlane {
     int kind;  // 0 = tension, +1 / -1 = shear in the direction of +T / -T
 };
 
-/// What a point bears: p = P_N + cohesion >= 0 and |P_T + offset + contact_offset p| <= jump + contact_jump p, three half planes.
+/// Admissible impulses of a point: p = P_N + cohesion >= 0 and |P_T + offset + contact_offset p| <= jump + contact_jump
+/// p, three half planes.
 struct StrengthPolygon {
-    Vec2 normal;                      // N; T = turned_left(N)
-    double cohesion;                  // force or impulse, as P
-    double jump, contact_jump;                // as in StaircasePiece
+    Vec2 normal;                // N; T = turned_left(N)
+    double cohesion;            // force or impulse, as P
+    double jump, contact_jump;  // as in StaircasePiece
     double offset = 0, contact_offset = 0;
 
     /// Of a point at rest: cohesion in both directions, friction on the contact.
@@ -33,18 +35,20 @@ struct StrengthPolygon {
         return {.normal = normal, .cohesion = cohesion, .jump = law.gamma * cohesion, .contact_jump = law.friction};
     }
 
-    /// Of the three; negative: P is not admissible.
+    /// Negative: P is not admissible.
     double smallest_slack(const Vec2& P) const {
         const double p = P.dot(normal) + cohesion, q = P.dot(turned_left(normal)) + (offset + contact_offset * p);
         return std::min(p, jump + contact_jump * p - std::abs(q));
     }
-    /// Half planes of c at P + c; `undetermined`: how much of each component of c reaches the point: 0, 1 or, against its direction, -1.
+    /// Half planes of c at P + undetermined c; `undetermined`: 0, 1 or -1 per component.
     void add_half_planes(Index link, const Vec2& P, const Vec2& undetermined, std::vector<HalfPlane>& planes) const {
         const double p = P.dot(normal) + cohesion, q = P.dot(turned_left(normal)) + (offset + contact_offset * p);
         const Vec2 slope = turned_left(normal) + contact_offset * normal;
         planes.push_back({p, undetermined.cwiseProduct(normal), link, 0});
-        planes.push_back({jump + contact_jump * p - q, undetermined.cwiseProduct(contact_jump * normal - slope), link, +1});
-        planes.push_back({jump + contact_jump * p + q, undetermined.cwiseProduct(contact_jump * normal + slope), link, -1});
+        planes.push_back(
+            {jump + contact_jump * p - q, undetermined.cwiseProduct(contact_jump * normal - slope), link, +1});
+        planes.push_back(
+            {jump + contact_jump * p + q, undetermined.cwiseProduct(contact_jump * normal + slope), link, -1});
     }
 };
 
@@ -64,8 +68,8 @@ private:
     Vec2 sum_ = Vec2::Zero(), weight_ = Vec2::Zero();
 };
 
-/// visit(j, P) for the points of a chain in one piece, from the P that the first corner (closed: the first point) is given. Ends early where
-/// `visit` says false, and then says so.
+/// visit(j, P) for the points of a bonded chain. `first`: P before the first corner (closed: of the first point). Stops
+/// and returns false where `visit` does.
 template <class Required, class Visit>
 bool walk_chain(Index n_points, bool closed, const Vec2& first, const Required& required, const Visit& visit) {
     Vec2 P = first;
@@ -82,18 +86,19 @@ template <class Required, class Area>
 Vec2 least_norm_start(Index n_points, bool closed, const Required& required, const Area& area) {
     if (!closed) return Vec2::Zero();
     LeastNormSelfStress least;
-    walk_chain(n_points, closed, Vec2::Zero(), required, [&](Index j, const Vec2& P) { return least.add(1 / area(j), P), true; });
+    walk_chain(n_points, closed, Vec2::Zero(), required,
+               [&](Index j, const Vec2& P) { return least.add(1 / area(j), P), true; });
     return least.c();
 }
 
 struct SelfStress {
     Vec2 c = Vec2::Zero();
-    double slack = 0;                 // smallest of all half planes at c; >= 0: admissible
-    std::array<Index, 3> binding{};   // the half planes that prevent more, when slack < 0: they are the opening mechanism
+    double slack = 0;                // smallest of all half planes at c; >= 0: admissible
+    std::array<Index, 3> binding{};  // where slack < 0, the half planes of smallest slack: the opening mechanism
     int n_binding = 0;
 };
 
-/// Climbs the smallest slack (concave, piecewise linear) from `start` by steepest ascent; stops as soon as it is >= 0, or at the maximum.
+/// Steepest ascent of the smallest slack (concave, piecewise linear) from `start`; stops where it is >= 0, or maximal.
 SelfStress find_self_stress(const std::vector<HalfPlane>& planes, const Vec2& start);
 
 }  // namespace knap

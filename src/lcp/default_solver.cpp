@@ -1,7 +1,7 @@
-// The solver to use where nothing is known of the problem. It takes the box form, lets sweeps find most of the states
-// and Newton the rest. Where both fail, as in steps beyond Assumption 1, proximal points are tried, then every other
-// solver on the whole problem, until an answer is accepted: so it solves what any of them solves, and a problem that
-// none solves takes as long as all of them together. It never forms a dense matrix of a large problem.
+// The solver to use where nothing is known of the problem. On the box form, sweeps find most of the states and Newton
+// the rest. Where both fail, as in steps beyond Assumption 1, proximal points are tried, then every other solver on the
+// whole problem, until an answer is accepted: it solves any problem that one of them solves, and a problem that none
+// solves takes as long as all of them together. It never forms a dense matrix of a large problem.
 #include "lcp/box_solvers.hpp"
 #include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
@@ -10,13 +10,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 namespace knap {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int sweeps_between_checks = 5;  // of their rate
-constexpr double steady = 0.999;          // a change that stays so nearly the same is a drift
+constexpr double steady = 0.999;          // a change whose ratio to the last one is nearer to one is a drift
 constexpr int max_rays = 100;
 constexpr int n_attempts = 4;  // sweeps and Newton by turns, each with four times the sweeps of the one before
 constexpr int newton_steps = 60;
@@ -32,11 +33,10 @@ double sweeps_per_solve(const BoxLcp& box) {
 }
 
 /// Where redundant conditions contradict each other by a rounding (contacts round a vertex that still move), sweeps
-/// drift along a ray by the same step each, until one condition is released: go to the first bound at once.
-void follow_ray(const BoxLcp& box, Eigen::VectorXd& x, int& n_sweeps) {
+/// drift along a ray by equal steps until one condition is released. This goes to the first bound at once.
+void follow_ray(const BoxLcp& box, Eigen::VectorXd& x) {
     const Eigen::VectorXd from = x;
     sweep(box, x, 1);
-    ++n_sweeps;
     const Eigen::VectorXd step = x - from;
     double length = infinity;
     const auto limit = [&](double distance, double speed) {
@@ -61,14 +61,13 @@ bool sweep_while_it_pays(const BoxLcp& box, double tolerance, double budget, Eig
         if (!std::isfinite(change)) return false;
         if (change <= 10 * tolerance && box.residual(x) <= tolerance) return true;
         if (done % sweeps_between_checks != 0) continue;
-        // sweeps that are left at the present rate
+        // sweeps still needed at the present rate
         const double left = change < before
                                 ? sweeps_between_checks * std::log(tolerance / change) / std::log(change / before)
                                 : infinity;
         if (change > steady * before && change < before / steady && n_rays < max_rays)
-            follow_ray(box, x, n_sweeps), ++n_rays;
-        else if ((done >= budget && left > 2 * budget) || done >= 20 * budget)
-            return false;
+            follow_ray(box, x), ++n_sweeps, ++n_rays;
+        else if ((done >= budget && left > 2 * budget) || done >= 20 * budget) return false;
         before = change;
     }
 }
@@ -80,8 +79,8 @@ public:
 
     LcpSolution run() {
         best_x_ = box_.box_start(options_.start);
-        least_ = box_.residual(best_x_);
-        if (least_ <= options_.tolerance || solve_box_form()) return result(LcpStatus::solved, best_x_);
+        smallest_ = box_.residual(best_x_);
+        if (smallest_ <= options_.tolerance || solve_box_form()) return result(LcpStatus::solved, best_x_);
         LcpSolution best = result(LcpStatus::stalled, best_x_);
         if (!options_.exhaustive) {
             if (problem_.size() > max_dense_unknowns) return best;
@@ -106,28 +105,22 @@ private:
         bool inaccurate, spurious;
         double residual;
         bool is_accepted() const { return !inaccurate && !spurious; }
-        bool operator<(const Rank& other) const {
-            return std::tie(inaccurate, spurious, residual) <
-                   std::tie(other.inaccurate, other.spurious, other.residual);
-        }
+        auto operator<=>(const Rank&) const = default;
     };
 
     LcpSolution result(LcpStatus status, const Eigen::VectorXd& x) const {
         return lcp_solution(problem_, status, box_.lcp_point(x), count_);
     }
 
-    /// The rank of an answer, whose status becomes what its residual says.
+    /// The rank of an answer, whose status is set according to its residual.
     Rank judge(LcpSolution& solution) const {
         const double residual = scaled_residual(problem_, solution.z);
-        Rank rank{!(residual <= max_scaled_residual), false, residual};
-        if (!rank.inaccurate)
-            solution.status = LcpStatus::solved;
-        else if (solution.status == LcpStatus::solved)
-            solution.status = LcpStatus::stalled;
-        if (rank.inaccurate) return rank;
-        const auto layout = cohesive_layout(problem_);
-        rank.spurious = layout && spurious_breaking(problem_, solution.z, *layout).n_spurious > 0;
-        return rank;
+        const bool inaccurate = !(residual <= max_scaled_residual);
+        if (!inaccurate) solution.status = LcpStatus::solved;
+        else if (solution.status == LcpStatus::solved) solution.status = LcpStatus::stalled;
+        const auto layout = inaccurate ? std::nullopt : cohesive_layout(problem_);
+        const bool spurious = layout && spurious_breaking(problem_, solution.z, *layout).n_spurious > 0;
+        return {inaccurate, spurious, residual};
     }
 
     /// Within Assumption 1 the residual of the box form is as strict as the scaled one; beyond it the answer is judged.
@@ -138,7 +131,7 @@ private:
     }
 
     void remember(const Eigen::VectorXd& x) {
-        if (const double residual = box_.residual(x); residual < least_) least_ = residual, best_x_ = x;
+        if (const double residual = box_.residual(x); residual < smallest_) smallest_ = residual, best_x_ = x;
     }
 
     bool newton_from(Eigen::VectorXd x) {
@@ -170,7 +163,7 @@ private:
             return true;
         }
         remember(x);
-        return least_ <= acceptable && is_accepted(best_x_);
+        return smallest_ <= acceptable && is_accepted(best_x_);
     }
 
     const LcpProblem& problem_;
@@ -178,7 +171,7 @@ private:
     BoxLcp box_;
     bool can_sweep_;
     Eigen::VectorXd best_x_;
-    double least_ = infinity;  // residual of best_x_ in the box form
+    double smallest_ = infinity;  // residual of best_x_ in the box form
     int count_ = 0;
 };
 

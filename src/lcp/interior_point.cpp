@@ -1,7 +1,7 @@
 // Infeasible primal-dual interior point method with predictor and corrector (Mehrotra 1992; S. Wright, Primal-Dual
 // Interior-Point Methods, SIAM 1997, 8). Its theory holds for positive semidefinite M only; elsewhere it is a heuristic
-// and may stall. It ends near the middle of a set of solutions, where the pivoting methods end at a vertex. No warm
-// start: it would begin at the boundary.
+// and may stall. It ends near the middle of a set of solutions, where the pivoting methods end at a vertex. It takes no
+// warm start, which would lie at the boundary.
 #include "lcp/linear_system.hpp"
 #include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
@@ -31,7 +31,7 @@ public:
     explicit CentralPath(const LcpProblem& problem)
         : z(Eigen::VectorXd::Ones(problem.size())), M_(problem.M), q_(problem.q), w_(z) {}
 
-    /// One step; `solved` where it was long enough to go on.
+    /// One step; `solved` where it was long enough to continue.
     LcpStatus advance() {
         if (!system_.factorise(M_, w_.cwiseQuotient(z))) return LcpStatus::singular;
         const double n = static_cast<double>(z.size()), gap = z.dot(w_) / n;
@@ -68,29 +68,29 @@ private:
 }  // namespace
 
 LcpSolution solve_by_interior_point(const LcpProblem& problem, const LcpOptions& options) {
-    const int n = problem.size(), limit = options.max_iterations > 0 ? options.max_iterations : max_iterations;
+    const int n = problem.size(), limit = options.limit(max_iterations);
     if (n == 0 || problem.q.minCoeff() >= 0)
         return lcp_solution(problem, LcpStatus::solved, Eigen::VectorXd::Zero(n), 0);
-    const ScaledLcp scaled = equilibrated(problem);
-    CentralPath path(scaled.problem);
+    LcpProblem scaled = problem;
+    const LcpScaling scaling = equilibrate(scaled);
+    CentralPath path(scaled);
     Eigen::VectorXd best = path.z;
-    double residual = natural_residual(scaled.problem, best);
+    double residual = natural_residual(scaled, best);
     LcpStatus status = LcpStatus::solved;
     int count = 0;
     for (; residual > options.tolerance && status == LcpStatus::solved; ++count) {
         status = count < limit ? path.advance() : LcpStatus::iteration_limit;
-        if (const double next = natural_residual(scaled.problem, path.z); next < residual)
-            residual = next, best = path.z;
+        if (const double next = natural_residual(scaled, path.z); next < residual) residual = next, best = path.z;
     }
+    const Eigen::VectorXd z = scaling.original_z(best);
     if (status != LcpStatus::solved && residual <= crossover) {
-        LcpSolution end = solve_by_newton(problem, {.tolerance = options.tolerance,
-                                                    .max_iterations = max_crossover_steps,
-                                                    .exhaustive = false,
-                                                    .start = scaled.original_z(best)});
+        LcpSolution end = solve_by_newton(
+            problem,
+            {.tolerance = options.tolerance, .max_iterations = max_crossover_steps, .exhaustive = false, .start = z});
         end.iterations += count;
         if (end.status == LcpStatus::solved) return end;
     }
-    return lcp_solution(problem, status, scaled.original_z(best), count);
+    return lcp_solution(problem, status, z, count);
 }
 
 }  // namespace knap

@@ -1,9 +1,8 @@
 // Lemke's pivots on a condensed tableau of n (n + 2) numbers (C. E. Lemke 1965; Cottle, Pang, Stone, The Linear
 // Complementarity Problem, 4.4 and 4.9). Ties are broken lexicographically, so it cannot cycle. Two tolerances make it
-// reliable on degenerate and redundant problems: a pivot must not be small beside its column, and ratios closer than
-// rounding are a tie. Where the path ends on a ray, paths from other covering vectors are tried. The reference solver:
-// dense; a path of k pivots costs k^2 n / 2 operations (a column goes through the pivots when it enters), and k is
-// about n / 2 here.
+// reliable on degenerate and redundant problems: a pivot must not be small compared with its column, and ratios closer
+// than rounding are a tie. Where the path ends on a ray, paths from other covering vectors are tried. The reference
+// solver: dense; a path of k pivots costs k^2 n / 2 operations, and k is about n / 2 here.
 #include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
 
@@ -24,52 +23,83 @@ constexpr double pivot_tolerance = 1e-11;  // of the largest entry of the enteri
 constexpr double tie_tolerance = 1e-12;    // of ratios, in the equilibrated problem
 constexpr int max_pivots_per_unknown = 50;
 constexpr int n_covering_vectors = 30, n_covering_vectors_of_quick_search = 3;
-constexpr int few =
-    96;  // unknowns whose tableau is on the stack, 75 kB twice: vertices of explicit steps allocate nothing
+constexpr int few = 96;  // unknowns whose tableau is on the stack, 75 kB twice: explicit steps allocate nothing
 
-/// Arrays for up to `max` unknowns, on the stack, or for any number of them.
+/// basic + T nonbasic = value. Variable i is w_i, i + n is z_i, 2n is z0. Only the columns of the nonbasic variables
+/// are stored, and a pivot is only recorded: a column goes through the pivots that it missed when it is read. A path of
+/// k pivots reads k columns and the value, so it costs k^2 n / 2 operations where immediate pivots take k n^2.
+/// Arrays are on the stack for up to `max` unknowns, or on the heap where `max` is Eigen::Dynamic.
 template <int max>
-struct Few {
+class Tableau {
+public:
     static constexpr int max_columns = max == Eigen::Dynamic ? max : max + 2;
     static constexpr int max_variables = max == Eigen::Dynamic ? max : 2 * max + 1;
     using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max>;
     using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max, max_columns>;
     using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max, max>;
     using List = Eigen::Array<int, Eigen::Dynamic, 1, 0, max_variables>;
-};
 
-/// basic + T nonbasic = value. Variable i is w_i, i + n is z_i, 2n is z0. Only the columns of the nonbasic variables
-/// are stored, and a pivot is only recorded: a column goes through the pivots that it missed when it is read. A path of
-/// k pivots reads k columns and the value, so it costs k^2 n / 2 operations where immediate pivots take k n^2, and
-/// never more than these.
-template <int max>
-class Tableau {
-public:
-    using Vector = typename Few<max>::Vector;
-    using Matrix = typename Few<max>::Matrix;
-    using List = typename Few<max>::List;
+    struct Path {
+        LcpStatus status;
+        Vector z;
+        int n_pivots;
+    };
 
-    Tableau(const MatrixIn& M, const VectorIn& q, const Vector& cover)
-        : n_(static_cast<int>(q.size())),
-          columns_(n_, n_ + 2),
-          basic_(n_),
-          nonbasic_(n_ + 1),
-          place_(2 * n_ + 1),
-          pivot_rows_(n_),
-          pivot_columns_(n_, n_),
-          n_done_(List::Zero(n_ + 2)) {
-        columns_.leftCols(n_) = -M;
-        columns_.col(n_) = -cover;
-        columns_.col(n_ + 1) = q;
-        std::iota(basic_.begin(), basic_.end(), 0);
-        std::iota(nonbasic_.begin(), nonbasic_.end(), n_);
+    Tableau(const MatrixIn& M, const VectorIn& q)
+        : M_(M), q_(q), n_(static_cast<int>(q.size())), columns_(n_, n_ + 2), pivot_columns_(n_, n_) {}
+
+    /// One path after the other, until one ends at a solution. M and q are of order one. A solution whose residual is
+    /// above `max_residual` has lost too much to rounding: its status is `stalled`.
+    Path first_path_to_solution(int n_paths, double max_residual) {
+        Path path{LcpStatus::ray, Vector::Zero(n_), 0};
+        if (n_ == 0 || q_.minCoeff() >= 0) path.status = LcpStatus::solved;
+        for (int attempt = 0; attempt < n_paths && path.status != LcpStatus::solved; ++attempt) {
+            const Path next = follow_path(attempt, max_residual);
+            path = {next.status, next.z.size() == n_ ? next.z : path.z, path.n_pivots + next.n_pivots};
+        }
+        return path;
+    }
+
+private:
+    using Column = Eigen::Ref<Eigen::VectorXd>;
+
+    Path follow_path(int attempt, double max_residual) {
+        start(attempt);
+        int entering = complement(pivot(first_row(), z0()));
+        for (int count = 1; count <= max_pivots_per_unknown * n_; ++count) {
+            const int row = leaving_row(entering);
+            if (row < 0) return {LcpStatus::ray, {}, count};
+            const int left = pivot(row, entering);
+            entering = complement(left);
+            if (left != z0()) continue;
+            Vector z = Vector::Zero(n_);
+            for (int i = 0; i < n_; ++i)
+                if (basic_[i] >= n_) z[basic_[i] - n_] = std::max(0.0, value(i));
+            const Vector refined = refined_solution();
+            const double before = residual(z), after = residual(refined);
+            const LcpStatus status = std::min(before, after) <= max_residual ? LcpStatus::solved : LcpStatus::stalled;
+            return {status, after < before ? refined : z, count};
+        }
+        return {LcpStatus::iteration_limit, {}, max_pivots_per_unknown * n_};
+    }
+
+    /// With a covering vector of ones, then of other numbers of the same order.
+    void start(int attempt) {
+        columns_.leftCols(n_) = -M_;
+        for (int i = 0; i < n_; ++i) columns_(i, n_) = -(1 + std::fmod(golden_ratio * attempt * (i + 1), 1.0));
+        columns_.col(n_ + 1) = q_;
+        basic_ = List::LinSpaced(n_, 0, n_ - 1);
+        nonbasic_ = List::LinSpaced(n_ + 1, n_, 2 * n_);
+        place_.resize(2 * n_ + 1);
         for (int i = 0; i < n_; ++i) place_[i] = -1 - i;
         for (int k = 0; k <= n_; ++k) place_[n_ + k] = k;
+        n_pivots_ = 0;
+        pivot_rows_.resize(n_);
+        n_done_ = List::Zero(n_ + 2);
     }
 
     int z0() const { return 2 * n_; }
     int complement(int variable) const { return variable < n_ ? variable + n_ : variable - n_; }
-    const List& basic() const { return basic_; }
     double value(int row) { return column(n_ + 1)[row]; }
 
     /// Where z0 enters, so large that nothing stays negative.
@@ -81,13 +111,13 @@ public:
         return row;
     }
 
-    /// The row that limits the entering variable first, or -1: none does.
+    /// The row that limits the entering variable first, or -1 where none does.
     int leaving_row(int entering) {
         const auto entries = column(place_[entering]);
-        const double least = pivot_tolerance * std::max(1.0, entries.cwiseAbs().maxCoeff());
+        const double smallest = pivot_tolerance * std::max(1.0, entries.cwiseAbs().maxCoeff());
         int best = -1;
         for (int i = 0; i < n_; ++i)
-            if (entries[i] > least && (best < 0 || comes_before(i, best, entries))) best = i;
+            if (entries[i] > smallest && (best < 0 || comes_before(i, best, entries))) best = i;
         return best;
     }
 
@@ -108,9 +138,6 @@ public:
         place_[leaving] = place;
         return leaving;
     }
-
-private:
-    using Column = Eigen::Ref<Eigen::VectorXd>;
 
     /// The column with all pivots carried out.
     Column column(int place) {
@@ -150,115 +177,61 @@ private:
         return place_[k] >= 0 ? column(place_[k])[row] : (place_[k] == -1 - row ? 1.0 : 0.0);
     }
 
+    /// z of the basis, from M and q themselves: without the rounding of the pivots.
+    Vector refined_solution() const {
+        List active(n_);
+        int n_active = 0;
+        for (const int variable : basic_)
+            if (variable >= n_ && variable < 2 * n_) active[n_active++] = variable - n_;
+        active.conservativeResize(n_active);
+        Vector z = Vector::Zero(n_);
+        if (n_active == 0) return z;
+        const Square A = M_(active, active);
+        const Vector b = -q_(active);
+        const Eigen::PartialPivLU<Square> lu(A);
+        Vector x = lu.solve(b);
+        const Vector left = b - A * x;
+        x += lu.solve(left);
+        z(active) = x;
+        return z;
+    }
+
+    double residual(const Vector& z) const {
+        if (!z.allFinite()) return std::numeric_limits<double>::infinity();
+        Vector w = M_ * z;
+        w += q_;
+        return w.cwiseMin(z).cwiseAbs().maxCoeff();
+    }
+
+    const MatrixIn& M_;
+    const VectorIn& q_;
     int n_;
     Matrix columns_;  // of the nonbasic variables, then the value
     List basic_, nonbasic_;
     List place_;            // column of a nonbasic variable; -1 - row of a basic one
-    int n_pivots_ = 0;      // that are noted
-    List pivot_rows_;       // theirs
+    int n_pivots_ = 0;      // recorded
+    List pivot_rows_;       // of the recorded pivots
     Matrix pivot_columns_;  // their entering columns
     List n_done_;           // pivots that each column has gone through
 };
 
-/// z of the basis that the pivots found, from M and q themselves: without the rounding of the pivots.
-template <int max>
-typename Few<max>::Vector solved_anew(const MatrixIn& M, const VectorIn& q, const typename Few<max>::List& basic) {
-    using Vector = typename Few<max>::Vector;
-    using Square = typename Few<max>::Square;
-    const int n = static_cast<int>(q.size());
-    typename Few<max>::List active(n);
-    int n_active = 0;
-    for (const int variable : basic)
-        if (variable >= n && variable < 2 * n) active[n_active++] = variable - n;
-    active.conservativeResize(n_active);
-    Vector z = Vector::Zero(n);
-    if (n_active == 0) return z;
-    const Square A = M(active, active);
-    const Vector b = -q(active);
-    const Eigen::PartialPivLU<Square> lu(A);
-    Vector x = lu.solve(b);
-    const Vector left = b - A * x;
-    x += lu.solve(left);
-    z(active) = x;
-    return z;
-}
-
-template <class Vector>
-double residual(const MatrixIn& M, const VectorIn& q, const Vector& z) {
-    if (!z.allFinite()) return std::numeric_limits<double>::infinity();
-    Vector w = M * z;
-    w += q;
-    return w.cwiseMin(z).cwiseAbs().maxCoeff();
-}
-
-/// Covering vector of an attempt: ones, then other numbers of the same order.
-template <class Vector>
-Vector covering_vector(int n, int attempt) {
-    Vector cover(n);
-    for (int i = 0; i < n; ++i) cover[i] = 1 + std::fmod(golden_ratio * attempt * (i + 1), 1.0);
-    return cover;
-}
-
-template <int max>
-struct Path {
-    LcpStatus status;
-    typename Few<max>::Vector z;
-    int n_pivots;
-};
-
-/// A solution whose residual is above `max_residual` has lost too much to rounding: its status is `stalled`.
-template <int max>
-Path<max> follow_path(const MatrixIn& M, const VectorIn& q, const typename Few<max>::Vector& cover,
-                      double max_residual) {
-    using Vector = typename Few<max>::Vector;
-    const int n = static_cast<int>(q.size());
-    Tableau<max> tableau(M, q, cover);
-    int entering = tableau.complement(tableau.pivot(tableau.first_row(), tableau.z0()));
-    for (int count = 1; count <= max_pivots_per_unknown * n; ++count) {
-        const int row = tableau.leaving_row(entering);
-        if (row < 0) return {LcpStatus::ray, {}, count};
-        const int left = tableau.pivot(row, entering);
-        entering = tableau.complement(left);
-        if (left != tableau.z0()) continue;
-        Vector z = Vector::Zero(n);
-        for (int i = 0; i < n; ++i)
-            if (tableau.basic()[i] >= n) z[tableau.basic()[i] - n] = std::max(0.0, tableau.value(i));
-        const Vector anew = solved_anew<max>(M, q, tableau.basic());
-        const double before = residual(M, q, z), after = residual(M, q, anew);
-        const LcpStatus status = std::min(before, after) <= max_residual ? LcpStatus::solved : LcpStatus::stalled;
-        return {status, after < before ? anew : z, count};
-    }
-    return {LcpStatus::iteration_limit, {}, max_pivots_per_unknown * n};
-}
-
-/// One path after the other, until one ends at a solution. M and q are of order one.
-template <int max>
-Path<max> first_path_to_solution(const MatrixIn& M, const VectorIn& q, int n_paths, double max_residual) {
-    using Vector = typename Few<max>::Vector;
-    const int n = static_cast<int>(q.size());
-    Path<max> path{LcpStatus::ray, Vector::Zero(n), 0};
-    if (n == 0 || q.minCoeff() >= 0) path.status = LcpStatus::solved;
-    for (int attempt = 0; attempt < n_paths && path.status != LcpStatus::solved; ++attempt) {
-        const Path<max> next = follow_path<max>(M, q, covering_vector<Vector>(n, attempt), max_residual);
-        path = {next.status, next.z.size() == n ? next.z : path.z, path.n_pivots + next.n_pivots};
-    }
-    return path;
-}
-
 }  // namespace
 
 LcpSolution solve_by_lemke(const LcpProblem& problem, const LcpOptions& options) {
-    const ScaledLcp scaled = equilibrated(problem);
+    LcpProblem scaled = problem;
+    const LcpScaling scaling = equilibrate(scaled);
+    const Eigen::MatrixXd dense(scaled.M);
+    const MatrixIn M(dense);
+    const VectorIn q(scaled.q);
     const int n_paths = options.exhaustive ? n_covering_vectors : n_covering_vectors_of_quick_search;
-    const auto path = first_path_to_solution<Eigen::Dynamic>(Eigen::MatrixXd(scaled.problem.M), scaled.problem.q,
-                                                             n_paths, max_scaled_residual);
-    return lcp_solution(problem, path.status, scaled.original_z(path.z), path.n_pivots);
+    const auto path = Tableau<Eigen::Dynamic>(M, q).first_path_to_solution(n_paths, max_scaled_residual);
+    return lcp_solution(problem, path.status, scaling.original_z(path.z), path.n_pivots);
 }
 
 bool solve_lcp_by_lemke(const MatrixIn& M, const VectorIn& q, Eigen::Ref<Eigen::VectorXd> z) {
     const auto follow = [&]<int max>() {
-        const Path<max> path =
-            first_path_to_solution<max>(M, q, n_covering_vectors, std::numeric_limits<double>::infinity());
+        const auto path =
+            Tableau<max>(M, q).first_path_to_solution(n_covering_vectors, std::numeric_limits<double>::infinity());
         z = path.z;
         return path.status == LcpStatus::solved;
     };

@@ -8,9 +8,8 @@
 
 namespace knap {
 
-/// `source` names the text in messages. Throws UserError with the line where the text is not what it says.
+/// `source` names the text in messages. Throws UserError with the line where the text is not such a file.
 LcpMatrix read_matrix_market(std::istream& text, const std::string& source);
-LcpMatrix read_matrix_market(const std::filesystem::path& file);
 
 /// `stem` is the path without .L.mtx and .q.mtx; either of the two files may be given as well.
 LcpProblem read_lcp(const std::filesystem::path& stem);

@@ -1,11 +1,10 @@
-// Semismooth Newton on the natural map min(z, M z + q), the primal-dual active set method (Hintermueller, Ito, Kunisch
-// 2002; Facchinei, Pang, Finite-Dimensional Variational Inequalities, 9). Three safeguards: a proximal term for
-// rank-deficient matrices, a nonmonotone line search on the Fischer-Burmeister merit (De Luca, Facchinei, Kanzow 1996),
-// and a start from a few block Gauss-Seidel sweeps. It works on the whole problem: on steps beyond Assumption 1 (an
-// unloaded beam, 1400 to 1600 unknowns) it finds solutions in about 1.4 s where Newton on the box form stalls and the
-// interior point takes 7 s.
+// Semismooth Newton on the natural map of the box form: every unknown is free, at its lower or at its upper bound, and
+// in given states the problem is linear; this is the primal-dual active set method (Hintermueller, Ito, Kunisch 2002;
+// Facchinei, Pang, Finite-Dimensional Variational Inequalities, 9). A proximal term makes rank-deficient and indefinite
+// matrices harmless and vanishes with convergence (Rockafellar 1976); a nonmonotone line search on the norm of the map
+// keeps the steps useful.
+#include "lcp/box_solvers.hpp"
 #include "lcp/linear_system.hpp"
-#include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
 
 #include <algorithm>
@@ -14,97 +13,132 @@
 namespace knap {
 namespace {
 
-constexpr int max_iterations = 100;  // of each start
+constexpr double first_proximal = 1e-10, min_proximal = 1e-12, max_proximal = 1.0;
+constexpr int n_halvings = 4;
+constexpr int n_remembered = 6;      // norms that the line search compares with
+constexpr int max_iterations = 100;  // of each start of the solver
 constexpr int n_starts = 4;          // each after four times the sweeps of the one before
 constexpr int first_sweeps = 5;
-constexpr double min_proximal = 1e-11, max_proximal = 1.0;
-constexpr int n_halvings = 6;
-constexpr int n_remembered = 6;  // merits that the line search compares with
 
-/// Half the squared norm of the Fischer-Burmeister function z + w - sqrt(z^2 + w^2).
-double merit(const Eigen::VectorXd& z, const Eigen::VectorXd& w) {
-    return 0.5 * (z.array() + w.array() - (z.array().square() + w.array().square()).sqrt()).square().sum();
-}
+enum State : signed char { lower = -1, free = 0, upper = 1 };
 
-class Newton {
+class BoxNewton {
 public:
-    Newton(const LcpProblem& problem, double tolerance) : problem_(problem), tolerance_(tolerance) {}
+    BoxNewton(const BoxLcp& box, double tolerance) : box_(box), tolerance_(tolerance), n_(box.size()), states_(n_) {}
 
-    LcpStatus run(int limit, Eigen::VectorXd& z) {
-        Eigen::VectorXd w = problem_.M * z + problem_.q;
-        std::array<double, n_remembered> merits;
-        merits.fill(merit(z, w));
-        double proximal = min_proximal;
+    LcpStatus run(int limit, Eigen::VectorXd& x, int& n_solves) {
+        Eigen::VectorXd F = box_.value(x), map = box_.natural_map(x, F);
+        std::array<double, n_remembered> norms;
+        norms.fill(map.norm());
+        double proximal = first_proximal;
         for (int count = 0; count < limit; ++count) {
-            if (natural_residual(problem_, z) <= tolerance_) return LcpStatus::solved;
+            if (map.cwiseAbs().maxCoeff() <= tolerance_) return LcpStatus::solved;
+            choose_states(x, F);
             ++n_solves;
-            Eigen::VectorXd step;
-            const bool found = find_step(z, w, proximal, step);
-            if (found && search(z, w, step, *std::max_element(merits.begin(), merits.end()))) {
-                merits[count % n_remembered] = merit(z, w);
-                proximal = std::max(min_proximal, 0.01 * proximal);
+            Eigen::VectorXd next;
+            const bool found = solve_in_states(x, proximal, next);
+            if (found && search(x, F, map, next - x, *std::ranges::max_element(norms))) {
+                norms[count % n_remembered] = map.norm();
+                proximal = std::max(min_proximal, 0.1 * proximal);
             } else if (proximal >= max_proximal) {
                 return found ? LcpStatus::stalled : LcpStatus::singular;
             } else {
                 proximal = std::min(max_proximal, 100 * std::max(proximal, 1e-8));
             }
         }
-        return natural_residual(problem_, z) <= tolerance_ ? LcpStatus::solved : LcpStatus::iteration_limit;
+        return map.cwiseAbs().maxCoeff() <= tolerance_ ? LcpStatus::solved : LcpStatus::iteration_limit;
     }
-
-    int n_solves = 0;
 
 private:
-    /// (M_AA + proximal I) d_A = M_AI z_I - w_A,  d_I = -z_I  with the active set A where z > w, and I the others.
-    bool find_step(const Eigen::VectorXd& z, const Eigen::VectorXd& w, double proximal, Eigen::VectorXd& step) {
-        std::vector<int> active;
-        step = -z;
-        for (int i = 0; i < z.size(); ++i)
-            if (z[i] > w[i]) active.push_back(i), step[i] = 0;
-        const Eigen::VectorXd proximal_term = Eigen::VectorXd::Constant(static_cast<int>(active.size()), proximal);
-        if (!system_.factorise(submatrix(problem_.M, active), proximal_term)) return false;
-        const Eigen::VectorXd target = -(problem_.M * step) - w;
-        step(active) = system_.solve(target(active));
-        return step.allFinite();
+    void choose_states(const Eigen::VectorXd& x, const Eigen::VectorXd& F) {
+        for (int i = 0; i < n_; ++i) {
+            const double b = box_.upper(i, x), target = x[i] - F[i];
+            states_[i] = target > b ? upper : target <= box_.lower(i, b) ? lower : free;
+            if (box_.unknowns[i].two_sided && target == -b) states_[i] = b > 0 ? free : lower;
+        }
     }
 
-    bool search(Eigen::VectorXd& z, Eigen::VectorXd& w, const Eigen::VectorXd& step, double reference) const {
-        const Eigen::VectorXd w_step = problem_.M * step;
+    /// The x of the chosen states: x = T y + c with the free unknowns y, for which R (M x + q) + proximal (y - y_old)
+    /// is zero.
+    bool solve_in_states(const Eigen::VectorXd& x, double proximal, Eigen::VectorXd& next) {
+        std::vector<int> free_unknowns, place(n_, -1);
+        for (int i = 0; i < n_; ++i)
+            if (states_[i] == free) place[i] = static_cast<int>(free_unknowns.size()), free_unknowns.push_back(i);
+        const int size = static_cast<int>(free_unknowns.size());
+        Eigen::VectorXd c = Eigen::VectorXd::Zero(n_);
+        std::vector<Eigen::Triplet<double>> of_T, of_R;
+        for (int i = 0; i < n_; ++i) {
+            const BoxUnknown& u = box_.unknowns[i];
+            if (states_[i] == free) of_T.emplace_back(i, place[i], 1.0);
+            if (states_[i] == free || (states_[i] == lower && !u.two_sided)) continue;
+            const double sign = states_[i];
+            c[i] = sign * u.upper;
+            if (u.bound_by < 0) continue;
+            if (states_[u.bound_by] == free) of_T.emplace_back(i, place[u.bound_by], sign * u.bound_factor);
+            if (states_[u.bound_by] == upper) c[i] += sign * u.bound_factor * box_.unknowns[u.bound_by].upper;
+        }
+        for (int k = 0; k < size; ++k) {
+            of_R.emplace_back(k, free_unknowns[k], 1.0);
+            for (const int t : box_.fed_by[free_unknowns[k]])  // |F_t| is F_t at the lower and -F_t at the upper bound
+                if (states_[t] != free) of_R.emplace_back(k, t, -states_[t] * box_.unknowns[t].feed_factor);
+        }
+        LcpMatrix T(n_, size), R(size, n_);
+        T.setFromTriplets(of_T.begin(), of_T.end());
+        R.setFromTriplets(of_R.begin(), of_R.end());
+        const LcpMatrix rows = R * box_.M;
+        if (!system_.factorise(rows * T, Eigen::VectorXd::Constant(size, proximal))) return false;
+        const Eigen::VectorXd residual = rows * c + R * box_.q;
+        next = T * system_.solve(proximal * x(free_unknowns) - residual) + c;
+        return next.allFinite();
+    }
+
+    bool search(Eigen::VectorXd& x, Eigen::VectorXd& F, Eigen::VectorXd& map, const Eigen::VectorXd& step,
+                double reference) const {
         double length = 1;
         for (int count = 0; count <= n_halvings; ++count, length *= 0.5) {
-            const Eigen::VectorXd next_z = z + length * step, next_w = w + length * w_step;
-            if (!(merit(next_z, next_w) <= (1 - 1e-3 * length) * reference)) continue;
-            z = next_z;
-            w = problem_.M * z + problem_.q;  // anew: the sum of increments would carry their rounding
+            const Eigen::VectorXd next = x + length * step, next_F = box_.value(next),
+                                  next_map = box_.natural_map(next, next_F);
+            if (!(next_map.norm() <= (1 - 1e-3 * length) * reference)) continue;
+            x = next, F = next_F, map = next_map;
             return true;
         }
         return false;
     }
 
-    const LcpProblem& problem_;
+    const BoxLcp& box_;
     double tolerance_;
+    int n_;
+    std::vector<State> states_;
     LinearSystem system_;
 };
 
 }  // namespace
 
+LcpStatus solve_box_by_newton(const BoxLcp& box, double tolerance, int limit, Eigen::VectorXd& x, int& count) {
+    if (box.size() == 0) return LcpStatus::solved;
+    return BoxNewton(box, tolerance).run(limit, x, count);
+}
+
+/// Newton on the whole problem, without presolve, from the result of a few Gauss-Seidel sweeps on its box form; where
+/// its diagonal does not permit sweeps, from intact bonds (x = upper).
 LcpSolution solve_by_newton(const LcpProblem& problem, const LcpOptions& options) {
-    const bool is_warm = options.start.size() == problem.size();
-    const ScaledLcp scaled = equilibrated(problem);
-    Newton newton(scaled.problem, options.tolerance);
-    Eigen::VectorXd start = is_warm ? scaled.scaled_z(options.start) : Eigen::VectorXd::Zero(problem.size()), z;
+    const BoxLcp whole = without_presolve(problem), box = presolve(problem);
+    const bool is_warm = options.start.size() == problem.size(), can_sweep = box.has_positive_diagonal();
+    Eigen::VectorXd start = box.box_start(options.start), x = whole.box_start(options.start);
+    for (int i = 0; !can_sweep && i < box.size(); ++i)
+        if (box.unknowns[i].is_capped()) start[i] = box.unknowns[i].upper;
     LcpStatus status = LcpStatus::stalled;
-    for (int attempt = 0, n_sweeps = first_sweeps; attempt < (options.exhaustive ? n_starts : 1);
+    int n_solves = 0;
+    for (int attempt = 0, n_sweeps = first_sweeps; attempt < (options.exhaustive && can_sweep ? n_starts : 1);
          ++attempt, n_sweeps *= 4) {
-        if (attempt > 0 || !is_warm)
-            start = solve_by_gauss_seidel(scaled.problem,
-                                          {.tolerance = options.tolerance, .max_iterations = n_sweeps, .start = start})
-                        .z;
-        z = start;
-        status = newton.run(options.max_iterations > 0 ? options.max_iterations : max_iterations, z);
+        if (attempt > 0 || !is_warm) {
+            if (can_sweep) sweep(box, start, n_sweeps);
+            x = whole.box_start(box.lcp_point(start));
+        }
+        status = solve_box_by_newton(whole, options.tolerance, options.limit(max_iterations), x, n_solves);
         if (status == LcpStatus::solved) break;
     }
-    return lcp_solution(problem, status, scaled.original_z(z), newton.n_solves);
+    return lcp_solution(problem, status, whole.lcp_point(x), n_solves);
 }
 
 }  // namespace knap

@@ -1,5 +1,7 @@
 #include "lcp/presolve.hpp"
 
+#include "lcp/linear_system.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -21,7 +23,7 @@ Entries few_entries(const Matrix& A, int k) {
     return entries;
 }
 
-/// Whether rows (or columns) i and j of the same pattern are opposite, apart from entry `ignored`.
+/// Whether rows (or columns) i and j have the same pattern and opposite entries, apart from entry `ignored`.
 template <class Matrix>
 bool are_opposite(const Matrix& A, int i, int j, int ignored) {
     double scale = 0, largest_sum = 0;
@@ -43,14 +45,23 @@ public:
     explicit Patterns(const LcpProblem& problem)
         : M_(problem.M), columns_(problem.M), q_(problem.q), role_(q_.size(), plain), unknown_of_(q_.size()) {
         for (int i = 0; i < q_.size(); ++i) unknown_of_[i] = {.row = i, .upper = infinity};
+    }
+
+    void recognise() {
         for (int k = 0; k < q_.size(); ++k) recognise(k);
         undo_chains();
     }
 
     std::vector<BoxUnknown> unknowns() const {
         std::vector<BoxUnknown> kept;
+        std::vector<int> place(q_.size(), -1);
         for (int i = 0; i < q_.size(); ++i)
-            if (role_[i] == plain || role_[i] == first) kept.push_back(unknown_of_[i]);
+            if (role_[i] == plain || role_[i] == first)
+                place[i] = static_cast<int>(kept.size()), kept.push_back(unknown_of_[i]);
+        for (BoxUnknown& u : kept) {
+            if (u.bound_by >= 0) u.bound_by = place[u.bound_by];
+            if (u.feeds >= 0) u.feeds = place[u.feeds];
+        }
         return kept;
     }
 
@@ -60,14 +71,14 @@ private:
     void recognise(int k) {
         const Entries row = few_entries(M_, k), column = few_entries(columns_, k);
         if (row.empty() || column.empty() || q_[k] < 0 || role_[k] != plain) return;
-        Entries down, up;
+        Entries negative, positive;
         for (const auto& [j, value] : row) {
             if (j == k) return;
-            (value < 0 ? down : up).emplace_back(j, value);
+            (value < 0 ? negative : positive).emplace_back(j, value);
         }
-        if (down.size() == 1 && up.empty()) recognise_cap(k, down[0].first, -down[0].second, column);
-        if (down.size() == 2 && up.size() <= 1 && equal(down[0].second, down[1].second))
-            recognise_pair(k, down[0].first, down[1].first, -down[0].second, up, column);
+        if (negative.size() == 1 && positive.empty()) recognise_cap(k, negative[0].first, -negative[0].second, column);
+        if (negative.size() == 2 && positive.size() <= 1 && equal(negative[0].second, negative[1].second))
+            recognise_pair(k, negative[0].first, negative[1].first, -negative[0].second, positive, column);
     }
 
     void recognise_cap(int k, int i, double a, const Entries& column) {
@@ -77,23 +88,20 @@ private:
         role_[k] = slack;
     }
 
-    void recognise_pair(int k, int i, int j, double a, const Entries& up, const Entries& column) {
+    void recognise_pair(int k, int i, int j, double a, const Entries& positive, const Entries& column) {
         if (role_[i] != plain || role_[j] != plain) return;
         BoxUnknown u{.row = i, .opposite = j, .slack = k, .two_sided = true, .upper = q_[k] / a};
         double factor_of_j = 0;
         int n_fed = 0;
         for (const auto& [row, value] : column)
-            if (row == i)
-                u.slack_factor = value;
-            else if (row == j)
-                factor_of_j = value;
-            else
-                u.feeds = row, u.feed_factor = value, ++n_fed;
+            if (row == i) u.slack_factor = value;
+            else if (row == j) factor_of_j = value;
+            else u.feeds = row, u.feed_factor = value, ++n_fed;
         if (!(u.slack_factor > 0) || !equal(u.slack_factor, factor_of_j) || n_fed > 1) return;
         if (std::abs(q_[i] + q_[j]) > rounding * std::abs(q_[i])) return;
         if (!are_opposite(M_, i, j, k) || !are_opposite(columns_, i, j, k)) return;
         u.feed_factor /= u.slack_factor;
-        if (!up.empty()) u.bound_by = up[0].first, u.bound_factor = up[0].second / a;
+        if (!positive.empty()) u.bound_by = positive[0].first, u.bound_factor = positive[0].second / a;
         unknown_of_[i] = u;
         role_[i] = first;
         role_[j] = second;
@@ -126,27 +134,34 @@ private:
     std::vector<BoxUnknown> unknown_of_;
 };
 
-/// D such that D M D of the kept rows has ones on the diagonal, or a largest entry of one where the diagonal is zero.
-/// Powers of two, which cause no rounding. `place`: index of a row in the box form, -1: eliminated.
-Eigen::VectorXd scaling_factors(const LcpMatrix& M, const std::vector<BoxUnknown>& unknowns,
-                                const std::vector<int>& place) {
-    const int n = static_cast<int>(unknowns.size());
-    Eigen::VectorXd factor = Eigen::VectorXd::Zero(n);
-    for (int i = 0; i < n; ++i)
-        if (const double diagonal = std::abs(M.coeff(unknowns[i].row, unknowns[i].row)); diagonal > 0)
-            factor[i] = std::exp2(-std::round(0.5 * std::log2(diagonal)));
-    for (int i = 0; i < n; ++i) {
-        if (factor[i] > 0) continue;
-        double largest = 0;
-        for (LcpMatrix::InnerIterator entry(M, unknowns[i].row); entry; ++entry)
-            if (const int j = place[entry.col()]; j >= 0)
-                largest = std::max(largest, std::abs(entry.value()) * (factor[j] > 0 ? factor[j] : 1.0));
-        factor[i] = largest > 0 ? std::exp2(-std::round(std::log2(largest))) : 1.0;
+BoxLcp box_form(const LcpProblem& problem, bool eliminates_bounds) {
+    Patterns patterns(problem);
+    if (eliminates_bounds) patterns.recognise();
+    BoxLcp box{.unknowns = patterns.unknowns(), .n_original = problem.size()};
+    std::vector<int> rows;
+    for (const BoxUnknown& u : box.unknowns) rows.push_back(u.row);
+    LcpProblem reduced{submatrix(problem.M, rows), problem.q(rows)};
+    box.scaling = equilibrate(reduced);
+    box.M.swap(reduced.M);
+    box.q.swap(reduced.q);
+    const auto& [factor, unit] = box.scaling;
+    box.fed_by.resize(rows.size());
+    for (int i = 0; i < box.size(); ++i) {
+        BoxUnknown& u = box.unknowns[i];
+        u.upper /= unit * factor[i];
+        if (u.bound_by >= 0) u.bound_factor *= factor[u.bound_by] / factor[i];
+        if (u.feeds < 0) continue;
+        u.feed_factor *= factor[u.feeds] / factor[i];
+        box.fed_by[u.feeds].push_back(i);
     }
-    return factor;
+    return box;
 }
 
 }  // namespace
+
+BoxLcp presolve(const LcpProblem& problem) { return box_form(problem, true); }
+
+BoxLcp without_presolve(const LcpProblem& problem) { return box_form(problem, false); }
 
 bool BoxLcp::has_positive_diagonal() const { return size() == 0 || Eigen::VectorXd(M.diagonal()).minCoeff() > 0; }
 
@@ -174,11 +189,9 @@ double BoxLcp::residual(const Eigen::VectorXd& x) const {
 Eigen::VectorXd BoxLcp::box_start(const Eigen::VectorXd& z) const {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(size());
     if (z.size() != n_original) return x;
-    for (int i = 0; i < size(); ++i) {
-        const BoxUnknown& u = unknowns[i];
-        x[i] = (z[u.row] - (u.two_sided ? z[u.opposite] : 0.0)) / (unit * factor[i]);
-    }
-    return x;
+    for (int i = 0; i < size(); ++i)
+        x[i] = z[unknowns[i].row] - (unknowns[i].two_sided ? z[unknowns[i].opposite] : 0.0);
+    return scaling.scaled_z(x);
 }
 
 Eigen::VectorXd BoxLcp::lcp_point(const Eigen::VectorXd& x) const {
@@ -186,54 +199,14 @@ Eigen::VectorXd BoxLcp::lcp_point(const Eigen::VectorXd& x) const {
     Eigen::VectorXd z = Eigen::VectorXd::Zero(n_original);
     for (int i = 0; i < size(); ++i) {
         const BoxUnknown& u = unknowns[i];
-        const double b = upper(i, x), rate = unit * F[i] / factor[i];
-        const double inside = unit * factor[i] * std::clamp(x[i], lower(i, b), b);
+        const double b = upper(i, x), rate = scaling.unit * F[i] / scaling.factor[i];
+        const double inside = scaling.unit * scaling.factor[i] * std::clamp(x[i], lower(i, b), b);
         z[u.row] = std::max(0.0, inside);
         if (u.two_sided) z[u.opposite] = std::max(0.0, -inside);
-        if (u.two_sided)
-            z[u.slack] = std::abs(rate) / u.slack_factor;
-        else if (u.slack >= 0)
-            z[u.slack] = x[i] - F[i] > b ? std::max(0.0, -rate) / u.slack_factor : 0.0;
+        if (u.two_sided) z[u.slack] = std::abs(rate) / u.slack_factor;
+        else if (u.slack >= 0) z[u.slack] = x[i] - F[i] > b ? std::max(0.0, -rate) / u.slack_factor : 0.0;
     }
     return z;
-}
-
-BoxLcp presolve(const LcpProblem& problem) {
-    BoxLcp box{.unknowns = Patterns(problem).unknowns(), .n_original = problem.size()};
-    const int n = static_cast<int>(box.unknowns.size());
-    std::vector<int> place(problem.size(), -1);
-    for (int i = 0; i < n; ++i) place[box.unknowns[i].row] = i;
-    box.factor = scaling_factors(problem.M, box.unknowns, place);
-    box.q.resize(n);
-    box.M.resize(n, n);
-    box.M.reserve(problem.M.nonZeros());
-    for (int i = 0; i < n; ++i) {
-        const int row = box.unknowns[i].row;
-        box.q[i] = box.factor[i] * problem.q[row];
-        box.M.startVec(i);
-        for (LcpMatrix::InnerIterator entry(problem.M, row); entry; ++entry)
-            if (const int j = place[entry.col()]; j >= 0)
-                box.M.insertBack(i, j) = box.factor[i] * box.factor[j] * entry.value();
-    }
-    box.M.finalize();
-    if (const double largest = n > 0 ? box.q.cwiseAbs().maxCoeff() : 0.0; largest > 0)
-        box.unit = std::exp2(std::round(std::log2(largest)));
-    box.q /= box.unit;
-    box.fed_by.resize(n);
-    for (int i = 0; i < n; ++i) {  // from rows of the LCP and its units to those of the box form
-        BoxUnknown& u = box.unknowns[i];
-        u.upper /= box.unit * box.factor[i];
-        if (u.bound_by >= 0) {
-            u.bound_by = place[u.bound_by];
-            u.bound_factor *= box.factor[u.bound_by] / box.factor[i];
-        }
-        if (u.feeds >= 0) {
-            u.feeds = place[u.feeds];
-            u.feed_factor *= box.factor[u.feeds] / box.factor[i];
-            box.fed_by[u.feeds].push_back(i);
-        }
-    }
-    return box;
 }
 
 }  // namespace knap

@@ -1,13 +1,13 @@
 #pragma once
 // Presolve: the box form of an LCP. Rows that only state bounds are eliminated together with their multipliers. Two
-// patterns are recognised; k is a row without diagonal:
+// patterns are recognised; k is a row without diagonal entry:
 //   cap        w_k = q_k - a z_i,  w_i = F_i + c z_k                                0 <= x <= q_k / a,  x = z_i
 //   two-sided  w_k = q_k + e z_l - a (z_i + z_j),  w_i = F + c z_k,  w_j = -F + c z_k
 //              -b <= x <= b,  a b = q_k + e x_l,  x = z_i - z_j
-// In the second, rows and columns i, j are opposite. There z_k = |F| / c, and z_k may feed one more row r: F_r + f |F|.
-// Where b = 0 the LCP bounds z_k from below only; this choice excludes spurious bond breaking (spurious_breaking.hpp).
-// Every other unknown keeps 0 <= x, so every LCP has a box form. It is scaled to a diagonal and a q of order one.
-#include "lcp/problem.hpp"
+// In the second pattern rows and columns i, j are opposite, z_k = |F| / c, and z_k may feed one more row r: F_r + f
+// |F|. Where b = 0 the LCP bounds z_k from below only; z_k = |F| / c excludes spurious bond breaking
+// (spurious_breaking.hpp). Every other unknown keeps 0 <= x, so every LCP has a box form.
+#include "lcp/scaling.hpp"
 
 #include <vector>
 
@@ -17,23 +17,22 @@ struct BoxUnknown {
     int row = -1, opposite = -1, slack = -1;  // i, j, k of the LCP; -1: none
     bool two_sided = false;
     double upper = 0;         // cap, or the constant part of b; infinite: none
-    int bound_by = -1;        // l, as an index of the box form
+    int bound_by = -1;        // l, as an index of the box form; -1: none
     double bound_factor = 0;  // e / a
-    int feeds = -1;           // r, as an index of the box form
+    int feeds = -1;           // r, as an index of the box form; -1: none
     double feed_factor = 0;   // f
-    double slack_factor = 0;  // c, unscaled
+    double slack_factor = 0;  // c of the LCP; all other numbers are scaled
 
     bool is_capped() const { return slack >= 0 && !two_sided; }
 };
 
 struct BoxLcp {
-    LcpMatrix M;        // [n, n] scaled
-    Eigen::VectorXd q;  // [n] scaled
-    std::vector<BoxUnknown> unknowns;
-    std::vector<std::vector<int>> fed_by;  // of each unknown: those that feed its row
-    Eigen::VectorXd factor;                // z = unit factor x, w = unit F / factor
-    double unit = 1;
-    int n_original = 0;
+    LcpMatrix M;                           // [n, n] equilibrated
+    Eigen::VectorXd q;                     // [n] equilibrated
+    std::vector<BoxUnknown> unknowns;      // [n]
+    std::vector<std::vector<int>> fed_by;  // [n] the unknowns that feed each row
+    LcpScaling scaling;                    // z = unit factor x, w = unit F / factor
+    int n_original = 0;                    // unknowns of the LCP
 
     int size() const { return static_cast<int>(q.size()); }
     double upper(int i, const Eigen::VectorXd& x) const {
@@ -49,7 +48,7 @@ struct BoxLcp {
     /// x - projection of x - F on the bounds at x; zero at solutions.
     Eigen::VectorXd natural_map(const Eigen::VectorXd& x, const Eigen::VectorXd& F) const;
 
-    /// Largest entry of the natural map; infinite where x is not finite.
+    /// The largest entry of the natural map; infinite where x is not finite.
     double residual(const Eigen::VectorXd& x) const;
 
     /// x of a solution z of the LCP; zero where z has another size (no warm start).
@@ -60,5 +59,8 @@ struct BoxLcp {
 };
 
 BoxLcp presolve(const LcpProblem& problem);
+
+/// The box form in which nothing is eliminated: 0 <= x for every unknown.
+BoxLcp without_presolve(const LcpProblem& problem);
 
 }  // namespace knap

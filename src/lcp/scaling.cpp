@@ -11,7 +11,7 @@ namespace {
 constexpr int max_sweeps = 30;    // each takes the square root of the remaining factor
 constexpr double near_one = 1.5;  // largest entries between its inverse and itself are accepted
 
-/// Largest |entry| in each row and column of D M D, 0 where there is none.
+/// The largest |entry| of D M D in each row or column of that number; 0 where there is none.
 Eigen::VectorXd largest_entries(const LcpMatrix& M, const Eigen::VectorXd& factor) {
     Eigen::VectorXd largest = Eigen::VectorXd::Zero(M.rows());
     for (int i = 0; i < M.outerSize(); ++i)
@@ -23,29 +23,30 @@ Eigen::VectorXd largest_entries(const LcpMatrix& M, const Eigen::VectorXd& facto
     return largest;
 }
 
-/// The power nearest in ratio to x > 0.
+/// The power of two nearest in ratio to x > 0.
 double power_of_two(double x) {
     int exponent;
     const double mantissa = std::frexp(x, &exponent);  // 1/2 <= mantissa < 1
     return std::ldexp(1.0, mantissa < std::numbers::sqrt2 / 2 ? exponent - 1 : exponent);
 }
 
-/// Powers of two, which cause no rounding.
 Eigen::VectorXd factors(const LcpMatrix& M) {
     const Eigen::VectorXd diagonal = M.diagonal();
     Eigen::VectorXd factor = diagonal.unaryExpr([](double d) { return d != 0 ? 1 / std::sqrt(std::abs(d)) : 1.0; });
-    for (int sweep = 0; sweep < max_sweeps; ++sweep) {
-        const Eigen::VectorXd largest = largest_entries(M, factor);
-        bool changed = false;
+    bool changed = (diagonal.array() == 0).any();
+    LcpMatrix of_bounds;  // the entries of rows and columns without a diagonal entry
+    if (changed) of_bounds = M;
+    of_bounds.prune([&](int row, int column, double) { return diagonal[row] == 0 || diagonal[column] == 0; });
+    for (int sweep = 0; changed && sweep < max_sweeps; ++sweep) {
+        const Eigen::VectorXd largest = largest_entries(of_bounds, factor);
+        changed = false;
         for (int i = 0; i < M.rows(); ++i) {
             if (diagonal[i] != 0 || largest[i] == 0 || (largest[i] <= near_one && largest[i] >= 1 / near_one)) continue;
             factor[i] /= std::sqrt(largest[i]);
             changed = true;
         }
-        if (!changed) break;
     }
-    const Eigen::VectorXd largest =
-        largest_entries(M, factor);  // an entry a of rows with largest a or more becomes 1 or less
+    const Eigen::VectorXd largest = largest_entries(M, factor);
     for (int i = 0; i < M.rows(); ++i)
         if (largest[i] > near_one) factor[i] /= std::sqrt(largest[i]);
     return factor.unaryExpr(&power_of_two);
@@ -53,16 +54,16 @@ Eigen::VectorXd factors(const LcpMatrix& M) {
 
 }  // namespace
 
-ScaledLcp equilibrated(const LcpProblem& problem) {
-    ScaledLcp scaled{.problem = problem, .factor = factors(problem.M), .unit = 1};
+LcpScaling equilibrate(LcpProblem& problem) {
+    LcpScaling scaling{.factor = factors(problem.M)};
     for (int i = 0; i < problem.M.outerSize(); ++i)
-        for (LcpMatrix::InnerIterator entry(scaled.problem.M, i); entry; ++entry)
-            entry.valueRef() *= scaled.factor[i] * scaled.factor[entry.col()];
-    scaled.problem.q = scaled.factor.cwiseProduct(problem.q);
-    const double largest = problem.size() > 0 ? scaled.problem.q.cwiseAbs().maxCoeff() : 0.0;
-    if (largest > 0) scaled.unit = power_of_two(largest);
-    scaled.problem.q /= scaled.unit;
-    return scaled;
+        for (LcpMatrix::InnerIterator entry(problem.M, i); entry; ++entry)
+            entry.valueRef() *= scaling.factor[i] * scaling.factor[entry.col()];
+    problem.q.array() *= scaling.factor.array();
+    const double largest = problem.size() > 0 ? problem.q.cwiseAbs().maxCoeff() : 0.0;
+    if (largest > 0) scaling.unit = power_of_two(largest);
+    problem.q /= scaling.unit;
+    return scaling;
 }
 
 double natural_residual(const LcpProblem& problem, const Eigen::VectorXd& z) {
@@ -73,8 +74,8 @@ double natural_residual(const LcpProblem& problem, const Eigen::VectorXd& z) {
 
 double scaled_residual(const LcpProblem& problem, const Eigen::VectorXd& z) {
     if (z.size() != problem.q.size()) return std::numeric_limits<double>::infinity();
-    const ScaledLcp scaled = equilibrated(problem);
-    return natural_residual(scaled.problem, scaled.scaled_z(z));
+    LcpProblem scaled = problem;
+    return natural_residual(scaled, equilibrate(scaled).scaled_z(z));
 }
 
 }  // namespace knap

@@ -1,18 +1,17 @@
 #pragma once
-// Symmetric equilibration, and the residual by which every answer is judged. D M D has entries of order one, q / unit
-// too. With z = unit D z' and w = unit D^-1 w' the scaled problem is the same complementarity problem: z' . w' is z . w
-// up to one factor, and a semidefinite M stays semidefinite.
-//     rows with a diagonal       |D M D| = 1 on it: this fixes what z' = 1 means
-//     rows without one           bounds and their multipliers: the largest coupling is 1 (Ruiz, RAL-TR-2001-034)
-// The diagonal comes first: the size of the entries alone leaves an impulse and its bound (r_T and chi, p_T and zeta) a
-// common factor, (x, 1/x), which in a short step can hide the rate of the point beside the bound. Where a matrix is not
-// monotone, a diagonal can be small beside its row; such a row is scaled by its largest entry.
+// Symmetric equilibration, and the residual that judges every answer. D M D and q / unit have entries of order one.
+// With z = unit D z' and w = unit D^-1 w' the scaled problem is the same complementarity problem, and a semidefinite M
+// stays semidefinite. The factors are powers of two, which cause no rounding.
+//     rows with a diagonal entry     |D M D| = 1 there
+//     rows without one (bounds)      the largest coupling is 1 (Ruiz, RAL-TR-2001-034)
+// The diagonal is scaled first because the sizes of the entries alone leave a common factor (x, 1/x) to an impulse and
+// its bound (r_T and chi, p_T and zeta), which in a short step can hide the rate of a point. Where a diagonal entry is
+// small compared with its row (M not monotone), the largest entry of the row scales it.
 #include "lcp/problem.hpp"
 
 namespace knap {
 
-struct ScaledLcp {
-    LcpProblem problem;
+struct LcpScaling {
     Eigen::VectorXd factor;  // diagonal of D
     double unit = 1;
 
@@ -20,12 +19,13 @@ struct ScaledLcp {
     Eigen::VectorXd scaled_z(const Eigen::VectorXd& z) const { return z.cwiseQuotient(factor) / unit; }
 };
 
-ScaledLcp equilibrated(const LcpProblem& problem);
+/// Scales the problem in place.
+LcpScaling equilibrate(LcpProblem& problem);
 
 /// max |min(z, M z + q)|; 0 for the empty problem, infinite where z is not finite or of the wrong size.
 double natural_residual(const LcpProblem& problem, const Eigen::VectorXd& z);
 
-/// The same of the equilibrated problem: independent of units and of what a solver reports.
+/// The natural residual of the equilibrated problem, which depends neither on units nor on what a solver reports.
 double scaled_residual(const LcpProblem& problem, const Eigen::VectorXd& z);
 
 inline constexpr double max_scaled_residual = 1e-10;  // of an answer that counts as a solution

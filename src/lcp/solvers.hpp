@@ -1,5 +1,6 @@
 #pragma once
-// All solvers, one a file, with one signature, and the table from which `knap lcp`, its help and its tests read them.
+// All solvers with one signature, each in a file of its name, and the table from which `knap lcp`, its help and its
+// tests read them.
 #include "lcp/problem.hpp"
 
 #include <span>
@@ -22,9 +23,9 @@ inline constexpr int max_dense_unknowns = 3000;  // of a tableau, or of a factor
 
 struct LcpSolver {
     std::string_view name, description;
-    bool uses_start;               // whether a warm start changes anything
+    bool uses_start;               // whether a warm start has an effect
     int max_unknowns;              // up to which it takes minutes at most; beyond, it runs only by its name
-    std::string_view requirement;  // of problems to which it is applicable; empty: none
+    std::string_view requirement;  // of the problems to which it is applicable; empty: none
     LcpSolution (*solve)(const LcpProblem&, const LcpOptions&);
 };
 

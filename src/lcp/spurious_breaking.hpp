@@ -1,9 +1,8 @@
 #pragma once
 // Spurious bond breaking, an unphysical solution of problems with tangential cohesion: chi stands for |u_T| but is
 // bounded from below only, so where a bond vanishes a large chi can pay for its breaking, with a residual of exactly
-// zero. Only for problems whose unknowns are
-//   [ S A (m) | S beta (m) | p_N (c) | p_T+, p_T- by point (2c) | theta zeta (c) | r_T+, r_T- by point (2m) | chi (m)
-//   ].
+// zero. Only for problems with the unknowns (m cohesive points, c contacts)
+//   [ S A (m) | S beta (m) | p_N (c) | p_T+, p_T- by point (2c) | theta zeta (c) | r_T+, r_T- by point (2m) | chi (m) ]
 #include "lcp/problem.hpp"
 
 #include <optional>
@@ -13,9 +12,10 @@ namespace knap {
 struct CohesiveLayout {
     int n_cohesive = 0, n_contacts = 0;  // m and c: n = 5 m + 4 c
 
-    int first_beta() const { return n_cohesive; }
-    int first_tangential() const { return 2 * n_cohesive + 4 * n_contacts; }  // r_T+ of the first point, then its r_T-
-    int first_chi() const { return 4 * n_cohesive + 4 * n_contacts; }
+    int beta(int i) const { return n_cohesive + i; }
+    int first_tangential() const { return 2 * n_cohesive + 4 * n_contacts; }
+    int tangential(int i) const { return first_tangential() + 2 * i; }  // r_T+ of a point; its r_T- is the next one
+    int chi(int i) const { return 4 * n_cohesive + 4 * n_contacts + i; }
 };
 
 /// The layout, where the pattern of zeros of M is that of such a problem with at least one cohesive point.

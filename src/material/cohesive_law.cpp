@@ -5,7 +5,9 @@
 
 namespace knap {
 
-double CohesiveLaw::equivalent_opening(double u_N, double u_T) const { return std::max(u_N, 0.0) + gamma * std::abs(u_T); }
+double CohesiveLaw::equivalent_opening(double u_N, double u_T) const {
+    return std::max(u_N, 0.0) + gamma * std::abs(u_T);
+}
 
 double CohesiveLaw::next_cohesion(double cohesion, double u_N, double u_T) const {
     // 0 <= A  perp  -d beta/dt >= 0,  A = sigma_c delta_c (1 - beta) - sigma_c s + xi,  0 <= xi perp beta >= 0

@@ -21,8 +21,8 @@ struct CohesiveLaw {
 
     /// [m] -ds/d beta on the softening branch at this cohesion.
     double softening_length(double /*cohesion*/) const { return delta_c(); }
-    /// [-] Newton's e in a step that begins with this cohesion. Restitution is for faces that meet: cohesion would pull a damaged point that is
-    /// thrown back into the other side by the whole of its approach.
+    /// [-] Newton's e in a step that begins with this cohesion. Restitution is for faces that meet: cohesion would pull
+    /// a damaged point that is thrown back into the other side by the whole of its approach.
     double restitution_at(double cohesion) const { return cohesion > 0 ? 0 : restitution; }
     /// Equivalent opening s [m]; penetration does not count.
     double equivalent_opening(double u_N, double u_T) const;

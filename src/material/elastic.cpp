@@ -10,7 +10,9 @@ double Elastic::first_lame(PlaneModel model) const {
 
 double Elastic::plane_modulus(PlaneModel model) const { return model == PlaneModel::strain ? E / (1 - nu * nu) : E; }
 
-double Elastic::dilatational_speed(PlaneModel model) const { return std::sqrt((first_lame(model) + 2 * shear_modulus()) / density); }
+double Elastic::dilatational_speed(PlaneModel model) const {
+    return std::sqrt((first_lame(model) + 2 * shear_modulus()) / density);
+}
 
 double Elastic::shear_speed() const { return std::sqrt(shear_modulus() / density); }
 

@@ -13,10 +13,10 @@ struct Elastic {
 
     double shear_modulus() const { return E / (2 * (1 + nu)); }  // [Pa]
     double first_lame(PlaneModel model) const;                   // [Pa] lambda of the plane law
-    double plane_modulus(PlaneModel model) const;                // [Pa] E' = E/(1-nu^2) in plane strain, E in plane stress
-    double dilatational_speed(PlaneModel model) const;           // [m/s] c_d
-    double shear_speed() const;                                  // [m/s] c_s
-    double rayleigh_speed(PlaneModel model) const;               // [m/s] c_R, root of the Rayleigh function
+    double plane_modulus(PlaneModel model) const;       // [Pa] E' = E/(1-nu^2) in plane strain, E in plane stress
+    double dilatational_speed(PlaneModel model) const;  // [m/s] c_d
+    double shear_speed() const;                         // [m/s] c_s
+    double rayleigh_speed(PlaneModel model) const;      // [m/s] c_R, root of the Rayleigh function
 
     /// Stress (xx, yy, xy) = D * strain (xx, yy, 2 xy).  [Pa]
     Eigen::Matrix3d stiffness(PlaneModel model) const;

@@ -1,7 +1,7 @@
-// The largest smallest slack over all self-stresses, against all supports of its dual: min sum lambda_i value_i over lambda >= 0 with
-// sum lambda = 1 and sum lambda gradient = 0, which has a solution with at most three positive lambda.
-#include "base/random.hpp"
+// The largest smallest slack over all self-stresses, against all supports of its dual: min sum lambda_i value_i over
+// lambda >= 0 with sum lambda = 1 and sum lambda gradient = 0, which has a solution with at most three positive lambda.
 #include "interface/self_stress.hpp"
+#include "base/random.hpp"
 
 #include <doctest/doctest.h>
 
@@ -19,7 +19,8 @@ double best_slack(const std::vector<HalfPlane>& planes) {
         for (std::size_t j = i + 1; j < n; ++j) {
             const Vec2 &a = planes[i].gradient, &b = planes[j].gradient;
             if (std::abs(cross(a, b)) <= 1e-13 * a.norm() * b.norm() && a.dot(b) < 0)
-                best = std::min(best, (planes[i].value * b.norm() + planes[j].value * a.norm()) / (a.norm() + b.norm()));
+                best =
+                    std::min(best, (planes[i].value * b.norm() + planes[j].value * a.norm()) / (a.norm() + b.norm()));
             for (std::size_t k = j + 1; k < n; ++k) {
                 const Vec2& c = planes[k].gradient;
                 double u = cross(b, c), v = cross(c, a), w = cross(a, b);
@@ -68,7 +69,8 @@ TEST_CASE("the self-stress climbs to the largest smallest slack") {
 
 TEST_CASE("the half planes that bind are the mechanism") {
     // pulled apart along x: no self-stress helps, and exactly the two that oppose each other bind
-    const std::vector<HalfPlane> planes = {{-1, {1, 0}, 0, 0}, {-2, {-1, 0}, 1, 0}, {5, {0, 1}, 2, 0}, {5, {0, -1}, 3, 0}};
+    const std::vector<HalfPlane> planes = {
+        {-1, {1, 0}, 0, 0}, {-2, {-1, 0}, 1, 0}, {5, {0, 1}, 2, 0}, {5, {0, -1}, 3, 0}};
     const SelfStress found = find_self_stress(planes, Vec2(0.3, 0.1));
     CHECK(found.slack == doctest::Approx(-1.5));
     REQUIRE(found.n_binding == 2);

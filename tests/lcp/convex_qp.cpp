@@ -55,7 +55,8 @@ TEST_CASE("convex QP solves box problems of any rank as Lemke does") {
         const int n = 1 + count % 20, rank = count % 2 ? n : (n + 1) / 2;
         const Eigen::MatrixXd H = Eigen::MatrixXd::NullaryExpr(n, rank, [&] { return random.uniform(-1, 1); });
         const Eigen::VectorXd q = Eigen::VectorXd::NullaryExpr(n, [&] { return random.uniform(-1, 1); });
-        const Eigen::VectorXd cap = Eigen::VectorXd::NullaryExpr(n, [&] { return count % 3 ? random.uniform(0, 1) : 0.5; });
+        const Eigen::VectorXd cap =
+            Eigen::VectorXd::NullaryExpr(n, [&] { return count % 3 ? random.uniform(0, 1) : 0.5; });
         const LcpProblem problem = capped(H * H.transpose(), q, cap);
         const LcpSolution solution = solve_by_convex_qp(problem), other = solve_by_lemke(problem);
         CAPTURE(count);

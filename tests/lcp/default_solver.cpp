@@ -16,12 +16,15 @@ using knap::tests::CohesiveScene;
 
 namespace {
 
-LcpProblem stored(const std::string& name) { return read_lcp(std::string(KNAP_SOURCE_DIR) + "/tests/lcp/data/" + name); }
+LcpProblem stored(const std::string& name) {
+    return read_lcp(std::string(KNAP_SOURCE_DIR) + "/tests/lcp/data/" + name);
+}
 
 void check_solved(const LcpProblem& problem, const LcpSolution& solution) {
     CHECK(solution.status == LcpStatus::solved);
     CHECK(scaled_residual(problem, solution.z) <= max_scaled_residual);
-    if (const auto layout = cohesive_layout(problem)) CHECK(spurious_breaking(problem, solution.z, *layout).n_spurious == 0);
+    if (const auto layout = cohesive_layout(problem))
+        CHECK(spurious_breaking(problem, solution.z, *layout).n_spurious == 0);
 }
 
 }  // namespace
@@ -55,7 +58,8 @@ TEST_CASE("what is no bound stays in the box form") {
             if (row == 0 && column == 0) continue;
             Eigen::MatrixXd other = M;
             other(row, column) += 0.25;
-            const bool still = (row == 3 && column == 0) || (row == 0 && column == 3);  // another friction, or the slack feeds the contact
+            const bool still = (row == 3 && column == 0) ||
+                               (row == 0 && column == 3);  // another friction, or the slack feeds the contact
             CAPTURE(row);
             CAPTURE(column);
             CHECK(presolve(lcp_problem(other, q)).size() == (still ? 2 : 4));
@@ -70,7 +74,8 @@ TEST_CASE("large redundant problems are solved without spurious bond breaking") 
         CohesiveScene scene;
         int least;
     };
-    for (const Size& size : {Size{{.n_x = 8, .n_y = 8}, 3000}, Size{{.n_x = 14, .n_y = 14}, 10000}, Size{{.n_x = 8, .n_y = 8, .step = 4, .theta = 0.5}, 3000}}) {
+    for (const Size& size : {Size{{.n_x = 8, .n_y = 8}, 3000}, Size{{.n_x = 14, .n_y = 14}, 10000},
+                             Size{{.n_x = 8, .n_y = 8, .step = 4, .theta = 0.5}, 3000}}) {
         CohesiveBody body(size.scene);
         Eigen::VectorXd start;
         for (int step = 0; step < 3; ++step) {
@@ -107,7 +112,15 @@ TEST_CASE("steps beyond Assumption 1 are solved") {
                 CAPTURE(stiffness);
                 CAPTURE(step);
                 CAPTURE(stretch);
-                const CohesiveBody body({.n_x = 3, .n_y = 2, .step = step, .theta = 0.5, .stiffness = stiffness, .stretch = stretch, .shear = 0, .notch = 0, .noise = 0.01});
+                const CohesiveBody body({.n_x = 3,
+                                         .n_y = 2,
+                                         .step = step,
+                                         .theta = 0.5,
+                                         .stiffness = stiffness,
+                                         .stretch = stretch,
+                                         .shear = 0,
+                                         .notch = 0,
+                                         .noise = 0.01});
                 const LcpProblem problem = body.problem();
                 const Eigen::VectorXd curvature = problem.M.diagonal().segment(body.n_points(), body.n_points());
                 n_beyond += curvature.minCoeff() < 0;

@@ -31,7 +31,7 @@ TEST_CASE("Lemke solves positive definite and rank-deficient problems with ties"
         const int n = 1 + static_cast<int>(random.uniform(0, 30)), rank = count % 2 ? n : (n + 1) / 2;
         const Eigen::MatrixXd H = random_matrix(random, n, rank);
         const Eigen::MatrixXd M = H * H.transpose();
-        Eigen::VectorXd q = H * random_matrix(random, rank, 1);  // in the range of H: solvable
+        Eigen::VectorXd q = H * random_matrix(random, rank, 1);                 // in the range of H: solvable
         if (count % 5 == 0) q = -H * H.transpose() * Eigen::VectorXd::Ones(n);  // many solutions, ties
         const Eigen::VectorXd z = solved(M, q);
         REQUIRE(z.size() == n);

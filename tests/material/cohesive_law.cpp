@@ -1,6 +1,6 @@
 // Psi is the potential of the cohesive tractions and of the driving force A of the damage.
-#include "base/random.hpp"
 #include "material/cohesive_law.hpp"
+#include "base/random.hpp"
 
 #include <doctest/doctest.h>
 
@@ -16,14 +16,19 @@ TEST_CASE("tractions and driving force are the derivatives of the surface energy
     Random random(1, "law");
     const double step = 1e-5;
     for (int i = 0; i < 200; ++i) {
-        const double u_N = random.uniform(0.01, 2), u_T = random.uniform(0.01, 2) * (random.uniform() < 0.5 ? -1 : 1), beta = random.uniform(0.01, 0.99);
-        const double by_N = (law.surface_energy(beta, u_N + step, u_T) - law.surface_energy(beta, u_N - step, u_T)) / (2 * step);
-        const double by_T = (law.surface_energy(beta, u_N, u_T + step) - law.surface_energy(beta, u_N, u_T - step)) / (2 * step);
-        const double by_beta = (law.surface_energy(beta + step, u_N, u_T) - law.surface_energy(beta - step, u_N, u_T)) / (2 * step);
+        const double u_N = random.uniform(0.01, 2), u_T = random.uniform(0.01, 2) * (random.uniform() < 0.5 ? -1 : 1),
+                     beta = random.uniform(0.01, 0.99);
+        const double by_N =
+            (law.surface_energy(beta, u_N + step, u_T) - law.surface_energy(beta, u_N - step, u_T)) / (2 * step);
+        const double by_T =
+            (law.surface_energy(beta, u_N, u_T + step) - law.surface_energy(beta, u_N, u_T - step)) / (2 * step);
+        const double by_beta =
+            (law.surface_energy(beta + step, u_N, u_T) - law.surface_energy(beta - step, u_N, u_T)) / (2 * step);
         CHECK(by_N == doctest::Approx(beta * law.sigma_c).epsilon(1e-8));
         CHECK(by_T == doctest::Approx(std::copysign(law.gamma * beta * law.sigma_c, u_T)).epsilon(1e-8));
         const double s = u_N + law.gamma * std::abs(u_T);
-        CHECK(-by_beta == doctest::Approx(law.sigma_c * law.delta_c() * (1 - beta) - law.sigma_c * s).scale(1).epsilon(1e-8));
+        CHECK(-by_beta ==
+              doctest::Approx(law.sigma_c * law.delta_c() * (1 - beta) - law.sigma_c * s).scale(1).epsilon(1e-8));
     }
 }
 
@@ -35,7 +40,8 @@ TEST_CASE("the cohesion that follows minimises the surface energy and never grow
         CHECK(next >= 0);
         CHECK(next <= beta);
         const double least = law.surface_energy(next, u_N, u_T);
-        for (double other = 0; other <= beta; other += 0.01) CHECK(law.surface_energy(other, u_N, u_T) >= least - 1e-12);
+        for (double other = 0; other <= beta; other += 0.01)
+            CHECK(law.surface_energy(other, u_N, u_T) >= least - 1e-12);
     }
 }
 

@@ -27,7 +27,8 @@ TEST_CASE("the Rayleigh speed is the root of its polynomial for every Poisson ra
             const Elastic material{.density = 1, .E = 1, .nu = nu};
             const double k = std::pow(material.shear_speed() / material.dilatational_speed(plane), 2);
             const double x = std::pow(material.rayleigh_speed(plane) / material.shear_speed(), 2);
-            CHECK(x * x * x - 8 * x * x + (24 - 16 * k) * x - 16 * (1 - k) == doctest::Approx(0).scale(16).epsilon(1e-12));
+            CHECK(x * x * x - 8 * x * x + (24 - 16 * k) * x - 16 * (1 - k) ==
+                  doctest::Approx(0).scale(16).epsilon(1e-12));
             CHECK((x > 0.7 && x < 1));
         }
 }
@@ -42,16 +43,19 @@ TEST_CASE("plane stress and plane strain are Hooke's law with the third directio
     CHECK(bar[0] == doctest::Approx(E * strain).epsilon(1e-14));
     CHECK(bar[1] == doctest::Approx(0).scale(E * strain).epsilon(1e-14));
     CHECK(glass.plane_modulus(PlaneModel::stress) == E);
-    // plane strain: sigma_z = nu sigma_x holds the thickness, so that strain_y = -nu/(1 - nu) strain_x and E' = E/(1 - nu^2)
+    // plane strain: sigma_z = nu sigma_x holds the thickness, so that strain_y = -nu/(1 - nu) strain_x and E' = E/(1 -
+    // nu^2)
     const Eigen::Vector3d held = stress_under(PlaneModel::strain, strain, -nu / (1 - nu) * strain, 0);
     CHECK(held[0] == doctest::Approx(glass.plane_modulus(PlaneModel::strain) * strain).epsilon(1e-14));
     CHECK(held[1] == doctest::Approx(0).scale(E * strain).epsilon(1e-14));
     for (const PlaneModel plane : {PlaneModel::stress, PlaneModel::strain}) {
         CHECK(stress_under(plane, 0, 0, strain)[2] == doctest::Approx(E / (2 * (1 + nu)) * strain).epsilon(1e-14));
         // isotropy: turning strain and stress by 45 degrees
-        const Eigen::Vector3d turned = stress_under(plane, 0.5 * strain, 0.5 * strain, strain), straight = stress_under(plane, strain, 0, 0);
+        const Eigen::Vector3d turned = stress_under(plane, 0.5 * strain, 0.5 * strain, strain),
+                              straight = stress_under(plane, strain, 0, 0);
         CHECK(turned[0] + turned[1] == doctest::Approx(straight[0] + straight[1]).epsilon(1e-14));
         CHECK(2 * turned[2] == doctest::Approx(straight[0] - straight[1]).epsilon(1e-14));
-        CHECK(glass.dilatational_speed(plane) == doctest::Approx(std::sqrt(glass.stiffness(plane)(0, 0) / glass.density)).epsilon(1e-14));
+        CHECK(glass.dilatational_speed(plane) ==
+              doctest::Approx(std::sqrt(glass.stiffness(plane)(0, 0) / glass.density)).epsilon(1e-14));
     }
 }

@@ -247,7 +247,7 @@ FanSolution VertexScheme::solve_assembled(Index f, const State& begin, Workspace
     for (Index i = 0; i < fan.n_points; ++i) {
         const double strength = work.problem.links[i].cohesive;
         if (strength == 0) continue;
-        work.cohesion.push_back({.link = i, .law = &model_.laws[model_.fan_points[fan.first_point + i].law], .begin = cohesion_before(f, i, begin), .strength = strength});
+        work.cohesion.push_back({.link = i, .law = &model_.laws[model_.fan_points[fan.first_point + i].law], .start = cohesion_before(f, i, begin), .strength = strength});
     }
     return solve_softening(work.problem, work.solver, work.cohesion, options_.theta);
 }

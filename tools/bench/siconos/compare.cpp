@@ -1,5 +1,6 @@
-// Our solvers and those of Siconos on the same problems in the same run, in processor time of one core. Every answer is judged by our
-// scaled residual and by the check against spurious bond breaking. Arguments: stems of stored problems; without any, generated ones.
+// Our solvers and those of Siconos on the same problems in the same run, in processor time of one core. Every answer is
+// judged by our scaled residual and by the check against spurious bond breaking. Arguments: stems of stored problems;
+// without any, generated ones.
 #include "peer.hpp"
 
 #include "base/stopwatch.hpp"
@@ -22,7 +23,8 @@ using namespace knap;
 
 namespace {
 
-constexpr double nearly = 1e-8;  // their tolerance counts in the units of the problem: who stops a little early is not slower for it
+constexpr double nearly =
+    1e-8;  // their tolerance counts in the units of the problem: who stops a little early is not slower for it
 constexpr double least_time = 0.02;  // [s] of repetitions of one measurement; the shortest counts
 constexpr int largest_pivoted = 3500;
 
@@ -45,7 +47,8 @@ Measured measured(const LcpProblem& problem, const std::optional<CohesiveLayout>
     Measured result{.seconds = outcome.seconds};
     const double residual = scaled_residual(problem, outcome.z);
     if (!(residual <= max_scaled_residual)) result.verdict = residual <= nearly ? '~' : 'x';
-    if (result.counts() && layout && spurious_breaking(problem, outcome.z, *layout).n_spurious > 0) result.verdict = 'f';
+    if (result.counts() && layout && spurious_breaking(problem, outcome.z, *layout).n_spurious > 0)
+        result.verdict = 'f';
     for (double total = outcome.seconds; total < least_time; total += outcome.seconds) {
         outcome = solve();
         result.seconds = std::min(result.seconds, outcome.seconds);
@@ -69,8 +72,8 @@ std::string ratio(const Measured& theirs, const Measured& mine) {
 
 void print_head() {
     std::printf("processor time [ms]; ~ solved to 1e-8, x not, f bonds break spuriously, - not tried\n");
-    std::printf("%-22s %6s | %11s %11s %11s | %11s %11s | %8s %8s\n", "problem", "n", "S. Lemke", "S. Newton", "S. block GS", "Lemke",
-                "default", "Lemke x", "GS x");
+    std::printf("%-22s %6s | %11s %11s %11s | %11s %11s | %8s %8s\n", "problem", "n", "S. Lemke", "S. Newton",
+                "S. block GS", "Lemke", "default", "Lemke x", "GS x");
 }
 
 void compare(const std::string& name, const LcpProblem& problem) {
@@ -78,14 +81,16 @@ void compare(const std::string& name, const LcpProblem& problem) {
     const auto measure = [&](const Solve& solve) { return measured(problem, layout, solve); };
     const bool dense = problem.size() <= largest_pivoted;
     const Measured skipped{.verdict = '-'};
-    const Measured their_lemke = dense && problem.size() < 1000 ? measure([&] { return peer::lemke(problem); }) : skipped;
+    const Measured their_lemke =
+        dense && problem.size() < 1000 ? measure([&] { return peer::lemke(problem); }) : skipped;
     const Measured their_newton = problem.size() < 1000 ? measure([&] { return peer::newton_min(problem); }) : skipped;
     const Measured their_sweeps = measure([&] { return peer::block_gauss_seidel(problem, {}); });
     const Measured our_lemke = dense ? measure([&] { return ours("lemke", problem); }) : skipped;
     const Measured our_default = measure([&] { return ours("default", problem); });
-    std::printf("%-22s %6d | %11s %11s %11s | %11s %11s | %8s %8s\n", name.c_str(), problem.size(), text(their_lemke).c_str(),
-                text(their_newton).c_str(), text(their_sweeps).c_str(), text(our_lemke).c_str(), text(our_default).c_str(),
-                ratio(their_lemke, our_lemke).c_str(), ratio(their_sweeps, our_default).c_str());
+    std::printf("%-22s %6d | %11s %11s %11s | %11s %11s | %8s %8s\n", name.c_str(), problem.size(),
+                text(their_lemke).c_str(), text(their_newton).c_str(), text(their_sweeps).c_str(),
+                text(our_lemke).c_str(), text(our_default).c_str(), ratio(their_lemke, our_lemke).c_str(),
+                ratio(their_sweeps, our_default).c_str());
     std::fflush(stdout);
 }
 
@@ -111,8 +116,9 @@ void compare_along(const std::string& name, const tests::CohesiveScene& scene, i
         }
         body.advance(find_lcp_solver("default")->solve(problem, {.start = start}).z);
     }
-    std::printf("%-22s %6d | %11s %11s | %11s %11s | %8s %8s\n", name.c_str(), n, text(cold_theirs).c_str(), text(warm_theirs).c_str(),
-                text(cold_ours).c_str(), text(warm_ours).c_str(), ratio(cold_theirs, warm_ours).c_str(), ratio(warm_theirs, warm_ours).c_str());
+    std::printf("%-22s %6d | %11s %11s | %11s %11s | %8s %8s\n", name.c_str(), n, text(cold_theirs).c_str(),
+                text(warm_theirs).c_str(), text(cold_ours).c_str(), text(warm_ours).c_str(),
+                ratio(cold_theirs, warm_ours).c_str(), ratio(warm_theirs, warm_ours).c_str());
     std::fflush(stdout);
 }
 
@@ -122,7 +128,8 @@ tests::CohesiveScene line(int n_x) { return {.n_x = n_x, .n_y = 4, .every_edge =
 /// The problem of the third step: waves have come in, bonds are breaking.
 LcpProblem third_step(const tests::CohesiveScene& scene) {
     tests::CohesiveBody body(scene);
-    for (int step = 0; step < 2; ++step) body.advance(find_lcp_solver("default")->solve(body.problem(), {.start = body.start()}).z);
+    for (int step = 0; step < 2; ++step)
+        body.advance(find_lcp_solver("default")->solve(body.problem(), {.start = body.start()}).z);
     return body.problem();
 }
 
@@ -134,7 +141,8 @@ struct Size {
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (!std::getenv("OPENBLAS_NUM_THREADS")) {  // read when the library is loaded: threads that spin would count as processor time
+    if (!std::getenv("OPENBLAS_NUM_THREADS")) {  // read when the library is loaded: threads that spin would count as
+                                                 // processor time
         setenv("OPENBLAS_NUM_THREADS", "1", 1);
         execv("/proc/self/exe", argv);
     }
@@ -142,11 +150,16 @@ int main(int argc, char** argv) {
     print_head();
     for (int i = 1; i < argc; ++i) compare(std::filesystem::path(argv[i]).stem().stem().string(), read_lcp(argv[i]));
     if (argc > 1) return 0;
-    const std::vector<Size> sizes{{"line 270", line(29)},           {"line 1400", line(155)},          {"line 2400", line(266)},
-                                  {"redundant 270", redundant(2, 4)}, {"redundant 1400", redundant(5, 6)}, {"redundant 2400", redundant(7, 7)},
-                                  {"redundant 3000", redundant(8, 8)}, {"redundant 10000", redundant(14, 14)}};
+    const std::vector<Size> sizes{{"line 270", line(29)},
+                                  {"line 1400", line(155)},
+                                  {"line 2400", line(266)},
+                                  {"redundant 270", redundant(2, 4)},
+                                  {"redundant 1400", redundant(5, 6)},
+                                  {"redundant 2400", redundant(7, 7)},
+                                  {"redundant 3000", redundant(8, 8)},
+                                  {"redundant 10000", redundant(14, 14)}};
     for (const Size& size : sizes) compare(size.name, third_step(size.scene));
-    std::printf("\nten consecutive steps, sums over the last nine\n%-22s %6s | %11s %11s | %11s %11s | %8s %8s\n", "", "n", "S. GS cold",
-                "S. GS warm", "ours cold", "ours warm", "cold x", "warm x");
+    std::printf("\nten consecutive steps, sums over the last nine\n%-22s %6s | %11s %11s | %11s %11s | %8s %8s\n", "",
+                "n", "S. GS cold", "S. GS warm", "ours cold", "ours warm", "cold x", "warm x");
     for (const Size& size : sizes) compare_along(size.name, size.scene, 10);
 }

@@ -56,7 +56,8 @@ struct BlockMatrix {
         std::vector<int> block_of(problem.size()), place(problem.size());
         for (std::size_t b = 0; b < blocks.size(); ++b) {
             ends.push_back((b == 0 ? 0 : ends.back()) + static_cast<unsigned>(blocks[b].size()));
-            for (std::size_t k = 0; k < blocks[b].size(); ++k) block_of[blocks[b][k]] = static_cast<int>(b), place[blocks[b][k]] = static_cast<int>(k);
+            for (std::size_t k = 0; k < blocks[b].size(); ++k)
+                block_of[blocks[b][k]] = static_cast<int>(b), place[blocks[b][k]] = static_cast<int>(k);
         }
         first.push_back(0);
         for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -123,7 +124,9 @@ std::vector<std::vector<int>> blocks_of_zero_diagonal(const knap::LcpMatrix& M) 
 
 }  // namespace
 
-Outcome lemke(const knap::LcpProblem& problem) { return run_dense(problem, SICONOS_LCP_LEMKE, 20 * problem.size() + 1000); }
+Outcome lemke(const knap::LcpProblem& problem) {
+    return run_dense(problem, SICONOS_LCP_LEMKE, 20 * problem.size() + 1000);
+}
 
 Outcome newton_min(const knap::LcpProblem& problem) { return run_dense(problem, SICONOS_LCP_NEWTON_MIN_FBLSA, 200); }
 
@@ -133,10 +136,12 @@ Outcome block_gauss_seidel(const knap::LcpProblem& problem, const Eigen::VectorX
     for (const std::vector<int>& block : blocks) order.insert(order.end(), block.begin(), block.end());
     const BlockMatrix blocked(problem, blocks);
     NumericsMatrix* M = NM_create_from_data(NM_SPARSE_BLOCK, problem.size(), problem.size(), blocked.matrix);
-    const Options options = options_of(SICONOS_LCP_NSGS_SBM, problem.size() < 1000 ? 20000 : 2000);  // a sweep of the largest takes 4 ms
+    const Options options =
+        options_of(SICONOS_LCP_NSGS_SBM, problem.size() < 1000 ? 20000 : 2000);  // a sweep of the largest takes 4 ms
     solver_options_update_internal(options.get(), 0, SICONOS_LCP_LEMKE);
     const Eigen::VectorXd q = problem.q(order);
-    const Eigen::VectorXd begin = start.size() == problem.size() ? Eigen::VectorXd(start(order)) : Eigen::VectorXd::Zero(problem.size());
+    const Eigen::VectorXd begin =
+        start.size() == problem.size() ? Eigen::VectorXd(start(order)) : Eigen::VectorXd::Zero(problem.size());
     Outcome outcome = run(*M, q, begin, *options);
     const Eigen::VectorXd found = outcome.z;
     outcome.z(order) = found;

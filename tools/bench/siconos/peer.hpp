@@ -13,8 +13,9 @@ struct Outcome {
 Outcome lemke(const knap::LcpProblem& problem);
 Outcome newton_min(const knap::LcpProblem& problem);
 
-/// Block Gauss-Seidel with Lemke on the blocks: the cohesive rows of a point, its contact rows. (With both in one block it fails, since
-/// friction and tangential cohesion of a sticking point are then one impulse too many.) `start` may be empty.
+/// Block Gauss-Seidel with Lemke on the blocks: the cohesive rows of a point, its contact rows. (With both in one block
+/// it fails, since friction and tangential cohesion of a sticking point are then one impulse too many.) `start` may be
+/// empty.
 Outcome block_gauss_seidel(const knap::LcpProblem& problem, const Eigen::VectorXd& start);
 
 }  // namespace peer

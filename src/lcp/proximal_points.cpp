@@ -1,10 +1,10 @@
 // Proximal point method, for steps beyond Assumption 1: where softening outweighs inertia and stiffness, the rows of
-// the capped unknowns (cohesion, which decreases with the openings it permits) have a negative curvature, sweeps have
-// no zero to go to and Newton steps diverge. Instead
-//     x_next solves the problem with  F + D (x - x_last),   D >= 0 on capped unknowns, large enough to outweigh that
+// the capped unknowns (cohesion, which decreases with the openings that it permits) have a negative curvature, their
+// sweeps diverge and so do Newton steps. Instead
+//     x_next solves the problem with F + D (x - x_last),  D >= 0 on capped unknowns, large enough to outweigh the
 //     curvature
 // as a nonconvex function is minimised by convex ones that touch it from above (Rockafellar 1976; Hunter, Lange 2004).
-// Such a step has several solutions; which one is found is not determined here, so a run should cut its step instead.
+// Such a step has several solutions, and the method does not choose between them: a run should cut its step instead.
 #include "lcp/box_solvers.hpp"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 constexpr int max_rounds = 40, sweeps_per_round = 20, newton_steps_per_round = 8;
 constexpr double inner_tolerance = 1e-10;  // of a round; the last round is a Newton iteration on the problem itself
 
-/// D by the sums of the rows: the couplings among capped unknowns, directly and through the pairs that they bound.
+/// D from the sums of the rows: couplings among capped unknowns, directly and through the pairs that they bound.
 Eigen::VectorXd majorant(const BoxLcp& box) {
     Eigen::VectorXd D = Eigen::VectorXd::Zero(box.size());
     for (int i = 0; i < box.size(); ++i) {
@@ -38,27 +38,26 @@ Eigen::VectorXd majorant(const BoxLcp& box) {
 LcpStatus solve_box_by_proximal_points(const BoxLcp& box, double tolerance, Eigen::VectorXd& x, int& count) {
     const Eigen::VectorXd D = majorant(box);
     BoxLcp convex = box;
-    bool has_caps = false;
     for (int i = 0; i < box.size(); ++i) {
         x[i] = box.unknowns[i].is_capped() ? box.unknowns[i].upper : 0.0;
-        has_caps = has_caps || box.unknowns[i].is_capped();
         if (D[i] > 0) convex.M.coeffRef(i, i) += D[i];
     }
-    if (!has_caps || !convex.has_positive_diagonal()) return LcpStatus::not_applicable;
+    if (std::ranges::none_of(box.unknowns, &BoxUnknown::is_capped) || !convex.has_positive_diagonal())
+        return LcpStatus::not_applicable;
+    const auto newton = [&](const BoxLcp& problem, double until) {  // keeps only solutions
+        Eigen::VectorXd exact = x;
+        if (solve_box_by_newton(problem, until, newton_steps_per_round, exact, count) != LcpStatus::solved)
+            return false;
+        x = exact;
+        return true;
+    };
     for (int round = 0; round < max_rounds; ++round) {
         convex.q = box.q - D.cwiseProduct(x);
         sweep(convex, x, sweeps_per_round);
         count += sweeps_per_round;
-        Eigen::VectorXd exact = x;
-        if (solve_box_by_newton(convex, inner_tolerance, newton_steps_per_round, exact, count) == LcpStatus::solved)
-            x = exact;
+        newton(convex, inner_tolerance);
         if (!x.allFinite()) return LcpStatus::stalled;
-        exact = x;  // are the states those of a solution of the problem itself?
-        if (solve_box_by_newton(box, tolerance, newton_steps_per_round, exact, count) == LcpStatus::solved) {
-            x = exact;
-            return LcpStatus::solved;
-        }
-        if (box.residual(x) <= tolerance) return LcpStatus::solved;
+        if (newton(box, tolerance) || box.residual(x) <= tolerance) return LcpStatus::solved;
     }
     return LcpStatus::iteration_limit;
 }
