@@ -1,6 +1,7 @@
 #include "peer.hpp"
 
 #include "base/stopwatch.hpp"
+#include "base/union_find.hpp"
 
 #include <LCP_Solvers.h>
 #include <LinearComplementarityProblem.h>
@@ -13,7 +14,6 @@
 #include <cstdlib>
 #include <map>
 #include <memory>
-#include <numeric>
 #include <vector>
 
 namespace peer {
@@ -105,20 +105,14 @@ private:
 /// Unknowns joined through the rows with a zero on the diagonal: multipliers with their bounds.
 std::vector<std::vector<int>> blocks_of_zero_diagonal(const knap::LcpMatrix& M) {
     const int n = static_cast<int>(M.rows());
-    std::vector<int> parent(n);
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int i) {
-        while (parent[i] != i) i = parent[i] = parent[parent[i]];
-        return i;
-    };
+    knap::UnionFind sets(n);
     for (int i = 0; i < n; ++i)
         if (M.coeff(i, i) == 0)
             for (knap::LcpMatrix::InnerIterator entry(M, i); entry; ++entry)
-                if (entry.value() != 0) parent[root(i)] = root(static_cast<int>(entry.col()));
-    std::vector<std::vector<int>> by_root(n), blocks;
-    for (int i = 0; i < n; ++i) by_root[root(i)].push_back(i);
-    for (std::vector<int>& block : by_root)
-        if (!block.empty()) blocks.push_back(std::move(block));
+                if (entry.value() != 0) sets.join(i, static_cast<int>(entry.col()));
+    std::vector<std::vector<int>> blocks(n);
+    for (int i = 0; i < n; ++i) blocks[sets.find(i)].push_back(i);
+    std::erase_if(blocks, [](const std::vector<int>& block) { return block.empty(); });
     return blocks;
 }
 
