@@ -52,7 +52,7 @@ void add_keys_of_body(KeyTable& t) {
     t.number("points", "m", "corners in order, without repeating the first one")
         .points().required().only_with("shape", {"polygon"});
     t.text("sides", "boundary names of the sides, in the order of the points; sides may share a name")
-        .list().computed("side1, side2, ...").only_with("shape", {"polygon"});
+        .list().a_name().computed("side1, side2, ...").only_with("shape", {"polygon"});
     add_arcs(t, "domain", "sides of the polygon that are circular arcs; they keep their boundary names", {"polygon"});
     t.number("centre", "m", "centre of the disc").pair().otherwise("[0, 0]").only_with("shape", {"disc"});
     t.number("radius", "m", "radius of the disc, meshed as a polygon with sides of the local mesh size")
@@ -66,7 +66,7 @@ void add_keys_of_body(KeyTable& t) {
     add_arcs(t, "domain.hole[]", "sides between the points that are circular arcs");
     t.number("centre", "m", "centre of a round hole").pair();
     t.number("radius", "m", "radius of a round hole, meshed as a polygon with at least twelve sides").above(0);
-    t.text("name", "boundary name of its edge").computed("hole1, hole2, ...");
+    t.text("name", "boundary name of its edge").a_name().computed("hole1, hole2, ...");
     t.list("domain.crack[]", "a closed initial crack without cohesion; contact and friction follow the interface law "
         "of the materials on its sides");
     t.number("points", "m", "polyline of the crack").points().required();
@@ -125,7 +125,7 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.number("direction", "deg", "angle of the long axis to x; without it random")
         .to(&InclusionOptions::direction, radians);
     t.text("material", "name of a material; without it pores");
-    t.text("name", "boundary name of the edges of pores").computed("pores");
+    t.text("name", "boundary name of the edges of pores").a_name().computed("pores");
 
     t.list("joints[]", "a joint set: closed cracks, or interfaces with a law of their own; with thickness and material "
         "veins");
@@ -216,7 +216,7 @@ void add_keys_of_loads(KeyTable& t) {
         "displacement, body_force, acceleration; its factor over time by at most one of ramp, table, csv, otherwise "
         "constant");
     t.text("name", "name of the load in reactions.csv, in the summary, in specimen.force, [expect] and [study]; "
-        "letters, digits, blanks, _ and -").computed("load0, load1, ...").to(&Load::name);
+        "letters, digits, blanks, _ and -").a_name().computed("load0, load1, ...").to(&Load::name);
     t.table("load[].on", "place: a boundary, a box, or the part of a boundary inside a box; body_force and "
         "acceleration without it act on the whole body").or_text("boundary");
     t.text("boundary", "name of a boundary").to(&Selection::boundary);
@@ -236,7 +236,7 @@ void add_keys_of_loads(KeyTable& t) {
 
     t.list("obstacle[]", "a rigid body in contact with the meshed body: fixed, driven (velocity or displacement), or "
         "free if it has a mass and nothing is prescribed");
-    t.text("name", "name in reactions.csv").computed("obstacle1, obstacle2, ...").to(&Obstacle::name);
+    t.text("name", "name in reactions.csv").a_name().computed("obstacle1, obstacle2, ...").to(&Obstacle::name);
     t.word("shape", {"half plane", "disc", "polygon"}, "outline; a polygon is convex").required();
     t.number("at", "m", "point on the surface").pair().required().only_with("shape", {"half plane"});
     t.number("normal", "", "outward normal of the surface, towards the body")

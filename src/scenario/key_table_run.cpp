@@ -85,7 +85,7 @@ void add_keys_of_run(KeyTable& t) {
     t.word("watch", {"place", "interface"}, "place: displacement and velocity of the point; interface: opening, slip "
         "and cohesion of the nearest breakable interface, averaged over its points")
         .otherwise("place").to(&ProbeOptions::interface, {false, true});
-    t.text("name", "prefix of its columns").computed("probe1, probe2, ...").to(&ProbeOptions::name);
+    t.text("name", "prefix of its columns").a_name().computed("probe1, probe2, ...").to(&ProbeOptions::name);
 
     t.list("figure[]", "a picture drawn by the run");
     t.text("file", "file name that ends in .png, .svg or .pdf; the time is added if there are several")
@@ -171,7 +171,7 @@ void add_keys_of_ensembles(KeyTable& t) {
         "dissipated, strain_energy and kinetic_energy");
     t.text("of", "a number of the summary, or a column of energy.csv, cracks.csv, reactions.csv, probes.csv or "
         "stress_strain.csv, of which the last value counts").required().to(&StudyQuantity::of);
-    t.number("at", "s", "time at which the value of the column is taken").at_least(0).to(&StudyQuantity::at);
+    t.number("at", "s", "time of the compared value of the column").at_least(0).to(&StudyQuantity::at);
     t.number("reaches", "*", "value of the column; compared is the time at which the column first reaches it")
         .to(&StudyQuantity::reaches);
     t.text("since", "another column; compared is the time from its reaching the value to that of the first column, as "

@@ -9,6 +9,17 @@
 
 namespace knap {
 
+FormRule rule_of(Form form) {
+    static constexpr FormRule rules[] = {{"", 1, 1},
+                                         {"two values [a, b]", 2, 2},
+                                         {"three values [a, b, c]", 3, 3},
+                                         {"a box [xmin, ymin, xmax, ymax]", 4, 4},
+                                         {"a list [a, b, ...]", 1, 0},
+                                         {"", 1, 0},
+                                         {"a list of pairs [[a, b], ...]", 1, 0}};
+    return rules[static_cast<int>(form)];
+}
+
 bool Range::contains(double value) const {
     return (low_included ? value >= low : value > low) && (high_included ? value <= high : value < high);
 }
@@ -88,18 +99,10 @@ std::string describe_one(const Key& key, std::string_view unit) {
 }
 
 std::string describe(const Key& key, std::string_view unit) {
-    const std::string one = describe_one(key, unit);
-    switch (key.form) {
-        case Form::one: return one;
-        case Form::pair: return "two values [a, b], each " + one;
-        case Form::triple: return "three values [a, b, c], each " + one;
-        case Form::box: return "a box [xmin, ymin, xmax, ymax], each " + one;
-        case Form::list: return "a list [a, b, ...], each " + one;
-        case Form::one_or_list: return one + ", or a list of them";
-        case Form::points: break;
-    }
-    if (key.second_unit == "=") return "a list of pairs [[a, b], ...], each " + one;
-    return "a list of pairs [[a, b], ...], a being " + one + " and b " + describe_unit(key.second_unit);
+    const std::string one = describe_one(key, unit), text = rule_of(key.form).text;
+    if (key.form == Form::one_or_list) return one + ", or a list of them";
+    if (key.form != Form::points || key.second_unit == "=") return text + (text.empty() ? "" : ", each ") + one;
+    return text + ", a being " + one + " and b " + describe_unit(key.second_unit);
 }
 
 bool is_name(std::string_view text) {

@@ -33,6 +33,12 @@ enum class Form {
     points,       // [[a, b], [a, b], ...]
 };
 
+struct FormRule {
+    const char* text;
+    std::size_t min, max;  // number of entries; max 0: unlimited
+};
+FormRule rule_of(Form form);
+
 struct Range {
     double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
     bool low_included = true, high_included = true;
@@ -68,6 +74,7 @@ struct Key {
     std::string default_toml = {};        // a constant default
     std::string_view default_doc = {};    // a computed default, in words
     bool is_required = false;             // within its table
+    bool is_a_name = false;               // of a text: it must be a name (is_name)
     Condition condition = {};
     std::string_view text_key = {};                      // of a table: the key that a text in place of the table gives
     const std::type_info* owner = nullptr;               // the options struct that has a member for the value
@@ -92,6 +99,7 @@ struct Key {
     Key& at_least(double x) { return range.low = x, *this; }
     Key& below(double x) { return range.high = x, range.high_included = false, *this; }
     Key& at_most(double x) { return range.high = x, *this; }
+    Key& a_name() { return is_a_name = true, *this; }
     Key& or_word(const char* word) { return words = {word}, *this; }
     Key& required() { return is_required = true, *this; }
     Key& otherwise(const std::string& toml) {

@@ -1,7 +1,10 @@
-// [domain] and [mesh]: outer ring, holes, cracks, regions, sizes.
+// [domain] and [mesh]: outer ring, holes, cracks, regions, sizes; or a mesh from a file.
+#include "mesh/gmsh.hpp"
 #include "mesh/size_field.hpp"
 #include "scenario/reading.hpp"
 
+#include <algorithm>
+#include <cstdio>
 #include <map>
 #include <numbers>
 
@@ -56,7 +59,7 @@ public:
     std::vector<Vec2> curve(const Table& table, bool boxes) const {
         std::vector<std::string> forms{"points", "radius"};
         if (boxes) forms.emplace_back("box");
-        const auto form = table.the_one(forms, true);
+        const auto form = table.one_of(forms, true);
         const bool is_round = form == "radius";
         if (form && is_round != table.given("centre"))
             table.error("missing-key", is_round ? "" : "centre", ": centre and radius belong together");
@@ -121,10 +124,7 @@ void read_polygon(const Table& domain, const CurveReader& curves, Shape& shape) 
     for (std::size_t i = 1; i <= n; ++i) sides.push_back(Node::of_text("side" + std::to_string(i)));
     if (n > 0) domain.compute("sides", Node::of_list(std::move(sides)));
     std::vector<Index> of_side;
-    for (const std::string& name : domain.texts("sides")) {
-        domain.check_name("sides", name, "a boundary");
-        of_side.push_back(boundary_index(shape, name));
-    }
+    for (const std::string& name : domain.texts("sides")) of_side.push_back(boundary_index(shape, name));
     shape.outer.points = outline.points;
     for (const std::size_t side : outline.side)
         shape.outer.boundary.push_back(side < of_side.size() ? of_side[side] : 0);
@@ -151,10 +151,7 @@ void read_shape(const Table& domain, Scenario& scenario) {
     for (const Table& hole : domain.list("hole")) {
         hole.compute("name", Node::of_text("hole" + std::to_string(shape.holes.size() + 1)));
         Ring ring{.points = curves.curve(hole, false)};
-        if (hole.has("name")) {
-            hole.check_name("name", hole.text("name"), "a boundary");
-            ring.boundary.assign(ring.points.size(), boundary_index(shape, hole.text("name")));
-        }
+        if (hole.has("name")) ring.boundary.assign(ring.points.size(), boundary_index(shape, hole.text("name")));
         shape.holes.push_back(std::move(ring));
     }
     for (const Table& crack : domain.list("crack")) shape.cracks.push_back({.points = curves.points(crack, 2)});
@@ -164,12 +161,108 @@ void read_shape(const Table& domain, Scenario& scenario) {
     }
 }
 
+// ---- mesh.file: physical surfaces are materials, physical curves boundaries and cracks
+
+/// The file defines the body and its mesh: keys that do so, too, are errors, and their defaults have no meaning.
+void check_nothing_else(Reading& reading) {
+    const auto exclude = [&](const char* table, std::string_view key) {
+        if (!reading.table(table).given(key)) return reading.table(table).leave_out(key);
+        reading.table(table).error("exclusive-keys", key, "has no meaning with mesh.file",
+                                   "the file defines the body and its mesh");
+    };
+    for (const Key* key : keys_below("domain"))
+        if (key->name() != "model" && key->name() != "thickness") exclude("domain", key->name());
+    for (const char* key : {"min_angle", "grading", "refine"}) exclude("mesh", key);
+}
+
+std::optional<GmshMesh> parse_mesh(const Table& table, const std::string& bytes) {
+    Findings& findings = table.reading().findings;
+    try {
+        GmshMesh read = read_gmsh(bytes, (table.reading().files.directory / table.text("file")).string());
+        for (const std::string& warning : read.warnings) table.warning("mesh", "file", ": " + warning);
+        return read;
+    } catch (const UserError& error) {
+        for (const Diagnostic& d : error.diagnostics) findings.add(d);
+        return std::nullopt;
+    }
+}
+
+/// The material of each physical surface.
+std::vector<Index> materials_of_groups(const Table& table, const std::vector<GmshGroup>& groups) {
+    const std::vector<std::string> materials = table.scenario().material_names();
+    std::vector<Index> of_group;
+    for (const GmshGroup& group : groups) {
+        const auto found = std::ranges::find(materials, group.name);
+        of_group.push_back(found == materials.end() ? 0 : static_cast<Index>(found - materials.begin()));
+        if (found != materials.end() || materials.empty() || (!group.named && materials.size() == 1)) continue;
+        if (group.name.empty())
+            table.error("unknown-name", "file",
+                        "has " + std::to_string(group.n) +
+                            " triangles in no physical surface, so that their material is unknown",
+                        "give each surface a physical group, with one of the names " + joined(materials) +
+                            " (Mesh.SaveAll leaves groups out of format 2.2)");
+        else
+            table.error("unknown-name", "file", "has the physical surface `" + group.name + "`, which is no material",
+                        "materials: " + joined(materials), did_you_mean(group.name, materials));
+    }
+    return of_group;
+}
+
+void mark_cracks(const Table& table, GmshMesh& read) {
+    std::vector<std::string> known;
+    for (const GmshGroup& group : read.inner_groups) known.push_back(group.name);
+    for (const Node& name : table.items("cracks")) {
+        const auto group = std::ranges::find(known, name.text) - known.begin();
+        const bool on_boundary = std::ranges::count(read.mesh.boundary_names, name.text) > 0;
+        if (group == std::ssize(known))
+            table.reading().findings.error("unknown-name",
+                                           "there is no physical curve `" + name.text + "` inside the body", name,
+                                           on_boundary     ? "it lies on the boundary"
+                                           : known.empty() ? "there is none"
+                                                           : "known: " + joined(known),
+                                           did_you_mean(name.text, known));
+        for (const InnerLine& line : read.inner_lines)
+            if (line.group == group) read.mesh.interior_edges[line.edge].cracked = true;
+    }
+}
+
+/// A drawing in millimetres would become a mountain.
+void warn_of_metres(const Table& table, const Mesh& mesh) {
+    if (mesh.vertices.empty()) return;
+    const Box box = bounding_box(mesh.vertices);
+    char size[80];
+    std::snprintf(size, sizeof size, "%.6g m x %.6g m", box.high.x() - box.low.x(), box.high.y() - box.low.y());
+    table.warning("no-unit", "file", std::string("is read in metres, without `mesh.unit`: the body is ") + size,
+                  "unit = \"1 m\" in [mesh] if that is right, else the length of one unit, as \"1 mm\"");
+}
+
+void read_mesh_file(Reading& reading) {
+    const Table table = reading.table("mesh");
+    check_nothing_else(reading);
+    if (!table.has("file")) return;
+    std::optional<std::string> bytes = table.bytes_of("file");
+    if (!bytes) return;
+    std::optional<GmshMesh> read = parse_mesh(table, *bytes);
+    if (!read) return;
+    const std::vector<Index> material = materials_of_groups(table, read->surface_groups);
+    mark_cracks(table, *read);
+    Mesh& mesh = read->mesh;
+    const double unit = table.number("unit").value_or(1);
+    for (Vec2& x : mesh.vertices) x *= unit;
+    if (!table.given("unit")) warn_of_metres(table, mesh);
+    for (Index& region : mesh.region) region = material[region];
+    for (const std::string& name : mesh.boundary_names)
+        if (!name.empty()) reading.scenario.shape.boundary_names.push_back(name);
+    reading.scenario.files.push_back({table.path("file"), "mesh.msh", std::move(*bytes)});
+    reading.scenario.given = std::make_shared<const MeshFile>(MeshFile{std::move(mesh)});
+}
+
 }  // namespace
 
 void read_body(Reading& reading) {
     Scenario& scenario = reading.scenario;
     const Table mesh = reading.table("mesh"), domain = reading.table("domain");
-    if (mesh.given() && mesh.has("")) mesh.the_one({"size", "file"}, true);
+    if (mesh.given() && mesh.has("")) mesh.one_of({"size", "file"}, true);
     mesh.fill(scenario.mesh);
     mesh.fill(scenario);
     domain.fill(scenario);

@@ -109,7 +109,7 @@ std::vector<StudyLine> study_lines(const Table& study, bool statistics) {
         schemes = {"explicit/explicit", "explicit/implicit", "implicit/explicit", "implicit/implicit"};
     for (const std::string& pair : schemes) lines.push_back(line_of_scheme(pair));
     if (!study.list("line").empty() && !schemes.empty())
-        study.error("exclusive-keys", "schemes", "and study.line are given, of which only one is allowed");
+        study.error("exclusive-keys", "", "has schemes and line, of which only one is allowed");
     for (const Table& table : study.list("line")) table.fill(lines.emplace_back());
     if (lines.empty()) lines.emplace_back();
     const auto levels = study.get<std::vector<double>>("levels").value_or(statistics ? std::vector<double>{1}

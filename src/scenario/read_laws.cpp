@@ -21,7 +21,7 @@ CohesiveLaw read_law(const Table& table) {
                     "0 for contact and friction only; breakable = false for an unbreakable interface");
     law.sigma_c = table.number("sigma_c").value_or(0);
     const bool has_cohesion = !table.has("sigma_c") || law.sigma_c > 0;
-    const auto energy = table.the_one({"G_c", "delta_c"}, has_cohesion && given);
+    const auto energy = table.one_of({"G_c", "delta_c"}, has_cohesion && given);
     if (energy && !has_cohesion)
         table.error("exclusive-keys", *energy, "belongs to a law with cohesion, and this one has no strength");
     law.G_c =
@@ -34,7 +34,7 @@ Scatter read_scatter(const Table& law) {
     Scatter scatter;
     if (!table.has("kind")) return scatter;
     table.fill(scatter);
-    table.the_one({"length", "area", "correlation"}, false);
+    table.one_of({"length", "area", "correlation"}, false);
     const std::vector<std::string> of = table.texts("of");
     scatter.of_strength = std::ranges::count(of, "sigma_c") > 0;
     scatter.of_energy = std::ranges::count(of, "G_c") > 0;
@@ -53,10 +53,13 @@ public:
         n_ = static_cast<Index>(materials.size());
         scenario_.law_of_pair.assign(n_, std::vector<Index>(n_, -1));
         scenario_.law_within.assign(n_, -1);
-        for (Index a = 0; a < n_; ++a)
+        const bool with_grains = !reading.list("grains").empty();
+        for (Index a = 0; a < n_; ++a) {
             for (Index b = 0; b < n_; ++b) pair_[materials[a] + "-" + materials[b]] = {a, b};
-        if (!reading.list("grains").empty())
-            for (Index a = 0; a < n_; ++a) grain_[materials[a]] = a;
+            for (Index b = a; b < n_; ++b) known_.push_back(materials[a] + "-" + materials[b]);
+            if (with_grains) grain_[materials[a]] = a, known_.push_back(materials[a]);
+        }
+        if (with_grains) known_.emplace_back("within");
         for (const char* list : {"support", "joints"})
             for (const Table& table : reading.list(list)) free_names_.insert(table.text("interface"));
     }
@@ -87,13 +90,8 @@ private:
             if (one >= 0) table.error("duplicate-name", "", "is the second law of this pair of materials");
             one = other = law;
         } else if (!free_names_.contains(name)) {
-            std::vector<std::string> known{"default"};
-            if (!grain_.empty()) known.emplace_back("within");
-            for (const auto& [material, number] : grain_) known.push_back(material);
-            for (const auto& [names, numbers] : pair_)
-                if (numbers.first <= numbers.second) known.push_back(names);
             table.error("unknown-name", "", "belongs to no pair of materials and no support or joint set",
-                        "known: " + joined(known), did_you_mean(name, known));
+                        "known: " + joined(known_), did_you_mean(name, known_));
         }
     }
 
@@ -117,6 +115,7 @@ private:
     std::map<std::string, std::pair<Index, Index>> pair_;
     std::map<std::string, Index> grain_;  // material by name, if there are grains
     std::set<std::string> free_names_;
+    std::vector<std::string> known_{"default"};
 };
 
 /// The number of the law that `interface` names; none, and an error, if there is no such law.

@@ -60,7 +60,7 @@ TimeFunction read_factor_table(const Table& table) {
 
 /// The factor over time of a load or an obstacle: its ramp, table or csv.
 TimeFunction read_history(const Table& table) {
-    const auto form = table.the_one({"ramp", "table", "csv"}, false);
+    const auto form = table.one_of({"ramp", "table", "csv"}, false);
     TimeFunction history;
     if (form == "ramp" && table.has("ramp")) history = {{0, *table.number("ramp")}, {0, 1}};
     if (form == "table") {
@@ -122,10 +122,10 @@ void read_load(const Table& table) {
     Load load{.name = "load" + std::to_string(loads.size()), .on = read_selection(table.table("on"))};
     table.compute("name", Node::of_text(load.name));
     table.fill(load);
-    table.check_column_name("name", load.name, "a load");
+    table.check_column_name(load.name);
     std::vector<std::string> keys;
     for (const KindOfLoad& kind : kinds_of_load) keys.emplace_back(kind.key);
-    const auto key = table.the_one(keys, true);
+    const auto key = table.one_of(keys, true);
     for (const KindOfLoad& kind : kinds_of_load) {
         if (key != kind.key) continue;
         load.kind = kind.kind;
@@ -172,7 +172,7 @@ void read_outline(const Table& table, Obstacle& obstacle) {
 
 void read_inertia(const Table& table, Obstacle& obstacle) {
     const Outline& outline = obstacle.outline;
-    const auto key = table.the_one({"mass", "density"}, false);
+    const auto key = table.one_of({"mass", "density"}, false);
     const double area = outline.area(), value = key ? table.number(*key).value_or(1) : 0;
     if (key == "density" && outline.kind == Outline::Kind::half_plane)
         table.error("exclusive-keys", "density", "belongs to a disc or polygon; a half plane has no volume", "mass");
@@ -181,7 +181,7 @@ void read_inertia(const Table& table, Obstacle& obstacle) {
 }
 
 void read_drives(const Table& table, const TimeFunction& history, Obstacle& obstacle) {
-    const auto key = table.the_one({"velocity", "displacement"}, false);
+    const auto key = table.one_of({"velocity", "displacement"}, false);
     const bool has_mass = obstacle.mass > 0, all_free = has_mass && !key;
     const std::vector<Node> components = key ? table.items(*key) : std::vector<Node>();
     for (std::size_t k = 0; k < 2; ++k) {
@@ -231,7 +231,7 @@ void read_obstacle(const Table& table) {
     read_inertia(table, obstacle);
     read_drives(table, history, obstacle);
     read_free_motion(table, history, obstacle);
-    table.check_column_name("name", obstacle.name, "an obstacle");
+    table.check_column_name(obstacle.name);
     obstacles.push_back(std::move(obstacle));
 }
 

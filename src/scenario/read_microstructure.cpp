@@ -33,44 +33,45 @@ void check_length(const Table& table, const char* key, double factor, const char
         table.error("out-of-range", key, std::string("is below ") + factor_text + "mesh.size", cure);
 }
 
-/// Calls `place`, which changes the shape, and reports its failure at `key`.
+/// Calls `place`, which adds inclusions or joints to a part of the shape; reports its failure at `key`.
 template <class Place>
-void place_set(const Table& table, const std::string& key, const std::string& cure, const Place& place) {
+void place_set(const Table& table, RandomSet::Part part, const std::string& key, const std::string& cure, Place place) {
+    const Shape& shape = table.scenario().shape;
+    const auto size = [&] {
+        if (part == RandomSet::Part::regions) return shape.regions.size();
+        return part == RandomSet::Part::holes ? shape.holes.size() : shape.cracks.size();
+    };
+    RandomSet set{.path = table.path(), .part = part, .first = size()};
     try {
-        place();
+        set.fraction = place();
     } catch (const ShapeError& error) {
         table.error("geometry", key, std::string("cannot be met: ") + error.what(), cure);
     }
+    set.n = static_cast<int>(size() - set.first);
+    table.scenario().random_sets.push_back(set);
 }
 
 void read_inclusions(const Table& table, std::size_t number) {
     Scenario& scenario = table.scenario();
     Shape& shape = scenario.shape;
     const double size = scenario.mesh.size;
-    const auto amount = table.the_one({"fraction", "number"}, true);
+    const auto amount = table.one_of({"fraction", "number"}, true);
     if (size > 0) table.compute("distance", Node::of_number(0.5 * size));
     const bool pores = !table.given("material");
     if (pores) table.compute("name", Node::of_text("pores"));
     InclusionOptions options{.tag = table.material("material"), .mesh = scenario.mesh};
     table.fill(options);
-    if (table.has("name")) table.check_name("name", table.text("name"), "a boundary");
     if (!pores && table.given("name"))
         table.error("exclusive-keys", "name", "belongs to pores, which have no material");
     check_length(table, "size", min_size, "1.5 times ", "larger inclusions or a finer mesh");
     check_length(table, "distance", 0.2, "a fifth of ");
     if (!amount || !has_body(table)) return;
     if (pores) options.boundary = boundary_index(shape, table.has("name") ? table.text("name") : "pores");
-    RandomSet set{.path = table.path(), .part = pores ? RandomSet::Part::holes : RandomSet::Part::regions};
-    set.first = pores ? shape.holes.size() : shape.regions.size();
     const std::string cure =
         "a smaller " + *amount + ", or a smaller distance" + (options.number > 0 ? ", or smaller inclusions" : "");
-    place_set(table, *amount, cure, [&] {
-        const PlacedInclusions placed =
-            place_inclusions(shape, options, scenario.seed, "inclusions " + std::to_string(number));
-        set.n = placed.n;
-        set.fraction = placed.fraction;
+    place_set(table, pores ? RandomSet::Part::holes : RandomSet::Part::regions, *amount, cure, [&] {
+        return place_inclusions(shape, options, scenario.seed, "inclusions " + std::to_string(number)).fraction;
     });
-    scenario.random_sets.push_back(set);
 }
 
 void read_joints(const Table& table, std::size_t number) {
@@ -83,7 +84,7 @@ void read_joints(const Table& table, std::size_t number) {
                     "both keys, or none of them for joints from end to end");
     if (table.given("thickness") != table.given("material"))
         table.error("missing-key", "", ": thickness and material belong together", "they make veins");
-    if (has_law) table.the_one({"interface", "thickness"}, false);
+    if (has_law) table.one_of({"interface", "thickness"}, false);
     check_length(table, "spacing", 1, "");
     check_length(table, "thickness", 0.5, "half of ");
     if (!has_body(table)) return;
@@ -91,16 +92,12 @@ void read_joints(const Table& table, std::size_t number) {
         options.joint = static_cast<Index>(scenario.law_of_joint.size());
         scenario.law_of_joint.push_back(-1);  // set by read_laws
     }
-    RandomSet set{.path = table.path(), .part = options.tag ? RandomSet::Part::regions : RandomSet::Part::cracks};
-    const Shape& shape = scenario.shape;
-    const auto size_of_part = [&] { return options.tag ? shape.regions.size() : shape.cracks.size(); };
-    set.first = size_of_part();
     int n_left_out = 0;
-    place_set(table, "spacing", "a larger spacing or length, or a smaller body", [&] {
-        n_left_out = place_joints(scenario.shape, options, scenario.seed, "joints " + std::to_string(number));
-    });
-    set.n = static_cast<int>(size_of_part() - set.first);
-    scenario.random_sets.push_back(set);
+    place_set(table, options.tag ? RandomSet::Part::regions : RandomSet::Part::cracks, "spacing",
+              "a larger spacing or length, or a smaller body", [&] {
+                  n_left_out = place_joints(scenario.shape, options, scenario.seed, "joints " + std::to_string(number));
+                  return 0.;
+              });
     if (n_left_out > 0)
         table.warning("geometry", "",
                       "left out " + std::to_string(n_left_out) + " traces, which found no place between other lines");
@@ -144,11 +141,11 @@ std::vector<PaintedMaterial> palette(const Table& map) {
 
 Index material_of_pixel(const std::vector<PaintedMaterial>& palette, const std::uint8_t* pixel) {
     Index material = -1;
-    int least = max_colour_distance * max_colour_distance;
+    int min_squared = max_colour_distance * max_colour_distance;
     for (const PaintedMaterial& painted : palette) {
         int squared = 0;
         for (int i = 0; i < 3; ++i) squared += (pixel[i] - painted.rgb[i]) * (pixel[i] - painted.rgb[i]);
-        if (squared <= least) least = squared, material = painted.material;
+        if (squared <= min_squared) min_squared = squared, material = painted.material;
     }
     return material;
 }

@@ -93,7 +93,7 @@ void Table::warning(const std::string& code, std::string_view key, const std::st
     reading_.findings.warning(code, message(key, text), reading_.values.place_of(path(key)), note, hint);
 }
 
-std::optional<std::string> Table::the_one(const std::vector<std::string>& names, bool needed) const {
+std::optional<std::string> Table::one_of(const std::vector<std::string>& names, bool needed) const {
     std::vector<std::string> chosen;
     std::ranges::copy_if(names, std::back_inserter(chosen), [&](const std::string& name) { return given(name); });
     if (chosen.size() == 1) return chosen.front();
@@ -118,27 +118,22 @@ std::optional<std::string> Table::bytes_of(std::string_view key) const {
     return bytes;
 }
 
-void Table::check_name(std::string_view key, const std::string& name, const std::string& what) const {
-    if (!is_name(name)) error("bad-name", key, "= \"" + name + "\" cannot be the name of " + what, rule_for_names);
-}
-
-void Table::check_column_name(std::string_view key, const std::string& name, const std::string& what) const {
-    check_name(key, name, what);
-    const auto duplicate = [&](const std::string& text) {
-        reading_.findings.error("duplicate-name", text, reading_.values.place_of(path(key)), "choose another name");
+void Table::check_column_name(const std::string& name) const {
+    const auto is_used = [&](const auto& list) {
+        return std::ranges::any_of(list, [&](const auto& other) { return other.name == name; });
     };
-    const auto used_by = [&](const std::string& other) {
-        duplicate("`" + name + "` is the name of " + other + " already, and both have columns");
-    };
-    if (std::ranges::count(scenario().loads, name, &Load::name) > 0) used_by("a load");
-    else if (std::ranges::count(scenario().obstacles, name, &Obstacle::name) > 0) used_by("an obstacle");
-    else if (std::ranges::count(scenario().probes, name, &ProbeOptions::name) > 0) used_by("a probe");
+    const std::string other = is_used(scenario().loads)       ? "a load"
+                              : is_used(scenario().obstacles) ? "an obstacle"
+                              : is_used(scenario().probes)    ? "a probe"
+                                                              : "";
+    if (!other.empty())
+        error("duplicate-name", "name", ": `" + name + "` is the name of " + other + " already, and both have columns");
     const std::vector<Output>& numbers = output_table("summary").rows;  // "largest_slip" must have one meaning
     for (const char* file : {"probes.csv", "reactions.csv"})
         for (const Output& row : output_table(file).rows) {
             const std::string column = name + std::string(row.name.substr(1));
             if (row.name.starts_with('*') && std::ranges::count(numbers, column, &Output::name) > 0)
-                duplicate("`" + column + "` would be a column, and is a number of the summary");
+                error("duplicate-name", "name", ": its column `" + column + "` has the name of a summary number");
         }
 }
 

@@ -99,15 +99,13 @@ public:
                  const std::string& hint = {}) const;
 
     /// The name of the only given one of some keys; an error if there are more, or none although one is `needed`.
-    std::optional<std::string> the_one(const std::vector<std::string>& names, bool needed) const;
+    std::optional<std::string> one_of(const std::vector<std::string>& names, bool needed) const;
     /// Number of the material that a key names; none, and an error, if there is no such material.
     std::optional<Index> material(std::string_view key) const;
     /// The bytes of the file that a key names; none, and an error, if it cannot be read.
     std::optional<std::string> bytes_of(std::string_view key) const;
-    /// An error if a name of `what` ("a probe") breaks the rule of names.
-    void check_name(std::string_view key, const std::string& name, const std::string& what) const;
-    /// The same, or if its columns would have names that exist already.
-    void check_column_name(std::string_view key, const std::string& name, const std::string& what) const;
+    /// An error if a load, obstacle or probe of this name would have columns with names that exist already.
+    void check_column_name(const std::string& name) const;
 
 private:
     std::string message(std::string_view key, const std::string& text) const {
@@ -126,14 +124,12 @@ Index boundary_index(Shape& shape, const std::string& name);
 // The blocks, in the order in which they are read.
 void read_materials(Reading& reading);       // before shape and laws
 void read_body(Reading& reading);            // [domain] and [mesh]: before everything that names a boundary
-void read_mesh_file(Reading& reading);       // the mesh of mesh.file, instead of a shape
 void read_microstructure(Reading& reading);  // inclusions and joints, which change the shape; maps; grains
 void read_supports(Reading& reading);        // before laws: a law may have the name that a support uses
 void read_laws(Reading& reading);
-void read_loads(Reading& reading);     // loads, initial velocities, obstacles
-void read_run(Reading& reading);       // time, output, probes, specimen, figures, limits, expectations
-void read_specimen(Reading& reading);  // after loads, obstacles and probes, which it names
-void read_study(Reading& reading);     // after everything that a study may name: probes, loads, expectations
+void read_loads(Reading& reading);  // loads, initial velocities, obstacles
+void read_run(Reading& reading);    // time, output, probes, specimen, figures, limits, expectations
+void read_study(Reading& reading);  // after everything that a study may name: probes, loads, expectations
 void read_sweep(Reading& reading);
 void warn_of_implausible(Reading& reading);  // values that are likely mistakes
 

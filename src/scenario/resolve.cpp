@@ -6,9 +6,7 @@
 #include "scenario/units.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
-#include <set>
 
 namespace knap {
 namespace {
@@ -39,22 +37,16 @@ public:
     std::optional<Node> checked(const Node& node) {
         const bool array = node.type == Node::Type::array;
         const auto is_array = [](const Node& child) { return child.type == Node::Type::array; };
-        const auto list_of = [&](std::size_t least, std::size_t most) {
-            return array && node.children.size() >= least && node.children.size() <= most ? list(node) : wrong(node);
-        };
-        switch (key_.form) {
-            case Form::one: return scalar(node, unit_);
-            case Form::one_or_list:
-                if (array) return list_of(1, -1);
-                if (auto one = scalar(node, unit_)) return Node::of_list({std::move(*one)});
-                return std::nullopt;
-            case Form::list: return list_of(1, -1);
-            case Form::pair: return list_of(2, 2);
-            case Form::triple: return list_of(3, 3);
-            case Form::box: return box(node, list_of(4, 4));
-            case Form::points: return array && std::ranges::any_of(node.children, is_array) ? list(node) : wrong(node);
+        if (key_.form == Form::one) return scalar(node, unit_);
+        if (key_.form == Form::one_or_list && !array) {
+            auto one = scalar(node, unit_);
+            return one ? std::optional(Node::of_list({std::move(*one)})) : std::nullopt;
         }
-        return std::nullopt;
+        const FormRule rule = rule_of(key_.form);
+        const std::size_t n = node.children.size();
+        if (!array || n < rule.min || (rule.max > 0 && n > rule.max)) return wrong(node);
+        if (key_.form == Form::points && std::ranges::none_of(node.children, is_array)) return wrong(node);
+        return key_.form == Form::box ? box(node, list(node)) : list(node);
     }
 
 private:
@@ -97,6 +89,8 @@ private:
         if (!raw && node.type != Node::Type::text) return wrong(node);
         value.text = raw ? node.set_by.substr(node.set_by.find('=') + 1) : node.text;
         value.type = Node::Type::text;
+        if (key_.is_a_name && !is_name(value.text))
+            return error("bad-name", " = " + in_quotes(value.text) + " is not allowed as a name", node, rule_for_names);
         if (key_.words.empty() || is_word(key_.words, value.text)) return value;
         return error("unknown-word", " cannot be " + in_quotes(value.text), node, "allowed: " + joined(key_.words),
                      did_you_mean(value.text, key_.words));
@@ -194,18 +188,31 @@ class Resolver {
 public:
     explicit Resolver(Findings& findings) : findings_(findings) {}
 
-    /// The table `found` with the keys that `given` has, and defaults.
+    /// Fills the table `found` with the keys of `given` and with defaults.
     void members(Node& found, const Node& given, std::string_view pattern, const std::string& path) {
         report_unknown(found, given, pattern, path);
         for (const Key* key : keys_below(pattern)) {
             if (found.find(key->name())) continue;  // misspelt: reported, and counted as given
             Node child{.name = std::string(key->name()), .key = key};
-            if (member(child, given, joined_path(path, child.name))) found.children.push_back(std::move(child));
+            const Node* node = given.find(child.name);
+            const std::string here = joined_path(path, child.name);
+            const Applies fits = applies(*key, given);
+            if (node && fits == Applies::no) report_excluded(*key, *node, given, here);
+            else if (node) present(child, *node, given, here), found.children.push_back(std::move(child));
+            else if (fits == Applies::yes && absent(child, given, here)) found.children.push_back(std::move(child));
         }
     }
 
 private:
-    void unknown_key(const Node& node, const std::string& path, const std::vector<std::string>& known) {
+    void report_excluded(const Key& key, const Node& node, const Node& table, const std::string& path) {
+        const std::string neighbour(key.condition.neighbour);
+        findings_.error(
+            "exclusive-keys",
+            "`" + path + "` belongs to " + neighbour + " = \"" + joined(key.condition.values, "\" or \"") + "\"", node,
+            "here " + neighbour + " = " + in_quotes(table.find(neighbour)->text));
+    }
+
+    void report_unknown_key(const Node& node, const std::string& path, const std::vector<std::string>& known) {
         std::string hint = did_you_mean(node.name, known);
         for (const Key& key : keys())
             if (hint.empty() && key.name() == node.name && !key.parent().empty()) hint = "there is `" + key.path + "`";
@@ -219,7 +226,7 @@ private:
             if (applies(*key, given) != Applies::no) known.emplace_back(key->name());
         for (const Node& child : given.children) {
             if (std::ranges::count(keys_below(pattern), child.name, &Key::name) > 0) continue;
-            unknown_key(child, joined_path(path, child.name), known);
+            report_unknown_key(child, joined_path(path, child.name), known);
             // the key that was meant is present and invalid, so that it is not reported as missing, too
             if (const std::string* meant = nearest(child.name, known); meant && !given.find(*meant)) {
                 const auto key = std::ranges::find(keys_below(pattern), *meant, &Key::name);
@@ -228,134 +235,96 @@ private:
         }
     }
 
-    /// Fills `child` in; false if the scenario has no such key.
-    bool member(Node& child, const Node& table, const std::string& path) {
-        const Key& key = *child.key;
-        const Node* node = table.find(key.name());
-        const Applies fits = applies(key, table);
-        if (!node) return fits == Applies::yes && absent(child, table, path);
-        if (fits != Applies::no) return present(child, *node, table, path);
-        const std::string neighbour(key.condition.neighbour);
-        std::vector<std::string> values = key.condition.values;
-        std::ranges::transform(values, values.begin(), in_quotes);
-        findings_.error("exclusive-keys", "`" + path + "` belongs to " + neighbour + " = " + joined(values, " or "),
-                        *node, "here " + neighbour + " = " + in_quotes(table.find(neighbour)->text));
-        return false;
-    }
-
+    /// Gives an absent key its default; false if it has none.
     bool absent(Node& child, const Node& table, const std::string& path) {
         const Key& key = *child.key;
         const auto needed = [](const Key* k) { return k->is_required && k->condition.values.empty(); };
+        child.origin = key.default_doc.empty() ? Origin::constant_default : Origin::computed_default;
         if (key.is_required) {
             const bool at_top = table.place.line == 0 || path.find('.') == std::string::npos;
             findings_.error("missing-key", "`" + path + "` is missing", at_top && table.set_by.empty() ? Node{} : table,
                             std::string(key.name()) + ": " + std::string(key.doc) +
                                 (key.kind == Kind::table ? "" : "; " + describe(key, key.unit)));
-        } else if (key.kind == Kind::table && std::ranges::none_of(keys_below(key.path), needed)) {
-            child.origin = Origin::constant_default;
-            members(child, Node{}, key.path, path);
-            return true;
-        } else if (!key.default_toml.empty()) {
-            auto value = ValueCheck(findings_, key, path, key.unit).checked(parse_toml_value(key.default_toml));
-            assert(value);  // otherwise the row contradicts itself
-            assign(child, std::move(*value));
-            child.origin = Origin::constant_default;
-            return true;
-        } else if (!key.default_doc.empty()) {
-            child.valid = false;
-            child.origin = Origin::computed_default;
-            return true;
+            return false;
         }
-        return false;  // without a default, or a table with required keys, which is an option
+        if (key.kind == Kind::table) {  // one with required keys is an option
+            const bool optional = std::ranges::any_of(keys_below(key.path), needed);
+            if (!optional) members(child, Node{}, key.path, path);
+            return !optional;
+        }
+        child.valid = key.default_doc.empty();
+        if (!key.default_toml.empty())
+            assign(child, *ValueCheck(findings_, key, path, key.unit).checked(parse_toml_value(key.default_toml)));
+        return !key.default_toml.empty() || !key.default_doc.empty();
     }
 
-    bool present(Node& child, const Node& node, const Node& table, const std::string& path) {
+    void present(Node& child, const Node& node, const Node& table, const std::string& path) {
         const Key& key = *child.key;
         child.take_place(node);
-        child.origin = node.set_by.empty() ? Origin::file : Origin::command_line;
-        switch (key.kind) {
-            case Kind::table: return present_table(child, node, path);
-            case Kind::list: return present_list(child, node, path);
-            case Kind::names: return present_names(child, node, path);
-            default: break;
-        }
+        child.origin = origin_of(node);
+        if (key.kind == Kind::table) return present_table(child, node, path);
+        if (key.kind == Kind::list) return present_list(child, node, path);
+        if (key.kind == Kind::names) return present_names(child, node, path);
         auto value = ValueCheck(findings_, key, path, unit_of_key(key, table)).checked(node);
         child.valid = value.has_value();
         if (value) assign(child, std::move(*value));
-        return true;
     }
 
-    bool wrong_type(Node& child, const Node& node, const std::string& path, const char* form, const std::string& note) {
-        const std::string text = "`" + path + "` must be " + form + ", not " + type_name(node);
-        findings_.error("wrong-type", text, node, note);
+    void wrong_type(Node& child, const Node& node, const std::string& path, const char* form, const std::string& note) {
+        findings_.error("wrong-type", "`" + path + "` must be " + form + ", not " + type_name(node), node, note);
         child.valid = false;
-        return true;
     }
 
-    bool present_table(Node& child, const Node& node, const std::string& path) {
+    void present_table(Node& child, const Node& node, const std::string& path) {
         const Key& key = *child.key;
         if (node.type == Node::Type::text && !key.text_key.empty()) {
             Node table{.children = {node}};
             table.take_place(node);
             table.children[0].name = std::string(key.text_key);
-            return present_table(child, table, path);
+            return members(child, table, key.path, path);
         }
-        if (node.type != Node::Type::table)
-            return wrong_type(child, node, path, key.text_key.empty() ? "a table" : "a text or a table", "");
-        members(child, node, key.path, path);
-        return true;
+        if (node.type == Node::Type::table) members(child, node, key.path, path);
+        else wrong_type(child, node, path, key.text_key.empty() ? "a table" : "a text or a table", "");
     }
 
-    bool present_list(Node& child, const Node& node, const std::string& path) {
+    /// Adds one table to a list or to a table of names.
+    void add_entry(Node& child, const Key& row, const Node& node, const std::string& path) {
+        Node& entry = child.children.emplace_back(Node{.key = &row, .origin = origin_of(node)});
+        entry.take_place(node);
+        present_table(entry, node, path);
+    }
+
+    void present_list(Node& child, const Node& node, const std::string& path) {
         const auto is_table = [](const Node& entry) { return entry.type == Node::Type::table; };
         if (node.type != Node::Type::array || !std::ranges::all_of(node.children, is_table))
             return wrong_type(child, node, path, "a list of tables", "write [[" + path + "]]");
         child.type = Node::Type::array;
-        for (std::size_t i = 0; i < node.children.size(); ++i) {
-            Node entry{.key = child.key};
-            present_entry(entry, node.children[i], item(path, i));
-            child.children.push_back(std::move(entry));
-        }
-        return true;
+        for (std::size_t i = 0; i < node.children.size(); ++i)
+            add_entry(child, *child.key, node.children[i], item(path, i));
     }
 
-    /// One table of a list, or with a name of the user's choice.
-    void present_entry(Node& entry, const Node& node, const std::string& path) {
-        entry.take_place(node);
-        entry.origin = node.set_by.empty() ? Origin::file : Origin::command_line;
-        present_table(entry, node, path);
-    }
-
-    bool present_names(Node& child, const Node& node, const std::string& path) {
+    void present_names(Node& child, const Node& node, const std::string& path) {
         if (node.type != Node::Type::table)
             return wrong_type(child, node, path, "a table", "write [" + path + ".NAME]");
         const Key& row = *find_key(child.key->path + ".*");
         // [interface] with the keys of an [interface.NAME]
-        const bool lacks_name = std::ranges::any_of(node.children, [&](const Node& entry) {
+        child.valid = std::ranges::none_of(node.children, [&](const Node& entry) {
             return entry.type != Node::Type::table &&
                    std::ranges::count(keys_below(row.path), entry.name, &Key::name) > 0;
         });
-        if (lacks_name) {
-            const std::string name = child.key->path == "interface" ? "default" : "NAME";
-            findings_.error("missing-name", "`[" + path + "]` has no name", node,
-                            "write [" + path + "." + name + "]: " + std::string(child.key->doc));
-            child.valid = false;
-            return true;
-        }
+        if (!child.valid)
+            return findings_.error(
+                "missing-name", "`[" + path + "]` has no name", node,
+                "write [" + path + (path == "interface" ? ".default" : ".NAME") + "]: " + std::string(child.key->doc));
         for (const Node& entry : node.children) {
             const std::string here = joined_path(path, entry.name);
-            if (!row.words.empty() && !is_word(row.words, entry.name)) {
-                unknown_key(entry, here, row.words);
-            } else if (!is_name(entry.name)) {
-                findings_.error("bad-name", "`" + entry.name + "` cannot be a name here", entry, rule_for_names);
-            } else {
-                Node named{.key = &row};
-                present_entry(named, entry, here);
-                child.children.push_back(std::move(named));
-            }
+            if (!row.words.empty() && !is_word(row.words, entry.name)) report_unknown_key(entry, here, row.words);
+            else if (is_name(entry.name)) add_entry(child, row, entry, here);
+            else findings_.error("bad-name", "`" + entry.name + "` cannot be a name here", entry, rule_for_names);
         }
-        return true;
     }
+
+    static Origin origin_of(const Node& node) { return node.set_by.empty() ? Origin::file : Origin::command_line; }
 
     Findings& findings_;
 };

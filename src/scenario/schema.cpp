@@ -122,24 +122,18 @@ Json json_value(const Key& key) {
     return {{"anyOf", any}};
 }
 
-Json json_array(const Json& items, int least, int most = 0) {
-    Json json{{"type", "array"}, {"items", items}, {"minItems", least}};
-    if (most > 0) json["maxItems"] = most;
+Json json_array(const Json& items, std::size_t min, std::size_t max) {
+    Json json{{"type", "array"}, {"items", items}, {"minItems", min}};
+    if (max > 0) json["maxItems"] = max;
     return json;
 }
 
 Json json_form(const Key& key) {
     const Json one = json_value(key);
-    switch (key.form) {
-        case Form::one: break;
-        case Form::pair: return json_array(one, 2, 2);
-        case Form::triple: return json_array(one, 3, 3);
-        case Form::box: return json_array(one, 4, 4);
-        case Form::list: return json_array(one, 1);
-        case Form::one_or_list: return {{"anyOf", {one, json_array(one, 1)}}};
-        case Form::points: return json_array(json_array(one, 2, 2), 1);
-    }
-    return one;
+    if (key.form == Form::one) return one;
+    const FormRule rule = rule_of(key.form);
+    const Json list = json_array(key.form == Form::points ? json_array(one, 2, 2) : one, rule.min, rule.max);
+    return key.form == Form::one_or_list ? Json{{"anyOf", {one, list}}} : list;
 }
 
 Json json_members(std::string_view table);
@@ -219,7 +213,7 @@ std::string schema_markdown() {
            units_markdown() +
            "\n## Names\n\nMaterials, interfaces, boundaries, loads, probes and obstacles have names by one rule: " +
            rule_for_names +
-           ". A name with blanks stands in quotes where it is a key: `[material.\"hard rock\"]`. A material's name has "
+           ". As a key, a name with blanks is in quotes: `[material.\"hard rock\"]`. A material's name has "
            "no `-`, which joins two of them in `[interface.A-B]`. "
            "Names of boundaries from a Gmsh file are not restricted.\n"
            "\n## Outputs\n\n[OUTPUTS.md](OUTPUTS.md) lists every number that a run writes; those of the summary can be "

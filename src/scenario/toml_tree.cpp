@@ -19,37 +19,29 @@ Place place_of(const toml::source_region& region) {
     return {static_cast<int>(begin.line), static_cast<int>(begin.column), length};
 }
 
-bool stands_before(const Node& a, const Node& b) {
-    return std::pair(a.name_place.line, a.name_place.column) < std::pair(b.name_place.line, b.name_place.column);
-}
-
 Node node_of(const toml::node& value) {
-    Node node{.place = place_of(value.source())};
+    Node node{.type = Node::Type::date, .place = place_of(value.source())};
     if (const toml::table* table = value.as_table()) {
+        node.type = Node::Type::table;
         for (const auto& [key, member] : *table) {
             Node& child = node.children.emplace_back(node_of(member));
             child.name = std::string(key.str());
             child.name_place = place_of(key.source());
         }
-        std::stable_sort(node.children.begin(), node.children.end(), stands_before);  // the library sorts by name
+        std::ranges::stable_sort(node.children, {}, [](const Node& child) {  // the library sorts by name
+            return std::pair(child.name_place.line, child.name_place.column);
+        });
     } else if (const toml::array* array = value.as_array()) {
         node.type = Node::Type::array;
         for (const toml::node& item : *array) node.children.push_back(node_of(item));
-    } else if (const auto* text = value.as_string()) {
-        node.type = Node::Type::text;
-        node.text = text->get();
-    } else if (const auto* integer = value.as_integer()) {
-        node.type = Node::Type::integer;
-        node.integer = integer->get();
-        node.number = static_cast<double>(node.integer);
-    } else if (const auto* number = value.as_floating_point()) {
-        node.type = Node::Type::number;
-        node.number = number->get();
-    } else if (const auto* boolean = value.as_boolean()) {
-        node.type = Node::Type::boolean;
-        node.boolean = boolean->get();
-    } else {
-        node.type = Node::Type::date;
+    } else if (const auto text = value.value_exact<std::string>()) {
+        node.type = Node::Type::text, node.text = *text;
+    } else if (const auto integer = value.value_exact<std::int64_t>()) {
+        node.type = Node::Type::integer, node.integer = *integer, node.number = static_cast<double>(*integer);
+    } else if (const auto number = value.value_exact<double>()) {
+        node.type = Node::Type::number, node.number = *number;
+    } else if (const auto boolean = value.value_exact<bool>()) {
+        node.type = Node::Type::boolean, node.boolean = *boolean;
     }
     return node;
 }

@@ -46,17 +46,9 @@ constexpr std::array units{
     Unit{"CFL", {.courant = 1}, 0, 1, ""},
 };
 
-constexpr std::array<std::pair<std::string_view, int>, 11> prefixes{{{"T", 12},
-                                                                     {"G", 9},
-                                                                     {"M", 6},
-                                                                     {"k", 3},
-                                                                     {"c", -2},
-                                                                     {"m", -3},
-                                                                     {"u", -6},
-                                                                     {"\u00b5", -6},
-                                                                     {"\u03bc", -6},
-                                                                     {"n", -9},
-                                                                     {"p", -12}}};
+constexpr std::pair<std::string_view, int> prefixes[] = {{"T", 12},      {"G", 9},  {"M", 6},  {"k", 3},
+                                                         {"c", -2},      {"m", -3}, {"u", -6}, {"\u00b5", -6},
+                                                         {"\u03bc", -6}, {"n", -9}, {"p", -12}};
 
 constexpr std::pair<Dimension, std::string_view> kinds[] = {
     {{}, "a plain number"},

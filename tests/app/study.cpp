@@ -250,6 +250,6 @@ TEST_CASE("study: mistakes are reported before anything runs") {
     fails("-s 'study.quantity=[{ of = \"time\", name = \"" + std::string(200, 'a') + "\" }]'", "at most 150");
     fails("-s 'study.set=[\"mesh.sise=1\"]'", "did you mean `size`?");
     fails("-s 'study.line=[{ set = [\"time.theta=2\"] }]'", "time.theta");
-    fails("--schemes all -s 'study.line=[{ name = \"a\" }]'", "only one of them");
+    fails("--schemes all -s 'study.line=[{ name = \"a\" }]'", "only one is allowed");
     CHECK(command("study " KNAP_SOURCE_DIR "/scenarios/hopkinson_time_piece.toml --refine mesh").has("cannot be refined"));
 }

@@ -1,8 +1,8 @@
-// Any bytes as a checkpoint. The first byte says what the others are:
+// Any bytes as a checkpoint. The first byte is the kind of the others:
 //     0  a file
-//     1  the memory in a file, whose checksum is right
-//     2  edits of the memory of a real run, so that the corpus outlives changes of what is kept: each is where (2 bytes), how many bytes go,
-//        how many come, and those
+//     1  the memory in a file with a valid checksum
+//     2  edits of the memory of a real run, so that the corpus remains valid if the format changes. An edit has a
+//        position (2 bytes), a number of bytes to remove, a number of bytes to insert, and these bytes.
 #include "target.hpp"
 
 #include "app/run/checkpoint.hpp"
@@ -21,12 +21,15 @@ ModelInput torn_plate() {
     input.materials = {{.density = 1, .E = 1, .nu = 0.2}};
     input.laws = {{.sigma_c = 1e-3, .G_c = 2e-6, .gamma = 1, .friction = 0.3}};
     input.law_of_pair = {{0}};
-    input.loads = {load(Load::Kind::velocity, "left", -0.01, std::nullopt), load(Load::Kind::velocity, "right", 0.01, std::nullopt)};
+    input.loads = {load(Load::Kind::velocity, "left", -0.01, std::nullopt),
+                   load(Load::Kind::velocity, "right", 0.01, std::nullopt)};
     return input;
 }
 
 struct RealRun {
-    RealRun() : control(limits), recorder(run.model, run.now, {.end = 1, .history_every = 0.1, .materials = {"glass"}, .breaks = true}) {
+    RealRun()
+        : control(limits),
+          recorder(run.model, run.now, {.end = 1, .history_every = 0.1, .materials = {"glass"}, .breaks = true}) {
         const double h = 0.8 * run.stepper.stable_step();
         for (int i = 0; i < 60; ++i) {
             const StepReport report = run.step(h);
@@ -39,12 +42,15 @@ struct RealRun {
     Run run{torn_plate()};
     StepControl control;
     Recorder recorder;
-    RunMemory memory{.now = run.now, .control = control, .recorder = recorder, .log_size = 7, .cpu = 1, .wall = 2, .cpu_steps = 0.5};
+    RunMemory memory{
+        .now = run.now, .control = control, .recorder = recorder, .log_size = 7, .cpu = 1, .wall = 2, .cpu_steps = 0.5};
 };
 
 std::string edited(std::string bytes, const std::string& edits) {
     for (std::size_t at = 0; at + 4 <= edits.size();) {
-        const auto byte = [&](std::size_t i) { return static_cast<std::size_t>(static_cast<unsigned char>(edits[at + i])); };
+        const auto byte = [&](std::size_t i) {
+            return static_cast<std::size_t>(static_cast<unsigned char>(edits[at + i]));
+        };
         const std::size_t where = (byte(0) + 256 * byte(1)) % (bytes.size() + 1), n_gone = byte(2), n_new = byte(3);
         const std::string come = edits.substr(at + 4, n_new);
         bytes.replace(where, n_gone, come);

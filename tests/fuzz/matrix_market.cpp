@@ -16,7 +16,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const LcpMatrix M = read_matrix_market(text, "input.mtx");
         for (int k = 0; k < M.outerSize(); ++k)
             for (LcpMatrix::InnerIterator entry(M, k); entry; ++entry) {
-                require(entry.row() >= 0 && entry.row() < M.rows() && entry.col() >= 0 && entry.col() < M.cols(), "entries lie in the matrix");
+                require(entry.row() >= 0 && entry.row() < M.rows() && entry.col() >= 0 && entry.col() < M.cols(),
+                        "entries lie in the matrix");
                 require(std::isfinite(entry.value()), "entries are finite");
             }
     } catch (const UserError& error) {

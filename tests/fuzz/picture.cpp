@@ -12,6 +12,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(picture || !problem.empty(), "an error says something");
     if (!picture) return 0;
     require(picture->width > 0 && picture->height > 0, "a picture has pixels");
-    require(picture->rgb.size() == 3 * static_cast<std::size_t>(picture->width) * static_cast<std::size_t>(picture->height), "each with its colour");
+    require(
+        picture->rgb.size() == 3 * static_cast<std::size_t>(picture->width) * static_cast<std::size_t>(picture->height),
+        "each with its colour");
     return 0;
 }

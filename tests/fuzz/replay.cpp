@@ -1,5 +1,5 @@
-// Sends every file of the folders that are named through a reader, as libFuzzer does, each within ten seconds of processor time (a hang is more than
-// one second in the release build for less than 10 kB; with sanitizers it takes longer).
+// Passes every file of the given folders to a reader, as libFuzzer does, with a limit of ten seconds of processor time
+// each. (In the release build, more than one second for less than 10 kB counts as a hang; sanitizers are slower.)
 #include "target.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Any text as a scenario: read, resolved, judged. One that is right is written in full and read again, and says the same.
+// Any text as a scenario. A valid one is written with all defaults, and reading that gives the same scenario.
 #include "target.hpp"
 
 #include "base/error.hpp"
@@ -24,7 +24,8 @@ void check(const UserError& error, const std::string& text) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    static const std::string beside = KNAP_SOURCE_DIR "/tests/fuzz/beside";  // the files that scenarios of the corpus name
+    static const std::string beside =
+        KNAP_SOURCE_DIR "/tests/fuzz/beside";  // the files that scenarios of the corpus name
     const std::string text = tests::text_of(data, size);
     try {
         const ReadResult read = read_scenario_text(text, "input.toml", {}, beside);

@@ -1,6 +1,7 @@
 #pragma once
-// A reader as libFuzzer calls it: any bytes end in what was read or in the error that the reader promises. Anything else ends the program: another
-// exception, a sanitizer's find, require(false). tools/fuzz runs them with clang; the tests replay the corpus (replay.cpp).
+// A reader as libFuzzer calls it: any bytes give a result or the documented error. Everything else aborts the program:
+// another exception, a finding of a sanitizer, require(false). tools/fuzz runs them with clang; the tests replay the
+// corpus (replay.cpp).
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -17,6 +18,8 @@ inline void require(bool holds, const char* what) {
     std::abort();
 }
 
-inline std::string text_of(const std::uint8_t* data, std::size_t size) { return size == 0 ? std::string() : std::string(reinterpret_cast<const char*>(data), size); }
+inline std::string text_of(const std::uint8_t* data, std::size_t size) {
+    return size == 0 ? std::string() : std::string(reinterpret_cast<const char*>(data), size);
+}
 
 }  // namespace knap::tests

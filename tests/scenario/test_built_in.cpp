@@ -39,21 +39,25 @@ bool same(const std::optional<Box>& a, const std::optional<Box>& b) {
 bool same(const Selection& a, const Selection& b) { return a.boundary == b.boundary && same(a.box, b.box); }
 
 bool same(const Load& a, const Load& b) {
-    return a.kind == b.kind && same(a.on, b.on) && a.value == b.value && a.history.time == b.history.time && a.history.value == b.history.value;
+    return a.kind == b.kind && same(a.on, b.on) && a.value == b.value && a.history.time == b.history.time &&
+           a.history.value == b.history.value;
 }
 
 bool same(const CohesiveLaw& a, const CohesiveLaw& b) {
-    return a.sigma_c == b.sigma_c && a.G_c == b.G_c && a.gamma == b.gamma && a.friction == b.friction && a.restitution == b.restitution;
+    return a.sigma_c == b.sigma_c && a.G_c == b.G_c && a.gamma == b.gamma && a.friction == b.friction &&
+           a.restitution == b.restitution;
 }
 
 bool same(const FigureOptions& a, const FigureOptions& b) {
-    return a.file == b.file && a.show == b.show && a.at == b.at && a.colour == b.colour && a.deform == b.deform && same(a.box, b.box) &&
-           a.range == b.range && a.width == b.width && a.title == b.title && a.over == b.over && a.aspect == b.aspect && a.panel == b.panel;
+    return a.file == b.file && a.show == b.show && a.at == b.at && a.colour == b.colour && a.deform == b.deform &&
+           same(a.box, b.box) && a.range == b.range && a.width == b.width && a.title == b.title && a.over == b.over &&
+           a.aspect == b.aspect && a.panel == b.panel;
 }
 
 bool same(const Expectation& a, const Expectation& b) {
-    return a.key == b.key && a.below == b.below && a.above == b.above && a.at_least == b.at_least && a.at_most == b.at_most && a.value == b.value &&
-           a.within == b.within && a.relative == b.relative && a.unit == b.unit;
+    return a.key == b.key && a.below == b.below && a.above == b.above && a.at_least == b.at_least &&
+           a.at_most == b.at_most && a.value == b.value && a.within == b.within && a.relative == b.relative &&
+           a.unit == b.unit;
 }
 
 /// Bit for bit.
@@ -77,7 +81,8 @@ void check_same(const Scenario& a, const Scenario& b) {
         CHECK(a.materials[i].elastic.nu == b.materials[i].elastic.nu);
     }
     REQUIRE(a.laws.size() == b.laws.size());
-    for (std::size_t i = 0; i < a.laws.size(); ++i) CHECK((a.laws[i].name == b.laws[i].name && same(a.laws[i].law, b.laws[i].law)));
+    for (std::size_t i = 0; i < a.laws.size(); ++i)
+        CHECK((a.laws[i].name == b.laws[i].name && same(a.laws[i].law, b.laws[i].law)));
     CHECK(a.law_of_pair == b.law_of_pair);
     REQUIRE(a.loads.size() == b.loads.size());
     for (std::size_t i = 0; i < a.loads.size(); ++i) CHECK(same(a.loads[i], b.loads[i]));
@@ -87,7 +92,8 @@ void check_same(const Scenario& a, const Scenario& b) {
                a.supports[i].glued == b.supports[i].glued && a.supports[i].gap == b.supports[i].gap));
     REQUIRE(a.initial_velocities.size() == b.initial_velocities.size());
     for (std::size_t i = 0; i < a.initial_velocities.size(); ++i)
-        CHECK((same(a.initial_velocities[i].on, b.initial_velocities[i].on) && a.initial_velocities[i].value == b.initial_velocities[i].value));
+        CHECK((same(a.initial_velocities[i].on, b.initial_velocities[i].on) &&
+               a.initial_velocities[i].value == b.initial_velocities[i].value));
     CHECK(a.time.end == b.time.end);
     CHECK(a.time.step == b.time.step);
     CHECK(a.time.step_cracking == b.time.step_cracking);
@@ -130,7 +136,8 @@ TEST_CASE("built-in: each reads without a warning and resolves to itself") {
         CHECK(once.scenario.name == name);
         CHECK_FALSE(once.scenario.expect.empty());
         CHECK(once.source.text().starts_with("# "));
-        const ReadResult twice = read_scenario_text(resolved_toml(once), "resolved.toml", {}, KNAP_SOURCE_DIR "/scenarios");
+        const ReadResult twice =
+            read_scenario_text(resolved_toml(once), "resolved.toml", {}, KNAP_SOURCE_DIR "/scenarios");
         check_same(once.scenario, twice.scenario);
         CHECK(resolved_toml(twice) == resolved_toml(once));
     }

@@ -231,9 +231,11 @@ centre = ["1 mm", "2 mm"]
 radius = "10 mm"
 )");
 
-const std::string mesh_file = samples::changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n[mesh]\nsize = 0.001\n",
-                                               "[mesh]\nfile = \"" KNAP_SOURCE_DIR "/tests/mesh/data/block_41_ascii.msh\"\n"
-                                               "unit = \"1 mm\"\ncracks = [\"crack\"]\n[material.steel]\ndensity = 8000\nE = 190e9\nnu = 0.3\n");
+const std::string mesh_file =
+    samples::changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n[mesh]\nsize = 0.001\n",
+                     "[mesh]\nfile = \"" KNAP_SOURCE_DIR
+                     "/tests/mesh/data/block_41_ascii.msh\"\n"
+                     "unit = \"1 mm\"\ncracks = [\"crack\"]\n[material.steel]\ndensity = 8000\nE = 190e9\nnu = 0.3\n");
 
 const std::string schemes = samples::least + "[study]\nschemes = [\"explicit/explicit\", \"implicit/implicit\"]\n";
 
@@ -312,7 +314,8 @@ axial = ["top", "load0"]
 modulus_between = [0.1, "30 %"]
 )";
 
-const std::string stretched = samples::changed("\"bending\"", "\"tension\"", samples::changed("span = \"80 mm\"", "lateral = [\"left\", \"right\"]", tested));
+const std::string stretched = samples::changed(
+    "\"bending\"", "\"tension\"", samples::changed("span = \"80 mm\"", "lateral = [\"left\", \"right\"]", tested));
 
 const std::string painted = samples::least + R"([[map]]
 file = ")" KNAP_SOURCE_DIR R"(/tests/scenario/data/two_halves.png"
@@ -574,7 +577,7 @@ TEST_CASE("keys: each is in the test above and is found by its pattern") {
     }
 }
 
-TEST_CASE("scenario: the structs hold what the file says") {
+TEST_CASE("scenario: the structs hold the values of the file") {
     const Scenario s = samples::read(rectangle).scenario;
     CHECK(s.name == "all-1");
     CHECK(s.seed == 7);
@@ -588,7 +591,7 @@ TEST_CASE("scenario: the structs hold what the file says") {
     REQUIRE(s.shape.holes.size() == 2);
     CHECK(s.shape.holes[0].boundary == std::vector<Index>(s.shape.holes[0].points.size(), 4));
     CHECK(s.shape.holes[0].points.size() == 3 + 4);  // an arc of 2.32 mm in sides of 0.5 mm
-    CHECK(s.shape.holes[1].points.size() == 13);  // 2 pi 2 mm / 1 mm
+    CHECK(s.shape.holes[1].points.size() == 13);     // 2 pi 2 mm / 1 mm
     REQUIRE(s.shape.regions.size() == 3);
     REQUIRE(s.materials.size() == 2);
     CHECK(s.materials[0].name == "steel");  // the order of the file, not of the alphabet
@@ -699,7 +702,8 @@ TEST_CASE("scenario: defaults") {
     CHECK(s.laws.at(0).law.gamma == 1);
     CHECK(s.laws.at(0).law.restitution == 0);
     CHECK(s.law_of_pair == std::vector<std::vector<Index>>{{0}});
-    CHECK(samples::read(samples::least + "[[figure]]\nfile = \"a.png\"\n").scenario.figures.at(0).at == std::vector<double>{80e-6});
+    CHECK(samples::read(samples::least + "[[figure]]\nfile = \"a.png\"\n").scenario.figures.at(0).at ==
+          std::vector<double>{80e-6});
 }
 
 TEST_CASE("scenario: polygon and disc") {
@@ -710,7 +714,8 @@ TEST_CASE("scenario: polygon and disc") {
     CHECK(in_order == std::vector<Index>{0, 1, 2, 1});
     CHECK(p.shape.outer.points.size() == 4 + 11);  // a lid of 11.03 mm
     const std::string unnamed = samples::changed("sides = [\"floor\", \"wall\", \"lid\", \"wall\"]\n", "", polygon);
-    CHECK(samples::read(unnamed).scenario.shape.boundary_names == std::vector<std::string>{"side1", "side2", "side3", "side4"});
+    CHECK(samples::read(unnamed).scenario.shape.boundary_names ==
+          std::vector<std::string>{"side1", "side2", "side3", "side4"});
     const Scenario d = samples::read(disc).scenario;
     CHECK(d.shape.outer.points.size() == 63);  // 2 pi 10 mm / 1 mm
     CHECK(d.shape.boundary_names == std::vector<std::string>{"rim"});

@@ -28,8 +28,8 @@ TEST_CASE("locate: parts of a shape") {
         int line, column, length;
     };
     const ReadResult result = samples::read(text);
-    for (const Case& c : {Case{"outer", 4, 8, 11}, Case{"holes[0]", 18, 10, 5}, Case{"cracks[0]", 20, 10, 25}, Case{"cracks[1]", 22, 10, 11},
-                          Case{"regions[0]", 25, 7, 18}, Case{"size", 6, 8, 5}}) {
+    for (const Case& c : {Case{"outer", 4, 8, 11}, Case{"holes[0]", 18, 10, 5}, Case{"cracks[0]", 20, 10, 25},
+                          Case{"cracks[1]", 22, 10, 11}, Case{"regions[0]", 25, 7, 18}, Case{"size", 6, 8, 5}}) {
         CAPTURE(c.part);
         const Diagnostic d = result.at_shape(ShapeError(c.part, "is no good"));
         CHECK(d.code == "bad-shape");

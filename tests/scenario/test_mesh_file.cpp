@@ -29,8 +29,8 @@ const std::string two_materials = samples::changed("[interface.default]", steel 
 /// Two triangles in format 2.2; `groups` are the physical groups of the two, 0 for none.
 std::string square(const std::string& groups, const std::string& names = "") {
     return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" + names +
-           "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n$Elements\n2\n1 2 1 " + groups.substr(0, 1) + " 1 2 3\n2 2 1 " +
-           groups.substr(2) + " 1 3 4\n$EndElements\n";
+           "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n$Elements\n2\n1 2 1 " + groups.substr(0, 1) +
+           " 1 2 3\n2 2 1 " + groups.substr(2) + " 1 3 4\n$EndElements\n";
 }
 
 std::filesystem::path folder() {
@@ -39,10 +39,11 @@ std::filesystem::path folder() {
     return path;
 }
 
-/// A scenario with the mesh beside it.
-ReadResult beside(const std::string& mesh, const std::string& text) {
+/// A scenario with this mesh in its directory.
+ReadResult with_mesh(const std::string& mesh, const std::string& text) {
     std::ofstream(folder() / "m.msh", std::ios::binary) << mesh;
-    return read_scenario_text(samples::changed(mesh_of_block, "[mesh]\nfile = \"m.msh\"\n", text), "s.toml", {}, folder());
+    return read_scenario_text(samples::changed(mesh_of_block, "[mesh]\nfile = \"m.msh\"\n", text), "s.toml", {},
+                              folder());
 }
 
 std::vector<Diagnostic> mistakes(const std::string& text) {
@@ -54,9 +55,9 @@ std::vector<Diagnostic> mistakes(const std::string& text) {
     return {};
 }
 
-std::vector<Diagnostic> mistakes_beside(const std::string& mesh, const std::string& text) {
+std::vector<Diagnostic> mistakes_with_mesh(const std::string& mesh, const std::string& text) {
     try {
-        beside(mesh, text);
+        with_mesh(mesh, text);
     } catch (const UserError& error) {
         return error.diagnostics;
     }
@@ -71,22 +72,25 @@ TEST_CASE("mesh file: surfaces are materials and curves boundaries and cracks in
     const Mesh& mesh = s.given->mesh;
     double area[2] = {0, 0};
     for (Index t = 0; t < mesh.n_triangles(); ++t) area[mesh.region[t]] += mesh.area(t);
-    CHECK(area[1] == doctest::Approx(1e-4).epsilon(1e-9));  // steel, the second material of the scenario, is the left half
+    CHECK(area[1] ==
+          doctest::Approx(1e-4).epsilon(1e-9));  // steel, the second material of the scenario, is the left half
     CHECK(area[0] > 0.85e-4);
     CHECK(area[0] < 1e-4);
     double cracked = 0;
     for (const InteriorEdge& edge : mesh.interior_edges)
         if (edge.cracked)
-            cracked += (mesh.corner(edge.triangle[0], edge.side[0]) - mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3)).norm();
+            cracked +=
+                (mesh.corner(edge.triangle[0], edge.side[0]) - mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3))
+                    .norm();
     CHECK(cracked == doctest::Approx(5e-3).epsilon(1e-9));
     CHECK(s.shape.boundary_names == std::vector<std::string>{"left side", "Rand unten ü", "right", "hole"});
     CHECK(s.plane == PlaneModel::strain);
     CHECK(s.files.front().bytes.size() == std::filesystem::file_size(data / "block_41_binary.msh"));
 
-    const Scenario other =
-        read_scenario_text(samples::changed("unit = \"1 mm\"\n", "", two_materials) + "[domain]\nmodel = \"plane stress\"\n", "s.toml", {},
-                           data)
-            .scenario;
+    const Scenario other = read_scenario_text(samples::changed("unit = \"1 mm\"\n", "", two_materials) +
+                                                  "[domain]\nmodel = \"plane stress\"\n",
+                                              "s.toml", {}, data)
+                               .scenario;
     CHECK(other.plane == PlaneModel::stress);
     CHECK(other.given->mesh.vertices[0].norm() == doctest::Approx(1e3 * mesh.vertices[0].norm()));
 }
@@ -100,7 +104,9 @@ TEST_CASE("mesh file: the resolved scenario names it and has no keys of meshing"
 }
 
 TEST_CASE("mesh file: boundaries are known by name wherever one is selected") {
-    const auto with_load = [](const std::string& on) { return two_materials + "[[load]]\non = \"" + on + "\"\ntraction = [0, 1]\n"; };
+    const auto with_load = [](const std::string& on) {
+        return two_materials + "[[load]]\non = \"" + on + "\"\ntraction = [0, 1]\n";
+    };
     CHECK(mistakes(with_load("Rand unten ü")).empty());
     const auto found = mistakes(with_load("left sid"));
     REQUIRE(found.size() == 1);
@@ -117,7 +123,9 @@ TEST_CASE("mesh file: names that the scenario does not have are refused") {
     CHECK(material[0].message == "`mesh.file` has the physical surface `steel`, which is no material");
     CHECK(material[0].hint == "did you mean `steal`?");
     CHECK(material[0].note == "materials: glass, steal");
-    const auto crack = [](const std::string& name) { return mistakes(samples::changed("\"crack\"", "\"" + name + "\"", two_materials)); };
+    const auto crack = [](const std::string& name) {
+        return mistakes(samples::changed("\"crack\"", "\"" + name + "\"", two_materials));
+    };
     CHECK(crack("joint").empty());
     REQUIRE(crack("crak").size() == 1);
     CHECK(crack("crak")[0].note == "known: crack, joint");
@@ -128,20 +136,23 @@ TEST_CASE("mesh file: names that the scenario does not have are refused") {
 TEST_CASE("mesh file: triangles without a name have the only material") {
     const std::string names = "$PhysicalNames\n1\n2 5 \"glass\"\n$EndPhysicalNames\n";
     for (const char* groups : {"0 0", "0 7", "7 8"})
-        CHECK(beside(square(groups), one_material).scenario.given->mesh.region == std::vector<Index>{0, 0});
-    CHECK(beside(square("5 0", names), one_material).scenario.given->mesh.n_triangles() == 2);
-    const auto without = mistakes_beside(square("5 0", names), two_materials);
+        CHECK(with_mesh(square(groups), one_material).scenario.given->mesh.region == std::vector<Index>{0, 0});
+    CHECK(with_mesh(square("5 0", names), one_material).scenario.given->mesh.n_triangles() == 2);
+    const auto without = mistakes_with_mesh(square("5 0", names), two_materials);
     REQUIRE(without.size() == 1);
-    CHECK(without[0].message == "`mesh.file` has 1 triangles in no physical surface, so that their material is unknown");
-    CHECK(mistakes_beside(square("5 7", names), two_materials).size() == 1);
-    const std::string numbered = samples::changed("material.steel", "material.7", two_materials);  // a number may be a name
-    CHECK(beside(square("5 7", names), numbered).scenario.given->mesh.region.size() == 2);
+    CHECK(without[0].message ==
+          "`mesh.file` has 1 triangles in no physical surface, so that their material is unknown");
+    CHECK(mistakes_with_mesh(square("5 7", names), two_materials).size() == 1);
+    const std::string numbered =
+        samples::changed("material.steel", "material.7", two_materials);  // a number may be a name
+    CHECK(with_mesh(square("5 7", names), numbered).scenario.given->mesh.region.size() == 2);
 }
 
-TEST_CASE("mesh file: nothing else may say what the body is") {
+TEST_CASE("mesh file: keys that define the body are excluded") {
     const auto with = [](const std::string& more) { return mistakes(two_materials + more); };
-    for (const char* more : {"[domain]\nsize = [1, 1]\n", "[domain]\nsides = [\"a\"]\n", "[[domain.hole]]\ncentre = [0, 0]\nradius = 1\n",
-                             "[[domain.crack]]\npoints = [[0, 0], [1, 1]]\n", "[[mesh.refine]]\ninside = [0, 0, 1, 1]\nsize = 1\n"}) {
+    for (const char* more :
+         {"[domain]\nsize = [1, 1]\n", "[domain]\nsides = [\"a\"]\n", "[[domain.hole]]\ncentre = [0, 0]\nradius = 1\n",
+          "[[domain.crack]]\npoints = [[0, 0], [1, 1]]\n", "[[mesh.refine]]\ninside = [0, 0, 1, 1]\nsize = 1\n"}) {
         CAPTURE(more);
         const auto found = with(more);
         REQUIRE(found.size() == 1);
@@ -166,8 +177,8 @@ TEST_CASE("mesh file: without it the shape and the size are needed") {
     CHECK(message("[mesh]\nsize = 0.001\n", "") == "`mesh` is missing");
 }
 
-TEST_CASE("mesh file: what is wrong in it is said with its own place") {
-    const auto bad = mistakes_beside("$MeshFormat\n4.0 0 8\n", one_material);
+TEST_CASE("mesh file: mistakes in it have a place in the mesh file") {
+    const auto bad = mistakes_with_mesh("$MeshFormat\n4.0 0 8\n", one_material);
     REQUIRE(bad.size() == 1);
     CHECK(bad[0].code == "bad-mesh");
     CHECK(std::filesystem::path(bad[0].file).filename() == "m.msh");
@@ -184,6 +195,7 @@ TEST_CASE("mesh file: a built-in scenario has its mesh in the binary") {
     REQUIRE(built_in.scenario.given);
     CHECK(built_in.scenario.files.at(0).bytes == on_disk.scenario.files.at(0).bytes);
     CHECK(built_in.scenario.given->mesh.n_triangles() == 616);
-    CHECK(std::count_if(built_in.scenario.given->mesh.interior_edges.begin(), built_in.scenario.given->mesh.interior_edges.end(),
+    CHECK(std::count_if(built_in.scenario.given->mesh.interior_edges.begin(),
+                        built_in.scenario.given->mesh.interior_edges.end(),
                         [](const InteriorEdge& edge) { return edge.cracked; }) == 3);
 }

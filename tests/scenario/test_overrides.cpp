@@ -8,7 +8,8 @@ using samples::mistakes;
 using samples::read;
 
 namespace {
-const std::string loaded = least + "[[load]]\non = \"top\"\ntraction = [0, 1]\n[[load]]\non = \"bottom\"\ntraction = [0, -1]\n";
+const std::string loaded =
+    least + "[[load]]\non = \"top\"\ntraction = [0, 1]\n[[load]]\non = \"bottom\"\ntraction = [0, -1]\n";
 }
 
 TEST_CASE("set: values as TOML or bare") {
@@ -59,27 +60,32 @@ TEST_CASE("set: mistakes name the option") {
     struct Case {
         const char* set;
         const char* code;
-        const char* says;
+        const char* excerpt;
     };
-    for (const Case& c : {Case{"mesh.sise=1", "unknown-key", "did you mean `size`?"}, Case{"mehs.size=1", "unknown-key", "did you mean `mesh`?"},
-                          Case{"mesh.size=1 s", "wrong-unit", "a time"}, Case{"mesh.size=-1", "out-of-range", "greater than 0"},
-                          Case{"mesh.size=true", "wrong-type", "a length"}, Case{"domain.model=plain strain", "unknown-word", "plane strain"},
-                          Case{"load[5].traction=1", "bad-override", "has 2"}, Case{"mesh[0]=", "bad-override", "cannot be left out"}, Case{"load.traction=1", "bad-override", "no table"},
-                          Case{"load[x].traction=1", "bad-override", "not a path"}, Case{"mesh..size=1", "bad-override", "not a path"},
-                          Case{"mesh.size.x=1", "bad-override", "no table"}, Case{"mesh.size", "bad-override", "KEY=VALUE"}, Case{"=3", "bad-override", "KEY=VALUE"},
-                          Case{"load[0].on=topp", "unknown-name", "did you mean `top`?"}, Case{"load[0].velocity=[0, 1]", "exclusive-keys", "velocity"}}) {
+    for (const Case& c :
+         {Case{"mesh.sise=1", "unknown-key", "did you mean `size`?"},
+          Case{"mehs.size=1", "unknown-key", "did you mean `mesh`?"}, Case{"mesh.size=1 s", "wrong-unit", "a time"},
+          Case{"mesh.size=-1", "out-of-range", "greater than 0"}, Case{"mesh.size=true", "wrong-type", "a length"},
+          Case{"domain.model=plain strain", "unknown-word", "plane strain"},
+          Case{"load[5].traction=1", "bad-override", "has 2"}, Case{"mesh[0]=", "bad-override", "cannot be left out"},
+          Case{"load.traction=1", "bad-override", "no table"}, Case{"load[x].traction=1", "bad-override", "not a path"},
+          Case{"mesh..size=1", "bad-override", "not a path"}, Case{"mesh.size.x=1", "bad-override", "no table"},
+          Case{"mesh.size", "bad-override", "KEY=VALUE"}, Case{"=3", "bad-override", "KEY=VALUE"},
+          Case{"load[0].on=topp", "unknown-name", "did you mean `top`?"},
+          Case{"load[0].velocity=[0, 1]", "exclusive-keys", "velocity"}}) {
         CAPTURE(c.set);
         const std::vector<Diagnostic> found = mistakes(loaded, {c.set});
         REQUIRE(found.size() == 1);
         CHECK(found[0].code == c.code);
         CHECK(found[0].file == std::string("--set ") + c.set);
         CHECK(found[0].line == 0);
-        CHECK((found[0].message + found[0].hint + found[0].note).find(c.says) != std::string::npos);
+        CHECK((found[0].message + found[0].hint + found[0].note).find(c.excerpt) != std::string::npos);
     }
 }
 
 TEST_CASE("set: what is not UTF-8 is refused as it is in a file") {
-    for (const char* text : {"L\xf6we", "\xff", "\xc3", "\xc0\x80", "\xe0\x80\x80", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xe2\x82"}) {
+    for (const char* text :
+         {"L\xf6we", "\xff", "\xc3", "\xc0\x80", "\xe0\x80\x80", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xe2\x82"}) {
         CAPTURE(text);
         const std::vector<Diagnostic> found = mistakes(least, {std::string("title=") + text});
         REQUIRE(found.size() == 1);

@@ -1,4 +1,5 @@
-// Every piece of a scenario that a README or the list of keys shows can be read: laid over a scenario that has what it names.
+// Every piece of a scenario that a README or the list of keys shows can be read: laid over a scenario that has what it
+// names.
 #include "samples.hpp"
 
 #include <doctest/doctest.h>
@@ -13,13 +14,16 @@ namespace {
 
 /// What the examples speak of; a table that an example has itself is left out.
 const std::pair<const char*, const char*> context[] = {
-    {"[domain]", "shape = \"polygon\"\npoints = [[0, 0], [0.1, 0], [0.1, 0.04], [0.05, 0.04], [0, 0.04]]\nsides = [\"bottom\", \"right\", \"top\", \"sides\", \"left\"]\n"},
+    {"[domain]",
+     "shape = \"polygon\"\npoints = [[0, 0], [0.1, 0], [0.1, 0.04], [0.05, 0.04], [0, 0.04]]\nsides = [\"bottom\", "
+     "\"right\", \"top\", \"sides\", \"left\"]\n"},
     {"[mesh]", "size = \"1 mm\"\n"},
     {"[material.rock]", "density = 2650\nE = \"40 GPa\"\nnu = 0.2\n"},
     {"[material.quartz]", "density = 2650\nE = \"90 GPa\"\nnu = 0.1\n"},
     {"[material.mica]", "density = 2850\nE = \"80 GPa\"\nnu = 0.2\n"},
     {"[interface.default]", "sigma_c = \"8 MPa\"\nG_c = 20\n"},
-    {"[[obstacle]]", "name = \"upper platen\"\nshape = \"half plane\"\nat = [0, 0.05]\nnormal = [0, -1]\nvelocity = [0, -0.01]\n"},
+    {"[[obstacle]]",
+     "name = \"upper platen\"\nshape = \"half plane\"\nat = [0, 0.05]\nnormal = [0, -1]\nvelocity = [0, -0.01]\n"},
     {"[[probe]]", "name = \"west end\"\nat = [0, 0.02]\n[[probe]]\nname = \"east end\"\nat = [0.1, 0.02]\n"},
     {"[time]", "end = \"20 us\"\n"},
 };
@@ -38,7 +42,9 @@ std::vector<Example> examples() {
         Example now;
         int number = 0;
         const auto end = [&] {
-            if (now.text.starts_with("[") || now.text.starts_with("knap = ") || now.text.find("\n[") != std::string::npos) found.push_back(now);
+            if (now.text.starts_with("[") || now.text.starts_with("knap = ") ||
+                now.text.find("\n[") != std::string::npos)
+                found.push_back(now);
             now = {};
         };
         for (std::string line; std::getline(in, line);) {
@@ -62,10 +68,12 @@ std::string completed(std::string text) {
     };
     add("[time]", "\nend *=", "end = \"20 us\"\n");
     add("[mesh]", "\n(size|file) *=", "size = \"1 mm\"\n");
-    const bool has_body = text.find("[domain]\n") != std::string::npos || std::regex_search(text, std::regex("\\[mesh\\]\n(.*\n)*file"));
+    const bool has_body =
+        text.find("[domain]\n") != std::string::npos || std::regex_search(text, std::regex("\\[mesh\\]\n(.*\n)*file"));
     for (const auto& [header, keys] : context) {
         const bool is_body = std::string(header) == "[domain]";
-        if (is_body ? has_body : header[1] != '[' && text.find(std::string(header) + "\n") != std::string::npos) continue;
+        if (is_body ? has_body : header[1] != '[' && text.find(std::string(header) + "\n") != std::string::npos)
+            continue;
         text += "\n" + std::string(header) + "\n" + keys;
     }
     return (text.find("knap ") == 0 ? "" : "knap = 1\n") + text;

@@ -53,7 +53,8 @@ TEST_CASE("schema: text and Markdown name every key") {
         CHECK(text.find(std::string(key.doc)) != std::string::npos);
         CHECK(text.find(key.path.ends_with("*") ? "NAME]" : std::string(key.name())) != std::string::npos);
     }
-    for (const char* row : {"| `domain.size` |", "## `[[load]]`\n", "## `[material.NAME]`\n", "| `[[domain.crack]]` |", "| `expect.*.below` |"})
+    for (const char* row : {"| `domain.size` |", "## `[[load]]`\n", "## `[material.NAME]`\n", "| `[[domain.crack]]` |",
+                            "| `expect.*.below` |"})
         CHECK(markdown.find(row) != std::string::npos);
     for (const Output& row : output_table("summary").rows) CHECK(text.find(std::string(row.name)) != std::string::npos);
 }
@@ -67,7 +68,8 @@ TEST_CASE("schema: every block has a section with an anchor and an example of it
         const std::size_t begin = markdown.find("<a id=\"" + name + "\"></a>");
         REQUIRE(begin != std::string::npos);
         const std::string section = markdown.substr(begin, markdown.find("<a id", begin + 1) - begin);
-        CHECK(section.find(block->kind == Kind::list ? "\n    [[" + name + "]]\n" : "\n    [" + name) != std::string::npos);
+        CHECK(section.find(block->kind == Kind::list ? "\n    [[" + name + "]]\n" : "\n    [" + name) !=
+              std::string::npos);
         CHECK(section.find("| `" + name) != std::string::npos);
         CHECK(markdown.find("](#" + name + ")") < begin);
     }

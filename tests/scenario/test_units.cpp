@@ -87,8 +87,10 @@ TEST_CASE("units: a power of ten leaves no rounding error") {
 }
 
 TEST_CASE("units: what is no quantity") {
-    for (const char* text : {"", " ", "mm", "abc", "nan", "inf m", "- 3 mm", "1,5 mm", "3 parsec", "3 m/", "3 /m", "3 mm0", "3 mm^", "3 mm^^2", "3 m//s",
-                             "1e999 m", "1e99999999999 m", ".", "3 m m3 4", "3 kkm", "3 m12", "0x10 m"}) {
+    for (const char* text :
+         {"",         " ",     "mm",    "abc",   "nan",     "inf m",  "- 3 mm",  "1,5 mm",          "3 parsec",
+          "3 m/",     "3 /m",  "3 mm0", "3 mm^", "3 mm^^2", "3 m//s", "1e999 m", "1e99999999999 m", ".",
+          "3 m m3 4", "3 kkm", "3 m12", "0x10 m"}) {
         CAPTURE(text);
         CHECK_FALSE(parse_quantity(text).problem.empty());
     }
@@ -104,6 +106,7 @@ TEST_CASE("units: the locale does not matter") {
 }
 
 TEST_CASE("units: shortest text reads back") {
-    for (const double x : {0.1, 1.0 / 3, 3.08e6, 5e-324, 1.7976931348623157e308, -0.0}) CHECK(parse_quantity(shortest(x)).value == x);
+    for (const double x : {0.1, 1.0 / 3, 3.08e6, 5e-324, 1.7976931348623157e308, -0.0})
+        CHECK(parse_quantity(shortest(x)).value == x);
     CHECK(shortest(-0.0) == "-0.0");
 }
