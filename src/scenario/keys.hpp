@@ -53,13 +53,9 @@ struct Condition {
 };
 
 template <class T>
-struct WithoutOptional {
-    using type = T;
-};
+T without_optional(T);
 template <class T>
-struct WithoutOptional<std::optional<T>> {
-    using type = T;
-};
+T without_optional(std::optional<T>);
 
 struct Key {
     std::string path;
@@ -113,7 +109,7 @@ struct Key {
     /// Table::fill writes the value, a number through `convert`, to this member of an options struct.
     template <class T, class M>
     Key& to(M T::*member, double (*convert)(double) = nullptr) {
-        using Value = typename WithoutOptional<M>::type;
+        using Value = decltype(without_optional(std::declval<M>()));
         owner = &typeid(T);
         store = [=](void* object, const Node& node) {
             std::optional<Value> value = value_as<Value>(node);

@@ -105,11 +105,9 @@ void check_times(Reading& reading) {
     };
     for (std::size_t i = 0; i < scenario.loads.size(); ++i) check_history(item("load", i), scenario.loads[i].history);
     for (std::size_t i = 0; i < scenario.obstacles.size(); ++i)
-        for (const Drive& drive : scenario.obstacles[i].drive)
-            if (!drive.history.time.empty()) {
-                check_history(item("obstacle", i), drive.history);
-                break;
-            }
+        check_history(item("obstacle", i), std::ranges::max(scenario.obstacles[i].drive, {}, [](const Drive& drive) {
+                                               return drive.history.time.size();
+                                           }).history);
     for (const Table& quantity : reading.list("study.quantity"))
         if (const auto at = quantity.number("at"); at && *at > end)
             quantity.warning(

@@ -112,15 +112,12 @@ struct PaintedMaterial {
     Index material;
 };
 
+/// "#rrggbb"
 std::optional<Rgb> colour_of(const std::string& text) {
-    Rgb rgb{};
-    if (text.size() != 7 || text[0] != '#') return std::nullopt;
-    for (int i = 0; i < 3; ++i) {
-        const char* begin = text.data() + 1 + 2 * i;
-        const auto [end, code] = std::from_chars(begin, begin + 2, rgb[i], 16);
-        if (code != std::errc() || end != begin + 2) return std::nullopt;
-    }
-    return rgb;
+    unsigned rgb = 0;
+    const char* end = text.data() + text.size();
+    if (text.size() != 7 || text[0] != '#' || std::from_chars(text.data() + 1, end, rgb, 16).ptr != end) return {};
+    return Rgb{static_cast<int>(rgb >> 16), static_cast<int>(rgb >> 8 & 255), static_cast<int>(rgb & 255)};
 }
 
 std::vector<PaintedMaterial> palette(const Table& map) {

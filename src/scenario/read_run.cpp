@@ -83,9 +83,9 @@ void read_figure(const Table& table, std::set<std::string>& files) {
     FigureOptions figure;
     table.fill(figure);
     const std::string& file = figure.file;
-    const bool has_type =
-        file.size() > 4 && (file.ends_with(".png") || file.ends_with(".svg") || file.ends_with(".pdf"));
-    if (table.has("file") && (!has_type || file.find_first_of("/\\") != std::string::npos || file.front() == '.'))
+    const std::string type = std::filesystem::path(file).extension().string();
+    const bool is_plain_name = file.find_first_of("/\\") == std::string::npos && !file.starts_with('.');
+    if (table.has("file") && (!is_plain_name || (type != ".png" && type != ".svg" && type != ".pdf")))
         table.error("bad-name", "file", "= \"" + file + "\" cannot be the file of a figure",
                     "a plain name that ends in .png, .svg or .pdf; figures are written to the run directory");
     if (table.has("file") && !files.insert(file).second)

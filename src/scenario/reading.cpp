@@ -1,10 +1,10 @@
 #include "scenario/reading.hpp"
 
+#include "base/whole_file.hpp"
 #include "record/outputs.hpp"
 #include "scenario/built_in.hpp"
 
 #include <algorithm>
-#include <fstream>
 
 namespace knap {
 
@@ -15,11 +15,11 @@ std::optional<std::string> FileSource::bytes_of(const std::string& file) const {
     std::error_code code;
     const std::filesystem::path path = directory / file;
     if (!std::filesystem::is_regular_file(path, code)) return std::nullopt;  // opening a pipe would block
-    std::ifstream in(path, std::ios::binary);
-    if (!in) return std::nullopt;
-    std::string bytes(std::filesystem::file_size(path, code), '\0');
-    in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    return in ? std::optional(std::move(bytes)) : std::nullopt;
+    try {
+        return read_whole_file(path);
+    } catch (const OutputError&) {
+        return std::nullopt;
+    }
 }
 
 Index boundary_index(Shape& shape, const std::string& name) {

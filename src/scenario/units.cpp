@@ -50,27 +50,15 @@ constexpr std::pair<std::string_view, int> prefixes[] = {{"T", 12},      {"G", 9
                                                          {"c", -2},      {"m", -3}, {"u", -6}, {"\u00b5", -6},
                                                          {"\u03bc", -6}, {"n", -9}, {"p", -12}};
 
-constexpr std::pair<Dimension, std::string_view> kinds[] = {
-    {{}, "a plain number"},
-    {length, "a length"},
-    {{.length = 2}, "an area"},
-    {mass, "a mass"},
-    {time, "a time"},
-    {angle, "an angle"},
-    {{.time = -1, .angle = 1}, "an angular velocity"},
-    {{.time = -1}, "a rate"},
-    {{.length = 1, .time = -1}, "a speed"},
-    {{.length = 1, .time = -2}, "an acceleration"},
-    {force, "a force"},
-    {pressure, "a pressure"},
-    {energy, "an energy"},
-    {{.mass = 1, .time = -2}, "an energy per area"},
-    {{.length = -2, .mass = 1, .time = -2}, "a force per volume"},
-    {{.length = -3, .mass = 1}, "a density"},
-    {power, "a power"},
-    {{.rayleigh = 1}, "a multiple of the Rayleigh speed"},
-    {{.courant = 1}, "a multiple of the stable step"},
-};
+/// Names of dimensions, by a unit.
+// clang-format off
+constexpr std::pair<std::string_view, std::string_view> kinds[] = {
+    {"", "a plain number"}, {"m", "a length"}, {"m2", "an area"}, {"kg", "a mass"}, {"s", "a time"},
+    {"deg", "an angle"}, {"deg/s", "an angular velocity"}, {"Hz", "a rate"}, {"m/s", "a speed"},
+    {"m/s2", "an acceleration"}, {"N", "a force"}, {"Pa", "a pressure"}, {"J", "an energy"},
+    {"J/m2", "an energy per area"}, {"N/m3", "a force per volume"}, {"kg/m3", "a density"}, {"W", "a power"},
+    {"cR", "a multiple of the Rayleigh speed"}, {"CFL", "a multiple of the stable step"}};
+// clang-format on
 
 /// The base units, in the order in which a unit without a name is printed.
 constexpr std::pair<const char*, int Dimension::*> base_units[] = {
@@ -241,8 +229,8 @@ std::string units_markdown() {
 Dimension dimension_of(std::string_view unit) { return scale_of(unit).value_or(Scale{}).dimension; }
 
 std::string kind_name(const Dimension& dimension) {
-    for (const auto& [kind, name] : kinds)
-        if (kind == dimension) return std::string(name);
+    for (const auto& [unit, kind] : kinds)
+        if (dimension_of(unit) == dimension) return std::string(kind);
     std::string name = "something in";
     for (const auto& [symbol, power] : base_units) {
         const int exponent = dimension.*power;
