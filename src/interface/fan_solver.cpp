@@ -13,16 +13,6 @@ constexpr double max_violation = 1e-10;         // relative, of a solution of th
 constexpr double usual_violation = 1e-11;       // above it the pivots may be more accurate: contacts that disagree
 constexpr double max_pivoted_violation = 1e-8;  // of a solution of the pivots
 
-/// The admissible impulses of a link in its state.
-StrengthPolygon strength_of(const FanLink& link, const StaircasePiece& at) {
-    return {.normal = link.normal,
-            .cohesion = link.cohesive,
-            .jump = at.jump,
-            .contact_jump = at.contact_jump,
-            .offset = at.offset,
-            .contact_offset = at.contact_offset};
-}
-
 }  // namespace
 
 FanSolution FanSolver::solve(FanProblem& problem, double rest) {
@@ -80,8 +70,8 @@ bool FanSolver::settle_self_stress() {
     planes_.clear();
     for (Index i = 0; i < n_links; ++i) {
         if (links[i].unbreakable || linear_.undetermined(i).isZero(0)) continue;
-        strength_of(links[i], now_.states[i].tangential)
-            .add_half_planes(i, now_.motion.impulse[i], linear_.undetermined(i), planes_);
+        StrengthPolygon{now_.states[i].tangential, links[i].normal, links[i].cohesive}.add_half_planes(
+            i, now_.motion.impulse[i], linear_.undetermined(i), planes_);
     }
     const SelfStress found = find_self_stress(planes_, least_norm.c());
     for (Index i = 0; i < n_links; ++i) now_.motion.impulse[i] += linear_.undetermined(i).cwiseProduct(found.c);

@@ -6,6 +6,8 @@
 
 namespace knap {
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
 ContactBound contact_bound_explicit(double u_N, double V_N, double restitution, double h, double touching) {
     if (u_N <= touching) return {true, V_N <= 0 ? -restitution * V_N : -V_N};
     return {restitution == 0, -std::max(u_N / h, V_N)};
@@ -35,10 +37,11 @@ void Staircase::add(const Kink& kink, double tolerance) {
 StaircasePiece Staircase::piece(int state) const {
     const bool stick = state % 2 == 1;
     const int here = state / 2;  // the kink, or the number of kinks below
-    StaircasePiece piece{.stick = stick,
-                         .kink = stick ? kinks_[here].rate : 0,
-                         .low = here > 0 ? kinks_[here - 1].rate : -std::numeric_limits<double>::infinity(),
-                         .high = here < n_kinks_ ? kinks_[here].rate : std::numeric_limits<double>::infinity()};
+    StaircasePiece piece;
+    piece.stick = stick;
+    piece.kink = stick ? kinks_[here].rate : 0;
+    piece.low = here > 0 ? kinks_[here - 1].rate : -infinity;
+    piece.high = here < n_kinks_ ? kinks_[here].rate : infinity;
     for (int i = 0; i < n_kinks_; ++i) {
         if (stick && i == here) {
             piece.jump = kinks_[i].cohesive;

@@ -27,14 +27,17 @@ ContactBound contact_bound_explicit(double u_N, double V_N, double restitution, 
 /// point stops when the gap is closed.
 ContactBound contact_bound_theta(double u_N, double V_N, double restitution, double h, double theta, double touching);
 
-/// A tangential rate on a staircase: between two kinks -P_T = offset + contact_offset p;
-/// at a kink P_T = -(offset + contact_offset p) + lambda with |lambda| <= jump + contact_jump p.
-struct StaircasePiece {
-    bool stick;                             // at a kink
-    double kink;                            // [m/s] the rate there
-    double low, high;                       // [m/s] bounds of the rate between kinks
+/// Admissible tangential impulses under a contact impulse p: |P_T + offset + contact_offset p| <= jump + contact_jump p.
+struct TangentialRange {
     double offset = 0, contact_offset = 0;  // [N s], [-]
     double jump = 0, contact_jump = 0;      // [N s], [-]
+};
+
+/// Part of a staircase: at a kink, or between two kinks, where jump and contact_jump are zero.
+struct StaircasePiece : TangentialRange {
+    bool stick = true;         // at a kink
+    double kink = 0;           // [m/s] the rate there
+    double low = 0, high = 0;  // [m/s] bounds of the rate between kinks
 };
 
 class Staircase {

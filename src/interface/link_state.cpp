@@ -62,7 +62,7 @@ void LinkState::guess(const FanProblem& problem, const FanLink& link, const FanS
     imposed = led = false;
     if (link.unbreakable) {
         closed = true;
-        tangential = {.stick = true, .kink = 0, .low = 0, .high = 0};
+        tangential = {};
         return;
     }
     Vec2 expected = problem.velocity_before(link.after) - problem.velocity_before(link.before);

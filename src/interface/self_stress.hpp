@@ -5,6 +5,7 @@
 // and only if some c makes every point admissible (static theorem of limit analysis). The c of least norm is tried
 // first, which is mostly sufficient, then the best one.
 #include "base/vec.hpp"
+#include "interface/interface_law.hpp"
 #include "material/cohesive_law.hpp"
 
 #include <algorithm>
@@ -22,17 +23,14 @@ struct HalfPlane {
     int kind;  // 0 = tension, +1 / -1 = shear in the direction of +T / -T
 };
 
-/// Admissible impulses of a point: p = P_N + cohesion >= 0 and |P_T + offset + contact_offset p| <= jump + contact_jump
-/// p, three half planes.
-struct StrengthPolygon {
-    Vec2 normal;                // N; T = turned_left(N)
-    double cohesion;            // force or impulse, as P
-    double jump, contact_jump;  // as in StaircasePiece
-    double offset = 0, contact_offset = 0;
+/// Admissible impulses of a point: p = P_N + cohesion >= 0 and the tangential range of p, three half planes.
+struct StrengthPolygon : TangentialRange {
+    Vec2 normal;      // N; T = turned_left(N)
+    double cohesion;  // force or impulse, as P
 
     /// Of a point at rest: cohesion in both directions, friction on the contact.
     static StrengthPolygon at_rest(const CohesiveLaw& law, const Vec2& normal, double cohesion) {
-        return {.normal = normal, .cohesion = cohesion, .jump = law.gamma * cohesion, .contact_jump = law.friction};
+        return {{.jump = law.gamma * cohesion, .contact_jump = law.friction}, normal, cohesion};
     }
 
     /// Negative: P is not admissible.

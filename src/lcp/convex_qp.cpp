@@ -15,9 +15,9 @@ namespace knap {
 namespace {
 
 constexpr int max_iterations = 300;
-constexpr double proximal = 1e-10;      // beside a diagonal of one
+constexpr double proximal = 1e-10;      // compared with a diagonal of one
 constexpr double symmetry = 1e-12;      // largest difference of the scaled matrix and its transpose
-constexpr double least_pivot = -1e-9;   // a pivot below is no rounding: the problem is not convex
+constexpr double smallest_pivot = -1e-9;   // a pivot below is not due to rounding: the problem is not convex
 constexpr double sufficient = 1e-4;     // part of the decrease that the slope promises
 constexpr double rounding_step = 1e-9;  // of steps so small that the objective only shows its rounding
 constexpr int n_halvings = 40;
@@ -67,7 +67,7 @@ private:
         identity.setIdentity();
         factors_.compute(A + proximal * identity);
         if (factors_.info() != Eigen::Success || !factors_.vectorD().allFinite()) return LcpStatus::singular;
-        if (factors_.vectorD().minCoeff() < least_pivot) return LcpStatus::not_applicable;
+        if (factors_.vectorD().minCoeff() < smallest_pivot) return LcpStatus::not_applicable;
         const Eigen::VectorXd y = factors_.solve(Eigen::VectorXd(-slope(free)));
         step = Eigen::VectorXd::Zero(n_);
         step(free) = y;

@@ -2,7 +2,7 @@
 // the rest. Where both fail, as in steps beyond Assumption 1, proximal points are tried, then every other solver on the
 // whole problem, until an answer is accepted: it solves any problem that one of them solves, and a problem that none
 // solves takes as long as all of them together. It never forms a dense matrix of a large problem.
-#include "lcp/box_solvers.hpp"
+#include "lcp/presolve.hpp"
 #include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
 #include "lcp/spurious_breaking.hpp"

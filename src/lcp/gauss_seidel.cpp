@@ -1,7 +1,7 @@
 // Projected Gauss-Seidel on the box form (Cottle, Pang, Stone, The Linear Complementarity Problem, 5.2; Jean 1999,
 // nonsmooth contact dynamics). Presolve eliminates bounds with their multipliers, so that most rows have a diagonal
 // entry and no blocks are needed.
-#include "lcp/box_solvers.hpp"
+#include "lcp/presolve.hpp"
 #include "lcp/solvers.hpp"
 
 #include <algorithm>

@@ -3,8 +3,8 @@
 // Facchinei, Pang, Finite-Dimensional Variational Inequalities, 9). A proximal term makes rank-deficient and indefinite
 // matrices harmless and vanishes with convergence (Rockafellar 1976); a nonmonotone line search on the norm of the map
 // keeps the steps useful.
-#include "lcp/box_solvers.hpp"
 #include "lcp/linear_system.hpp"
+#include "lcp/presolve.hpp"
 #include "lcp/solvers.hpp"
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 //     curvature
 // as a nonconvex function is minimised by convex ones that touch it from above (Rockafellar 1976; Hunter, Lange 2004).
 // Such a step has several solutions, and the method does not choose between them: a run should cut its step instead.
-#include "lcp/box_solvers.hpp"
+#include "lcp/presolve.hpp"
 
 #include <algorithm>
 #include <cmath>

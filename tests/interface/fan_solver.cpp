@@ -166,7 +166,7 @@ TEST_CASE("without friction no other admissible velocities have less energy") {
     CHECK(n_tried > 3000);
 }
 
-TEST_CASE("velocities do not depend on where the numbering of a closed chain begins") {
+TEST_CASE("velocities do not depend on the first body of a closed chain") {
     FanSolver solver;
     int n_closed = 0;
     for (int seed = 0; seed < 2000; ++seed) {
@@ -256,7 +256,7 @@ TEST_CASE("where friction wedges a driven body the laws are relaxed and nothing 
                    .end_velocity = Vec2::Zero()}};
     fan.links = {link};
     CHECK(FanSolver().solve(fan).status == FanSolution::Status::relaxed);
-    CHECK(fan.bodies[0].end_velocity.norm() <= 1e-14);  // it cannot rebound, but it can stop
+    CHECK(fan.bodies[0].end_velocity.norm() <= 1e-14);  // it cannot rebound but stops
     FanProblem driven = fan;
     driven.bodies[0].free_velocity.x() = 1;
     CHECK(FanSolver().solve(driven).status == FanSolution::Status::relaxed);
@@ -269,7 +269,7 @@ TEST_CASE("where friction wedges a driven body the laws are relaxed and nothing 
     }
 }
 
-TEST_CASE("fans of crushed bodies that Lemke's method gives up have lawful solutions") {
+TEST_CASE("fans of crushed bodies on which Lemke's method ends on a ray have lawful solutions") {
     // from runs with friction 0.7: some points slide, the others hold; the pivots end on a ray
     FanProblem two, five;
     two.closed = five.closed = true;

@@ -50,7 +50,7 @@ TEST_CASE("the staircase of a link is its formula") {
             CHECK(closed.offset + closed.contact_offset * p >= last - 1e-12);
             last = closed.offset + closed.contact_offset * p;
         }
-        // a kink joins the steps beside it
+        // a kink joins the two adjacent steps
         for (int state = 1; state < 7; state += 2) {
             const StaircasePiece below = law.staircase(true).piece(state - 1), kink = law.staircase(true).piece(state),
                                  above = law.staircase(true).piece(state + 1);
@@ -83,7 +83,7 @@ TEST_CASE("kinks that coincide are one and exact rest wins") {
     CHECK(law_of(bare, Vec2(1, 1), h, near).staircase(true).n_states() == 1);
 }
 
-TEST_CASE("the bound on the normal velocity never lets a contact give energy") {
+TEST_CASE("the bound on the normal velocity never lets a contact add energy") {
     const double h = 0.1;
     const auto bound = [&](double u_N, double v_N, double e) {
         return law_of(link_with(u_N, 0, e), Vec2(v_N, 0), h, 1e-12).contact.rate;

@@ -1,5 +1,5 @@
 // Every solver on every problem of the collection: it solves the problem, judged by a residual that it did not compute,
-// or the pair stands in the list of exceptions with its reason and must then really not be solved.
+// or the pair is in the list of exceptions with its reason, and is then not solved.
 #include "lcp/matrix_market.hpp"
 #include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
@@ -46,7 +46,7 @@ LcpProblem redundant() {
     return lcp_problem(H * H.transpose(), H * velocity);
 }
 
-/// Equal bodies resting on each other many times: all ratios tie and only the sum of z is determined.
+/// Equal bodies with many equal contacts: all ratios tie and only the sum of z is determined.
 LcpProblem ties() { return lcp_problem(Eigen::MatrixXd::Ones(8, 8), -Eigen::VectorXd::Ones(8)); }
 
 /// Pivots by the least index, Gauss-Seidel and full Newton steps may cycle here; the solution is (1, 1, 1) / 3 (Cottle,
@@ -90,7 +90,7 @@ std::vector<Named> collection() {
     for (const char* name : {"line_2", "line_4", "all_2", "line_16_si", "trajH_s020", "dcb_unloaded"})
         all.push_back({name, stored(name)});
     all.push_back(
-        {"rest", CohesiveBody({.stretch = 0, .shear = 0, .noise = 0}).problem()});  // nothing moves: everything ties
+        {"rest", CohesiveBody({.stretch = 0, .shear = 0, .noise = 0}).problem()});  // nothing moves: all ratios tie
     all.push_back({"redundant_step", after(2, {.n_x = 3, .n_y = 2})});              // more impulses than velocities
     all.push_back({"half_step", after(3, {.n_x = 2, .n_y = 2, .theta = 0.5})});
     all.push_back({"frozen", frozen({.n_x = 3, .n_y = 2})});  // convex
@@ -107,9 +107,9 @@ const std::vector<Exception> not_solved = {
     {"gauss_seidel", "cyclic", "the sweeps diverge: neither symmetric nor diagonally dominant"},
 };
 
-/// Pairs whose residual is small and whose answer is all the same not physical.
+/// Pairs whose answer has a small residual but is not physical.
 const std::vector<Exception> breaks_spuriously = {
-    {"interior_point", "trajH_s020", "goes to the middle of the solutions and chi is not bounded where a bond breaks"},
+    {"interior_point", "trajH_s020", "ends in the middle of the solutions, and chi is not bounded where a bond breaks"},
 };
 
 bool listed(const std::vector<Exception>& list, std::string_view solver, const std::string& problem) {
@@ -119,7 +119,7 @@ bool listed(const std::vector<Exception>& list, std::string_view solver, const s
 
 }  // namespace
 
-TEST_CASE("every solver solves the collection or stands in a list with a reason") {
+TEST_CASE("every solver solves the collection apart from exceptions with a reason") {
     for (const Named& named : collection())
         for (const LcpSolver& solver : lcp_solvers()) {
             CAPTURE(named.name);
@@ -128,9 +128,9 @@ TEST_CASE("every solver solves the collection or stands in a list with a reason"
             const double residual = scaled_residual(named.problem, solution.z);
             const bool solved = solution.status == LcpStatus::solved;
             CHECK(solved == (residual <=
-                             max_scaled_residual));  // no solver claims what the judge denies, nor the other way round
+                             max_scaled_residual));  // solver and judge agree
             if (solver.name == "convex_qp" && solution.status == LcpStatus::not_applicable)
-                continue;  // it says what it is for
+                continue;  // not convex
             CHECK(solved != listed(not_solved, solver.name, named.name));
             if (const auto layout = cohesive_layout(named.problem); layout && solved) {
                 const SpuriousBreaking found = spurious_breaking(named.problem, solution.z, *layout);
@@ -141,7 +141,7 @@ TEST_CASE("every solver solves the collection or stands in a list with a reason"
         }
 }
 
-TEST_CASE("the default solver solves whatever any of the others solves") {
+TEST_CASE("the default solver solves every problem that another solver solves") {
     Random random(3, "cascade");
     int n_solved = 0, n_unsolved = 0;
     for (int trial = 0; trial < 200; ++trial) {
@@ -152,7 +152,7 @@ TEST_CASE("the default solver solves whatever any of the others solves") {
         for (double& entry : q) entry = random.uniform(-1, 1);
         if (trial % 4 == 1) M = (M - M.transpose()).eval();           // skew
         if (trial % 4 == 2) M = M.cwiseAbs(), q = -q.cwiseAbs();      // copositive
-        if (trial % 4 == 3) M.topLeftCorner(n / 2, n / 2).setZero();  // as of a bimatrix game
+        if (trial % 4 == 3) M.topLeftCorner(n / 2, n / 2).setZero();  // bimatrix game
         const LcpProblem problem = lcp_problem(M, q);
         bool any = false;
         for (const LcpSolver& solver : lcp_solvers().subspan(1))
@@ -164,7 +164,7 @@ TEST_CASE("the default solver solves whatever any of the others solves") {
         (any ? n_solved : n_unsolved) += 1;
     }
     CHECK(n_solved >= 100);
-    CHECK(n_unsolved >= 10);  // there are some without solution
+    CHECK(n_unsolved >= 10);  // some have no solution
 }
 
 TEST_CASE("one contact with large friction gets one of its three solutions") {
@@ -185,7 +185,7 @@ TEST_CASE("velocities of a redundant problem are unique even where its impulses 
     for (const LcpSolver& solver : lcp_solvers()) CHECK((solver.solve(problem, {}).w - w).cwiseAbs().maxCoeff() < 1e-7);
 }
 
-TEST_CASE("solvers refuse a problem without solution") {
+TEST_CASE("no solver reports a solution of a problem without one") {
     const LcpProblem problem = lcp_problem(-Eigen::MatrixXd::Identity(2, 2), -Eigen::VectorXd::Ones(2));
     for (const LcpSolver& solver : lcp_solvers()) {
         CAPTURE(std::string(solver.name));
@@ -193,7 +193,7 @@ TEST_CASE("solvers refuse a problem without solution") {
     }
 }
 
-TEST_CASE("the judge does not depend on units and sees errors of every kind") {
+TEST_CASE("the scaled residual does not depend on units and shows errors of every kind") {
     const LcpProblem problem = stored("line_4");
     Eigen::VectorXd z = solve_by_lemke(problem).z;  // to rounding; the others stop at their tolerance
     CHECK(scaled_residual(problem, z) <= 1e-13);
@@ -213,7 +213,7 @@ TEST_CASE("the judge does not depend on units and sees errors of every kind") {
     CHECK(!(scaled_residual(problem, Eigen::VectorXd::Zero(3)) < 1e300));
 }
 
-TEST_CASE("spurious bond breaking is told from breaking under load") {
+TEST_CASE("spurious bond breaking is distinguished from breaking under load") {
     // one point with S A, S beta, r_T+, r_T- and chi; at rest without load the bond is intact: S A = S beta = 1
     Eigen::MatrixXd M(5, 5);
     M << 0, -1, 0, 0, 0, 1, .2, 0, 0, .5, 0, 0, 1, -1, 1, 0, 0, -1, 1, 1, 0, .5, -1, -1, 0;
@@ -226,7 +226,7 @@ TEST_CASE("spurious bond breaking is told from breaking under load") {
     REQUIRE(layout);
     CHECK(scaled_residual(rest, intact) == 0);
     CHECK(spurious_breaking(rest, intact, *layout).n_excess == 0);
-    CHECK(scaled_residual(rest, broken) == 0);  // the residual sees nothing
+    CHECK(scaled_residual(rest, broken) == 0);  // the residual does not show it
     CHECK(spurious_breaking(rest, broken, *layout).n_spurious == 1);
     q[1] = .3;
     const LcpProblem loaded = lcp_problem(M, q);
@@ -236,7 +236,7 @@ TEST_CASE("spurious bond breaking is told from breaking under load") {
     CHECK(found.tightened.isZero());
 }
 
-TEST_CASE("the layout of a cohesive problem is read from its zeros") {
+TEST_CASE("the layout of a cohesive problem is found from its zeros") {
     const auto layout = cohesive_layout(stored("line_4"));
     REQUIRE(layout);
     CHECK(layout->n_cohesive == 5);
@@ -266,10 +266,10 @@ TEST_CASE("equilibration brings entries to order one and keeps the solution") {
     CHECK((scaling.factor.cwiseProduct(w) / scaling.unit - scaled_w).norm() <= 1e-12 * scaled_w.norm());
 }
 
-TEST_CASE("the judge sees the rate of a point beside its bound however short the step") {
+TEST_CASE("the scaled residual shows the rate of a point with a bound however short the step") {
     for (const double inertia : {1.0, 1e-4, 1e-8, 1e-12}) {  // W of the point: h^2 over its mass
         const double rate = 0.3 * inertia, force = 0.3;
-        Eigen::MatrixXd M(3, 3);  // r_T+, r_T-, chi; a force under the strength 1 that the point holds
+        Eigen::MatrixXd M(3, 3);  // r_T+, r_T-, chi; a force below the strength of 1
         M << inertia, -inertia, 1, -inertia, inertia, 1, -1, -1, 0;
         const LcpProblem problem = lcp_problem(M, Eigen::Vector3d(rate, -rate, 1));
         CAPTURE(inertia);

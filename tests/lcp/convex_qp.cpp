@@ -62,12 +62,12 @@ TEST_CASE("convex QP solves box problems of any rank as Lemke does") {
         CAPTURE(count);
         REQUIRE(solution.status == LcpStatus::solved);
         CHECK(scaled_residual(problem, solution.z) <= 1e-10);
-        // forces may be many, what they do is one
+        // the forces are not unique, their effect is
         CHECK((H.transpose() * (solution.z.tail(n) - other.z.tail(n))).cwiseAbs().maxCoeff() <= 1e-8);
     }
 }
 
-TEST_CASE("convex QP says where it does not apply") {
+TEST_CASE("convex QP reports problems to which it does not apply") {
     Eigen::Matrix2d M;
     M << 1, .5, 0, 1;
     CHECK(solve_by_convex_qp(lcp_problem(M, -Eigen::Vector2d::Ones())).status == LcpStatus::not_applicable);

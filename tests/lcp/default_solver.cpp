@@ -1,5 +1,5 @@
-// The default solver: presolve, warm starts, sizes that no dense method can reach.
-#include "lcp/box_solvers.hpp"
+// The default solver: presolve, warm starts, sizes beyond dense methods.
+#include "lcp/presolve.hpp"
 #include "lcp/matrix_market.hpp"
 #include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
@@ -48,7 +48,7 @@ TEST_CASE("presolve and its inverse keep a solution") {
     CHECK(scaled_residual(problem, box.lcp_point(x)) <= 1e-12);
 }
 
-TEST_CASE("what is no bound stays in the box form") {
+TEST_CASE("rows that are not bounds stay in the box form") {
     Eigen::MatrixXd M(4, 4);  // a contact with friction; the last row is the bound of the two before it
     M << 1, .8, -.8, 0, .8, 1, -1, 1, -.8, -1, 1, 1, .5, -1, -1, 0;
     const Eigen::Vector4d q(.3, 1, -1, 0);
@@ -59,7 +59,7 @@ TEST_CASE("what is no bound stays in the box form") {
             Eigen::MatrixXd other = M;
             other(row, column) += 0.25;
             const bool still = (row == 3 && column == 0) ||
-                               (row == 0 && column == 3);  // another friction, or the slack feeds the contact
+                               (row == 0 && column == 3);  // another friction coefficient, or the slack feeds the contact
             CAPTURE(row);
             CAPTURE(column);
             CHECK(presolve(lcp_problem(other, q)).size() == (still ? 2 : 4));
@@ -86,11 +86,11 @@ TEST_CASE("large redundant problems are solved without spurious bond breaking") 
             body.advance(solution.z);
             start = body.start();
         }
-        CHECK(body.n_damaged() > body.n_points() / 20);  // something happened
+        CHECK(body.n_damaged() > body.n_points() / 20);  // bonds have broken
     }
 }
 
-TEST_CASE("Newton on the box form ends what sweeps begin") {
+TEST_CASE("Newton on the box form converges after a few sweeps") {
     for (const char* name : {"line_4", "all_2", "line_16_si", "trajH_s020"}) {
         CAPTURE(std::string(name));
         const LcpProblem problem = stored(name);
@@ -130,7 +130,7 @@ TEST_CASE("steps beyond Assumption 1 are solved") {
     CHECK(n_beyond >= 8);
 }
 
-TEST_CASE("every solver that takes a start needs less from the solution") {
+TEST_CASE("solvers that use a start need no iterations from the solution") {
     const LcpProblem problem = stored("all_2");
     const Eigen::VectorXd z = solve_by_lemke(problem).z;
     for (const LcpSolver& solver : lcp_solvers()) {
@@ -141,9 +141,9 @@ TEST_CASE("every solver that takes a start needs less from the solution") {
     }
 }
 
-TEST_CASE("a warm start begins nearer to the solution along a run") {
+TEST_CASE("a warm start is nearer to the solution along a run") {
     CohesiveBody body({.n_x = 6, .n_y = 6});
-    double cold = 0, warm = 0;  // what is left to do after ten sweeps
+    double cold = 0, warm = 0;  // change of the tenth sweep
     for (int step = 0; step < 6; ++step) {
         const LcpProblem problem = body.problem();
         const Eigen::VectorXd start = body.start();

@@ -39,7 +39,7 @@ TEST_CASE("Lemke solves positive definite and rank-deficient problems with ties"
     }
 }
 
-TEST_CASE("Lemke finds friction solutions and says when there is none") {
+TEST_CASE("Lemke finds solutions with friction and reports when there is none") {
     // one contact that slides: 0 <= p perp q_N + p, friction mu p against q_T (rows p, forward, backward, slack)
     const double mu = 0.5;
     Eigen::MatrixXd M(4, 4);

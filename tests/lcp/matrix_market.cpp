@@ -18,7 +18,7 @@ Eigen::MatrixXd read(const std::string& text) {
     return read_matrix_market(stream, "text");
 }
 
-/// Line that the message is about; 0 where the text is read without complaint.
+/// Line of the error message; 0 where the text is read without error.
 int line_of_error(const std::string& text) {
     try {
         read(text);
@@ -76,7 +76,7 @@ TEST_CASE("a written problem reads back to the same bits and is never overwritte
     CHECK(back.q == q);
     CHECK_THROWS_AS(write_lcp(stem, lcp_problem(M, q)), UserError);
     std::filesystem::remove(folder / "some.step.L.mtx");
-    CHECK_THROWS_AS(write_lcp(stem, lcp_problem(M, q)), UserError);  // the other half is there
+    CHECK_THROWS_AS(write_lcp(stem, lcp_problem(M, q)), UserError);  // the other file exists
     CHECK(!std::filesystem::exists(folder / "some.step.L.mtx"));
     CHECK_THROWS_AS(write_lcp(folder / "no such folder" / "x", lcp_problem(M, q)), OutputError);
     write_lcp(folder / "empty", lcp_problem(Eigen::MatrixXd(0, 0), Eigen::VectorXd(0)));
