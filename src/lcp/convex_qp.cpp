@@ -15,11 +15,11 @@ namespace knap {
 namespace {
 
 constexpr int max_iterations = 300;
-constexpr double proximal = 1e-10;      // compared with a diagonal of one
-constexpr double symmetry = 1e-12;      // largest difference of the scaled matrix and its transpose
-constexpr double smallest_pivot = -1e-9;   // a pivot below is not due to rounding: the problem is not convex
-constexpr double sufficient = 1e-4;     // part of the decrease that the slope promises
-constexpr double rounding_step = 1e-9;  // of steps so small that the objective only shows its rounding
+constexpr double proximal = 1e-10;        // compared with a diagonal of one
+constexpr double symmetry = 1e-12;        // largest difference of the scaled matrix and its transpose
+constexpr double smallest_pivot = -1e-9;  // a pivot below is not due to rounding: the problem is not convex
+constexpr double sufficient = 1e-4;       // part of the decrease that the slope promises
+constexpr double rounding_step = 1e-9;    // of steps so small that the objective only shows its rounding
 constexpr int n_halvings = 40;
 
 bool is_box_constrained(const BoxLcp& box) {

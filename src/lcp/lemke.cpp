@@ -89,7 +89,6 @@ private:
         for (int i = 0; i < n_; ++i) columns_(i, n_) = -(1 + std::fmod(golden_ratio * attempt * (i + 1), 1.0));
         columns_.col(n_ + 1) = q_;
         basic_ = List::LinSpaced(n_, 0, n_ - 1);
-        nonbasic_ = List::LinSpaced(n_ + 1, n_, 2 * n_);
         place_.resize(2 * n_ + 1);
         for (int i = 0; i < n_; ++i) place_[i] = -1 - i;
         for (int k = 0; k <= n_; ++k) place_[n_ + k] = k;
@@ -133,7 +132,6 @@ private:
         entries[row] = inverse;
         n_done_[place] = n_pivots_;
         basic_[row] = entering;
-        nonbasic_[place] = leaving;
         place_[entering] = -1 - row;
         place_[leaving] = place;
         return leaving;
@@ -207,7 +205,7 @@ private:
     const VectorIn& q_;
     int n_;
     Matrix columns_;  // of the nonbasic variables, then the value
-    List basic_, nonbasic_;
+    List basic_;
     List place_;            // column of a nonbasic variable; -1 - row of a basic one
     int n_pivots_ = 0;      // recorded
     List pivot_rows_;       // of the recorded pivots
