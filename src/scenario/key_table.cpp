@@ -40,7 +40,7 @@ void add_keys_of_body(KeyTable& t) {
     t.integer("knap", "version of the scenario format; this program reads version 1").at_least(1).required();
     t.text("name", "name of the run directory: letters, digits, - _ and .")
         .computed("the name of the file").to(&Scenario::name);
-    t.text("title", "title of the figures; empty: the name").otherwise("").to(&Scenario::title);
+    t.text("title", "title of the run in its figures; empty: its name").otherwise("").to(&Scenario::title);
     t.integer("seed", "seed of all random numbers: mesh, grains, inclusions, joints, strength")
         .at_least(0).otherwise("1").to(&Scenario::seed);
 
@@ -176,7 +176,7 @@ void add_keys_of_microstructure(KeyTable& t) {
         "the traction beta sigma_c; either G_c or delta_c").above(0);
     t.number("delta_c", "m", "critical opening 2 G_c/sigma_c, at which the cohesion is lost; either G_c or delta_c")
         .above(0);
-    t.number("gamma", "", "shear strength over tensile strength without pressure; 0: cohesion in mode I only")
+    t.number("gamma", "", "shear strength over tensile strength, without friction; 0: cohesion in mode I only")
         .at_least(0).otherwise("1").to(&CohesiveLaw::gamma);
     add_contact(t);
     t.table("interface.*.scatter", "random strength of every interface, drawn with the seed; its mean is the value of "
@@ -192,7 +192,7 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.number("length", "m", "interface length with the given mean; shorter interfaces are stronger, so that the "
         "strength of a chain of interfaces does not depend on the mesh (weakest link)").above(0).to(&Scatter::length);
     t.number("area", "m2", "area of the body with the given mean, for cracks that may start anywhere (volume effect); "
-        "smaller triangles are stronger").above(0).to(&Scatter::area);
+        "finer meshes give stronger bodies, unlike with correlation").above(0).to(&Scatter::area);
     t.number("correlation", "m", "correlation length L of a random field with the correlation exp(-(r/L)^2), the same "
         "for every mesh; without it interfaces are independent").above(0).to(&Scatter::correlation);
     t.number("lowest", "", "lower bound of the value over the mean; smaller values are redrawn")

@@ -110,8 +110,8 @@ void add_keys_of_run(KeyTable& t) {
     t.flag("panel", "without title, legend and axes, as a panel of a contact sheet: knap sweep draws the panels of all "
         "runs with one colour range").otherwise("false").to(&FigureOptions::panel);
 
-    t.table("limits", "limits of the assumptions of the model (README, Limits): a run beyond one ends; none: a warning "
-        "only");
+    t.table("limits", "limits of the assumptions of the model (README, Limits): a run that exceeds one fails; with "
+        "\"none\" it only warns");
     t.number("penetration", "m", "maximum interpenetration of two sides in contact")
         .above(0).or_word("none").computed("the critical opening, or a thousandth of the body");
     t.number("law_lag", "", "maximum difference between the work of the interfaces and the energy of their law, over "
