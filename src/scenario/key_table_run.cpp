@@ -74,9 +74,9 @@ void add_keys_of_run(KeyTable& t) {
     t.number("span", "m", "distance of the supports of a beam")
         .above(0).required().only_with("test", {"bending"}).to(&SpecimenOptions::span);
     t.text("axial", "ends of the axial gauge: two boundaries (mean displacement), probes, obstacles or loads")
-        .list().computed("the displacement of `force` over the height, the other end fixed");
+        .pair().computed("the displacement of `force` over the height, the other end fixed");
     t.text("lateral", "ends of the lateral gauge, likewise; without it no Poisson's ratio and no volumetric strain")
-        .list().only_with("test", {"compression", "tension"});
+        .pair().only_with("test", {"compression", "tension"});
     t.number("modulus_between", "", "stress interval of the fit of modulus and Poisson's ratio, over the peak stress")
         .pair().at_least(0).at_most(1).otherwise("[0.4, 0.6]").to(&SpecimenOptions::modulus_between);
 

@@ -115,26 +115,23 @@ std::vector<NamedEnd> gauge_ends(const Reading& reading) {
     return found;
 }
 
-std::vector<std::string> names_of_ends(const std::vector<NamedEnd>& ends) {
-    std::vector<std::string> names;
-    for (const auto& [name, end] : ends) names.push_back(name);
-    return names;
+/// The end of this name; none, and an error, if there is no such end.
+std::optional<GaugeEnd> find_end(const Table& table, const char* key, const char* what, const std::string& name,
+                                 const std::vector<NamedEnd>& ends) {
+    std::vector<std::string> known;
+    for (const NamedEnd& end : ends) known.push_back(end.first);
+    const auto found = table.reading().find(table.path(key), what, name, known);
+    return found ? std::optional(ends[*found].second) : std::nullopt;
 }
 
-std::optional<GaugeEnds> read_gauge(const Table& table, const std::string& key) {
+std::optional<GaugeEnds> read_gauge(const Table& table, const char* key) {
     if (!table.has(key)) return std::nullopt;
     const std::vector<NamedEnd> ends = gauge_ends(table.reading());
-    const std::vector<std::string> names = table.texts(key), known = names_of_ends(ends);
-    if (names.size() != 2) {
-        table.error("wrong-type", key, "needs two ends, not " + std::to_string(names.size()),
-                    "two of: " + joined(known));
-        return std::nullopt;
-    }
+    const std::vector<std::string> names = table.texts(key);
     GaugeEnds found;
-    for (std::size_t i = 0; i < 2; ++i)
-        if (const auto end =
-                table.reading().find(table.path(key), "boundary, probe, obstacle or driving load", names[i], known))
-            found[i] = ends[*end].second;
+    for (std::size_t i = 0; i < names.size() && i < 2; ++i)
+        if (const auto end = find_end(table, key, "boundary, probe, obstacle or driving load", names[i], ends))
+            found[i] = *end;
     return found;
 }
 
@@ -160,22 +157,16 @@ void check_other_end(const Table& table, const SpecimenOptions& specimen) {
 
 /// Expected numbers that need a specimen or breaks.
 void check_expectations(Reading& reading) {
-    struct Need {
-        const char* what;
-        bool met;
-        std::vector<const char*> numbers;
-    };
     const Table expect = reading.table("expect"), specimen = reading.table("specimen");
-    for (const auto& [what, met, numbers] :
-         {Need{"a [specimen]",
-               specimen.given(),
-               {"peak_stress", "peak_strain", "tangent_modulus", "crack_initiation_stress"}},
-          Need{"a [specimen] with a lateral gauge",
-               specimen.given("lateral"),
-               {"youngs_modulus", "poisson_ratio", "dilatancy_stress", "crack_damage_stress"}},
-          Need{"output.breaks = true", reading.scenario.output.breaks, {"tensile_breaks", "shear_breaks"}}})
+    const auto need = [&](const char* what, bool met, std::initializer_list<const char*> numbers) {
         for (const char* number : numbers)
             if (!met && expect.given(number)) expect.error("nothing-to-expect", number, std::string("needs ") + what);
+    };
+    need("a [specimen]", specimen.given(),
+         {"peak_stress", "peak_strain", "tangent_modulus", "crack_initiation_stress"});
+    need("a [specimen] with a lateral gauge", specimen.given("lateral"),
+         {"youngs_modulus", "poisson_ratio", "dilatancy_stress", "crack_damage_stress"});
+    need("output.breaks = true", reading.scenario.output.breaks, {"tensile_breaks", "shear_breaks"});
 }
 
 void read_breaks(Reading& reading, bool specimen) {
@@ -203,12 +194,11 @@ void read_specimen(Reading& reading) {
     if (!table.given()) return;
     SpecimenOptions specimen;
     table.fill(specimen);
-    const std::vector<NamedEnd> drivers = reading.drivers();
-    std::optional<Index> driver;
+    std::optional<GaugeEnd> driver;
     if (table.has("force"))
-        driver = reading.find(table.path("force"), "obstacle or load with prescribed motion", table.text("force"),
-                              names_of_ends(drivers));
-    if (driver) specimen.driver = drivers[*driver].second;
+        driver =
+            find_end(table, "force", "obstacle or load with prescribed motion", table.text("force"), reading.drivers());
+    if (driver) specimen.driver = *driver;
     specimen.axial = read_gauge(table, "axial");
     specimen.lateral = read_gauge(table, "lateral");
     if (driver) check_other_end(table, specimen);

@@ -135,7 +135,8 @@ private:
     }
 
     std::optional<Node> wrong(const Node& node) {
-        return error("wrong-type", " must be " + describe(key_, unit_) + ", not " + type_name(node), node);
+        return error("wrong-type", " must be " + describe(key_, unit_) + ", not " + type_name(node), node,
+                     std::string(key_.doc));
     }
 
     std::optional<Node> error(const std::string& code, const std::string& text, const Node& at,

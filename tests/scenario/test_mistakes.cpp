@@ -45,7 +45,7 @@ const Case cases[] = {
     {"a specimen driven by another", with(driven + "[specimen]\ntest = \"tension\"\nforce = \"load1\"\n"),
      "unknown-name", 21, 9, 7, "did you mean `load0`?"},
     {"a gauge with one end", with(specimen + "axial = [\"top\"]\n"), "wrong-type", 22, 9, 7,
-     "two of: bottom, right, top, left, load0"},
+     "ends of the axial gauge: two boundaries"},
     {"a gauge at nothing", with(specimen + "lateral = [\"left\", \"rigth\"]\n"), "unknown-name", 22, 11, 17,
      "did you mean `right`?"},
     {"a beam without a span", with(driven + "[specimen]\ntest = \"bending\"\nforce = \"load0\"\n"), "missing-key", 19,
