@@ -3,11 +3,10 @@
 // (Acary, Collins-Craft, Bourrier; J. J. Moreau 1988, M. Jean 1999):
 //
 //     M (v+ - v) = h (F - K u)_theta + H' P,     u+ = u + h v_theta,     the interface laws at the end of the step,
-//     impulses P unknown
 //
-// Two schemes do it: explicit_scheme.hpp (lumped mass, forces at the begin of the step: each vertex by itself) and
-// implicit_scheme.hpp (all interfaces and the stiffness together); each with the cohesion frozen over the step or
-// implicit.
+// with unknown impulses P. Two schemes solve it: explicit_scheme.hpp (lumped mass, forces at the start of the step, one
+// problem per vertex) and implicit_scheme.hpp (all interfaces and the stiffness together), each with explicit or
+// implicit cohesion.
 #include "stepper/common/scheme_options.hpp"
 #include "stepper/common/step_scheme.hpp"
 
@@ -19,20 +18,21 @@ class MoreauJean {
 public:
     explicit MoreauJean(const Model& model, const SchemeOptions& options = {});
 
-    /// One step of size h [s] from `begin` to `end`; `begin` is left alone. `end` may be any earlier state of the same
-    /// run (its memory is reused). A rejected step (report.rejection) leaves `end` void. Throws SimulationError where
-    /// the motion is no longer finite.
+    /// One step of size h [s] from `begin` to `end`, which may be any earlier state of the same run: its memory is
+    /// reused. After a rejected step (report.rejection) `end` is void. Throws SimulationError where the motion is no
+    /// longer finite.
     StepReport step(const State& begin, double h, State& end);
 
-    /// Static equilibrium under the loads at start.time, before the first step (static_preload.hpp).
-    /// Throws SimulationError where there is none that the interfaces and supports can hold.
+    /// Static equilibrium under the loads and prescribed displacements at start.time (prescribed velocities: zero),
+    /// with all interfaces bonded. Velocities stay those of `start`. Throws SimulationError where cohesion would fall,
+    /// where the supports do not hold a body, and where contact and friction find no equilibrium.
     void start_in_equilibrium(State& start) const;
 
-    /// Lets a long step end early, by StepGivenUp. Without it every step is carried through.
+    /// Ends a long step early, by StepGivenUp. Without it every step is completed.
     void give_up_when(GiveUp asked) { scheme_->give_up_when(asked); }
 
-    double stable_step() const { return scheme_->stable_step(); }      // [s]; infinite for the implicit bulk
-    FactorSize factor_size() const { return scheme_->factor_size(); }  // of the implicit bulk
+    double stable_step() const { return scheme_->stable_step(); }      // [s]; infinite for the implicit scheme
+    FactorSize factor_size() const { return scheme_->factor_size(); }  // of the implicit scheme
 
 private:
     const Model& model_;

@@ -9,27 +9,22 @@ namespace {
 constexpr int steps_until_growth = 10;
 constexpr double growth = 1.5;
 
-/// [s] What a time that was added up step by step may be wrong by.
+constexpr std::array<std::pair<std::string_view, std::string_view>, cutback_reasons.size()> reason_texts{{
+    {"softening", "cohesion begins to fall"},
+    {"release", "a fan comes apart"},
+    {"assumption_1", "Assumption 1 does not hold, so the step has several solutions"},
+    {"not_converged", "the interface problem was not solved to its tolerance"},
+}};
+
+/// [s] Rounding of a time that is a sum of steps.
 double rounding(const State& state, double time) {
     return static_cast<double>(state.n_steps + 1) * std::numeric_limits<double>::epsilon() * time;
 }
 
 }  // namespace
 
-std::string_view name_of(CutbackReason reason) {
-    constexpr std::array<std::string_view, cutback_reasons.size()> names{"softening", "release", "assumption_1",
-                                                                         "not_converged"};
-    return names[static_cast<std::size_t>(reason)];
-}
-
-std::string_view describe(CutbackReason reason) {
-    constexpr std::array<std::string_view, cutback_reasons.size()> texts{
-        "cohesion begins to fall", "a fan comes apart", "Assumption 1 does not hold, so the step has several solutions",
-        "the interface problem was not solved to its tolerance"};
-    return texts[static_cast<std::size_t>(reason)];
-}
-
-StepControl::StepControl(const StepLimits& limits) : limits_(limits), step_(limits.largest), largest_(limits.largest) {}
+std::string_view name_of(CutbackReason reason) { return reason_texts[static_cast<std::size_t>(reason)].first; }
+std::string_view describe(CutbackReason reason) { return reason_texts[static_cast<std::size_t>(reason)].second; }
 
 bool StepControl::has_reached(const State& state, double time) { return state.time >= time - rounding(state, time); }
 
@@ -45,7 +40,7 @@ double StepControl::next(const State& begin) const {
     return left < step_ ? left : 0.5 * left;
 }
 
-std::optional<CutbackReason> StepControl::objection(double h, const StepReport& report) const {
+std::optional<CutbackReason> StepControl::reason_against(double h, const StepReport& report) const {
     if (report.rejection == Rejection::assumption_1) return CutbackReason::assumption_1;
     if (report.rejection == Rejection::not_converged) return CutbackReason::not_converged;
     if (h <= limits_.cracking * (1 + 1e-12)) return std::nullopt;
@@ -54,7 +49,7 @@ std::optional<CutbackReason> StepControl::objection(double h, const StepReport& 
 }
 
 std::optional<Cutback> StepControl::judge(const State& begin, double h, const StepReport& report) {
-    const std::optional<CutbackReason> reason = objection(h, report);
+    const std::optional<CutbackReason> reason = reason_against(h, report);
     const bool rejected = report.rejection != Rejection::none,
                breaks = !rejected && (report.softened > 0 || report.released > 0);
     if (breaks || reason == CutbackReason::assumption_1) largest_ = std::min(largest_, limits_.cracking);
@@ -62,7 +57,7 @@ std::optional<Cutback> StepControl::judge(const State& begin, double h, const St
         smallest_taken_ = largest_taken_ == 0 ? h : std::min(smallest_taken_, h);
         largest_taken_ = std::max(largest_taken_, h);
         step_ = std::min(step_, largest_);
-        if (++n_good_ >= steps_until_growth) grow();
+        if (++n_good_ >= steps_until_growth) step_ = std::min(growth * step_, largest_), n_good_ = 0;
         return std::nullopt;
     }
     ++n_cutbacks_[static_cast<std::size_t>(*reason)];
@@ -74,22 +69,16 @@ std::optional<Cutback> StepControl::judge(const State& begin, double h, const St
     return Cutback{.reason = *reason, .time = begin.time, .from = h, .to = step_};
 }
 
-void StepControl::grow() {
-    step_ = std::min(growth * step_, largest_);
-    n_good_ = 0;
-}
-
 Vec2 place_of_damage(const Model& model, const State& begin, const State& end) {
     Index worst = -1;
     double largest_loss = 0;
     for (std::size_t rank = 0; rank < end.split_fans.size(); ++rank) {
-        const Index fan = end.split_fans[rank];
-        const Index before = begin.split_rank[fan];
+        const Index fan = end.split_fans[rank], before = begin.split_rank[fan];
         double loss = 0;
         for (Index i = 0; i < model.fans[fan].n_points; ++i) {
-            const double had = before >= 0 ? begin.points[begin.first_point[before] + i].cohesion : 1;
             const FanPoint& point = model.fan_points[model.fans[fan].first_point + i];
-            if (before < 0 && (point.cracked || model.laws[point.law].sigma_c <= 0)) continue;
+            if (point.cracked || model.laws[point.law].sigma_c <= 0) continue;
+            const double had = before >= 0 ? begin.points[begin.first_point[before] + i].cohesion : 1;
             loss = std::max(loss, had - end.points[end.first_point[rank] + i].cohesion);
         }
         if (loss > largest_loss || (worst < 0 && before < 0)) worst = fan, largest_loss = loss;

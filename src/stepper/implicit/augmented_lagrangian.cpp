@@ -3,8 +3,6 @@
 #include "base/room.hpp"
 #include "base/secant.hpp"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -41,8 +39,8 @@ AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk&
     : bulk_(bulk), matrix_(matrix), x_(iterate) {
     make_room(model.mesh.n_corners(), bulk_impulse_, residual_, right_side_, direction_, changed_, before_.rate,
               first_.rate);
-    make_room(model.fan_points.size() + 1, factored_states_, tangents_, turn_, last_multipliers_, move_, last_move_,
-              before_.points, first_.points);
+    make_room(model.fan_points.size() + 1, factored_states_, tangents_, turn_, move_, last_move_, before_.points,
+              first_.points);
 }
 
 bool AugmentedLagrangian::solve(double scale, double largest_scale) {
@@ -83,7 +81,6 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale) {
 bool AugmentedLagrangian::find_multipliers(double goal, int max_steps) {
     const bool has_potential = std::ranges::none_of(
         x_.points, [](const ActivePoint& p) { return p.law.friction > 0 && p.law.friction_follows; });
-    last_multipliers_.resize(x_.points.size());
     last_move_.clear();
     set_augmentation(final_augmentation_);
     for (int outer = 0, n_near = 0; outer < max_outer_steps; ++outer) {
@@ -95,8 +92,6 @@ bool AugmentedLagrangian::find_multipliers(double goal, int max_steps) {
         if (!first) max_steps -= counts_.linear_solves - solves;
         for (const ActivePoint& point : x_.points)  // an impact may exceed the strengths
             unit_ = std::max(unit_, std::min(point.response.contact, largest_unit_));
-        for (std::size_t j = 0; j < x_.points.size(); ++j)
-            last_multipliers_[j] = {x_.points[j].law.contact_guess, x_.points[j].law.tangential_guess};
         const double unit = final_augmentation_ * unit_, change = update_multipliers();
         n_near += change <= law_tolerance * unit;
         if (change <= goal * unit || n_near == max_near) return true;
@@ -225,34 +220,11 @@ bool AugmentedLagrangian::prepare_matrix() {
 
 bool AugmentedLagrangian::violates_assumption_1() {
     if (indefinite_) return true;
-    constexpr int max_broken = 8;
-    std::array<const ActivePoint*, max_broken> broken;
-    Eigen::Index n = 0;
-    for (const ActivePoint& point : x_.points) {
-        if (!point.response.breaks || point.law.cohesion <= 0) continue;
-        if (n < max_broken) broken[n] = &point;
-        ++n;
-    }
-    if (n == 0) return false;
-    if (factored_states_.empty() || !matrix_.is_symmetric() || n > max_broken) {
-        make_tangents(Softening::at_all);
-        forget_factor();
-        return !matrix_.factorise(tangents_);
-    }
-    // few: with the factor of a definite A, A - G C G' is definite if and only if C^-1 - G' A^-1 G is
-    using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, max_broken, max_broken>;
-    Small left = Small::Zero(n, n);
-    for (Eigen::Index j = 0; j < n; ++j) {
-        const ActivePoint& point = *broken[j];
-        right_side_.assign(residual_.size(), Vec2::Zero());
-        point.sides.add_force(point.out_of_frame(loss_direction(point.law, point.response)), right_side_);
-        matrix_.solve(right_side_, direction_);
-        ++counts_.linear_solves;
-        for (Eigen::Index i = 0; i < n; ++i)
-            left(i, j) = -loss_direction(broken[i]->law, broken[i]->response).dot(broken[i]->across(direction_));
-        left(j, j) += 1 / softening_modulus(point.law);
-    }
-    return left.llt().info() != Eigen::Success;
+    const auto lost_all = [](const ActivePoint& p) { return p.response.breaks && p.law.cohesion > 0; };
+    if (std::ranges::none_of(x_.points, lost_all)) return false;
+    make_tangents(Softening::at_all);
+    forget_factor();
+    return !matrix_.factorise(tangents_);
 }
 
 /// Zero of the slope along the step d,   d . (r(w) + a M_hat d - H' q(w + a d)):   monotone and piecewise linear in a
@@ -286,14 +258,17 @@ double AugmentedLagrangian::step_length() {
 }
 
 double AugmentedLagrangian::update_multipliers() {
-    double change = 0;
-    for (ActivePoint& point : x_.points) {
-        change = std::max({change, std::abs(point.response.contact - point.law.contact_guess),
-                           std::abs(point.response.tangential - point.law.tangential_guess)});
-        point.law.contact_guess = point.response.contact;
-        point.law.tangential_guess = point.response.tangential;
+    double longest = 0;
+    move_.resize(x_.points.size());
+    for (std::size_t j = 0; j < move_.size(); ++j) {
+        const PointResponse& q = x_.points[j].response;
+        PointLaw& law = x_.points[j].law;
+        move_[j] = {q.contact - law.contact_guess, q.tangential - law.tangential_guess};
+        longest = std::max(longest, move_[j].cwiseAbs().maxCoeff());
+        law.contact_guess = q.contact;
+        law.tangential_guess = q.tangential;
     }
-    return change;
+    return longest;
 }
 
 /// Vector Aitken extrapolation, fan by fan, of fans whose multipliers moved by more than `min_move` [N s]. A move d
@@ -307,13 +282,8 @@ void AugmentedLagrangian::extrapolate_multipliers(double min_move) {
     std::vector<ActivePoint>& points = x_.points;
     std::vector<Vec2>& force = right_side_;  // H' d
     force.assign(x_.rate.size(), Vec2::Zero());
-    move_.resize(points.size());
     last_move_.resize(points.size(), Vec2::Zero());
-    for (std::size_t j = 0; j < points.size(); ++j) {
-        const PointLaw& law = points[j].law;
-        move_[j] = Vec2(law.contact_guess, law.tangential_guess) - last_multipliers_[j];
-        points[j].sides.add_force(points[j].out_of_frame(move_[j]), force);
-    }
+    for (std::size_t j = 0; j < points.size(); ++j) points[j].sides.add_force(points[j].out_of_frame(move_[j]), force);
     const auto force_on = [&](Index node) {
         double largest = 0;
         for (int k = 0; node >= 0 && k < 2; ++k)

@@ -75,7 +75,7 @@ private:
     bool indefinite_ = false;
     std::vector<PointTangent> tangents_;
     std::vector<Vec2> corner_impulse_, of_corner_, bulk_impulse_, residual_, right_side_, direction_, changed_;
-    std::vector<Vec2> turn_, last_multipliers_, move_, last_move_;  // per point, (N, T)
+    std::vector<Vec2> turn_, move_, last_move_;  // per point, (N, T)
     SolverCounts counts_;
     GiveUp given_up_ = nullptr;
     double unit_ = 1, largest_unit_ = 1;

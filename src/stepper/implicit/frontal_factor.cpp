@@ -32,12 +32,6 @@ bool FrontalFactor::update(const std::vector<Index>& eliminated_in, const Elemen
     return true;
 }
 
-void FrontalFactor::DenseMatrix::set_zero(Arena& arena, Index n_rows, Index n_columns) {
-    n_rows_ = n_rows, n_columns_ = n_columns;
-    entries_.resize(arena, static_cast<std::size_t>(n_rows_ * n_columns_));
-    std::ranges::fill(entries_.entries(), 0.0);
-}
-
 void FrontalFactor::find_unknowns(Index part, const std::vector<Index>& eliminated_in) {
     own_.clear();
     left_.clear();
@@ -59,8 +53,12 @@ void FrontalFactor::find_unknowns(Index part, const std::vector<Index>& eliminat
 
 void FrontalFactor::assemble(Index part) {
     Front& front = fronts_[part];
-    front.L.set_zero(arena_, front.size(), front.n_eliminated);
-    front.schur.set_zero(arena_, front.n_left(), front.n_left());
+    const auto set_zero = [&](ArenaList<double>& matrix, std::size_t n_rows, std::size_t n_columns) {
+        matrix.resize(arena_, n_rows * n_columns);
+        std::ranges::fill(matrix.entries(), 0.0);
+    };
+    set_zero(front.L, front.size(), front.n_eliminated);
+    set_zero(front.schur, front.n_left(), front.n_left());
     for (const Element& element : elements_)
         for (int j = 0; j < element.n_unknowns; ++j)
             for (int i = 0; i < element.n_unknowns; ++i) {
@@ -73,7 +71,7 @@ void FrontalFactor::assemble(Index part) {
         const Front& half = fronts_[child];
         const std::span<const Index> unknown = half.left();
         for (Index j = 0; j < half.n_left(); ++j) {
-            const double* from = half.schur.column(j);
+            const double* from = half.schur.first() + half.n_left() * std::size_t(j);
             const Index column = place_[unknown[j]];
             for (Index i = j; i < half.n_left(); ++i) {
                 const Index row = place_[unknown[i]];
@@ -86,14 +84,14 @@ void FrontalFactor::assemble(Index part) {
 bool FrontalFactor::eliminate(Front& front) {
     const Index n = front.n_eliminated, n_left = front.n_left();
     if (n == 0) return true;
-    auto whole = front.L.map();
+    Eigen::Map<Eigen::MatrixXd> whole(front.L.first(), front.size(), n), schur(front.schur.first(), n_left, n_left);
     auto L = whole.topRows(n);
     Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(L);
     if (in_place.info() != Eigen::Success || !(L.diagonal().array() > 0).all()) return false;
     if (n_left == 0) return true;
     auto L_B = whole.bottomRows(n_left);
     L.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(L_B);
-    front.schur.map().selfadjointView<Eigen::Lower>().rankUpdate(L_B, -1);
+    schur.selfadjointView<Eigen::Lower>().rankUpdate(L_B, -1);
     return true;
 }
 
@@ -102,31 +100,28 @@ void FrontalFactor::solve(std::vector<double>& x) {
     const auto below = [](const double* column, Index k, Index size) -> Eigen::Map<const Eigen::VectorXd> {
         return {column + k + 1, size - k - 1};
     };
+    const auto gather = [&](const Front& front) {
+        for (Index i = 0; i < front.size() && front.n_eliminated > 0; ++i) local_[i] = x[front.unknown.first()[i]];
+    };
     for (const Front& front : fronts_) {
         const Index n = front.n_eliminated, size = front.size();
-        gather(front, x);
+        gather(front);
         for (Index k = 0; k < n; ++k) {
-            const double* column = front.L.column(k);
+            const double* column = front.column_of_L(k);
             const double at = local_[k] /= column[k];
             local_.segment(k + 1, size - k - 1) -= at * below(column, k, size);
         }
-        for (Index i = 0; i < size && n > 0; ++i) x[front.unknown.entries()[i]] = local_[i];
+        for (Index i = 0; i < size && n > 0; ++i) x[front.unknown.first()[i]] = local_[i];
     }
     for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front) {
         const Index n = front->n_eliminated, size = front->size();
-        gather(*front, x);
+        gather(*front);
         for (Index k = n - 1; k >= 0; --k) {
-            const double* column = front->L.column(k);
+            const double* column = front->column_of_L(k);
             const double known = below(column, k, size).dot(local_.segment(k + 1, size - k - 1));
-            x[front->unknown.entries()[k]] = local_[k] = (local_[k] - known) / column[k];
+            x[front->unknown.first()[k]] = local_[k] = (local_[k] - known) / column[k];
         }
     }
-}
-
-void FrontalFactor::gather(const Front& front, const std::vector<double>& x) {
-    if (front.n_eliminated == 0) return;
-    Index i = 0;
-    for (const Index u : front.unknown.entries()) local_[i++] = x[u];
 }
 
 FactorSize FrontalFactor::size() const {

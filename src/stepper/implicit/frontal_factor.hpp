@@ -54,33 +54,23 @@ public:
     FactorSize size() const;
 
 private:
-    class DenseMatrix {
-    public:
-        void set_zero(Arena& arena, Index n_rows, Index n_columns);
-        Eigen::Map<Eigen::MatrixXd> map() { return {entries_.first(), n_rows_, n_columns_}; }
-        double& operator()(Index row, Index column) { return entries_.first()[row + n_rows_ * column]; }
-        const double* column(Index j) const { return entries_.first() + n_rows_ * j; }
-
-    private:
-        ArenaList<double> entries_;
-        Eigen::Index n_rows_ = 0, n_columns_ = 0;
-    };
     struct Front {
         ArenaList<Index> unknown;  // eliminated ones first
         Index n_eliminated = 0;
-        DenseMatrix L;      // lower half: L, and L_B below it
-        DenseMatrix schur;  // lower half
+        ArenaList<double> L;      // lower half, column by column: L, and L_B below it
+        ArenaList<double> schur;  // likewise
         Index size() const { return static_cast<Index>(unknown.size()); }
         Index n_left() const { return size() - n_eliminated; }
         std::span<const Index> left() const { return unknown.entries().subspan(n_eliminated); }
         double& at(Index row, Index column) {
-            return column < n_eliminated ? L(row, column) : schur(row - n_eliminated, column - n_eliminated);
+            if (column < n_eliminated) return L.first()[row + size() * std::size_t(column)];
+            return schur.first()[row - n_eliminated + n_left() * std::size_t(column - n_eliminated)];
         }
+        const double* column_of_L(Index k) const { return L.first() + size() * std::size_t(k); }
     };
     void find_unknowns(Index part, const std::vector<Index>& eliminated_in);
     void assemble(Index part);
     static bool eliminate(Front& front);
-    void gather(const Front& front, const std::vector<double>& x);  // into local_
 
     const Dissection& dissection_;
     Arena arena_;                      // of the fronts, which grow node by node with a crack

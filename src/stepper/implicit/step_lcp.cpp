@@ -1,18 +1,18 @@
 #include "stepper/implicit/step_lcp.hpp"
 
 #include "base/union_find.hpp"
+#include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace knap {
 namespace {
 
 constexpr double rounding = 1e-12;  // [-] relative
-
-double power_of_two(double x) { return std::exp2(std::ilogb(x)); }
 
 }  // namespace
 
@@ -27,7 +27,7 @@ StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeO
     make_points();
     lay_out();
 
-    const int n = static_cast<int>(row_unit_.size()), n_jumps = 2 * model.n_points();
+    const int n = size_, n_jumps = 2 * model.n_points();
     constant_ = Eigen::VectorXd::Zero(n);
     known_impulse_ = Eigen::VectorXd::Zero(n_jumps);
     add_cohesion();
@@ -133,25 +133,29 @@ void StepLcp::lay_out() {
         const bool lands = !law.contact.may_touch || end_at_bound < -rounding * law.material->delta_c();
         if (step_.implicit_beta && lands) landing_.push_back(p);
     }
-    // units in powers of two, of the body: the path of a solver must not depend on the user's units
-    const double mass = power_of_two(model_.corner_mass[0]), time = power_of_two(step_.h),
-                 length = power_of_two((model_.mesh.corner(1) - model_.mesh.corner(0)).norm()), speed = length / time,
-                 impulse = mass * speed, force = impulse / time;
-    const auto group = [&](std::size_t n, double row_unit, double unknown_unit) {
-        const int first = static_cast<int>(row_unit_.size());
-        row_unit_.insert(row_unit_.end(), n, row_unit);
-        unknown_unit_.insert(unknown_unit_.end(), n, unknown_unit);
-        return first;
-    };
+    const auto group = [&](std::size_t n) { return std::exchange(size_, size_ + static_cast<int>(n)); };
     const std::size_t m = cohesive_.size(), c = contacts_.size();
-    loss_ = group(step_.implicit_beta ? m : 0, 1, force * length);
-    beta_ = group(step_.implicit_beta ? m : 0, force / length, length * length);
-    normal_ = group(c, speed, impulse);
-    slip_ = group(friction_ ? 2 * c : 0, speed, impulse);
-    slip_rate_ = group(friction_ ? c : 0, impulse, speed);
-    tangent_ = group(tangential_ ? 2 * m : 0, length, force);
-    offset_ = group(tangential_ ? m : 0, force, length);
-    opening_ = group(landing_.size(), length, length);
+    loss_ = group(step_.implicit_beta ? m : 0);
+    beta_ = group(step_.implicit_beta ? m : 0);
+    normal_ = group(c);
+    slip_ = group(friction_ ? 2 * c : 0);
+    slip_rate_ = group(friction_ ? c : 0);
+    tangent_ = group(tangential_ ? 2 * m : 0);
+    offset_ = group(tangential_ ? m : 0);
+    opening_ = group(landing_.size());
+}
+
+/// Two unknowns r+, r- >= 0 of a tangential force r+ - r-, with |r| <= the bound whose row is `bound`; rows: the
+/// unknown of that row plus and minus (factor w_T + constant).
+void StepLcp::add_sign(int first, int bound, Index point, double factor, double constant) {
+    for (const int sign : {1, -1}) {
+        const int row = first + (sign < 0);
+        rows_of_rate_.emplace_back(row, 2 * point + 1, sign * factor);
+        constant_[row] = sign * constant;
+        coupling_.emplace_back(row, bound, 1);
+        coupling_.emplace_back(bound, row, -1);
+        impulse_of_unknown_.emplace_back(2 * point + 1, row, sign * factor);
+    }
 }
 
 void StepLcp::add_cohesion() {
@@ -195,13 +199,7 @@ void StepLcp::add_contacts() {
         impulse_of_unknown_.emplace_back(2 * p, normal_ + k, 1);
         if (!friction_) continue;
         coupling_.emplace_back(slip_rate_ + k, normal_ + k, points_[p].law.friction);
-        for (const int sign : {1, -1}) {
-            const int row = slip_ + 2 * k + (sign < 0);
-            rows_of_rate_.emplace_back(row, 2 * p + 1, sign);
-            coupling_.emplace_back(row, slip_rate_ + k, 1);
-            coupling_.emplace_back(slip_rate_ + k, row, -1);
-            impulse_of_unknown_.emplace_back(2 * p + 1, row, sign);
-        }
+        add_sign(slip_ + 2 * k, slip_rate_ + k, p, 1, 0);
     }
 }
 
@@ -213,14 +211,7 @@ void StepLcp::add_tangential_cohesion() {
         const double traction = law.material->gamma * law.material->sigma_c;
         if (step_.implicit_beta) coupling_.emplace_back(offset_ + i, beta_ + i, step_.theta * traction);
         constant_[offset_ + i] = traction * (step_.implicit_beta ? 1 - step_.theta : 1) * S * law.cohesion;
-        for (const int sign : {1, -1}) {
-            const int row = tangent_ + 2 * i + (sign < 0);
-            rows_of_rate_.emplace_back(row, 2 * p + 1, sign * step_.h);
-            constant_[row] = sign * law.u_T;
-            coupling_.emplace_back(row, offset_ + i, 1);
-            coupling_.emplace_back(offset_ + i, row, -1);
-            impulse_of_unknown_.emplace_back(2 * p + 1, row, sign * step_.h);
-        }
+        add_sign(tangent_ + 2 * i, offset_ + i, p, step_.h, law.u_T);
     }
 }
 
@@ -282,13 +273,10 @@ StepLcpEnd StepLcp::end(const Eigen::VectorXd& z) const {
 }
 
 std::optional<StepLcpEnd> StepLcp::solve() const {
-    const Eigen::Map<const Eigen::VectorXd> row_unit(row_unit_.data(), problem_.size()),
-        unknown_unit(unknown_unit_.data(), problem_.size());
-    const Eigen::VectorXd scale = row_unit.cwiseInverse();
-    const LcpMatrix M(scale.asDiagonal() * problem_.M * unknown_unit.asDiagonal());
-    const LcpSolution found = solve_by_default({M, scale.cwiseProduct(problem_.q)}, {.exhaustive = false});
+    const ScaledLcp scaled = equilibrated(problem_);
+    const LcpSolution found = solve_by_default(scaled.problem, {.exhaustive = false});
     if (found.status != LcpStatus::solved) return std::nullopt;
-    return end(unknown_unit.cwiseProduct(found.z));
+    return end(scaled.original_z(found.z));
 }
 
 }  // namespace knap

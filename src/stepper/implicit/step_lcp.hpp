@@ -52,7 +52,7 @@ public:
 
     const LcpProblem& problem() const { return problem_; }
     StepLcpEnd end(const Eigen::VectorXd& z) const;
-    /// By the default solver, ending with Lemke's method, in units of the body; nothing where it finds no solution.
+    /// By the default solver, at last Lemke's method; nothing where it finds no solution.
     std::optional<StepLcpEnd> solve() const;
 
 private:
@@ -65,6 +65,7 @@ private:
     void add_cohesion();
     void add_contacts();
     void add_tangential_cohesion();
+    void add_sign(int first, int bound, Index point, double factor, double constant);
     Matrix delassus() const;
     Eigen::VectorXd response(const Eigen::VectorXd& impulse) const;  // M_hat^-1 impulse
 
@@ -85,8 +86,7 @@ private:
     // the layout: points, and the first row of every group, which may be empty
     std::vector<Index> cohesive_, contacts_, landing_;  // points with cohesion; that may touch; that need o
     bool friction_ = false, tangential_ = false;
-    int loss_, beta_, normal_, slip_, slip_rate_, tangent_, offset_, opening_;
-    std::vector<double> row_unit_, unknown_unit_;
+    int loss_, beta_, normal_, slip_, slip_rate_, tangent_, offset_, opening_, size_ = 0;
 
     Triplets rows_of_rate_, impulse_of_unknown_, coupling_;
     Eigen::VectorXd constant_;

@@ -12,19 +12,16 @@ ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass)
       mass_(mass),
       dissection_(dissect(model)),
       factor_(dissection_, 2 * static_cast<std::size_t>(model.mesh.n_corners())),
-      first_point_of_leaf_(dissection_.parts.size() + 1, 0),
-      point_of_leaf_(model.fan_points.size()),
+      points_of_leaf_(dissection_.parts.size(),
+                      [&](const auto& visit) {
+                          const Index n = static_cast<Index>(model.fan_points.size());
+                          for (Index i = 0; i < n; ++i) visit(leaf_of_point(i), i);
+                      }),
       eliminated_in_(2 * model.mesh.n_corners(), -1),
       block_(model.fan_points.size(), Eigen::Matrix2d::Zero()),
       kept_(model.fan_points.size(), 0),
       x_(2 * model.mesh.n_corners(), 0) {
     make_room(model.fan_points.size(), with_block_, friction_);
-    const Index n_points = static_cast<Index>(model.fan_points.size());
-    for (Index i = 0; i < n_points; ++i) ++first_point_of_leaf_[leaf_of_point(i) + 1];
-    for (std::size_t part = 0; part < dissection_.parts.size(); ++part)
-        first_point_of_leaf_[part + 1] += first_point_of_leaf_[part];
-    std::vector<Index> next(first_point_of_leaf_.begin(), first_point_of_leaf_.end() - 1);
-    for (Index i = 0; i < n_points; ++i) point_of_leaf_[next[leaf_of_point(i)]++] = i;
 }
 
 PointSides ThetaMatrix::sides_of(Index fan_point) const {
@@ -79,9 +76,8 @@ void ThetaMatrix::add_elements(Index leaf, std::vector<Element>& elements) const
         for (int i = 0; i < 2 * n; ++i) made.unknown[i] = unknown(nodes_->node_of_corner[n * t + i / 2], i % 2);
         made.matrix = theta_element(model_, t, stiffness_factor_, mass_);
     }
-    for (Index i = first_point_of_leaf_[leaf]; i < first_point_of_leaf_[leaf + 1]; ++i)
-        if (const PointSides at = sides_of(point_of_leaf_[i]); at.before != at.after)
-            add_point(at, block_[point_of_leaf_[i]], elements);
+    for (const Index i : points_of_leaf_[leaf])
+        if (const PointSides at = sides_of(i); at.before != at.after) add_point(at, block_[i], elements);
     for (const PointTangent& contact : contacts_)
         if (leaf_of_corner(contact.sides.leaf_corner) == leaf)
             add_point(contact.sides, contact.symmetric_block, elements);

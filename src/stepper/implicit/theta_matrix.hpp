@@ -4,6 +4,7 @@
 //     A = M + theta^2 h^2 K + G D G',       G' = relative velocities of the points, D = -d(impulse)/d(velocity),
 //
 // factorised and solved. From one factor to the next only what changed is computed anew (frontal_factor.hpp).
+#include "base/grouped.hpp"
 #include "element/mass_matrix.hpp"
 #include "stepper/implicit/corner_partition.hpp"
 #include "stepper/implicit/frontal_factor.hpp"
@@ -55,7 +56,7 @@ private:
     const CornerPartition* nodes_ = nullptr;
     const Dissection dissection_;
     FrontalFactor factor_;
-    std::vector<Index> first_point_of_leaf_, point_of_leaf_;  // fan points, by the leaf that they belong to
+    Grouped<Index> points_of_leaf_;  // fan points
 
     // in the factor
     std::vector<std::uint8_t> active_;    // per fan
