@@ -14,7 +14,6 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
                             Index fan_point) {
     const FanPoint& at = model.fan_points[fan_point];
     const CohesiveLaw& law = model.laws[at.law];
-    const auto node_of = [&](Index corner) { return corner == rigid_support ? -1 : nodes.node_of_corner[corner]; };
     const auto velocity = [&](Index corner) -> Vec2 {
         return corner == rigid_support ? Vec2::Zero() : step.begin->velocity[step.begin->node_of_corner[corner]];
     };
@@ -22,7 +21,7 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
     const double u_rate = at.normal.dot(velocity(at.after) - velocity(at.before));
     double beta = at.cracked || law.sigma_c == 0 ? 0 : cohesion(model, *step.begin, at.point);
     if (beta < no_cohesion) beta = 0;
-    ActivePoint made{.sides = {.fan_point = fan_point, .before = node_of(at.before), .after = node_of(at.after)},
+    ActivePoint made{.sides = nodes.sides(model, fan_point),
                      .fan = fan,
                      .normal = at.normal,
                      .law = {.u_N = u.x(),

@@ -10,24 +10,6 @@
 
 namespace knap {
 
-struct CornerPartition {
-    std::vector<std::uint8_t> active;   // [0/1] per fan: its interfaces may open in this step
-    std::vector<Index> node_of_corner;  // per corner
-    std::vector<Index> corner_of_node;  // per node: its first corner
-    std::vector<Index> motion;          // per node: into Model::prescribed, or -1
-    std::vector<std::array<bool, 2>>
-        prescribed;  // per node, x and y: by its motion or by unbreakable glue to the support
-
-    Index n_nodes() const { return static_cast<Index>(corner_of_node.size()); }
-    /// `node` -1 is the rigid support.
-    bool is_prescribed(Index node, int component) const { return node < 0 || prescribed[node][component]; }
-};
-
-/// A point that never opens: its law cannot break and it is not cracked from the start.
-inline bool unbreakable(const Model& model, const FanPoint& point) {
-    return !point.cracked && !model.laws[point.law].breakable();
-}
-
 /// The nodes on the two sides of an interface point, or of a contact with an obstacle, which is `before` there.
 struct PointSides {
     Index fan_point;         // into Model::fan_points; -1: contact with an obstacle
@@ -54,6 +36,29 @@ struct PointSides {
     }
     bool operator==(const PointSides&) const = default;
 };
+
+struct CornerPartition {
+    std::vector<std::uint8_t> active;   // [0/1] per fan: its interfaces may open in this step
+    std::vector<Index> node_of_corner;  // per corner
+    std::vector<Index> corner_of_node;  // per node: its first corner
+    std::vector<Index> motion;          // per node: into Model::prescribed, or -1
+    std::vector<std::array<bool, 2>>
+        prescribed;  // per node, x and y: by its motion or by unbreakable glue to the support
+
+    Index n_nodes() const { return static_cast<Index>(corner_of_node.size()); }
+    /// `node` -1 is the rigid support.
+    bool is_prescribed(Index node, int component) const { return node < 0 || prescribed[node][component]; }
+    PointSides sides(const Model& model, Index fan_point) const {
+        const auto node = [&](Index corner) { return corner == rigid_support ? -1 : node_of_corner[corner]; };
+        const FanPoint& at = model.fan_points[fan_point];
+        return {.fan_point = fan_point, .before = node(at.before), .after = node(at.after)};
+    }
+};
+
+/// A point that never opens: its law cannot break and it is not cracked from the start.
+inline bool unbreakable(const Model& model, const FanPoint& point) {
+    return !point.cracked && !model.laws[point.law].breakable();
+}
 
 /// Fills `partition` and reuses its memory. Nodes are numbered fan by fan.
 void partition_corners(const Model& model, const std::vector<std::uint8_t>& active, CornerPartition& partition);

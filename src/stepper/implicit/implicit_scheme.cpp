@@ -44,9 +44,9 @@ ImplicitScheme::ImplicitScheme(const Model& model, const SchemeOptions& options)
 
 StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
     StepReport report;
-    begin_step(begin, h);
-    solve_free_obstacles(report);
-    solve_points(report);
+    begin_step(begin, h);          // K u, F_theta, contacts with obstacles, first guesses
+    solve_free_obstacles(report);  // rates of obstacles, each trial with a solution of the next line
+    solve_points(report);          // r(w) = H' q(w): impulses that the bulk needs, and those of the points
     if (report.rejection == Rejection::none && options_.respect_assumption_1 && solver_.violates_assumption_1())
         report.rejection = Rejection::assumption_1;
     if (report.rejection != Rejection::none) return rejected(report, report.rejection);
@@ -56,7 +56,7 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
     account_points(report);
     bulk_.account(x_.rate, solver_.residual_impulse(), work_, report);
     if (energy_balance_error_exceeds(report)) return rejected(report, Rejection::not_converged);
-    store(end, report);
+    store(end, report);  // u+ = u + h w,  v+ = (w - (1 - theta) v)/theta,  beta+
     obstacles_.finish(begin, contact_wrenches(), end, report);
     return report;
 }

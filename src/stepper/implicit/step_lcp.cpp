@@ -1,12 +1,10 @@
 #include "stepper/implicit/step_lcp.hpp"
 
-#include "base/union_find.hpp"
 #include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 namespace knap {
@@ -44,56 +42,50 @@ StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeO
     for (Index p = 0; p < model.n_points(); ++p) free_jump.segment<2>(2 * p) = points_[p].across(free_rate_);
     const LcpMatrix rows_of_rate = matrix(n, n_jumps, rows_of_rate_);
     impulse_of_z_ = matrix(n_jumps, n, impulse_of_unknown_);
-    const Matrix W = step_.theta * delassus();
-    const LcpMatrix of_impulse = rows_of_rate * W;
+    Matrix W(n_jumps, n_jumps);
+    if (H_.cols() > 0) W = H_ * Matrix(M_hat_.solve(Matrix(H_.transpose())));
+    const LcpMatrix symmetric_W = 0.5 * (W + Matrix(W.transpose())),
+                    of_impulse = step_.theta * rows_of_rate * symmetric_W;
     problem_.M = matrix(n, n, coupling_) + LcpMatrix(of_impulse * impulse_of_z_);
     problem_.M.makeCompressed();
     problem_.q = constant_ + rows_of_rate * free_jump + of_impulse * known_impulse_;
 }
 
 void StepLcp::factorise(MassMatrix mass) {
+    for (const std::array<bool, 2>& prescribed : nodes_.prescribed)
+        for (const bool known : prescribed) unknown_.push_back(known ? -1 : n_unknowns_++);
     const Index n = model_.mesh.corners_per_triangle();
-    const auto node = [&](Index triangle, Index k) { return nodes_.node_of_corner[n * triangle + k]; };
-    UnionFind parts(nodes_.n_nodes());
-    for (Index t = 0; t < model_.mesh.n_triangles(); ++t)
-        for (Index k = 1; k < n; ++k) parts.join(node(t, 0), node(t, k));
-    std::vector<Index> order(nodes_.n_nodes());  // part by part
-    std::iota(order.begin(), order.end(), 0);
-    std::ranges::stable_sort(order, {}, [&](Index i) { return parts.find(i); });
-    unknown_.assign(2 * nodes_.n_nodes(), -1);
-    Index n_unknowns = 0;
-    for (const Index i : order) {
-        if (parts.find(i) == i) parts_.emplace_back().first = n_unknowns;
-        for (int k = 0; k < 2; ++k)
-            if (!nodes_.prescribed[i][k]) unknown_[2 * i + k] = n_unknowns++;
-        parts_.back().n = n_unknowns - parts_.back().first;
-    }
-
     Triplets entries;
     for (Index t = 0; t < model_.mesh.n_triangles(); ++t) {
         const ElementMatrix M_hat = theta_element(model_, t, step_.stiffness_factor(), mass);
+        const auto unknown = [&](Index i) { return unknown_[2 * nodes_.node_of_corner[n * t + i / 2] + i % 2]; };
         for (Index i = 0; i < 2 * n; ++i)
-            for (Index j = 0; j < 2 * n; ++j) {
-                const Index row = unknown_[2 * node(t, i / 2) + i % 2], column = unknown_[2 * node(t, j / 2) + j % 2];
-                if (row >= 0 && column >= 0) entries.emplace_back(row, column, M_hat(i, j));
-            }
+            for (Index j = 0; j < 2 * n; ++j)
+                if (unknown(i) >= 0 && unknown(j) >= 0) entries.emplace_back(unknown(i), unknown(j), M_hat(i, j));
     }
-    Matrix M_hat(n_unknowns, n_unknowns);
+    Matrix M_hat(n_unknowns_, n_unknowns_);
     M_hat.setFromTriplets(entries.begin(), entries.end());
-    for (Part& part : parts_)
-        if (part.n > 0) part.factor.compute(M_hat.block(part.first, part.first, part.n, part.n));
+    if (n_unknowns_ > 0) M_hat_.compute(M_hat);
 
     // w_free = w_0 - M_hat^-1 r(w_0) with the prescribed rates in w_0
     std::vector<Vec2> of_corner, of_node;
     bulk_.set_nodes(nodes_, std::vector<Vec2>(model_.mesh.n_corners(), Vec2::Zero()), free_rate_);
     bulk_.impulse(free_rate_, of_corner);
     bulk_.sum_to_nodes(of_corner, of_node);
-    Eigen::VectorXd needed(n_unknowns);
+    Eigen::VectorXd impulse(n_unknowns_);
     for (std::size_t i = 0; i < unknown_.size(); ++i)
-        if (unknown_[i] >= 0) needed[unknown_[i]] = of_node[i / 2][i % 2];
-    const Eigen::VectorXd change = response(needed);
+        if (unknown_[i] >= 0) impulse[unknown_[i]] = -of_node[i / 2][i % 2];
+    free_rate_ = rate(impulse);
+}
+
+/// [m/s] w_free + M_hat^-1 impulse
+std::vector<Vec2> StepLcp::rate(const Eigen::VectorXd& impulse) const {
+    std::vector<Vec2> rate = free_rate_;
+    if (impulse.size() == 0) return rate;
+    const Eigen::VectorXd change = M_hat_.solve(impulse);
     for (std::size_t i = 0; i < unknown_.size(); ++i)
-        if (unknown_[i] >= 0) free_rate_[i / 2][i % 2] -= change[unknown_[i]];
+        if (unknown_[i] >= 0) rate[i / 2][i % 2] += change[unknown_[i]];
+    return rate;
 }
 
 void StepLcp::make_points() {
@@ -112,7 +104,7 @@ void StepLcp::make_points() {
                             entries.emplace_back(2 * p + d, u, weight * axis[d][k]);
             });
         }
-    H_.resize(2 * model_.n_points(), static_cast<Index>(parts_.back().first + parts_.back().n));
+    H_.resize(2 * model_.n_points(), n_unknowns_);
     H_.setFromTriplets(entries.begin(), entries.end());
 }
 
@@ -215,43 +207,9 @@ void StepLcp::add_tangential_cohesion() {
     }
 }
 
-StepLcp::Matrix StepLcp::delassus() const {
-    Triplets entries;
-    std::vector<Index> place(H_.rows(), -1);
-    for (const Part& part : parts_) {
-        std::vector<Index> jumps;  // of this part
-        for (Eigen::Index j = part.first; j < part.first + part.n; ++j)
-            for (Matrix::InnerIterator entry(H_, j); entry; ++entry)
-                if (Index& at = place[entry.row()]; at < 0)
-                    at = static_cast<Index>(jumps.size()), jumps.push_back(static_cast<Index>(entry.row()));
-        const Index n = static_cast<Index>(jumps.size());
-        Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, part.n);
-        for (Eigen::Index j = 0; j < part.n; ++j)
-            for (Matrix::InnerIterator entry(H_, part.first + j); entry; ++entry)
-                H(place[entry.row()], j) = entry.value();
-        for (const Index jump : jumps) place[jump] = -1;
-        if (n == 0) continue;
-        const Eigen::MatrixXd W = H * part.factor.solve(H.transpose());
-        for (Index i = 0; i < n; ++i)
-            for (Index j = 0; j < n; ++j) entries.emplace_back(jumps[i], jumps[j], 0.5 * (W(i, j) + W(j, i)));
-    }
-    Matrix W(H_.rows(), H_.rows());
-    W.setFromTriplets(entries.begin(), entries.end());
-    return W;
-}
-
-Eigen::VectorXd StepLcp::response(const Eigen::VectorXd& impulse) const {
-    Eigen::VectorXd x(impulse.size());
-    for (const Part& part : parts_)
-        if (part.n > 0) x.segment(part.first, part.n) = part.factor.solve(impulse.segment(part.first, part.n));
-    return x;
-}
-
 StepLcpEnd StepLcp::end(const Eigen::VectorXd& z) const {
-    const Eigen::VectorXd P = impulse_of_z_ * z + known_impulse_, change = response(H_.transpose() * P);
-    std::vector<Vec2> rate = free_rate_;
-    for (std::size_t i = 0; i < unknown_.size(); ++i)
-        if (unknown_[i] >= 0) rate[i / 2][i % 2] += step_.theta * change[unknown_[i]];
+    const Eigen::VectorXd P = impulse_of_z_ * z + known_impulse_;
+    const std::vector<Vec2> rate = this->rate(step_.theta * (H_.transpose() * P));
     StepLcpEnd end;
     for (const Index node : nodes_.node_of_corner) {
         end.rate.push_back(Vec2(rate[node]));

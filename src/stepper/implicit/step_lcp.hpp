@@ -30,7 +30,6 @@
 
 #include <Eigen/SparseCholesky>
 
-#include <deque>
 #include <optional>
 
 namespace knap {
@@ -66,19 +65,15 @@ private:
     void add_contacts();
     void add_tangential_cohesion();
     void add_sign(int first, int bound, Index point, double factor, double constant);
-    Matrix delassus() const;
-    Eigen::VectorXd response(const Eigen::VectorXd& impulse) const;  // M_hat^-1 impulse
+    std::vector<Vec2> rate(const Eigen::VectorXd& impulse) const;
 
-    struct Part {                       // triangles that nothing can separate
-        Eigen::Index first = 0, n = 0;  // its unknowns
-        Eigen::SimplicialLDLT<Matrix> factor;
-    };
     const Model& model_;
     StepContext step_;
     ImplicitBulk bulk_;
     CornerPartition nodes_;
     std::vector<Index> unknown_;  // per node, x and y: of M_hat, or -1
-    std::deque<Part> parts_;
+    Index n_unknowns_ = 0;
+    Eigen::SimplicialLDLT<Matrix> M_hat_;
     std::vector<Vec2> free_rate_;      // [m/s] w without any P, per node
     std::vector<ActivePoint> points_;  // by their number
     Matrix H_;                         // [2 n_points, unknowns]; rows of unbreakable points are empty

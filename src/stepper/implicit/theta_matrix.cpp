@@ -24,12 +24,6 @@ ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass)
     make_room(model.fan_points.size(), with_block_, friction_);
 }
 
-PointSides ThetaMatrix::sides_of(Index fan_point) const {
-    const FanPoint& at = model_.fan_points[fan_point];
-    const auto node_of = [&](Index corner) { return corner == rigid_support ? -1 : nodes_->node_of_corner[corner]; };
-    return {.fan_point = fan_point, .before = node_of(at.before), .after = node_of(at.after)};
-}
-
 Index ThetaMatrix::leaf_of_point(Index fan_point) const {
     const FanPoint& at = model_.fan_points[fan_point];
     return leaf_of_corner(at.before == rigid_support ? at.after : at.before);
@@ -61,7 +55,7 @@ void ThetaMatrix::place_fan(const Fan& fan) {
         factor_.touch(leaf_of_corner(corner));
     }
     for (Index i = fan.first_point; i < fan.first_point + fan.n_points; ++i)
-        if (const PointSides at = sides_of(i); at.before >= 0 && at.after >= 0 && at.before != at.after)
+        if (const PointSides at = nodes_->sides(model_, i); at.before >= 0 && at.after >= 0 && at.before != at.after)
             add(at.before, leaf_of_point(i)), add(at.after, leaf_of_point(i));
     for (const Index corner : corners) {
         const Index node = nodes_->node_of_corner[corner];
@@ -77,7 +71,7 @@ void ThetaMatrix::add_elements(Index leaf, std::vector<Element>& elements) const
         made.matrix = theta_element(model_, t, stiffness_factor_, mass_);
     }
     for (const Index i : points_of_leaf_[leaf])
-        if (const PointSides at = sides_of(i); at.before != at.after) add_point(at, block_[i], elements);
+        if (const PointSides at = nodes_->sides(model_, i); at.before != at.after) add_point(at, block_[i], elements);
     for (const PointTangent& contact : contacts_)
         if (leaf_of_corner(contact.sides.leaf_corner) == leaf)
             add_point(contact.sides, contact.symmetric_block, elements);

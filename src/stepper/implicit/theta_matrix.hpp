@@ -41,7 +41,6 @@ public:
 private:
     /// Unknowns are numbered by the first corner of their node: they keep their numbers while other fans split.
     Index unknown(Index node, int k) const { return is_free(node, k) ? 2 * nodes_->corner_of_node[node] + k : -1; }
-    PointSides sides_of(Index fan_point) const;
     Index leaf_of_corner(Index corner) const { return dissection_.leaf_of_triangle[model_.mesh.triangle_of(corner)]; }
     Index leaf_of_point(Index fan_point) const;
     void place_fan(const Fan& fan);
