@@ -180,11 +180,11 @@ TEST_CASE("a free body in balanced tension is in equilibrium and one that is pus
     check_fresh(pulled);
     for (Index t = 0; t < pulled.model.mesh.n_triangles(); ++t)
         CHECK((stress(pulled.model, pulled.loaded, t) - Eigen::Vector3d(1, 0, 0)).norm() <=
-              1e-6);  // its place is free, and large beside its strain
+              1e-6);  // its position is free, and large compared with its strain
 
     input.loads = {load(Load::Kind::traction, "left", 1.0, 0.0)};
-    const std::string said = Start(input).complaint();
-    CHECK_MESSAGE(said.find("nothing holds the body") != std::string::npos, said);
+    const std::string message = Start(input).complaint();
+    CHECK_MESSAGE(message.find("nothing holds the body") != std::string::npos, message);
     input.loads = {load(Load::Kind::traction, "left", 0.0, 1.0),
                    load(Load::Kind::traction, "right", 0.0, -1.0)};  // it would turn
     const std::string turned = Start(input).complaint();
@@ -201,7 +201,7 @@ Load stress_on(const std::string& boundary, const std::array<double, 3>& stress)
     return {.kind = Load::Kind::stress, .on = {.boundary = boundary, .box = {}}, .stress = stress};
 }
 
-/// Nothing moves in n steps of the explicit bulk, from the equilibrium of `input`; and the books stand still.
+/// Nothing moves in n steps of the explicit bulk, from the equilibrium of `input`, and the energies stay.
 void check_rests(const ModelInput& input, int n = 2000) {
     Start start(input, {});
     start.load();
@@ -260,7 +260,7 @@ TEST_CASE("a stress in situ fills a body uniformly and the explicit bulk keeps i
               1e-6);  // its place is free
 }
 
-TEST_CASE("a pressure that grows does the work that the books say") {
+TEST_CASE("a pressure that grows does the work in the energy balance") {
     // slowly, on a disc-like block on both bulks: work = p^2/2 times the compliance of plane stress, 2 (1 - nu)/E of an
     // area of 2
     for (const SchemeOptions& options : {SchemeOptions{}, implicit()}) {
@@ -335,9 +335,9 @@ TEST_CASE("E14 a preload of .99 of the strength rests and 2 percent more breaks"
     verify("time at which they do", first, 1.505,
            {0.1});  // .99 x 1.0101 = 1, after half of the rise; the end of the bar rings
     // and at the start
-    const std::string said = Start(pulled(0.99 * 1.02), implicit()).complaint();
+    const std::string message = Start(pulled(0.99 * 1.02), implicit()).complaint();
     verify_that("2 percent more at the start is refused",
-                said.find("the preload is more than the interfaces hold") != std::string::npos);
+                message.find("the preload is more than the interfaces hold") != std::string::npos);
     verify_that("1e-6 below the strength is held", Start(pulled(1 - 1e-6), implicit()).complaint() == "nothing");
 }
 
@@ -346,9 +346,9 @@ TEST_CASE("a preload that its support does not hold says where") {
     input.laws.push_back({.sigma_c = 1, .G_c = 1e-3, .gamma = 1});
     input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 1, .glued = true}};
     input.loads = {gravity(-1.5)};
-    const std::string said = Start(input).complaint();
-    CHECK_MESSAGE(said.find("the preload is more than the interfaces hold, at (") != std::string::npos, said);
-    CHECK_MESSAGE(said.find(", 0) m") != std::string::npos, said);
+    const std::string message = Start(input).complaint();
+    CHECK_MESSAGE(message.find("the preload is more than the interfaces hold, at (") != std::string::npos, message);
+    CHECK_MESSAGE(message.find(", 0) m") != std::string::npos, message);
     input.loads = {gravity(-0.5)};
     CHECK(Start(input).complaint() == "nothing");
 }

@@ -11,7 +11,7 @@ using namespace knap::tests;
 
 namespace {
 
-/// Answers a step of size h that begins at `time`.
+/// The report of a step of size h that starts at `time`.
 using Script = std::function<StepReport(double time, double h)>;
 
 StepReport good(double, double) { return {}; }
@@ -162,7 +162,7 @@ TEST_CASE("step control: below the smallest step it is stuck") {
     CHECK(trace.cuts.back().to < 1e-6);
 }
 
-TEST_CASE("step control: a run that is stopped early is the begin of the longer one") {
+TEST_CASE("step control: a run that is stopped early is the start of the longer one") {
     const StepLimits limits{.largest = 1.1, .cracking = 0.3, .smallest = 1e-6, .end = 30};
     const Script script = [](double time, double h) {
         if (time > 12 && h > 0.2 && std::fmod(time, 3) < 1) return rejected(Rejection::not_converged);

@@ -1,6 +1,5 @@
 #include "stepper/implicit/step_lcp.hpp"
 
-#include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
 
 #include <algorithm>
@@ -231,10 +230,8 @@ StepLcpEnd StepLcp::end(const Eigen::VectorXd& z) const {
 }
 
 std::optional<StepLcpEnd> StepLcp::solve() const {
-    const ScaledLcp scaled = equilibrated(problem_);
-    const LcpSolution found = solve_by_default(scaled.problem, {.exhaustive = false});
-    if (found.status != LcpStatus::solved) return std::nullopt;
-    return end(scaled.original_z(found.z));
+    const LcpSolution found = solve_by_default(problem_, {.exhaustive = false});
+    return found.status == LcpStatus::solved ? std::optional(end(found.z)) : std::nullopt;
 }
 
 }  // namespace knap

@@ -1,4 +1,4 @@
-// Implicit beta with the explicit bulk: its own exact solution, what it never does, and a running crack.
+// Implicit beta with the explicit bulk: its own exact solution, properties that hold in every step, and a running crack.
 #include "base/random.hpp"
 #include "mesh/triangulate.hpp"
 #include "support/bodies.hpp"
@@ -87,7 +87,7 @@ TEST_CASE("E9 a point below its strength never breaks where implicit beta has se
     }
 }
 
-TEST_CASE("a crack runs with implicit beta and the explicit bulk and the books close") {
+TEST_CASE("a crack runs with implicit beta and the explicit bulk and the energy balance closes") {
     const auto run_to = [](Run& run, double safety) {
         const double h = safety * run.stepper.stable_step();
         while (run.now.time < 20e-6) run.step(h);

@@ -12,7 +12,7 @@ using namespace knap::tests;
 
 namespace {
 
-/// A square of loose triangles of size 1 (E = rho = 1) that cohesion presses upon each other.
+/// A square of separate triangles of size 1 (E = rho = 1) that cohesion presses onto each other.
 ModelInput heap(double width, double pressure) {
     Shape shape;
     shape.outer = {.points = {{0, 0}, {width, 0}, {width, width}, {0, width}}, .boundary = {0, 1, 2, 3}};

@@ -62,7 +62,8 @@ TEST_CASE("B2 statically ill-posed and dynamically regular") {
         while (point.beta() > 0) {
             take(run, h);
             if (opens == 0 && point.u() > 0)
-                opens = run.now.time - (is_explicit ? h : 0);  // central differences kick at the begin of a step
+                opens =
+                    run.now.time - (is_explicit ? h : 0);  // central differences apply forces at the start of a step
             if (std::abs(run.now.time - 7.5) < 0.1 * h) at_7_5 = point.u();
             REQUIRE(run.now.time < 9);
         }

@@ -1,4 +1,4 @@
-// Rigid obstacles beside the implicit bulk, and the start in equilibrium between them.
+// Rigid obstacles with the implicit bulk, and the start in equilibrium between them.
 #include "support/obstacles.hpp"
 #include "support/relative.hpp"
 #include "support/springs.hpp"
@@ -115,7 +115,7 @@ void force_step(Run& run, double h, int depth = 0) {
 
 }  // namespace
 
-TEST_CASE("an implicit spinning disc breaks a free block and keeps momentum and books") {
+TEST_CASE("an implicit spinning disc breaks a free block and keeps momentum and energy") {
     for (const int order : {1, 2})
         for (const double e : {0.0, 0.5})
             for (const double mu : {0.0, 0.4}) {

@@ -165,15 +165,15 @@ TEST_CASE("step LCP: a bond that is not broken by the motion closes again with w
     ModelInput input = point_masses({.sigma_c = 1, .G_c = 0.5, .gamma = 0}, true);
     StepLcpRun run(input);
     for (const Index c : {0, 1}) run.now.velocity[run.now.node_of_corner[c]] = Vec2(0, 0.5);
-    double least = 1;
+    double smallest = 1;
     for (int n = 0; n < 400; ++n) {
         REQUIRE(run.step(0.01));
         CHECK(run.verdict.worst() < 1e-12);
-        CHECK(run.cohesion_of(0) <= least);
-        least = run.cohesion_of(0);
+        CHECK(run.cohesion_of(0) <= smallest);
+        smallest = run.cohesion_of(0);
     }
-    CHECK(least == relative(std::sqrt(0.75), 1e-4));  // u = 1 - cosh t + V_0 sinh t
-    CHECK(std::abs(run.opening_of(0).x()) < 0.005);   // it has come back, and landed within half a step of motion
+    CHECK(smallest == relative(std::sqrt(0.75), 1e-4));  // u = 1 - cosh t + V_0 sinh t
+    CHECK(std::abs(run.opening_of(0).x()) < 0.005);      // it has come back, and landed within half a step of motion
     CHECK(std::abs(run.v(0).y()) < 1e-12);
 }
 
@@ -221,18 +221,18 @@ TEST_CASE("step LCP: a strong body moves like one whose bonds cannot break") {
          {MassMatrix::lumped, MassMatrix::consistent}) {  // one point: a triangle by itself has none for its turning
         SchemeOptions options = implicit_scheme;
         options.mass = mass;
-        StepLcpRun parted(square(strong, 2), options), whole(square(CohesiveLaw::unbreakable(), 2), options);
+        StepLcpRun separate(square(strong, 2), options), whole(square(CohesiveLaw::unbreakable(), 2), options);
         for (Index c = 0; c < 24; ++c) {
-            const Vec2& x = parted.model.mesh.corner(c / 3, c % 3);
-            for (StepLcpRun* run : {&parted, &whole})
+            const Vec2& x = separate.model.mesh.corner(c / 3, c % 3);
+            for (StepLcpRun* run : {&separate, &whole})
                 run->now.velocity[run->now.node_of_corner[c]] = Vec2(x.x() * x.y(), 1 - 2 * x.x());
         }
         for (int n = 0; n < 3; ++n) {
-            REQUIRE(parted.step(0.2));
+            REQUIRE(separate.step(0.2));
             REQUIRE(whole.step(0.2));
-            CHECK(parted.verdict.worst() < 1e-10);
+            CHECK(separate.verdict.worst() < 1e-10);
             CHECK(whole.n_rows == 0);
-            for (Index c = 0; c < 24; ++c) CHECK((parted.v(c) - whole.v(c)).norm() < 1e-11);
+            for (Index c = 0; c < 24; ++c) CHECK((separate.v(c) - whole.v(c)).norm() < 1e-11);
         }
     }
 }

@@ -28,7 +28,7 @@ Model plate(Index order = 1) {
 struct Setting {
     const Model& model;
     double stiffness_factor = 0.5;
-    double rubs = 0;  // how unsymmetric the blocks are
+    double friction = 0;  // size of the unsymmetric part of the blocks
     std::vector<std::uint8_t> active = std::vector<std::uint8_t>(model.fans.size(), 0);
     CornerPartition partition;
     std::vector<PointTangent> points;
@@ -41,9 +41,10 @@ struct Setting {
                  active[f] && i < model.fans[f].first_point + model.fans[f].n_points; ++i) {
                 const FanPoint& point = model.fan_points[i];
                 const Vec2 n = point.normal, t = turned_left(n);
-                const Eigen::Matrix2d closed = (5 + i % 3) * n * n.transpose(), rubbing = rubs * t * n.transpose();
+                const Eigen::Matrix2d closed = (5 + i % 3) * n * n.transpose(),
+                                      tangential = friction * t * n.transpose();
                 points.push_back({{i, partition.node_of_corner[point.before], partition.node_of_corner[point.after]},
-                                  closed + rubbing,
+                                  closed + tangential,
                                   closed});
             }
         matrix.set(partition, stiffness_factor);
@@ -160,14 +161,14 @@ TEST_CASE("friction that follows the contacts is solved with the factor of the r
     ThetaMatrix matrix(model, MassMatrix::consistent);
     Setting setting{.model = model};
     for (std::size_t f = 0; f < model.fans.size(); f += 4) setting.active[f] = true;
-    for (const double rubs : {0.3, 30.0, 0.3}) {
-        setting.rubs = rubs;
+    for (const double friction : {0.3, 30.0, 0.3}) {
+        setting.friction = friction;
         setting.give(matrix);
         REQUIRE(matrix.factorise(setting.points));
         CHECK(!matrix.is_symmetric());
         std::vector<Vec2> x;
-        CHECK(matrix.solve(setting.right_hand_side(), x) == (rubs < 1));  // beyond reach of GMRES: false
-        if (rubs < 1) CHECK(setting.error(x) < 1e-7);
+        CHECK(matrix.solve(setting.right_hand_side(), x) == (friction < 1));  // beyond reach of GMRES: false
+        if (friction < 1) CHECK(setting.error(x) < 1e-7);
     }
 }
 
