@@ -1,4 +1,4 @@
-// Implicit beta with the explicit bulk: its own exact solution, properties that hold in every step, and a running crack.
+// Implicit beta with the explicit bulk: its exact solution, properties that hold in every step, and a running crack.
 #include "base/random.hpp"
 #include "mesh/triangulate.hpp"
 #include "support/bodies.hpp"
