@@ -27,7 +27,7 @@ ContactBound contact_bound_explicit(double u_N, double V_N, double restitution, 
 /// point stops when the gap is closed.
 ContactBound contact_bound_theta(double u_N, double V_N, double restitution, double h, double theta, double touching);
 
-/// Admissible tangential impulses under a contact impulse p: |P_T + offset + contact_offset p| <= jump + contact_jump p.
+/// Admissible tangential impulses with a contact impulse p: |P_T + offset + contact_offset p| <= jump + contact_jump p.
 struct TangentialRange {
     double offset = 0, contact_offset = 0;  // [N s], [-]
     double jump = 0, contact_jump = 0;      // [N s], [-]

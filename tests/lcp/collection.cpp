@@ -127,10 +127,8 @@ TEST_CASE("every solver solves the collection apart from exceptions with a reaso
             const LcpSolution solution = solver.solve(named.problem, {});
             const double residual = scaled_residual(named.problem, solution.z);
             const bool solved = solution.status == LcpStatus::solved;
-            CHECK(solved == (residual <=
-                             max_scaled_residual));  // solver and judge agree
-            if (solver.name == "convex_qp" && solution.status == LcpStatus::not_applicable)
-                continue;  // not convex
+            CHECK(solved == (residual <= max_scaled_residual));  // solver and judge agree
+            if (solver.name == "convex_qp" && solution.status == LcpStatus::not_applicable) continue;  // not convex
             CHECK(solved != listed(not_solved, solver.name, named.name));
             if (const auto layout = cohesive_layout(named.problem); layout && solved) {
                 const SpuriousBreaking found = spurious_breaking(named.problem, solution.z, *layout);

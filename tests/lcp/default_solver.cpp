@@ -1,6 +1,6 @@
 // The default solver: presolve, warm starts, sizes beyond dense methods.
-#include "lcp/presolve.hpp"
 #include "lcp/matrix_market.hpp"
+#include "lcp/presolve.hpp"
 #include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
 #include "lcp/spurious_breaking.hpp"
@@ -58,8 +58,9 @@ TEST_CASE("rows that are not bounds stay in the box form") {
             if (row == 0 && column == 0) continue;
             Eigen::MatrixXd other = M;
             other(row, column) += 0.25;
-            const bool still = (row == 3 && column == 0) ||
-                               (row == 0 && column == 3);  // another friction coefficient, or the slack feeds the contact
+            const bool still =
+                (row == 3 && column == 0) ||
+                (row == 0 && column == 3);  // another friction coefficient, or the slack feeds the contact
             CAPTURE(row);
             CAPTURE(column);
             CHECK(presolve(lcp_problem(other, q)).size() == (still ? 2 : 4));

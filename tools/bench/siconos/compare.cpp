@@ -23,9 +23,8 @@ using namespace knap;
 
 namespace {
 
-constexpr double nearly =
-    1e-8;  // their tolerance counts in the units of the problem: who stops a little early is not slower for it
-constexpr double least_time = 0.02;  // [s] of repetitions of one measurement; the shortest counts
+constexpr double nearly = 1e-8;    // residual that counts as solved: their tolerance is in the units of the problem
+constexpr double min_time = 0.02;  // [s] of the repetitions of one measurement; the shortest repetition counts
 constexpr int largest_pivoted = 3500;
 
 using Solve = std::function<peer::Outcome()>;
@@ -49,7 +48,7 @@ Measured measured(const LcpProblem& problem, const std::optional<CohesiveLayout>
     if (!(residual <= max_scaled_residual)) result.verdict = residual <= nearly ? '~' : 'x';
     if (result.counts() && layout && spurious_breaking(problem, outcome.z, *layout).n_spurious > 0)
         result.verdict = 'f';
-    for (double total = outcome.seconds; total < least_time; total += outcome.seconds) {
+    for (double total = outcome.seconds; total < min_time; total += outcome.seconds) {
         outcome = solve();
         result.seconds = std::min(result.seconds, outcome.seconds);
     }
@@ -94,7 +93,7 @@ void compare(const std::string& name, const LcpProblem& problem) {
     std::fflush(stdout);
 }
 
-/// Consecutive steps: what each solver needs from the solution of the step before.
+/// Consecutive steps: the time of each solver from the solution of the previous step.
 void compare_along(const std::string& name, const tests::CohesiveScene& scene, int n_steps) {
     tests::CohesiveBody body(scene);
     Measured cold_theirs, warm_theirs, cold_ours, warm_ours;
@@ -141,12 +140,11 @@ struct Size {
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (!std::getenv("OPENBLAS_NUM_THREADS")) {  // read when the library is loaded: threads that spin would count as
-                                                 // processor time
+    if (!std::getenv("OPENBLAS_NUM_THREADS")) {  // read at load time; threads that spin would add processor time
         setenv("OPENBLAS_NUM_THREADS", "1", 1);
         execv("/proc/self/exe", argv);
     }
-    if (!std::freopen("/dev/null", "w", stderr)) return 1;  // theirs reports every singular matrix there
+    if (!std::freopen("/dev/null", "w", stderr)) return 1;  // Siconos reports every singular matrix there
     print_head();
     for (int i = 1; i < argc; ++i) compare(std::filesystem::path(argv[i]).stem().stem().string(), read_lcp(argv[i]));
     if (argc > 1) return 0;

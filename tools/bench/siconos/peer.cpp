@@ -44,13 +44,13 @@ Outcome run_dense(const knap::LcpProblem& problem, int solver, int max_iteration
     NumericsMatrix* M = NM_create_from_data(NM_DENSE, problem.size(), problem.size(), dense.data());
     const Options options = options_of(solver, max_iterations);
     const Outcome outcome = run(*M, problem.q, Eigen::VectorXd::Zero(problem.size()), *options);
-    M->matrix0 = nullptr;  // ours
+    M->matrix0 = nullptr;  // owned here
     NM_clear(M);
     std::free(M);
     return outcome;
 }
 
-/// Their block-sparse matrix of the problem in the order of the blocks; owns the numbers that it points to.
+/// The block-sparse matrix of Siconos in the order of the blocks; owns the numbers that it points to.
 struct BlockMatrix {
     BlockMatrix(const knap::LcpProblem& problem, const std::vector<std::vector<int>>& blocks) {
         std::vector<int> block_of(problem.size()), place(problem.size());
@@ -139,7 +139,7 @@ Outcome block_gauss_seidel(const knap::LcpProblem& problem, const Eigen::VectorX
     Outcome outcome = run(*M, q, begin, *options);
     const Eigen::VectorXd found = outcome.z;
     outcome.z(order) = found;
-    M->matrix1 = nullptr;  // ours
+    M->matrix1 = nullptr;  // owned here
     NM_clear(M);
     std::free(M);
     return outcome;
