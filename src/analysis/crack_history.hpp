@@ -1,36 +1,36 @@
 #pragma once
-// What the cracks did in the course of a run: lengths, tips and their speeds, first growth, first branching.
+// Cracks over the course of a run: lengths, tips and their speeds, first growth, first branching.
 #include "analysis/crack_arms.hpp"
+#include "output/history_csv.hpp"
 #include "output/outputs.hpp"
 
-#include <limits>
 #include <optional>
-#include <string>
 #include <utility>
 
 namespace knap {
 
-/// Slope of the least-squares line through samples (time [s], position [m] from the start of the crack), both ascending: those of the last so many seconds as
-/// the last growth by `window` [m] took, three at least. So it falls to zero while a tip stands, and is zero when it has stood for as long. Growth by whole edges, N to a
-/// window, leaves a relative error of about 1/N^2 in it. NaN as long as the position is less than `least`.
-double speed_over_window(std::span<const std::pair<double, double>> samples, double window, double least);
+/// Tip speed from samples (time [s], position [m] from the start of the crack), both ascending: slope of the
+/// least-squares line through the samples of the last T seconds, at least three, where T is the duration of the last
+/// growth by `window` [m]. It decreases while a tip stands and is zero once it has stood for T. Growth by whole edges,
+/// N in a window, gives it a relative error of about 1/N^2. NaN while the position is less than `min_growth` [m].
+double speed_over_window(std::span<const std::pair<double, double>> samples, double window, double min_growth);
 
 /// The far end of an arm.
 struct CrackTip {
-    Index arm;  // its number for ever
+    Index arm;  // its number does not change
     Index vertex;
     Vec2 position;       // [m]
     double path_length;  // [m] from the start of the crack, along edges
-    double speed;        // [m/s] NaN as long as it is not known
-    bool arrived;        // at the boundary, at a pre-crack or at another arm: not a tip any more
+    double speed;        // [m/s] NaN while unknown
+    bool arrived;        // at the boundary, a pre-crack or another arm: no longer a tip
 
-    template <class Archive>
-    void serialize(Archive& archive) { archive(arm, vertex, position, path_length, speed, arrived); }
+    void serialize(auto& archive) { archive(arm, vertex, position, path_length, speed, arrived); }
 };
 
+/// All cracks at one time.
 struct CrackPattern {
-    double broken_length = 0;   // [m] of all new broken interfaces, twigs and isolated ones included
-    double damaged_length = 0;  // [m] of all interfaces damaged but not broken
+    double broken_length = 0;   // [m] of all interfaces that broke in the run, also on twigs or isolated
+    double damaged_length = 0;  // [m] of all interfaces that are damaged but not broken
     Index n_broken = 0, n_damaged = 0;
     double crack_length = 0;  // [m] of all arms, along edges
     double main_length = 0;   // [m] from the start of the main crack to its tip, along chords
@@ -40,14 +40,14 @@ struct CrackPattern {
     std::optional<CrackTip> main_end;  // tip of the main crack; none before anything broke
     std::vector<CrackTip> tips;        // that have not arrived
 
-    template <class Archive>
-    void serialize(Archive& archive) {
-        archive(broken_length, damaged_length, n_broken, n_damaged, crack_length, main_length, n_cracks, n_branches, main_start, main_end, tips);
+    void serialize(auto& archive) {
+        archive(broken_length, damaged_length, n_broken, n_damaged, crack_length, main_length, n_cracks, n_branches,
+                main_start, main_end, tips);
     }
 };
 
 struct FirstBranching {
-    double time;    // [s] when both arms had begun (not when the shorter one had become long enough to count)
+    double time;    // [s] when both arms had started (not when the shorter one was long enough to count)
     Vec2 position;  // [m]
 };
 
@@ -55,53 +55,51 @@ class CrackHistory {
 public:
     CrackHistory(InterfaceGraph graph, const CrackOptions& options);
 
-    /// Cracks at a later time; one status per interface.
+    /// Continues to a later time [s], with one status per interface.
     const CrackPattern& snapshot(double time, std::span<const InterfaceStatus> status);
 
     const CrackPattern& pattern() const { return pattern_; }  // of the last snapshot
     const CrackArms& arms() const { return arms_; }
-    double tip_speed() const { return pattern_.main_end ? pattern_.main_end->speed : unknown; }  // [m/s] of the main tip; NaN as long as it is not known
-    /// [m/s] the largest that any tip had over at least half a window of growth; NaN when none grew so far.
+    double tip_speed() const {
+        return pattern_.main_end ? pattern_.main_end->speed : unknown;
+    }  // [m/s] of the main tip
+    /// [m/s] Largest speed of any tip over at least half a window of growth; NaN when none grew so far.
     double max_tip_speed() const;
-    double mean_tip_speed() const;  // [m/s] of the main tip over the second half of its way; NaN as long as it is not known, else no more than max_tip_speed()
+    /// [m/s] Of the main tip over the second half of its path, at most max_tip_speed(); NaN while unknown.
+    double mean_tip_speed() const;
     std::optional<double> first_growth_time() const { return first_growth_; }  // [s] first edge of a crack that counts
     std::optional<FirstBranching> first_branching() const;
 
-    /// How much had cracked at each snapshot of what is the main crack (along chords) and of what are arms in the end (along edges), and the tip of that main crack:
-    /// all of the one crack that is the longest now. pattern().main_length becomes the last of them.
+    /// The final main crack and the final arms, from their first edges on: what had cracked of them at each snapshot,
+    /// and the tip of the main crack. pattern().main_length becomes the last of these lengths.
     struct Past {
-        std::vector<double> main, all;              // [m]
-        std::vector<std::optional<CrackTip>> tip;   // none before the first edge of its own crack
+        std::vector<double> main, all;             // [m] main crack along chords, all arms along edges
+        std::vector<std::optional<CrackTip>> tip;  // none before the first edge of its crack
     };
     Past conclude();
-    /// arms.csv: for each arm its start and then its edges: when the tip came past their far ends, the length of the arm along edges then, and the speed of the tip.
-    static std::span<const Output> arm_columns();
-    std::vector<std::vector<double>> arm_rows() const;
+    /// arms.csv: for each arm its start and then its edges, when the tip passed their far ends.
+    History arm_table() const;
 
-    template <class Archive>
-    void serialize(Archive& archive) {
-        archive(arms_, pattern_, times_, speeds_, tips_, main_arm_, first_growth_);
-    }
+    void serialize(auto& archive) { archive(arms_, pattern_, times_, speeds_, tips_, main_arm_, first_growth_); }
 
 private:
-    /// The way of a tip from the start of its crack.
+    /// The path of a tip from the start of its crack.
     struct Growth {
-        std::vector<Index> way;        // nodes
-        std::vector<double> reached;   // [s] when this edge or one further on had cracked
-        std::vector<double> run;       // [m] that the tip ran to get there, along chords
-        double window = 0, least = 0;  // [m] of growth: over which a speed is fitted, from which one is known
+        std::vector<Index> way;             // nodes
+        std::vector<double> reached;        // [s] when this edge or one farther on had cracked
+        std::vector<double> run;            // [m] that the tip ran to get there, along chords
+        double window = 0, min_growth = 0;  // [m] see speed_over_window
     };
     using Samples = std::vector<std::pair<double, double>>;
 
     Growth growth(Index arm) const;
     Samples samples(const Growth& growth, double from, double to) const;
     double speed_at(const Growth& growth, double time) const;
-    double known_speed(const Samples& samples, double window, double least) const;
-    void add_lengths();
-    void find_speeds();
+    double bounded_speed(const Samples& samples, double window, double min_growth) const;
     void find_main();
-    std::vector<Index> vertices_of(std::vector<Index> nodes) const;
     std::vector<double> along_chords(const std::vector<Index>& vertices) const;
+    std::vector<Index> vertices_of(std::vector<Index> nodes) const;
+    CrackTip tip_at(Index arm, Index node, double speed, bool arrived) const;
     CrackTip tip_of(Index arm) const;
 
     static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -111,9 +109,27 @@ private:
     CrackPattern pattern_;
     std::vector<double> times_;   // [s] of the snapshots
     std::vector<double> speeds_;  // [m/s] per arm
-    std::vector<Index> tips_;     // per arm: the node of its tip that the speed belongs to
+    std::vector<Index> tips_;     // per arm: the node of the tip to which the speed belongs
     Index main_arm_ = -1;
     std::optional<double> first_growth_;
 };
+
+/// One line of cracks.csv.
+struct CrackMoment {
+    double time;  // [s]
+    const CrackHistory& history;
+    double rayleigh_speed;  // [m/s], 0: unknown
+};
+std::span<const Measure<CrackMoment>> crack_columns();
+
+/// One line of arms.csv.
+struct ArmMoment {
+    Index arm, parent;
+    double time;    // [s]
+    Vec2 position;  // [m]
+    double speed;   // [m/s]
+    double length;  // [m]
+};
+std::span<const Measure<ArmMoment>> arm_columns();
 
 }  // namespace knap

@@ -3,21 +3,20 @@
 #include "element/elastic_forces.hpp"
 #include "element/triangle_matrices.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace knap {
-
 namespace {
 
-/// 1/2 u' K u of a state at rest [J].
+/// 1/2 u' K u [J]
 double strain_energy(const Model& model, const State& state) {
     const ElasticForces elastic(model.mesh, model.materials, model.plane, model.thickness);
     std::vector<Vec2> force(model.mesh.n_corners());
     std::vector<std::uint8_t> unused;
     elastic.evaluate(state.displacement, state.node_of_corner, force, unused);
     double energy = 0;
-    for (Index c = 0; c < model.mesh.n_corners(); ++c) energy -= 0.5 * force[c].dot(state.displacement[state.node_of_corner[c]]);
+    for (Index c = 0; c < model.mesh.n_corners(); ++c)
+        energy -= 0.5 * force[c].dot(state.displacement[state.node_of_corner[c]]);
     return energy;
 }
 
@@ -26,36 +25,38 @@ double kinetic_energy(const Model& model, const State& state, MassMatrix mass) {
     const auto velocity = [&](Index corner) -> const Vec2& { return state.velocity[state.node_of_corner[corner]]; };
     double energy = 0;
     if (mass == MassMatrix::lumped) {
-        for (Index c = 0; c < model.mesh.n_corners(); ++c) energy += 0.5 * model.corner_mass[c] * velocity(c).squaredNorm();
+        for (Index c = 0; c < model.mesh.n_corners(); ++c)
+            energy += 0.5 * model.corner_mass[c] * velocity(c).squaredNorm();
         return energy;
     }
     const ElementMatrix& parts = mass_matrix(model.mesh.order, mass);
     const Index n = model.mesh.corners_per_triangle();
     for (Index t = 0; t < model.mesh.n_triangles(); ++t)
         for (Index i = 0; i < n; ++i)
-            for (Index j = 0; j < n; ++j) energy += 0.5 * parts(i, j) * model.triangle_mass(t) * velocity(n * t + i).dot(velocity(n * t + j));
+            for (Index j = 0; j < n; ++j)
+                energy += 0.5 * parts(i, j) * model.triangle_mass(t) * velocity(n * t + i).dot(velocity(n * t + j));
     return energy;
 }
 
 }  // namespace
 
-EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix mass, double weakest_point) : weakest_point_(weakest_point) {
+EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix mass, double weakest_point)
+    : smallest_mass_(*std::ranges::min_element(model.corner_mass)), weakest_point_(weakest_point) {
+    row_ = {.time = start.time, .step = start.last_step};
     row_.kinetic = kinetic_energy(model, start, mass);
     row_.strain = strain_energy(model, start);
-    for (std::size_t o = 0; o < model.obstacles.size(); ++o) row_.kinetic += kinetic_energy(model.obstacles[o], start.obstacles[o].velocity);
-    row_.time = start.time;
-    start_energy_ = largest_energy_ = row_.kinetic + row_.strain;
-    given_ = start_energy_;
-    smallest_mass_ = *std::min_element(model.corner_mass.begin(), model.corner_mass.end());
+    for (std::size_t o = 0; o < model.obstacles.size(); ++o)
+        row_.kinetic += kinetic_energy(model.obstacles[o], start.obstacles[o].velocity);
+    start_energy_ = largest_energy_ = supplied_ = row_.kinetic + row_.strain;
 }
 
 void EnergyLedger::add(const State& end, const StepReport& report) {
+    const double surface_before = row_.surface();
     ++n_steps_;
-    given_ += std::max(0.0, report.external_work);
-    row_.time = end.time;
+    supplied_ += std::max(0.0, report.external_work);
+    row_.time = end.time, row_.step = end.last_step;
     row_.kinetic = report.kinetic;
     row_.strain = report.strain;
-    const double surface_before = row_.surface();
     row_.dissipated = report.dissipated;
     row_.recoverable = report.recoverable;
     row_.external_work += report.external_work;
@@ -64,21 +65,60 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.impact_work += report.impact_work;
     row_.step_change_work += report.step_change_work;
     row_.scheme_dissipation += report.scheme_dissipation;
-    const double given = row_.external_work - row_.cohesive_work + row_.friction_work + row_.impact_work + row_.step_change_work - row_.scheme_dissipation;
-    row_.residual = row_.kinetic + row_.strain - start_energy_ - given;
     row_.crossing_loss += report.crossing_loss;
+    const double work = row_.external_work - row_.cohesive_work + row_.friction_work + row_.impact_work +
+                        row_.step_change_work - row_.scheme_dissipation;
+    row_.residual = row_.kinetic + row_.strain - start_energy_ - work;
     row_.law_lag = row_.cohesive_work - row_.crossing_loss - row_.surface();
-    largest_energy_ = std::max({largest_energy_, row_.kinetic, row_.strain, std::abs(row_.external_work), row_.surface()});
-    if (!(std::abs(row_.residual) <= largest_residual_)) largest_residual_ = std::abs(row_.residual);  // what is no number is the worst of all
+    largest_energy_ =
+        std::max({largest_energy_, row_.kinetic, row_.strain, std::abs(row_.external_work), row_.surface()});
     largest_recoverable_ = std::max(largest_recoverable_, row_.recoverable);
+    // comparisons with NaN are false: NaN counts as the largest value
+    if (!(std::abs(row_.residual) <= largest_residual_)) largest_residual_ = std::abs(row_.residual);
     const bool explicit_bulk = end.rate.empty();
     const double lag = row_.law_lag + (explicit_bulk ? 0.5 * (row_.surface() - surface_before) : 0);
     law_lag_ = over_dissipated(lag);
-    if (const double now = over_dissipated(lag, 1e-2); !(std::abs(now) <= std::abs(largest_law_lag_))) largest_law_lag_ = now;
+    if (const double now = over_dissipated(lag, 1e-2); !(std::abs(now) <= std::abs(largest_law_lag_)))
+        largest_law_lag_ = now;
 
     StepReport extremes = report;
     extremes.largest_speed = std::max(worst_.largest_speed, report.largest_speed);
     worst_ += extremes;
+}
+
+std::span<const Measure<EnergyRow>> energy_columns() {
+    using R = EnergyRow;
+    static constexpr Measure<R> columns[] = {
+        {"time", "s", "end of the step", [](const R& r) { return r.time; }},
+        {"kinetic", "J", "kinetic energy; with the explicit bulk at the middle of the step",
+         [](const R& r) { return r.kinetic; }},
+        {"strain", "J", "elastic energy; with the explicit bulk 1/2 u_n' K u_{n+1}",
+         [](const R& r) { return r.strain; }},
+        {"surface", "J", "energy Psi of broken and damaged interfaces: dissipated + recoverable",
+         [](const R& r) { return r.surface(); }},
+        {"dissipated", "J", "energy that damage has consumed irreversibly: G_c (1 - beta)^2 over all interface points",
+         [](const R& r) { return r.dissipated; }},
+        {"recoverable", "J", "energy that damaged interfaces return when they close: beta sigma_c s",
+         [](const R& r) { return r.recoverable; }},
+        {"external_work", "J", "work of loads and prescribed motions so far",
+         [](const R& r) { return r.external_work; }},
+        {"cohesive_work", "J", "work against the cohesion so far", [](const R& r) { return r.cohesive_work; }},
+        {"friction_work", "J", "work of friction so far, never positive", [](const R& r) { return r.friction_work; }},
+        {"impact_work", "J", "work of impacts so far, never positive", [](const R& r) { return r.impact_work; }},
+        {"residual", "J", "error of the discrete energy balance", [](const R& r) { return r.residual; }},
+        {"law_lag_energy", "J",
+         "law lag (staggering error of beta): cohesive work minus crossing loss minus surface energy; decreases with "
+         "the step",
+         [](const R& r) { return r.law_lag; }},
+        {"crossing_loss_energy", "J",
+         "crossing loss (slip-reversal loss): part of the cohesive work that is lost where slips cross zero, so far",
+         [](const R& r) { return r.crossing_loss; }},
+        {"scheme_dissipation", "J", "energy that theta > 1/2 has damped so far, never negative",
+         [](const R& r) { return r.scheme_dissipation; }},
+        {"step_change_work", "J", "change of the leapfrog energy by changes of the step so far",
+         [](const R& r) { return r.step_change_work; }},
+        {"step", "s", "size of the last step", [](const R& r) { return r.step; }}};
+    return columns;
 }
 
 }  // namespace knap

@@ -1,5 +1,8 @@
 #include "analysis/gates.hpp"
 
+#include "analysis/deformation_watch.hpp"
+#include "analysis/energy_ledger.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,129 +11,166 @@ namespace knap {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::infinity();
+constexpr bool fixed = false, allowed = true;
 
-// Rates are exact to what the solvers leave, which is rounding times the condition of what they solve. Usual is 1e-16; of 20 000 random runs with
-// friction up to 1000, solved vertex by vertex, three were above 1e-14, the worst had 4.5e-14.
-constexpr double most_injected = 1e-12;
+// Rates are exact up to the error of the solvers: rounding times the condition number. 1e-16 is usual; of 20 000 random
+// runs with friction up to 1000, solved vertex by vertex, three exceeded 1e-14, the largest was 4.5e-14.
+constexpr double max_injected = 1e-12;
 
-constexpr std::string_view step_or_load = "Usual cause: a step beyond the stable one, or a load that is absurd in its unit; try a smaller time.step";
+// A triangle that turns by an angle a in linear kinematics grows by tan^2 a: by a third at 30 degrees. At 1/20 the
+// linear strain has an error of about 2 %.
+constexpr double area_warning = 0.05, area_limit = 1. / 3;
+
+constexpr std::string_view step_or_load =
+    "Usual cause: a step above the stable one, or a load with a wrong unit. Try a smaller time.step.";
 constexpr std::string_view at_rounding =
-    "Usual cause: an interface problem at the limit of rounding (very large friction, slivers); try a smaller time.step, a better mesh, or less friction";
+    "Usual cause: an interface problem at the limit of rounding (very large friction, slivers). Try a smaller "
+    "time.step, a better mesh, or less friction.";
 
-/// [J]
 double energy_scale(const EnergyLedger& ledger) { return ledger.largest_energy() > 0 ? ledger.largest_energy() : 1; }
 
-/// A loss [J] over what the interfaces dissipated, once that is known; where they dissipated nothing there is nothing to compare with.
+/// A loss [J] over the dissipated energy, at the end of the run, if the interfaces dissipated anything.
 GateValue over_dissipated(const GateView& run, double loss) {
-    return {.value = std::abs(run.ledger.over_dissipated(loss)), .judged = run.ended && run.ledger.row().dissipated > 1e-6 * run.ledger.largest_energy()};
+    return {.value = std::abs(run.ledger.over_dissipated(loss)),
+            .judged = run.ended && run.ledger.row().dissipated > 1e-6 * run.ledger.largest_energy()};
 }
 
-// Each step rounds a displacement by up to 2^-53 of it. What is driven steadily adds the same small length at each, and is rounded the same way as long as its
-// last place has the same weight; by then its displacement u is wrong by n 2^-53 u at most, and the work F u of what drives it by n 2^-53 F u, which is up to
-// 2^-52 n of the strain energy F u/2 that it made. Twice that, for two ends that are driven apart. (20 mm of rock pressed steadily through 3.6 million steps: 1.2e-10,
-// and this is 1.6e-9.)
+// Each step rounds a displacement by up to 2^-53 of it. A steady motion adds the same small length at each step,
+// rounded in the same direction while its last bit has the same weight. Then the displacement u has an error of up to n
+// 2^-53 u, and the work F u of its drive one of n 2^-53 F u, which is up to 2^-52 n of the strain energy F u/2. Twice
+// that for two driven ends. (20 mm of rock, compressed steadily in 3.6 million steps: 1.2e-10; this bound: 1.6e-9.)
 double rounding_of(std::int64_t n_steps) { return std::ldexp(static_cast<double>(n_steps), -51); }
 
-// [m/s] In a step that is s of the stable one the strain energy of the leapfrog, 1/2 u_n' K u_{n+1}, is at least -s^2 times the kinetic one, and the kinetic one at
-// most 1/(1 - s^2) of all that was put in: 2.8 of it with a safety of 0.8. No part has more of it than all. What grows without a limit has it from nowhere.
-double speed_of_all_energy(const EnergyLedger& ledger) { return std::sqrt(2 * 10 * ledger.given() / ledger.smallest_mass()); }
+// [m/s] In a step that is s of the stable one, the strain energy of the leapfrog, 1/2 u_n' K u_{n+1}, is at least -s^2
+// times the kinetic energy, which so is at most 1/(1 - s^2) of the supplied energy: 2.8 times with a safety of 0.8. No
+// part can have more. Kinetic energy that grows without bound has no supply.
+double speed_of_supplied_energy(const EnergyLedger& ledger) {
+    return std::sqrt(2 * 10 * ledger.supplied() / ledger.smallest_mass());
+}
 
-// [m/s] What comes no farther than 1e-10 of the body in all the time so far moves by rounding, also before anything was put in.
-double speed_of_rounding(const GateView& run) { return run.ledger.row().time > 0 ? 1e-10 * run.size / run.ledger.row().time : 0; }
+// [m/s] A motion by less than 1e-10 of the body in all the time so far is rounding, even before any energy was
+// supplied.
+double speed_of_rounding(const GateView& run) {
+    return run.ledger.row().time > 0 ? 1e-10 * run.size / run.ledger.row().time : 0;
+}
 
-// A triangle that turns by an angle a in linear kinematics grows by tan^2 a: a third at 30 degrees. From a twentieth on the linear strain is off by some 2 %
-// of itself.
-constexpr double odd_area = 0.05, absurd_area = 1. / 3;
-
-GateValue of(const DeformationWatch* watch, const Extreme& (DeformationWatch::*extreme)() const) {
-    if (watch == nullptr) return {.value = 0, .judged = false};
-    const Extreme& found = (watch->*extreme)();
+template <auto extreme>
+GateValue of_deformation(const GateView& run) {
+    if (run.deformation == nullptr) return {.value = 0, .judged = false};
+    const Extreme& found = (run.deformation->*extreme)();
     return {.value = found.value, .place = found.value == 0 ? std::nullopt : std::optional(found.place)};
 }
 
 const GateRule rules[] = {
-    {.name = "energy_residual", .unit = "", .warning = none, .limit = none, .allowed = false,
-     .measure = [](const GateView& run) {
-         return GateValue{.value = run.ledger.largest_residual() / energy_scale(run.ledger), .limit = 1e-10 + rounding_of(run.ledger.n_steps())};
-     },
-     .meaning = "error of the discrete energy identity over the largest energy",
-     .cure = step_or_load},
-    {.name = "impact_injection", .unit = "", .warning = none, .limit = most_injected, .allowed = false,
-     .measure = [](const GateView& run) { return GateValue{run.ledger.worst().worst_impact_work / energy_scale(run.ledger)}; },
-     .meaning = "largest work of one impact in one step over the largest energy; a positive one injects energy",
-     .cure = at_rounding},
-    {.name = "friction_injection", .unit = "", .warning = none, .limit = most_injected, .allowed = false,
-     .measure = [](const GateView& run) { return GateValue{run.ledger.worst().worst_friction_work / energy_scale(run.ledger)}; },
-     .meaning = "largest work of one sliding point in one step over the largest energy; a positive one injects energy",
-     .cure = at_rounding},
-    {.name = "cohesion_growth", .unit = "", .warning = none, .limit = 0, .allowed = false,
-     .measure = [](const GateView& run) { return GateValue{run.ledger.worst().largest_beta_growth}; },
-     .meaning = "largest growth of the cohesion; it never heals",
-     .cure = at_rounding},
-    {.name = "interface_residual", .unit = "", .warning = none, .limit = max_residual, .allowed = false,
-     .measure = [](const GateView& run) { return GateValue{run.ledger.worst().residual}; },
-     .meaning = "worst violation of the interface laws, scaled",
-     .cure = "The solver of the interfaces found no lawful motion. Usual cause: a body driven into what does not give way, very large friction, or slivers; try a "
-             "smaller time.step, less friction, a better mesh, and look at the prescribed motions"},
-    {.name = "largest_speed", .unit = "m/s", .warning = none, .limit = none, .allowed = false,
-     .measure = [](const GateView& run) {
-         return GateValue{.value = run.ledger.worst().largest_speed, .limit = std::max(speed_of_all_energy(run.ledger), speed_of_rounding(run))};
-     },
-     .meaning = "largest speed; the limit is that of the lightest part of the body if it had ten times the energy that was ever put in",
-     .cure = step_or_load},
-    {.name = "penetration", .unit = "m", .warning = none, .limit = none, .allowed = true,
-     .measure = [](const GateView& run) {
-         return GateValue{.value = run.ledger.worst().penetration, .limit = std::max(run.critical_opening, 1e-3 * run.size)};
-     },
-     .meaning = "largest overlap of two sides in contact; the limit is the critical opening, or a thousandth of the body",
-     .cure = "Usual cause: a body driven against itself faster than a step can follow; try a smaller time.step, and look at the prescribed motions"},
-    {.name = "law_lag", .unit = "", .warning = 0.02, .limit = 0.2, .allowed = true,
-     .measure = [](const GateView& run) {
-         return GateValue{std::max(std::abs(run.ledger.largest_law_lag()), run.ended ? std::abs(run.ledger.law_lag()) : 0),
-                          run.deformation == nullptr ? std::nullopt : run.deformation->place_of(run.ledger.worst().drop_corner)};
-     },
-     .meaning = "largest work of the interfaces beside what their law takes (law lag), over the dissipated energy: the crack does not cost G_c "
-                "(place: the point whose energy a step missed most)",
-     .cure = "Usual cause: points that lose most of their cohesion within one step, where largest_law_lag of run.json is positive; where it is negative, cohesion = "
-             "\"implicit\" with theta beyond 0.5 or with the explicit bulk, or damaged sides that overlap since the implicit bulk stops them within a step; "
-             "try a smaller time.step_cracking or time.safety, theta = 0.5, a mesh with more edges in the process zone; or allow it by limits.law_lag"},
-    {.name = "crossing_loss", .unit = "", .warning = 0.05, .limit = none, .allowed = false,
-     .measure = [](const GateView& run) { return over_dissipated(run, run.ledger.row().crossing_loss); },
-     .meaning = "energy lost where slips cross zero (crossing loss), over the dissipated energy",
-     .cure = "Damaged interfaces rattle; try a smaller time.step_cracking or time.safety, mesh.order = 2, a load that sets in gently (ramp), restitution = 0"},
-    {.name = "scheme_dissipation_part", .unit = "", .warning = 0.05, .limit = none, .allowed = false,
-     .measure = [](const GateView& run) { return over_dissipated(run, run.ledger.row().scheme_dissipation); },
-     .meaning = "energy damped by theta > 1/2 (scheme dissipation), over the dissipated energy",
-     .cure = "Try a theta nearer 1/2, or a smaller time.step and time.step_cracking"},
-    {.name = "step_change_part", .unit = "", .warning = 0.05, .limit = none, .allowed = false,
-     .measure = [](const GateView& run) { return over_dissipated(run, run.ledger.row().step_change_work); },
-     .meaning = "energy made or lost by changes of the step, over the dissipated energy",
-     .cure = "Try a time.step_cracking nearer to time.step"},
-    {.name = "rotation", .unit = "deg", .warning = 5, .limit = 30, .allowed = true,
-     .measure = [](const GateView& run) { return of(run.deformation, &DeformationWatch::rotation); },
-     .meaning = "largest rotation of a triangle; knap computes small ones, and a body that turns by an angle a grows by tan a squared",
-     .cure = "Where the question of the run is over by then, end it earlier; where only pieces turn that no longer matter, say so: [limits] rotation = \"none\" "
-             "and area_change = \"none\""},
-    {.name = "area_change", .unit = "", .warning = odd_area, .limit = absurd_area, .allowed = true,
-     .measure = [](const GateView& run) { return of(run.deformation, &DeformationWatch::area_change); },
-     .meaning = "largest change of the area of a triangle over its area; knap computes small strains and rotations",
-     .cure = "Usual cause: a body that turns (see rotation), or loads beyond what a linear elastic body bears; look at units of loads and E; [limits] area_change "
-             "allows it"},
-    {.name = "slip", .unit = "", .warning = 0.5, .limit = 1, .allowed = true,
-     .measure = [](const GateView& run) { return of(run.deformation, &DeformationWatch::slip); },
-     .meaning = "largest slip of a point under pressure, in lengths of its edge; contact stays with the partner it had at first, who is no longer there",
-     .cure = "End the run earlier, use larger triangles where faces slide, or, where that contact does not matter, [limits] slip = \"none\""},
-    {.name = "overlap", .unit = "m2", .warning = none, .limit = none, .allowed = true,
-     .measure = [](const GateView& run) {
-         GateValue found = of(run.deformation, &DeformationWatch::overlap);
+    {{"energy_residual", "", "error of the discrete energy balance over the largest energy of the run", step_or_load},
+     {none, none, fixed},
+     [](const GateView& run) {
+         return GateValue{.value = run.ledger.largest_residual() / energy_scale(run.ledger),
+                          .limit = 1e-10 + rounding_of(run.ledger.n_steps())};
+     }},
+    {{"impact_injection", "",
+      "largest work of one impact in one step over the largest energy; a positive work injects energy", at_rounding},
+     {none, max_injected, fixed},
+     [](const GateView& run) { return GateValue{run.ledger.worst().worst_impact_work / energy_scale(run.ledger)}; }},
+    {{"friction_injection", "",
+      "largest work of friction at one point in one step over the largest energy; a positive work injects energy",
+      at_rounding},
+     {none, max_injected, fixed},
+     [](const GateView& run) { return GateValue{run.ledger.worst().worst_friction_work / energy_scale(run.ledger)}; }},
+    {{"cohesion_growth", "", "largest increase of the cohesion beta of a point; cohesion never heals", at_rounding},
+     {none, 0, fixed},
+     [](const GateView& run) { return GateValue{run.ledger.worst().largest_beta_growth}; }},
+    {{"interface_residual", "", "largest violation of the interface laws, scaled",
+      "The solver of the interfaces found no motion that satisfies all interface laws. Usual cause: a body driven "
+      "against an obstacle or support that cannot give way, very large friction, or slivers. Try a smaller time.step, "
+      "less friction, a better mesh, and check the prescribed motions."},
+     {none, max_residual, fixed},
+     [](const GateView& run) { return GateValue{run.ledger.worst().residual}; }},
+    {{"largest_speed", "m/s",
+      "largest speed of the body; the limit is the speed of its lightest corner if that had ten times all energy "
+      "supplied so far",
+      step_or_load},
+     {none, none, fixed},
+     [](const GateView& run) {
+         return GateValue{.value = run.ledger.worst().largest_speed,
+                          .limit = std::max(speed_of_supplied_energy(run.ledger), speed_of_rounding(run))};
+     }},
+    {{"penetration", "m",
+      "largest penetration of two sides in contact; the limit is the critical opening or a thousandth of the body, "
+      "whichever is larger",
+      "Usual cause: a body driven against itself faster than the step resolves. Try a smaller time.step, and check the "
+      "prescribed motions."},
+     {none, none, allowed},
+     [](const GateView& run) {
+         return GateValue{.value = run.ledger.worst().penetration,
+                          .limit = std::max(run.critical_opening, 1e-3 * run.size)};
+     }},
+    {{"law_lag", "",
+      "law lag (staggering error of beta): difference between the work of the interfaces and the energy that their "
+      "law requires, over the dissipated energy; with it a crack does not cost G_c (place: the point with the largest "
+      "error in one step)",
+      "Where largest_law_lag of run.json is positive, usual cause: points that lose most of their cohesion within one "
+      "step. Where it is negative: cohesion = \"implicit\" with theta above 0.5 or with the explicit bulk, or damaged "
+      "sides that penetrate because the implicit bulk stops them within a step. Try a smaller time.step_cracking or "
+      "time.safety, theta = 0.5, or a mesh with more edges in the process zone; limits.law_lag sets another limit."},
+     {0.02, 0.2, allowed},
+     [](const GateView& run) {
+         const double now = run.ended ? std::abs(run.ledger.law_lag()) : 0;
+         return GateValue{
+             std::max(std::abs(run.ledger.largest_law_lag()), now),
+             run.deformation == nullptr ? std::nullopt : run.deformation->place_of(run.ledger.worst().drop_corner)};
+     }},
+    {{"crossing_loss", "",
+      "crossing loss (slip-reversal loss): energy lost where slips cross zero within a step, over the dissipated "
+      "energy",
+      "Usual cause: damaged interfaces that vibrate. Try a smaller time.step_cracking or time.safety, mesh.order = 2, "
+      "a load that rises gradually (ramp), or restitution = 0."},
+     {0.05, none, fixed},
+     [](const GateView& run) { return over_dissipated(run, run.ledger.row().crossing_loss); }},
+    {{"scheme_dissipation_part", "",
+      "energy damped by the time scheme with theta above 0.5 (scheme dissipation), over the dissipated energy",
+      "Try a theta nearer to 0.5, or a smaller time.step and time.step_cracking."},
+     {0.05, none, fixed},
+     [](const GateView& run) { return over_dissipated(run, run.ledger.row().scheme_dissipation); }},
+    {{"step_change_part", "", "energy gained or lost by changes of the step, over the dissipated energy",
+      "Try a time.step_cracking nearer to time.step."},
+     {0.05, none, fixed},
+     [](const GateView& run) { return over_dissipated(run, run.ledger.row().step_change_work); }},
+    {{"rotation", "deg",
+      "largest rotation of a triangle; knap assumes small rotations, and a body that turns by an angle a grows by tan "
+      "a "
+      "squared",
+      "End the run earlier if its question is answered by then. If only fragments turn that no longer matter, allow "
+      "it: "
+      "[limits] rotation = \"none\" and area_change = \"none\"."},
+     {5, 30, allowed},
+     of_deformation<&DeformationWatch::rotation>},
+    {{"area_change", "",
+      "largest change of the area of a triangle over its area; knap assumes small strains and rotations",
+      "Usual cause: a body that turns (see rotation), or loads beyond the strength of an elastic body. Check the units "
+      "of loads and E; [limits] area_change sets another limit."},
+     {area_warning, area_limit, allowed},
+     of_deformation<&DeformationWatch::area_change>},
+    {{"slip", "",
+      "largest slip of a point under pressure over the length of its edge; contact is computed with the initial "
+      "neighbour, which is no longer opposite",
+      "End the run earlier, use larger triangles where faces slide, or, where that contact does not matter, set "
+      "[limits] slip = \"none\"."},
+     {0.5, 1, allowed},
+     of_deformation<&DeformationWatch::slip>},
+    {{"overlap", "m2",
+      "largest area that the deformed body covers twice (place in the deformed body); only faces that were neighbours "
+      "at the start are in contact",
+      "End the run before separate faces meet, or place a crack or an obstacle between them; where that place does not "
+      "matter, [limits] overlap sets another limit."},
+     {none, none, allowed},
+     [](const GateView& run) {
+         GateValue found = of_deformation<&DeformationWatch::overlap>(run);
          if (!found.judged) return found;
-         found.warning = 0.1 * run.deformation->triangle_area();  // as much as a picture shows
+         found.warning = 0.1 * run.deformation->triangle_area();  // about what is visible in a picture
          found.limit = std::max(10 * run.deformation->triangle_area(), 1e-3 * run.deformation->body_area());
          return found;
-     },
-     .meaning = "largest area that the deformed body covers twice (place in the deformed body); only faces that were neighbours from the start feel each other",
-     .cure = "End the run before faces meet that were apart, or lay a crack or an obstacle between them; where that place does not matter, [limits] overlap allows it"},
-};
+     }}};
 
 }  // namespace
 
@@ -140,37 +180,28 @@ std::string_view name_of(GateLevel level) {
 
 std::span<const GateRule> gate_rules() { return rules; }
 
-void judge(const GateView& view, std::span<const AllowedLimit> allowed, Gates& gates) {
+void judge(const GateView& view, std::span<const AllowedLimit> limits, Gates& gates) {
     gates.clear();
     for (const GateRule& rule : rules) {
         const GateValue found = rule.measure(view);
         double limit = found.limit.value_or(rule.limit);
-        if (rule.allowed)
-            for (const AllowedLimit& other : allowed)
-                if (other.gate == rule.name) limit = other.limit;
+        for (const AllowedLimit& other : limits)
+            if (rule.allowed && other.gate == rule.name) limit = other.limit;
         const double warning = std::min(found.warning.value_or(rule.warning), limit);
-        // what is no number keeps no limit
-        const GateLevel level = !found.judged || found.value <= warning ? GateLevel::ok : found.value <= limit ? GateLevel::warning : GateLevel::violated;
-        gates.push_back({.name = rule.name,
-                         .unit = rule.unit,
-                         .value = found.judged ? found.value : std::nan(""),
-                         .warning = warning,
-                         .limit = limit,
-                         .level = level,
-                         .place = found.place,
-                         .meaning = rule.meaning,
-                         .cure = rule.cure});
+        const GateLevel level = !found.judged || found.value <= warning ? GateLevel::ok
+                                : found.value <= limit                  ? GateLevel::warning
+                                                                        : GateLevel::violated;  // NaN, too
+        gates.push_back({rule, found.judged ? found.value : std::nan(""), warning, limit, level, found.place});
     }
 }
 
-bool GateKeeper::pass() const {
-    return std::all_of(gates_.begin(), gates_.end(), [](const Gate& gate) { return gate.pass(); });
-}
+bool GateKeeper::pass() const { return std::ranges::all_of(gates_, &Gate::pass); }
 
 std::vector<const Gate*> GateKeeper::new_warnings() const {
     std::vector<const Gate*> found;
     for (const Gate& gate : gates_)
-        if (gate.level == GateLevel::warning && std::none_of(said_.begin(), said_.end(), [&](const auto& said) { return said.first == gate.name; }))
+        if (gate.level == GateLevel::warning &&
+            std::ranges::count(said_, gate.name, [](const auto& s) { return std::string_view(s.first); }) == 0)
             found.push_back(&gate);
     return found;
 }

@@ -1,39 +1,39 @@
 #pragma once
-// The gates of a run: what it is held against after every step. A gate is kept; or it warns, which is said once while the run goes on; or it is violated,
-// which ends the run.
-//
-// One list of rules makes them all (gates.cpp): a new gate is a row of it. A rule that bounds what knap can compute, not whether it computed rightly, may be
-// given another limit by the scenario: [limits] has a key of the same name.
-#include "analysis/deformation_watch.hpp"
-#include "analysis/energy_ledger.hpp"
+// The gates of a run: criteria that are checked after every step. A gate is ok; or it warns, once, while the run goes
+// on; or it is violated, which ends the run. A new gate is a row of the table in gates.cpp.
+#include "base/vec.hpp"
 
-#include <cmath>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace knap {
 
+class DeformationWatch;
+class EnergyLedger;
+
 enum class GateLevel { ok, warning, violated };
 std::string_view name_of(GateLevel level);
 
-struct Gate {
+struct GateTexts {
     std::string_view name, unit;  // of literals, like all texts here
-    double value;                 // [unit] NaN where there was nothing to judge (ok), or where it is no number (violated)
-    double warning, limit;        // [unit] a value beyond warns, or violates; infinity: none does
-    GateLevel level;
-    std::optional<Vec2> place;    // [m] of the value, in the undeformed body
     std::string_view meaning;     // of the value
-    std::string_view cure;        // what it usually comes from, and what to change
+    std::string_view cure;        // usual causes, and what to change
+};
+
+struct Gate : GateTexts {
+    double value;           // [unit] NaN where there was nothing to judge (ok), or where it is not a number (violated)
+    double warning, limit;  // [unit] a larger value warns, or violates; infinity: none does
+    GateLevel level;
+    std::optional<Vec2> place;  // [m] of the value, in the undeformed body
 
     bool pass() const { return level != GateLevel::violated; }
 };
 using Gates = std::vector<Gate>;
 
-/// A limit that a scenario sets, in the unit of its gate; infinity: none.
+/// A limit from the scenario, in the unit of its gate; infinity: none.
 struct AllowedLimit {
     std::string gate;
     double limit;
@@ -42,51 +42,50 @@ struct AllowedLimit {
 /// What gates are judged from.
 struct GateView {
     const EnergyLedger& ledger;
-    double critical_opening;  // [m] the largest of the laws that can break
-    double size;              // [m] diagonal of the body
-    bool ended = false;       // no step follows: what is a part of the dissipated energy can be judged
+    double critical_opening;                        // [m] the largest of the laws that can break
+    double size;                                    // [m] diagonal of the body
+    bool ended = false;                             // no step follows: parts of the dissipated energy can be judged
     const DeformationWatch* deformation = nullptr;  // null: not watched
 };
 
 struct GateValue {
-    double value;                                // [unit]
-    std::optional<Vec2> place = std::nullopt;    // [m]
-    std::optional<double> limit = std::nullopt;    // [unit] where they depend on the scene: in the place of the rule's
-    std::optional<double> warning = std::nullopt;
-    bool judged = true;                          // false: there was nothing to judge
+    double value;                                                        // [unit]
+    std::optional<Vec2> place = std::nullopt;                            // [m]
+    std::optional<double> limit = std::nullopt, warning = std::nullopt;  // [unit] where they depend on the run
+    bool judged = true;                                                  // false: there was nothing to judge
 };
 
-struct GateRule {
-    std::string_view name, unit;
-    double warning, limit;  // [unit] infinity: none
-    bool allowed;           // the scenario may set another limit
+struct GateLimits {
+    double warning, limit;  // [unit] infinity: none, or from the value
+    bool allowed;           // [limits] may set another limit: a bound of what knap can model, not of its correctness
+};
+
+struct GateRule : GateTexts, GateLimits {
     GateValue (*measure)(const GateView&);
-    std::string_view meaning, cure;
 };
 std::span<const GateRule> gate_rules();
 
-/// All gates, in the order of the rules, into `gates`, whose memory is used again. The warning is never later than the limit.
+/// All gates, in the order of the rules, into `gates`, whose memory is reused. A warning is at most the limit.
 void judge(const GateView& view, std::span<const AllowedLimit> allowed, Gates& gates);
 
-/// Judges a run step by step and remembers of what it has warned.
+/// Judges a run step by step and remembers which warnings it gave.
 class GateKeeper {
 public:
-    GateKeeper(double critical_opening, double size, std::vector<AllowedLimit> allowed) : critical_opening_(critical_opening), size_(size), allowed_(std::move(allowed)) {}
+    GateKeeper(double critical_opening, double size, std::vector<AllowedLimit> allowed)
+        : critical_opening_(critical_opening), size_(size), allowed_(std::move(allowed)) {}
 
-    const Gates& judge(const EnergyLedger& ledger, const DeformationWatch& deformation, bool ended = false) {
-        knap::judge({.ledger = ledger, .critical_opening = critical_opening_, .size = size_, .ended = ended, .deformation = &deformation}, allowed_, gates_);
-        return gates_;
+    void judge(const EnergyLedger& ledger, const DeformationWatch& deformation, bool ended = false) {
+        knap::judge({ledger, critical_opening_, size_, ended, &deformation}, allowed_, gates_);
     }
     const Gates& gates() const { return gates_; }
     bool pass() const;
 
-    /// Gates that warn and have not been warned of.
+    /// Gates that warn and have not given a warning yet.
     std::vector<const Gate*> new_warnings() const;
     void warned(const Gate& gate, std::string text) { said_.emplace_back(gate.name, std::move(text)); }
     const std::vector<std::pair<std::string, std::string>>& said() const { return said_; }  // name of the gate, text
 
-    template <class Archive>
-    void serialize(Archive& archive) { archive(said_); }
+    void serialize(auto& archive) { archive(said_); }
 
 private:
     double critical_opening_, size_;  // [m]

@@ -1,12 +1,27 @@
 #include "analysis/probes.hpp"
 
 #include "base/error.hpp"
+#include "element/quadratic_triangles.hpp"
 
-#include <array>
 #include <limits>
 
 namespace knap {
 namespace {
+
+/// Barycentric coordinates of a place in a triangle.
+Eigen::Vector3d barycentric(const Mesh& mesh, Index t, const Vec2& place) {
+    const Vec2 a = mesh.corner(t, 0), ab = mesh.corner(t, 1) - a, ac = mesh.corner(t, 2) - a, ap = place - a;
+    const double area = cross(ab, ac), b = cross(ap, ac) / area, c = cross(ab, ap) / area;
+    return {1 - b - c, b, c};
+}
+
+/// Of corner k at barycentric coordinates l.
+double shape_function(Index order, Index k, const Eigen::Vector3d& l) {
+    if (order == 1) return l[k];
+    const double bubble = 27 * l[0] * l[1] * l[2];
+    const double quadratic = k < 3 ? l[k] * (2 * l[k] - 1) : k < 6 ? 4 * l[k - 3] * l[(k - 2) % 3] : 0;
+    return quadratic + bubble_weight[k] * bubble;
+}
 
 /// The interface that can break whose middle is nearest to a place.
 Index interface_near(const Model& model, const ProbeOptions& probe) {
@@ -19,66 +34,123 @@ Index interface_near(const Model& model, const ProbeOptions& probe) {
         const double d = (middle - probe.at).squaredNorm();
         if (d < distance) distance = d, nearest = static_cast<Index>(i);
     }
-    if (nearest < 0) throw SimulationError("probe `" + probe.name + "` watches an interface, and none can break");
+    if (nearest < 0)
+        throw SimulationError("probe `" + probe.name + "` watches an interface, but no interface can break");
     return nearest;
 }
 
-/// Opening, slip [m] and cohesion: mean over an interface.
-Eigen::Vector3d mean_of_interface(const Model& model, const State& state, Index interface) {
+InterfaceMean mean_of(const Model& model, const State& state, Index interface) {
     const Index n = model.points_per_interface();
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    InterfaceMean mean;
     for (Index p = n * interface; p < n * (interface + 1); ++p) {
-        const double part = model.fan_points[model.fan_point_of[p]].area / (model.interfaces[interface].length * model.thickness);
+        const double part =
+            model.fan_points[model.fan_point_of[p]].area / (model.interfaces[interface].length * model.thickness);
         const Vec2 jump = opening(model, state, p);
-        sum += part * Eigen::Vector3d(jump.x(), jump.y(), cohesion(model, state, p));
+        mean.opening += part * jump.x();
+        mean.slip += part * jump.y();
+        mean.cohesion += part * cohesion(model, state, p);
     }
-    return sum;
+    return mean;
 }
 
 }  // namespace
 
-Probes::Probes(const Model& model, const std::vector<ProbeOptions>& probes) : model_(model) {
-    for (const ProbeOptions& probe : probes) {
-        if (probe.interface) probes_.push_back({.name = probe.name, .interface = interface_near(model, probe)});
-        else probes_.push_back({.name = probe.name, .weights = weights_at(model.mesh, probe.at)});
-    }
+CornerMean::CornerMean(const Mesh& mesh, const Vec2& place) {
+    int n_triangles = 0;
+    const auto add_triangles_at = [&](const Vec2& point) {
+        for (Index t = 0; t < mesh.n_triangles(); ++t) {
+            const Eigen::Vector3d parts = barycentric(mesh, t, point);
+            if (parts.minCoeff() < -1e-9) continue;
+            ++n_triangles;
+            for (Index k = 0; k < mesh.corners_per_triangle(); ++k)
+                weights_.push_back({mesh.corners_per_triangle() * t + k, shape_function(mesh.order, k, parts)});
+        }
+    };
+    add_triangles_at(place);
+    if (empty())
+        add_triangles_at(
+            *std::ranges::min_element(mesh.vertices, {}, [&](const Vec2& x) { return (x - place).squaredNorm(); }));
+    for (Weight& weight : weights_) weight.part /= n_triangles;
 }
 
-std::span<const Output> place_columns() {
-    static constexpr std::array columns{Output{"_u_x", "m", "displacement of a place"}, Output{"_u_y", "m", "likewise"}, Output{"_v_x", "m/s", "velocity of a place"},
-                                        Output{"_v_y", "m/s", "likewise"}};
+CornerMean::CornerMean(const Mesh& mesh, const std::string& boundary) {
+    double length = 0;
+    for (const BoundaryEdge& edge : mesh.boundary_edges) {
+        if (mesh.boundary_names[edge.boundary] != boundary) continue;
+        const Index first = mesh.corners_per_triangle() * edge.triangle, a = edge.side, b = (edge.side + 1) % 3;
+        const double l = (mesh.corner(edge.triangle, b) - mesh.corner(edge.triangle, a)).norm();
+        length += l;
+        // trapezoidal rule, for second order Simpson's: exact for the displacement on the edge
+        const double at_ends = mesh.order == 1 ? 0.5 : 1. / 6;
+        for (const Index k : {a, b}) weights_.push_back({first + k, at_ends * l});
+        if (mesh.order == 2) weights_.push_back({first + 3 + edge.side, 4. / 6 * l});
+    }
+    for (Weight& weight : weights_) weight.part /= length;
+}
+
+template <class Value>
+Vec2 CornerMean::mean(Value value) const {
+    Vec2 sum = Vec2::Zero();
+    for (const Weight& weight : weights_) sum += weight.part * value(weight.corner);
+    return sum;
+}
+
+Vec2 CornerMean::place(const Mesh& mesh) const {
+    return mean([&](Index corner) -> Vec2 { return mesh.corner(corner); });
+}
+
+Vec2 CornerMean::displacement(const State& state) const {
+    return mean([&](Index corner) -> Vec2 { return state.displacement[state.node_of_corner[corner]]; });
+}
+
+Vec2 CornerMean::velocity(const State& state) const {
+    return mean([&](Index corner) -> Vec2 { return state.velocity[state.node_of_corner[corner]]; });
+}
+
+std::span<const Measure<PlaceMotion>> place_columns() {
+    using M = PlaceMotion;
+    static constexpr Measure<M> columns[] = {
+        {"_u_x", "m", "displacement of the place of a probe, x", [](const M& m) { return m.displacement.x(); }},
+        {"_u_y", "m", "displacement of the place of a probe, y", [](const M& m) { return m.displacement.y(); }},
+        {"_v_x", "m/s", "velocity of the place of a probe, x", [](const M& m) { return m.velocity.x(); }},
+        {"_v_y", "m/s", "velocity of the place of a probe, y", [](const M& m) { return m.velocity.y(); }}};
     return columns;
 }
 
-std::span<const Output> interface_columns() {
-    static constexpr std::array columns{Output{"_opening", "m", "opening of an interface, mean over its points"}, Output{"_slip", "m", "slip, likewise"},
-                                        Output{"_cohesion", "", "beta, likewise: 1 intact, 0 broken"}};
+std::span<const Measure<InterfaceMean>> interface_columns() {
+    using M = InterfaceMean;
+    static constexpr Measure<M> columns[] = {
+        {"_opening", "m", "opening of the interface of a probe, mean over its points",
+         [](const M& m) { return m.opening; }},
+        {"_slip", "m", "slip of the interface, mean over its points", [](const M& m) { return m.slip; }},
+        {"_cohesion", "", "cohesion beta of the interface, mean over its points: 1 intact, 0 broken",
+         [](const M& m) { return m.cohesion; }}};
     return columns;
 }
 
 std::vector<std::string> probe_columns(const ProbeOptions& probe) {
-    std::vector<std::string> names;
-    for (const Output& column : probe.interface ? interface_columns() : place_columns()) names.push_back(probe.name + std::string(column.name));
-    return names;
+    return probe.interface ? names_of(interface_columns(), probe.name) : names_of(place_columns(), probe.name);
+}
+
+Probes::Probes(const Model& model, const std::vector<ProbeOptions>& probes) : model_(model) {
+    for (const ProbeOptions& probe : probes) {
+        if (probe.interface) probes_.push_back({probe, {}, interface_near(model, probe)});
+        else probes_.push_back({probe, {model.mesh, probe.at}});
+    }
 }
 
 std::vector<std::string> Probes::columns() const {
     std::vector<std::string> names{"time"};
     for (const Probe& probe : probes_)
-        for (const std::string& column : probe_columns({.name = probe.name, .at = {}, .interface = probe.interface >= 0})) names.push_back(column);
+        for (const std::string& column : probe_columns(probe.options)) names.push_back(column);
     return names;
 }
 
 std::vector<double> Probes::line(const State& state) const {
     std::vector<double> row{state.time};
     for (const Probe& probe : probes_) {
-        if (probe.interface >= 0) {
-            const Eigen::Vector3d mean = mean_of_interface(model_, state, probe.interface);
-            row.insert(row.end(), {mean[0], mean[1], mean[2]});
-            continue;
-        }
-        const Vec2 u = mean_displacement(probe.weights, state), v = mean_velocity(probe.weights, state);
-        row.insert(row.end(), {u.x(), u.y(), v.x(), v.y()});
+        if (probe.options.interface) add_values(interface_columns(), mean_of(model_, state, probe.interface), row);
+        else add_values(place_columns(), {probe.place.displacement(state), probe.place.velocity(state)}, row);
     }
     return row;
 }

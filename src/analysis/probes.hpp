@@ -1,44 +1,73 @@
 #pragma once
-// Displacement and velocity of chosen places, opening and cohesion of chosen interfaces, over time.
-#include "analysis/corner_weights.hpp"
+// Probes: displacement and velocity of chosen places, opening and cohesion of chosen interfaces, over time. And means
+// of the displacement at a place or along a boundary, which gauges of specimens use too.
 #include "model/state.hpp"
 #include "output/outputs.hpp"
 
-#include <string>
-#include <vector>
-
 namespace knap {
+
+/// A mean over corners: at a place, or along a boundary.
+class CornerMean {
+public:
+    CornerMean() = default;
+    /// At a place [m], with the shape functions of its triangle (mean of all of them on an edge or at a vertex), so
+    /// that it is the same place on every mesh. Outside the body the nearest vertex.
+    CornerMean(const Mesh& mesh, const Vec2& place);
+    /// Along the length of a boundary; empty where the mesh has none of this name.
+    CornerMean(const Mesh& mesh, const std::string& boundary);
+
+    bool empty() const { return weights_.empty(); }
+    Vec2 place(const Mesh& mesh) const;           // [m] reference
+    Vec2 displacement(const State& state) const;  // [m]
+    Vec2 velocity(const State& state) const;      // [m/s]
+
+private:
+    struct Weight {
+        Index corner;
+        double part;  // their sum is 1
+    };
+    template <class Value>
+    Vec2 mean(Value value) const;
+
+    std::vector<Weight> weights_;
+};
 
 struct ProbeOptions {
     std::string name;
     Vec2 at;                 // [m]
-    bool interface = false;  // an interface that can break, the one nearest to the place
+    bool interface = false;  // the nearest interface that can break, not a place
 };
 
-/// Columns of probes.csv of a probe that watches a place, and of one that watches an interface, by the part behind its name.
-std::span<const Output> place_columns();
-std::span<const Output> interface_columns();
+/// Motion of a place, and mean of an interface over its points.
+struct PlaceMotion {
+    Vec2 displacement, velocity;  // [m], [m/s]
+};
+struct InterfaceMean {
+    double opening = 0, slip = 0, cohesion = 0;  // [m], [m], [-]
+};
+/// Columns of probes.csv; the name of the probe comes first.
+std::span<const Measure<PlaceMotion>> place_columns();
+std::span<const Measure<InterfaceMean>> interface_columns();
 
-/// Those of one probe, by name.
+/// The columns of one probe.
 std::vector<std::string> probe_columns(const ProbeOptions& probe);
 
 class Probes {
 public:
-    /// Throws SimulationError where an interface is to be watched and none can break.
+    /// Throws SimulationError where a probe watches an interface and none can break.
     Probes(const Model& model, const std::vector<ProbeOptions>& probes);
 
     bool empty() const { return probes_.empty(); }
 
-    /// Columns and line of probes.csv: time, then of each probe u_x, u_y, v_x, v_y, or
-    /// opening, slip [m] and cohesion, means over the two points of its interface.
+    /// Columns and line of probes.csv: time, then the columns of each probe.
     std::vector<std::string> columns() const;
     std::vector<double> line(const State& state) const;
 
 private:
     struct Probe {
-        std::string name;
-        std::vector<CornerWeight> weights;  // of the corners that make up the place
-        Index interface = -1;         // or this
+        ProbeOptions options;
+        CornerMean place;
+        Index interface = -1;
     };
     const Model& model_;
     std::vector<Probe> probes_;

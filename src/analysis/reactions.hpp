@@ -1,35 +1,38 @@
 #pragma once
-// What it takes to drive a body: resultant force and mean displacement of every load that prescribes a motion, and of every obstacle.
+// Forces and motions that drive a body: of every load that prescribes a motion, and of every obstacle.
 #include "model/state.hpp"
 #include "output/outputs.hpp"
 
-#include <string>
-#include <vector>
-
 namespace knap {
 
-/// What one load drives, or an obstacle in contact.
+/// Of one such load, or one obstacle.
 struct Reaction {
-    Vec2 force;         // [N] resultant on the body, mean over the last step; 0 in components that this load leaves free
-    Vec2 displacement;  // [m] mean over the corners that it holds; of an obstacle its own
+    Vec2 force;         // [N] resultant on the body, mean over the last step; 0 in components that the load leaves free
+    Vec2 displacement;  // [m] mean over the corners of the load; of an obstacle its own
+    // of obstacles only:
+    double moment = 0;  // [N m] on the body about the reference point of the obstacle, mean over the last step
+    double angle = 0;   // [rad]
+    Vec2 velocity = Vec2::Zero();  // [m/s]
+    double spin = 0;               // [rad/s]
 };
 
-/// Columns of reactions.csv after the time: of every load and obstacle that drives, then of every obstacle; by the part behind its name.
-std::span<const Output> driver_columns();
-std::span<const Output> obstacle_columns();
+/// Columns of reactions.csv, after the name: of every load and obstacle that drives, then of every obstacle.
+std::span<const Measure<Reaction>> driver_columns();
+std::span<const Measure<Reaction>> obstacle_columns();
 
-/// The names of all of them for such loads and obstacles.
-std::vector<std::string> reaction_columns(const std::vector<std::string>& loads, const std::vector<std::string>& obstacles);
+/// All columns of reactions.csv for such loads and obstacles.
+std::vector<std::string> reaction_columns(const std::vector<std::string>& loads,
+                                          const std::vector<std::string>& obstacles);
 
 class Reactions {
 public:
     explicit Reactions(const Model& model);
 
     bool empty() const { return loads_.empty() && model_.obstacles.empty(); }
-    /// Which loads of the scenario prescribe the motion of anything; one that later ones replace everywhere does not.
+    /// The loads of the scenario that prescribe a motion of any corner: later loads may replace one everywhere.
     const std::vector<Index>& loads() const { return loads_; }
 
-    /// Where a load takes hold, mean over the corners, or where an obstacle is at the start [m]; in the order of at().
+    /// [m] Mean place of the corners of a load, or start of an obstacle; in the order of at().
     const std::vector<Vec2>& places() const { return places_; }
 
     /// In the order of loads(), then of the obstacles.
@@ -43,9 +46,9 @@ public:
     std::vector<double> line(const State& state) const;
 
 private:
-    /// A component of the motion of a corner.
+    /// A prescribed component of the motion of a corner.
     struct Held {
-        Index place;   // into loads_
+        Index place;  // into loads_
         Index corner;
         int component;
     };
@@ -53,7 +56,7 @@ private:
     const Model& model_;
     std::vector<Index> loads_;
     std::vector<Held> held_;
-    std::vector<Eigen::Vector2i> n_held_;  // per load and component: corners held
+    std::vector<Eigen::Vector2i> n_held_;  // per load and component: number of corners
     std::vector<Vec2> places_;
 };
 

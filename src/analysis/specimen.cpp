@@ -2,7 +2,6 @@
 
 #include "base/error.hpp"
 
-#include <array>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -18,21 +17,17 @@ bool drives(const GaugeEnd& end) { return end.kind == GaugeEnd::Kind::load || en
 std::size_t driver_of(const Reactions& reactions, const GaugeEnd& end) {
     const std::vector<Index>& loads = reactions.loads();
     if (end.kind == GaugeEnd::Kind::obstacle) return loads.size() + end.number;
-    const auto found = std::find(loads.begin(), loads.end(), end.number);
-    if (found == loads.end()) throw UserError("specimen", "load" + std::to_string(end.number) + " prescribes no motion, or later loads replace it everywhere");
+    const auto found = std::ranges::find(loads, end.number);
+    if (found == loads.end())
+        throw UserError("specimen", "load" + std::to_string(end.number) +
+                                        " prescribes no motion, or later loads replace it everywhere");
     return found - loads.begin();
-}
-
-/// The box round the body as it was.
-Box extent(const Mesh& mesh) {
-    Box box{mesh.vertices.front(), mesh.vertices.front()};
-    for (const Vec2& x : mesh.vertices) box.low = box.low.cwiseMin(x), box.high = box.high.cwiseMax(x);
-    return box;
 }
 
 }  // namespace
 
-Gauge::Gauge(const Model& model, const Reactions& reactions, const GaugeEnds& ends, int axis, double size) : axis_(axis) {
+Gauge::Gauge(const Model& model, const Reactions& reactions, const GaugeEnds& ends, int axis, double size)
+    : axis_(axis) {
     std::array<double, 2> at{};
     for (int i = 0; i < 2; ++i) {
         const GaugeEnd& end = ends[i];
@@ -41,30 +36,39 @@ Gauge::Gauge(const Model& model, const Reactions& reactions, const GaugeEnds& en
             at[i] = reactions.places()[ends_[i].driver][axis];
             continue;
         }
-        ends_[i].weights = end.kind == GaugeEnd::Kind::boundary ? weights_along(model.mesh, end.boundary) : weights_at(model.mesh, end.at);
-        if (ends_[i].weights.empty()) throw UserError("specimen", "the mesh has no boundary `" + end.boundary + "`");
-        at[i] = mean_place(ends_[i].weights, model.mesh)[axis];
+        ends_[i].mean = end.kind == GaugeEnd::Kind::boundary ? CornerMean(model.mesh, end.boundary)
+                                                             : CornerMean(model.mesh, end.at);
+        if (ends_[i].mean.empty()) throw UserError("specimen", "the mesh has no boundary `" + end.boundary + "`");
+        at[i] = ends_[i].mean.place(model.mesh)[axis];
     }
     if (at[0] > at[1]) std::swap(at[0], at[1]), std::swap(ends_[0], ends_[1]);
     length_ = drives(ends[0]) || drives(ends[1]) ? size : at[1] - at[0];
-    if (!(at[1] - at[0] > 1e-9 * size)) throw UserError("specimen", std::string("the ends of a gauge along ") + "xy"[axis] + " are at the same place along it");
-}
-
-double Gauge::End::travel(const State& state, const std::vector<Reaction>& reactions, int axis) const {
-    return weights.empty() ? reactions[driver].displacement[axis] : mean_displacement(weights, state)[axis];
+    if (!(at[1] - at[0] > 1e-9 * size))
+        throw UserError("specimen", std::string("the two ends of the gauge along ") + "xy"[axis] +
+                                        " have the same coordinate along it; they must be apart");
 }
 
 double Gauge::strain(const State& state, const std::vector<Reaction>& reactions) const {
-    return (ends_[1].travel(state, reactions, axis_) - ends_[0].travel(state, reactions, axis_)) / length_;
+    const auto travel = [&](const End& end) {
+        return end.mean.empty() ? reactions[end.driver].displacement[axis_] : end.mean.displacement(state)[axis_];
+    };
+    return (travel(ends_[1]) - travel(ends_[0])) / length_;
 }
 
 Specimen::Specimen(const Model& model, const Reactions& reactions, const SpecimenOptions& options)
-    : reactions_(reactions), options_(options), driver_(driver_of(reactions, options.driver)), sign_(options.test == Test::tension ? 1 : -1) {
-    const Box box = extent(model.mesh);
+    : reactions_(reactions),
+      options_(options),
+      columns_(stress_strain_columns(options)),
+      driver_(driver_of(reactions, options.driver)),
+      sign_(options.test == Test::tension ? 1 : -1) {
+    const Box box = bounding_box(model.mesh.vertices);
     const int axis = options.axis, across = 1 - axis;
-    const double height = options.height > 0 ? options.height : (box.high - box.low)[axis], width = options.width > 0 ? options.width : (box.high - box.low)[across];
+    const double height = options.height > 0 ? options.height : box.extent()[axis],
+                 width = options.width > 0 ? options.width : box.extent()[across];
     const double offset = reactions.places()[driver_][axis] - 0.5 * (box.low + box.high)[axis];
-    if (std::abs(offset) <= 1e-9 * height) throw UserError("specimen", "what drives the specimen is in its middle, and so neither pulls nor pushes it as a whole");
+    if (std::abs(offset) <= 1e-9 * height)
+        throw UserError("specimen",
+                        "the driver is in the middle of the specimen, so it neither pulls nor pushes it as a whole");
     outwards_ = offset > 0 ? 1 : -1;
     strain_per_travel_ = 1 / height;
     stress_per_force_ = 1 / (width * model.thickness);
@@ -77,66 +81,66 @@ Specimen::Specimen(const Model& model, const Reactions& reactions, const Specime
     if (options.lateral) lateral_ = Gauge(model, reactions, *options.lateral, across, width);
 }
 
-std::span<const Output> stress_strain_columns() {
-    static constexpr std::array columns{
-        Output{"time", "s", "mean time of the steps since the line before, whose means stress and strains are"},
-        Output{"stress", "Pa", "of the specimen, from the force of what drives it; positive as its test says"},
-        Output{"axial_strain", "", "along the axis, positive as the stress"},
-        Output{"lateral_strain", "", "across, same sign; with a lateral gauge"},
-        Output{"volumetric_strain", "", "their sum, positive when the area shrinks; in compression"},
-        Output{"tensile_breaks", "", "number of interfaces so far that broke more by opening than by sliding"},
-        Output{"shear_breaks", "", "number of interfaces so far that broke more by sliding"},
-    };
+std::span<const Measure<SpecimenMoment>> stress_strain_columns() {
+    using M = SpecimenMoment;
+    static constexpr Measure<M> columns[] = {
+        {"time", "s", "mean time of the steps since the last line; stress and strains are means over these steps",
+         [](const M& m) { return m.time; }},
+        {"stress", "Pa", "stress of the specimen from the force of its driver; the test defines its sign",
+         [](const M& m) { return m.stress; }},
+        {"axial_strain", "", "strain along the axis, with the sign of the stress", [](const M& m) { return m.axial; }},
+        {"lateral_strain", "", "strain across the axis, with the same sign; only with a lateral gauge",
+         [](const M& m) { return m.lateral; }},
+        {"volumetric_strain", "",
+         "axial + lateral strain, positive when the area shrinks; only in compression with a lateral gauge",
+         [](const M& m) { return m.axial + m.lateral; }},
+        {"tensile_breaks", "", "number of interfaces that broke more by opening than by sliding, so far",
+         [](const M& m) { return double(m.n_tensile); }},
+        {"shear_breaks", "", "number of interfaces that broke more by sliding than by opening, so far",
+         [](const M& m) { return double(m.n_shear); }}};
     return columns;
 }
 
-std::vector<std::string> Specimen::columns() const {
-    std::vector<std::string> names{"time", "stress", "axial_strain"};
-    if (options_.lateral) names.push_back("lateral_strain");
-    if (options_.lateral && options_.test == Test::compression) names.push_back("volumetric_strain");
-    return names;
+std::vector<Measure<SpecimenMoment>> stress_strain_columns(const SpecimenOptions& options) {
+    const auto all = stress_strain_columns();
+    std::vector<Measure<SpecimenMoment>> columns(all.begin(), all.end());
+    std::erase_if(columns, [&](const Output& column) {
+        const bool volumetric = column.name == "volumetric_strain";
+        if (!volumetric && column.name != "lateral_strain") return false;
+        return !options.lateral || (volumetric && options.test != Test::compression);
+    });
+    return columns;
 }
 
-StressStrain Specimen::at(const State& state) const {
+SpecimenMoment Specimen::at(const State& state) const {
     const std::vector<Reaction> reactions = reactions_.at(state);
     const Reaction& driver = reactions[driver_];
     const int axis = options_.axis;
-    const double axial = options_.axial ? axial_.strain(state, reactions) : outwards_ * driver.displacement[axis] * strain_per_travel_;
-    return {.stress = sign_ * outwards_ * driver.force[axis] * stress_per_force_,
+    const double axial =
+        options_.axial ? axial_.strain(state, reactions) : outwards_ * driver.displacement[axis] * strain_per_travel_;
+    return {.time = state.time,
+            .stress = sign_ * outwards_ * driver.force[axis] * stress_per_force_,
             .axial = sign_ * axial,
             .lateral = options_.lateral ? sign_ * lateral_.strain(state, reactions) : 0};
 }
 
-void Specimen::begin(const State& start) {
-    last_ = at(start);
-    time_ = start.time;
-}
-
 void Specimen::after_step(const State& now) {
-    // the force is the mean over the step already, strains are those of its ends
-    const StressStrain end = at(now);
-    const double h = now.time - time_;
-    sum_.stress += h * end.stress;
+    const SpecimenMoment end = at(now);
+    const double h = end.time - last_.time;
+    sum_.time += h * 0.5 * (last_.time + end.time);
+    sum_.stress += h * end.stress;  // forces are means over the step already
     sum_.axial += h * 0.5 * (last_.axial + end.axial);
     sum_.lateral += h * 0.5 * (last_.lateral + end.lateral);
-    time_sum_ += h * 0.5 * (time_ + now.time);
     duration_ += h;
-    time_ = now.time;
     last_ = end;
 }
 
-std::vector<double> Specimen::line() {
-    StressStrain mean = last_;
-    double time = time_;
-    if (duration_ > 0) {
-        mean = {sum_.stress / duration_, sum_.axial / duration_, sum_.lateral / duration_};
-        time = time_sum_ / duration_;
-    }
-    sum_ = {}, duration_ = time_sum_ = 0;
-    std::vector<double> row{time, mean.stress + 0, mean.axial + 0};  // no minus zero
-    if (options_.lateral) row.push_back(mean.lateral + 0);
-    if (options_.lateral && options_.test == Test::compression) row.push_back(mean.axial + mean.lateral);
-    return row;
+std::vector<double> Specimen::line(Index n_tensile, Index n_shear) {
+    SpecimenMoment mean = last_;
+    if (const double d = duration_; d > 0) mean = {sum_.time / d, sum_.stress / d, sum_.axial / d, sum_.lateral / d};
+    mean.n_tensile = n_tensile, mean.n_shear = n_shear;
+    sum_ = {}, duration_ = 0;
+    return values_of<SpecimenMoment>(columns_, mean);
 }
 
 }  // namespace knap

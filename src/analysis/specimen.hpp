@@ -1,32 +1,27 @@
 #pragma once
-// A body as the specimen of a rock test: stress from the reaction of what drives it, strains from gauges.
+// A body as the specimen of a rock test: stress from the force of its driver, strains from gauges.
 //
-//     test          stress                            axial strain            positive in
-//     compression   P/(width t)                       gauge                   compression
-//     tension       P/(width t)                       gauge                   tension
-//     brazilian     2 P/(pi D t), D = height          gauge                   compression of the disc (the stress is the tension in its middle)
-//     bending       3 P span/(2 height^2 t)           6 height d/span^2       travel d towards the body
+//     test          stress                       axial strain           positive in
+//     compression   P/(width t)                  gauge                  compression
+//     tension       P/(width t)                  gauge                  tension
+//     brazilian     2 P/(pi D t), D = height     gauge                  compression (stress: tension in the centre)
+//     bending       3 P span/(2 height^2 t)      6 height d/span^2      travel d towards the body
 //
-// P: force of the driver along the axis; t: thickness of the body. A gauge is the change of the distance of two places along its axis over that
-// distance: boundaries (the mean along them), probes, or what drives (its travel, over height or width). Stress and strains of a line are means over the
-// time since the line before, of all steps: forces of single steps ring, and both means belong to the same time.
-#include "analysis/corner_weights.hpp"
+// P: force of the driver along the axis; t: thickness of the body. A gauge measures the change of the distance of two
+// places along its axis over that distance: boundaries (mean along them), points, or the driver (its travel over height
+// or width). A line has means over all steps since the last line, since the force of a single step oscillates with the
+// mesh; force and strains then belong to the same time.
+#include "analysis/probes.hpp"
 #include "analysis/reactions.hpp"
-#include "output/outputs.hpp"
-
-#include <array>
-#include <optional>
-#include <string>
-#include <vector>
 
 namespace knap {
 
 struct GaugeEnd {
     enum class Kind { boundary, place, load, obstacle };
     Kind kind = Kind::boundary;
-    std::string boundary;   // name of a boundary
-    Vec2 at = Vec2::Zero(); // [m] a place
-    Index number = 0;       // of a load or an obstacle
+    std::string boundary;    // name of a boundary
+    Vec2 at = Vec2::Zero();  // [m] a place
+    Index number = 0;        // of a load or an obstacle
 };
 using GaugeEnds = std::array<GaugeEnd, 2>;
 
@@ -34,76 +29,73 @@ struct SpecimenOptions {
     enum class Test { compression, tension, brazilian, bending };
     Test test = Test::compression;
     int axis = 1;                      // 0: x, 1: y
-    GaugeEnd driver;                   // a load or an obstacle: whose reaction is the force
-    double height = 0, width = 0;      // [m] of the specimen along the axis and across; 0: those of the body
+    GaugeEnd driver;                   // a load or an obstacle, whose reaction is the force
+    double height = 0, width = 0;      // [m] of the specimen along the axis and across it; 0: those of the body
     double span = 0;                   // [m] of a beam
     std::optional<GaugeEnds> axial;    // none: the travel of the driver
     std::optional<GaugeEnds> lateral;  // none: no lateral strain
     std::array<double, 2> modulus_between{0.4, 0.6};  // parts of the peak
 };
 
-/// Two places and what their distance was. An end that drives is followed by its travel.
+/// The distance of two places. An end at a driver moves with it.
 class Gauge {
 public:
     Gauge() = default;
     Gauge(const Model& model, const Reactions& reactions, const GaugeEnds& ends, int axis, double size);
 
-    /// Positive when they have moved apart.
+    /// Positive when the places have moved apart.
     double strain(const State& state, const std::vector<Reaction>& reactions) const;
 
 private:
     struct End {
-        std::vector<CornerWeight> weights;
-        std::size_t driver = 0;  // into Reactions::at, without weights
-        double travel(const State& state, const std::vector<Reaction>& reactions, int axis) const;
+        CornerMean mean;
+        std::size_t driver = 0;  // into Reactions::at, if the mean is empty
     };
     std::array<End, 2> ends_;  // the lower one first
     int axis_ = 0;
     double length_ = 1;  // [m]
 };
 
-/// Stress [Pa] and strains [-] at a moment, or means of them.
-struct StressStrain {
+/// One line of stress_strain.csv: stress [Pa] and strains, and numbers of breaks so far.
+struct SpecimenMoment {
+    double time = 0;  // [s]
     double stress = 0, axial = 0, lateral = 0;
+    Index n_tensile = 0, n_shear = 0;
 };
-
-/// All columns that stress_strain.csv may have; of lateral gauges, compression and breaks only where there are such.
-std::span<const Output> stress_strain_columns();
+/// All columns, and those of one specimen: lateral and volumetric strain need a lateral gauge.
+std::span<const Measure<SpecimenMoment>> stress_strain_columns();
+std::vector<Measure<SpecimenMoment>> stress_strain_columns(const SpecimenOptions& options);
 
 class Specimen {
 public:
-    /// Throws UserError for a driver that drives nothing, or a gauge without length.
+    /// Throws UserError for a driver without prescribed motion, or a gauge without length.
     Specimen(const Model& model, const Reactions& reactions, const SpecimenOptions& options);
 
-    /// time, stress, axial_strain; with a lateral gauge lateral_strain and in compression volumetric_strain, their sum (the change of area, positive when it
-    /// shrinks).
-    std::vector<std::string> columns() const;
-
     /// At the start of the run, then after every step.
-    void begin(const State& start);
+    void begin(const State& start) { last_ = at(start); }
     void after_step(const State& now);
 
-    /// The means since the line before; of the moment where no step was made since.
-    std::vector<double> line();
+    /// Means since the last line; the values of the moment where no step was made since.
+    std::vector<double> line(Index n_tensile, Index n_shear);
 
-    template <class Archive>
-    void serialize(Archive& archive) {
-        archive(time_, duration_, time_sum_);
-        for (StressStrain* of : {&last_, &sum_}) archive(of->stress, of->axial, of->lateral);
+    void serialize(auto& archive) {
+        for (SpecimenMoment* of : {&last_, &sum_}) archive(of->time, of->stress, of->axial, of->lateral);
+        archive(duration_);
     }
 
 private:
-    StressStrain at(const State& state) const;
+    SpecimenMoment at(const State& state) const;
 
     const Reactions& reactions_;
     SpecimenOptions options_;
-    std::size_t driver_ = 0;  // into Reactions::at
-    double outwards_ = 1;     // direction from the middle of the body to the driver, along the axis
-    double stress_per_force_ = 1, strain_per_travel_ = 1, sign_ = 1;
+    std::vector<Measure<SpecimenMoment>> columns_;
+    std::size_t driver_;  // into Reactions::at
+    double outwards_;     // direction from the middle of the body to the driver, along the axis
+    double stress_per_force_, strain_per_travel_, sign_;
     Gauge axial_, lateral_;
-    StressStrain last_;       // at the end of the last step
-    StressStrain sum_;        // over time since the last line
-    double time_ = 0, duration_ = 0, time_sum_ = 0;
+    SpecimenMoment last_;  // at the end of the last step
+    SpecimenMoment sum_;   // integrals over time since the last line
+    double duration_ = 0;  // [s] since then
 };
 
 }  // namespace knap

@@ -9,11 +9,12 @@ namespace {
 using Column = std::vector<double>;
 constexpr double unknown = Strength::unknown;
 
-/// y = at_zero + slope x by least squares over lines [first, last).
+/// y = at_zero + slope x
 struct Line {
     double slope = unknown, at_zero = unknown;
 };
 
+/// Least squares over the lines [first, last).
 Line fit(const Column& x, const Column& y, std::size_t first, std::size_t last) {
     const double n = static_cast<double>(last - first);
     double mean_x = 0, mean_y = 0, xx = 0, xy = 0;
@@ -26,8 +27,8 @@ Line fit(const Column& x, const Column& y, std::size_t first, std::size_t last) 
     return {xy / xx, mean_y - xy / xx * mean_x};
 }
 
-/// The lines on which the stress first passes from one part of the peak to the other, at least the two round them. (After a fracture waves may bring a
-/// stress beyond the one at which it broke.)
+/// The lines on which the stress first passes from one part of the peak to the other, at least the two around them.
+/// (After a fracture, waves may raise the stress above that at which it broke.)
 std::array<std::size_t, 2> between(const Column& stress, std::size_t peak, const std::array<double, 2>& parts) {
     std::size_t first = 0;
     while (first < peak && stress[first] < parts[0] * stress[peak]) ++first;
@@ -37,15 +38,9 @@ std::array<std::size_t, 2> between(const Column& stress, std::size_t peak, const
     return {first > 0 ? first - 1 : 0, std::min(last + 1, peak + 1)};
 }
 
-/// The first line that counts this many breaks.
+/// The first line with at least n breaks.
 std::size_t first_with(const Column& n_breaks, double n) {
-    return std::find_if(n_breaks.begin(), n_breaks.end(), [n](double found) { return found >= n; }) - n_breaks.begin();
-}
-
-double crack_initiation(const Column& stress, const Column& n_breaks, std::size_t peak) {
-    if (n_breaks.back() == 0) return unknown;
-    if (n_breaks[peak] == 0) return stress[peak];  // nothing broke before it
-    return stress[first_with(n_breaks, std::max(1.0, std::ceil(0.01 * n_breaks[peak])))];
+    return std::ranges::find_if(n_breaks, [n](double found) { return found >= n; }) - n_breaks.begin();
 }
 
 double dilatancy(const Column& stress, const Column& volumetric, std::size_t peak, std::size_t first_break) {
@@ -60,35 +55,32 @@ double dilatancy(const Column& stress, const Column& volumetric, std::size_t pea
     return stress[i];
 }
 
-/// At the peak where the reversal comes after it.
-double crack_damage(const Column& stress, const Column& volumetric, std::size_t peak) {
-    const std::size_t turn = std::max_element(volumetric.begin(), volumetric.end()) - volumetric.begin();
-    if (turn + 1 == volumetric.size()) return unknown;
-    return stress[std::min(turn, peak)];
-}
-
 }  // namespace
 
 Strength strength_of(const History& curve, const std::array<double, 2>& modulus_between) {
     Strength found;
     if (curve.rows.size() < 2) return found;
     const Column stress = curve.column("stress"), axial = curve.column("axial_strain");
-    const std::size_t peak = std::max_element(stress.begin(), stress.end()) - stress.begin();
+    const std::size_t peak = std::ranges::max_element(stress) - stress.begin();
     if (!(stress[peak] > 0)) return found;
     found.peak_stress = stress[peak];
     found.peak_strain = axial[peak];
     const auto [first, last] = between(stress, peak, modulus_between);
     found.tangent_modulus = fit(axial, stress, first, last).slope;
-    if (curve.has("lateral_strain")) found.strain_ratio = -fit(axial, curve.column("lateral_strain"), first, last).slope;
+    if (curve.has("lateral_strain"))
+        found.strain_ratio = -fit(axial, curve.column("lateral_strain"), first, last).slope;
 
     Column n_breaks = curve.column("tensile_breaks");
     const Column n_shear = curve.column("shear_breaks");
     for (std::size_t i = 0; i < n_breaks.size(); ++i) n_breaks[i] += n_shear[i];
-    found.crack_initiation = crack_initiation(stress, n_breaks, peak);
+    if (n_breaks.back() > 0)  // where nothing broke before the peak, cracks start there
+        found.crack_initiation =
+            stress[n_breaks[peak] == 0 ? peak : first_with(n_breaks, std::max(1.0, std::ceil(0.01 * n_breaks[peak])))];
     if (!curve.has("volumetric_strain")) return found;
     const Column volumetric = curve.column("volumetric_strain");
     found.dilatancy = dilatancy(stress, volumetric, peak, first_with(n_breaks, 1));
-    found.crack_damage = crack_damage(stress, volumetric, peak);
+    const std::size_t reversal = std::ranges::max_element(volumetric) - volumetric.begin();
+    if (reversal + 1 < volumetric.size()) found.crack_damage = stress[std::min(reversal, peak)];
     return found;
 }
 

@@ -26,6 +26,8 @@ public:
         return low != high;
     }
 
+    void serialize(auto& archive) { archive(parent_); }
+
 private:
     std::vector<Index> parent_;
 };

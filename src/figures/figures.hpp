@@ -3,6 +3,7 @@
 #include "figures/value_span.hpp"
 #include "model/loads.hpp"
 #include "output/frame.hpp"
+#include "output/history_csv.hpp"
 
 #include <cmath>
 #include <filesystem>

@@ -1,7 +1,5 @@
 #include "output/frame.hpp"
 
-#include "base/error.hpp"
-#include "model/model.hpp"
 #include "model/state.hpp"
 
 #include <algorithm>
@@ -9,150 +7,133 @@
 #include <span>
 
 namespace knap {
-
 namespace {
 
-/// Triangles that one is drawn as: itself, or of order 2 six round its centre; two at edge k, 2 k before its middle and 2 k + 1 behind.
-using Piece = std::array<Index, 3>;  // corners
-constexpr std::array<Piece, 1> whole{{{0, 1, 2}}};
+/// A triangle of second order is drawn as six triangles round its centre: of edge k, number 2 k has its first half as
+/// a side and 2 k + 1 its second half. Entries are corners in the triangle.
+using Piece = std::array<Index, 3>;
+constexpr std::array<Piece, 1> itself{{{0, 1, 2}}};
 constexpr std::array<Piece, 6> six{{{0, 3, 6}, {3, 1, 6}, {1, 4, 6}, {4, 2, 6}, {2, 5, 6}, {5, 0, 6}}};
-std::span<const Piece> pieces(const Mesh& mesh) {
-    if (mesh.order == 1) return whole;
+std::span<const Piece> pieces_of(const Mesh& mesh) {
+    if (mesh.order == 1) return itself;
     return six;
 }
 
-/// The parts of an interface that are drawn, by the places of their two points.
-constexpr std::array<std::array<Index, 2>, 1> edge_itself{{{0, 1}}};
-constexpr std::array<std::array<Index, 2>, 2> halves{{{0, 2}, {2, 1}}};
-std::span<const std::array<Index, 2>> parts(const Mesh& mesh) {
-    if (mesh.order == 1) return edge_itself;
+/// Its interfaces are drawn as two halves. Entries are points in the interface: 0 and 1 the ends, 2 the middle.
+using Part = std::array<Index, 2>;
+constexpr std::array<Part, 1> whole{{{0, 1}}};
+constexpr std::array<Part, 2> halves{{{0, 2}, {2, 1}}};
+std::span<const Part> parts_of(const Mesh& mesh) {
+    if (mesh.order == 1) return whole;
     return halves;
 }
 
-/// The corners of the frame at the two ends of a part of an interface on one of its sides.
-std::array<Index, 2> corners_on(const Model& model, const Interface& interface, Index triangle, const std::array<Index, 2>& part) {
-    if (triangle == rigid_support) return {rigid_support, rigid_support};
-    const auto& vertices = model.mesh.triangles[triangle];
-    const auto place_of = [&](Index vertex) { return static_cast<Index>(std::find(vertices.begin(), vertices.end(), vertex) - vertices.begin()); };
-    const std::array<Index, 2> end{place_of(interface.vertex[0]), place_of(interface.vertex[1])};
-    const Index side = end[1] == (end[0] + 1) % 3 ? end[0] : end[1];
-    const auto all = pieces(model.mesh);
-    const auto has = [](const Piece& piece, Index k) { return std::find(piece.begin(), piece.end(), k); };
-    const std::array<Index, 2> k{part[0] < 2 ? end[part[0]] : 3 + side, part[1] < 2 ? end[part[1]] : 3 + side};
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        const auto first = has(all[i], k[0]), second = has(all[i], k[1]);
-        if (first == all[i].end() || second == all[i].end()) continue;
-        const Index start = 3 * (static_cast<Index>(all.size()) * triangle + static_cast<Index>(i));
-        return {start + static_cast<Index>(first - all[i].begin()), start + static_cast<Index>(second - all[i].begin())};
+/// The corners of the frame at the two ends of a part of an interface, on the side of `triangle`.
+std::array<Index, 2> corners_on(const Mesh& mesh, const Interface& interface, Index triangle, const Part& part) {
+    const std::array<Index, 2> none{rigid_support, rigid_support};
+    if (triangle == rigid_support) return none;
+    const auto place_of = [](const auto& list, Index entry) {
+        return static_cast<Index>(std::ranges::find(list, entry) - list.begin());
+    };
+    const Index a = place_of(mesh.triangles[triangle], interface.vertex[0]),
+                b = place_of(mesh.triangles[triangle], interface.vertex[1]), edge = b == (a + 1) % 3 ? a : b;
+    const std::array<Index, 3> corner{a, b, 3 + edge};  // by point of the interface
+    const auto pieces = pieces_of(mesh);
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        const Index first = place_of(pieces[i], corner[part[0]]), second = place_of(pieces[i], corner[part[1]]);
+        const Index start = 3 * static_cast<Index>(pieces.size() * triangle + i);
+        if (first < 3 && second < 3) return {start + first, start + second};
     }
-    return {rigid_support, rigid_support};  // not reached: an edge is a side of its triangles
-}
-
-PointStatus status_of(bool cracked, double cohesion) {
-    if (cracked) return PointStatus::precrack;
-    if (cohesion == 1) return PointStatus::intact;
-    return cohesion > 0 ? PointStatus::damaged : PointStatus::broken;
-}
-
-/// Barycentric coordinates of the middle of each piece, the same in every triangle.
-std::array<Eigen::Vector3d, six.size()> middles(const Mesh& mesh) {
-    std::array<Eigen::Vector3d, six.size()> middle;
-    middle.fill(Eigen::Vector3d::Zero());
-    for (std::size_t i = 0; i < pieces(mesh).size(); ++i)
-        for (const Index k : pieces(mesh)[i]) middle[i] += coordinates(mesh, k) / 3;
-    return middle;
+    return none;  // not reached: the part is a side of one of the pieces
 }
 
 void add_bulk(const Model& model, const State& state, Frame& frame) {
     const Mesh& mesh = model.mesh;
-    const Index n_pieces = static_cast<Index>(pieces(mesh).size()), n = n_pieces * mesh.n_triangles();
-    frame.position.resize(3 * n), frame.displacement.resize(3 * n), frame.velocity.resize(3 * n);
-    frame.stress.resize(n), frame.region.resize(n), frame.grain.resize(mesh.grain.empty() ? 0 : n);
-    const auto middle = middles(mesh);
+    const auto pieces = pieces_of(mesh);
+    std::array<Eigen::Vector3d, six.size()> middle;  // barycentric coordinates, the same in every triangle
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        middle[i].setZero();
+        for (const Index k : pieces[i]) middle[i] += coordinates(mesh, k) / 3;
+    }
+    for (auto* list : {&frame.position, &frame.displacement, &frame.velocity})
+        list->reserve(3 * pieces.size() * mesh.triangles.size());
     for (Index t = 0; t < mesh.n_triangles(); ++t)
-        for (Index i = 0; i < n_pieces; ++i) {
-            const Index piece = n_pieces * t + i;
-            for (Index j = 0; j < 3; ++j) {
-                const Index k = pieces(mesh)[i][j], corner = mesh.corners_per_triangle() * t + k, node = state.node_of_corner[corner];
-                frame.position[3 * piece + j] = mesh.corner(t, k);
-                frame.displacement[3 * piece + j] = state.displacement[node];
-                frame.velocity[3 * piece + j] = state.velocity[node];
+        for (std::size_t i = 0; i < pieces.size(); ++i) {
+            for (const Index k : pieces[i]) {
+                const Index node = state.node_of_corner[mesh.corners_per_triangle() * t + k];
+                frame.position.push_back(mesh.corner(t, k));
+                frame.displacement.push_back(state.displacement[node]);
+                frame.velocity.push_back(state.velocity[node]);
             }
-            frame.stress[piece] = stress(model, state, t, middle[i]);
-            frame.region[piece] = mesh.region[t];
-            if (!frame.grain.empty()) frame.grain[piece] = mesh.grain[t];
+            frame.stress.push_back(stress(model, state, t, middle[i]));
+            frame.region.push_back(mesh.region[t]);
+            if (!mesh.grain.empty()) frame.grain.push_back(mesh.grain[t]);
         }
 }
 
-bool in_one_piece(const Model& model, const State& state, Index point) {
+bool in_bonded_fan(const Model& model, const State& state, Index point) {
     const FanPoint& at = model.fan_points[model.fan_point_of[point]];
     return state.split_rank[model.fan_of_corner[at.after == rigid_support ? at.before : at.after]] < 0;
 }
 
-/// Cohesion, opening, slip and traction of a point. In a fan in one piece nothing is open, and of order 1 the tractions are those of the stresses that the
-/// frame already has.
-void add_point(const Model& model, const State& state, Index point, Index p, Frame& frame) {
+/// In a bonded fan nothing is open, and for order 1 the traction is that of the stresses that the frame already has.
+void add_point(const Model& model, const State& state, Index point, Frame& frame) {
     const FanPoint& at = model.fan_points[model.fan_point_of[point]];
     const Interface& interface = model.interfaces[model.interface_of(point)];
-    const bool whole = in_one_piece(model, state, point);
-    const Vec2 u = whole ? Vec2(at.gap, 0) : opening(model, state, point);
-    frame.end_position[p] = model.mesh.corner(at.after == rigid_support ? at.before : at.after);
-    frame.cohesion[p] = whole ? 1 : cohesion(model, state, point);
-    frame.opening[p] = u.x();
-    frame.slip[p] = u.y();
-    frame.status[p] = status_of(interface.cracked, frame.cohesion[p]);
-    if (whole && model.mesh.order == 1) {
-        frame.traction[p] = traction(0.5 * (frame.stress[interface.triangle[0]] + frame.stress[interface.triangle[1]]), interface.normal);
+    const bool bonded = in_bonded_fan(model, state, point);
+    const Vec2 u = bonded ? Vec2(at.gap, 0) : opening(model, state, point);
+    const double beta = bonded ? 1 : cohesion(model, state, point);
+    frame.end_position.push_back(model.mesh.corner(at.after == rigid_support ? at.before : at.after));
+    frame.cohesion.push_back(beta);
+    frame.opening.push_back(u.x());
+    frame.slip.push_back(u.y());
+    frame.status.push_back(interface.cracked ? PointStatus::precrack
+                           : beta == 1       ? PointStatus::intact
+                           : beta > 0        ? PointStatus::damaged
+                                             : PointStatus::broken);
+    if (bonded && model.mesh.order == 1) {
+        const auto [a, b] = interface.triangle;
+        frame.traction.push_back(traction(0.5 * (frame.stress[a] + frame.stress[b]), interface.normal));
     } else {
-        frame.traction[p] = traction(model, state, point);
+        frame.traction.push_back(traction(model, state, point));
     }
 }
 
-/// After the bulk.
+/// Needs the bulk of the frame.
 void add_interfaces(const Model& model, const State& state, bool all, Frame& frame) {
-    const Index n_parts = static_cast<Index>(parts(model.mesh).size());
-    std::vector<Index> shown;  // n_parts interface + part
-    for (Index i = 0; i < n_parts * static_cast<Index>(model.interfaces.size()); ++i) {
-        const auto whole = [&](Index place) { return in_one_piece(model, state, model.points_per_interface() * (i / n_parts) + place); };
-        const std::array<Index, 2>& part = parts(model.mesh)[i % n_parts];
-        if (all || !whole(part[0]) || !whole(part[1])) shown.push_back(i);
-    }
-    const Index n = static_cast<Index>(shown.size());
-    frame.side_a.resize(n), frame.side_b.resize(n), frame.end_position.resize(2 * n), frame.cohesion.resize(2 * n), frame.opening.resize(2 * n);
-    frame.slip.resize(2 * n), frame.traction.resize(2 * n), frame.status.resize(2 * n);
-    for (Index i = 0; i < n; ++i) {
-        const Index number = shown[i] / n_parts;
-        const Interface& interface = model.interfaces[number];
-        const std::array<Index, 2>& part = parts(model.mesh)[shown[i] % n_parts];
-        for (Index j = 0; j < 2; ++j) add_point(model, state, model.points_per_interface() * number + part[j], 2 * i + j, frame);
-        frame.side_a[i] = corners_on(model, interface, interface.triangle[0], part);
-        frame.side_b[i] = corners_on(model, interface, interface.triangle[1], part);
-    }
+    for (Index i = 0; i < static_cast<Index>(model.interfaces.size()); ++i)
+        for (const Part& part : parts_of(model.mesh)) {
+            const Interface& interface = model.interfaces[i];
+            const Index first = model.points_per_interface() * i, p = first + part[0], q = first + part[1];
+            if (!all && in_bonded_fan(model, state, p) && in_bonded_fan(model, state, q)) continue;
+            add_point(model, state, p, frame);
+            add_point(model, state, q, frame);
+            frame.side_a.push_back(corners_on(model.mesh, interface, interface.triangle[0], part));
+            frame.side_b.push_back(corners_on(model.mesh, interface, interface.triangle[1], part));
+        }
 }
 
-/// Around an obstacle in its own frame; a polygon repeats its last corner.
-std::vector<Vec2> outline_points(const Obstacle& obstacle, const Vec2& middle_of_body, double length) {
+/// Outline of an obstacle in its own frame; a polygon repeats its last corner.
+std::vector<Vec2> outline_points(const Obstacle& obstacle, const Box& body) {
     const Outline& outline = obstacle.outline;
+    if (outline.kind == Outline::Kind::disc) return circle(Vec2::Zero(), outline.radius, n_outline_points);
     std::vector<Vec2> points = outline.points;
-    if (outline.kind == Outline::Kind::disc)
-        for (Index i = 0; i < n_outline_points; ++i) points.push_back(outline.radius * Vec2(std::cos(2 * M_PI * i / n_outline_points), std::sin(2 * M_PI * i / n_outline_points)));
-    if (outline.kind == Outline::Kind::half_plane) {  // a strip of it, beside the body
-        const Vec2 along = turned_left(outline.normal), foot = along.dot(obstacle.start.turned_back(middle_of_body - obstacle.start.position)) * along;
-        const Vec2 reach = 1.5 * length * along, depth = 0.05 * length * outline.normal;
+    if (outline.kind == Outline::Kind::half_plane) {  // a strip of it, next to the body
+        const Vec2 along = turned_left(outline.normal),
+                   foot = along.dot(obstacle.start.turned_back(body.middle() - obstacle.start.position)) * along,
+                   reach = 1.5 * body.diagonal() * along, depth = 0.05 * body.diagonal() * outline.normal;
         points = {foot + reach, foot - reach, foot - reach - depth, foot + reach - depth};
     }
-    if (points.size() > static_cast<std::size_t>(n_outline_points)) points.resize(n_outline_points);
-    while (points.size() < static_cast<std::size_t>(n_outline_points)) points.push_back(Vec2(points.back()));
+    points.resize(n_outline_points, Vec2(points.back()));
     return points;
 }
 
 void add_obstacles(const Model& model, const State& state, Frame& frame) {
-    Vec2 low = model.mesh.vertices.front(), high = low;
-    for (const Vec2& x : model.mesh.vertices) low = low.cwiseMin(x), high = high.cwiseMax(x);
+    const Box body = bounding_box(model.mesh.vertices);
     for (std::size_t o = 0; o < model.obstacles.size(); ++o) {
         const Pose &start = model.obstacles[o].start, &now = state.obstacles[o].pose;
         frame.half_plane.push_back(model.obstacles[o].outline.kind == Outline::Kind::half_plane ? 1 : 0);
-        for (const Vec2& p : outline_points(model.obstacles[o], 0.5 * (low + high), (high - low).norm())) {
+        for (const Vec2& p : outline_points(model.obstacles[o], body)) {
             frame.obstacle_position.push_back(start.position + start.turned(p));
             frame.obstacle_displacement.push_back(now.position + now.turned(p) - frame.obstacle_position.back());
         }
@@ -162,8 +143,7 @@ void add_obstacles(const Model& model, const State& state, Frame& frame) {
 }  // namespace
 
 Frame make_frame(const Model& model, const State& state, bool all) {
-    Frame frame;
-    frame.time = state.time;
+    Frame frame{.time = state.time};
     add_bulk(model, state, frame);
     add_interfaces(model, state, all, frame);
     add_obstacles(model, state, frame);
@@ -171,29 +151,10 @@ Frame make_frame(const Model& model, const State& state, bool all) {
     return frame;
 }
 
-double diagonal(const std::vector<Vec2>& points) {
-    if (points.empty()) return 0;
-    Vec2 low = points.front(), high = points.front();
-    for (const Vec2& p : points) {
-        low = low.cwiseMin(p);
-        high = high.cwiseMax(p);
-    }
-    return (high - low).norm();
-}
+double diagonal(const std::vector<Vec2>& points) { return points.empty() ? 0 : bounding_box(points).diagonal(); }
 
 double largest_principal(const Eigen::Vector3d& s) {
     return 0.5 * (s[0] + s[1]) + std::hypot(0.5 * (s[0] - s[1]), s[2]);
-}
-
-bool History::has(const std::string& name) const { return std::find(columns.begin(), columns.end(), name) != columns.end(); }
-
-std::vector<double> History::column(const std::string& name) const {
-    const auto found = std::find(columns.begin(), columns.end(), name);
-    if (found == columns.end()) throw UserError("damaged-file", (file.empty() ? "a history" : "`" + file + "`") + " has no column `" + name + "`");
-    const auto j = static_cast<std::size_t>(found - columns.begin());
-    std::vector<double> values;
-    for (const auto& row : rows) values.push_back(row.at(j));
-    return values;
 }
 
 }  // namespace knap

@@ -4,50 +4,53 @@
 #include "base/text.hpp"
 #include "base/whole_file.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <limits>
-#include <string_view>
+#include <ranges>
 
 namespace knap {
-
 namespace {
-
-/// An empty cell for NaN, and no minus zero.
-std::string cell_text(double value) { return std::isnan(value) ? "" : shortest(value + 0.0); }
 
 std::vector<std::string_view> cells(std::string_view line) {
     std::vector<std::string_view> found;
-    while (true) {
-        const std::size_t comma = line.find(',');
-        found.push_back(line.substr(0, comma));
-        if (comma == std::string_view::npos) return found;
-        line.remove_prefix(comma + 1);
-    }
+    for (const auto cell : std::views::split(line, ',')) found.emplace_back(cell.begin(), cell.end());
+    return found;
 }
 
-/// The next line without its line end (either kind); false at the end of the file.
+/// The next line without its line end (LF or CR LF); false at the end of the file.
 bool next_line(std::istream& in, std::string& line) {
     if (!std::getline(in, line)) return false;
-    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line.ends_with('\r')) line.pop_back();
     return true;
 }
 
 }  // namespace
 
-std::string_view name_in_header(std::string_view header) { return header.ends_with(']') ? header.substr(0, header.rfind(" [")) : header; }
+bool History::has(const std::string& column) const { return std::ranges::count(columns, column) > 0; }
 
-std::string csv_line(const std::vector<std::string>& columns) {
-    std::string line;
-    for (const std::string& name : columns) line += (line.empty() ? "" : ",") + name;
-    return line;
+std::vector<double> History::column(const std::string& name) const {
+    const auto j = static_cast<std::size_t>(std::ranges::find(columns, name) - columns.begin());
+    if (j == columns.size())
+        throw UserError("damaged-file",
+                        (file.empty() ? "a history" : "`" + file + "`") + " has no column `" + name + "`");
+    std::vector<double> values;
+    for (const auto& row : rows) values.push_back(row.at(j));
+    return values;
 }
 
+std::string_view name_in_header(std::string_view header) {
+    return header.ends_with(']') ? header.substr(0, header.rfind(" [")) : header;
+}
+
+std::string csv_line(const std::vector<std::string>& columns) { return joined(columns, ","); }
+
 std::string csv_line(const std::vector<double>& row) {
-    std::string line;
-    for (std::size_t i = 0; i < row.size(); ++i) line += (i == 0 ? "" : ",") + cell_text(row[i]);
-    return line;
+    std::vector<std::string> texts;
+    for (const double value : row) texts.push_back(std::isnan(value) ? "" : shortest(value + 0.0));  // no minus zero
+    return joined(texts, ",");
 }
 
 void write_csv(const History& history, const std::vector<std::string>& header, const std::filesystem::path& path) {
@@ -62,21 +65,23 @@ History read_csv(const std::filesystem::path& path) {
     if (!in || !next_line(in, line)) throw UserError("missing-file", "cannot read `" + path.string() + "`");
     History history{.file = path.string()};
     for (const std::string_view name : cells(line)) history.columns.emplace_back(name_in_header(name));
+    const std::size_t n_columns = history.columns.size();
     while (next_line(in, line)) {
         if (line.empty()) continue;
-        const std::string place = path.string() + ":" + std::to_string(history.rows.size() + 2);
         auto& row = history.rows.emplace_back();
+        const auto fail = [&](const std::string& problem) {
+            const std::string number = std::to_string(history.rows.size() + 1);
+            throw UserError("damaged-file", path.string() + ":" + number + ": " + problem);
+        };
         for (const std::string_view cell : cells(line)) {
-            double value = std::numeric_limits<double>::quiet_NaN();
-            if (cell.empty() && row.size() + 1 < history.columns.size()) {  // what never happened; every table ends with what always is, so a line that was cut is told
-                row.push_back(value);
-                continue;
-            }
-            const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-            if (error != std::errc() || end != cell.data() + cell.size()) throw UserError("damaged-file", place + ": `" + std::string(cell) + "` is not a number");
-            row.push_back(value);
+            row.push_back(std::numeric_limits<double>::quiet_NaN());
+            // the last column of every table always has a value, so an empty one means that the line is cut off
+            if (cell.empty() && row.size() < n_columns) continue;
+            const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), row.back());
+            if (error != std::errc() || end != cell.data() + cell.size())
+                fail("`" + std::string(cell) + "` is not a number");
         }
-        if (row.size() != history.columns.size()) throw UserError("damaged-file", place + ": a row needs " + std::to_string(history.columns.size()) + " numbers");
+        if (row.size() != n_columns) fail("a row needs " + std::to_string(n_columns) + " numbers");
     }
     return history;
 }

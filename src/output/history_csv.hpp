@@ -1,14 +1,33 @@
 #pragma once
-// Histories as files: comma-separated, one header line of names with units ("time [s]"), the shortest digits that read back to the same bits; what never
-// happened is an empty field; no locale.
-#include "output/frame.hpp"
-
+// Tables of numbers over time (energy.csv, cracks.csv), and their files: comma-separated, one header line of names with
+// units ("time [s]"), the shortest decimals that read back to the same bits, no locale. An empty field is NaN: the
+// value does not exist, or is not known.
 #include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace knap {
+
+/// A table of numbers with named columns.
+struct History {
+    std::vector<std::string> columns;
+    std::vector<std::vector<double>> rows;
+    std::string file = {};  // that it was read from; empty for the table of a run in progress
+
+    bool has(const std::string& column) const;
+    /// Throws UserError for an unknown name.
+    std::vector<double> column(const std::string& name) const;
+
+    void serialize(auto& archive) { archive(columns, rows); }
+};
+
+/// All tables of a run, by the names of their files. A table that a run does not have is empty.
+struct Histories {
+    History energy, cracks, reactions, probes, breaks, stress_strain, fragments;
+
+    void serialize(auto& archive) { archive(energy, cracks, reactions, probes, breaks, stress_strain, fragments); }
+};
 
 /// "time [s]" -> "time"
 std::string_view name_in_header(std::string_view header);
@@ -20,7 +39,7 @@ std::string csv_line(const std::vector<double>& row);
 /// `header`: the columns with their units, "time [s]". Throws OutputError naming the path.
 void write_csv(const History& history, const std::vector<std::string>& header, const std::filesystem::path& path);
 
-/// Columns get their names without the units. Throws UserError naming the path and line.
+/// The columns are named without their units. Throws UserError naming the path and line.
 History read_csv(const std::filesystem::path& path);
 
 }  // namespace knap

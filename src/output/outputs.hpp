@@ -1,5 +1,5 @@
 #pragma once
-// What one number, column or array of the output is called, its unit and its one meaning. The list of all of them is in record/outputs.hpp.
+// Name, unit and meaning of the numbers that a run writes. record/outputs.hpp lists all of them.
 #include <span>
 #include <string>
 #include <string_view>
@@ -7,37 +7,42 @@
 
 namespace knap {
 
+/// A column of a table, an array of a frame, or an entry of run.json.
 struct Output {
-    std::string_view name;  // "*_force_x": after a name that the scenario gives
-    std::string_view unit;  // SI, angles in degrees where it says so; "" for a pure number, a count or a text
-    std::string_view doc;
+    std::string_view name;  // "*_force_x", "_force_x": a name from the scenario comes first
+    std::string_view unit;  // SI units, and deg; "" for a pure number, a count or a text
+    std::string_view doc;   // meaning
 };
 
-/// An output with how it is had from what a line is about.
+/// An output and the function that computes it.
 template <class Source>
-struct Measure {
-    std::string_view name, unit, doc;
+struct Measure : Output {
     double (*of)(const Source&);
 };
 
 template <class Source>
-std::vector<std::string> names_of(std::span<const Measure<Source>> measures) {
+std::vector<std::string> names_of(std::span<const Measure<Source>> measures, const std::string& prefix = "") {
     std::vector<std::string> names;
-    for (const Measure<Source>& measure : measures) names.emplace_back(measure.name);
+    for (const Output& measure : measures) names.push_back(prefix + std::string(measure.name));
     return names;
 }
 
 template <class Source>
-std::vector<double> values_of(std::span<const Measure<Source>> measures, const Source& source) {
-    std::vector<double> values;
-    for (const Measure<Source>& measure : measures) values.push_back(measure.of(source));
-    return values;
+void add_values(std::span<const Measure<Source>> measures, const Source& source, std::vector<double>& row) {
+    for (const Measure<Source>& measure : measures) row.push_back(measure.of(source));
 }
 
-/// What stands in one file, or in one part of it, in its order.
+template <class Source>
+std::vector<double> values_of(std::span<const Measure<Source>> measures, const Source& source) {
+    std::vector<double> row;
+    add_values(measures, source, row);
+    return row;
+}
+
+/// All outputs of one file, or of one part of it, in their order.
 struct OutputTable {
     std::string name;  // "energy.csv", "summary"
-    std::string doc;   // what a line of it is
+    std::string doc;   // what one line of the file contains
     std::vector<Output> rows;
 };
 

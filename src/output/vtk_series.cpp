@@ -1,42 +1,305 @@
 #include "output/vtk_series.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "base/whole_file.hpp"
-#include "output/frame_vtu.hpp"
-#include "output/history_csv.hpp"
+
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkDoubleArray.h>
+#include <vtkErrorCode.h>
+#include <vtkFieldData.h>
+#include <vtkFloatArray.h>
+#include <vtkInformation.h>
+#include <vtkInformationStringKey.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkSmartPointer.h>
+#include <vtkTypeInt32Array.h>
+#include <vtkUnsignedCharArray.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLUnstructuredGridReader.h>
+#include <vtkXMLUnstructuredGridWriter.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <string>
+#include <numeric>
 
 namespace knap {
-
 namespace {
 
 using std::filesystem::path;
+using Entries = std::vector<Index>;  // the points or cells of a frame that are written
+using VtkArray = vtkSmartPointer<vtkDataArray>;
 
-std::string file_of(const char* part, std::size_t index) {
-    std::string number = std::to_string(index);
-    if (number.size() < 4) number.insert(0, 4 - number.size(), '0');
-    return "fields/" + std::string(part) + "_" + number + ".vtu";
+enum class Of { points, cells };
+
+/// One array of a file: its documentation, how it is made from a frame, and how it is read into one.
+struct Array {
+    Output output;
+    Of of;
+    int n_components;
+    VtkArray (*make)(const Frame&, const Entries&);  // null where the frame has no such values
+    void (*read)(vtkDataArray*, Frame&) = nullptr;   // null: follows from other arrays
+    bool optional = false;                           // not in every file
+};
+
+/// An array of `n` tuples with the components value(i, j).
+template <class Type, class Value>
+VtkArray filled(std::size_t n, int n_components, Value value) {
+    const auto array = vtkSmartPointer<Type>::New();
+    array->SetNumberOfComponents(n_components);
+    array->SetNumberOfTuples(static_cast<vtkIdType>(n));
+    auto* out = array->GetPointer(0);
+    for (std::size_t i = 0; i < n; ++i)
+        for (int j = 0; j < n_components; ++j) *out++ = static_cast<typename Type::ValueType>(value(i, j));
+    return array;
 }
 
-std::string entry(double time, int part, const std::string& file) {
-    return "    <DataSet timestep=\"" + csv_line(std::vector<double>{time}) + "\" part=\"" + std::to_string(part) + "\" file=\"" + file + "\"/>\n";
+/// Component j of a number or vector; vectors in the plane have a third component 0 in VTK.
+template <class Entry>
+double component(const Entry& entry, int j) {
+    if constexpr (requires { entry.size(); }) return j < entry.size() ? entry[j] : 0;
+    else return static_cast<double>(entry);
 }
+
+template <class Type, int n_components, auto member>
+VtkArray make(const Frame& frame, const Entries& entries) {
+    if ((frame.*member).empty() && !entries.empty()) return nullptr;
+    return filled<Type>(entries.size(), n_components,
+                        [&](std::size_t i, int j) { return component((frame.*member)[entries[i]], j); });
+}
+
+template <class Entry>
+void read_into(vtkDataArray* array, std::vector<Entry>& list) {
+    list.resize(static_cast<std::size_t>(array->GetNumberOfTuples()));
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        const double* tuple = array->GetTuple(static_cast<vtkIdType>(i));
+        if constexpr (requires { list[i].size(); }) std::copy_n(tuple, list[i].size(), list[i].data());
+        else list[i] = static_cast<Entry>(*tuple);
+    }
+}
+
+/// An array that stores a member of a frame.
+template <class Type, int n_components, auto member>
+Array stored(Of of, std::string_view name, std::string_view unit, std::string_view doc, bool optional = false) {
+    const auto read = [](vtkDataArray* array, Frame& frame) { read_into(array, frame.*member); };
+    return {{name, unit, doc}, of, n_components, make<Type, n_components, member>, read, optional};
+}
+
+VtkArray make_principal_stress(const Frame& frame, const Entries& triangles) {
+    return filled<vtkFloatArray>(triangles.size(), 1,
+                                 [&](std::size_t i, int) { return largest_principal(frame.stress[triangles[i]]); });
+}
+
+/// Mean displacement of the two sides, so that viewers can warp the interfaces like the body.
+VtkArray make_mean_displacement(const Frame& frame, const Entries& points) {
+    return filled<vtkFloatArray>(points.size(), 3, [&](std::size_t i, int j) {
+        const Index p = points[i], a = frame.side_a[p / 2][p % 2], b = frame.side_b[p / 2][p % 2];
+        return 0.5 *
+               (component(frame.displacement[a < 0 ? b : a], j) + component(frame.displacement[b < 0 ? a : b], j));
+    });
+}
+
+VtkArray make_sides(const Frame& frame, const Entries& points) {
+    return filled<vtkTypeInt32Array>(points.size(), 2, [&](std::size_t i, int j) {
+        return (j == 0 ? frame.side_a : frame.side_b)[points[i] / 2][points[i] % 2];
+    });
+}
+
+void read_sides(vtkDataArray* array, Frame& frame) {
+    const vtkIdType n_points = array->GetNumberOfTuples();
+    frame.side_a.resize(n_points / 2), frame.side_b.resize(n_points / 2);
+    for (vtkIdType p = 0; p < n_points; ++p) {
+        frame.side_a[p / 2][p % 2] = static_cast<Index>(array->GetComponent(p, 0));
+        frame.side_b[p / 2][p % 2] = static_cast<Index>(array->GetComponent(p, 1));
+    }
+}
+
+/// One file of a frame: points, cells of consecutive points, arrays (those of points first).
+struct Part {
+    std::string name, doc;
+    struct {
+        std::vector<Vec2> Frame::*position;
+        int cell_type;
+        Index points_per_cell;
+    } geometry;
+    std::vector<Array> arrays;
+};
+
+using F = Frame;
+using Float = vtkFloatArray;
+using Int = vtkTypeInt32Array;
+using Byte = vtkUnsignedCharArray;
+using Double = vtkDoubleArray;
+
+const std::vector<Part>& parts() {
+    constexpr Of points = Of::points, cells = Of::cells;
+    static const std::vector<Part> list{
+        {"bulk",
+         "arrays of fields/bulk_NNNN.vtu: the triangles, each with corners of its own; points in m, undeformed; the "
+         "field TimeValue is the time in s",
+         {&F::position, VTK_TRIANGLE, 3},
+         {stored<Float, 3, &F::displacement>(points, "displacement", "m", "displacement of a corner"),
+          stored<Float, 3, &F::velocity>(points, "velocity", "m/s", "velocity of a corner"),
+          stored<Float, 3, &F::stress>(cells, "stress", "Pa", "xx, yy, xy, mean over a triangle; tension is positive"),
+          {{"principal_stress", "Pa", "largest principal stress of a triangle"}, cells, 1, make_principal_stress},
+          stored<Int, 1, &F::region>(cells, "region", "",
+                                     "number of the material of a triangle, in the order of `materials` of run.json"),
+          stored<Int, 1, &F::grain>(cells, "grain", "", "number of the grain, -1: none; only where there are grains",
+                                    true)}},
+        {"interfaces",
+         "arrays of fields/interfaces_NNNN.vtu: interfaces that are damaged, broken, pre-cracked or on a support, each "
+         "with two points",
+         {&F::end_position, VTK_LINE, 2},
+         {stored<Float, 1, &F::cohesion>(points, "beta", "", "cohesion: 1 intact, 0 broken"),
+          stored<Float, 1, &F::opening>(points, "opening", "m", "opening along the normal"),
+          stored<Float, 1, &F::slip>(points, "slip", "m", "slip along the interface"),
+          stored<Float, 2, &F::traction>(points, "traction", "Pa", "normal and tangential traction"),
+          {{"displacement", "m", "mean displacement of the two sides"}, points, 3, make_mean_displacement},
+          stored<Byte, 1, &F::status>(points, "status", "", "0 intact, 1 damaged, 2 broken, 3 pre-crack"),
+          {{"sides", "", "numbers of the corners on both sides in fields/bulk, -1: the support"},
+           points,
+           2,
+           make_sides,
+           read_sides}}},
+        {"obstacles",
+         "arrays of fields/obstacles_NNNN.vtu: the outlines of the obstacles as polygons",
+         {&F::obstacle_position, VTK_POLYGON, n_outline_points},
+         {stored<Double, 3, &F::obstacle_displacement>(points, "displacement", "m", "displacement of the outline"),
+          stored<Byte, 1, &F::half_plane>(cells, "half_plane", "", "1: a half plane, of which a strip is drawn",
+                                          true)}}};
+    return list;
+}
+
+/// Points that are written; of interfaces only those that are not intact or lie on a support.
+Entries points_of(const Part& part, const Frame& frame) {
+    Entries points((frame.*part.geometry.position).size());
+    std::iota(points.begin(), points.end(), 0);
+    if (part.geometry.position == &F::end_position)
+        std::erase_if(points, [&](Index p) {
+            const Index i = p / 2;
+            return frame.status[2 * i] == PointStatus::intact && frame.status[2 * i + 1] == PointStatus::intact &&
+                   frame.side_a[i][0] >= 0 && frame.side_b[i][0] >= 0;
+        });
+    return points;
+}
+
+/// The first object that VTK makes initialises data that all threads share, so one thread makes it before any other
+/// writes. VTK prints its errors, each several times; from here on it does not, since this file throws them.
+void prepare_vtk() {
+    vtkObject::GlobalWarningDisplayOff();
+    const vtkNew<vtkUnstructuredGrid> first;
+}
+
+vtkFieldData* data_of(vtkUnstructuredGrid* grid, Of of) {
+    return of == Of::points ? static_cast<vtkFieldData*>(grid->GetPointData()) : grid->GetCellData();
+}
+
+void write_part(const Part& part, const Frame& frame, const path& file) {
+    const Entries points = points_of(part, frame);
+    const Index n = part.geometry.points_per_cell;
+    Entries cells(points.size() / n);
+    std::iota(cells.begin(), cells.end(), 0);
+    vtkNew<vtkUnstructuredGrid> grid;
+    vtkNew<vtkPoints> positions;
+    positions->SetData(filled<vtkDoubleArray>(points.size(), 3, [&](std::size_t i, int j) {
+        return component((frame.*part.geometry.position)[points[i]], j);
+    }));
+    grid->SetPoints(positions);
+    vtkNew<vtkCellArray> connectivity;
+    connectivity->SetData(filled<Int>(cells.size() + 1, 1, [&](std::size_t i, int) { return n * i; }),
+                          filled<Int>(points.size(), 1, [](std::size_t i, int) { return i; }));
+    grid->SetCells(part.geometry.cell_type, connectivity);
+    for (const Array& array : part.arrays) {
+        const VtkArray made = array.make(frame, array.of == Of::points ? points : cells);
+        if (!made) continue;
+        made->SetName(std::string(array.output.name).c_str());
+        if (array.output.name == "stress")
+            for (const int j : {0, 1, 2}) made->SetComponentName(j, std::array{"xx", "yy", "xy"}[j]);
+        if (!array.output.unit.empty())
+            made->GetInformation()->Set(vtkDataArray::UNITS_LABEL(), std::string(array.output.unit).c_str());
+        data_of(grid, array.of)->AddArray(made);
+    }
+    vtkNew<vtkDoubleArray> time;
+    time->SetName("TimeValue");  // the name that ParaView looks for
+    time->InsertNextValue(frame.time);
+    grid->GetFieldData()->AddArray(time);
+    vtkNew<vtkXMLUnstructuredGridWriter> writer;
+    writer->SetInputData(grid);
+    writer->SetDataModeToAppended();
+    writer->EncodeAppendedDataOff();
+    writer->SetCompressorTypeToLZ4();
+    write_whole_file(file, [&](const path& written) {
+        writer->SetFileName(written.c_str());
+        if (writer->Write() == 0 || writer->GetErrorCode() != vtkErrorCode::NoError)
+            throw OutputError("cannot write " + file.string() + ": " +
+                              vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
+    });
+}
+
+void read_part(const Part& part, const path& file, Frame& frame) {
+    const auto fail = [&](const std::string& problem) {
+        throw UserError("damaged-file", "`" + file.string() + "` " + problem);
+    };
+    prepare_vtk();
+    if (!std::filesystem::is_regular_file(file))
+        throw UserError("missing-file", "there is no file `" + file.string() + "`");
+    vtkNew<vtkXMLUnstructuredGridReader> reader;
+    reader->SetFileName(file.string().c_str());
+    reader->Update();
+    if (reader->GetErrorCode() != vtkErrorCode::NoError) fail("cannot be read");
+    vtkUnstructuredGrid* grid = reader->GetOutput();
+    vtkDataArray* time = grid->GetFieldData()->GetArray("TimeValue");
+    if (!time || time->GetNumberOfTuples() == 0) fail("has no time");
+    frame.time = time->GetComponent(0, 0);
+    if (grid->GetNumberOfPoints() > 0) read_into(grid->GetPoints()->GetData(), frame.*part.geometry.position);
+    for (const Array& array : part.arrays) {
+        const std::string name(array.output.name);
+        vtkDataArray* found = data_of(grid, array.of)->GetArray(name.c_str());
+        if (!array.read || (!found && array.optional)) continue;
+        if (!found || found->GetNumberOfComponents() != array.n_components)
+            fail("has no array `" + name + "` of " + std::to_string(array.n_components) + " components");
+        array.read(found, frame);
+    }
+}
+
+std::string file_of(const Part& part, std::size_t frame) {
+    const std::string number = std::to_string(frame);
+    return "fields/" + part.name + "_" + std::string(4 - std::min<std::size_t>(number.size(), 4), '0') + number +
+           ".vtu";
+}
+
+/// The parts of every frame; the outlines only where there are obstacles.
+std::span<const Part> parts_with(bool obstacles) { return std::span(parts()).first(obstacles ? 3 : 2); }
 
 void write_collection(const path& run, const std::vector<double>& times, bool obstacles) {
-    std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <Collection>\n";
-    for (std::size_t i = 0; i < times.size(); ++i) {
-        text += entry(times[i], 0, file_of("bulk", i)) + entry(times[i], 1, file_of("interfaces", i));
-        if (obstacles) text += entry(times[i], 2, file_of("obstacles", i));
-    }
+    std::string text =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  "
+        "<Collection>\n";
+    for (std::size_t i = 0; i < times.size(); ++i)
+        for (const Part& part : parts_with(obstacles))
+            text += "    <DataSet timestep=\"" + shortest(times[i] + 0.0) + "\" part=\"" +
+                    std::to_string(&part - parts().data()) + "\" file=\"" + file_of(part, i) + "\"/>\n";
     write_whole_file(run / "run.pvd", text + "  </Collection>\n</VTKFile>\n");
 }
 
 }  // namespace
+
+const std::vector<OutputTable>& frame_outputs() {
+    static const std::vector<OutputTable> tables = [] {
+        std::vector<OutputTable> tables;
+        for (const Part& part : parts()) {
+            OutputTable& table = tables.emplace_back(OutputTable{"fields/" + part.name, part.doc, {}});
+            for (const Array& array : part.arrays) table.rows.push_back(array.output);
+        }
+        return tables;
+    }();
+    return tables;
+}
 
 VtkSeries::VtkSeries(path run, std::vector<double> written) : run_(std::move(run)), times_(std::move(written)) {
     prepare_vtk();
@@ -48,25 +311,24 @@ VtkSeries::VtkSeries(path run, std::vector<double> written) : run_(std::move(run
 }
 
 void VtkSeries::write(const Frame& frame) {
-    write_bulk(frame, run_ / file_of("bulk", times_.size()));
-    write_interfaces(frame, run_ / file_of("interfaces", times_.size()));
-    if (frame.n_obstacles() > 0) write_obstacles(frame, run_ / file_of("obstacles", times_.size()));
+    const bool obstacles = frame.n_obstacles() > 0;
+    for (const Part& part : parts_with(obstacles)) write_part(part, frame, run_ / file_of(part, times_.size()));
     times_.push_back(frame.time);
-    write_collection(run_, times_, frame.n_obstacles() > 0);
+    write_collection(run_, times_, obstacles);
 }
 
 bool VtkSeries::has(std::size_t frame) const {
     std::error_code none;
-    return std::filesystem::exists(run_ / file_of("bulk", frame), none) && std::filesystem::exists(run_ / file_of("interfaces", frame), none);
+    return std::ranges::all_of(parts_with(false), [&](const Part& part) {
+        return std::filesystem::exists(run_ / file_of(part, frame), none);
+    });
 }
 
 std::vector<std::string> VtkSeries::missing(bool obstacles) const {
-    std::vector<const char*> parts{"bulk", "interfaces"};
-    if (obstacles) parts.push_back("obstacles");
     std::vector<std::string> files;
     std::error_code none;
     for (std::size_t i = 0; i < times_.size(); ++i)
-        for (const char* part : parts)
+        for (const Part& part : parts_with(obstacles))
             if (!std::filesystem::exists(run_ / file_of(part, i), none)) files.push_back(file_of(part, i));
     return files;
 }
@@ -80,26 +342,25 @@ std::vector<double> frame_times(const path& run) {
     for (std::string line; std::getline(in, line);) {
         const std::size_t at = line.find(key);
         if (at == std::string::npos || line.find("part=\"0\"") == std::string::npos) continue;
-        const char* begin = line.data() + at + key.size();
-        double time = 0;
-        if (std::from_chars(begin, line.data() + line.size(), time).ec != std::errc()) throw UserError("damaged-file", "`" + file.string() + "`: a time is not a number");
-        times.push_back(time);
+        if (std::from_chars(line.data() + at + key.size(), line.data() + line.size(), times.emplace_back()).ec !=
+            std::errc())
+            throw UserError("damaged-file", "`" + file.string() + "`: a time is not a number");
     }
     return times;
 }
 
 Frame read_frame(const path& run, std::size_t index) {
     Frame frame;
-    read_bulk(run / file_of("bulk", index), frame);
-    read_interfaces(run / file_of("interfaces", index), frame);
-    const path obstacles = run / file_of("obstacles", index);
-    if (std::filesystem::exists(obstacles)) read_obstacles(obstacles, frame);
+    for (const Part& part : parts())
+        if (const path file = run / file_of(part, index); &part != &parts()[2] || std::filesystem::exists(file))
+            read_part(part, file, frame);
+    frame.length_scale = diagonal(frame.position);
     return frame;
 }
 
 std::size_t nearest_frame(const std::vector<double>& times, double time) {
-    const auto nearer = [&](double a, double b) { return std::abs(a - time) < std::abs(b - time); };
-    return static_cast<std::size_t>(std::min_element(times.begin(), times.end(), nearer) - times.begin());
+    const auto distance = [&](double other) { return std::abs(other - time); };
+    return static_cast<std::size_t>(std::ranges::min_element(times, {}, distance) - times.begin());
 }
 
 }  // namespace knap

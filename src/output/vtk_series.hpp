@@ -1,6 +1,11 @@
 #pragma once
-// The frames of a run: <run>/fields/bulk_NNNN.vtu, interfaces_NNNN.vtu and (with obstacles) obstacles_NNNN.vtu, listed with their times in <run>/run.pvd.
+// The frames of a run as VTK files: <run>/fields/bulk_NNNN.vtu (triangles with corners of their own),
+// interfaces_NNNN.vtu (line cells) and, with obstacles, obstacles_NNNN.vtu (polygons), listed with their times in
+// <run>/run.pvd. Intact interfaces inside the body are not written (they would double the size of a run): they are
+// closed, and their traction follows from the stress on either side. A frame that is read back lacks them; no figure
+// needs them. Compression is LZ4; positions are float64, other fields float32.
 #include "output/frame.hpp"
+#include "output/outputs.hpp"
 
 #include <filesystem>
 #include <string>
@@ -8,21 +13,25 @@
 
 namespace knap {
 
+/// The arrays of the three files, by name of the file.
+const std::vector<OutputTable>& frame_outputs();
+
 class VtkSeries {
 public:
-    /// Makes <run>/fields. `written` [s]: times of frames that an earlier part of the run wrote; it goes on behind them. What was half written goes.
+    /// Makes <run>/fields and removes incomplete files there. `written` [s]: times of the frames that an earlier part
+    /// of the run wrote; new frames follow them.
     explicit VtkSeries(std::filesystem::path run, std::vector<double> written = {});
 
-    /// Writes the next frame and lists it: run.pvd and all files that it lists are whole at every moment, whatever interrupts the run.
-    /// Throws OutputError naming the path that could not be written.
+    /// Writes the next frame and lists it. Whatever interrupts the run, run.pvd and all files that it lists are
+    /// complete. Throws OutputError naming the path that could not be written.
     void write(const Frame& frame);
 
     const std::vector<double>& times() const { return times_; }  // [s]
 
-    /// Whether the files of this one are there.
+    /// Whether the bulk and interfaces of this frame exist.
     bool has(std::size_t frame) const;
 
-    /// Files of these frames that are gone: "fields/bulk_0003.vtu".
+    /// Files of these frames that no longer exist: "fields/bulk_0003.vtu".
     std::vector<std::string> missing(bool obstacles) const;
 
 private:
@@ -33,7 +42,7 @@ private:
 /// Times [s] of the frames of a finished or interrupted run. Throws UserError when there is no run.pvd.
 std::vector<double> frame_times(const std::filesystem::path& run);
 
-/// Frame number `index` of frame_times.
+/// Frame number `index` of frame_times. Throws UserError naming the file that is missing or damaged.
 Frame read_frame(const std::filesystem::path& run, std::size_t index);
 
 /// The number of the frame nearest to `time` [s]; `times` is not empty.

@@ -1,10 +1,11 @@
 #include "record/outputs.hpp"
 
-#include "output/frame_vtu.hpp"
+#include "output/vtk_series.hpp"
 #include "analysis/breaks.hpp"
 #include "analysis/fragments.hpp"
 #include "analysis/gates.hpp"
-#include "analysis/history_columns.hpp"
+#include "analysis/crack_history.hpp"
+#include "analysis/energy_ledger.hpp"
 #include "analysis/probes.hpp"
 #include "analysis/reactions.hpp"
 #include "analysis/specimen.hpp"
@@ -28,7 +29,8 @@ std::vector<Output> rows_of(std::span<const Measure<Source>> measures) {
 }
 
 /// Rows behind names that the scenario gives.
-void add_named(std::span<const Output> columns, std::vector<Output>& rows) {
+template <class Source>
+void add_named(std::span<const Measure<Source>> columns, std::vector<Output>& rows) {
     static std::map<std::string_view, std::string> patterns;  // rows point into it
     for (const Output& column : columns) {
         const std::string& pattern = patterns.emplace(column.name, "*" + std::string(column.name)).first->second;
@@ -43,8 +45,6 @@ std::vector<OutputTable> all_tables() {
     add_named(obstacle_columns(), reactions);
     add_named(place_columns(), probes);
     add_named(interface_columns(), probes);
-    const std::span<const Output> stress_strain = stress_strain_columns();
-    const std::span<const Output> arms = CrackHistory::arm_columns();
     std::vector<OutputTable> tables{
         {"summary", "numbers of a run: `summary` of run.json, log.txt, stdout, `knap info`; what [expect], studies and sweeps may name", summary_outputs()},
         {"energy.csv", "energies and works so far; a line every output.history_every", rows_of(energy_columns())},
@@ -52,8 +52,8 @@ std::vector<OutputTable> all_tables() {
         {"reactions.csv", "what drives the body, at the same times; the name of a load (load0, load1, ... where it has none) or of an obstacle stands before each", reactions},
         {"probes.csv", "places and interfaces that are watched, at the same times, each after its name", probes},
         {"breaks.csv", "a line for every interface when it breaks; with output.breaks", rows_of(break_columns())},
-        {"stress_strain.csv", "the specimen of a rock test, at the same times", {stress_strain.begin(), stress_strain.end()}},
-        {"arms.csv", "a line for the start of every arm of a crack and for each of its edges, at the end", {arms.begin(), arms.end()}},
+        {"stress_strain.csv", "the specimen of a rock test, at the same times", rows_of(stress_strain_columns())},
+        {"arms.csv", "a line for the start of every arm of a crack and for each of its edges, at the end", rows_of(arm_columns())},
         {"fragments.csv", "a line a piece of the body, at the end, the heaviest first", rows_of(fragment_columns())},
     };
     OutputTable& gates = tables.emplace_back(

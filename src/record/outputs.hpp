@@ -2,7 +2,7 @@
 // What a run writes: every number of its summary, every column of its tables, every array of its frames, every entry of run.json, each with its unit and its one
 // meaning. This is the only list of them: headers of tables, run.json, what is printed, and scenarios/OUTPUTS.md (`knap schema --outputs`) take their units from it.
 //
-// Most rows say how their number is had as well (Measure); those stand where the number is known: the summary in summary.cpp, columns in analysis/history_columns.cpp,
+// Most rows say how their number is had as well (Measure); those stand where the number is known: the summary in summary.cpp, columns in the classes of analysis,
 // breaks.cpp and fragments.cpp. To add a number is to add a row.
 #include "output/outputs.hpp"
 

@@ -1,8 +1,7 @@
 #include "record/recorder.hpp"
 
 #include "analysis/fragments.hpp"
-#include "analysis/history_columns.hpp"
-#include "analysis/interface_status.hpp"
+#include "analysis/interface_graph.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "output/history_csv.hpp"
@@ -62,8 +61,7 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
     if (options_.specimen) {
         specimen_.emplace(model, reactions_, *options_.specimen);
         specimen_->begin(start);
-        histories_.stress_strain.columns = specimen_->columns();
-        for (const char* count : {"tensile_breaks", "shear_breaks"}) histories_.stress_strain.columns.emplace_back(count);
+        histories_.stress_strain.columns = names_of<SpecimenMoment>(stress_strain_columns(*options_.specimen));
     }
     next_at_.assign(options_.figures.size(), 0);
     gates_.judge(ledger_, deformation_);
@@ -223,9 +221,7 @@ void Recorder::write_arms() {
     }
     if (options_.directory.empty()) return;
     crack_file_ = opened(options_.directory / "cracks.csv", histories_.cracks);
-    History arms{.rows = cracks_.arm_rows()};
-    for (const Output& column : CrackHistory::arm_columns()) arms.columns.emplace_back(column.name);
-    write_sheet(arms, options_.directory / "arms.csv");
+    write_sheet(cracks_.arm_table(), options_.directory / "arms.csv");
 }
 
 /// Tables that someone took away while they were written: all lines are here.
@@ -250,13 +246,12 @@ void Recorder::write_lines(const State& now) {
     const Timed timed(*this);
     last_line_ = now.time;
     cracks_.snapshot(now.time, interface_status(model_, now));
-    add_line(values_of(energy_columns(), EnergyMoment{ledger_.row(), now.last_step}), histories_.energy, energy_file_, options_.directory / "energy.csv");
+    add_line(values_of(energy_columns(), ledger_.row()), histories_.energy, energy_file_, options_.directory / "energy.csv");
     add_line(values_of(crack_columns(), CrackMoment{now.time, cracks_, options_.rayleigh_speed}), histories_.cracks, crack_file_, options_.directory / "cracks.csv");
     if (!reactions_.empty()) add_line(reactions_.line(now), histories_.reactions, reaction_file_, options_.directory / "reactions.csv");
     if (!probes_.empty()) add_line(probes_.line(now), histories_.probes, probe_file_, options_.directory / "probes.csv");
     if (specimen_) {
-        std::vector<double> line = specimen_->line();
-        for (const Index n : {breaks_->n_tensile(), breaks_->n_shear()}) line.push_back(n);
+        const std::vector<double> line = specimen_->line(breaks_->n_tensile(), breaks_->n_shear());
         add_line(line, histories_.stress_strain, stress_strain_file_, options_.directory / "stress_strain.csv");
     }
 }

@@ -1,5 +1,6 @@
 // [study] and [sweep].
-#include "analysis/history_columns.hpp"
+#include "analysis/crack_history.hpp"
+#include "analysis/energy_ledger.hpp"
 #include "analysis/probes.hpp"
 #include "analysis/reactions.hpp"
 #include "record/outputs.hpp"
@@ -25,11 +26,7 @@ std::vector<std::string> history_columns(const Scenario& scenario) {
     for (const Obstacle& obstacle : scenario.obstacles) obstacles.push_back(obstacle.name);
     add(names_of(crack_columns()));
     add(reaction_columns(loads, obstacles));
-    if (const auto& specimen = scenario.specimen) {
-        add({"stress", "axial_strain", "tensile_breaks", "shear_breaks"});
-        if (specimen->lateral) add({"lateral_strain"});
-        if (specimen->lateral && specimen->test == SpecimenOptions::Test::compression) add({"volumetric_strain"});
-    }
+    if (scenario.specimen) add(names_of<SpecimenMoment>(stress_strain_columns(*scenario.specimen)));
     for (const ProbeOptions& probe : scenario.probes) add(probe_columns(probe));
     return names;
 }

@@ -14,7 +14,8 @@ using doctest::Approx;
 
 namespace {
 
-/// Two triangles of a square of side 2 with the diagonal between them, which breaks when their masses are driven apart by `jump`, from rest.
+/// Two triangles of a square of side 2 with the diagonal between them, which breaks when their masses are driven apart
+/// by `jump`, from rest.
 std::vector<double> break_of(const Vec2& jump, const CohesiveLaw& law) {
     ModelInput input;
     input.mesh.vertices = {{0, 0}, {2, 0}, {2, 2}, {0, 2}};
@@ -51,7 +52,8 @@ const Vec2 across = Vec2(-1, 1).normalized(), along = Vec2(1, 1).normalized();
 
 History table(const std::vector<std::array<double, 3>>& angle_length_shear) {
     History made{.columns = names_of(break_columns()), .rows = {}};
-    for (const auto& [angle, length, shear] : angle_length_shear) made.rows.push_back({0, 0, 0, angle, length, shear, 1});
+    for (const auto& [angle, length, shear] : angle_length_shear)
+        made.rows.push_back({0, 0, 0, angle, length, shear, 1});
     return made;
 }
 
@@ -75,7 +77,9 @@ TEST_CASE("breaks: an interface breaks once with its place and direction and in 
     CHECK(break_of(across + 5 * along, {.sigma_c = 1, .G_c = 1, .gamma = 0})[5] == Approx(0));  // mode I only
 }
 
-TEST_CASE("breaks: in a run each interface is counted once and all energy of all breaks is the surface energy of what is broken") {
+TEST_CASE(
+    "breaks: a run counts each interface once and the energies of all breaks add up to the surface energy of the "
+    "broken interfaces") {
     // a bar that flies apart: the right half at once, of random strength nothing
     ModelInput input;
     input.mesh = bar_mesh(12, 3, 4, 1);
@@ -116,7 +120,8 @@ TEST_CASE("breaks: rose of a known set") {
 }
 
 TEST_CASE("breaks: curves count them") {
-    History breaks{.columns = names_of(break_columns()), .rows = {{1, 0, 0, 0, 1, 0, 1}, {2, 0, 0, 0, 1, 1, 1}, {4, 0, 0, 0, 1, 0.2, 1}}};
+    History breaks{.columns = names_of(break_columns()),
+                   .rows = {{1, 0, 0, 0, 1, 0, 1}, {2, 0, 0, 0, 1, 1, 1}, {4, 0, 0, 0, 1, 0.2, 1}}};
     const Chart chart = break_chart(breaks, 0, 5);
     CHECK(chart.curves[0].x == std::vector<double>{0, 1, 1, 2, 2, 4, 4, 5});
     CHECK(chart.curves[0].y == std::vector<double>{0, 0, 1, 1, 2, 2, 3, 3});

@@ -1,4 +1,5 @@
-// Cracks that grow as prescribed: arms keep their numbers, lengths never fall, nothing long is lost. Edges of 1 mm; ways of four edges are arms.
+// Cracks that grow as prescribed: arms keep their numbers, lengths never fall, nothing long is lost. Edges of 1 mm;
+// ways of four edges are arms.
 #include "analysis/crack_history.hpp"
 
 #include "base/random.hpp"
@@ -138,10 +139,11 @@ TEST_CASE("fork: the arm that is long first goes on: the other is dated back to 
     const std::vector<double> lengths = history.conclude().all;
     for (std::size_t k = 0; k < lengths.size(); ++k) {
         const double t = 0.5 * static_cast<double>(k);  // [us]
-        const double trunk = std::min(8.0, std::floor(t)) * mm, upper = std::clamp(std::floor(t - 8), 0.0, 8.0) * edge, lower = std::clamp(std::floor(t - 8.5), 0.0, 8.0) * edge;
+        const double trunk = std::min(8.0, std::floor(t)) * mm, upper = std::clamp(std::floor(t - 8), 0.0, 8.0) * edge,
+                     lower = std::clamp(std::floor(t - 8.5), 0.0, 8.0) * edge;
         CHECK(std::abs(lengths[k] - trunk - upper - lower) < 1e-12);
     }
-    const std::vector<std::vector<double>> rows = history.arm_rows();
+    const std::vector<std::vector<double>> rows = history.arm_table().rows;
     REQUIRE(rows.size() == 17 + 9);
     CHECK(rows[17][2] == relative(9.5 * us));
     CHECK(rows[17][6] == 0);
@@ -317,7 +319,9 @@ TEST_CASE("edges that break at once are joined and not run through: they give no
     }
 }
 
-TEST_CASE("of two arms that lead by turns the longest one in the end is the main one all the time and the main length grows edge by edge") {
+TEST_CASE(
+    "of two arms that lead by turns the longest one in the end is the main one all the time and the main length grows "
+    "edge by edge") {
     Sequence s;
     s.d.notch();
     s.row(0, 0, 1, 0, 6, 1 * us, 1 * us);
@@ -329,8 +333,9 @@ TEST_CASE("of two arms that lead by turns the longest one in the end is the main
     double before = 0;
     for (int k = 0; k <= 80; ++k) {
         const CrackPattern& p = history.snapshot(0.5 * k * us, s.at(0.5 * k * us));
-        if (p.main_end && p.main_end->arm >= 0) CHECK(p.main_end->path_length >= p.main_length * (1 - 1e-12));  // the tip is that of the longest path
-        CHECK(p.main_length - before < 4.5 * std::sqrt(2.0) * mm);  // four edges break at a time
+        if (p.main_end && p.main_end->arm >= 0)
+            CHECK(p.main_end->path_length >= p.main_length * (1 - 1e-12));  // the tip is that of the longest path
+        CHECK(p.main_length - before < 4.5 * std::sqrt(2.0) * mm);          // four edges break at a time
         before = p.main_length;
     }
     CHECK(history.pattern().n_branches == 1);
@@ -376,7 +381,8 @@ TEST_CASE("twigs that together are as long as an arm are one: and so are loops b
     Sequence s;
     s.d.notch();
     s.row(0, 0, 1, 0, 20, 1 * us, 1 * us);
-    s.row(10, 0, 0, 1, 1, 12 * us, 1 * us);  // a stem and two legs, three edges from the crack each, four from end to end
+    s.row(10, 0, 0, 1, 1, 12 * us,
+          1 * us);  // a stem and two legs, three edges from the crack each, four from end to end
     s.row(10, 1, 1, 0, 2, 13 * us, 1 * us);
     SUBCASE("one leg is a twig") { CHECK(run(s, 30 * us).arms().arms().size() == 1); }
     SUBCASE("two legs") {
@@ -390,7 +396,8 @@ TEST_CASE("twigs that together are as long as an arm are one: and so are loops b
         CHECK(run(s, 30 * us).arms().arms().size() == 2);
     }
     SUBCASE("a ring that hangs on nothing") {
-        s.row(10, 10, 1, 0, 1, 5 * us, 0), s.row(11, 10, 0, 1, 1, 5 * us, 0), s.row(11, 11, -1, 0, 1, 5 * us, 0), s.row(10, 11, 0, -1, 1, 5 * us, 0);
+        s.row(10, 10, 1, 0, 1, 5 * us, 0), s.row(11, 10, 0, 1, 1, 5 * us, 0), s.row(11, 11, -1, 0, 1, 5 * us, 0),
+            s.row(10, 11, 0, -1, 1, 5 * us, 0);
         CHECK(run(s, 30 * us).pattern().n_cracks == 2);
     }
 }
@@ -485,7 +492,9 @@ void check_nothing_lost(const CrackHistory& history, const CrackOptions& o) {
             const Index v = order[i];
             if (i > 0 && (edges.terminal(v) || arm_vertices.contains(v))) continue;
             for (const Index e : edges.edges_at(v))
-                if (edges.cracked(e) && !on_arms.contains(e) && n_edges.try_emplace(edges.far_end(e, v), n_edges[v] + 1).second) order.push_back(edges.far_end(e, v));
+                if (edges.cracked(e) && !on_arms.contains(e) &&
+                    n_edges.try_emplace(edges.far_end(e, v), n_edges[v] + 1).second)
+                    order.push_back(edges.far_end(e, v));
         }
         CHECK(n_edges[order.back()] < o.arm_edges);
     }
@@ -493,14 +502,18 @@ void check_nothing_lost(const CrackHistory& history, const CrackOptions& o) {
         const std::vector<Index> way = arms.way(arm.tip());
         double length = 0;
         for (std::size_t i = 1; i < way.size(); ++i)
-            length += (edges.graph().vertices[arms.nodes()[way[i]].vertex] - edges.graph().vertices[arms.nodes()[way[i - 1]].vertex]).norm();
+            length += (edges.graph().vertices[arms.nodes()[way[i]].vertex] -
+                       edges.graph().vertices[arms.nodes()[way[i - 1]].vertex])
+                          .norm();
         CHECK(length == relative(arm.path_length));
     }
 }
 
 }  // namespace
 
-TEST_CASE("random cracks that fork and merge and arrive: no length falls and no arm changes its number and nothing long is lost") {
+TEST_CASE(
+    "random cracks that fork and merge and arrive: no length falls and no arm changes its number and nothing long is "
+    "lost") {
     std::size_t n_arms = 0;
     Index n_branches = 0;
     for (int seed = 0; seed < 30; ++seed) {
@@ -527,7 +540,8 @@ TEST_CASE("random cracks that fork and merge and arrive: no length falls and no 
 TEST_CASE("a gap through a wide damaged zone is found among its vertices: its ways are 184 756 and more") {
     constexpr int n = 10;
     Drawing d;
-    for (int i = 0; i <= n; ++i) d.row(i, 0, 0, 1, n, InterfaceStatus::damaged), d.row(0, i, 1, 0, n, InterfaceStatus::damaged);
+    for (int i = 0; i <= n; ++i)
+        d.row(i, 0, 0, 1, n, InterfaceStatus::damaged), d.row(0, i, 1, 0, n, InterfaceStatus::damaged);
     d.row(-1, 0, 1, 0, 1);
     d.row(n, n, 1, 0, 1);
     const auto joined = [&](Index gap) {

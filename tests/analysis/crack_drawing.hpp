@@ -1,6 +1,6 @@
 #pragma once
 // Draws crack graphs by hand.
-#include "analysis/crack_graph.hpp"
+#include "analysis/crack_history.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,5 @@
 // How far a run is from small rotations, small strains and small slips: exact fields, exact answers.
+#include "analysis/deformation_watch.hpp"
 #include "analysis/gates.hpp"
 
 #include "support/bodies.hpp"
@@ -31,18 +32,22 @@ ModelInput plate(Index order = 1) {
 /// Displacements u = gradient x at all corners.
 State stretched(const Model& model, const Eigen::Matrix2d& gradient) {
     State state = initial_state(model);
-    for (Index c = 0; c < model.mesh.n_corners(); ++c) state.displacement[state.node_of_corner[c]] = gradient * model.mesh.corner(c);
+    for (Index c = 0; c < model.mesh.n_corners(); ++c)
+        state.displacement[state.node_of_corner[c]] = gradient * model.mesh.corner(c);
     return state;
 }
 
-/// Two cells over two, cracked along y = 1, the upper half moved by `slip` along the crack; every point of the crack pressed or not.
+/// Two cells over two, cracked along y = 1, the upper half moved by `slip` along the crack; every point of the crack
+/// pressed or not.
 struct Slid {
     Slid(double slip, bool pressed) : model(cracked()), state(initial_state(model)) {
         for (Index c = 0; c < model.mesh.n_corners(); ++c)
             if (above(model.mesh.triangle_of(c))) state.displacement[state.node_of_corner[c]].x() = slip;
         for (PointState& point : state.points) point.traction.x() = pressed ? 1 : 0;
     }
-    bool above(Index t) const { return model.mesh.corner(t, 0).y() + model.mesh.corner(t, 1).y() + model.mesh.corner(t, 2).y() > 3; }
+    bool above(Index t) const {
+        return model.mesh.corner(t, 0).y() + model.mesh.corner(t, 1).y() + model.mesh.corner(t, 2).y() > 3;
+    }
     static Model cracked() {
         ModelInput input = plate();
         for (InteriorEdge& edge : input.mesh.interior_edges) {
@@ -70,7 +75,7 @@ TEST_CASE("deformation: a rigid rotation is found as its angle and leaves areas 
         }
 }
 
-TEST_CASE("deformation: what linear kinematics makes of a turn is a smaller angle and a larger area") {
+TEST_CASE("deformation: linear kinematics turns a rotation into a smaller angle and a larger area") {
     const Model model = make_model(plate());
     DeformationWatch watch(model);
     const Eigen::Matrix2d turn{{0, -0.5}, {0.5, 0}};
@@ -92,10 +97,12 @@ TEST_CASE("deformation: the gates warn of a rotation beyond 5 degrees and are vi
     const EnergyLedger ledger(model, start);
     const auto level = [&](double degrees, const std::vector<AllowedLimit>& allowed = {}) {
         DeformationWatch watch(model);
-        watch.look_at(stretched(model, Eigen::Rotation2Dd(degrees * M_PI / 180).toRotationMatrix() - Eigen::Matrix2d::Identity()));
+        watch.look_at(stretched(
+            model, Eigen::Rotation2Dd(degrees * M_PI / 180).toRotationMatrix() - Eigen::Matrix2d::Identity()));
         Gates gates;
         judge({ledger, 1, 1, false, &watch}, allowed, gates);
-        return std::find_if(gates.begin(), gates.end(), [](const Gate& gate) { return gate.name == "rotation"; })->level;
+        return std::find_if(gates.begin(), gates.end(), [](const Gate& gate) { return gate.name == "rotation"; })
+            ->level;
     };
     CHECK(level(4.99) == GateLevel::ok);
     CHECK(level(5.01) == GateLevel::warning);
@@ -107,7 +114,7 @@ TEST_CASE("deformation: the gates warn of a rotation beyond 5 degrees and are vi
     CHECK(level(std::nan("")) == GateLevel::violated);
 }
 
-TEST_CASE("deformation: the slip of what is pressed counts in edges") {
+TEST_CASE("deformation: the slip of points under pressure is measured in edges") {
     const auto slip = [](double length, bool pressed) {
         const Slid slid(length, pressed);
         DeformationWatch watch(slid.model);
@@ -119,7 +126,7 @@ TEST_CASE("deformation: the slip of what is pressed counts in edges") {
     CHECK(slip(2.5, false) == 0);
 }
 
-TEST_CASE("deformation: faces that slid lie over nothing until one is driven into the other") {
+TEST_CASE("deformation: faces that slid overlap only when one is driven into the other") {
     const Slid slid(0.75, true);
     DeformationWatch watch(slid.model);
     watch.look_for_overlap(slid.state);
@@ -133,7 +140,7 @@ TEST_CASE("deformation: faces that slid lie over nothing until one is driven int
     CHECK(watch.overlap().place.y() < 1);
 }
 
-TEST_CASE("deformation: what slides along a straight support stays on it and what leaves its last edge for a wall does not") {
+TEST_CASE("deformation: sliding along a straight support is no slip and sliding past its last edge towards a wall is") {
     ModelInput input = plate();
     input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = false}};
     const auto slip = [&](double length) {
@@ -148,6 +155,6 @@ TEST_CASE("deformation: what slides along a straight support stays on it and wha
     CHECK(slip(10) == 0);
     CHECK(slip(-10) == 0);
     input.supports.push_back({.on = {.boundary = "right", .box = {}}, .law = 0, .glued = false});
-    CHECK(slip(-10) == 0);      // away from the wall along the floor; the wall is not felt sideways
+    CHECK(slip(-10) == 0);                   // away from the wall along the floor; the wall is not felt sideways
     CHECK(slip(10) == relative(10, 1e-14));  // the last edge of the floor ends at the wall
 }

@@ -80,7 +80,9 @@ TEST_CASE("fragments: how a bar lies and turns") {
     input.materials = {{.density = 3, .E = 1, .nu = 0.2}};
     input.laws = {CohesiveLaw::unbreakable()};
     input.law_of_pair = {{0}};
-    for (Vec2& x : input.mesh.vertices) x = Vec2(std::cos(std::numbers::pi / 6) * x.x() - 0.5 * x.y(), 0.5 * x.x() + std::cos(std::numbers::pi / 6) * x.y());
+    for (Vec2& x : input.mesh.vertices)
+        x = Vec2(std::cos(std::numbers::pi / 6) * x.x() - 0.5 * x.y(),
+                 0.5 * x.x() + std::cos(std::numbers::pi / 6) * x.y());
     const Model model = make_model(input);
     State state = initial_state(model);
     const Vec2 centre = find_fragments(model, state).pieces.at(0).centre;
@@ -94,7 +96,7 @@ TEST_CASE("fragments: how a bar lies and turns") {
     CHECK(piece.spin() == Approx(7).epsilon(1e-12));
     CHECK((piece.velocity - Vec2(2, -1)).norm() < 1e-12);
     CHECK(piece.kinetic_energy == Approx(energy).epsilon(1e-12));
-    CHECK(piece.angle() == Approx(30).epsilon(0.005));  // the diagonals of the mesh all lean one way
+    CHECK(piece.angle() == Approx(30).epsilon(0.005));     // the diagonals of the mesh all lean one way
     CHECK(piece.elongation() == Approx(4).epsilon(0.02));  // its mass sits at the vertices
 }
 

@@ -1,5 +1,6 @@
-// What a run is held against: three levels, limits that a scenario sets, warnings that come once.
+// Gates of a run: three levels, limits set by a scenario, warnings that come once.
 #include "analysis/gates.hpp"
+#include "analysis/deformation_watch.hpp"
 
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
@@ -34,7 +35,7 @@ TEST_CASE("gates: every rule has a name of its own and a meaning and a cure") {
     }
 }
 
-TEST_CASE("gates: a limit of the scenario holds for the gate that it names where gates allow that") {
+TEST_CASE("gates: a limit of the scenario replaces that of a gate which allows it") {
     const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));
     const State start = initial_state(model);
     EnergyLedger ledger(model, start);
@@ -64,14 +65,21 @@ TEST_CASE("gates: the law lag is a signed part of the dissipated energy without 
         return named(gates, "law_lag").level;
     };
 
-    EnergyLedger first(model, of_explicit);  // explicit bulk: its work is that of half the step, so far, and nothing is dissipated
-    first.add(of_explicit, {.kinetic = 1, .dissipated = 1e-6, .recoverable = 2e-3, .external_work = 1, .cohesive_work = 1.01e-3});
+    EnergyLedger first(
+        model, of_explicit);  // explicit bulk: its work is that of half the step, so far, and nothing is dissipated
+    first.add(of_explicit,
+              {.kinetic = 1, .dissipated = 1e-6, .recoverable = 2e-3, .external_work = 1, .cohesive_work = 1.01e-3});
     CHECK(first.row().law_lag == doctest::Approx(-0.991e-3).epsilon(1e-12).scale(0));
     CHECK(std::abs(first.law_lag()) < 0.01);
     CHECK(level(first) == GateLevel::ok);
 
     EnergyLedger broken(model, implicit);
-    broken.add(implicit, {.kinetic = 1, .dissipated = 0.5, .external_work = 1, .cohesive_work = 0.45, .largest_drop = 0.1, .drop_corner = 1});
+    broken.add(implicit, {.kinetic = 1,
+                          .dissipated = 0.5,
+                          .external_work = 1,
+                          .cohesive_work = 0.45,
+                          .largest_drop = 0.1,
+                          .drop_corner = 1});
     CHECK(broken.law_lag() == doctest::Approx(-0.1).epsilon(1e-12).scale(0));
     CHECK(level(broken) == GateLevel::warning);
     CHECK(level(broken, std::vector<AllowedLimit>{{"law_lag", 0.05}}) == GateLevel::violated);
@@ -90,11 +98,16 @@ TEST_CASE("gates: the law lag is a signed part of the dissipated energy without 
     CHECK(level(broken, std::vector<AllowedLimit>{{"law_lag", none}}) == GateLevel::warning);
 }
 
-TEST_CASE("gates: what the numbers lose warns from 5 percent of the dissipated energy at the end") {
+TEST_CASE("gates: numerical losses above 5 percent of the dissipated energy give a warning at the end") {
     const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));
     const State now = initial_state(model);
     EnergyLedger ledger(model, now), elastic(model, now);
-    ledger.add(now, {.kinetic = 1, .dissipated = 0.5, .external_work = 2, .cohesive_work = 0.54, .crossing_loss = 0.04, .scheme_dissipation = 0.02});
+    ledger.add(now, {.kinetic = 1,
+                     .dissipated = 0.5,
+                     .external_work = 2,
+                     .cohesive_work = 0.54,
+                     .crossing_loss = 0.04,
+                     .scheme_dissipation = 0.02});
     elastic.add(now, {.kinetic = 1, .external_work = 2, .scheme_dissipation = 1});
     Gates gates;
     for (const bool ended : {false, true}) {
@@ -119,19 +132,23 @@ TEST_CASE("gates: every step may round the energy a little more") {
     CHECK(named(gates, "energy_residual").limit == relative(1e-10 + std::ldexp(1.0, 16 - 51), 1e-15));
 }
 
-TEST_CASE("gates: no part is faster than ten times the energy that was put in would make the lightest one") {
+TEST_CASE("gates: the speed limit is that of the lightest corner with ten times the supplied energy") {
     const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));  // three masses of 1
     const State start = initial_state(model);
     const auto level = [&](double speed, double work) {
         EnergyLedger ledger(model, start);
-        ledger.add(start, {.kinetic = 0.5 * speed * speed, .strain = work - 0.5 * speed * speed, .external_work = work, .largest_speed = speed});
+        ledger.add(start, {.kinetic = 0.5 * speed * speed,
+                           .strain = work - 0.5 * speed * speed,
+                           .external_work = work,
+                           .largest_speed = speed});
         Gates gates;
         judge({ledger, 1, 1}, {}, gates);
-        CHECK(named(gates, "energy_residual").pass());  // an unstable leapfrog keeps its identity: what grows is kinetic energy against negative strain energy
+        CHECK(named(gates, "energy_residual").pass());  // an unstable leapfrog keeps its identity: what grows is
+                                                        // kinetic energy against negative strain energy
         return named(gates, "largest_speed").level;
     };
     CHECK(level(std::sqrt(2), 1) == GateLevel::ok);  // all of it in one mass, as after the first step of a point load
     CHECK(level(4.4, 1) == GateLevel::ok);
-    CHECK(level(4.5, 1) == GateLevel::violated);     // sqrt 20
+    CHECK(level(4.5, 1) == GateLevel::violated);  // sqrt 20
     CHECK(level(0, 0) == GateLevel::ok);
 }

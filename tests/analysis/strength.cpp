@@ -1,6 +1,7 @@
-// Numbers of a stress-strain curve: an elastic strip has its moduli; a curve made by hand its peak and the stresses of its cracks.
-#include "analysis/specimen.hpp"
+// Numbers of a stress-strain curve: an elastic strip has its moduli; a curve made by hand its peak and the stresses of
+// its cracks.
 #include "analysis/strength.hpp"
+#include "analysis/specimen.hpp"
 #include "figures/rock_figures.hpp"
 
 #include "base/error.hpp"
@@ -38,17 +39,11 @@ Strength strength_after(Run& run, const SpecimenOptions& options) {
     const Reactions reactions(run.model);
     Specimen specimen(run.model, reactions, options);
     specimen.begin(run.now);
-    History curve{.columns = specimen.columns(), .rows = {}};
-    for (const char* name : {"tensile_breaks", "shear_breaks"}) curve.columns.emplace_back(name);
-    const auto add_line = [&] {
-        curve.rows.push_back(specimen.line());
-        curve.rows.back().insert(curve.rows.back().end(), {0, 0});
-    };
-    add_line();
+    History curve{.columns = names_of<SpecimenMoment>(stress_strain_columns(options)), .rows = {specimen.line(0, 0)}};
     for (int i = 1; i <= 100; ++i) {
         run.step(0.01);
         specimen.after_step(run.now);
-        if (i % 5 == 0) add_line();
+        if (i % 5 == 0) curve.rows.push_back(specimen.line(0, 0));
     }
     return strength_of(curve, options.modulus_between);
 }
@@ -61,13 +56,15 @@ TEST_CASE("strength: an elastic strip that is pulled has its modulus and its Poi
     for (const PlaneModel plane : {PlaneModel::strain, PlaneModel::stress})
         for (const Index order : {1, 2}) {
             ModelInput input = strip(plane, order);
-            input.loads = {load(Load::Kind::displacement, "left", -1e-5, std::nullopt, slow), load(Load::Kind::displacement, "right", 3e-5, std::nullopt, slow)};
+            input.loads = {load(Load::Kind::displacement, "left", -1e-5, std::nullopt, slow),
+                           load(Load::Kind::displacement, "right", 3e-5, std::nullopt, slow)};
             Run run(input, damped);
-            const Strength s = strength_after(run, {.test = SpecimenOptions::Test::tension,
-                                                    .axis = 0,
-                                                    .driver = {.kind = GaugeEnd::Kind::load, .number = 1},
-                                                    .axial = GaugeEnds{GaugeEnd{.boundary = "right"}, GaugeEnd{.boundary = "left"}},
-                                                    .lateral = GaugeEnds{GaugeEnd{.boundary = "bottom"}, GaugeEnd{.boundary = "top"}}});
+            const Strength s = strength_after(
+                run, {.test = SpecimenOptions::Test::tension,
+                      .axis = 0,
+                      .driver = {.kind = GaugeEnd::Kind::load, .number = 1},
+                      .axial = GaugeEnds{GaugeEnd{.boundary = "right"}, GaugeEnd{.boundary = "left"}},
+                      .lateral = GaugeEnds{GaugeEnd{.boundary = "bottom"}, GaugeEnd{.boundary = "top"}}});
             // uniform strain is exact on any mesh; what is left is inertia, (transit time over the time of loading)^2
             const MaterialConstants found = material_constants(s, plane);
             CHECK(found.E == relative(E, 1e-6));
@@ -78,7 +75,7 @@ TEST_CASE("strength: an elastic strip that is pulled has its modulus and its Poi
         }
 }
 
-TEST_CASE("strength: likewise pushed by a platen from either side and gauged between two points") {
+TEST_CASE("strength: an elastic strip pushed by a platen from either side and gauged between two points") {
     for (const bool from_top : {true, false}) {
         ModelInput input = strip(PlaneModel::stress, 1);
         input.loads = {load(Load::Kind::displacement, from_top ? "bottom" : "top", std::nullopt, 0.0)};
@@ -86,18 +83,19 @@ TEST_CASE("strength: likewise pushed by a platen from either side and gauged bet
         input.obstacles[0].drive[1] = driven(from_top ? -1e-5 : 1e-5);
         Run run(input);  // obstacles move with the explicit bulk: means over many steps
         const Reactions reactions(run.model);
-        Specimen specimen(run.model, reactions, {.driver = {.kind = GaugeEnd::Kind::obstacle, .number = 0},
-                                                 .lateral = GaugeEnds{GaugeEnd{.kind = GaugeEnd::Kind::place, .at = {0.02, 0.02}},
-                                                                      GaugeEnd{.kind = GaugeEnd::Kind::place, .at = {0.08, 0.02}}}});
+        Specimen specimen(run.model, reactions,
+                          {.driver = {.kind = GaugeEnd::Kind::obstacle, .number = 0},
+                           .lateral = GaugeEnds{GaugeEnd{.kind = GaugeEnd::Kind::place, .at = {0.02, 0.02}},
+                                                GaugeEnd{.kind = GaugeEnd::Kind::place, .at = {0.08, 0.02}}}});
         specimen.begin(run.now);
-        CHECK(specimen.columns().size() == 5);
         const double h = 0.8 * run.stepper.stable_step(), end = 3e-3;
         std::vector<std::vector<double>> lines;
         while (run.now.time < end) {
             for (int i = 0; i < 200; ++i) run.step(h), specimen.after_step(run.now);
-            lines.push_back(specimen.line());
+            lines.push_back(specimen.line(0, 0));
         }
         const std::vector<double>&first = lines[lines.size() / 4], &last = lines.back();
+        CHECK(last.size() == 7);
         const double axial = last[2] - first[2];
         CHECK(axial == relative(1e-5 * (last[0] - first[0]) / height, 1e-9));
         CHECK((last[1] - first[1]) / axial == relative(E, 0.02));  // it rings
@@ -109,7 +107,8 @@ TEST_CASE("strength: likewise pushed by a platen from either side and gauged bet
 TEST_CASE("strength: stress of a disc and of a beam") {
     const double P = 1000;
     ModelInput input = strip(PlaneModel::stress, 1);
-    input.loads = {load(Load::Kind::displacement, "bottom", 0.0, 0.0), load(Load::Kind::displacement, "top", std::nullopt, -1e-6)};
+    input.loads = {load(Load::Kind::displacement, "bottom", 0.0, 0.0),
+                   load(Load::Kind::displacement, "top", std::nullopt, -1e-6)};
     Run run(input);
     const Reactions reactions(run.model);
     run.now.reaction.assign(run.now.reaction.size(), Vec2::Zero());
@@ -119,36 +118,44 @@ TEST_CASE("strength: stress of a disc and of a beam") {
         options.driver = {.kind = GaugeEnd::Kind::load, .number = 1};
         Specimen specimen(run.model, reactions, options);
         specimen.begin(run.now);
-        return specimen.line()[1];
+        return specimen.line(0, 0)[1];
     };
     const double force = -reactions.at(run.now)[1].force.y();
     REQUIRE(force > 0);
     CHECK(stress({.test = SpecimenOptions::Test::compression}) == relative(force / (length * 0.5), 1e-12));
     CHECK(stress({.test = SpecimenOptions::Test::tension}) == relative(-force / (length * 0.5), 1e-12));
-    CHECK(stress({.test = SpecimenOptions::Test::brazilian, .height = 0.05}) == relative(2 * force / (3.14159265358979 * 0.05 * 0.5), 1e-12));
-    CHECK(stress({.test = SpecimenOptions::Test::bending, .height = 0.03, .span = 0.09}) == relative(3 * force * 0.09 / (2 * 0.03 * 0.03 * 0.5), 1e-12));
+    CHECK(stress({.test = SpecimenOptions::Test::brazilian, .height = 0.05}) ==
+          relative(2 * force / (3.14159265358979 * 0.05 * 0.5), 1e-12));
+    CHECK(stress({.test = SpecimenOptions::Test::bending, .height = 0.03, .span = 0.09}) ==
+          relative(3 * force * 0.09 / (2 * 0.03 * 0.03 * 0.5), 1e-12));
 }
 
-TEST_CASE("strength: a gauge without length and a driver that drives nothing are refused") {
+TEST_CASE("strength: a gauge without length and a driver without prescribed motion are errors") {
     ModelInput input = strip(PlaneModel::stress, 1);
     input.loads = {load(Load::Kind::displacement, "top", 0.0, 0.0), load(Load::Kind::displacement, "top", 0.0, -1e-6)};
     const Model model = make_model(input);
     const Reactions reactions(model);
     CHECK_THROWS_AS(Specimen(model, reactions, {.driver = {.kind = GaugeEnd::Kind::load, .number = 0}}), UserError);
-    const SpecimenOptions flat{.driver = {.kind = GaugeEnd::Kind::load, .number = 1}, .lateral = GaugeEnds{GaugeEnd{.boundary = "top"}, GaugeEnd{.boundary = "bottom"}}};
+    const SpecimenOptions flat{.driver = {.kind = GaugeEnd::Kind::load, .number = 1},
+                               .lateral = GaugeEnds{GaugeEnd{.boundary = "top"}, GaugeEnd{.boundary = "bottom"}}};
     CHECK_THROWS_AS(Specimen(model, reactions, flat), UserError);
 }
 
 TEST_CASE("strength: peak and stresses of cracks of a curve made by hand") {
-    // elastic with E = 20 GPa and lateral/axial -0.25; cracks open sideways from 40 MPa on, the volume turns at 80, the peak is 100 MPa
-    History curve{{"time", "stress", "axial_strain", "lateral_strain", "volumetric_strain", "tensile_breaks", "shear_breaks"}, {}};
+    // elastic with E = 20 GPa and lateral/axial -0.25; cracks open sideways from 40 MPa on, the volume turns at 80, the
+    // peak is 100 MPa
+    History curve{
+        {"time", "stress", "axial_strain", "lateral_strain", "volumetric_strain", "tensile_breaks", "shear_breaks"},
+        {}};
     const double compliance = 1 / 20e9;
     for (int i = 0; i <= 120; ++i) {
-        const double stress = (i <= 100 ? i : 200 - i) * 1e6, way = i * 1e6, axial = way * compliance, open = way > 40e6 ? way - 40e6 : 0;
+        const double stress = (i <= 100 ? i : 200 - i) * 1e6, way = i * 1e6, axial = way * compliance,
+                     open = way > 40e6 ? way - 40e6 : 0;
         // d/d way of 0.75 way - open^2/a vanishes at 80 MPa for a = 2 x 40/0.75
         const double lateral = -0.25 * axial - open * open * 0.75 / 80e6 * compliance;
         const double n = way > 40e6 ? (way - 40e6) / 60e6 * 1000 : 0;  // 1000 breaks at the peak
-        curve.rows.push_back({1e-6 * i, stress, axial, lateral, axial + lateral, std::floor(0.75 * n), std::floor(0.25 * n)});
+        curve.rows.push_back(
+            {1e-6 * i, stress, axial, lateral, axial + lateral, std::floor(0.75 * n), std::floor(0.25 * n)});
     }
     const Strength s = strength_of(curve, {0.1, 0.35});
     CHECK(s.peak_stress == 100e6);
@@ -161,7 +168,12 @@ TEST_CASE("strength: peak and stresses of cracks of a curve made by hand") {
     CHECK(s.dilatancy == 46e6);
     // a wave that comes back after the fracture makes a higher peak, and no other modulus
     History late{{"time", "stress", "axial_strain", "tensile_breaks", "shear_breaks"}, {}};
-    for (int i = 0; i <= 40; ++i) late.rows.push_back({1. * i, i <= 20 ? 1. * i : i <= 30 ? 3. * (30 - i) - 10 : 3. * (i - 30) - 8, 2. * i, 0, 0});
+    for (int i = 0; i <= 40; ++i)
+        late.rows.push_back({1. * i,
+                             i <= 20   ? 1. * i
+                             : i <= 30 ? 3. * (30 - i) - 10
+                                       : 3. * (i - 30) - 8,
+                             2. * i, 0, 0});
     CHECK(strength_of(late, {0.4, 0.6}).peak_stress == 22);
     CHECK(strength_of(late, {0.4, 0.6}).tangent_modulus == relative(0.5, 1e-12));
     // the axis of a figure is that of the axial strain, whatever flies apart
@@ -176,7 +188,8 @@ TEST_CASE("strength: peak and stresses of cracks of a curve made by hand") {
     for (std::vector<double>& row : curve.rows) row[4] = row[2];  // no dilatancy, no damage
     CHECK(stress_strain_chart(curve).levels.size() == 1);
     // a curve of tension has no volume, and a peak at its end is a peak
-    History rising{{"time", "stress", "axial_strain", "tensile_breaks", "shear_breaks"}, {{0, 0, 0, 0, 0}, {1, 1, 2, 0, 0}, {2, 2, 4, 0, 0}, {3, 3, 6, 0, 1}}};
+    History rising{{"time", "stress", "axial_strain", "tensile_breaks", "shear_breaks"},
+                   {{0, 0, 0, 0, 0}, {1, 1, 2, 0, 0}, {2, 2, 4, 0, 0}, {3, 3, 6, 0, 1}}};
     const Strength end = strength_of(rising, {0.4, 0.6});
     CHECK(end.peak_stress == 3);
     CHECK(end.tangent_modulus == relative(0.5, 1e-12));

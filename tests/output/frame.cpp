@@ -1,4 +1,5 @@
-// A frame made from a model and a state whose answer is known: a bar with a pre-crack, stretched evenly, and torn at one place.
+// A frame made from a model and a state whose answer is known: a bar with a pre-crack, stretched evenly, and torn at
+// one place.
 #include "output/frame.hpp"
 
 #include "model/model.hpp"
@@ -22,10 +23,12 @@ Model bar(Index order = 1) {
     Mesh mesh = tests::bar_mesh(8, 2, 4, 1);
     mesh.order = order;
     for (InteriorEdge& edge : mesh.interior_edges) {
-        const Vec2 a = mesh.corner(edge.triangle[0], edge.side[0]), b = mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
+        const Vec2 a = mesh.corner(edge.triangle[0], edge.side[0]),
+                   b = mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
         edge.cracked = a.x() == 2 && b.x() == 2;
     }
-    return make_model({.mesh = mesh, .materials = {steel}, .laws = {{.sigma_c = 1e12, .G_c = 1e9}}, .law_of_pair = {{0}}});
+    return make_model(
+        {.mesh = mesh, .materials = {steel}, .laws = {{.sigma_c = 1e12, .G_c = 1e9}}, .law_of_pair = {{0}}});
 }
 
 /// u = (1e-3 x, -2e-4 y + 5e-4 x) at every node.
@@ -86,14 +89,16 @@ TEST_CASE("frame: both sides of an interface lie on its points") {
 TEST_CASE("frame: status and opening of a point that is torn by hand") {
     const Model model = bar();
     State state = stretched(model);
-    const auto torn = std::find_if(model.interfaces.begin(), model.interfaces.end(), [](const Interface& i) { return !i.cracked; });
+    const auto torn =
+        std::find_if(model.interfaces.begin(), model.interfaces.end(), [](const Interface& i) { return !i.cracked; });
     const auto point = static_cast<Index>(2 * (torn - model.interfaces.begin()));
     const FanPoint& at = model.fan_points[model.fan_point_of[point]];
     const Index fan = model.fan_of_corner[at.after];
     if (state.split_rank[fan] < 0) split(model, fan, state);
     const Index in_fan = model.fan_point_of[point] - model.fans[fan].first_point;
     PointState& torn_point = state.points[state.first_point[state.split_rank[fan]] + in_fan];
-    for (const auto& [cohesion, status] : {std::pair(0.25, PointStatus::damaged), std::pair(0.0, PointStatus::broken)}) {
+    for (const auto& [cohesion, status] :
+         {std::pair(0.25, PointStatus::damaged), std::pair(0.0, PointStatus::broken)}) {
         torn_point.cohesion = cohesion;
         CHECK(make_frame(model, state).status[point] == status);
         CHECK(make_frame(model, state).cohesion[point] == cohesion);
@@ -134,7 +139,8 @@ TEST_CASE("frame: a triangle of second order is drawn as six and its interfaces 
     REQUIRE(frame.n_interfaces() == 2 * static_cast<Index>(model.interfaces.size()));
     double precrack = 0;
     for (Index i = 0; i < frame.n_interfaces(); ++i) {
-        CHECK((frame.end_position[2 * i + 1] - frame.end_position[2 * i]).norm() == Approx(model.interfaces[i / 2].length / 2));
+        CHECK((frame.end_position[2 * i + 1] - frame.end_position[2 * i]).norm() ==
+              Approx(model.interfaces[i / 2].length / 2));
         for (Index end = 0; end < 2; ++end) {
             CHECK((frame.position[frame.side_a[i][end]] - frame.end_position[2 * i + end]).norm() <= 1e-15);
             CHECK((frame.position[frame.side_b[i][end]] - frame.end_position[2 * i + end]).norm() <= 1e-15);

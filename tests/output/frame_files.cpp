@@ -61,7 +61,8 @@ TEST_CASE("frame files: the bulk comes back") {
     CHECK(distance(read.displacement, written.displacement) <= single * 2e-5);
     CHECK(distance(read.velocity, written.velocity) <= single);
     REQUIRE(read.stress.size() == written.stress.size());
-    for (std::size_t t = 0; t < read.stress.size(); ++t) CHECK((read.stress[t] - written.stress[t]).norm() <= 2 * single * written.stress[t].norm());
+    for (std::size_t t = 0; t < read.stress.size(); ++t)
+        CHECK((read.stress[t] - written.stress[t]).norm() <= 2 * single * written.stress[t].norm());
 }
 
 TEST_CASE("frame files: the interfaces that are not intact come back") {
@@ -116,11 +117,13 @@ TEST_CASE("frame files: run.pvd is whole after every frame and goes on after a r
     for (std::size_t n = 0; n < times.size(); ++n) {
         frame.time = times[n];
         series.write(frame);
-        CHECK(frame_times(run) == std::vector<double>(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(n) + 1));
+        CHECK(frame_times(run) ==
+              std::vector<double>(times.begin(), times.begin() + static_cast<std::ptrdiff_t>(n) + 1));
         const std::string text = contents(run / "run.pvd");
         CHECK(text.ends_with("</VTKFile>\n"));
         int n_files = 0;
-        for (std::sregex_iterator it(text.begin(), text.end(), entry), end; it != end; ++it, ++n_files) CHECK(fs::exists(run / (*it)[1].str()));
+        for (std::sregex_iterator it(text.begin(), text.end(), entry), end; it != end; ++it, ++n_files)
+            CHECK(fs::exists(run / (*it)[1].str()));
         CHECK(n_files == 2 * static_cast<int>(n + 1));
         CHECK_FALSE(fs::exists(run / "run.pvd.part"));
     }
@@ -159,7 +162,8 @@ TEST_CASE("frame files: a file that cannot be written or read is named") {
         fs::create_symlink("/dev/full", run / "fields/bulk_0000.vtu");
         CHECK(message([&] { series.write(frame); }).find("bulk_0000.vtu") != std::string::npos);
         fs::remove(run / "fields/bulk_0000.vtu");
-        CHECK(message([&] { write_csv(synthetic::energy(), {"time"}, "/dev/full"); }).find("/dev/full") != std::string::npos);
+        CHECK(message([&] { write_csv(synthetic::energy(), {"time"}, "/dev/full"); }).find("/dev/full") !=
+              std::string::npos);
     }
     series.write(frame);
     std::ofstream(run / "fields/bulk_0000.vtu") << "<VTKFile>cut short";
@@ -198,11 +202,12 @@ TEST_CASE("frame files: no half file has the name of a frame and an older one st
     std::signal(SIGXFSZ, handler);
 }
 
-TEST_CASE("frame files: what a killed run left half written goes when the run goes on") {
+TEST_CASE("frame files: incomplete files of a killed run are removed when the run continues") {
     const fs::path run = fresh("killed");
     const Frame frame = synthetic::frame(5);
     VtkSeries(run).write(frame);
-    for (const char* name : {"fields/bulk_0001.vtu.part", "fields/of_someone.part"}) std::ofstream(run / name) << "half a";
+    for (const char* name : {"fields/bulk_0001.vtu.part", "fields/of_someone.part"})
+        std::ofstream(run / name) << "half a";
     VtkSeries resumed(run, {frame.time});
     CHECK_FALSE(fs::exists(run / "fields/bulk_0001.vtu.part"));
     CHECK(fs::exists(run / "fields/of_someone.part"));
@@ -210,7 +215,8 @@ TEST_CASE("frame files: what a killed run left half written goes when the run go
 }
 
 TEST_CASE("history files: the same bits come back whatever the locale") {
-    const History written{{"time", "value"}, {{0, -0.1}, {1e-6 / 3, 1e300}, {5e-324, std::numeric_limits<double>::infinity()}}};
+    const History written{{"time", "value"},
+                          {{0, -0.1}, {1e-6 / 3, 1e300}, {5e-324, std::numeric_limits<double>::infinity()}}};
     const fs::path file = fresh("history") / "energy.csv";
     const std::string before = std::setlocale(LC_ALL, nullptr);
     std::setlocale(LC_ALL, "de_DE.UTF-8");
@@ -224,8 +230,9 @@ TEST_CASE("history files: the same bits come back whatever the locale") {
     CHECK_THROWS_WITH_AS(read.column("speed"), doctest::Contains("energy.csv"), UserError);
 }
 
-TEST_CASE("history files: names carry units and what never happened is an empty field and there is no minus zero") {
-    const History written{{"time", "tip_x", "tips", "tip_speed", "branches"}, {{-0.0, std::nan(""), 2, -std::nan(""), -0.0}}};
+TEST_CASE("history files: names carry units and NaN is an empty field and there is no minus zero") {
+    const History written{{"time", "tip_x", "tips", "tip_speed", "branches"},
+                          {{-0.0, std::nan(""), 2, -std::nan(""), -0.0}}};
     const fs::path file = fresh("history_none") / "cracks.csv";
     write_csv(written, {"time [s]", "tip_x [m]", "tips", "tip_speed [m/s]", "branches"}, file);
     CHECK(contents(file) == "time [s],tip_x [m],tips,tip_speed [m/s],branches\n0,,2,,0\n");

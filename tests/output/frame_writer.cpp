@@ -1,4 +1,4 @@
-// Frames are written beside the steps: all of them, in order, from the state as it was, and no failure is lost.
+// Frames are written in another thread: all of them, in order, from the state as it was, and no failure is lost.
 #include "output/frame_writer.hpp"
 
 #include "support/synthetic_run.hpp"
@@ -42,7 +42,7 @@ std::string message_of(const std::function<void()>& action) {
 
 }  // namespace
 
-TEST_CASE("frame writer: every state is written once and in order as it was when it was given") {
+TEST_CASE("frame writer: every state is written once and in order and as it was when it was added") {
     std::vector<double> written;
     FrameWriter writer([&](const State& now) {
         CHECK(now.displacement == at(now.time).displacement);
@@ -61,7 +61,7 @@ TEST_CASE("frame writer: every state is written once and in order as it was when
     for (int i = 0; i < 200; ++i) CHECK(written[i] == i);
 }
 
-TEST_CASE("frame writer: who comes with a third state waits until the first is written") {
+TEST_CASE("frame writer: a third state waits until the first is written") {
     std::atomic<int> n_added = 0, n_written = 0, n_waiting = 0;
     std::atomic<bool> may_write = false;
     FrameWriter writer([&](const State&) {
@@ -85,7 +85,7 @@ TEST_CASE("frame writer: who comes with a third state waits until the first is w
     CHECK(n_written == 6);
 }
 
-TEST_CASE("frame writer: what could not be written is said by every later call and nothing is written behind it") {
+TEST_CASE("frame writer: after a failure every call reports it and nothing more is written") {
     std::vector<double> written;
     const auto fail_at_1 = [&](const State& now) {
         if (now.time == 1) throw OutputError("cannot write the second");
@@ -127,7 +127,7 @@ TEST_CASE("frame writer: what could not be written is said by every later call a
     CHECK(written == std::vector<double>{0});
 }
 
-TEST_CASE("frame writer: what waits is written before the writer goes") {
+TEST_CASE("frame writer: the destructor waits until all is written") {
     int n_written = 0;
     const auto run = [&](int n) {
         FrameWriter writer([&](const State&) { ++n_written; });
@@ -142,7 +142,7 @@ TEST_CASE("frame writer: what waits is written before the writer goes") {
     CHECK(n_written == 5);
 }
 
-TEST_CASE("frame writer: frames that are written while figures are drawn are those that are written alone") {
+TEST_CASE("frame writer: frames written while figures are drawn equal frames written alone") {
     const fs::path root = fs::path(KNAP_BINARY_DIR) / "test_frame_writer";
     fs::remove_all(root);
     const Frame frame = synthetic::frame(30);

@@ -1,5 +1,5 @@
 // Triangles of second order: nothing of the method changes, the bulk bends.
-#include "analysis/interface_status.hpp"
+#include "analysis/interface_graph.hpp"
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 

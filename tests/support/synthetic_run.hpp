@@ -3,6 +3,7 @@
 // interfaces ahead of the tips, stresses with peaks at the tips, and histories to go with it. It stands in for physics nowhere else.
 #include "base/random.hpp"
 #include "output/frame.hpp"
+#include "output/history_csv.hpp"
 
 #include <cmath>
 #include <map>

@@ -1,4 +1,4 @@
-// The energy books at their start, and the figure in which they must close.
+// The energy ledger at its start, and the energy figure, which must close.
 #include "analysis/gates.hpp"
 #include "figures/curve_figures.hpp"
 
@@ -19,20 +19,22 @@ const CohesiveLaw glue{.sigma_c = 1, .G_c = 0.5};
 
 }  // namespace
 
-TEST_CASE("books: the energy of motion at the start is that of the mass matrix") {
+TEST_CASE("ledger: the kinetic energy at the start is that of the mass matrix") {
     const Model model = make_model(point_masses(glue, true));  // one triangle of mass 3
     State start = initial_state(model);
     start.velocity[start.node_of_corner[0]] = {1, 0};
-    CHECK(EnergyLedger(model, start).row().kinetic == relative(0.5, 1e-15));                            // 1/2 m/3 v^2
-    CHECK(EnergyLedger(model, start, MassMatrix::consistent).row().kinetic == relative(0.25, 1e-15));   // 1/2 m/6 v^2
-    CHECK(EnergyLedger(model, start, MassMatrix::one_point).row().kinetic == relative(1.0 / 6, 1e-15));  // 1/2 m (v/3)^2
+    CHECK(EnergyLedger(model, start).row().kinetic == relative(0.5, 1e-15));                           // 1/2 m/3 v^2
+    CHECK(EnergyLedger(model, start, MassMatrix::consistent).row().kinetic == relative(0.25, 1e-15));  // 1/2 m/6 v^2
+    CHECK(EnergyLedger(model, start, MassMatrix::one_point).row().kinetic ==
+          relative(1.0 / 6, 1e-15));  // 1/2 m (v/3)^2
     for (Vec2& v : start.velocity) v = {1, 2};
     CHECK(EnergyLedger(model, start).row().kinetic == relative(7.5, 1e-15));
-    CHECK(EnergyLedger(model, start, MassMatrix::consistent).row().kinetic == relative(7.5, 1e-15));  // moved as a whole: the same
+    CHECK(EnergyLedger(model, start, MassMatrix::consistent).row().kinetic ==
+          relative(7.5, 1e-15));  // moved as a whole: the same
     CHECK(EnergyLedger(model, start, MassMatrix::one_point).row().kinetic == relative(7.5, 1e-15));
 }
 
-TEST_CASE("books: what is no number violates the gate and stays no number beside those that are") {
+TEST_CASE("ledger: NaN violates the gate and stays NaN") {
     const Model model = make_model(point_masses(glue, true));
     const State start = initial_state(model);
     EnergyLedger ledger(model, start);
@@ -48,7 +50,7 @@ TEST_CASE("books: what is no number violates the gate and stays no number beside
     CHECK(std::isnan(gates[0].value));
 }
 
-TEST_CASE("books: a preload is energy of the start and no work") {
+TEST_CASE("ledger: a preload is energy of the start and no work") {
     ModelInput input = point_masses(glue, true);
     input.materials = {{.density = 3, .E = 8, .nu = 0}};
     const Model model = make_model(input);
@@ -63,7 +65,7 @@ TEST_CASE("books: a preload is energy of the start and no work") {
     CHECK(std::abs(ledger.row().residual) <= 1e-15);
 }
 
-TEST_CASE("books: what the scheme damps closes the balance") {
+TEST_CASE("ledger: the energy damped by the scheme closes the balance") {
     const Model model = make_model(point_masses(glue, true));
     State now = initial_state(model);
     EnergyLedger ledger(model, now);
@@ -74,11 +76,23 @@ TEST_CASE("books: what the scheme damps closes the balance") {
     CHECK(ledger.row().residual == 0);
 }
 
-TEST_CASE("figures: the energy figure closes from the energy of the start and with all that the numbers take") {
+TEST_CASE("figures: the energy figure closes with the energy of the start and all numerical terms") {
     History energy;
-    energy.columns = {"time",        "kinetic", "strain",        "surface",            "dissipated",      "recoverable", "external_work", "friction_work",
-                      "impact_work", "law_lag_energy", "crossing_loss_energy", "scheme_dissipation", "step_change_work"};
-    energy.rows = {{0, 2, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, {1, 2, 2, 1, 0.75, 0.25, 4, -0.5, -0.25, -0.5, 0.125, 1.25, -0.375}};
+    energy.columns = {"time",
+                      "kinetic",
+                      "strain",
+                      "surface",
+                      "dissipated",
+                      "recoverable",
+                      "external_work",
+                      "friction_work",
+                      "impact_work",
+                      "law_lag_energy",
+                      "crossing_loss_energy",
+                      "scheme_dissipation",
+                      "step_change_work"};
+    energy.rows = {{0, 2, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0},
+                   {1, 2, 2, 1, 0.75, 0.25, 4, -0.5, -0.25, -0.5, 0.125, 1.25, -0.375}};
     const Chart chart = energy_chart(energy);
     const auto curve = [](const Chart& drawn, const std::string& label) -> const Curve* {
         for (const Curve& c : drawn.curves)
@@ -92,13 +106,16 @@ TEST_CASE("figures: the energy figure closes from the energy of the start and wi
     double drawn = 0;
     for (std::size_t i = 2; i < chart.curves.size(); ++i) drawn += chart.curves[i].y[1];
     CHECK(drawn == 7);
-    for (const char* label : {"dissipated", "recoverable", "law lag", "crossing loss", "damped by the scheme", "lost in changes of step"})
+    for (const char* label :
+         {"dissipated", "recoverable", "law lag", "crossing loss", "damped by the scheme", "lost in changes of step"})
         CHECK_MESSAGE(curve(chart, label), label);
 
     energy.rows = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, {1, 2, 2, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0}};
     const Chart plain = energy_chart(energy);
     CHECK(plain.curves.size() == 5);
-    for (const char* label : {"recoverable", "law lag", "crossing loss", "damped by the scheme", "lost in changes of step"}) CHECK_MESSAGE(!curve(plain, label), label);
+    for (const char* label :
+         {"recoverable", "law lag", "crossing loss", "damped by the scheme", "lost in changes of step"})
+        CHECK_MESSAGE(!curve(plain, label), label);
     CHECK(plain.curves[1].label == "external work");
 
     energy.columns = {"time", "kinetic", "strain", "surface", "external_work"};  // of an older run

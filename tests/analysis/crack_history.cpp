@@ -46,7 +46,9 @@ TEST_CASE("the speed of a crack that stopped goes to zero") {
     Samples front;
     for (int k = 0; k < 200; ++k) front.emplace_back(k * 1e-6, std::min(1000.0 * k * 1e-6, 20 * mm));
     CHECK(speed_over_window(front, 5 * mm, 2 * mm) == 0);
-    const auto until = [&](std::size_t n) { return speed_over_window(Samples(front.begin(), front.begin() + n), 5 * mm, 2 * mm); };
+    const auto until = [&](std::size_t n) {
+        return speed_over_window(Samples(front.begin(), front.begin() + n), 5 * mm, 2 * mm);
+    };
     CHECK(until(21) == relative(1000, 1e-9));
     for (std::size_t n = 21; n < 25; ++n) CHECK(until(n + 1) < until(n));
     CHECK(until(26) == 0);  // it has stood for as long as the last 5 mm took
@@ -54,7 +56,8 @@ TEST_CASE("the speed of a crack that stopped goes to zero") {
 
 namespace {
 /// Breaks the interfaces from `first` on, one an `interval`, up to time t.
-void break_until(std::vector<InterfaceStatus>& status, std::size_t first, std::size_t n, double start, double interval, double t) {
+void break_until(std::vector<InterfaceStatus>& status, std::size_t first, std::size_t n, double start, double interval,
+                 double t) {
     for (std::size_t k = 0; k < n; ++k) {
         if (start + static_cast<double>(k + 1) * interval <= t) status[first + k] = InterfaceStatus::broken;
     }

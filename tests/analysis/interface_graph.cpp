@@ -1,5 +1,5 @@
 // What the crack graph and the fragments see of a model whose points are broken by hand.
-#include "analysis/interface_status.hpp"
+#include "analysis/interface_graph.hpp"
 
 #include "analysis/crack_history.hpp"
 #include "analysis/fragments.hpp"
@@ -29,14 +29,17 @@ Model bar(Index order = 1) {
 }
 
 bool stands_at(const Model& model, const Interface& i, double x) {
-    return std::abs(model.mesh.vertices[i.vertex[0]].x() - x) + std::abs(model.mesh.vertices[i.vertex[1]].x() - x) < 1e-9;
+    return std::abs(model.mesh.vertices[i.vertex[0]].x() - x) + std::abs(model.mesh.vertices[i.vertex[1]].x() - x) <
+           1e-9;
 }
 
 /// Gives all points of the upright interfaces at x this cohesion, below height y.
 void weaken(const Model& model, State& state, double x, double y, double cohesion) {
     for (Index point = 0; point < model.n_points(); ++point) {
         const Interface& i = model.interfaces[model.interface_of(point)];
-        if (!stands_at(model, i, x) || model.mesh.vertices[i.vertex[0]].y() + model.mesh.vertices[i.vertex[1]].y() > 2 * y) continue;
+        if (!stands_at(model, i, x) ||
+            model.mesh.vertices[i.vertex[0]].y() + model.mesh.vertices[i.vertex[1]].y() > 2 * y)
+            continue;
         const FanPoint& at = model.fan_points[model.fan_point_of[point]];
         const Index f = model.fan_of_corner[at.after];
         if (state.split_rank[f] < 0) split(model, f, state);
@@ -57,7 +60,9 @@ TEST_CASE("status of interfaces follows the cohesion of their points") {
     for (std::size_t i = 0; i < status.size(); ++i) {
         const bool at_3 = stands_at(model, model.interfaces[i], 3), at_5 = stands_at(model, model.interfaces[i], 5);
         n_upright += at_3 + at_5;
-        CHECK(status[i] == (at_3 ? InterfaceStatus::broken : at_5 ? InterfaceStatus::damaged : InterfaceStatus::intact));
+        CHECK(status[i] == (at_3   ? InterfaceStatus::broken
+                            : at_5 ? InterfaceStatus::damaged
+                                   : InterfaceStatus::intact));
     }
     CHECK(n_upright == 4);
 }
@@ -101,7 +106,8 @@ TEST_CASE("of second order halves of interfaces break when their two points have
         if (!stands_at(model, edge, 5) || point % 3 == 0) continue;
         const Index f = model.fan_of_corner[model.fan_points[model.fan_point_of[point]].after];
         if (state.split_rank[f] < 0) split(model, f, state);
-        state.points[state.first_point[state.split_rank[f]] + model.fan_point_of[point] - model.fans[f].first_point].cohesion = 0;
+        state.points[state.first_point[state.split_rank[f]] + model.fan_point_of[point] - model.fans[f].first_point]
+            .cohesion = 0;
     }
     const std::vector<InterfaceStatus> status = interface_status(model, state);
     const InterfaceGraph graph = interface_graph(model);
@@ -112,7 +118,8 @@ TEST_CASE("of second order halves of interfaces break when their two points have
         const Vec2 along = graph.vertices[graph.ends[i][1]] - graph.vertices[graph.ends[i][0]];
         CHECK(along.norm() == Approx(graph.length[i]));
         if (status[i] == InterfaceStatus::broken) broken += graph.length[i];
-        if (stands_at(model, model.interfaces[i / 2], 5)) CHECK(status[i] == (i % 2 == 0 ? InterfaceStatus::damaged : InterfaceStatus::broken));
+        if (stands_at(model, model.interfaces[i / 2], 5))
+            CHECK(status[i] == (i % 2 == 0 ? InterfaceStatus::damaged : InterfaceStatus::broken));
     }
     CHECK(broken == Approx(2 + 1));
     const Fragments fragments = find_fragments(model, state);  // the halves at 5 hold

@@ -1,0 +1,24 @@
+#pragma once
+// The graph in which cracks are found: all interfaces of a body as edges, with the status of each.
+#include "output/frame.hpp"
+
+namespace knap {
+
+using InterfaceStatus = PointStatus;
+
+/// Constant during a run.
+struct InterfaceGraph {
+    std::vector<Vec2> vertices;              // [m]
+    std::vector<std::uint8_t> on_boundary;   // per vertex: on the free boundary, where a crack ends
+    std::vector<std::array<Index, 2>> ends;  // per interface: its two vertices
+    std::vector<double> length;              // [m] per interface
+};
+
+/// Of second order the halves of an interface are edges, 2 i and 2 i + 1, and the middles are further vertices.
+/// A vertex is on the boundary when one of its edges is free, i.e. not on a support.
+InterfaceGraph interface_graph(const Model& model);
+
+/// The status of every edge of that graph: damaged below cohesion 1 at one of its points, broken at 0 at both.
+std::vector<InterfaceStatus> interface_status(const Model& model, const State& state);
+
+}  // namespace knap
