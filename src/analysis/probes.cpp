@@ -1,7 +1,7 @@
 #include "analysis/probes.hpp"
 
 #include "base/error.hpp"
-#include "element/quadratic_triangles.hpp"
+#include "element/shape_functions.hpp"
 
 #include <limits>
 

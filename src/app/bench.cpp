@@ -145,13 +145,13 @@ void measure_implicit(Table& table) {
 /// [s] of processor time for the forces of all triangles, block by block as in a step; the best of many.
 double time_of_forces(const Model& model, const State& state) {
     ElasticForces forces(model.mesh, model.materials, model.plane, model.thickness);
-    const MeshBlocks blocks(model);
-    std::vector<Vec2> force(blocks.max_corners());
+    const std::vector<MeshBlock> blocks = make_blocks(model);
+    std::vector<Vec2> force(model.mesh.corners_per_triangle() * blocks.front().last);
     std::vector<std::uint8_t> candidate(model.fans.size(), 0);
     double best = INFINITY;
     for (int trial = 0; trial < 20; ++trial) {
         const Stopwatch watch;
-        for (const MeshBlocks::Block& block : blocks.blocks())
+        for (const MeshBlock& block : blocks)
             forces.evaluate(block.first, block.last, state.displacement, state.node_of_corner, force.data(), candidate);
         best = std::min(best, watch.cpu());
     }

@@ -1,47 +1,92 @@
 #pragma once
-// Internal forces of the bulk, one corner at a time, and the stress criterion of the interfaces: linear_triangles.hpp or quadratic_triangles.hpp,
-// as the order of the mesh says.
-#include "element/linear_triangles.hpp"
-#include "element/quadratic_triangles.hpp"
+// Internal forces of the bulk on the corners of its triangles, and the stress criterion of the interfaces.
+#include "material/elastic.hpp"
+#include "mesh/mesh.hpp"
 
-#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <variant>
+#include <vector>
 
 namespace knap {
 
-class ElasticForces {
+/// [Pa] lambda of the plane law and 2 mu of a material.
+struct LameConstants {
+    double lambda, twice_shear;
+};
+
+/// Constant strain: strain = sum_k sym(grad l_k (x) u_k), sigma = D strain, f_k = -V sigma grad l_k, sum_k f_k = 0.
+class LinearTriangles {
 public:
-    ElasticForces(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness)
-        : triangles_(mesh.order == 1 ? Triangles(LinearTriangles(mesh, materials, plane, thickness))
-                                     : Triangles(QuadraticTriangles(mesh, materials, plane, thickness))),
-          n_triangles_(mesh.n_triangles()),
-          corners_per_triangle_(mesh.corners_per_triangle()) {}
-
-    /// The stress criterion: a fan needs no test while forces on its corners are no larger than stresses |sigma|_F^2 <= threshold can make them.
-    /// [Pa^2] per fan.
-    void set_stress_criterion(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner) {
-        std::visit([&](auto& triangles) { triangles.set_stress_criterion(threshold_of_fan, fan_of_corner); }, triangles_);
-    }
-
-    /// Of the triangles from `first` to before `last`: force [N] on their corners; fan_is_candidate [0/1], per fan, is set where the stress criterion does not clear
-    /// the fan (from several threads at once).
-    void evaluate(Index first, Index last, const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner, Vec2* force,
-                  std::vector<std::uint8_t>& fan_is_candidate) const {
-        std::visit([&](const auto& triangles) { triangles.evaluate(first, last, displacement, node_of_corner, force, fan_is_candidate); }, triangles_);
-    }
-
-    /// Of all triangles: corner_force [N], per corner.
-    void evaluate(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner, std::vector<Vec2>& corner_force,
-                  std::vector<std::uint8_t>& fan_is_candidate) const {
-        constexpr Index block = 1024;
-#pragma omp parallel for schedule(static) if (n_triangles_ > block)
-        for (Index first = 0; first < n_triangles_; first += block)
-            evaluate(first, std::min(first + block, n_triangles_), displacement, node_of_corner, &corner_force[corners_per_triangle_ * first], fan_is_candidate);
-    }
+    LinearTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness);
+    /// Compares |sigma|_F^2 with the threshold.
+    void set_stress_criterion(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner);
+    void evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
+                  const std::vector<Index>& node_of_corner, Vec2* force,
+                  std::vector<std::uint8_t>& fan_is_candidate) const;
 
 private:
-    using Triangles = std::variant<LinearTriangles, QuadraticTriangles>;
-    Triangles triangles_;
+    struct Triangle {
+        Vec2 gradient1, gradient2;  // [1/m] of l_1 and l_2; that of l_0 is minus their sum
+        double volume;              // [m3]
+        float threshold;            // [Pa^2] smallest of the three fans, rounded down
+        Index material;
+    };
+    static_assert(sizeof(Triangle) == 48);  // on large meshes the step is limited by memory bandwidth
+    std::vector<Triangle> triangles_;
+    std::vector<LameConstants> stiffness_;  // per material
+    std::vector<double> threshold_of_fan_;
+    std::vector<Index> fan_of_corner_;
+};
+
+/// Order 2: three stresses at the middles of the edges and the stiffness R of the bubble (shape_functions.hpp).
+class QuadraticTriangles {
+public:
+    QuadraticTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness);
+    /// Compares the force on each corner with the largest force of a uniform stress at the threshold.
+    void set_stress_criterion(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner);
+    void evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
+                  const std::vector<Index>& node_of_corner, Vec2* force,
+                  std::vector<std::uint8_t>& fan_is_candidate) const;
+
+private:
+    struct Triangle {
+        Vec2 gradient1, gradient2;  // [1/m] of l_1 and l_2; that of l_0 is minus their sum
+        double volume;              // [m3]
+        double R_xx, R_yy, R_xy;    // [N/m]
+        Index material;
+    };
+    std::vector<Triangle> triangles_;
+    std::vector<LameConstants> stiffness_;      // per material
+    std::vector<std::array<float, 6>> limit2_;  // [N^2] per triangle: squared threshold of the forces on corners 0 to 5
+    std::vector<Index> fan_of_corner_;
+};
+
+class ElasticForces {
+public:
+    ElasticForces(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness);
+
+    /// Fans need no further test while the forces on their corners do not exceed those that stresses with
+    /// |sigma|_F^2 <= threshold cause. [Pa^2] per fan.
+    void set_stress_criterion(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner);
+
+    /// Of the triangles from `first` to before `last`: force [N] on their corners. Sets fan_is_candidate [0/1], per
+    /// fan, where the stress criterion is exceeded; several threads may do so at once.
+    void evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
+                  const std::vector<Index>& node_of_corner, Vec2* force,
+                  std::vector<std::uint8_t>& fan_is_candidate) const {
+        std::visit(
+            [&](const auto& triangles) {
+                triangles.evaluate(first, last, displacement, node_of_corner, force, fan_is_candidate);
+            },
+            triangles_);
+    }
+    /// Of all triangles, in parallel: corner_force [N], per corner.
+    void evaluate(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner,
+                  std::vector<Vec2>& corner_force, std::vector<std::uint8_t>& fan_is_candidate) const;
+
+private:
+    std::variant<LinearTriangles, QuadraticTriangles> triangles_;
     Index n_triangles_, corners_per_triangle_;
 };
 

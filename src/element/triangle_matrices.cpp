@@ -1,7 +1,6 @@
 #include "element/triangle_matrices.hpp"
 
-#include "element/quadratic_triangles.hpp"
-#include "element/shape_gradients.hpp"
+#include "element/shape_functions.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -16,23 +15,25 @@ void add_stiffness(std::span<const Vec2> gradient, double lambda, double mu, Ele
     for (std::size_t i = 0; i < gradient.size(); ++i)
         for (std::size_t j = 0; j < gradient.size(); ++j) {
             const Vec2 &g = gradient[i], &e = gradient[j];
-            K.block<2, 2>(2 * i, 2 * j) += lambda * g * e.transpose() + mu * (e * g.transpose() + g.dot(e) * Eigen::Matrix2d::Identity());
+            K.block<2, 2>(2 * i, 2 * j) +=
+                lambda * g * e.transpose() + mu * (e * g.transpose() + g.dot(e) * Eigen::Matrix2d::Identity());
         }
 }
 
-ElementMatrix lumped_quadratic() {
+/// For the mass 1, M_ij = (own delta_ij + shared)/3.
+ElementMatrix linear_mass(double own, double shared) {
+    return own / 3 * ElementMatrix::Identity(3, 3) + ElementMatrix::Constant(3, 3, shared / 3);
+}
+
+ElementMatrix lumped_quadratic_mass() {
     ElementMatrix M = ElementMatrix::Zero(7, 7);
     for (Index k = 0; k < 7; ++k) M(k, k) = corner_share(2, k, 1);
     return M;
 }
 
-ElementMatrix linear(MassMatrix mass) {
-    const auto [own, shared] = shares_of(mass);
-    return own / 3 * ElementMatrix::Identity(3, 3) + ElementMatrix::Constant(3, 3, shared / 3);
-}
-
-/// N = T P from the six quadratic functions and the bubble, whose integrals P P', P b, b b over the unit mass are well known.
-ElementMatrix consistent_quadratic() {
+/// N = T P from the six quadratic functions and the bubble b, whose integrals P P', P b, b b over the unit mass are
+/// known.
+ElementMatrix consistent_quadratic_mass() {
     ElementMatrix P = ElementMatrix::Zero(7, 7), T = ElementMatrix::Identity(7, 7);
     for (Index i = 0; i < 3; ++i) {
         for (Index j = 0; j < 3; ++j) {
@@ -49,22 +50,24 @@ ElementMatrix consistent_quadratic() {
     return T * P * T.transpose();
 }
 
-ElementMatrix one_point_quadratic() {  // at the centre all other shape functions are zero
+/// At the centre all other shape functions are zero.
+ElementMatrix one_point_quadratic_mass() {
     ElementMatrix M = ElementMatrix::Zero(7, 7);
     M(6, 6) = 1;
     return M;
 }
 
-/// [1/s^2] Of order 1: K = V B' D B, M = (m/3) I, V/m = 1/rho: the non-zero eigenvalues of M^-1 K are those of (3/rho) R' B B' R, D = R R'.
-double largest_eigenvalue(const Mesh& mesh, Index t, const Elastic& material, const Eigen::Matrix3d& root) {
+/// [1/s^2] Order 1: K = V B' D B, M = (m/3) I, V/m = 1/rho: the non-zero eigenvalues of M^-1 K are those of
+/// (3/rho) L' B B' L with D = L L'.
+double largest_eigenvalue_linear(const Mesh& mesh, Index t, const Elastic& material, const Eigen::Matrix3d& L) {
     Eigen::Matrix<double, 3, 6> B = Eigen::Matrix<double, 3, 6>::Zero();
     const auto gradients = shape_gradients(mesh, t);
     for (int k = 0; k < 3; ++k) {
         B(0, 2 * k) = B(2, 2 * k + 1) = gradients[k].x();
         B(1, 2 * k + 1) = B(2, 2 * k) = gradients[k].y();
     }
-    const Eigen::Matrix<double, 3, 6> RB = root.transpose() * B;
-    const Eigen::Matrix3d A = 3 / material.density * RB * RB.transpose();
+    const Eigen::Matrix<double, 3, 6> LB = L.transpose() * B;
+    const Eigen::Matrix3d A = 3 / material.density * LB * LB.transpose();
     return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
 }
 
@@ -72,7 +75,8 @@ double largest_eigenvalue_quadratic(const Mesh& mesh, Index t, const Elastic& ma
     ElementMatrix A = stiffness_matrix(mesh, t, material, plane, 1);
     const double mass = material.density * mesh.area(t);
     for (Index i = 0; i < A.rows(); ++i)
-        for (Index j = 0; j < A.cols(); ++j) A(i, j) /= std::sqrt(corner_share(2, i / 2, mass) * corner_share(2, j / 2, mass));
+        for (Index j = 0; j < A.cols(); ++j)
+            A(i, j) /= std::sqrt(corner_share(2, i / 2, mass) * corner_share(2, j / 2, mass));
     return Eigen::SelfAdjointEigenSolver<ElementMatrix>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
 }
 
@@ -100,19 +104,21 @@ double corner_share(Index order, Index k, double of_triangle) {
 }
 
 const ElementMatrix& mass_matrix(Index order, MassMatrix mass) {
-    static const std::array<ElementMatrix, 3> of_first{linear(MassMatrix::lumped), linear(MassMatrix::consistent), linear(MassMatrix::one_point)};
-    static const std::array<ElementMatrix, 3> of_second{lumped_quadratic(), consistent_quadratic(), one_point_quadratic()};
-    return (order == 1 ? of_first : of_second)[static_cast<std::size_t>(mass)];
+    static const std::array<ElementMatrix, 3> linear{linear_mass(1, 0), linear_mass(0.25, 0.25),
+                                                     linear_mass(0, 1. / 3)};
+    static const std::array<ElementMatrix, 3> quadratic{lumped_quadratic_mass(), consistent_quadratic_mass(),
+                                                        one_point_quadratic_mass()};
+    return (order == 1 ? linear : quadratic)[static_cast<std::size_t>(mass)];
 }
 
 std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane) {
-    std::vector<double> steps(mesh.n_triangles());
-    std::vector<Eigen::Matrix3d> root;
-    for (const Elastic& material : materials) root.push_back(material.stiffness(plane).llt().matrixL());
+    std::vector<Eigen::Matrix3d> L;
+    for (const Elastic& material : materials) L.push_back(material.stiffness(plane).llt().matrixL());
+    std::vector<double> steps;
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
-        const Elastic& material = materials[mesh.region[t]];
-        steps[t] = 2 / std::sqrt(mesh.order == 1 ? largest_eigenvalue(mesh, t, material, root[mesh.region[t]])
-                                                 : largest_eigenvalue_quadratic(mesh, t, material, plane));
+        const Index m = mesh.region[t];
+        steps.push_back(2 / std::sqrt(mesh.order == 1 ? largest_eigenvalue_linear(mesh, t, materials[m], L[m])
+                                                      : largest_eigenvalue_quadratic(mesh, t, materials[m], plane)));
     }
     return steps;
 }

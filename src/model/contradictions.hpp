@@ -1,9 +1,9 @@
 #pragma once
-// Loads that cannot both hold: two prescribed motions of one component of a node that differ, and a traction or force on a component whose
-// motion is prescribed, which the support alone would carry.
+// Loads that contradict each other: two different prescribed motions of one component of a node, and a traction or
+// force on a component with prescribed motion, which the drive alone would carry.
 //
-// Lawful are the same motion twice (a corner that two held boundaries share), tractions that add up, and a traction on one boundary beside
-// a motion on its neighbour: its part on the node that they share goes to the support.
+// Allowed are equal motions (of a corner that two driven boundaries share), tractions that add up, and a traction on a
+// boundary next to a driven one: its part on the common node goes to the drive.
 #include "model/model.hpp"
 
 #include <array>
@@ -20,7 +20,7 @@ struct Contradiction {
     Vec2 where;                       // [m] first place found
 };
 
-/// Each pair of loads once for each component.
+/// One per pair of loads, component and kind.
 std::vector<Contradiction> find_contradictions(const Model& model, const std::vector<Load>& loads);
 
 }  // namespace knap

@@ -1,171 +1,157 @@
 #include "model/fans.hpp"
 
-#include "model/random_strength.hpp"
+#include "base/random.hpp"
 
 #include <algorithm>
-#include <cassert>
+#include <numeric>
 
 namespace knap {
 namespace {
 
 constexpr Index none = -1;
 
-/// Interface at each side (3 triangle + side) of the mesh, or none.
-using InterfaceOfSide = std::vector<Index>;
-
-Index ray_side(Index k) { return k; }            // the edge at which corner k begins, going counterclockwise
-Index last_side(Index k) { return (k + 2) % 3; }  // the edge at which it ends
-
-Interface interface_at(const Mesh& mesh, Index a, Index b, Index owner, Index side) {
-    // seen from `owner`: its outward normal is the edge turned right; N runs from A to B
-    const Vec2 from = mesh.corner(owner, side), to = mesh.corner(owner, (side + 1) % 3);
-    const Vec2 outward = -turned_left((to - from).normalized());
-    return {.triangle = {a, b},
-            .vertex = {mesh.triangles[owner][side], mesh.triangles[owner][(side + 1) % 3]},
-            .normal = owner == a ? outward : Vec2(-outward),
-            .length = (to - from).norm(),
-            .law = 0,
-            .cracked = false,
-            .gap = 0};
-}
-
-InterfaceOfSide make_interfaces(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model) {
-    const Mesh& mesh = model.mesh;
-    InterfaceOfSide interface_of_side(3 * mesh.n_triangles(), none);
-    for (const InteriorEdge& edge : mesh.interior_edges) {
-        const auto [a, b] = edge.triangle;
-        Interface made = interface_at(mesh, a, b, a, edge.side[0]);
-        made.law = edge.joint >= 0           ? input.law_of_joint[edge.joint]
-                   : mesh.within_grain(edge) ? input.law_within[mesh.region[a]]
-                                             : input.law_of_pair[mesh.region[a]][mesh.region[b]];
-        made.cracked = edge.cracked;
-        interface_of_side[3 * a + edge.side[0]] = interface_of_side[3 * b + edge.side[1]] = static_cast<Index>(model.interfaces.size());
-        model.interfaces.push_back(made);
-    }
-    for (std::size_t i = 0; i < mesh.boundary_edges.size(); ++i) {
-        if (support_of_edge[i] == none) continue;
-        const BoundaryEdge& edge = mesh.boundary_edges[i];
-        const Support& support = input.supports[support_of_edge[i]];
-        Interface made = interface_at(mesh, rigid_support, edge.triangle, edge.triangle, edge.side);
-        made.law = support.law;
-        made.cracked = !support.glued;
-        made.gap = support.gap;
-        interface_of_side[3 * edge.triangle + edge.side] = static_cast<Index>(model.interfaces.size());
-        model.interfaces.push_back(made);
-    }
-    return interface_of_side;
-}
-
-class FanWalk {
+/// Half-edge h = 3 triangle + k runs along edge k of the triangle, from its vertex k, counterclockwise.
+class FanMaker {
 public:
-    FanWalk(Model& model, const InterfaceOfSide& interface_of_side) : model_(model), interface_of_side_(interface_of_side) {}
+    FanMaker(const ModelInput& input, Model& model)
+        : input_(input),
+          model_(model),
+          mesh_(model.mesh),
+          interface_(3 * mesh_.n_triangles(), none),
+          twin_(3 * mesh_.n_triangles(), none) {}
 
-    /// The fan that holds `corner`, walked counterclockwise from its first edge.
-    void walk(Index corner) {
-        const Index start = first_corner_of(corner);
-        const Index vertex = vertex_of(start);
-        Fan fan = no_fan();
-        fan.vertex = vertex;
-        fan.closed = across(start, ray_side(vertex_place(start))) != none;
-        Index before = fan.closed ? across(start, ray_side(vertex_place(start))) : rigid_support;
-        for (Index here = start;;) {
-            add_end_point(interface_of_side_[side_of(here, ray_side(vertex_place(here)))], vertex, before, here, fan);
-            add_corner(here, fan);
-            before = here;
-            here = across(here, last_side(vertex_place(here)));
-            if (here == none || here == start) break;
+    void make_interfaces(const SupportOfEdge& support_of_edge) {
+        for (const InteriorEdge& edge : mesh_.interior_edges) {
+            const auto [a, b] = edge.triangle;
+            const Index h = 3 * a + edge.side[0], law = edge.joint >= 0 ? input_.law_of_joint[edge.joint]
+                                                        : mesh_.within_grain(edge)
+                                                            ? input_.law_within[mesh_.region[a]]
+                                                            : input_.law_of_pair[mesh_.region[a]][mesh_.region[b]];
+            twin_[h] = 3 * b + edge.side[1], twin_[twin_[h]] = h;
+            add_interface(a, b, h, law, edge.cracked, 0);
         }
-        if (!fan.closed) add_end_point(interface_of_side_[side_of(before, last_side(vertex_place(before)))], vertex, before, rigid_support, fan);
-        model_.fans.push_back(fan);
+        for (std::size_t i = 0; i < mesh_.boundary_edges.size(); ++i) {
+            if (support_of_edge[i] == none) continue;
+            const BoundaryEdge& edge = mesh_.boundary_edges[i];
+            const Support& support = input_.supports[support_of_edge[i]];
+            add_interface(rigid_support, edge.triangle, 3 * edge.triangle + edge.side, support.law, !support.glued,
+                          support.gap);
+        }
     }
 
-    /// The fan in the middle of a side: `corner` and the one across, if there is one.
-    void walk_middle(Index corner) {
-        const Index t = model_.mesh.triangle_of(corner), side = vertex_place(corner) - 3, interface = interface_of_side_[3 * t + side];
-        Fan fan = no_fan();
-        if (interface == none) {
-            add_corner(corner, fan);
-        } else {
-            const Interface& edge = model_.interfaces[interface];
-            std::array<Index, 2> sides{rigid_support, rigid_support};  // A and B
-            for (int i = 0; i < 2; ++i)
-                if (edge.triangle[i] != rigid_support) add_corner(sides[i] = middle_of(edge.triangle[i], interface), fan);
-            add_point(interface, 2, sides[0], sides[1], edge.normal, 4. / 6, fan);
+    /// In the order of their vertices, then of their triangles, so that the nodes keep the locality of the mesh.
+    void make_fans() {
+        model_.fan_of_corner.assign(mesh_.n_corners(), none);
+        model_.fan_point_of.assign(model_.n_points(), none);
+        std::vector<Index> half_edges(3 * mesh_.n_triangles());
+        std::iota(half_edges.begin(), half_edges.end(), 0);
+        std::ranges::stable_sort(half_edges, {}, [&](Index h) { return vertex(h); });
+        for (const Index h : half_edges)
+            if (model_.fan_of_corner[corner(h)] == none) add_fan_of_vertex(h);
+        if (mesh_.order == 1) return;
+        for (Index h = 0; h < 3 * mesh_.n_triangles(); ++h)
+            if (model_.fan_of_corner[middle(h)] == none) add_fan_of_middle(h);
+        for (Index t = 0; t < mesh_.n_triangles(); ++t) {
+            begin_fan(none, false);
+            add_corner(7 * t + 6);
         }
-        model_.fans.push_back(fan);
-    }
-
-    void walk_centre(Index corner) {
-        Fan fan = no_fan();
-        add_corner(corner, fan);
-        model_.fans.push_back(fan);
     }
 
 private:
-    Fan no_fan() const {
-        return {.vertex = none,
-                .first_corner = static_cast<Index>(model_.fan_corners.size()),
-                .n_corners = 0,
-                .first_point = static_cast<Index>(model_.fan_points.size()),
-                .n_points = 0,
-                .closed = false,
-                .split_at_start = false,
-                .mass = 0};
+    static Index next(Index h) { return h % 3 == 2 ? h - 2 : h + 1; }
+    static Index previous(Index h) { return h % 3 == 0 ? h + 2 : h - 1; }
+    /// The next half-edge from the same vertex, or none.
+    Index clockwise(Index h) const { return twin_[h] == none ? none : next(twin_[h]); }
+    Index counterclockwise(Index h) const { return twin_[previous(h)]; }
+    Index vertex(Index h) const { return mesh_.triangles[h / 3][h % 3]; }
+    Index corner(Index h) const { return mesh_.corners_per_triangle() * (h / 3) + h % 3; }
+    Index middle(Index h) const { return 7 * (h / 3) + 3 + h % 3; }
+
+    /// h: along the edge, with the triangle a, or b on a support, to its left.
+    void add_interface(Index a, Index b, Index h, Index law, bool cracked, double gap) {
+        const Vec2 along = mesh_.side_vector(h / 3, h % 3), outward = -turned_left(along.normalized());
+        interface_[h] = static_cast<Index>(model_.interfaces.size());
+        if (twin_[h] != none) interface_[twin_[h]] = interface_[h];
+        model_.interfaces.push_back({.triangle = {a, b},
+                                     .vertex = {vertex(h), vertex(next(h))},
+                                     .normal = a == rigid_support ? Vec2(-outward) : outward,
+                                     .length = along.norm(),
+                                     .law = law,
+                                     .cracked = cracked,
+                                     .gap = gap});
     }
 
-    Index middle_of(Index triangle, Index interface) const {
-        Index side = 0;
-        while (interface_of_side_[3 * triangle + side] != interface) ++side;
-        return model_.mesh.corners_per_triangle() * triangle + 3 + side;
-    }
-
-    Index side_of(Index corner, Index side) const { return 3 * model_.mesh.triangle_of(corner) + side; }
-    Index vertex_place(Index corner) const { return model_.mesh.place_in_triangle(corner); }
-    Index vertex_of(Index corner) const { return model_.mesh.triangles[model_.mesh.triangle_of(corner)][vertex_place(corner)]; }
-
-    /// The corner at the same vertex on the other side of an edge, or none at the boundary.
-    Index across(Index corner, Index side) const {
-        const Index i = interface_of_side_[side_of(corner, side)];
-        if (i == none || model_.interfaces[i].triangle[0] == rigid_support) return none;
-        const auto& pair = model_.interfaces[i].triangle;
-        const Index other = pair[0] == model_.mesh.triangle_of(corner) ? pair[1] : pair[0];
-        for (Index k = 0; k < 3; ++k)
-            if (model_.mesh.triangles[other][k] == vertex_of(corner)) return model_.mesh.corners_per_triangle() * other + k;
-        assert(false);
-        return none;
-    }
-
-    Index first_corner_of(Index corner) const {
-        Index first = corner;  // walk clockwise to the boundary; round a closed fan begin at the lowest corner
-        for (Index here = across(corner, ray_side(vertex_place(corner))); here != corner; here = across(here, ray_side(vertex_place(here)))) {
-            if (here == none) {
-                Index open_end = corner;
-                while (across(open_end, ray_side(vertex_place(open_end))) != none) open_end = across(open_end, ray_side(vertex_place(open_end)));
-                return open_end;
-            }
-            first = std::min(first, here);
+    /// The first half-edge of the fan counterclockwise; of a closed fan that with the lowest number.
+    Index first_of(Index h) const {
+        Index lowest = h, last = h;
+        for (Index i = clockwise(h); i != h; i = clockwise(i)) {
+            if (i == none) return last;
+            lowest = std::min(lowest, i);
+            last = i;
         }
-        return first;
+        return lowest;
     }
 
-    void add_corner(Index corner, Fan& fan) {
-        model_.fan_of_corner[corner] = static_cast<Index>(model_.fans.size());
+    void add_fan_of_vertex(Index any) {
+        const Index first = first_of(any);
+        const bool closed = twin_[first] != none;
+        begin_fan(vertex(first), closed);
+        Index before = closed ? corner(clockwise(first)) : rigid_support;
+        for (Index h = first;;) {
+            add_end_point(interface_[h], before, corner(h));
+            add_corner(corner(h));
+            before = corner(h);
+            const Index last = previous(h);
+            h = counterclockwise(h);
+            if (h == none) return add_end_point(interface_[last], before, rigid_support);
+            if (h == first) return;
+        }
+    }
+
+    /// The one or two corners in the middle of an edge.
+    void add_fan_of_middle(Index h) {
+        begin_fan(none, false);
+        if (interface_[h] == none) return add_corner(middle(h));
+        const Interface& edge = model_.interfaces[interface_[h]];
+        std::array<Index, 2> sides{rigid_support, rigid_support};  // A and B
+        for (int i = 0; i < 2; ++i)
+            if (edge.triangle[i] != rigid_support)
+                add_corner(sides[i] = middle(edge.triangle[i] == h / 3 ? h : twin_[h]));
+        add_point(interface_[h], 2, sides[0], sides[1], edge.normal, 4. / 6);
+    }
+
+    void begin_fan(Index vertex, bool closed) {
+        model_.fans.push_back({.vertex = vertex,
+                               .first_corner = static_cast<Index>(model_.fan_corners.size()),
+                               .n_corners = 0,
+                               .first_point = static_cast<Index>(model_.fan_points.size()),
+                               .n_points = 0,
+                               .closed = closed,
+                               .split_at_start = false,
+                               .mass = 0});
+    }
+
+    void add_corner(Index corner) {
+        Fan& fan = model_.fans.back();
+        model_.fan_of_corner[corner] = static_cast<Index>(model_.fans.size()) - 1;
         model_.fan_corners.push_back(corner);
         fan.mass += model_.corner_mass[corner];
         ++fan.n_corners;
     }
 
-    void add_end_point(Index interface, Index vertex, Index before, Index after, Fan& fan) {
-        if (interface == none) return;  // a free end
-        const Interface& edge = model_.interfaces[interface];
-        const Index end = edge.vertex[0] == vertex ? 0 : 1;
-        const Vec2 ray = (model_.mesh.vertices[edge.vertex[1 - end]] - model_.mesh.vertices[vertex]).normalized();
-        add_point(interface, end, before, after, turned_left(ray), model_.mesh.order == 1 ? 1. / 2 : 1. / 6, fan);
+    void add_end_point(Index interface, Index before, Index after) {
+        if (interface == none) return;  // a free boundary edge
+        const Index vertex = model_.fans.back().vertex;
+        const auto& ends = model_.interfaces[interface].vertex;
+        const Index place = ends[0] == vertex ? 0 : 1;
+        const Vec2 ray = (mesh_.vertices[ends[1 - place]] - mesh_.vertices[vertex]).normalized();
+        add_point(interface, place, before, after, turned_left(ray), mesh_.order == 1 ? 1. / 2 : 1. / 6);
     }
 
-    /// `part`: of the edge.
-    void add_point(Index interface, Index place, Index before, Index after, const Vec2& normal, double part, Fan& fan) {
+    /// `share`: of the edge.
+    void add_point(Index interface, Index place, Index before, Index after, const Vec2& normal, double share) {
         const Interface& edge = model_.interfaces[interface];
+        Fan& fan = model_.fans.back();
         const Index point = model_.points_per_interface() * interface + place;
         model_.fan_point_of[point] = static_cast<Index>(model_.fan_points.size());
         model_.fan_points.push_back({.before = before,
@@ -174,39 +160,25 @@ private:
                                      .law = edge.law,
                                      .cracked = edge.cracked,
                                      .normal = normal,
-                                     .area = part * edge.length * model_.thickness,
+                                     .area = share * edge.length * model_.thickness,
                                      .gap = edge.gap});
         ++fan.n_points;
-        fan.split_at_start = fan.split_at_start || edge.cracked || before == rigid_support || after == rigid_support;
+        fan.split_at_start = fan.split_at_start || edge.cracked || model_.fan_points.back().on_support();
     }
 
+    const ModelInput& input_;
     Model& model_;
-    const InterfaceOfSide& interface_of_side_;
+    const Mesh& mesh_;
+    std::vector<Index> interface_, twin_;  // per half-edge, or none
 };
 
 }  // namespace
 
 void make_interfaces_and_fans(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model) {
-    const InterfaceOfSide interface_of_side = make_interfaces(input, support_of_edge, model);
+    FanMaker maker(input, model);
+    maker.make_interfaces(support_of_edge);
     scatter_strength(input, model);
-    model.fan_of_corner.assign(model.mesh.n_corners(), none);
-    model.fan_point_of.assign(model.n_points(), none);
-
-    // fans in the order of their vertices, then of their triangles, so that the nodes keep the mesh's locality
-    const Mesh& mesh = model.mesh;
-    std::vector<Index> order, middles, centres;
-    for (Index c = 0; c < mesh.n_corners(); ++c) {
-        const Index place = mesh.place_in_triangle(c);
-        (place < 3 ? order : place < 6 ? middles : centres).push_back(c);
-    }
-    const auto vertex = [&](Index c) { return mesh.triangles[mesh.triangle_of(c)][mesh.place_in_triangle(c)]; };
-    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return vertex(a) < vertex(b); });
-    FanWalk walker(model, interface_of_side);
-    for (const Index corner : order)
-        if (model.fan_of_corner[corner] == none) walker.walk(corner);
-    for (const Index corner : middles)
-        if (model.fan_of_corner[corner] == none) walker.walk_middle(corner);
-    for (const Index corner : centres) walker.walk_centre(corner);
+    maker.make_fans();
 }
 
 }  // namespace knap

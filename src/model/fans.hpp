@@ -1,13 +1,17 @@
 #pragma once
-// Interfaces and fans of a mesh: who meets whom at every edge and round every vertex.
+// Interfaces and fans of a mesh.
 #include "model/model.hpp"
 
 namespace knap {
 
-/// Which support each boundary edge stands on, or -1; same order as Mesh::boundary_edges.
+/// The support of each boundary edge, or -1; in the order of Mesh::boundary_edges.
 using SupportOfEdge = std::vector<Index>;
 
 /// Fills interfaces, fans, fan_corners, fan_points, fan_of_corner, fan_point_of from model.mesh.
 void make_interfaces_and_fans(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model);
+
+/// Gives every interface with cohesion whose law scatters a law of its own, behind the others in model.laws, with the
+/// strength, the fracture energy or both drawn at random.
+void scatter_strength(const ModelInput& input, Model& model);
 
 }  // namespace knap

@@ -19,7 +19,8 @@ double TimeFunction::slope_before(double t) const {
     return (value[after] - value[after - 1]) / (time[after] - time[after - 1]);
 }
 
-PrescribedRate prescribed_rate(bool is_displacement, double value, const TimeFunction& history, double displacement, const StepTimes& step) {
+PrescribedRate prescribed_rate(bool is_displacement, double value, const TimeFunction& history, double displacement,
+                               const StepTimes& step) {
     const double end = step.begin + step.h;
     if (is_displacement) {
         const double rate = (value * history(end) - displacement) / step.h;

@@ -1,5 +1,5 @@
 #pragma once
-// What acts on a body from outside, before it meets a mesh.
+// Loads, supports and initial velocities as a scenario gives them, before they are applied to a mesh.
 #include "mesh/polygon.hpp"
 
 #include <array>
@@ -26,23 +26,25 @@ struct StepTimes {
 
 /// One component of a prescribed motion over a step.
 struct PrescribedRate {
-    double rate;          // [m/s] or [rad/s]; the displacement at the end is the one at the begin plus h times it
+    double rate;          // [m/s] or [rad/s]: displacement at the end minus that at the start, over h
     double end_velocity;  // likewise
 };
 
-/// `value` times `history` is the displacement or the velocity of the component; `displacement` [m] or [rad] at the begin of the step.
-PrescribedRate prescribed_rate(bool is_displacement, double value, const TimeFunction& history, double displacement, const StepTimes& step);
+/// `value` times `history` is the displacement or the velocity of the component; `displacement` [m] or [rad] is that at
+/// the start of the step.
+PrescribedRate prescribed_rate(bool is_displacement, double value, const TimeFunction& history, double displacement,
+                               const StepTimes& step);
 
-/// Where something acts: a named boundary, or all inside a box, or everywhere.
+/// A named boundary, everything inside a box, the part of a boundary inside a box, or everything.
 struct Selection {
-    std::string boundary;    // empty: not by name
-    std::optional<Box> box;  // with a boundary name: the part of it inside the box
+    std::string boundary;  // empty: not by name
+    std::optional<Box> box;
 };
 
 struct Load {
     enum class Kind {
         traction,      // [Pa] on boundary edges
-        stress,        // [Pa] on boundary edges: the traction that a stress has there
+        stress,        // [Pa] on boundary edges: the traction of this stress there
         force,         // [N] shared equally by boundary vertices (or all vertices in a box)
         velocity,      // [m/s] of boundary vertices (or of all vertices in a box)
         displacement,  // [m] likewise
@@ -57,9 +59,14 @@ struct Load {
     TimeFunction history;                        // multiplies the value
 
     bool drives() const { return kind == Kind::velocity || kind == Kind::displacement; }
+    /// Of the stress on an edge, times its normal.
+    Vec2 stress_times(const Vec2& normal) const {
+        return {stress[0] * normal.x() + stress[2] * normal.y(), stress[2] * normal.x() + stress[1] * normal.y()};
+    }
+    Vec2 vector() const { return {value[0].value_or(0), value[1].value_or(0)}; }
 };
 
-/// A rigid, fixed support that a boundary stands on, glued by a cohesive law or only in contact.
+/// A rigid, fixed support of a boundary, glued by a cohesive law or in contact only.
 struct Support {
     Selection on;
     Index law = 0;       // index into the model's laws

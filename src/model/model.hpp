@@ -1,11 +1,13 @@
 #pragma once
-// The discrete model: immutable after it is made. Nothing here changes in a run; what changes is State.
+// The discrete model: immutable once made. What changes during a run is State.
 //
-// Every triangle owns its corners (mesh.hpp). Every interior edge, and every boundary edge on a support, is an interface with points
-// (nodal quadrature): of order 1 two, one at each end, of area S = 1/2 length x thickness; of order 2 also one in the middle, of areas
-// 1/6, 1/6 and 4/6 (Simpson). Point p = points_per_interface() interface + place; place 0 and 1 are the ends, 2 is the middle.
-// The corners round a mesh vertex, in counterclockwise order, with the points between them, form a fan; so do the one or two corners in the
-// middle of an edge with the point between them, and a triangle's centre by itself.
+// Every triangle owns its corners (mesh.hpp). Every interior edge, and every boundary edge on a support, is an
+// interface with points (nodal quadrature): of order 1 two, one at each end, of area S = 1/2 length x thickness; of
+// order 2 also one in the middle, of areas 1/6, 1/6 and 4/6 (Simpson). Point p = points_per_interface() interface +
+// place; places 0 and 1 are the ends, 2 is the middle.
+//
+// A fan consists of the corners round a mesh vertex, counterclockwise, and the points between them; or of the one or
+// two corners in the middle of an edge and their point; or of the centre of a triangle.
 #include "base/error.hpp"
 #include "material/cohesive_law.hpp"
 #include "material/elastic.hpp"
@@ -14,40 +16,45 @@
 #include "model/loads.hpp"
 #include "model/obstacle.hpp"
 
+#include <span>
 #include <vector>
 
 namespace knap {
 
-inline constexpr Index rigid_support = -1;  // stands for the rigid support where a corner is expected
+inline constexpr Index rigid_support = -1;  // stands for the rigid support where a corner or a triangle is expected
 
 struct Interface {
-    std::array<Index, 2> triangle;  // sides A and B; A = support for a support
+    std::array<Index, 2> triangle;  // sides A and B; side A may be the support
     std::array<Index, 2> vertex;    // the two ends
     Vec2 normal;                    // N, from side A to side B; T = turned_left(N)
     double length;                  // [m]
-    Index law;                      // index into Model::laws
+    Index law;                      // into Model::laws
     bool cracked;                   // no cohesion from the start
     double gap;                     // [m] initial opening (supports only)
 };
 
-/// One point of a fan between the corners `before` and `after` (counterclockwise); either may be support.
+/// An interface point between the corners `before` and `after` (counterclockwise); either may be the support.
 struct FanPoint {
-    Index before, after;  // corner index, or support
-    Index point;          // points_per_interface() interface + place
-    Index law : 31;       // into Model::laws
-    bool cracked : 1;     // no cohesion from the start
-    Vec2 normal;          // N, from before to after; T = turned_left(N)
-    double area;          // [m2] S
-    double gap;           // [m]
+    Index before, after;
+    Index point;       // points_per_interface() interface + place
+    Index law : 31;    // into Model::laws
+    bool cracked : 1;  // no cohesion from the start
+    Vec2 normal;       // N, from before to after; T = turned_left(N)
+    double area;       // [m2] S
+    double gap;        // [m] initial opening
+
+    bool on_support() const { return before == rigid_support || after == rigid_support; }
+    /// A corner of the point that is no support.
+    Index corner() const { return after == rigid_support ? before : after; }
 };
 static_assert(sizeof(FanPoint) == 48);  // three quarters of a cache line: tests of candidate fans read all of them
 
-/// The corners and points round one vertex, in counterclockwise order; points[i].after == corners[i] in a closed fan.
+/// In a closed fan point i lies before corner i; an open fan has n_corners - 1 points, and one more per support.
 struct Fan {
     Index vertex;                   // or -1: the middle of an edge, the centre of a triangle
     Index first_corner, n_corners;  // into Model::fan_corners
     Index first_point, n_points;    // into Model::fan_points
-    bool closed;                    // the last point leads back to the first corner; else n_points = n_corners - 1 (+ supports)
+    bool closed;                    // the last point leads back to the first corner
     bool split_at_start;            // has a cracked point or a support
     double mass;                    // [kg] sum of its corner masses
 };
@@ -59,7 +66,7 @@ struct CornerLoad {
     Vec2 force;     // [N]
 };
 
-/// Prescribed motion in x and/or y of a corner. In a fan in one piece all corners have the same.
+/// Prescribed motion of a corner in x, y or both. All corners of a bonded fan have the same.
 struct PrescribedMotion {
     Index fan;
     std::array<bool, 2> component;
@@ -67,8 +74,9 @@ struct PrescribedMotion {
     Vec2 value;                    // [m/s] or [m]
     std::array<bool, 2> is_displacement;
 
-    /// Of component k, from the displacement [m] at the begin of the step.
-    PrescribedRate rate(int k, const std::vector<TimeFunction>& histories, double displacement, const StepTimes& step) const {
+    /// Of component k; `displacement` [m] at the start of the step.
+    PrescribedRate rate(int k, const std::vector<TimeFunction>& histories, double displacement,
+                        const StepTimes& step) const {
         return prescribed_rate(is_displacement[k], value[k], histories[history[k]], displacement, step);
     }
 };
@@ -76,13 +84,13 @@ struct PrescribedMotion {
 struct ModelInput {
     Mesh mesh;
     PlaneModel plane = PlaneModel::strain;
-    double thickness = 1;                         // [m]
-    std::vector<Elastic> materials;               // by Mesh::region
+    double thickness = 1;            // [m]
+    std::vector<Elastic> materials;  // by Mesh::region
     std::vector<CohesiveLaw> laws;
     std::vector<std::vector<Index>> law_of_pair;  // law_of_pair[material a][material b], symmetric
     std::vector<Index> law_of_joint;              // by number of the joint set
     std::vector<Index> law_within;                // within a grain, by material; needed where the mesh has grains
-    std::vector<Scatter> scatter;                 // by law; empty = none scatters
+    std::vector<Scatter> scatter;                 // by law; empty = no law scatters
     std::uint64_t seed = 1;                       // of the scatter
     std::vector<Load> loads;
     std::vector<Support> supports;
@@ -105,12 +113,12 @@ struct Model {
     std::vector<Index> fan_of_corner;
     std::vector<Index> fan_point_of;  // per point: its index in fan_points
 
-    std::vector<TimeFunction> histories;      // those of the loads first
+    std::vector<TimeFunction> histories;  // of the loads, in their order
     std::vector<std::string> load_names;
     std::vector<CornerLoad> corner_loads;  // in the order of the corners
     std::vector<PrescribedMotion> prescribed;
     std::vector<Index> prescribed_of_corner;  // per corner: into `prescribed`, or -1
-    std::vector<Vec2> initial_velocity;  // [m/s] per corner, of what is driven its own; equal where corners move as one
+    std::vector<Vec2> initial_velocity;       // [m/s] per corner; equal where corners move as one
     std::vector<Obstacle> obstacles;
 
     Index points_per_interface() const { return mesh.order + 1; }
@@ -119,18 +127,35 @@ struct Model {
     double triangle_mass(Index triangle) const {  // [kg]
         return materials[mesh.region[triangle]].density * mesh.area(triangle) * thickness;
     }
+    std::span<const Index> corners(const Fan& fan) const {
+        return {fan_corners.data() + fan.first_corner, std::size_t(fan.n_corners)};
+    }
+    std::span<const FanPoint> points(const Fan& fan) const {
+        return {fan_points.data() + fan.first_point, std::size_t(fan.n_points)};
+    }
+    /// Null where nothing is prescribed.
+    const PrescribedMotion* motion_of(Index corner) const {
+        const Index motion = prescribed.empty() ? -1 : prescribed_of_corner[corner];
+        return motion < 0 ? nullptr : &prescribed[motion];
+    }
 };
 
-/// Something acts nowhere on the mesh.
+/// A point that sticks for ever: it is no crack, and its law has infinite strength.
+inline bool unbreakable(const Model& model, const FanPoint& point) {
+    return !point.cracked && !model.laws[point.law].breakable();
+}
+
+/// A load, support or initial velocity acts nowhere on the mesh.
 class EmptySelection : public UserError {
 public:
     enum List { loads, supports, initial_velocities };
-    EmptySelection(List list, std::size_t number, const std::string& message) : UserError("empty-selection", message), list(list), number(number) {}
+    EmptySelection(List list, std::size_t number, const std::string& message)
+        : UserError("empty-selection", message), list(list), number(number) {}
     List list;           // of ModelInput
     std::size_t number;  // in it, from 0
 };
 
-/// Throws EmptySelection for selections that select nothing, UserError for missing pair laws and the like.
+/// Throws EmptySelection for selections that select nothing, and UserError where an obstacle overlaps the body.
 Model make_model(ModelInput input);
 
 }  // namespace knap

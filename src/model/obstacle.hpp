@@ -1,9 +1,9 @@
 #pragma once
-// Rigid obstacles beside the body: platens, jaws, walls, a boulder. Each has three degrees of freedom, x, y and the angle about its origin (of a
-// free one: its centre of mass); a component is prescribed by a history, or free, with inertia and a force.
+// Rigid obstacles: platens, jaws, walls, a boulder. Each has a convex outline and three degrees of freedom, x, y and
+// the angle about its origin (of a free obstacle: its centre of mass). A component is prescribed by a history, or free,
+// with inertia and a force.
 #include "material/cohesive_law.hpp"
 #include "model/loads.hpp"
-#include "model/outline.hpp"
 
 #include <Eigen/Core>
 
@@ -14,10 +14,41 @@
 
 namespace knap {
 
-/// Components x, y, angle of what moves rigidly.
+/// Components x, y, angle of a rigid motion; or force, force, moment.
 using Vec3 = Eigen::Vector3d;
 
-/// What is prescribed of one component.
+/// Position and orientation of a rigid body in the plane.
+struct Pose {
+    Vec2 position = Vec2::Zero();  // [m] of its origin
+    double angle = 0;              // [rad]
+
+    Vec2 turned(const Vec2& a) const { return std::cos(angle) * a + std::sin(angle) * turned_left(a); }
+    Vec2 turned_back(const Vec2& a) const { return std::cos(angle) * a - std::sin(angle) * turned_left(a); }
+};
+
+/// In the frame of the obstacle: the origin is the centre of mass, or lies on the border of a half plane.
+struct Outline {
+    enum class Kind { half_plane, disc, polygon };
+    Kind kind = Kind::half_plane;
+    Vec2 normal = Vec2(0, 1);  // of a half plane, outward
+    double radius = 0;         // [m] of a disc
+    std::vector<Vec2> points;  // [m] of a polygon, counterclockwise, convex
+
+    double area() const;           // [m2]; 0 of a half plane, negative of a clockwise polygon
+    double second_moment() const;  // [m4] polar, about the origin; 0 of a half plane
+};
+
+/// Of a point to the surface of an obstacle.
+struct SurfaceDistance {
+    double gap;   // [m]; negative inside
+    Vec2 normal;  // out of the obstacle
+};
+SurfaceDistance distance_to(const Outline& outline, const Pose& pose, const Vec2& point);
+
+/// A cheap test before distance_to: false only where the gap exceeds `reach` [m].
+bool may_reach(const Outline& outline, const Pose& pose, const Vec2& point, double reach);
+
+/// The prescribed motion of one component.
 struct Drive {
     enum class Kind { displacement, velocity, free };
     Kind kind = Kind::displacement;
@@ -47,12 +78,11 @@ struct Obstacle {
     double inertia_of(int k) const { return k < 2 ? mass : inertia; }
 };
 
-/// Where an obstacle is and how it moves.
 struct ObstacleState {
     Pose pose;
     Vec3 moved = Vec3::Zero();     // [m, m, rad] since the start
     Vec3 velocity = Vec3::Zero();  // [m/s, m/s, rad/s]
-    Vec3 reaction = Vec3::Zero();  // [N, N, N m] of the body on it, mean over the last step, the moment about its origin
+    Vec3 reaction = Vec3::Zero();  // [N, N, N m] of the body on it, about its origin, mean over the last step
 
     template <class Archive>
     void serialize(Archive& archive) {
@@ -61,22 +91,20 @@ struct ObstacleState {
     }
 };
 
-/// Velocity [m/s] of the point of an obstacle at `arm` from its origin.
-inline Vec2 velocity_at(const Vec3& velocity, const Vec2& arm) { return velocity.head<2>() + velocity.z() * turned_left(arm); }
+/// [m/s] of the point of an obstacle at `arm` [m] from its origin.
+inline Vec2 velocity_at(const Vec3& velocity, const Vec2& arm) {
+    return velocity.head<2>() + velocity.z() * turned_left(arm);
+}
 
-/// What a force or an impulse at `arm` is for the obstacle.
+/// Force and moment about the origin of a force or impulse at `arm`.
 inline Vec3 wrench_of(const Vec2& force, const Vec2& arm) { return {force.x(), force.y(), cross(arm, force)}; }
 
-/// State at the start.
 ObstacleState initial_state(const Obstacle& obstacle);
-
-/// After moving by `change` [m, m, rad].
+/// Moves the obstacle by `change` [m, m, rad].
 void move(const Obstacle& obstacle, const Vec3& change, ObstacleState& state);
-
 /// [N, N, N m] of all forces at time t; 0 in prescribed components.
 Vec3 force_at(const Obstacle& obstacle, double t);
-
-/// Kinetic energy [J] of the free components.
+/// [J] of the free components.
 double kinetic_energy(const Obstacle& obstacle, const Vec3& velocity);
 
 }  // namespace knap

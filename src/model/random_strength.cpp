@@ -1,6 +1,5 @@
-#include "model/random_strength.hpp"
-
 #include "base/random.hpp"
+#include "model/fans.hpp"
 
 #include <cmath>
 #include <map>
@@ -8,19 +7,15 @@
 namespace knap {
 namespace {
 
-/// [m2] the part of the body that an interface stands for: a third of each triangle beside it.
-double area_of(const Model& model, const Interface& interface) {
+/// Pieces of the size of this interface in a piece that has the mean strength of the law. The area of an interface is a
+/// third of each adjacent triangle.
+double n_pieces(const Scatter& scatter, const Model& model, const Interface& interface) {
+    if (scatter.length > 0) return scatter.length / interface.length;
+    if (scatter.area <= 0) return 1;
     double area = 0;
     for (const Index t : interface.triangle)
         if (t != rigid_support) area += model.mesh.area(t) / 3;
-    return area;
-}
-
-/// How many of it make the piece that the law's mean strength belongs to.
-double pieces(const Scatter& scatter, const Model& model, const Interface& interface) {
-    if (scatter.length > 0) return scatter.length / interface.length;
-    if (scatter.area > 0) return scatter.area / area_of(model, interface);
-    return 1;
+    return scatter.area / area;
 }
 
 }  // namespace
@@ -34,16 +29,15 @@ void scatter_strength(const ModelInput& input, Model& model) {
     }
     Random random(input.seed, "strength");
     for (Interface& interface : model.interfaces) {
-        if (interface.law >= static_cast<Index>(input.scatter.size()) || !input.scatter[interface.law].any() || interface.cracked) continue;
+        if (interface.law >= static_cast<Index>(input.scatter.size()) || interface.cracked) continue;
         const Scatter& scatter = input.scatter[interface.law];
+        if (!scatter.any()) continue;
+        const auto [a, b] = interface.vertex;
         const auto field = fields.find(interface.law);
-        double hazard;
-        if (field != fields.end()) {
-            const Vec2 middle = 0.5 * (model.mesh.vertices[interface.vertex[0]] + model.mesh.vertices[interface.vertex[1]]);
-            hazard = normal_hazard(field->second(middle));
-        } else {
-            hazard = -std::log(1 - random.uniform()) * pieces(scatter, model, interface);
-        }
+        const double hazard =
+            field != fields.end()
+                ? normal_hazard(field->second(0.5 * (model.mesh.vertices[a] + model.mesh.vertices[b])))
+                : -std::log(1 - random.uniform()) * n_pieces(scatter, model, interface);
         const double factor = strength_factor(scatter, hazard);
         CohesiveLaw law = model.laws[interface.law];
         if (scatter.of_strength) law.sigma_c *= factor;

@@ -1,5 +1,5 @@
 #pragma once
-// What a selection of a scenario (a boundary, a box, a boundary inside a box) takes hold of on a mesh.
+// The edges, corners and triangles of a mesh that a selection of the scenario contains.
 #include "model/model.hpp"
 
 #include <cstddef>
@@ -7,13 +7,16 @@
 
 namespace knap {
 
-/// Indices of the boundary edges whose middle is selected.
+/// Indices of the boundary edges of the boundary (or all) whose middle is in the box.
 std::vector<std::size_t> selected_edges(const Mesh& mesh, const Selection& on);
 
-/// Per corner, whether it is an end of a selected edge or lies in the box.
+/// Per corner: it belongs to a selected edge, or (without a boundary name) lies in the box.
 std::vector<char> selected_corners(const Mesh& mesh, const Selection& on);
 
-/// Per corner, whether a load that prescribes motion holds it: the selected ones, and round each vertex those that are bonded to them.
+/// Triangles whose centroid is in the box.
+std::vector<Index> selected_triangles(const Mesh& mesh, const Selection& on);
+
+/// Per corner, the effect of a prescribed motion: the selected corners and, round each vertex, those bonded to them.
 std::vector<char> held_corners(const Model& model, const Selection& on);
 
 }  // namespace knap

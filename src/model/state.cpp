@@ -1,8 +1,7 @@
 #include "model/state.hpp"
 
 #include "base/room.hpp"
-#include "element/quadratic_triangles.hpp"
-#include "element/shape_gradients.hpp"
+#include "element/shape_functions.hpp"
 
 #include <cmath>
 
@@ -17,15 +16,10 @@ State initial_state(const Model& model) {
     state.split_rank.assign(n_fans, -1);
     state.reaction.assign(model.prescribed.size(), Vec2::Zero());
     for (const Obstacle& obstacle : model.obstacles) state.obstacles.push_back(initial_state(obstacle));
-    for (std::size_t f = 0; f < n_fans; ++f) state.velocity[f] = model.initial_velocity[model.fan_corners[model.fans[f].first_corner]];
-    for (std::size_t f = 0; f < n_fans; ++f) {
-        if (!model.fans[f].split_at_start) continue;
-        split(model, static_cast<Index>(f), state);
-        for (Index i = 0; i < model.fans[f].n_corners; ++i) {
-            const Index corner = model.fan_corners[model.fans[f].first_corner + i];
-            state.velocity[state.node_of_corner[corner]] = model.initial_velocity[corner];
-        }
-    }
+    for (std::size_t f = 0; f < n_fans; ++f)
+        if (model.fans[f].split_at_start) split(model, static_cast<Index>(f), state);
+    for (Index c = 0; c < model.mesh.n_corners(); ++c)  // equal at all corners of a node
+        state.velocity[state.node_of_corner[c]] = model.initial_velocity[c];
     return state;
 }
 
@@ -34,9 +28,8 @@ void split(const Model& model, Index f, State& state) {
     if (!state.rate.empty()) make_room(model.mesh.n_corners(), state.rate);
     make_room(model.fans.size(), state.split_fans, state.first_point);
     make_room(model.fan_points.size(), state.points);
-    const Fan& fan = model.fans[f];
-    for (Index i = 1; i < fan.n_corners; ++i) {
-        state.node_of_corner[model.fan_corners[fan.first_corner + i]] = static_cast<Index>(state.displacement.size());
+    for (const Index corner : model.corners(model.fans[f]).subspan(1)) {
+        state.node_of_corner[corner] = static_cast<Index>(state.displacement.size());
         state.displacement.push_back(Vec2(state.displacement[f]));
         state.velocity.push_back(Vec2(state.velocity[f]));
         if (!state.rate.empty()) state.rate.push_back(Vec2(state.rate[f]));
@@ -44,8 +37,7 @@ void split(const Model& model, Index f, State& state) {
     state.split_rank[f] = static_cast<Index>(state.split_fans.size());
     state.split_fans.push_back(f);
     state.first_point.push_back(static_cast<Index>(state.points.size()));
-    for (Index i = 0; i < fan.n_points; ++i) {
-        const FanPoint& point = model.fan_points[fan.first_point + i];
+    for (const FanPoint& point : model.points(model.fans[f])) {
         const bool cohesive = !point.cracked && model.laws[point.law].sigma_c > 0;
         state.points.push_back({.cohesion = cohesive ? 1.0 : 0.0, .traction = Vec2::Zero()});
     }
@@ -53,15 +45,9 @@ void split(const Model& model, Index f, State& state) {
 
 namespace {
 
-Vec2 displacement_of(const State& state, Index corner) {
-    return corner == rigid_support ? Vec2::Zero() : state.displacement[state.node_of_corner[corner]];
-}
-
-/// The remembered state of a point, or null in a fan in one piece.
-const PointState* remembered(const Model& model, const State& state, Index point) {
-    const Index in_fans = model.fan_point_of[point];
-    const FanPoint& at = model.fan_points[in_fans];
-    const Index fan = model.fan_of_corner[at.after == rigid_support ? at.before : at.after];
+/// Null in a bonded fan.
+const PointState* state_of(const Model& model, const State& state, Index point) {
+    const Index in_fans = model.fan_point_of[point], fan = model.fan_of_corner[model.fan_points[in_fans].corner()];
     const Index rank = state.split_rank[fan];
     if (rank < 0) return nullptr;
     return &state.points[state.first_point[rank] + in_fans - model.fans[fan].first_point];
@@ -70,19 +56,16 @@ const PointState* remembered(const Model& model, const State& state, Index point
 }  // namespace
 
 Vec2 opening(const Model& model, const State& state, Index point) {
-    // the frame of a fan point differs from its interface's at most by a turn of both axes and both sides: same components
-    const FanPoint& at = model.fan_points[model.fan_point_of[point]];
-    const Vec2 jump = displacement_of(state, at.after) - displacement_of(state, at.before);
-    return {at.gap + at.normal.dot(jump), turned_left(at.normal).dot(jump)};
+    return state.opening_of(model.fan_points[model.fan_point_of[point]]);
 }
 
 double touching_gap(const Model& model, const State& state, const FanPoint& point) {
-    const double displacements = displacement_of(state, point.before).norm() + displacement_of(state, point.after).norm();
+    const double displacements = state.displacement_of(point.before).norm() + state.displacement_of(point.after).norm();
     return 1e-11 * (displacements + point.gap + model.laws[point.law].delta_c());
 }
 
 double cohesion(const Model& model, const State& state, Index point) {
-    const PointState* known = remembered(model, state, point);
+    const PointState* known = state_of(model, state, point);
     return known ? known->cohesion : 1;
 }
 
@@ -104,34 +87,32 @@ Vec2 place_of_largest_speed(const Model& model, const State& state) {
     return model.mesh.corner(fastest);
 }
 
-namespace {
-
-Eigen::Vector3d strain_of(const Vec2& gradient, const Vec2& u) {  // xx, yy, 2 xy
-    return {gradient.x() * u.x(), gradient.y() * u.y(), gradient.y() * u.x() + gradient.x() * u.y()};
+Eigen::Vector3d stress(const Model& model, const State& state, Index t) {
+    return stress(model, state, t, Eigen::Vector3d::Constant(1. / 3));
 }
-
-}  // namespace
-
-Eigen::Vector3d stress(const Model& model, const State& state, Index t) { return stress(model, state, t, Eigen::Vector3d::Constant(1. / 3)); }
 
 Eigen::Vector3d stress(const Model& model, const State& state, Index t, const Eigen::Vector3d& at) {
     const Mesh& mesh = model.mesh;
     const auto g = shape_gradients(mesh, t);
-    Eigen::Vector3d strain = Eigen::Vector3d::Zero();
+    Eigen::Vector3d strain = Eigen::Vector3d::Zero();  // xx, yy, 2 xy
+    const auto add = [&](double weight, const Vec2& gradient, const Vec2& u) {
+        strain += weight * Eigen::Vector3d(gradient.x() * u.x(), gradient.y() * u.y(),
+                                           gradient.y() * u.x() + gradient.x() * u.y());
+    };
     if (mesh.order == 1) {
-        for (Index k = 0; k < 3; ++k) strain += strain_of(g[k], displacement_of(state, 3 * t + k));
+        for (Index k = 0; k < 3; ++k) add(1, g[k], state.displacement_of(3 * t + k));
     } else {
-        for (Index k = 0; k < 3; ++k) {  // linear from the values where coordinate k is 0 and the others 1/2
+        for (Index k = 0; k < 3; ++k) {  // linear, from the values where coordinate k is 0 and the others 1/2
             const std::array<Vec2, 7> weight = middle_gradients(g, k);
-            for (Index c = 0; c < 7; ++c) strain += (1 - 2 * at[k]) * strain_of(weight[c], displacement_of(state, 7 * t + c));
+            for (Index c = 0; c < 7; ++c) add(1 - 2 * at[k], weight[c], state.displacement_of(7 * t + c));
         }
     }
     return model.materials[mesh.region[t]].stiffness(model.plane) * strain;
 }
 
 Vec2 traction(const Model& model, const State& state, Index point) {
-    if (const PointState* known = remembered(model, state, point)) return known->traction;
-    const FanPoint& at = model.fan_points[model.fan_point_of[point]];  // neither side is support: that fan would be split
+    if (const PointState* known = state_of(model, state, point)) return known->traction;
+    const FanPoint& at = model.fan_points[model.fan_point_of[point]];  // no support: its fan would be split
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (const Index corner : {at.before, at.after})
         mean += 0.5 * stress(model, state, model.mesh.triangle_of(corner), coordinates(model.mesh, corner));
@@ -139,7 +120,7 @@ Vec2 traction(const Model& model, const State& state, Index point) {
 }
 
 Vec2 traction(const Eigen::Vector3d& stress, const Vec2& n) {
-    const Vec2 on_a(stress[0] * n.x() + stress[2] * n.y(), stress[2] * n.x() + stress[1] * n.y());  // sigma N acts on A; the reaction on B
+    const Vec2 on_a(stress[0] * n.x() + stress[2] * n.y(), stress[2] * n.x() + stress[1] * n.y());  // sigma N
     return {-on_a.dot(n), -on_a.dot(turned_left(n))};
 }
 

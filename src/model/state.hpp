@@ -1,41 +1,54 @@
 #pragma once
-// All that changes in a run, and all that a restart needs.
+// All that changes during a run, and all that a restart needs.
 #include "model/model.hpp"
 
 #include <vector>
 
 namespace knap {
 
-/// What a split fan remembers of each of its points.
+/// The state of one point of a split fan.
 struct PointState {
     double cohesion;  // [-] beta
-    Vec2 traction;    // [Pa] (N, T) mean over the last step, on the side `after`; of the pressure it tells what rests under it
-
-    template <class Archive>
-    void serialize(Archive& archive) { archive(cohesion, traction); }
-};
-
-/// A fan that has not come apart is one node, like in an ordinary finite element mesh; one that has is a node per corner, for ever
-/// (its corners still move together where its points stick: the fan solver clusters them).
-/// Node f (for f < number of fans) belongs to fan f, or to its first corner once split; further nodes follow in the order of split_fans.
-struct State {
-    double time = 0;           // [s]
-    double last_step = 0;      // [s] the step that led here; 0 at the start
-    std::int64_t n_steps = 0;
-    std::vector<Vec2> displacement;     // [m] per node
-    std::vector<Vec2> velocity;         // [m/s] per node; of the explicit bulk: at the middle of the last step
-    std::vector<Vec2> rate;             // [m/s] per node, of the implicit bulk: mean velocity over the last step; empty at the start
-    std::vector<Index> node_of_corner;  // per corner
-    std::vector<Index> split_fans;      // in order of release, but where stepper/explicit/split_order has put them in that of the fans
-    std::vector<Index> first_point;     // per split fan, in that order: into `points`
-    std::vector<PointState> points;     // of the split fans, in that order
-    std::vector<Index> split_rank;      // per fan: its place in split_fans, or -1
-    std::vector<Vec2> reaction;         // [N] per prescribed motion: what drives it, mean over the last step; 0 in free components
-    std::vector<ObstacleState> obstacles;
+    Vec2 traction;    // [Pa] (N, T) on the side `after`, mean over the last step
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(time, last_step, n_steps, displacement, velocity, rate, node_of_corner, split_fans, first_point, points, split_rank, reaction, obstacles);
+        archive(cohesion, traction);
+    }
+};
+
+/// A bonded fan is one node, as in an ordinary finite element mesh. A split fan has one node per corner from then on;
+/// where its points stick, the fan solver joins them. For f < number of fans, node f belongs to fan f, or to its first
+/// corner once it is split; further nodes follow in the order of split_fans.
+struct State {
+    double time = 0;       // [s]
+    double last_step = 0;  // [s] size of the last step; 0 at the start
+    std::int64_t n_steps = 0;
+    std::vector<Vec2> displacement;     // [m] per node
+    std::vector<Vec2> velocity;         // [m/s] per node; explicit bulk: at the middle of the last step
+    std::vector<Vec2> rate;             // [m/s] per node, implicit bulk: mean over the last step; empty at the start
+    std::vector<Index> node_of_corner;  // per corner
+    std::vector<Index> split_fans;      // in any order
+    std::vector<Index> first_point;     // per split fan, in that order: into `points`
+    std::vector<PointState> points;     // of the split fans, in that order
+    std::vector<Index> split_rank;      // per fan: its place in split_fans, or -1
+    std::vector<Vec2> reaction;         // [N] per prescribed motion, mean over the last step; 0 in free components
+    std::vector<ObstacleState> obstacles;
+
+    /// [m] Zero for the support.
+    Vec2 displacement_of(Index corner) const {
+        return corner == rigid_support ? Vec2::Zero() : displacement[node_of_corner[corner]];
+    }
+    /// [m] (u_N, u_T) of a point in its own frame.
+    Vec2 opening_of(const FanPoint& point) const {
+        const Vec2 jump = displacement_of(point.after) - displacement_of(point.before);
+        return {point.gap + point.normal.dot(jump), turned_left(point.normal).dot(jump)};
+    }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(time, last_step, n_steps, displacement, velocity, rate, node_of_corner, split_fans, first_point, points,
+                split_rank, reaction, obstacles);
     }
 };
 
@@ -44,25 +57,24 @@ State initial_state(const Model& model);
 /// Gives every corner of `fan` a node of its own and every point a PointState.
 void split(const Model& model, Index fan, State& state);
 
-/// Opening of a point in the frame of its interface (A to B): (u_N, u_T) [m].
+/// [m] (u_N, u_T) of a point in the frame of its interface (A to B), where it has the same components.
 Vec2 opening(const Model& model, const State& state, Index point);
-/// [m] What rounding leaves of a closed gap: openings are differences of displacements, and what is this small beside them is none. Without it
-/// a point with restitution that is held closed loses its contact in every step that leaves u_N = +1e-17, and its cohesion pulls the sides
-/// into each other.
+/// [m] The rounding error of a closed gap; a smaller opening counts as none. Without this tolerance a point with
+/// restitution that is held closed would lose its contact in every step that leaves u_N = +1e-17.
 double touching_gap(const Model& model, const State& state, const FanPoint& point);
-/// Cohesion of a point; 1 in a fan that never came apart.
+/// [-] beta of a point; 1 in a bonded fan.
 double cohesion(const Model& model, const State& state, Index point);
-/// Traction on side B in the frame of its interface [Pa]; in an intact fan the mean stress there of the two neighbours gives it.
+/// [Pa] Traction on side B in the frame of the interface; in a bonded fan from the mean stress of the two neighbours.
 Vec2 traction(const Model& model, const State& state, Index point);
-/// (N, T) of the stress (xx, yy, xy) round an interface [Pa], in its frame.
+/// [Pa] (N, T) of the stress (xx, yy, xy) on side B.
 Vec2 traction(const Eigen::Vector3d& stress, const Vec2& normal);
-/// Where a body moves fastest, or no longer by a finite speed [m].
+/// [m] Where the body has its largest speed, or a speed that is not finite.
 Vec2 place_of_largest_speed(const Model& model, const State& state);
-/// Barycentric coordinates of a corner in its triangle.
+/// [-] Barycentric coordinates of a corner in its triangle.
 Eigen::Vector3d coordinates(const Mesh& mesh, Index corner);
-/// Stress (xx, yy, xy) of a triangle, mean over it [Pa].
+/// [Pa] Mean stress (xx, yy, xy) of a triangle.
 Eigen::Vector3d stress(const Model& model, const State& state, Index triangle);
-/// At barycentric coordinates of it; of order 2 the linear field next to it, without what the bubble has beyond.
+/// [Pa] At barycentric coordinates; of order 2 the linear part of the field, without the rest of the bubble.
 Eigen::Vector3d stress(const Model& model, const State& state, Index triangle, const Eigen::Vector3d& at);
 
 }  // namespace knap

@@ -1,5 +1,5 @@
-#include "base/random.hpp"
 #include "element/elastic_forces.hpp"
+#include "base/random.hpp"
 #include "element/triangle_matrices.hpp"
 #include "support/meshes.hpp"
 #include "support/relative.hpp"
@@ -59,7 +59,8 @@ std::vector<Vec2> displacement(const Mesh& mesh, const Field& field) {
 TEST_CASE("rigid motions cost no force and every triangle is in equilibrium") {
     const Mesh mesh = skew_mesh();
     FreeTriangles body(mesh, PlaneModel::strain);
-    for (const Vec2& f : body.force(displacement(mesh, [](const Vec2& x) -> Vec2 { return Vec2(0.3, -2) + 1e-2 * turned_left(x); })))
+    for (const Vec2& f :
+         body.force(displacement(mesh, [](const Vec2& x) -> Vec2 { return Vec2(0.3, -2) + 1e-2 * turned_left(x); })))
         CHECK(f.norm() <= 1e-14);
     Random random(2, "u");
     std::vector<Vec2> u(mesh.n_corners());
@@ -78,11 +79,14 @@ TEST_CASE("a uniform strain gives the tractions of its stress") {
     const Mesh mesh = skew_mesh();
     for (const PlaneModel plane : {PlaneModel::strain, PlaneModel::stress}) {
         const Eigen::Matrix2d gradient = (Eigen::Matrix2d() << 1e-3, 4e-4, -7e-4, 2e-3).finished();
-        const Eigen::Vector3d s = rock.stiffness(plane) * Eigen::Vector3d(gradient(0, 0), gradient(1, 1), gradient(0, 1) + gradient(1, 0));
+        const Eigen::Vector3d s =
+            rock.stiffness(plane) * Eigen::Vector3d(gradient(0, 0), gradient(1, 1), gradient(0, 1) + gradient(1, 0));
         const Eigen::Matrix2d stress = (Eigen::Matrix2d() << s[0], s[2], s[2], s[1]).finished();
-        const std::vector<Vec2> f = FreeTriangles(mesh, plane).force(displacement(mesh, [&](const Vec2& x) -> Vec2 { return gradient * x; }));
+        const std::vector<Vec2> f =
+            FreeTriangles(mesh, plane).force(displacement(mesh, [&](const Vec2& x) -> Vec2 { return gradient * x; }));
         for (Index c = 0; c < mesh.n_corners(); ++c) {
-            // the corner pulls its triangle back: minus the tractions on the halves of its two edges = those on half the opposite edge
+            // the corner pulls its triangle back: minus the tractions on the halves of its two edges = those on half
+            // the opposite edge
             const Index t = c / 3, k = c % 3;
             const Vec2 opposite = mesh.corner(t, (k + 2) % 3) - mesh.corner(t, (k + 1) % 3);
             const Vec2 traction = stress * (-turned_left(opposite)) * 0.5 * thickness;
@@ -131,7 +135,8 @@ TEST_CASE("the stable step is that of the free triangle") {
         for (Index t = 0; t < mesh.n_triangles(); ++t) {
             double before = 0, after = 0;
             const double mass = rock.density * mesh.area(t) * thickness / 3;
-            for (Index k = 0; k < 3; ++k) before += u[3 * t + k].squaredNorm(), after += f[3 * t + k].squaredNorm() / (mass * mass);
+            for (Index k = 0; k < 3; ++k)
+                before += u[3 * t + k].squaredNorm(), after += f[3 * t + k].squaredNorm() / (mass * mass);
             rate[t] = std::sqrt(after / before);
             for (Index k = 0; k < 3; ++k) u[3 * t + k] = f[3 * t + k] / (mass * std::sqrt(after));
         }
@@ -143,7 +148,8 @@ TEST_CASE("the stress criterion marks the fans of triangles with much stress and
     const Mesh mesh = bar_mesh(4, 1, 4, 1);
     ElasticForces forces(mesh, {rock}, PlaneModel::strain, thickness);
     std::vector<Index> fan_of_corner, node;
-    for (Index c = 0; c < mesh.n_corners(); ++c) fan_of_corner.push_back(mesh.triangles[c / 3][c % 3]), node.push_back(c);
+    for (Index c = 0; c < mesh.n_corners(); ++c)
+        fan_of_corner.push_back(mesh.triangles[c / 3][c % 3]), node.push_back(c);
     forces.set_stress_criterion(std::vector<double>(mesh.n_vertices(), 1.0), fan_of_corner);
     // |sigma|_F = 1.01 and .99 in two triangles, none in the others
     std::vector<Vec2> u(mesh.n_corners(), Vec2::Zero());

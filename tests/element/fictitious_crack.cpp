@@ -1,8 +1,10 @@
-// The peak load that the scenario three_point_bending is measured by, computed independently: Hillerborg's fictitious crack on one half of the
-// beam, quasi-static, with bilinear squares and a straight crack of springs that soften linearly (P.-E. Petersson 1981 computed his beams so).
+// The peak load that the scenario three_point_bending is measured by, computed independently: Hillerborg's fictitious
+// crack on one half of the beam, quasi-static, with bilinear squares and a straight crack of springs that soften
+// linearly (P.-E. Petersson 1981 computed his beams so).
 //
-// S = stiffness of the half beam for the nodes of the ligament (u_x) and the load (u_y). For every tip i of the fictitious crack, nodes below it
-// carry sigma_c (1 - 2 u/w_c), node i just sigma_c, and nodes above do not move: a linear system for u and the load; the largest load is the peak.
+// S = stiffness of the half beam for the nodes of the ligament (u_x) and the load (u_y). For every tip i of the
+// fictitious crack, nodes below it carry sigma_c (1 - 2 u/w_c), node i just sigma_c, and nodes above do not move: a
+// linear system for u and the load; the largest load is the peak.
 #include "support/relative.hpp"
 
 #include <doctest/doctest.h>
@@ -45,7 +47,8 @@ Matrix8 square_stiffness() {
 
 /// S, with `n` squares over the height; the last row and column are those of the load.
 Eigen::MatrixXd condensed_stiffness(int n) {
-    const int n_x = static_cast<int>(std::lround(n * half_length / height)), first = static_cast<int>(std::lround(n * notch / height));
+    const int n_x = static_cast<int>(std::lround(n * half_length / height)),
+              first = static_cast<int>(std::lround(n * notch / height));
     const auto node = [&](int i, int j) { return i * (n + 1) + j; };
     const int n_kept = n - first + 2;
     std::vector<int> number(2 * (n_x + 1) * (n + 1), 0);  // of the others: from 0 on; kept: -1 - k; fixed: -1000000

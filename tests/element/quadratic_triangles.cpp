@@ -1,7 +1,7 @@
 // Triangles of second order against their shape functions, integrated numerically (six points, exact to degree four).
 #include "base/random.hpp"
 #include "element/elastic_forces.hpp"
-#include "element/shape_gradients.hpp"
+#include "element/shape_functions.hpp"
 #include "element/triangle_matrices.hpp"
 #include "support/meshes.hpp"
 #include "support/relative.hpp"
@@ -60,7 +60,8 @@ struct Place {
 /// D. A. Dunavant, Int. J. Numer. Meth. Engng. 21 (1985) 1129, degree 4.
 std::vector<Place> places() {
     std::vector<Place> made;
-    for (const auto& [a, weight] : {std::pair{0.445948490915965, 0.223381589678011}, {0.091576213509771, 0.109951743655322}})
+    for (const auto& [a, weight] :
+         {std::pair{0.445948490915965, 0.223381589678011}, {0.091576213509771, 0.109951743655322}})
         for (int k = 0; k < 3; ++k) {
             Eigen::Vector3d l = Eigen::Vector3d::Constant(a);
             l[k] = 1 - 2 * a;
@@ -69,7 +70,8 @@ std::vector<Place> places() {
     return made;
 }
 
-/// Gradients of the seven shape functions: quadratic ones less what the bubble takes over in their values at the centre.
+/// Gradients of the seven shape functions: quadratic ones less what the bubble takes over in their values at the
+/// centre.
 std::array<Vec2, 7> gradients(const std::array<Vec2, 3>& g, const Eigen::Vector3d& l) {
     const Vec2 bubble = 27 * (l[1] * l[2] * g[0] + l[0] * l[2] * g[1] + l[0] * l[1] * g[2]);
     std::array<Vec2, 7> made;
@@ -104,7 +106,8 @@ TEST_CASE("second order: forces and stiffness are those of the seven shape funct
     for (const PlaneModel plane : {PlaneModel::strain, PlaneModel::stress}) {
         const std::vector<Vec2> f = forces(mesh, plane, u);
         for (Index t = 0; t < mesh.n_triangles(); ++t) {
-            const ElementMatrix K = integrated_stiffness(mesh, t, plane), made = stiffness_matrix(mesh, t, rock, plane, thickness);
+            const ElementMatrix K = integrated_stiffness(mesh, t, plane),
+                                made = stiffness_matrix(mesh, t, rock, plane, thickness);
             CHECK((made - K).norm() <= 1e-13 * K.norm());
             Eigen::VectorXd all(14);
             for (Index k = 0; k < 7; ++k) all.segment<2>(2 * k) = u[7 * t + k];
@@ -116,7 +119,9 @@ TEST_CASE("second order: forces and stiffness are those of the seven shape funct
 
 TEST_CASE("second order: rigid motions cost no force and every triangle is in equilibrium") {
     const Mesh mesh = skew_mesh();
-    for (const Vec2& f : forces(mesh, PlaneModel::strain, displacement(mesh, [](const Vec2& x) -> Vec2 { return Vec2(0.3, -2) + 1e-2 * turned_left(x); })))
+    for (const Vec2& f : forces(mesh, PlaneModel::strain, displacement(mesh, [](const Vec2& x) -> Vec2 {
+                                    return Vec2(0.3, -2) + 1e-2 * turned_left(x);
+                                })))
         CHECK(f.norm() <= 1e-13);
     const std::vector<Vec2> f = forces(mesh, PlaneModel::strain, random_displacement(mesh));
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
@@ -131,9 +136,11 @@ TEST_CASE("second order: rigid motions cost no force and every triangle is in eq
 TEST_CASE("second order: a uniform strain gives a sixth and four sixths of its tractions") {
     const Mesh mesh = skew_mesh();
     const Eigen::Matrix2d gradient = (Eigen::Matrix2d() << 1e-3, 4e-4, -7e-4, 2e-3).finished();
-    const Eigen::Vector3d s = rock.stiffness(PlaneModel::stress) * Eigen::Vector3d(gradient(0, 0), gradient(1, 1), gradient(0, 1) + gradient(1, 0));
+    const Eigen::Vector3d s = rock.stiffness(PlaneModel::stress) *
+                              Eigen::Vector3d(gradient(0, 0), gradient(1, 1), gradient(0, 1) + gradient(1, 0));
     const Eigen::Matrix2d stress = (Eigen::Matrix2d() << s[0], s[2], s[2], s[1]).finished();
-    const std::vector<Vec2> f = forces(mesh, PlaneModel::stress, displacement(mesh, [&](const Vec2& x) -> Vec2 { return gradient * x; }));
+    const std::vector<Vec2> f =
+        forces(mesh, PlaneModel::stress, displacement(mesh, [&](const Vec2& x) -> Vec2 { return gradient * x; }));
     double largest = 0;
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const auto edge = [&](Index k) -> Vec2 { return mesh.corner(t, (k + 1) % 3) - mesh.corner(t, k % 3); };
@@ -169,7 +176,8 @@ TEST_CASE("second order: the lumped mass integrates cubic functions and the cons
                   relative(std::tgamma(i + 1) * std::tgamma(j + 1) / std::tgamma(i + j + 3), 1e-14));
 
     for (const Index order : {1, 2}) {
-        const ElementMatrix &M = mass_matrix(order, MassMatrix::consistent), &diagonal = mass_matrix(order, MassMatrix::lumped);
+        const ElementMatrix &M = mass_matrix(order, MassMatrix::consistent),
+                            &diagonal = mass_matrix(order, MassMatrix::lumped);
         CHECK((M - M.transpose()).norm() <= 1e-16);
         for (Index i = 0; i < M.rows(); ++i) CHECK(M.row(i).sum() == relative(diagonal(i, i), 1e-14));
         CHECK(diagonal.sum() == relative(1.0, 1e-15));
@@ -177,7 +185,8 @@ TEST_CASE("second order: the lumped mass integrates cubic functions and the cons
     // x^2 and x y on the unit triangle: the integral of x^3 y is 3! 1!/6!, over the area 1/2
     const Mesh unit{.order = 2, .vertices = {{0, 0}, {1, 0}, {0, 1}}, .triangles = {{0, 1, 2}}, .region = {0}};
     Eigen::VectorXd a(7), b(7);
-    for (Index k = 0; k < 7; ++k) a[k] = std::pow(unit.corner(0, k).x(), 2), b[k] = unit.corner(0, k).x() * unit.corner(0, k).y();
+    for (Index k = 0; k < 7; ++k)
+        a[k] = std::pow(unit.corner(0, k).x(), 2), b[k] = unit.corner(0, k).x() * unit.corner(0, k).y();
     CHECK(a.dot(mass_matrix(2, MassMatrix::consistent) * b) == relative(2 * 6.0 / 720, 1e-14));
 }
 
@@ -209,7 +218,8 @@ TEST_CASE("second order: the stress criterion marks fans by the forces on their 
     triangles.set_stress_criterion(std::vector<double>(mesh.n_corners(), 1), own);
     std::vector<Vec2> f(mesh.n_corners());
     std::vector<std::uint8_t> candidate(mesh.n_corners(), 0);
-    triangles.evaluate(displacement(mesh, [](const Vec2& x) -> Vec2 { return 0.1 * x.squaredNorm() * x; }), own, f, candidate);
+    triangles.evaluate(displacement(mesh, [](const Vec2& x) -> Vec2 { return 0.1 * x.squaredNorm() * x; }), own, f,
+                       candidate);
     int n_candidates = 0, n_held = 0;
     for (Index c = 0; c < mesh.n_corners(); ++c) {
         const Index t = mesh.triangle_of(c), k = mesh.place_in_triangle(c);

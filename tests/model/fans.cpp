@@ -1,4 +1,4 @@
-// Who meets whom round a vertex: closed and open fans, cracks, supports, a vertex where two bodies touch.
+// The corners and points round a vertex: closed and open fans, cracks, supports, a vertex where two bodies touch.
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 
@@ -54,11 +54,14 @@ void check_fans(const Model& model) {
             const Vec2 ray = model.mesh.vertices[edge.vertex[1 - point.point % 2]] - centre;
             CHECK(point.normal.dot(ray) == doctest::Approx(0).scale(1));
             CHECK(cross(ray, point.normal) > 0);
-            if (point.before != rigid_support) CHECK((centroid(model.mesh, point.before / 3) - centre).dot(point.normal) < 0);
-            if (point.after != rigid_support) CHECK((centroid(model.mesh, point.after / 3) - centre).dot(point.normal) > 0);
+            if (point.before != rigid_support)
+                CHECK((centroid(model.mesh, point.before / 3) - centre).dot(point.normal) < 0);
+            if (point.after != rigid_support)
+                CHECK((centroid(model.mesh, point.after / 3) - centre).dot(point.normal) > 0);
             n_supports += point.before == rigid_support || point.after == rigid_support;
             if (fan.closed) CHECK(point.after == model.fan_corners[fan.first_corner + i]);
-            if (fan.closed) CHECK(point.before == model.fan_corners[fan.first_corner + (i + fan.n_corners - 1) % fan.n_corners]);
+            if (fan.closed)
+                CHECK(point.before == model.fan_corners[fan.first_corner + (i + fan.n_corners - 1) % fan.n_corners]);
             // in the frame of its interface, up to a turn by 180 degrees
             CHECK(std::abs(point.normal.dot(edge.normal)) == doctest::Approx(1));
         }
@@ -68,7 +71,8 @@ void check_fans(const Model& model) {
     CHECK(std::all_of(seen_point.begin(), seen_point.end(), [](int n) { return n == 1; }));
     for (const Interface& edge : model.interfaces) {
         const Vec2 middle = 0.5 * (model.mesh.vertices[edge.vertex[0]] + model.mesh.vertices[edge.vertex[1]]);
-        if (edge.triangle[0] != rigid_support) CHECK((centroid(model.mesh, edge.triangle[0]) - middle).dot(edge.normal) < 0);
+        if (edge.triangle[0] != rigid_support)
+            CHECK((centroid(model.mesh, edge.triangle[0]) - middle).dot(edge.normal) < 0);
         CHECK((centroid(model.mesh, edge.triangle[1]) - middle).dot(edge.normal) > 0);
     }
 }
@@ -94,7 +98,8 @@ TEST_CASE("closed fans inside and open fans at the boundary") {
 TEST_CASE("a crack line splits the fans along it and cuts none of its own") {
     Mesh mesh = bar_mesh(4, 2, 4, 2);
     for (InteriorEdge& edge : mesh.interior_edges) {
-        const Vec2 a = mesh.corner(edge.triangle[0], edge.side[0]), b = mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
+        const Vec2 a = mesh.corner(edge.triangle[0], edge.side[0]),
+                   b = mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
         edge.cracked = a.y() == 1 && b.y() == 1 && std::max(a.x(), b.x()) <= 2;
     }
     const Model model = make_model(input_of(mesh));
@@ -109,14 +114,16 @@ TEST_CASE("a crack line splits the fans along it and cuts none of its own") {
     CHECK(!split(1, 2));
     const State state = initial_state(model);
     CHECK(state.split_fans.size() == 3);
-    CHECK(state.displacement.size() == 15 + 2 + 5 + 5);  // a corner each instead of one for all: fans of 3, 6 and 6 corners
-    for (Index p = 0; p < model.n_points(); ++p) CHECK(cohesion(model, state, p) == (model.interfaces[p / 2].cracked ? 0 : 1));
+    CHECK(state.displacement.size() ==
+          15 + 2 + 5 + 5);  // a corner each instead of one for all: fans of 3, 6 and 6 corners
+    for (Index p = 0; p < model.n_points(); ++p)
+        CHECK(cohesion(model, state, p) == (model.interfaces[p / 2].cracked ? 0 : 1));
 }
 
 TEST_CASE("supports at one side and round a corner") {
     ModelInput input = input_of(bar_mesh(2, 1, 2, 1));
     input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 1, .glued = true},
-                         {.on = {.boundary = "left", .box = {}}, .law = 0, .glued = false, .gap = 0.25}};
+                      {.on = {.boundary = "left", .box = {}}, .law = 0, .glued = false, .gap = 0.25}};
     const Model model = make_model(input);
     check_fans(model);
     CHECK(model.interfaces.size() == 3 + 3);
@@ -175,10 +182,17 @@ TEST_CASE("masses and loads add up") {
     ModelInput input = input_of(bar_mesh(3, 2, 3, 2));
     input.loads = {load(Load::Kind::traction, "right", 4.0, -1.0), load(Load::Kind::body_force, "", 2.0, std::nullopt),
                    load(Load::Kind::acceleration, "", 0.0, -10.0)};
-    input.loads.push_back({.kind = Load::Kind::traction, .on = {.boundary = "top", .box = Box{{0.9, 1.9}, {2.1, 2.1}}}, .value = {0.0, 5.0}, .history = {}});
+    input.loads.push_back({.kind = Load::Kind::traction,
+                           .on = {.boundary = "top", .box = Box{{0.9, 1.9}, {2.1, 2.1}}},
+                           .value = {0.0, 5.0},
+                           .history = {}});
     input.loads.push_back(load(Load::Kind::force, "top", 6.0, -3.0));
-    input.loads.push_back({.kind = Load::Kind::force, .on = {.boundary = "", .box = Box{{2.9, 1.9}, {3.1, 2.1}}}, .value = {0.0, 7.0}, .history = {}});
-    input.initial_velocities = {{.on = {}, .value = {1, 2}}, {.on = {.boundary = "", .box = Box{{0, 0}, {1, 2}}}, .value = {-3, 0}}};
+    input.loads.push_back({.kind = Load::Kind::force,
+                           .on = {.boundary = "", .box = Box{{2.9, 1.9}, {3.1, 2.1}}},
+                           .value = {0.0, 7.0},
+                           .history = {}});
+    input.initial_velocities = {{.on = {}, .value = {1, 2}},
+                                {.on = {.boundary = "", .box = Box{{0, 0}, {1, 2}}}, .value = {-3, 0}}};
     const Model model = make_model(input);
     const double mass = std::accumulate(model.corner_mass.begin(), model.corner_mass.end(), 0.0);
     CHECK(mass == doctest::Approx(3 * 6 * 0.5));
@@ -186,15 +200,17 @@ TEST_CASE("masses and loads add up") {
     std::map<std::pair<Index, Index>, Vec2> at;  // of a history, at a vertex
     for (const CornerLoad& corner : model.corner_loads) {
         total[corner.history] += corner.force;
-        at.try_emplace({corner.history, model.mesh.triangles[corner.corner / 3][corner.corner % 3]}, Vec2::Zero()).first->second += corner.force;
+        at.try_emplace({corner.history, model.mesh.triangles[corner.corner / 3][corner.corner % 3]}, Vec2::Zero())
+            .first->second += corner.force;
     }
     CHECK((total[0] - Vec2(4, -1) * 2 * 0.5).norm() <= 1e-14);  // traction x length x thickness
     CHECK((total[1] - Vec2(2, 0) * 6 * 0.5).norm() <= 1e-14);   // force density x volume
     CHECK((total[2] - Vec2(0, -10) * mass).norm() <= 1e-13);
-    CHECK((total[3] - Vec2(0, 5) * 1 * 0.5).norm() <= 1e-14);   // only the edge whose middle lies in the box
+    CHECK((total[3] - Vec2(0, 5) * 1 * 0.5).norm() <= 1e-14);  // only the edge whose middle lies in the box
     CHECK((total[4] - Vec2(6, -3)).norm() <= 1e-14);
     for (const auto& [where, force] : at)
-        if (where.first == 4) CHECK((force - Vec2(6, -3) / 4).norm() <= 1e-14);  // four vertices on top, also those of one triangle only
+        if (where.first == 4)
+            CHECK((force - Vec2(6, -3) / 4).norm() <= 1e-14);  // four vertices on top, also those of one triangle only
     CHECK((total[5] - Vec2(0, 7)).norm() <= 1e-14);
     CHECK(std::count_if(at.begin(), at.end(), [](const auto& entry) { return entry.first.first == 5; }) == 1);
     Vec2 momentum = Vec2::Zero();
@@ -203,10 +219,12 @@ TEST_CASE("masses and loads add up") {
 }
 
 TEST_CASE("a pressure pushes against the outward normal of every edge and a stress pulls with its traction") {
-    // on a border that is closed both have no resultant and no moment about any point but what the stress is: sum of x (x) f = V sigma (Gauss)
+    // on a border that is closed both have no resultant and no moment about any point but what the stress is: sum of x
+    // (x) f = V sigma (Gauss)
     for (const int order : {1, 2}) {
         ModelInput input = input_of(bar_mesh(3, 2, 3, 2));
-        for (Vec2& x : input.mesh.vertices) x = Vec2(0.8 * x.x() - 0.6 * x.y(), 0.6 * x.x() + 0.8 * x.y() + 0.1 * std::sin(x.x()));
+        for (Vec2& x : input.mesh.vertices)
+            x = Vec2(0.8 * x.x() - 0.6 * x.y(), 0.6 * x.x() + 0.8 * x.y() + 0.1 * std::sin(x.x()));
         input.mesh.order = order;
         const Box everywhere{{-9, -9}, {9, 9}};
         input.loads = {{.kind = Load::Kind::stress, .on = {.boundary = "", .box = everywhere}, .stress = {-3, -3, 0}},
@@ -239,7 +257,8 @@ TEST_CASE("a time function is linear between its points and constant outside") {
     CHECK(TimeFunction{}(3) == 1);
 }
 
-TEST_CASE("of second order the middles of edges are fans of two corners and a point and the centres fans of one corner") {
+TEST_CASE(
+    "of second order the middles of edges are fans of two corners and a point and the centres fans of one corner") {
     ModelInput input = input_of(bar_mesh(3, 2, 3, 2));
     input.mesh.order = 2;
     input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 1, .glued = true}};
@@ -268,7 +287,8 @@ TEST_CASE("of second order the middles of edges are fans of two corners and a po
             if (fan.vertex >= 0) continue;
             CHECK(point.normal == edge.normal);
             CHECK(point.area == relative(4. / 6 * edge.length * model.thickness, 1e-12));
-            CHECK((point.before == rigid_support ? rigid_support : model.mesh.triangle_of(point.before)) == edge.triangle[0]);
+            CHECK((point.before == rigid_support ? rigid_support : model.mesh.triangle_of(point.before)) ==
+                  edge.triangle[0]);
             CHECK(model.mesh.triangle_of(point.after) == edge.triangle[1]);
         }
         if (fan.vertex >= 0) continue;
@@ -282,7 +302,8 @@ TEST_CASE("of second order the middles of edges are fans of two corners and a po
     CHECK(mass == relative(6 * 3 * model.thickness, 1e-13));
     CHECK(std::all_of(seen_corner.begin(), seen_corner.end(), [](int n) { return n == 1; }));
     CHECK(std::all_of(seen_point.begin(), seen_point.end(), [](int n) { return n == 1; }));
-    for (std::size_t i = 0; i < area.size(); ++i) CHECK(area[i] == relative(model.interfaces[i].length * model.thickness, 1e-12));
+    for (std::size_t i = 0; i < area.size(); ++i)
+        CHECK(area[i] == relative(model.interfaces[i].length * model.thickness, 1e-12));
 }
 
 TEST_CASE("of second order stress and traction follow a linear strain") {
@@ -298,7 +319,9 @@ TEST_CASE("of second order stress and traction follow a linear strain") {
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
         CHECK((stress(model, state, t) - Eigen::Vector3d(2 * centroid(model.mesh, t).x(), 0, 0)).norm() <= 1e-14);
         for (Index k = 0; k < 7; ++k)
-            CHECK((stress(model, state, t, coordinates(model.mesh, 7 * t + k)) - Eigen::Vector3d(2 * model.mesh.corner(t, k).x(), 0, 0)).norm() <= 1e-13);
+            CHECK((stress(model, state, t, coordinates(model.mesh, 7 * t + k)) -
+                   Eigen::Vector3d(2 * model.mesh.corner(t, k).x(), 0, 0))
+                      .norm() <= 1e-13);
     }
     for (const FanPoint& at : model.fan_points) {
         const double sigma = 2 * model.mesh.corner(at.after).x();

@@ -17,7 +17,8 @@ ModelInput input_of(Mesh mesh) {
     ModelInput input;
     input.mesh = std::move(mesh);
     input.materials = {{.density = 3, .E = 1, .nu = 0}, {.density = 4, .E = 1, .nu = 0}};
-    input.laws = {{.sigma_c = 2, .G_c = 3}, {.sigma_c = 5, .G_c = 3}, CohesiveLaw::unbreakable(), {.sigma_c = 1, .G_c = 1}};
+    input.laws = {
+        {.sigma_c = 2, .G_c = 3}, {.sigma_c = 5, .G_c = 3}, CohesiveLaw::unbreakable(), {.sigma_c = 1, .G_c = 1}};
     input.law_of_pair = {{0, 1}, {1, 0}};
     input.law_within = {2, 2};
     input.law_of_joint = {3};
@@ -27,7 +28,7 @@ ModelInput input_of(Mesh mesh) {
 }  // namespace
 
 TEST_CASE("the law of an interface: joint before grain before pair of materials") {
-    Mesh mesh = bar_mesh(6, 1, 6, 1, [](int i) { return i / 3; });  // two triangles a column
+    Mesh mesh = bar_mesh(6, 1, 6, 1, [](int i) { return i / 3; });               // two triangles a column
     for (Index t = 0; t < mesh.n_triangles(); ++t) mesh.grain.push_back(t / 4);  // two columns a grain
     for (InteriorEdge& edge : mesh.interior_edges)
         if (edge.triangle[0] / 2 == 0 && edge.triangle[1] / 2 == 0) edge.joint = 0;
@@ -81,14 +82,17 @@ TEST_CASE("strength scales with length and area as Weibull's weakest link says a
     const Model plain = model_of(mesh, 0, 0), by_length = model_of(mesh, 3, 0), by_area = model_of(mesh, 0, 3);
     for (std::size_t i = 0; i < plain.interfaces.size(); ++i) {
         const double strength = plain.laws[plain.interfaces[i].law].sigma_c, length = plain.interfaces[i].length;
-        CHECK(by_length.laws[by_length.interfaces[i].law].sigma_c == relative(std::pow(3 / length, 0.2) * strength, 1e-12));
-        CHECK(by_area.laws[by_area.interfaces[i].law].sigma_c == relative(std::pow(3 / (1.0 / 3), 0.2) * strength, 1e-12));  // 2/3 of a half
+        CHECK(by_length.laws[by_length.interfaces[i].law].sigma_c ==
+              relative(std::pow(3 / length, 0.2) * strength, 1e-12));
+        CHECK(by_area.laws[by_area.interfaces[i].law].sigma_c ==
+              relative(std::pow(3 / (1.0 / 3), 0.2) * strength, 1e-12));  // 2/3 of a half
     }
     Mesh large = mesh;
     for (Vec2& x : large.vertices) x *= 1000;
     const Model scaled = model_of(large, 3000, 0);
     for (std::size_t i = 0; i < plain.interfaces.size(); ++i)
-        CHECK(scaled.laws[scaled.interfaces[i].law].sigma_c == relative(by_length.laws[by_length.interfaces[i].law].sigma_c, 1e-12));
+        CHECK(scaled.laws[scaled.interfaces[i].law].sigma_c ==
+              relative(by_length.laws[by_length.interfaces[i].law].sigma_c, 1e-12));
 }
 
 TEST_CASE("a correlated field gives the same strength on every mesh") {

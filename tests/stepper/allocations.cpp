@@ -35,13 +35,15 @@ ModelInput pulled_plate(double speed, Index order = 1) {
     input.mesh = bar_mesh(24, 10, 2.4, 1);
     input.mesh.order = order;
     for (InteriorEdge& edge : input.mesh.interior_edges) {
-        const Vec2 a = input.mesh.corner(edge.triangle[0], edge.side[0]), b = input.mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
+        const Vec2 a = input.mesh.corner(edge.triangle[0], edge.side[0]),
+                   b = input.mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
         edge.cracked = std::abs(a.x() - 1.2) < 1e-9 && std::abs(b.x() - 1.2) < 1e-9 && std::max(a.y(), b.y()) < 0.51;
     }
     input.materials = {{.density = 1, .E = 1, .nu = 0.2}};
     input.laws = {{.sigma_c = 1e-3, .G_c = 2e-6, .gamma = 1, .friction = 0.3}};
     input.law_of_pair = {{0}};
-    input.loads = {load(Load::Kind::velocity, "left", -speed, std::nullopt), load(Load::Kind::velocity, "right", speed, std::nullopt)};
+    input.loads = {load(Load::Kind::velocity, "left", -speed, std::nullopt),
+                   load(Load::Kind::velocity, "right", speed, std::nullopt)};
     return input;
 }
 
@@ -83,7 +85,7 @@ CountedStep counted_step(Run& run, double h, State& end) {
     return {report, made};
 }
 
-/// Steps after the first one, how often they allocated together, and how many fans came apart in them.
+/// Steps after the first one, the number of their allocations, and of the fans that split in them.
 struct CountedRun {
     long made = 0;
     int n_released = 0, n_fallbacks = 0;
@@ -110,7 +112,7 @@ TEST_CASE("the count of allocations counts") {
     CHECK(n_allocations - before == 2);
 }
 
-TEST_CASE("an explicit step allocates nothing unless a fan comes apart") {
+TEST_CASE("an explicit step allocates nothing unless a fan splits") {
     for (const CohesionScheme cohesion : {CohesionScheme::explicit_beta, CohesionScheme::implicit_beta}) {
         Run run(pulled_plate(1e-3), {.cohesion = cohesion});
         const double h = 0.8 * run.stepper.stable_step();
@@ -135,7 +137,8 @@ TEST_CASE("an implicit step allocates nothing while no bond changes") {
     for (const double friction : {0.0, 0.3}) {
         ModelInput input = pulled_plate(1e-3);
         input.laws[0] = {.sigma_c = 1, .G_c = 2e-3, .gamma = 1, .friction = friction};
-        for (Load& drive : input.loads) drive.history = {.time = {0, 2, 4, 6, 8, 10, 12, 14, 16}, .value = {1, 1, -1, -1, 1, 1, -1, -1, 1}};
+        for (Load& drive : input.loads)
+            drive.history = {.time = {0, 2, 4, 6, 8, 10, 12, 14, 16}, .value = {1, 1, -1, -1, 1, 1, -1, -1, 1}};
         input.loads[1].value[1] = 2e-4;
         Run run(std::move(input), {.bulk = BulkScheme::implicit_theta, .cohesion = CohesionScheme::implicit_beta});
         int n_quiet = 0, n_factorisations = 0;
@@ -145,9 +148,11 @@ TEST_CASE("an implicit step allocates nothing while no bond changes") {
         for (int i = 0; i < 800; ++i) {
             const auto [report, made] = counted_step(run, 0.02, end);
             for (Index p = 0; p < static_cast<Index>(run.model.fan_point_of.size()); ++p)
-                if (run.model.fan_points[run.model.fan_point_of[p]].cracked) opened = std::max(opened, opening(run.model, run.now, p).x());
+                if (run.model.fan_points[run.model.fan_point_of[p]].cracked)
+                    opened = std::max(opened, opening(run.model, run.now, p).x());
             rubbed -= report.friction_work;
-            if (i < 400 || report.released > 0 || report.softened > 0) continue;  // the second time round: all sizes have been met
+            if (i < 400 || report.released > 0 || report.softened > 0)
+                continue;  // the second time round: all sizes have been met
             ++n_quiet, worst = std::max(worst, made), n_factorisations += static_cast<int>(report.factorisations);
         }
         CAPTURE(friction);
@@ -175,7 +180,8 @@ TEST_CASE("an implicit step in which bonds soften allocates nothing") {
 }
 
 TEST_CASE("a run in which a body breaks allocates as often as its lists double") {
-    // the copies of the state at the first fans that come apart; lists of a fan, of contacts, of GMRES; pieces of the arena of the fronts
+    // the copies of the state at the first fans that come apart; lists of a fan, of contacts, of GMRES; pieces of the
+    // arena of the fronts
     const SchemeOptions explicit_beta, implicit_beta{.cohesion = CohesionScheme::implicit_beta},
         implicit{.bulk = BulkScheme::implicit_theta, .cohesion = CohesionScheme::implicit_beta};
     struct Case {

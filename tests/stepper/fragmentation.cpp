@@ -1,9 +1,10 @@
 // A bar stretched at a constant rate breaks into as many pieces as published for alumina, from slow to fast.
 //
-// Source of the numbers: F. Zhou, J.-F. Molinari, K. T. Ramesh, "Characteristic fragment size distributions in dynamic fragmentation", Appl.
-// Phys. Lett. 88 (2006) 261918 (and Int. J. Fract. 139 (2006) 169): mean fragment length s_0 s with s = 4.5/(1 + 4.5 r^(2/3)),
-// s_0 = E G_c/sigma_c^2, r = strain rate over sigma_c^3 c/(E^2 G_c). That fit is for an irreversible law whose unloading goes to the origin;
-// here unloading keeps the cohesion and the traction, so a damaged interface that stops opening draws its sides together and gives beta sigma_c s back.
+// Source of the numbers: F. Zhou, J.-F. Molinari, K. T. Ramesh, "Characteristic fragment size distributions in dynamic
+// fragmentation", Appl. Phys. Lett. 88 (2006) 261918 (and Int. J. Fract. 139 (2006) 169): mean fragment length s_0 s
+// with s = 4.5/(1 + 4.5 r^(2/3)), s_0 = E G_c/sigma_c^2, r = strain rate over sigma_c^3 c/(E^2 G_c). That fit is for an
+// irreversible law whose unloading goes to the origin; here unloading keeps the cohesion and the traction, so a damaged
+// interface that stops opening draws its sides together and gives beta sigma_c s back.
 #include "analysis/fragments.hpp"
 #include "support/bodies.hpp"
 #include "support/meshes.hpp"
@@ -30,7 +31,8 @@ Index pieces(double r, int n_expected, int n_cells, std::uint64_t seed) {
     const int n = n_expected * n_cells;
     ModelInput input;
     input.mesh = symmetric_bar_mesh(n, length, cell);
-    for (Index t = 0; t < input.mesh.n_triangles(); ++t) input.mesh.grain.push_back(t / 4);  // a cell cannot break, its ends can
+    for (Index t = 0; t < input.mesh.n_triangles(); ++t)
+        input.mesh.grain.push_back(t / 4);  // a cell cannot break, its ends can
     input.plane = PlaneModel::stress;
     input.materials = {{.density = density, .E = E, .nu = 0}};
     input.laws = {{.sigma_c = sigma_c, .G_c = G_c}, CohesiveLaw::unbreakable()};
@@ -39,10 +41,12 @@ Index pieces(double r, int n_expected, int n_cells, std::uint64_t seed) {
     input.scatter = {{.kind = Scatter::Kind::uniform, .deviation = 0.01 / std::sqrt(3.0)}, {}};  // within +- 1 %
     input.seed = seed;
     const double end_speed = 0.5 * rate * length;
-    input.loads = {load(Load::Kind::velocity, "left", -end_speed, std::nullopt), load(Load::Kind::velocity, "right", end_speed, std::nullopt)};
+    input.loads = {load(Load::Kind::velocity, "left", -end_speed, std::nullopt),
+                   load(Load::Kind::velocity, "right", end_speed, std::nullopt)};
     Run run(std::move(input));
     for (Index corner = 0; corner < run.model.mesh.n_corners(); ++corner)
-        run.now.velocity[run.now.node_of_corner[corner]] = {rate * (run.model.mesh.corner(corner).x() - 0.5 * length), 0};
+        run.now.velocity[run.now.node_of_corner[corner]] = {rate * (run.model.mesh.corner(corner).x() - 0.5 * length),
+                                                            0};
     run.ledger = EnergyLedger(run.model, run.now);
     // from the strength on, until pieces that part have gone several critical openings
     const double delta_c = 2 * G_c / sigma_c, end = sigma_c / (E * rate) + 8 * delta_c / (rate * fitted_length(r));
@@ -58,7 +62,8 @@ TEST_CASE("a stretched bar of alumina breaks into as many pieces as published" *
     for (const double r : {0.3, 1.0, 3.0, 10.0, 30.0}) {
         double mean = 0;
         constexpr int n_seeds = 5, n_expected = 30;
-        for (int seed = 1; seed <= n_seeds; ++seed) mean += static_cast<double>(pieces(r, n_expected, 16, seed)) / n_seeds;
+        for (int seed = 1; seed <= n_seeds; ++seed)
+            mean += static_cast<double>(pieces(r, n_expected, 16, seed)) / n_seeds;
         MESSAGE("strain rate ", r, ": ", mean, " pieces, expected ", n_expected);
         CHECK(mean == relative(n_expected, 0.3));
     }

@@ -1,4 +1,5 @@
-// Corners of obstacles against the inside of edges of the body, on both bulks: exact impacts, balances, nothing passes between the nodes.
+// Corners of obstacles against the inside of edges of the body, on both bulks: exact impacts, balances, nothing passes
+// between the nodes.
 #include "support/obstacles.hpp"
 #include "support/relative.hpp"
 #include "support/springs.hpp"
@@ -23,7 +24,8 @@ const SchemeOptions schemes[] = {{}, implicit()};
 }  // namespace
 
 TEST_CASE("a tip that meets an edge shares its impulse between the masses at its ends as a rod does") {
-    // masses of 1 at x = 0 and 2 and the tip at share s = 1/4: P = (1 + e) v / ((1 - s)^2 + s^2 + 1/M), ends (1 - s) P and s P
+    // masses of 1 at x = 0 and 2 and the tip at share s = 1/4: P = (1 + e) v / ((1 - s)^2 + s^2 + 1/M), ends (1 - s) P
+    // and s P
     for (const SchemeOptions& scheme : schemes)
         for (const double e : {0.0, 0.5, 1.0})
             for (const bool free : {false, true}) {
@@ -43,16 +45,18 @@ TEST_CASE("a tip that meets an edge shares its impulse between the masses at its
                 input.obstacles = {tip};
                 Run run(input, scheme);
                 while (run.now.time < 0.0195) run.step(1e-3);
-                const double accuracy = e > 0 ? 1e-9 : 1e-4;  // without a rebound the contact goes on, and the edge turns under it
+                const double accuracy =
+                    e > 0 ? 1e-9 : 1e-4;  // without a rebound the contact goes on, and the edge turns under it
                 const double impulse = (1 + e) / (0.75 * 0.75 + 0.25 * 0.25 + (free ? 1 / mass : 0));
                 CHECK(run.v(0, 0).y() == doctest::Approx(0.75 * impulse).epsilon(accuracy));
                 CHECK(run.v(0, 1).y() == doctest::Approx(0.25 * impulse).epsilon(accuracy));
-                if (free) CHECK(run.now.obstacles[0].velocity.y() == doctest::Approx(1 - impulse / mass).epsilon(accuracy));
+                if (free)
+                    CHECK(run.now.obstacles[0].velocity.y() == doctest::Approx(1 - impulse / mass).epsilon(accuracy));
                 check_energy_balance(run);
             }
 }
 
-TEST_CASE("a sharp boulder that falls between the nodes of a block does not pass and momentum and books balance") {
+TEST_CASE("a sharp boulder that falls between the nodes of a block does not pass and momentum and energy balance") {
     for (const SchemeOptions& scheme : schemes)
         for (const int order : {1, 2})
             for (const double mu : {0.0, 0.4}) {
@@ -66,7 +70,8 @@ TEST_CASE("a sharp boulder that falls between the nodes of a block does not pass
                 Run run(input, scheme);
                 const auto momentum = [&] {
                     Vec2 sum = tip.mass * run.now.obstacles[0].velocity.head<2>();
-                    for (Index c = 0; c < run.model.mesh.n_corners(); ++c) sum += run.model.corner_mass[c] * run.now.velocity[run.now.node_of_corner[c]];
+                    for (Index c = 0; c < run.model.mesh.n_corners(); ++c)
+                        sum += run.model.corner_mass[c] * run.now.velocity[run.now.node_of_corner[c]];
                     return sum;
                 };
                 const Vec2 before = momentum();
@@ -74,13 +79,15 @@ TEST_CASE("a sharp boulder that falls between the nodes of a block does not pass
                 double deepest = 0;
                 while (run.now.time < 0.3) {
                     REQUIRE(run.step_if_taken(h));
-                    const Vec2 x = run.now.obstacles[0].pose.position + run.now.obstacles[0].pose.turned(run.model.obstacles[0].outline.points[0]);
+                    const Vec2 x = run.now.obstacles[0].pose.position +
+                                   run.now.obstacles[0].pose.turned(run.model.obstacles[0].outline.points[0]);
                     for (const BoundaryEdge& edge : run.model.mesh.boundary_edges) {
                         const Index k = edge.side, next = (k + 1) % 3;
                         const Vec2 a = run.model.mesh.corner(edge.triangle, k) + run.u(edge.triangle, k);
                         const Vec2 b = run.model.mesh.corner(edge.triangle, next) + run.u(edge.triangle, next);
                         const double depth = cross(b - a, x - a) / (b - a).norm();
-                        if (order == 1 && a.y() > 0.9 && b.y() > 0.9 && x.x() > b.x() && x.x() < a.x()) deepest = std::max(deepest, depth);
+                        if (order == 1 && a.y() > 0.9 && b.y() > 0.9 && x.x() > b.x() && x.x() < a.x())
+                            deepest = std::max(deepest, depth);
                     }
                 }
                 CHECK(run.now.obstacles[0].velocity.y() > -0.4);  // braked

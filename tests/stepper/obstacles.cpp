@@ -1,6 +1,7 @@
-// Rigid obstacles beside the explicit bulk: platens that are driven, and free boulders. Exact points, balances, waves, random bodies.
-#include "support/bodies.hpp"
+// Rigid obstacles with the explicit bulk: driven platens and free boulders. Exact points, balances, waves,
+// random bodies.
 #include "support/obstacles.hpp"
+#include "support/bodies.hpp"
 #include "support/random_bodies.hpp"
 #include "support/relative.hpp"
 
@@ -25,9 +26,11 @@ ModelInput free_points() {
 /// Momentum of body and free obstacles.
 Vec2 momentum(const Run& run) {
     Vec2 sum = Vec2::Zero();
-    for (Index c = 0; c < run.model.mesh.n_corners(); ++c) sum += run.model.corner_mass[c] * run.now.velocity[run.now.node_of_corner[c]];
+    for (Index c = 0; c < run.model.mesh.n_corners(); ++c)
+        sum += run.model.corner_mass[c] * run.now.velocity[run.now.node_of_corner[c]];
     for (std::size_t o = 0; o < run.model.obstacles.size(); ++o)
-        if (run.model.obstacles[o].is_free()) sum += run.model.obstacles[o].mass * run.now.obstacles[o].velocity.head<2>();
+        if (run.model.obstacles[o].is_free())
+            sum += run.model.obstacles[o].mass * run.now.obstacles[o].velocity.head<2>();
     return sum;
 }
 
@@ -81,7 +84,8 @@ TEST_CASE("a driven platen takes points along and its drive pays for it") {
     CHECK(run.v(0, 0).y() == relative(2, 1e-13));
     CHECK(run.v(0, 2) == Vec2(0, 0));
     CHECK(run.now.obstacles[0].moved.y() == relative(1.2, 1e-12));
-    // landing on the wall takes two steps; all but what the impacts take is kinetic energy: m v^2 of work for m v^2/2 of energy, twice
+    // landing on the wall takes two steps; all but what the impacts take is kinetic energy: m v^2 of work for m v^2/2
+    // of energy, twice
     CHECK(run.ledger.row().external_work == relative(8, 1e-12));
     CHECK(run.ledger.row().kinetic == relative(4, 1e-12));
     check_energy_balance(run);
@@ -97,14 +101,15 @@ TEST_CASE("a polygon that turns sweeps points along with the speed of its surfac
     // the right point is lifted, the left one is left behind
     CHECK(run.v(0, 0) == Vec2(0, 0));
     CHECK(run.v(0, 1).y() > 0.45);
-    const auto [gap, normal] = distance_to(run.model.obstacles[0].outline, run.now.obstacles[0].pose, Vec2(2, 0) + run.u(0, 1));
+    const auto [gap, normal] =
+        distance_to(run.model.obstacles[0].outline, run.now.obstacles[0].pose, Vec2(2, 0) + run.u(0, 1));
     CHECK(gap >= -1e-6);
 }
 
 TEST_CASE("a disc dropped on a point rebounds by Newton's law") {
     for (const double e : {0.0, 0.4, 1.0}) {
         ModelInput input = free_points();
-        input.materials[0].density = 30;  // ten times the mass of the disc
+        input.materials[0].density = 30;                                          // ten times the mass of the disc
         input.obstacles = {boulder({1, 2.5}, 1, {0, -1.5}, {.restitution = e})};  // above the vertex (1, 1)
         Run run(input);
         double before = 0;
@@ -116,12 +121,13 @@ TEST_CASE("a disc dropped on a point rebounds by Newton's law") {
         run.step(1e-3);  // with e = 0 it lands first
         CHECK(run.now.obstacles[0].velocity.y() - run.v(0, 2).y() == doctest::Approx(-e * before).epsilon(1e-12));
         const double reduced = 1 * 10 / 11.0;
-        CHECK(run.ledger.row().impact_work == doctest::Approx(-0.5 * reduced * before * before * (1 - e * e)).epsilon(1e-12));
+        CHECK(run.ledger.row().impact_work ==
+              doctest::Approx(-0.5 * reduced * before * before * (1 - e * e)).epsilon(1e-12));
         check_energy_balance(run);
     }
 }
 
-TEST_CASE("a spinning disc and a free block keep their momentum and the books close") {
+TEST_CASE("a spinning disc and a free block conserve momentum and the energy balance closes") {
     for (const double e : {0.0, 0.5})
         for (const double mu : {0.0, 0.4}) {
             ModelInput input = block(4, {.sigma_c = 0.5, .G_c = 0.01, .gamma = 1, .friction = 0});
@@ -140,7 +146,8 @@ TEST_CASE("a spinning disc and a free block keep their momentum and the books cl
 }
 
 TEST_CASE("a boulder on an elastic bar is braked as the wave solution says") {
-    // a rigid mass M at the end of a long bar: contact force rho c A v exp(-t/tau), tau = M/(rho c A), and so does its velocity fall
+    // a rigid mass M at the end of a long bar: contact force rho c A v exp(-t/tau), tau = M/(rho c A), and so does its
+    // velocity fall
     const int n = 200;
     ModelInput input;
     input.mesh = symmetric_bar_mesh(n, 1, 0.01);
@@ -192,11 +199,15 @@ Run random_scene(std::uint64_t seed, double unit_of_length = 1, double unit_of_t
     for (const double side : {-1.0, 1.0}) {
         const Vec2 centre(random.uniform(0, 2), side < 0 ? -0.02 : 3.4), towards(random.uniform(-0.3, 0.3), -side);
         const double kind = random.uniform(), speed = random.uniform(0.05, 0.5);
-        Obstacle made = kind < 0.3 && input.obstacles.empty() ? platen(centre, towards, contact) : boulder(centre + Vec2(0, side), 1, speed * towards, contact);
+        Obstacle made = kind < 0.3 && input.obstacles.empty()
+                            ? platen(centre, towards, contact)
+                            : boulder(centre + Vec2(0, side), 1, speed * towards, contact);
         if (kind > 0.6) {
             const Pose turned{.angle = random.uniform(0, 6)};
             std::vector<Vec2> corners;
-            for (int i = 0; i < 5; ++i) corners.push_back(centre + Vec2(0, side) + turned.turned(Vec2(std::cos(i * 1.2566), std::sin(i * 1.2566))));
+            for (int i = 0; i < 5; ++i)
+                corners.push_back(centre + Vec2(0, side) +
+                                  turned.turned(Vec2(std::cos(i * 1.2566), std::sin(i * 1.2566))));
             made = polygon(corners, contact);
             set_free(made, 0.3);
             made.initial_velocity = Vec3(speed * towards.x(), speed * towards.y(), 0.1);
@@ -204,7 +215,8 @@ Run random_scene(std::uint64_t seed, double unit_of_length = 1, double unit_of_t
         if (!made.is_free()) {
             made.drive[1] = driven(-side * speed);
             double nearest = 1e9;
-            for (const Vec2& x : input.mesh.vertices) nearest = std::min(nearest, distance_to(made.outline, made.start, x).gap);
+            for (const Vec2& x : input.mesh.vertices)
+                nearest = std::min(nearest, distance_to(made.outline, made.start, x).gap);
             made.start.position += (nearest - 0.02) * made.outline.normal;
         }
         input.obstacles.push_back(made);
@@ -239,10 +251,12 @@ TEST_CASE("random bodies among random obstacles hardly penetrate and never gain 
         double fastest = 0;
         for (int i = 0; i < 200; ++i) {
             run.step(h);
-            fastest = std::max({fastest, run.last.largest_speed, run.now.obstacles[0].velocity.norm(), run.now.obstacles[1].velocity.norm()});
+            fastest = std::max({fastest, run.last.largest_speed, run.now.obstacles[0].velocity.norm(),
+                                run.now.obstacles[1].velocity.norm()});
         }
         check_energy_balance(run);
-        // what comes back from a wall in one step may be thrown back at its own speed and no faster, so that its work stays negative
+        // what comes back from a wall in one step may be thrown back at its own speed and no faster, so that its work
+        // stays negative
         for (std::size_t o = 0; o < 2; ++o)
             for (Index c = 0; c < run.model.mesh.n_corners(); ++c) {
                 const Vec2 x = run.model.mesh.corner(c / 3, c % 3) + run.now.displacement[run.now.node_of_corner[c]];
@@ -251,7 +265,7 @@ TEST_CASE("random bodies among random obstacles hardly penetrate and never gain 
     }
 }
 
-TEST_CASE("a fan squeezed between obstacles whose solution jumps is refused and smaller steps go on") {
+TEST_CASE("a step in which the solution of a squeezed fan jumps is rejected and smaller steps succeed") {
     // one of four hundred such scenes: with friction the fan has two solutions, and neither balances both obstacles
     Run run = random_scene(186);
     const double h = 0.8 * run.stepper.stable_step();
@@ -275,8 +289,10 @@ TEST_CASE("obstacles do not depend on the units") {
         for (int i = 0; i < 60; ++i) si.step(h), other.step(h * T);
         CHECK(si.ledger.largest_energy() > 0);
         for (std::size_t o = 0; o < 2; ++o)
-            CHECK((si.now.obstacles[o].velocity.head<2>() - T / L * other.now.obstacles[o].velocity.head<2>()).norm() <= 1e-6);
-        CHECK(other.ledger.row().kinetic * T * T / (L * L * M) == doctest::Approx(si.ledger.row().kinetic).epsilon(1e-6));
+            CHECK((si.now.obstacles[o].velocity.head<2>() - T / L * other.now.obstacles[o].velocity.head<2>()).norm() <=
+                  1e-6);
+        CHECK(other.ledger.row().kinetic * T * T / (L * L * M) ==
+              doctest::Approx(si.ledger.row().kinetic).epsilon(1e-6));
     }
 }
 
@@ -284,7 +300,8 @@ TEST_CASE("obstacles give the same bits for one and two threads") {
     const auto end_of = [](int n_threads) {
         omp_set_num_threads(n_threads);
         ModelInput input = block(12, {.sigma_c = 0.5, .G_c = 0.01, .gamma = 1, .friction = 0.3});
-        input.obstacles = {boulder({0.55, 1.32}, 0.3, {0.2, -3}, {.friction = 0.3}), platen({0, 0}, {0, 1}, {.friction = 0.5})};
+        input.obstacles = {boulder({0.55, 1.32}, 0.3, {0.2, -3}, {.friction = 0.3}),
+                           platen({0, 0}, {0, 1}, {.friction = 0.5})};
         Run run(input);
         const double h = 0.8 * run.stepper.stable_step();
         for (int i = 0; i < 200; ++i) run.step(h);

@@ -60,7 +60,8 @@ double part_that_differs(const std::set<Index>& a, const std::set<Index>& b) {
 }
 
 /// To a time in whole steps of about h; implicit steps that are refused are taken in halves.
-void go(Run& run, double until, double h, const std::function<void()>& after_step = [] {}) {
+void go(
+    Run& run, double until, double h, const std::function<void()>& after_step = [] {}) {
     double now = h;
     State end;
     while (run.now.time < until * (1 - 1e-9)) {
@@ -77,8 +78,9 @@ void go(Run& run, double until, double h, const std::function<void()>& after_ste
     }
 }
 
-/// A strip with an edge crack, in directions of its mesh. Its long sides are clamped and drawn apart smoothly until a crack that runs through it
-/// releases `excess` times G_c (the strip is long and uniformly strained ahead of it), and slowly on, so that none stops for good.
+/// A strip with an edge crack, in directions of its mesh. Its long sides are clamped and drawn apart smoothly until a
+/// crack that runs through it releases `excess` times G_c (the strip is long and uniformly strained ahead of it), and
+/// slowly on, so that none stops for good.
 struct Strip {
     static constexpr double length = 0.05, height = 0.02, crack = 0.015, edge = 1e-3;
     static constexpr double sigma_c = 7e6, G_c = 3, excess = 1.9, ramp = 40e-6;
@@ -104,14 +106,17 @@ struct Strip {
         }
         history.time.push_back(4 * ramp);
         history.value.push_back(1.5);
-        input.loads = {load(Load::Kind::displacement, "top", up.x(), up.y(), history), load(Load::Kind::displacement, "bottom", -up.x(), -up.y(), history)};
+        input.loads = {load(Load::Kind::displacement, "top", up.x(), up.y(), history),
+                       load(Load::Kind::displacement, "bottom", -up.x(), -up.y(), history)};
         return input;
     }
 
     /// [m] Along the strip.
     double front() const {
         double front = crack;
-        for (const Index p : broken(run)) front = std::max(front, turned(run.model.mesh.vertices[run.model.interfaces[p / 2].vertex[p % 2]], -angle).x());
+        for (const Index p : broken(run))
+            front =
+                std::max(front, turned(run.model.mesh.vertices[run.model.interfaces[p / 2].vertex[p % 2]], -angle).x());
         return front;
     }
 
@@ -129,8 +134,11 @@ struct Strip {
 }  // namespace
 
 TEST_CASE("E13 the broken set converges with the step") {
-    describe("The edge-cracked block, 100 x 40 mm, at 1.5 mm, 1 MPa: points that are broken at 20 us, when the crack has just begun to run, with steps of .8, .4, .2 of the stable one, against .05 of it. "
-             "Later the pattern is chaotic and another step is another sample. In implicit steps: the same against the same explicit run, which so is a reference for both.");
+    describe(
+        "The edge-cracked block, 100 x 40 mm, at 1.5 mm, 1 MPa: points that are broken at 20 us, when the crack has "
+        "just begun to run, with steps of .8, .4, .2 of the stable one, against .05 of it. "
+        "Later the pattern is chaotic and another step is another sample. In implicit steps: the same against the same "
+        "explicit run, which so is a reference for both.");
     const Mesh mesh = cracked_block({0.1, 0.04}, 0.05, 1.5e-3);
     const double stable = Run(pulled(mesh, 3.08e6, 1e6)).stepper.stable_step();
     const auto at_20_us = [&](const SchemeOptions& path, double safety) {
@@ -146,15 +154,20 @@ TEST_CASE("E13 the broken set converges with the step") {
             if (path.bulk == BulkScheme::implicit_theta && safety == 0.2) continue;  // as dear as all the others
             const auto [set, surface] = at_20_us(path, safety);
             const std::string at = ", " + digits(safety) + " of the stable step";
-            verify_small("part of the broken points that differs" + at, part_that_differs(set, reference), {0.05 * safety / 0.2});
+            verify_small("part of the broken points that differs" + at, part_that_differs(set, reference),
+                         {0.05 * safety / 0.2});
             verify("surface energy over that of the reference" + at, surface / energy, 1, {0.01 * safety / 0.2});
         }
     }
 }
 
 TEST_CASE("E15 a crack costs the same in every direction of the mesh" * doctest::test_suite("slow")) {
-    describe("A strip of 50 x 20 mm with a crack of 15 mm, its long sides clamped and drawn apart to an energy release of 1.9 G_c, is turned by 0, 15, 30, 45 degrees against the axes in which its random mesh is "
-             "made. Energy of the surfaces while the crack runs from 20 mm to 40 mm, over G_c and this length (above 1 by its zigzag and its side cracks); mean of 96 seeds a direction. What is measured is the mesh, not the step: explicit only, the 384 runs would take hours in implicit steps.");
+    describe(
+        "A strip of 50 x 20 mm with a crack of 15 mm, its long sides clamped and drawn apart to an energy release of "
+        "1.9 G_c, is turned by 0, 15, 30, 45 degrees against the axes in which its random mesh is "
+        "made. Energy of the surfaces while the crack runs from 20 mm to 40 mm, over G_c and this length (above 1 by "
+        "its zigzag and its side cracks); mean of 96 seeds a direction. What is measured is the mesh, not the step: "
+        "explicit only, the 384 runs would take hours in implicit steps.");
     on_path(both_explicit);
     constexpr int n_seeds = 96, n_directions = 4;
     constexpr double from = 0.02, to = 0.04;
@@ -174,12 +187,16 @@ TEST_CASE("E15 a crack costs the same in every direction of the mesh" * doctest:
     const double mean = (cost[0] + cost[1] + cost[2] + cost[3]) / n_directions;
     const double error = spread / (mean * std::sqrt(n_seeds));
     for (int i = 0; i < n_directions; ++i)
-        verify("energy per length over the mean of all directions, " + std::to_string(15 * i) + " degrees", cost[i] / mean, 1, {0.05, 0.025});
-    verify_at_most("standard error of a mean, the largest", error, 0.02);  // else the seeds are too few to see 5 percent
+        verify("energy per length over the mean of all directions, " + std::to_string(15 * i) + " degrees",
+               cost[i] / mean, 1, {0.05, 0.025});
+    verify_at_most("standard error of a mean, the largest", error,
+                   0.02);  // else the seeds are too few to see 5 percent
 }
 
 TEST_CASE("E17 it does not matter from where on a point counts as broken") {
-    describe("A block of 40 x 20 mm with a crack of 15 mm is pulled apart to 16 us; after every step cohesion below a threshold is set to zero. The same points are broken with 1e-12 and 1e-6 as without.");
+    describe(
+        "A block of 40 x 20 mm with a crack of 15 mm is pulled apart to 16 us; after every step cohesion below a "
+        "threshold is set to zero. The same points are broken with 1e-12 and 1e-6 as without.");
     for (const SchemeOptions& path : both_paths()) {
         on_path(path);
         const bool is_explicit = path.bulk == BulkScheme::explicit_lumped;
@@ -196,7 +213,8 @@ TEST_CASE("E17 it does not matter from where on a point counts as broken") {
                 reference = broken(run);
                 CHECK(reference.size() > 30);
             } else {
-                verify_at_most("part of the broken points that differs, threshold " + digits(threshold), part_that_differs(broken(run), reference), 0);
+                verify_at_most("part of the broken points that differs, threshold " + digits(threshold),
+                               part_that_differs(broken(run), reference), 0);
             }
         }
     }

@@ -16,8 +16,10 @@ TEST_CASE("reactions of a bar that is pulled do the external work and are its st
     input.materials = {{.density = 1, .E = E, .nu = 0}};
     input.laws = {CohesiveLaw::unbreakable()};
     input.law_of_pair = {{0}};
-    // left is held, the right end glides to its place and stays; a load that later ones replace everywhere drives nothing
-    input.loads = {load(Load::Kind::velocity, "right", 7.0, std::nullopt), load(Load::Kind::velocity, "left", 0.0, std::nullopt),
+    // left is held, the right end glides to its place and stays; a load that later ones replace everywhere drives
+    // nothing
+    input.loads = {load(Load::Kind::velocity, "right", 7.0, std::nullopt),
+                   load(Load::Kind::velocity, "left", 0.0, std::nullopt),
                    load(Load::Kind::displacement, "right", strain * length, std::nullopt, {{0, 40, 80}, {0, 0.5, 1}})};
     Run run(input);
     const Reactions reactions(run.model);
@@ -27,7 +29,8 @@ TEST_CASE("reactions of a bar that is pulled do the external work and are its st
     double work = 0, mean = 0;
     int n = 0;
     while (run.now.time < 400) {
-        const double u = reactions.at(run.now)[1].displacement.x(), v = run.v(14, 1).x(), kick = 0.5 * (run.now.last_step + h);
+        const double u = reactions.at(run.now)[1].displacement.x(), v = run.v(14, 1).x(),
+                     kick = 0.5 * (run.now.last_step + h);
         run.step(h);
         const std::vector<Reaction> at = reactions.at(run.now);
         work += kick * at[1].force.x() * 0.5 * (v + run.v(14, 1).x());

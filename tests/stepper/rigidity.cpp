@@ -1,5 +1,5 @@
-// Interfaces that hold are rigid: the body with all its edges cohesive moves as the body without (E1, E12), and a preload below the
-// strength does nothing at all (E14).
+// Interfaces that hold are rigid: the body with all its edges cohesive moves as the body without (E1, E12), and a
+// preload below the strength does nothing at all (E14).
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
 
@@ -38,14 +38,16 @@ CohesiveLaw strong() { return {.sigma_c = 1e8, .G_c = 1e5, .gamma = 1, .friction
 Mesh mesh_with_sliver(int n) {
     Mesh mesh = bar_mesh(n, n, 1, 1);
     const Index vertex = (n / 2) * (n + 1) + n / 2;
-    // triangle (i, j), (i+1, j), (i+1, j+1) to the lower left of the vertex: onto the middle of its edge from (i, j) to (i+1, j)
+    // triangle (i, j), (i+1, j), (i+1, j+1) to the lower left of the vertex: onto the middle of its edge from (i, j) to
+    // (i+1, j)
     mesh.vertices[vertex].y() -= (1 - 4e-3) / n;
     mesh.vertices[vertex].x() -= 0.4 / n;
     find_edges(mesh);
     for (BoundaryEdge& edge : mesh.boundary_edges) edge.boundary = 0;
     mesh.boundary_names = {"left"};
     for (BoundaryEdge& edge : mesh.boundary_edges) {
-        const Vec2 middle = 0.5 * (mesh.corner(edge.triangle, edge.side) + mesh.corner(edge.triangle, (edge.side + 1) % 3));
+        const Vec2 middle =
+            0.5 * (mesh.corner(edge.triangle, edge.side) + mesh.corner(edge.triangle, (edge.side + 1) % 3));
         if (middle.x() > 1e-9) edge.boundary = 1;
     }
     mesh.boundary_names = {"left", "other"};
@@ -73,7 +75,8 @@ void set_displacement(Run& run, const Eigen::Matrix2d& gradient) {
         run.now.displacement[run.now.node_of_corner[c]] = gradient * run.model.mesh.corner(c / 3, c % 3);
 }
 
-/// A plate pushed at its left in steps of h: without interfaces, with all edges cohesive (vertices bound), and with every vertex split into its corners.
+/// A plate pushed at its left in steps of h: without interfaces, with all edges cohesive (vertices bound), and with
+/// every vertex split into its corners.
 void run_a_wave(const SchemeOptions& path, const Mesh& mesh, int n_steps, double h, double tolerance) {
     on_path(path);
     ModelInput whole = plate(mesh, CohesiveLaw::unbreakable()), cohesive = plate(mesh, strong());
@@ -101,8 +104,10 @@ double stable_step(const Mesh& mesh) { return Run(plate(mesh, CohesiveLaw::unbre
 }  // namespace
 
 TEST_CASE("E1 with all edges cohesive a wave runs as in the body without edges") {
-    describe("A plate of 16 x 16 cells (8 x 8 in implicit steps) pushed at its left: without interfaces, with all edges cohesive (vertices bound), and with every vertex split into its corners. No "
-             "artificial compliance.");
+    describe(
+        "A plate of 16 x 16 cells (8 x 8 in implicit steps) pushed at its left: without interfaces, with all edges "
+        "cohesive (vertices bound), and with every vertex split into its corners. No "
+        "artificial compliance.");
     const Mesh mesh = bar_mesh(16, 16, 1, 1), coarse = bar_mesh(8, 8, 1, 1);
     run_a_wave(both_explicit, mesh, 300, 0.5 * stable_step(mesh), 1e-10);
     run_a_wave(both_implicit, coarse, 40, 2 * stable_step(coarse), 1e-10);
@@ -123,15 +128,19 @@ TEST_CASE("E1 patch test: a uniform strain is at rest with all edges cohesive") 
             const bool is_explicit = path.bulk == BulkScheme::explicit_lumped;
             const Mesh mesh = sliver ? mesh_with_sliver(6) : bar_mesh(8, 8, 1, 1);
             ModelInput input = plate(mesh, strong());
-            for (const std::string& side : mesh.boundary_names) input.loads.push_back(load(Load::Kind::velocity, side, 0.0, 0.0));
+            for (const std::string& side : mesh.boundary_names)
+                input.loads.push_back(load(Load::Kind::velocity, side, 0.0, 0.0));
             Run run(all_split(input), path);
             set_displacement(run, gradient);
             const double h = (is_explicit ? 0.5 : 5) * stable_step(mesh);
             const int n_steps = is_explicit ? 1000 : 100;
             for (int i = 0; i < n_steps; ++i) run.step(h);
             double worst = 0;
-            for (Index c = 0; c < mesh.n_corners(); ++c) worst = std::max(worst, (run.u(c / 3, c % 3) - gradient * mesh.corner(c / 3, c % 3)).norm());
-            verify_small("largest error of the displacement over the strain, " + std::to_string(n_steps) + " steps" + (sliver ? ", with slivers" : ""), worst / gradient.norm(), {1e-10});
+            for (Index c = 0; c < mesh.n_corners(); ++c)
+                worst = std::max(worst, (run.u(c / 3, c % 3) - gradient * mesh.corner(c / 3, c % 3)).norm());
+            verify_small("largest error of the displacement over the strain, " + std::to_string(n_steps) + " steps" +
+                             (sliver ? ", with slivers" : ""),
+                         worst / gradient.norm(), {1e-10});
             CHECK(run.ledger.row().surface() == 0);
         }
 }
@@ -144,7 +153,8 @@ TEST_CASE("E14 a bar at .99 of its strength rests for ten thousand steps and at 
     for (const double level : {0.99, 1.01}) {
         // uniaxial stress along x: the ends are held, the sides free
         ModelInput input = plate(bar_mesh(10, 3, 1, 0.3), law, PlaneModel::stress);
-        input.loads = {load(Load::Kind::velocity, "left", 0.0, std::nullopt), load(Load::Kind::velocity, "right", 0.0, std::nullopt)};
+        input.loads = {load(Load::Kind::velocity, "left", 0.0, std::nullopt),
+                       load(Load::Kind::velocity, "right", 0.0, std::nullopt)};
         Run run(input);
         const double strain = level * sigma_c / glass.E;
         set_displacement(run, Eigen::Vector2d(strain, -glass.nu * strain).asDiagonal());
@@ -155,13 +165,15 @@ TEST_CASE("E14 a bar at .99 of its strength rests for ten thousand steps and at 
             CHECK(run.now.n_steps == 10000);
             CHECK(run.ledger.worst().bond_checks + run.ledger.worst().fan_solves > 0);  // it was put to the test
             double worst = 0;
-            for (std::size_t i = 0; i < start.size(); ++i) worst = std::max(worst, (run.now.displacement[i] - start[i]).norm());
+            for (std::size_t i = 0; i < start.size(); ++i)
+                worst = std::max(worst, (run.now.displacement[i] - start[i]).norm());
             verify_small("movement over the strain in 10 000 steps at .99", worst / strain, {1e-10});
             CHECK(run.ledger.worst().largest_speed <= 1e-9 * strain * glass.dilatational_speed(PlaneModel::stress));
         } else {
             for (int i = 0; i < 2000; ++i) run.step(h);
             double weakest = 1;
-            for (Index p = 0; p < run.model.n_points(); ++p) weakest = std::min(weakest, cohesion(run.model, run.now, p));
+            for (Index p = 0; p < run.model.n_points(); ++p)
+                weakest = std::min(weakest, cohesion(run.model, run.now, p));
             verify_at_most("smallest beta 2000 steps after it began to open at 1.01", weakest, 0);
             CHECK(run.ledger.worst().residual <= 1e-10);
         }
@@ -169,11 +181,13 @@ TEST_CASE("E14 a bar at .99 of its strength rests for ten thousand steps and at 
 }
 
 TEST_CASE("what cannot part starts with one velocity whatever the scenario gives its triangles") {
-    // a crack to the middle of a plate that cannot break, its upper half thrown up and aside: fans along the crack are split from the start
+    // a crack to the middle of a plate that cannot break, its upper half thrown up and aside: fans along the crack are
+    // split from the start
     for (const BulkScheme bulk : {BulkScheme::explicit_lumped, BulkScheme::implicit_theta}) {
         Mesh mesh = bar_mesh(6, 6, 1, 1);
         for (InteriorEdge& edge : mesh.interior_edges) {
-            const Vec2 a = mesh.corner(edge.triangle[0], edge.side[0]), b = mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
+            const Vec2 a = mesh.corner(edge.triangle[0], edge.side[0]),
+                       b = mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
             edge.cracked = std::abs(a.y() - 0.5) + std::abs(b.y() - 0.5) < 1e-9 && 0.5 * (a.x() + b.x()) < 0.5;
         }
         ModelInput input = plate(std::move(mesh), CohesiveLaw::unbreakable());

@@ -1,10 +1,11 @@
 // A boulder on an elastic block: it rebounds as the wave solution says; momentum and energy of both balance.
 //
-// The boulder covers the block from side to side and the block cannot widen, so waves are plane (B. de Saint-Venant 1883, a rigid mass on the end
-// of a bar). With Z = rho c A and T = 2 L/c the end of the block moves with v = a + b, a the wave that leaves it, b = -a(t - T) what comes back from the rigid
-// support, and the contact force is Z (a - b):
+// The boulder covers the block from side to side and the block cannot widen, so waves are plane (B. de Saint-Venant
+// 1883, a rigid mass on the end of a bar). With Z = rho c A and T = 2 L/c the end of the block moves with v = a + b, a
+// the wave that leaves it, b = -a(t - T) what comes back from the rigid support, and the contact force is Z (a - b):
 //
-//     M v' = -Z (a - b),     a = v - b in contact, else a = b (a free end);     contact from where the gap closes until the force vanishes
+//     M v' = -Z (a - b),     a = v - b in contact, else a = b (a free end);     contact from where the gap closes until
+//     the force vanishes
 #include "support/obstacles.hpp"
 #include "support/relative.hpp"
 #include "support/springs.hpp"
@@ -18,7 +19,8 @@ using namespace knap::tests;
 
 namespace {
 
-/// The wave solution for a boulder of `ratio` times the mass of the block, that hits with speed 1: time in L/c. By steps of 1e-5.
+/// The wave solution for a boulder of `ratio` times the mass of the block, that hits with speed 1: time in L/c. By
+/// steps of 1e-5.
 struct WaveSolution {
     double release = 0;              // first end of the contact
     std::vector<double> rise, time;  // speed of the boulder upwards after each step
@@ -53,7 +55,8 @@ ModelInput block_and_boulder(int n, int order, double ratio) {
     input.materials = {{.density = 1, .E = (1 + nu) * (1 - 2 * nu) / (1 - nu), .nu = nu}};
     input.laws = {CohesiveLaw::unbreakable()};
     input.law_of_pair = {{0}};
-    for (const char* side : {"left", "right"}) input.loads.push_back(load(Load::Kind::displacement, side, 0.0, std::nullopt));
+    for (const char* side : {"left", "right"})
+        input.loads.push_back(load(Load::Kind::displacement, side, 0.0, std::nullopt));
     input.loads.push_back(load(Load::Kind::displacement, "bottom", std::nullopt, 0.0));
     input.obstacles = {polygon({{-0.1, 1}, {width + 0.1, 1}, {width + 0.1, 1.3}, {-0.1, 1.3}}, {.friction = 0.3})};
     set_free(input.obstacles[0], ratio * width / input.obstacles[0].outline.area());
@@ -68,7 +71,9 @@ TEST_CASE("the wave solution of a mass on a bar has the known contact times") {
     CHECK(WaveSolution(2).release == doctest::Approx(4.708).epsilon(1e-3));
 }
 
-TEST_CASE("a boulder rebounds from an elastic block as the wave solution says within 2 percent and books and momentum balance") {
+TEST_CASE(
+    "a boulder rebounds from an elastic block as the wave solution says within 2 percent and books and momentum "
+    "balance") {
     for (const double ratio : {1.0, 2.0})
         for (const int order : {1, 2})
             for (const bool implicit_bulk : {false, true}) {
@@ -76,12 +81,15 @@ TEST_CASE("a boulder rebounds from an elastic block as the wave solution says wi
                 CAPTURE(ratio);
                 CAPTURE(order);
                 CAPTURE(implicit_bulk);
-                Run run(block_and_boulder(order == 1 ? 64 : 32, order, ratio), implicit_bulk ? implicit(0.51) : SchemeOptions{});
+                Run run(block_and_boulder(order == 1 ? 64 : 32, order, ratio),
+                        implicit_bulk ? implicit(0.51) : SchemeOptions{});
                 const WaveSolution exact(ratio);
-                const double h = implicit_bulk ? 5e-3 : 0.8 * run.stepper.stable_step(), mass = ratio * 0.0625, start = mass * 1e-3;
+                const double h = implicit_bulk ? 5e-3 : 0.8 * run.stepper.stable_step(), mass = ratio * 0.0625,
+                             start = mass * 1e-3;
                 const auto momentum = [&] {
                     double sum = mass * run.now.obstacles[0].velocity.y();
-                    for (Index c = 0; c < run.model.mesh.n_corners(); ++c) sum += run.model.corner_mass[c] * run.now.velocity[run.now.node_of_corner[c]].y();
+                    for (Index c = 0; c < run.model.mesh.n_corners(); ++c)
+                        sum += run.model.corner_mass[c] * run.now.velocity[run.now.node_of_corner[c]].y();
                     return sum;
                 };
                 double release = 0, support = 0, rebound = 0, worst = 0;
@@ -96,7 +104,8 @@ TEST_CASE("a boulder rebounds from an elastic block as the wave solution says wi
                     if (pressed) release = run.now.time, rebound = speed;
                     worst = std::max(worst, std::abs(speed - exact.at(run.now.time)));
                 }
-                CHECK(run.now.obstacles[0].velocity.y() / 1e-3 == doctest::Approx(exact.at(5.9)).epsilon(0.02));  // a second contact follows for ratio 1
+                CHECK(run.now.obstacles[0].velocity.y() / 1e-3 ==
+                      doctest::Approx(exact.at(5.9)).epsilon(0.02));  // a second contact follows for ratio 1
                 CHECK(worst <= 0.03);
                 CHECK(rebound == doctest::Approx(exact.at(exact.release)).epsilon(0.02));
                 CHECK(release == doctest::Approx(exact.release).epsilon(0.02));

@@ -35,7 +35,8 @@ CohesiveLaw strong() { return {.sigma_c = 1e12, .G_c = 1e9, .gamma = 1, .frictio
 
 template <class Field>
 void set_displacement(Run& run, const Field& field) {
-    for (Index c = 0; c < run.model.mesh.n_corners(); ++c) run.now.displacement[run.now.node_of_corner[c]] = field(run.model.mesh.corner(c));
+    for (Index c = 0; c < run.model.mesh.n_corners(); ++c)
+        run.now.displacement[run.now.node_of_corner[c]] = field(run.model.mesh.corner(c));
 }
 
 /// [m] largest distance from a displacement field.
@@ -43,7 +44,8 @@ template <class Field>
 double distance(const Run& run, const Field& field) {
     double worst = 0;
     for (Index c = 0; c < run.model.mesh.n_corners(); ++c)
-        worst = std::max(worst, (run.now.displacement[run.now.node_of_corner[c]] - field(run.model.mesh.corner(c))).norm());
+        worst =
+            std::max(worst, (run.now.displacement[run.now.node_of_corner[c]] - field(run.model.mesh.corner(c))).norm());
     return worst;
 }
 
@@ -72,7 +74,8 @@ ModelInput bent_strip(const CohesiveLaw& law, Index order, bool skew) {
 }  // namespace
 
 TEST_CASE("second order: E1 with all edges cohesive a wave runs as in the body without edges") {
-    ModelInput whole = plate(bar_mesh(6, 6, 1, 1), CohesiveLaw::unbreakable()), cohesive = plate(bar_mesh(6, 6, 1, 1), strong());
+    ModelInput whole = plate(bar_mesh(6, 6, 1, 1), CohesiveLaw::unbreakable()),
+               cohesive = plate(bar_mesh(6, 6, 1, 1), strong());
     whole.loads = cohesive.loads = {load(Load::Kind::traction, "left", 1e6, 3e5)};
     Run reference(whole), bound(cohesive), split(all_split(cohesive));
     CHECK(static_cast<Index>(split.now.displacement.size()) == split.model.mesh.n_corners());
@@ -109,7 +112,8 @@ TEST_CASE("second order: pure bending is at rest with all edges cohesive") {
 }
 
 TEST_CASE("second order: a bent strip breaks when its outer fibre reaches the strength") {
-    // forces of a linear traction on a quadratic edge are those of Simpson's points, so the outermost point has the stress of the fibre
+    // forces of a linear traction on a quadratic edge are those of Simpson's points, so the outermost point has the
+    // stress of the fibre
     const CohesiveLaw law{.sigma_c = 1e6, .G_c = 3, .gamma = 1, .friction = 0.5};
     for (const double level : {0.999, 1.001}) {
         const Bending bending{level * law.sigma_c / (0.5 * glass.E)};
@@ -131,7 +135,10 @@ TEST_CASE("second order: both paths break a plate with the energy identity to ro
         input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = true}};
         input.loads = {load(Load::Kind::velocity, "top", 0.02, 0.1, {{0, 1e-4, 2e-4}, {0, 1, -1}})};
         SchemeOptions scheme;
-        if (implicit) scheme = {.bulk = BulkScheme::implicit_theta, .cohesion = CohesionScheme::implicit_beta, .mass = MassMatrix::consistent};
+        if (implicit)
+            scheme = {.bulk = BulkScheme::implicit_theta,
+                      .cohesion = CohesionScheme::implicit_beta,
+                      .mass = MassMatrix::consistent};
         Run run(input, scheme);
         const double h = implicit ? 1e-6 : 0.8 * run.stepper.stable_step();
         while (run.now.time < 5e-4) {

@@ -1,5 +1,6 @@
-// Exact one-point cases: imposed motion (A1, A3, A5), the strength polygon (A6), one mass under constant force (B1), a bouncing ball
-// (B13). All go through the whole stepper: a triangle without stiffness on a support is a set of point masses on cohesive points.
+// Exact one-point cases: imposed motion (A1, A3, A5), the strength polygon (A6), one mass under constant force (B1), a
+// bouncing ball (B13). All go through the whole stepper: a triangle without stiffness on a support is a set of point
+// masses on cohesive points.
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
 
@@ -11,16 +12,20 @@ using namespace knap;
 using namespace knap::tests;
 
 TEST_CASE("A1 mode I cycle under imposed opening") {
-    describe("One interface point with sigma_c = .5, delta_c = 1 is opened to u_N = .5 (t = 1), closed (t = 2) and opened again until it breaks (t = 4). Reference: the law, by hand; "
-             "Psi = beta sigma_c u_N + G_c (1 - beta)^2.");
+    describe(
+        "One interface point with sigma_c = .5, delta_c = 1 is opened to u_N = .5 (t = 1), closed (t = 2) and opened "
+        "again until it breaks (t = 4). Reference: the law, by hand; "
+        "Psi = beta sigma_c u_N + G_c (1 - beta)^2.");
     const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1};
     for (const SchemeOptions& path : all_paths()) {
         on_path(path);
         ModelInput input = point_masses(law, true);
-        // comes back to 0; the published case holds it there by contact, here the motion is imposed and never penetrates
+        // comes back to 0; the published case holds it there by contact, here the motion is imposed and never
+        // penetrates
         input.loads = {load(Load::Kind::displacement, "base", 0.0, 1.0, {{0, 1, 2, 3, 5}, {0, 0.5, 0, 0.5, 1.5}})};
         Run run(input, path);
-        const int n = 1024;  // a power of two: times and ways add up without rounding, and what is left is the error of the law
+        const int n =
+            1024;  // a power of two: times and ways add up without rounding, and what is left is the error of the law
         const double h = 1.0 / n;
         const auto beta = [&] { return cohesion(run.model, run.now, 0); };
         const auto psi = [&] { return law.surface_energy(beta(), opening(run.model, run.now, 0).x(), 0); };
@@ -38,7 +43,8 @@ TEST_CASE("A1 mode I cycle under imposed opening") {
         go_on();
         verify_small("beta at t = 4", beta(), {1e-12});
         verify("Psi at t = 4 is G_c", psi(), law.G_c, {1e-12});
-        // the work of the forces follows the energy of the state up to the lag of the explicit cohesion, first order in h
+        // the work of the forces follows the energy of the state up to the lag of the explicit cohesion, first order in
+        // h
         CHECK(std::abs(run.ledger.row().law_lag) < 2 * h * 2 * law.G_c);
         CHECK(run.ledger.largest_residual() < 1e-12 * run.ledger.largest_energy());
     }
@@ -48,8 +54,9 @@ TEST_CASE("A3 mode II with friction under imposed slip and constant pressure") {
     on_path(both_explicit);
     const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .friction = 0.5};
     ModelInput input = point_masses(law, true);
-    input.loads = {load(Load::Kind::displacement, "base", 1.0, std::nullopt, {{0, 1, 2, 6}, {0, 0.5, 0, -2}}),
-                   load(Load::Kind::body_force, "", 0.0, -3.0)};  // area 1 shared by three corners: a force of -1 on each
+    input.loads = {
+        load(Load::Kind::displacement, "base", 1.0, std::nullopt, {{0, 1, 2, 6}, {0, 0.5, 0, -2}}),
+        load(Load::Kind::body_force, "", 0.0, -3.0)};  // area 1 shared by three corners: a force of -1 on each
     Run run(input);
     const int n = 2000;
     const double h = 1.0 / n;
@@ -58,7 +65,8 @@ TEST_CASE("A3 mode II with friction under imposed slip and constant pressure") {
         return std::pair{cohesion(run.model, run.now, 0), run.now.points[0].traction};
     };
     run.step(h);
-    // r_N is the applied pressure; friction sees the cohesive pressure on top: (gamma + mu) sigma_c + mu r_N at the first slip
+    // r_N is the applied pressure; friction sees the cohesive pressure on top: (gamma + mu) sigma_c + mu r_N at the
+    // first slip
     verify("r_N at the first slip", run.now.points[0].traction.x(), 1, {1e-12});
     verify("|r_T| at the first slip", std::abs(run.now.points[0].traction.y()), 0.5 + 0.5 * (1 + 0.5), {1e-12});
     const auto [beta1, r1] = at(1);
@@ -76,8 +84,10 @@ TEST_CASE("A3 mode II with friction under imposed slip and constant pressure") {
 }
 
 TEST_CASE("A5 mixed mode breaks at its own opening and always dissipates G_c") {
-    describe("One point is driven along u_N = a s, u_T = (1 - a) s at 11 mixities a and gamma = 0, .5, 2. It breaks at s = delta_c/(a + gamma (1 - a)), having spent G_c. Also sheared "
-             "then opened, and opened, closed, sheared.");
+    describe(
+        "One point is driven along u_N = a s, u_T = (1 - a) s at 11 mixities a and gamma = 0, .5, 2. It breaks at s = "
+        "delta_c/(a + gamma (1 - a)), having spent G_c. Also sheared "
+        "then opened, and opened, closed, sheared.");
     for (const SchemeOptions& path : all_paths()) {
         on_path(path);
         double worst_beta = 0, worst_energy = 0;
@@ -103,31 +113,37 @@ TEST_CASE("A5 mixed mode breaks at its own opening and always dissipates G_c") {
         verify_small("error of G/G_c when broken, worst of all", worst_energy, {1e-12});
 
         // other ways to the same end: u_T first and then u_N; u_N half way, back to 0, then u_T
-        const TimeFunction up_later{{1, 2}, {0, 1}}, up_first{{0, 1}, {0, 0.5}}, there_and_back{{0, 1, 2}, {0, 0.5, 0}}, shear_later{{2, 4}, {0, 2}};
+        const TimeFunction up_later{{1, 2}, {0, 1}}, up_first{{0, 1}, {0, 0.5}}, there_and_back{{0, 1, 2}, {0, 0.5, 0}},
+            shear_later{{2, 4}, {0, 2}};
         double worst_way = 0;
         for (const bool shear_first : {true, false}) {
             const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1};
             ModelInput input = point_masses(law, true);
-            input.loads = {load(Load::Kind::displacement, "base", 1.0, std::nullopt, shear_first ? up_first : shear_later),
-                           load(Load::Kind::displacement, "base", std::nullopt, 1.0, shear_first ? up_later : there_and_back)};
+            input.loads = {
+                load(Load::Kind::displacement, "base", 1.0, std::nullopt, shear_first ? up_first : shear_later),
+                load(Load::Kind::displacement, "base", std::nullopt, 1.0, shear_first ? up_later : there_and_back)};
             Run run(input, path);
             for (int k = 0; k < 4000; ++k) run.step(1e-3);
-            worst_way = std::max(worst_way, std::abs(run.ledger.row().dissipated / (2 * law.G_c) - 1) + cohesion(run.model, run.now, 0));
+            worst_way = std::max(
+                worst_way, std::abs(run.ledger.row().dissipated / (2 * law.G_c) - 1) + cohesion(run.model, run.now, 0));
         }
         verify_small("error of G/G_c, sheared then opened and opened, closed, sheared", worst_way, {1e-12});
     }
 }
 
 TEST_CASE("A6 an intact point starts to move exactly on its strength polygon") {
-    describe("One point with sigma_c = 2, gamma = .7, mu = .4 under a force in 36 directions. It holds up to f_N = sigma_c and |f_T| = (gamma + mu) sigma_c - mu f_N: at 1 - 1e-9 of "
-             "that it rests, at 1 + 1e-6 it moves.");
+    describe(
+        "One point with sigma_c = 2, gamma = .7, mu = .4 under a force in 36 directions. It holds up to f_N = sigma_c "
+        "and |f_T| = (gamma + mu) sigma_c - mu f_N: at 1 - 1e-9 of "
+        "that it rests, at 1 + 1e-6 it moves.");
     const CohesiveLaw law{.sigma_c = 2, .G_c = 1, .gamma = 0.7, .friction = 0.4};
     for (const SchemeOptions& path : all_paths()) {
         on_path(path);
         int n_right = 0;
         for (int i = 0; i < 36; ++i) {
             const double angle = 2 * M_PI * i / 36;
-            const Vec2 direction(std::cos(angle), std::sin(angle));  // of the force on the body: (tangential, normal) = (x, y)
+            const Vec2 direction(std::cos(angle),
+                                 std::sin(angle));  // of the force on the body: (tangential, normal) = (x, y)
             const double shear = std::abs(direction.x()) + law.friction * direction.y();
             double strength = 1e3;
             if (direction.y() > 1e-12) strength = law.sigma_c / direction.y();
@@ -140,7 +156,8 @@ TEST_CASE("A6 an intact point starts to move exactly on its strength polygon") {
                 Run run(input, path);
                 for (int k = 0; k < 3; ++k) run.step(0.1);
                 const bool moved = run.v(0, 0).norm() > 0, should = factor > 1 && strength < 1e3;
-                CHECK_MESSAGE(moved == should, "direction ", i * 10, " degrees, factor ", factor, ", speed ", run.v(0, 0).norm());
+                CHECK_MESSAGE(moved == should, "direction ", i * 10, " degrees, factor ", factor, ", speed ",
+                              run.v(0, 0).norm());
                 right = right && moved == should;
             }
             n_right += right;
@@ -150,11 +167,15 @@ TEST_CASE("A6 an intact point starts to move exactly on its strength polygon") {
 }
 
 TEST_CASE("B1 one mass under constant force follows the exact recursion of the scheme") {
-    // central differences with beta_n = 1 - u_n/delta in the force: u_{n+1} - 2 u_n + u_{n-1} = h^2 kappa^2 (A + u_n), and a first kick of
-    // h/2 gives u_1 = h^2 kappa^2 A/2:   u_n = A (cosh(n a) - 1), a = 2 asinh(h kappa/2), A = (F - sigma_c S) delta/(sigma_c S)
+    // central differences with beta_n = 1 - u_n/delta in the force: u_{n+1} - 2 u_n + u_{n-1} = h^2 kappa^2 (A + u_n),
+    // and a first kick of h/2 gives u_1 = h^2 kappa^2 A/2:   u_n = A (cosh(n a) - 1), a = 2 asinh(h kappa/2), A = (F -
+    // sigma_c S) delta/(sigma_c S)
     on_path(both_explicit);
-    describe("m = sigma_c = delta_c = S = 1, F = 1.5, from rest: u_n = A (cosh(n a) - 1) exactly, A = (F - sigma_c) delta_c/sigma_c, with a = 2 asinh(h kappa/2) for central differences "
-             "and a = 2 artanh(h kappa/2) for the trapezoidal rule; in the limit it breaks at t = 1.76274717 with v = sqrt 2. E5 is the step that breaks.");
+    describe(
+        "m = sigma_c = delta_c = S = 1, F = 1.5, from rest: u_n = A (cosh(n a) - 1) exactly, A = (F - sigma_c) "
+        "delta_c/sigma_c, with a = 2 asinh(h kappa/2) for central differences "
+        "and a = 2 artanh(h kappa/2) for the trapezoidal rule; in the limit it breaks at t = 1.76274717 with v = sqrt "
+        "2. E5 is the step that breaks.");
     const CohesiveLaw law{.sigma_c = 1, .G_c = 0.5};
     double previous = 0, previous_h = 0;
     for (const double h : {0.1, 0.05, 0.025, 0.0123}) {
@@ -165,7 +186,8 @@ TEST_CASE("B1 one mass under constant force follows the exact recursion of the s
         double worst = 0;
         while (cohesion(run.model, run.now, 0) > 0) {
             run.step(h);
-            const double exact = 2 * A * std::pow(std::sinh(0.5 * a * static_cast<double>(run.now.n_steps)), 2);  // without cancellation
+            const double exact =
+                2 * A * std::pow(std::sinh(0.5 * a * static_cast<double>(run.now.n_steps)), 2);  // without cancellation
             worst = std::max(worst, std::abs(run.u(0, 0).y() / exact - 1));
         }
         const std::string at = ", h = " + digits(h);
@@ -176,13 +198,16 @@ TEST_CASE("B1 one mass under constant force follows the exact recursion of the s
         // order 2: the exact continuous motion A (cosh t - 1) at a fixed time inside the softening
         const int n = static_cast<int>(std::floor(1.5 / h));
         const double error = std::abs(std::cosh(n * a) - std::cosh(n * h)) / std::sinh(n * h) / (n * h);
-        if (previous > 0) verify_near("order of u(1.5)" + at, std::log(error / previous) / std::log(h / previous_h), 2, {0.05});
+        if (previous > 0)
+            verify_near("order of u(1.5)" + at, std::log(error / previous) / std::log(h / previous_h), 2, {0.05});
         previous = error, previous_h = h;
     }
 }
 
 TEST_CASE("B13 a ball with restitution .8 comes to rest at its Zeno time") {
-    describe("A point mass falls by 1 under g = 9.81 and bounces with e = .8: infinitely many impacts until t = sqrt(2/g) (1 + e)/(1 - e) = 4.0637128, then rest. h = 1e-4.");
+    describe(
+        "A point mass falls by 1 under g = 9.81 and bounces with e = .8: infinitely many impacts until t = sqrt(2/g) "
+        "(1 + e)/(1 - e) = 4.0637128, then rest. h = 1e-4.");
     for (SchemeOptions path : both_paths()) {
         on_path(path);
         const CohesiveLaw law{.sigma_c = 0, .restitution = 0.8};
@@ -197,7 +222,8 @@ TEST_CASE("B13 a ball with restitution .8 comes to rest at its Zeno time") {
         while (run.now.time < zeno + 0.1) {
             run.step(h);
             const double v = run.v(0, 0).y();
-            if (before < 0 && v > 0 && ++n_impacts == 10) verify_near("time of the tenth impact", run.now.time, tenth, {20 * h, 5 * h});
+            if (before < 0 && v > 0 && ++n_impacts == 10)
+                verify_near("time of the tenth impact", run.now.time, tenth, {20 * h, 5 * h});
             before = v;
             if (std::abs(v) > 2 * 9.81 * h) last_motion = run.now.time;
             if (run.now.time > 0.5 && run.now.time < 1.2) highest = std::max(highest, 1 + run.u(0, 0).y());
@@ -213,6 +239,7 @@ TEST_CASE("B13 a ball with restitution .8 comes to rest at its Zeno time") {
         verify_small("largest speed in 1000 steps after that", fastest, {1e-15});
         verify_small("movement in them", run.u(0, 0).y() - rest, {1e-15});
         CHECK(run.ledger.worst().worst_impact_work <= 0);
-        verify_small("energy residual after all these steps", run.ledger.largest_residual() / run.ledger.largest_energy(), {1e-10, 1e-11});
+        verify_small("energy residual after all these steps",
+                     run.ledger.largest_residual() / run.ledger.largest_energy(), {1e-10, 1e-11});
     }
 }

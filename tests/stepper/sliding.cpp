@@ -42,7 +42,9 @@ void check_energy_balance(const Run& run) {
 }  // namespace
 
 TEST_CASE("B14 a sliding point stops at v0 over mu g and then rests exactly") {
-    describe("A point mass slides with v_0 = 2 under g = 9.81, mu = .3: v = v_0 - mu g t, until it stops at t = v_0/(mu g) = .67958 and then does not move at all.");
+    describe(
+        "A point mass slides with v_0 = 2 under g = 9.81, mu = .3: v = v_0 - mu g t, until it stops at t = v_0/(mu g) "
+        "= .67958 and then does not move at all.");
     const double mu = 0.3, g = 9.81, v0 = 2;
     for (const double h : {1e-3, 3.7e-4}) {
         on_path(both_explicit);
@@ -55,7 +57,8 @@ TEST_CASE("B14 a sliding point stops at v0 over mu g and then rests exactly") {
         while (run.v(0, 0).x() > 0) {
             run.step(h);
             // velocities live at the middle of the steps
-            if (run.v(0, 0).x() > 0) worst = std::max(worst, std::abs(run.v(0, 0).x() - v0 + mu * g * (run.now.time - 0.5 * h)) / v0);
+            if (run.v(0, 0).x() > 0)
+                worst = std::max(worst, std::abs(run.v(0, 0).x() - v0 + mu * g * (run.now.time - 0.5 * h)) / v0);
             REQUIRE(run.now.time < 1);
         }
         verify_small("error of v over v_0 while it slides" + at, worst, {1e-12});
@@ -63,8 +66,10 @@ TEST_CASE("B14 a sliding point stops at v0 over mu g and then rests exactly") {
         const Vec2 place = run.u(0, 0);
         verify_near("stops after" + at, place.x(), 0.5 * v0 * v0 / (mu * g), {2 * h * v0, 0.2 * h * v0});
         for (int i = 0; i < 5000; ++i) run.step(h);
-        verify_that("5000 steps later it has the same place and no velocity, to the bit" + at, run.v(0, 0) == Vec2(0, 0) && run.u(0, 0) == place);
-        verify("friction work over the energy of the start" + at, run.ledger.row().friction_work / (-2 * 0.5 * v0 * v0), 1, {1e-12});  // two points of mass 1
+        verify_that("5000 steps later it has the same place and no velocity, to the bit" + at,
+                    run.v(0, 0) == Vec2(0, 0) && run.u(0, 0) == place);
+        verify("friction work over the energy of the start" + at, run.ledger.row().friction_work / (-2 * 0.5 * v0 * v0),
+               1, {1e-12});  // two points of mass 1
         check_energy_balance(run);
     }
 }
@@ -86,7 +91,8 @@ TEST_CASE("B14 a sliding point stops at v0 over mu g and then rests by the impli
             const double before = run.u(0, 0).x();
             run.step(h);
             REQUIRE(run.last.rejection == Rejection::none);
-            if (stops == 0 && run.now.time < v0 / (mu * g)) worst = std::max(worst, std::abs(run.v(0, 0).x() - v0 + mu * g * run.now.time) / v0);
+            if (stops == 0 && run.now.time < v0 / (mu * g))
+                worst = std::max(worst, std::abs(run.v(0, 0).x() - v0 + mu * g * run.now.time) / v0);
             if (stops == 0 && run.u(0, 0).x() == before) stops = run.now.time - h;
         }
         verify_small("error of v over v_0 while it slides" + at, worst, {1e-12});
@@ -99,7 +105,8 @@ TEST_CASE("B14 a sliding point stops at v0 over mu g and then rests by the impli
 }
 
 TEST_CASE("B14 an elastic block stops when friction has taken its momentum") {
-    // the bottom sticks and slides in waves, but the support's impulse is mu times the weight while the whole bottom slides
+    // the bottom sticks and slides in waves, but the support's impulse is mu times the weight while the whole bottom
+    // slides
     const double mu = 0.3, g = 9.81, v0 = 1;
     ModelInput input = block_on_support({.sigma_c = 0, .friction = mu});
     input.loads = {load(Load::Kind::acceleration, "", 0.0, -g)};
@@ -109,7 +116,9 @@ TEST_CASE("B14 an elastic block stops when friction has taken its momentum") {
     const auto all = [](Index) { return true; };
     while (run.now.time < 0.5 * v0 / (mu * g)) run.step(h);
     on_path(both_explicit);
-    describe("An elastic block of 1 x 1 with v_0 = 1: its base sticks and slides in waves, but the impulse of the support is mu times the weight while it slides.");
+    describe(
+        "An elastic block of 1 x 1 with v_0 = 1: its base sticks and slides in waves, but the impulse of the support "
+        "is mu times the weight while it slides.");
     verify("mean velocity at v_0/(2 mu g), over v_0", run.mean_velocity(all).x() / v0, 0.5, {0.05, 0.01});
     while (run.now.time < 1.2 * v0 / (mu * g)) run.step(h);
     verify_small("mean velocity at 1.2 v_0/(mu g), over v_0", run.mean_velocity(all).x() / v0, {0.05, 0.01});
@@ -119,7 +128,9 @@ TEST_CASE("B14 an elastic block stops when friction has taken its momentum") {
 
 TEST_CASE("E8 a stuck point under a rotating load does not drift") {
     // inside the strength at every angle: in contact alone, glued, and glued again after damage
-    describe("10 000 steps of a rotating load on a point, at .99 of what holds it: by the friction of a pressure that varies by a third, or glued.");
+    describe(
+        "10 000 steps of a rotating load on a point, at .99 of what holds it: by the friction of a pressure that "
+        "varies by a third, or glued.");
     on_path(both_explicit);
     const int periods = 100;
     const double h = 0.01, sigma_c = 2, delta = 1e-3;
@@ -128,13 +139,15 @@ TEST_CASE("E8 a stuck point under a rotating load does not drift") {
         ModelInput input = point_masses(law, glued);
         // contact: pressure 3 +- 1, shear up to .99 mu (3 - 1); glued: 0.99 of the inner circle of the strength polygon
         const double shear = (law.gamma + law.friction) * sigma_c / std::sqrt(1 + law.friction * law.friction);
-        const double normal = glued ? 0.99 * std::min(sigma_c, shear) : 1, tangential = glued ? normal : 0.99 * law.friction * 2;
+        const double normal = glued ? 0.99 * std::min(sigma_c, shear) : 1,
+                     tangential = glued ? normal : 0.99 * law.friction * 2;
         input.loads = {load(Load::Kind::body_force, "", 3 * tangential, std::nullopt, wave(periods, 0)),
                        load(Load::Kind::body_force, "", std::nullopt, 3 * normal, wave(periods, M_PI / 2)),
                        load(Load::Kind::body_force, "", 0.0, glued ? 0.0 : -9.0)};
         Run run(input);
         for (int i = 0; i < 100 * periods; ++i) run.step(h);
-        verify_small(std::string("drift over delta_c in 10 000 steps, ") + (glued ? "glued" : "by friction alone"), std::max(run.u(0, 0).norm(), run.u(0, 1).norm()) / delta, {1e-12});
+        verify_small(std::string("drift over delta_c in 10 000 steps, ") + (glued ? "glued" : "by friction alone"),
+                     std::max(run.u(0, 0).norm(), run.u(0, 1).norm()) / delta, {1e-12});
         if (glued) CHECK(cohesion(run.model, run.now, 0) == 1);
         check_energy_balance(run);
     }
@@ -156,7 +169,8 @@ TEST_CASE("E8 a damaged point that has closed sticks again with what strength is
     CHECK(run.v(0, 0).norm() <= 1e-14);
     for (int i = 0; i < 10000; ++i) run.step(h);
     on_path(both_explicit);
-    verify_small("drift over delta_c in 10 000 steps, damaged and closed", (run.u(0, 0) - place).norm() / delta, {1e-12});
+    verify_small("drift over delta_c in 10 000 steps, damaged and closed", (run.u(0, 0) - place).norm() / delta,
+                 {1e-12});
     verify_that("its cohesion stays, to the bit", cohesion(run.model, run.now, 0) == beta);
     check_energy_balance(run);
 }

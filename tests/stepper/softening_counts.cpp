@@ -1,4 +1,5 @@
-// A point that loses cohesion within a step counts as softened with either bulk, and that is what a step size reacts to.
+// A point that loses cohesion within a step counts as softened with either bulk, and that is what a step size reacts
+// to.
 #include "stepper/common/point_work.hpp"
 #include "stepper/step_control.hpp"
 #include "support/bodies.hpp"
@@ -32,13 +33,15 @@ ModelInput torn() {
     input.law_of_pair = {{0}};
     input.scatter = {{.kind = Scatter::Kind::uniform, .deviation = 0.1}};
     input.seed = 1;
-    input.loads = {load(Load::Kind::velocity, "top", std::nullopt, 0.1), load(Load::Kind::velocity, "bottom", std::nullopt, -0.1)};
+    input.loads = {load(Load::Kind::velocity, "top", std::nullopt, 0.1),
+                   load(Load::Kind::velocity, "bottom", std::nullopt, -0.1)};
     return input;
 }
 
 std::int64_t lost_cohesion(const Model& model, const State& begin, const State& end) {
     std::int64_t n = 0;
-    for (Index p = 0; p < model.n_points(); ++p) n += cohesion(model, begin, p) - cohesion(model, end, p) > min_softening;
+    for (Index p = 0; p < model.n_points(); ++p)
+        n += cohesion(model, begin, p) - cohesion(model, end, p) > min_softening;
     return n;
 }
 
@@ -112,7 +115,8 @@ TEST_CASE("books: what closing gives back is told from what is dissipated") {
         // beta = 1/2 from t = 1 to 3: two points of G_c/4, and beta sigma_c u_N of each
         const EnergyRow opened = go_on(), closed = go_on(), reopened = go_on(), broken = go_on();
         CAPTURE(name_of(path));
-        for (const EnergyRow& row : {opened, closed, reopened}) CHECK(row.dissipated == relative(2 * glue.G_c / 4, 1e-12));
+        for (const EnergyRow& row : {opened, closed, reopened})
+            CHECK(row.dissipated == relative(2 * glue.G_c / 4, 1e-12));
         for (const EnergyRow& row : {opened, reopened}) CHECK(row.recoverable == relative(2 * 0.5 * 0.5 * 0.5, 1e-12));
         CHECK(std::abs(closed.recoverable) <= 1e-12);
         CHECK(broken.dissipated == relative(2 * glue.G_c, 1e-12));

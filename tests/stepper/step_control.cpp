@@ -114,8 +114,8 @@ TEST_CASE("step control: the first loss of cohesion brings the cracking step for
     CHECK(release.steps[0] == 0.25);
 }
 
-TEST_CASE("step control: a refused step is halved and grows again after ten good ones") {
-    // refused at any size above 0.3 between times 5 and 6
+TEST_CASE("step control: a rejected step is halved and grows again after ten good ones") {
+    // rejected at any size above 0.3 between times 5 and 6
     const Trace trace = run(constant(1, 40), [](double time, double h) {
         return time >= 5 && time < 6 && h > 0.3 ? rejected(Rejection::not_converged) : StepReport{};
     });

@@ -2,24 +2,27 @@
 
 namespace knap {
 
-bool BondCheck::holds(Index f, std::span<const Vec2> required, double time) {
-    const Fan& fan = model_.fans[f];
-    const FanPoint* point = model_.fan_points.data() + fan.first_point;
-    const auto required_by = [&](Index j) { return required[j]; };
-    const auto breakable = [&](Index j) { return model_.laws[point[j].law].breakable(); };
+bool BondCheck::is_bonded(Index f, std::span<const Vec2> required, double time) {
+    const Fan& fan = model_->fans[f];
+    const auto points = model_->points(fan);
+    const auto required_by = [&](Index j) -> const Vec2& { return required[j]; };
+    const auto breakable = [&](Index j) { return model_->laws[points[j].law].breakable(); };
     const auto strength = [&](Index j) {
-        const CohesiveLaw& law = model_.laws[point[j].law];
-        return StrengthPolygon::at_rest(law, point[j].normal, law.sigma_c * point[j].area * time);
+        const CohesiveLaw& law = model_->laws[points[j].law];
+        return StrengthPolygon::at_rest(law, points[j].normal, law.sigma_c * points[j].area * time);
     };
     impulse_.resize(fan.n_points);
     const auto walk = [&](const Vec2& first) {
-        walk_chain(fan.n_points, fan.closed, first, required_by, [&](Index j, const Vec2& P) { return impulse_[j] = P, true; });
+        walk_chain(fan.n_points, fan.closed, first, required_by,
+                   [&](Index j, const Vec2& P) { return impulse_[j] = P, true; });
     };
 
-    const Vec2 least_norm = least_norm_start(fan.n_points, fan.closed, required_by, [&](Index j) { return point[j].area; });
+    const Vec2 least_norm =
+        least_norm_start(fan.n_points, fan.closed, required_by, [&](Index j) { return points[j].area; });
     walk(least_norm);
     bool admissible = true;
-    for (Index j = 0; j < fan.n_points; ++j) admissible = admissible && (!breakable(j) || strength(j).smallest_slack(impulse_[j]) >= 0);
+    for (Index j = 0; j < fan.n_points && admissible; ++j)
+        admissible = !breakable(j) || strength(j).smallest_slack(impulse_[j]) >= 0;
     if (admissible || !fan.closed) return admissible;
 
     planes_.clear();

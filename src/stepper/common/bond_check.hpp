@@ -1,5 +1,10 @@
 #pragma once
-// Does a fan in one piece stay bonded, and with which impulses? The test of interface/self_stress.hpp on the fans of a model.
+// Whether a fan stays bonded, and with which impulses at its points. The tests form a ladder, each exact where it says
+// yes; the last two are here, for both schemes:
+//
+//     1, 2  stress criterion, inscribed circles: cheap, in the order of the explicit sweep (explicit/bond_criteria.hpp)
+//     3     estimate: the impulses with the self-stress of least norm are admissible
+//     4     exact test: those with the best self-stress are admissible (interface/self_stress.hpp)
 #include "interface/self_stress.hpp"
 #include "model/model.hpp"
 
@@ -10,15 +15,16 @@ namespace knap {
 
 class BondCheck {
 public:
-    explicit BondCheck(const Model& model) : model_(model) {}
+    explicit BondCheck(const Model& model) : model_(&model) {}
 
-    /// `required` [N s]: per corner of the fan, in its order: what its points must give it. `time` [s]: strengths are sigma_c S time.
-    bool holds(Index fan, std::span<const Vec2> required, double time);
-    /// [N s] per point of the fan, on `after`, of the last test; admissible if it held, else of the largest smallest slack.
+    /// `required` [N s]: per corner of the fan, the impulse that its points must give it. Strengths are
+    /// sigma_c S time; `time` [s].
+    bool is_bonded(Index fan, std::span<const Vec2> required, double time);
+    /// [N s] per point of the last fan, on `after`; admissible if it is bonded, else with the largest smallest slack.
     const std::vector<Vec2>& impulses() const { return impulse_; }
 
 private:
-    const Model& model_;
+    const Model* model_;
     std::vector<Vec2> impulse_;
     std::vector<HalfPlane> planes_;
 };

@@ -1,10 +1,11 @@
 #pragma once
-// The motion of rigid obstacles over a step: what is prescribed, and what is free
+// The motion of rigid obstacles over a step: what is prescribed, and the free components from
 //
-//     M (V+ - V) = k F + Q(W),     W = theta V+ + (1 - theta) V,     Q = wrench of the impulses that the body gives them at the rates W
+//     M (V+ - V) = k F + Q(W),     W = theta V+ + (1 - theta) V,     Q: wrench of the impulses of the body at the rates
+//     W
 //
-// The explicit bulk has theta = 1 (it moves with the velocity at the end) and k = (previous h + h)/2; the implicit one k = h. The body is solved exactly for
-// given rates, so that Q is piecewise linear: Newton's method on the few free components, its derivative by differences.
+// The explicit bulk has theta = 1 and k = (previous h + h)/2, the implicit bulk k = h. The body is solved exactly for
+// given rates, so Q is piecewise linear: Newton's method on the few free components, with a slope by differences.
 #include "model/state.hpp"
 #include "stepper/common/step_report.hpp"
 
@@ -17,20 +18,21 @@ class ObstacleMotion {
 public:
     explicit ObstacleMotion(const Model& model) : model_(model) {}
 
-    /// Rates where no contact acts; exact where they are prescribed. Of the explicit bulk, with kick time k and drift time h [s]:
+    /// Set the rates without contacts; final in prescribed components. All times in s.
     void begin_explicit(const State& begin, double kick_time, double drift_time);
-    /// of the theta scheme:
     void begin_theta(const State& begin, double h, double theta);
 
     /// [N s, N s, N m s] of the contacts on each obstacle at rate().
     using Response = std::function<void(std::vector<Vec3>& wrench)>;
 
-    /// Finds the rates of the obstacles in `touched` [0/1] that are free, up to `tolerance` of the largest impulse. Returns the error left, likewise.
-    double solve(const State& begin, const std::vector<std::uint8_t>& touched, double tolerance, const Response& response);
+    /// Finds the free rates of the obstacles in `touched` [0/1], with an error below `tolerance` of the largest
+    /// impulse. Returns the error, relative likewise.
+    double solve(const State& begin, const std::vector<std::uint8_t>& touched, double tolerance,
+                 const Response& response);
 
     const std::vector<Vec3>& rate() const { return rate_; }  // W
 
-    /// The obstacles at the end of the step under the wrenches of the contacts, and their energies and works.
+    /// The obstacles at the end of the step under the wrenches of the contacts, their energies and works.
     void finish(const State& begin, const std::vector<Vec3>& wrench, State& end, StepReport& report) const;
 
 private:
@@ -39,17 +41,17 @@ private:
         int k;
         double mass;  // [kg] or [kg m2]
     };
-    void begin_step(const State& begin, const StepTimes& step);
-    template <int most>
+    void begin_step(const State& begin, const StepTimes& times);
+    template <int max_components>
     double find_rates(const State& begin, double tolerance, const Response& response);
 
     const Model& model_;
     bool theta_scheme_ = false;
     double kick_time_ = 0, drift_time_ = 0, theta_ = 1;
-    std::vector<Vec3> rate_, end_velocity_;  // of what is prescribed
-    std::vector<Vec3> force_;                // [N, N, N m]
-    std::vector<Component> free_;            // that something may meet
-    std::vector<Vec3> without_contact_, wrench_;  // of find_rates: W where no contact acts, and what the body gives
+    std::vector<Vec3> rate_, end_velocity_;       // end_velocity_: of prescribed components
+    std::vector<Vec3> force_;                     // [N, N, N m]
+    std::vector<Component> free_;                 // that something may touch
+    std::vector<Vec3> without_contact_, wrench_;  // memory of find_rates
 };
 
 }  // namespace knap

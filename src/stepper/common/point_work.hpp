@@ -1,21 +1,24 @@
 #pragma once
-// What one interface point, or one contact with an obstacle, adds to the report of a step; with either bulk.
+// The terms of one interface point, or of one contact with an obstacle, in the report of a step, for both schemes.
 //
-// Contact and friction impulses work with a rate that the scheme says: the mean velocity (V+ + V-)/2 in the leapfrog energy, w/theta in the theta scheme.
-// The energy Psi = beta sigma_c s + G_c f(beta) of a point has two parts: what is left of it when the point closes, Psi(s = 0) = G_c f(beta), is
-// dissipated; beta sigma_c s, the work of the constant traction over the opening, is recoverable.
+// Contact and friction impulses work with the rate of the scheme: the mean velocity (V+ + V-)/2 in the leapfrog energy,
+// w/theta in the theta scheme. The energy Psi = beta sigma_c s + G_c f(beta) of a point has two parts: G_c f(beta),
+// which remains when the point closes, is dissipated; beta sigma_c s, the work of the constant traction, is
+// recoverable.
 #include "material/cohesive_law.hpp"
 #include "model/model.hpp"
 #include "stepper/common/step_report.hpp"
 
+#include <cmath>
+
 namespace knap {
 
-constexpr double min_softening = 1e-12;  // [-] loss of beta in a step; less is rounding of an opening
+constexpr double min_softening = 1e-12;  // [-] loss of beta in a step; a smaller one is rounding of an opening
 
 struct ContactWork {
-    double contact, friction;  // [N s] p >= 0, and what of P_T is friction
+    double contact, friction;  // [N s] p >= 0, and the part of P_T that is friction
     double rate_N, rate_T;     // [m/s] with which they work
-    double rate_error;         // [m/s] what rounding and the residual leave in these rates
+    double rate_error;         // [m/s] of these rates, by rounding and the residual
     double opening;            // [m] u_N at the end of the step
 };
 
@@ -28,17 +31,19 @@ inline void account_contact(const ContactWork& at, StepReport& report) {
     report.penetration = std::max(report.penetration, -at.opening);
 }
 
-/// Of a point that keeps its beta and has no opening that its cohesion feels.
+/// Of a point that keeps its beta and does not open with cohesion.
 inline void account_rest(const FanPoint& point, const CohesiveLaw& law, double beta, StepReport& report) {
-    if (!point.cracked && law.sigma_c > 0) report.dissipated += point.area * (beta == 0 ? law.G_c : law.surface_energy(beta, 0, 0));
+    if (!point.cracked && law.sigma_c > 0)
+        report.dissipated += point.area * (beta == 0 ? law.G_c : law.surface_energy(beta, 0, 0));
 }
 
-/// `before`, `after`: beta at the begin and at the end of the step [-]; u: opening at its end [m].
-inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, double before, double after, double u_N, double u_T, StepReport& report) {
+/// `before`, `after` [-]: beta at the start and at the end of the step; u_N, u_T [m]: opening at its end.
+inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, double before, double after, double u_N,
+                             double u_T, StepReport& report) {
     if (const double fall = before - after; fall > min_softening) {
         ++report.softened;
         const double drop = point.area * law.G_c * fall * fall;
-        if (drop > report.largest_drop) report.largest_drop = drop, report.drop_corner = point.after == rigid_support ? point.before : point.after;
+        if (drop > report.largest_drop) report.largest_drop = drop, report.drop_corner = point.corner();
     }
     report.largest_beta_growth = std::max(report.largest_beta_growth, after - before);
     account_rest(point, law, after, report);

@@ -1,5 +1,6 @@
 #pragma once
-// Which scheme steps the bulk and which the cohesion: two independent choices, all four pairs are legal.
+// The schemes of the bulk and of the cohesion: two independent choices, all four pairs are allowed. Apart from
+// step_scheme.hpp because reading a scenario needs no model.
 #include "element/mass_matrix.hpp"
 
 namespace knap {
@@ -10,9 +11,9 @@ enum class CohesionScheme { explicit_beta, implicit_beta };
 struct SchemeOptions {
     BulkScheme bulk = BulkScheme::explicit_lumped;
     CohesionScheme cohesion = CohesionScheme::explicit_beta;
-    double theta = 0.5;                     // [-] in [1/2, 1/(1 + e)], of the implicit bulk and of the implicit cohesion
-    MassMatrix mass = MassMatrix::lumped;   // another one: implicit bulk only
-    bool respect_assumption_1 = true;       // reject steps beyond it; else go on with one of their solutions
+    double theta = 0.5;                    // [-] in [1/2, 1/(1 + e)], of the implicit bulk and of the implicit cohesion
+    MassMatrix mass = MassMatrix::lumped;  // of the implicit bulk
+    bool respect_assumption_1 = true;      // reject steps with several solutions; false: continue with one of them
 };
 
 }  // namespace knap

@@ -1,27 +1,59 @@
 #pragma once
-// The explicit lumped bulk with a problem of its own for every vertex: central differences, velocities at the middle of the steps.
-//
-//     M (v+ - v) = k (F - K u) + H' P,     u+ = u + h v+,     k = (previous h + h)/2
+// Central differences with the lumped mass (explicit_step.hpp). The mass couples nothing beyond a fan, so the interface
+// problem of the step falls apart into one small problem per vertex.
+#include "element/elastic_forces.hpp"
+#include "stepper/common/bond_check.hpp"
 #include "stepper/common/step_scheme.hpp"
-#include "stepper/explicit/explicit_bulk.hpp"
-#include "stepper/explicit/vertex_scheme.hpp"
+#include "stepper/explicit/mesh_blocks.hpp"
+#include "stepper/explicit/vertex_obstacles.hpp"
 
 namespace knap {
 
 class ExplicitScheme : public StepScheme {
 public:
-    ExplicitScheme(const Model& model, const SchemeOptions& options) : bulk_(model), interfaces_(model, options) {}
+    ExplicitScheme(const Model& model, const SchemeOptions& options);
 
-    StepReport step(const State& begin, double h, State& end) override {
-        bulk_.begin_step(begin, h, free_);
-        return interfaces_.advance(begin, bulk_, free_, end);  // forces, who is bonded, who touches, who slides; velocities, openings, cohesion
-    }
-    double stable_step() const override { return bulk_.stable_step(); }
+    StepReport step(const State& begin, double h, State& end) override;
+    double stable_step() const override { return stable_step_; }
 
 private:
-    ExplicitBulk bulk_;
-    VertexScheme interfaces_;
-    FreeMotion free_;
+    struct alignas(128) Workspace {  // no cache line of two threads
+        explicit Workspace(const Model& model) : bond_check(model) {}
+        std::vector<Vec2> force;     // [N] on the corners of a block of triangles
+        std::vector<Vec2> required;  // [N] per corner of a fan, from its points
+        BondCheck bond_check;
+        VertexSolver::Workspace split;
+    };
+
+    StepReport sweep_blocks(const ExplicitStep& step);
+    void sweep_inner(const MeshBlock& block, const ExplicitStep& step, Workspace& work, StepReport& report);
+    void split_at_contacts(const State& begin);
+    StepReport sweep_bordering(const ExplicitStep& step);
+    template <class Force>
+    bool is_bonded(const MeshBlock::BlockFan& fan, const InscribedCircle* circle, const Force& force_on,
+                   const Vec2& force, Workspace& work, StepReport& report);
+    void account_drive(Index fan, const PrescribedMotion& motion, const Vec2& force, const ExplicitStep& step,
+                       StepReport& report) const;
+    void release(const ExplicitStep& step, StepReport& report);
+    StepReport advance_split(const ExplicitStep& step);
+    StepReport account_loads(const ExplicitStep& step);
+    bool fans_are_independent() const { return model_.obstacles.empty(); }  // no contact that several fans share
+
+    const Model& model_;
+    ElasticForces forces_;
+    double stable_step_;  // [s] of the worst free triangle
+    std::vector<MeshBlock> blocks_;
+    ObstacleStep obstacle_step_;
+    VertexSolver solver_;
+    VertexObstacles obstacles_;
+    std::vector<double> mass_;                    // [kg] per corner, in the order of Model::fan_corners
+    std::vector<double> amplitude_;               // of every history, at the start of the step
+    std::vector<Vec2> corner_force_;              // [N] per corner, see ExplicitStep
+    std::vector<std::uint8_t> fan_is_candidate_;  // per fan: it exceeds the stress criterion
+    std::vector<std::uint8_t> splits_;            // per fan, in this step
+    std::vector<Workspace> workspaces_;           // one per thread
+    std::vector<StepReport> partial_;
+    State unordered_;
 };
 
 }  // namespace knap

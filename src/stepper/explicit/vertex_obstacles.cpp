@@ -1,6 +1,6 @@
-// Rigid obstacles beside the explicit bulk, where a contact reaches beyond a fan: free obstacles, and corners of obstacles on edges of the body.
+#include "stepper/explicit/vertex_obstacles.hpp"
+
 #include "stepper/common/point_work.hpp"
-#include "stepper/explicit/vertex_scheme.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,129 +9,138 @@
 namespace knap {
 namespace {
 
-constexpr double max_error = 1e-10;      // of the largest impulse: the gate of every run
-constexpr double edge_tolerance = 1e-14;  // likewise
-constexpr int swift_sweeps = 10, max_sweeps = 500;
+constexpr double edge_tolerance = 1e-14;  // [-] of the largest impulse
+constexpr int fast_sweeps = 10, max_sweeps = 500;
 
 }  // namespace
 
-void VertexScheme::find_obstacle_velocities(const State& begin, const FreeMotion& free, StepReport& report) {
-    const std::vector<ObstacleContact>& contacts = contacts_.all();
-    if (!contacts_.find_free(touched_)) return;
+void VertexObstacles::begin(const ExplicitStep& step) {
+    now_.motion.begin_explicit(step.begin, step.kick_time, step.drift_time);
+    now_.contacts.find(step.begin, step.drift_time, now_.motion.rate(), step.corner_force);
+    now_.impulse.assign(now_.contacts.all().size(), Vec2::Zero());
+}
 
+void VertexObstacles::solve(const ExplicitStep& step, VertexSolver::Workspace& work, StepReport& report) {
+    if (now_.contacts.find_free(touched_)) solve_obstacles(step, work, report);
+    solve_edges(step, work, report);
+}
+
+void VertexObstacles::solve_obstacles(const ExplicitStep& step, VertexSolver::Workspace& work, StepReport& report) {
+    const std::vector<ObstacleContact>& contacts = now_.contacts.all();
     std::vector<Index>& fans = touching_fans_;
     fans.clear();
-    for (std::size_t i = 0; i < contacts_.n_at_corners(); ++i)
-        if (touched_[contacts[i].obstacle] && (fans.empty() || fans.back() != contacts[i].fan)) fans.push_back(contacts[i].fan);
-    Workspace& work = workspaces_.front();
+    for (std::size_t i = 0; i < now_.contacts.n_at_corners(); ++i)
+        if (touched_[contacts[i].obstacle] && (fans.empty() || fans.back() != contacts[i].fan))
+            fans.push_back(contacts[i].fan);
     const auto response = [&](std::vector<Vec3>& wrench) {
         StepReport of_trial;
-        find_edge_impulses(begin, free, of_trial);
+        solve_edges(step, work, of_trial);
         for (const Index f : fans) {
-            assemble_problem(f, begin, free, work.problem);
-            solve(f, begin, work);
-            const auto of_fan = contacts_.of_fan(f);
+            solver_.solve(f, step, work);
+            const auto of_fan = now_.contacts.of_fan(f);
             for (std::size_t j = 0; j < of_fan.size(); ++j)
-                contact_impulse_[&of_fan[j] - contacts.data()] = work.problem.links[model_.fans[f].n_points + j].impulse;
+                now_.impulse[&of_fan[j] - contacts.data()] = work.problem.links[model_.fans[f].n_points + j].impulse;
         }
-        wrench = contact_wrenches();
+        sum_wrenches(wrench);
     };
-    const double error = motion_.solve(begin, touched_, 1e-14, std::cref(response));  // cref: nothing is copied
+    const double error = now_.motion.solve(step.begin, touched_, 1e-14, std::cref(response));  // cref: no copy
     report.residual = std::max(report.residual, error);
-    if (error <= max_error) return;
-    // a body squeezed with friction has several solutions, or none, and which one its fan finds may jump: smaller steps tell them apart
-    report.rejection = Rejection::not_converged;
-    report.where = model_.mesh.corner(contacts.front().corner);
+    // a body squeezed with friction has several solutions, or none, and its fan may jump between them; in a smaller
+    // step they are distinct
+    if (error > max_residual) report.reject(Rejection::not_converged, model_.mesh.corner(contacts.front().corner));
 }
 
-const std::vector<Vec3>& VertexScheme::contact_wrenches() {
-    contacts_.sum_wrenches([&](std::size_t i) -> const Vec2& { return contact_impulse_[i]; }, wrench_);
-    return wrench_;
+void VertexObstacles::sum_wrenches(std::vector<Vec3>& wrench) const {
+    now_.contacts.sum_wrenches([&](std::size_t i) -> const Vec2& { return now_.impulse[i]; }, wrench);
 }
 
-Vec2 VertexScheme::edge_impulse_on(Index corner) const {
-    Vec2 sum = Vec2::Zero();
-    for (std::size_t i = contacts_.n_at_corners(); i < contacts_.all().size(); ++i) {
-        const ObstacleContact& contact = contacts_.all()[i];
-        if (contact.corner == corner) sum += (1 - contact.share) * contact_impulse_[i];
-        if (contact.beside == corner) sum += contact.share * contact_impulse_[i];
-    }
-    return sum;
-}
-
-/// [m/s] Of the body at the contact, with the impulses as they are.
-Vec2 VertexScheme::end_velocity_at(const ObstacleContact& contact, const State& begin, const FreeMotion& free, Workspace& work) const {
+/// [m/s] Of the body at the contact, under the present impulses.
+Vec2 VertexObstacles::end_velocity_at(const ObstacleContact& contact, const ExplicitStep& step,
+                                      VertexSolver::Workspace& work) const {
     return contact.of_body([&](Index c) -> Vec2 {
         const Index f = model_.fan_of_corner[c];
-        assemble_problem(f, begin, free, work.problem);
-        solve(f, begin, work);
-        const Index* corner = &model_.fan_corners[model_.fans[f].first_corner];
-        return work.problem.bodies[std::find(corner, corner + model_.fans[f].n_corners, c) - corner].end_velocity;
+        solver_.solve(f, step, work);
+        const auto corners = model_.corners(model_.fans[f]);
+        return work.problem.bodies[std::ranges::find(corners, c) - corners.begin()].end_velocity;
     });
 }
 
-/// A contact on an edge shares its impulse P between the two fans at the ends, which answer with the velocity w(P) of the point in contact. One contact after
-/// the other is solved exactly for w = w_now + mobility (P - P_now), the mobility being the last secant, exact at once where the fans stay in one piece; later
-/// the largest one, with which it contracts.
-void VertexScheme::find_edge_impulses(const State& begin, const FreeMotion& free, StepReport& report) {
-    const auto edges = contacts_.on_edges();
-    edge_links_.resize(edges.size());
-    edge_answers_.clear();
-    for (const ObstacleContact& e : edges)
-        edge_answers_.push_back({.mobility = (1 - e.share) * (1 - e.share) / model_.fans[e.fan].mass + e.share * e.share / model_.fans[e.fan_beside].mass});
-    Workspace& work = workspaces_.front();
-    FanProblem& single = edge_problem_;
+/// A contact on an edge shares its impulse P between the two fans at the ends, which respond with the velocity w(P) of
+/// the point in contact. One contact after the other is solved exactly for w = w_now + mobility (P - P_now). The
+/// mobility is the last secant, exact at once where the fans stay bonded; after some sweeps the largest secant, with
+/// which the iteration contracts.
+void VertexObstacles::solve_edges(const ExplicitStep& step, VertexSolver::Workspace& work, StepReport& report) {
+    const auto contacts = now_.contacts.on_edges();
+    edge_links_.resize(contacts.size());
+    edges_.clear();
+    for (const ObstacleContact& e : contacts)
+        edges_.push_back({.mobility = (1 - e.share) * (1 - e.share) / model_.fans[e.fan].mass +
+                                      e.share * e.share / model_.fans[e.fan_beside].mass});
     double change = 1, largest = 0;
-    for (int sweep = 0; sweep < max_sweeps && change > edge_tolerance * largest && !edges.empty(); ++sweep) {
+    for (int sweep = 0; sweep < max_sweeps && change > edge_tolerance * largest && !contacts.empty(); ++sweep) {
         change = 0;
-        for (std::size_t i = 0; i < edges.size(); ++i) {
-            const ObstacleContact& contact = edges[i];
-            auto& [mobility, last_velocity, last_change] = edge_answers_[i];
-            Vec2& impulse = contact_impulse_[contacts_.n_at_corners() + i];
-            const Vec2 velocity = end_velocity_at(contact, begin, free, work);
-            const double secant = last_change.dot(velocity - last_velocity) / last_change.squaredNorm();
-            if (secant > 0 && std::isfinite(secant)) mobility = sweep < swift_sweeps ? secant : std::max(mobility, secant);
+        for (std::size_t i = 0; i < contacts.size(); ++i) {
+            const ObstacleContact& contact = contacts[i];
+            EdgeContact& edge = edges_[i];
+            Vec2& impulse = now_.impulse[now_.contacts.n_at_corners() + i];
+            const Vec2 velocity = end_velocity_at(contact, step, work);
+            const double secant = edge.last_change.dot(velocity - edge.last_velocity) / edge.last_change.squaredNorm();
+            if (secant > 0 && std::isfinite(secant))
+                edge.mobility = sweep < fast_sweeps ? secant : std::max(edge.mobility, secant);
             const CohesiveLaw& law = model_.obstacles[contact.obstacle].contact;
-            single.drift_time = free.drift_time;
-            single.bodies = {{.velocity = velocity_at(begin.obstacles[contact.obstacle].velocity, contact),
-                              .free_velocity = velocity_at(motion_.rate()[contact.obstacle], contact),
-                              .inverse_mass = Vec2::Zero(),
-                              .end_velocity = Vec2::Zero()},
-                             {.velocity = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }),
-                              .free_velocity = velocity - mobility * impulse,
-                              .inverse_mass = Vec2::Constant(mobility),
-                              .end_velocity = Vec2::Zero()}};
-            single.links = {{.before = 0, .after = 1, .normal = contact.normal, .u_N = contact.gap, .u_T = 0, .cohesive = 0, .gamma = 0,
-                             .friction = law.friction, .restitution = law.restitution, .unbreakable = false}};
-            work.solver.solve(single);
-            edge_links_[i] = single.links.front();
-            last_velocity = velocity;
-            last_change = edge_links_[i].impulse - impulse;
+            edge_problem_.drift_time = step.drift_time;
+            edge_problem_.bodies = {{.velocity = velocity_at(step.begin.obstacles[contact.obstacle].velocity, contact),
+                                     .free_velocity = velocity_at(now_.motion.rate()[contact.obstacle], contact),
+                                     .inverse_mass = Vec2::Zero(),
+                                     .end_velocity = Vec2::Zero()},
+                                    {.velocity = contact.of_body([&](Index c) -> Vec2 {
+                                         return step.begin.velocity[step.begin.node_of_corner[c]];
+                                     }),
+                                     .free_velocity = velocity - edge.mobility * impulse,
+                                     .inverse_mass = Vec2::Constant(edge.mobility),
+                                     .end_velocity = Vec2::Zero()}};
+            edge_problem_.links = {{.before = 0,
+                                    .after = 1,
+                                    .normal = contact.normal,
+                                    .u_N = contact.gap,
+                                    .u_T = 0,
+                                    .cohesive = 0,
+                                    .gamma = 0,
+                                    .friction = law.friction,
+                                    .restitution = law.restitution,
+                                    .unbreakable = false}};
+            work.solver.solve(edge_problem_);
+            edge_links_[i] = edge_problem_.links.front();
+            edge.last_velocity = velocity;
+            edge.last_change = edge_links_[i].impulse - impulse;
             impulse = edge_links_[i].impulse;
-            change = std::max(change, last_change.norm());
+            change = std::max(change, edge.last_change.norm());
             largest = std::max(largest, impulse.norm());
         }
     }
-    if (change <= edge_tolerance * largest || edges.empty()) return;
+    if (change <= edge_tolerance * largest || contacts.empty()) return;
     report.residual = std::max(report.residual, change / largest);
-    if (change <= max_error * largest) return;
-    report.rejection = Rejection::not_converged;
-    report.where = model_.mesh.corner(edges.front().corner);
+    if (change > max_residual * largest)
+        report.reject(Rejection::not_converged, model_.mesh.corner(contacts.front().corner));
 }
 
-void VertexScheme::account_edges(const State& begin, const State& end, const FreeMotion& free, StepReport& report) const {
-    for (std::size_t i = 0; i < contacts_.on_edges().size(); ++i) {
-        const ObstacleContact& contact = contacts_.on_edges()[i];
+void VertexObstacles::finish(const ExplicitStep& step, StepReport& report) {
+    const State &begin = step.begin, &end = step.end;
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+        const ObstacleContact& contact = now_.contacts.on_edges()[i];
         const FanLink& link = edge_links_[i];
         const Vec2 before = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }) -
                             velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
         const Vec2 after = contact.of_body([&](Index c) -> Vec2 { return end.velocity[end.node_of_corner[c]]; }) -
-                           velocity_at(motion_.rate()[contact.obstacle], contact);
+                           velocity_at(now_.motion.rate()[contact.obstacle], contact);
         const double rate_error = (edge_tolerance + report.residual) * (before.norm() + after.norm());  // [m/s]
-        account_contact({link.contact, link.friction_part, 0.5 * link.normal.dot(before + after), 0.5 * link.tangent().dot(before + after), rate_error,
-                         link.u_N + free.drift_time * link.normal.dot(after)},
-                        report);
+        account_contact(
+            {link.contact, link.friction_part, 0.5 * link.normal.dot(before + after),
+             0.5 * link.tangent().dot(before + after), rate_error, link.u_N + step.drift_time * link.normal.dot(after)},
+            report);
     }
+    sum_wrenches(wrench_);
+    now_.motion.finish(begin, wrench_, step.end, report);
 }
 
 }  // namespace knap

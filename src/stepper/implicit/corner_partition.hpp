@@ -55,11 +55,6 @@ struct CornerPartition {
     }
 };
 
-/// A point that never opens: its law cannot break and it is not cracked from the start.
-inline bool unbreakable(const Model& model, const FanPoint& point) {
-    return !point.cracked && !model.laws[point.law].breakable();
-}
-
 /// Fills `partition` and reuses its memory. Nodes are numbered fan by fan.
 void partition_corners(const Model& model, const std::vector<std::uint8_t>& active, CornerPartition& partition);
 

@@ -243,7 +243,7 @@ bool ImplicitScheme::activate_opening_fans(StepReport& report) {
                 if (partition_.prescribed[partition_.node_of_corner[corner[0]]][k]) required_[i][k] = 0;
         }
         ++report.bond_checks;
-        if (bond_check_.holds(f, required_, step_.kick())) continue;
+        if (bond_check_.is_bonded(f, required_, step_.kick())) continue;
         active_[f] = any = true;
         for (Index j = 0; j < fan.n_points; ++j) {
             const FanPoint& at = model_.fan_points[fan.first_point + j];

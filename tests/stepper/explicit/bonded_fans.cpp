@@ -1,8 +1,8 @@
-// Fans that move as one: in blocks of triangles and across their borders; and those that came apart once, have less cohesion since, and rest.
+// Bonded fans, in blocks of triangles and across their borders; and split fans that are stationary.
 #include "base/parallel.hpp"
 #include "mesh/triangulate.hpp"
 #include "stepper/explicit/mesh_blocks.hpp"
-#include "stepper/explicit/split_order.hpp"
+#include "stepper/explicit/partition.hpp"
 #include "support/bodies.hpp"
 
 #include <doctest/doctest.h>
@@ -25,11 +25,12 @@ ModelInput pulled_plate(double size, double pull) {
     input.laws = {{.sigma_c = 1e-3, .G_c = 1e-6, .gamma = 1, .friction = 0.3}};
     input.law_of_pair = {{0}};
     const TimeFunction ramp({{0, 0}, {1, 1}});
-    input.loads = {load(Load::Kind::traction, "top", 0.0, pull, ramp), load(Load::Kind::traction, "bottom", 0.0, -pull, ramp)};
+    input.loads = {load(Load::Kind::traction, "top", 0.0, pull, ramp),
+                   load(Load::Kind::traction, "bottom", 0.0, -pull, ramp)};
     return input;
 }
 
-/// Every fan inside the body comes apart at rest, with this cohesion left at its points.
+/// Splits every fan inside the body at rest, with this cohesion at its points.
 void part_all_inside(Run& run, double cohesion) {
     for (Index f = 0; f < static_cast<Index>(run.model.fans.size()); ++f)
         if (run.model.fans[f].closed) split(run.model, f, run.now);
@@ -43,25 +44,25 @@ TEST_CASE("every fan is inside one block of triangles or borders on several") {
         ModelInput input = pulled_plate(0.025, 0);
         input.mesh.order = order;
         const Model model = make_model(std::move(input));
-        const MeshBlocks blocks(model);
+        const std::vector<MeshBlock> blocks = make_blocks(model);
         const Index per_triangle = model.mesh.corners_per_triangle();
-        REQUIRE(blocks.blocks().size() > 2);
+        REQUIRE(blocks.size() > 2);
         std::vector<int> n_found(model.fans.size(), 0), n_kept(model.mesh.n_corners(), 0);
         Index next = 0, next_load = 0;
-        for (const MeshBlocks::Block& block : blocks.blocks()) {
+        for (const MeshBlock& block : blocks) {
             CHECK(block.first == next);
-            CHECK(per_triangle * (block.last - block.first) <= blocks.max_corners());
+            CHECK(block.last - block.first <= blocks.front().last);
             next = block.last;
-            const MeshBlocks::Corner* corner = blocks.corners(block);
+            const MeshBlock::Corner* corner = block.inner_corners.data();
             bool same = true;
-            for (const MeshBlocks::BlockFan& inner : blocks.inner(block)) {
+            for (const MeshBlock::BlockFan& inner : block.inner) {
                 const Fan& fan = model.fans[inner.fan];
                 ++n_found[inner.fan];
-                for (Index i = 0; i < fan.n_corners; ++i) same = same && *corner++ + per_triangle * block.first == model.fan_corners[fan.first_corner + i];
+                for (const Index c : model.corners(fan)) same = same && *corner++ + per_triangle * block.first == c;
                 same = same && inner.n_corners == fan.n_corners && inner.mass == fan.mass;
             }
             CHECK(same);
-            for (const MeshBlocks::Corner c : blocks.kept(block)) ++n_kept[per_triangle * block.first + c];
+            for (const MeshBlock::Corner c : block.kept) ++n_kept[per_triangle * block.first + c];
             CHECK(block.first_load == next_load);
             next_load = block.last_load;
             for (Index i = block.first_load; i < block.last_load; ++i) {
@@ -73,18 +74,18 @@ TEST_CASE("every fan is inside one block of triangles or borders on several") {
         CHECK(next == model.mesh.n_triangles());
         CHECK(next_load == static_cast<Index>(model.corner_loads.size()));
         bool kept = true;
-        for (const MeshBlocks::Block& block : blocks.blocks())
-            for (const auto& [mass, f, n_corners] : blocks.bordering(block)) {
+        for (const MeshBlock& block : blocks)
+            for (const auto& [mass, f, n_corners] : block.bordering) {
                 ++n_found[f];
-                for (Index i = 0; i < model.fans[f].n_corners; ++i) kept = kept && n_kept[model.fan_corners[model.fans[f].first_corner + i]]-- == 1;
+                for (const Index c : model.corners(model.fans[f])) kept = kept && n_kept[c]-- == 1;
             }
         CHECK(kept);
-        CHECK(std::all_of(n_found.begin(), n_found.end(), [](int n) { return n == 1; }));
-        CHECK(std::all_of(n_kept.begin(), n_kept.end(), [](int n) { return n == 0; }));
+        CHECK(std::ranges::count(n_found, 1) == static_cast<std::ptrdiff_t>(n_found.size()));
+        CHECK(std::ranges::count(n_kept, 0) == static_cast<std::ptrdiff_t>(n_kept.size()));
     }
 }
 
-TEST_CASE("fans that came apart and rest move as if they had not") {
+TEST_CASE("stationary split fans move like bonded fans") {
     Run whole(pulled_plate(0.2, 3e-4)), parted(pulled_plate(0.2, 3e-4));
     part_all_inside(parted, 0.8);
     const double h = 0.5 * whole.stepper.stable_step();
@@ -112,10 +113,12 @@ TEST_CASE("fans at rest hold as much as their cohesion and no more") {
         double largest_stress = 0, largest_opening = 0;  // over all triangles and times, until the first opening
         while (run.now.time < 1 && largest_opening == 0) {
             run.step(h);
-            for (Index p = 0; p < run.model.n_points(); ++p) largest_opening = std::max(largest_opening, opening(run.model, run.now, p).norm());
+            for (Index p = 0; p < run.model.n_points(); ++p)
+                largest_opening = std::max(largest_opening, opening(run.model, run.now, p).norm());
             for (Index t = 0; t < run.model.mesh.n_triangles(); ++t) {
                 bool inside = true;
-                for (Index k = 0; k < 3; ++k) inside = inside && run.model.fans[run.model.fan_of_corner[3 * t + k]].closed;
+                for (Index k = 0; k < 3; ++k)
+                    inside = inside && run.model.fans[run.model.fan_of_corner[3 * t + k]].closed;
                 if (!inside) continue;
                 const Eigen::Vector3d s = stress(run.model, run.now, t);
                 largest_stress = std::max(largest_stress, 0.5 * (s[0] + s[1]) + std::hypot(0.5 * (s[0] - s[1]), s[2]));
@@ -125,19 +128,21 @@ TEST_CASE("fans at rest hold as much as their cohesion and no more") {
         CAPTURE(largest_stress / strength);
         CHECK((largest_opening > 0) == (left == 0.2));
         if (left == 0.9) CHECK(largest_stress < strength);
-        // of single triangles inside; a point bears what both its sides do, and one of these may be on the boundary
+        // of single triangles inside; the stress at a point is that of both sides, and one may be on the boundary
         else CHECK((largest_stress > 0.7 * strength && largest_stress < 1.5 * strength));
     }
 }
 
 namespace {
 
-/// A plate 1 high that a crack at x = 1 cuts through, or only its part left of it; the other part flies off, and `back` pushes it.
+/// A plate 1 high that a crack at x = 1 cuts through, or only its part left of it; the other part flies off, and `back`
+/// pushes it.
 ModelInput cut_plate(int n_columns, double back) {
     ModelInput input;
     input.mesh = bar_mesh(n_columns, 4, 0.25 * n_columns, 1);
     for (InteriorEdge& edge : input.mesh.interior_edges) {
-        const Vec2 a = input.mesh.corner(edge.triangle[0], edge.side[0]), b = input.mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
+        const Vec2 a = input.mesh.corner(edge.triangle[0], edge.side[0]),
+                   b = input.mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
         edge.cracked = a.x() == 1 && b.x() == 1;
     }
     input.materials = {{.density = 1, .E = 1, .nu = 0.2}};
@@ -145,20 +150,22 @@ ModelInput cut_plate(int n_columns, double back) {
     input.law_of_pair = {{0}};
     input.loads = {load(Load::Kind::traction, "left", -1e-4, 3e-5)};
     if (n_columns > 4) input.loads.push_back(load(Load::Kind::traction, "right", -back, 0.0));
-    if (n_columns > 4) input.initial_velocities = {{.on = {.boundary = "", .box = Box{{1, 0}, {2, 1}}}, .value = {1e-4, 2e-5}}};
+    if (n_columns > 4)
+        input.initial_velocities = {{.on = {.boundary = "", .box = Box{{1, 0}, {2, 1}}}, .value = {1e-4, 2e-5}}};
     return input;
 }
 
 }  // namespace
 
-TEST_CASE("what flies off through a crack does not act on the other side until it comes back") {
+TEST_CASE("a part that moves away from a crack does not act on the other side until it comes back") {
     Run half(cut_plate(4, 0)), away(cut_plate(8, 0)), returning(cut_plate(8, 1.5e-4));
     const double h = 0.5 * half.stepper.stable_step();
     const auto difference = [&](const Run& cut) {  // over the left part
         double largest = 0;
         for (Index row = 0; row < 4; ++row)
             for (Index t = 0; t < 8; ++t)
-                for (Index k = 0; k < 3; ++k) largest = std::max(largest, (half.u(8 * row + t, k) - cut.u(16 * row + t, k)).norm());
+                for (Index k = 0; k < 3; ++k)
+                    largest = std::max(largest, (half.u(8 * row + t, k) - cut.u(16 * row + t, k)).norm());
         return largest;
     };
     double largest = 0, apart = 0, after_contact = 0, deepest = 0;
@@ -173,10 +180,11 @@ TEST_CASE("what flies off through a crack does not act on the other side until i
     CHECK(apart <= 1e-13 * largest);
     CHECK(after_contact > 0.01 * largest);
     CHECK(deepest <= 1e-12 * largest);
-    for (Run* run : {&half, &away, &returning}) CHECK(std::abs(run->ledger.row().residual) <= 1e-13 * (run->ledger.row().kinetic + run->ledger.row().strain));
+    for (Run* run : {&half, &away, &returning})
+        CHECK(std::abs(run->ledger.row().residual) <= 1e-13 * (run->ledger.row().kinetic + run->ledger.row().strain));
 }
 
-TEST_CASE("the order in which fans came apart does not show in the motion") {
+TEST_CASE("the motion does not depend on the order in which fans split") {
     Run run(pulled_plate(0.1, 2e-3));
     const double h = 0.5 * run.stepper.stable_step();
     for (int i = 0; i < 20; ++i) run.step(h);
@@ -188,7 +196,8 @@ TEST_CASE("the order in which fans came apart does not show in the motion") {
     State any = run.now;
     for (Index k = static_cast<Index>(run.model.fans.size()) - 1; k >= 0; --k) {
         const Index f = k ^ 5;  // some permutation
-        if (f < static_cast<Index>(run.model.fans.size()) && any.split_rank[f] < 0 && f % 3 > 0) split(run.model, f, any);
+        if (f < static_cast<Index>(run.model.fans.size()) && any.split_rank[f] < 0 && f % 3 > 0)
+            split(run.model, f, any);
     }
     CHECK(std::ranges::is_sorted(ordered.split_fans));
     CHECK(!std::ranges::is_sorted(any.split_fans));
@@ -198,7 +207,8 @@ TEST_CASE("the order in which fans came apart does not show in the motion") {
             same = same && a.displacement[a.node_of_corner[c]] == b.displacement[b.node_of_corner[c]];
             same = same && a.velocity[a.node_of_corner[c]] == b.velocity[b.node_of_corner[c]];
         }
-        for (Index p = 0; p < run.model.n_points(); ++p) same = same && cohesion(run.model, a, p) == cohesion(run.model, b, p);
+        for (Index p = 0; p < run.model.n_points(); ++p)
+            same = same && cohesion(run.model, a, p) == cohesion(run.model, b, p);
         return same;
     };
     CHECK(same_body(any, ordered));

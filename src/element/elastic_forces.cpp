@@ -1,0 +1,187 @@
+#include "element/elastic_forces.hpp"
+
+#include "element/shape_functions.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+namespace knap {
+namespace {
+
+constexpr float infinite = std::numeric_limits<float>::infinity();
+
+float rounded_down(double x) { return std::isinf(x) ? infinite : std::nextafter(static_cast<float>(x), -infinite); }
+
+void mark(std::uint8_t& flag) { std::atomic_ref(flag).store(1, std::memory_order_relaxed); }
+
+std::vector<LameConstants> lame_constants(const std::vector<Elastic>& materials, PlaneModel plane) {
+    std::vector<LameConstants> constants;
+    for (const Elastic& material : materials)
+        constants.push_back({material.first_lame(plane), 2 * material.shear_modulus()});
+    return constants;
+}
+
+}  // namespace
+
+LinearTriangles::LinearTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
+                                 double thickness)
+    : stiffness_(lame_constants(materials, plane)) {
+    triangles_.reserve(mesh.n_triangles());
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        const auto g = shape_gradients(mesh, t);
+        triangles_.push_back({.gradient1 = g[1],
+                              .gradient2 = g[2],
+                              .volume = mesh.area(t) * thickness,
+                              .threshold = infinite,
+                              .material = mesh.region[t]});
+    }
+}
+
+void LinearTriangles::set_stress_criterion(const std::vector<double>& threshold_of_fan,
+                                           const std::vector<Index>& fan_of_corner) {
+    threshold_of_fan_ = threshold_of_fan;
+    fan_of_corner_ = fan_of_corner;
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+        const Index* fan = &fan_of_corner_[3 * t];
+        triangles_[t].threshold =
+            rounded_down(std::min({threshold_of_fan[fan[0]], threshold_of_fan[fan[1]], threshold_of_fan[fan[2]]}));
+    }
+}
+
+void LinearTriangles::evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
+                               const std::vector<Index>& node_of_corner, Vec2* force,
+                               std::vector<std::uint8_t>& fan_is_candidate) const {
+    using Pair = Eigen::Array2d;  // x and y at once
+    for (std::ptrdiff_t t = first; t < last; ++t, force += 3) {
+        const Triangle& here = triangles_[t];
+        const Index* node = &node_of_corner[3 * t];
+        const Pair u0 = displacement[node[0]], a = displacement[node[1]].array() - u0,
+                   b = displacement[node[2]].array() - u0;
+        const Pair g1 = here.gradient1, g2 = here.gradient2, turned1 = g1.reverse(), turned2 = g2.reverse();
+        const Pair strain = g1 * a + g2 * b;  // xx, yy
+        const Pair shear1 = turned1 * a, shear2 = turned2 * b;
+        const double xy = 0.5 * (shear1[0] + shear1[1] + shear2[0] + shear2[1]);
+        const LameConstants& elastic = stiffness_[here.material];
+        const Pair s = elastic.lambda * (strain[0] + strain[1]) + elastic.twice_shear * strain;
+        const double s_xy = elastic.twice_shear * xy;
+        const Pair f1 = -here.volume * (s * g1 + s_xy * turned1), f2 = -here.volume * (s * g2 + s_xy * turned2);
+        force[0] = -(f1 + f2);
+        force[1] = f1;
+        force[2] = f2;
+        const Pair squares = s * s;
+        const double norm2 = squares[0] + squares[1] + 2 * s_xy * s_xy;
+        if (norm2 > static_cast<double>(here.threshold)) {
+            for (int k = 0; k < 3; ++k) {
+                const Index fan = fan_of_corner_[3 * t + k];
+                if (norm2 > threshold_of_fan_[fan]) mark(fan_is_candidate[fan]);
+            }
+        }
+    }
+}
+
+QuadraticTriangles::QuadraticTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
+                                       double thickness)
+    : stiffness_(lame_constants(materials, plane)) {
+    triangles_.reserve(mesh.n_triangles());
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        const auto g = shape_gradients(mesh, t);
+        const Elastic& material = materials[mesh.region[t]];
+        const double volume = mesh.area(t) * thickness;
+        const Eigen::Matrix2d R = bubble_stiffness(g, volume, material.first_lame(plane), material.shear_modulus());
+        triangles_.push_back({.gradient1 = g[1],
+                              .gradient2 = g[2],
+                              .volume = volume,
+                              .R_xx = R(0, 0),
+                              .R_yy = R(1, 1),
+                              .R_xy = R(0, 1),
+                              .material = mesh.region[t]});
+    }
+}
+
+void QuadraticTriangles::set_stress_criterion(const std::vector<double>& threshold_of_fan,
+                                              const std::vector<Index>& fan_of_corner) {
+    fan_of_corner_ = fan_of_corner;
+    limit2_.resize(triangles_.size());
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+        const Vec2 &g1 = triangles_[t].gradient1, &g2 = triangles_[t].gradient2;
+        for (Index k = 0; k < 6; ++k) {
+            const double force = force_of_unit_stress({-(g1 + g2), g1, g2}, triangles_[t].volume, 2, k);
+            limit2_[t][k] = rounded_down(threshold_of_fan[fan_of_corner[7 * t + k]] * force * force);
+        }
+    }
+}
+
+void QuadraticTriangles::evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
+                                  const std::vector<Index>& node_of_corner, Vec2* force,
+                                  std::vector<std::uint8_t>& fan_is_candidate) const {
+    for (std::ptrdiff_t t = first; t < last; ++t, force += 7) {
+        const Triangle& here = triangles_[t];
+        const Index* node = &node_of_corner[7 * t];
+        Vec2 u[7];
+        for (int c = 0; c < 7; ++c) u[c] = displacement[node[c]];
+        const Vec2 g[3] = {-(here.gradient1 + here.gradient2), here.gradient1, here.gradient2};
+        const Vec2 middles = u[3] + u[4] + u[5];
+        const Vec2 a = u[6] + (u[0] + u[1] + u[2]) / 9 - 4. / 9 * middles;
+        const Vec2 along1 = u[1] - u[0], along2 = u[2] - u[0];  // linear part: sum_i u_i (x) g_i
+        const double L_xx = along1.x() * g[1].x() + along2.x() * g[2].x(),
+                     L_xy = along1.x() * g[1].y() + along2.x() * g[2].y();
+        const double L_yx = along1.y() * g[1].x() + along2.y() * g[2].x(),
+                     L_yy = along1.y() * g[1].y() + along2.y() * g[2].y();
+        const LameConstants& elastic = stiffness_[here.material];
+
+        double s_xx = 0, s_yy = 0, s_xy = 0;  // sum of the three stresses
+        Vec2 pull[3], sum = Vec2::Zero();     // V/3 sigma_k g_k, conjugate to d_k
+        for (int k = 0; k < 3; ++k) {
+            const Vec2 d = 2 * (middles - 2 * u[3 + (k + 1) % 3] - u[k]) + 2.7 * a;
+            const double xx = L_xx + d.x() * g[k].x(), yy = L_yy + d.y() * g[k].y();
+            const double xy = 0.5 * (L_xy + L_yx + d.x() * g[k].y() + d.y() * g[k].x());
+            const double trace = elastic.lambda * (xx + yy);
+            const double k_xx = trace + elastic.twice_shear * xx, k_yy = trace + elastic.twice_shear * yy,
+                         k_xy = elastic.twice_shear * xy;
+            s_xx += k_xx, s_yy += k_yy, s_xy += k_xy;
+            pull[k] = here.volume / 3 * Vec2(k_xx * g[k].x() + k_xy * g[k].y(), k_xy * g[k].x() + k_yy * g[k].y());
+            sum += pull[k];
+        }
+        // conjugate to a
+        const Vec2 q = 2.7 * sum + Vec2(here.R_xx * a.x() + here.R_xy * a.y(), here.R_xy * a.x() + here.R_yy * a.y());
+        Vec2 all = Vec2::Zero();
+        for (int k = 0; k < 3; ++k) {
+            const Vec2 linear =
+                here.volume / 3 * Vec2(s_xx * g[k].x() + s_xy * g[k].y(), s_xy * g[k].x() + s_yy * g[k].y());
+            force[k] = -linear + 2 * pull[k] - q / 9;
+            force[3 + (k + 1) % 3] = -2 * (sum - 2 * pull[k]) + 4. / 9 * q;
+            all += force[k] + force[3 + (k + 1) % 3];
+        }
+        force[6] = -all;
+        if (limit2_.empty()) continue;
+        for (int k = 0; k < 6; ++k)
+            if (force[k].squaredNorm() > static_cast<double>(limit2_[t][k]))
+                mark(fan_is_candidate[fan_of_corner_[7 * t + k]]);
+    }
+}
+
+ElasticForces::ElasticForces(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
+                             double thickness)
+    : triangles_(LinearTriangles({}, {}, plane, thickness)),
+      n_triangles_(mesh.n_triangles()),
+      corners_per_triangle_(mesh.corners_per_triangle()) {
+    if (mesh.order == 1) triangles_ = LinearTriangles(mesh, materials, plane, thickness);
+    else triangles_ = QuadraticTriangles(mesh, materials, plane, thickness);
+}
+
+void ElasticForces::set_stress_criterion(const std::vector<double>& threshold_of_fan,
+                                         const std::vector<Index>& fan_of_corner) {
+    std::visit([&](auto& triangles) { triangles.set_stress_criterion(threshold_of_fan, fan_of_corner); }, triangles_);
+}
+
+void ElasticForces::evaluate(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner,
+                             std::vector<Vec2>& corner_force, std::vector<std::uint8_t>& fan_is_candidate) const {
+    constexpr Index block = 1024;
+#pragma omp parallel for schedule(static) if (n_triangles_ > block)
+    for (Index first = 0; first < n_triangles_; first += block)
+        evaluate(first, std::min(first + block, n_triangles_), displacement, node_of_corner,
+                 &corner_force[corners_per_triangle_ * first], fan_is_candidate);
+}
+
+}  // namespace knap

@@ -1,0 +1,244 @@
+#include "stepper/explicit/explicit_scheme.hpp"
+
+#include "base/parallel.hpp"
+#include "base/room.hpp"
+#include "element/triangle_matrices.hpp"
+#include "stepper/explicit/partition.hpp"
+
+#include <cmath>
+#include <cstring>
+
+namespace knap {
+namespace {
+
+constexpr std::size_t split_fans_in_a_block = 8;
+constexpr std::size_t soon = 4;  // fans ahead, to prefetch
+
+}  // namespace
+
+ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
+    : model_(model),
+      forces_(model.mesh, model.materials, model.plane, model.thickness),
+      stable_step_(std::ranges::min(stable_steps(model.mesh, model.materials, model.plane))),
+      blocks_(make_blocks(model)),
+      obstacle_step_(model),
+      solver_(model, options, obstacle_step_),
+      obstacles_(model, solver_, obstacle_step_),
+      amplitude_(model.histories.size()),
+      corner_force_(model.mesh.n_corners()),
+      fan_is_candidate_(model.fans.size(), 0),
+      splits_(model.fans.size(), 0),
+      workspaces_(omp_get_max_threads(), Workspace(model)) {
+    forces_.set_stress_criterion(stress_thresholds(model), model.fan_of_corner);
+    for (const Index corner : model.fan_corners) mass_.push_back(model.corner_mass[corner]);
+    for (Workspace& work : workspaces_) {
+        work.force.resize(model.mesh.corners_per_triangle() * blocks_.front().last);
+        VertexSolver::Workspace& split = work.split;  // more corners and points than most vertices have
+        make_room(16, work.required, split.stationary.required, split.stationary.impulse);
+        make_room(16, split.problem.bodies, split.problem.links, split.kept.bodies, split.kept.links);
+    }
+}
+
+StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
+    const ExplicitStep step{.begin = begin,
+                            .end = end,
+                            .drift_time = h,
+                            .kick_time = 0.5 * (begin.last_step + h),
+                            .mass = mass_,
+                            .corner_force = corner_force_};
+    copy_partition(model_, begin, end);
+    for (std::size_t i = 0; i < amplitude_.size(); ++i) amplitude_[i] = model_.histories[i](begin.time);
+    // bonded fans: v+ = v + k/m sum (F - K u); split fans: M (v+ - v) = k (F - K u) + H' P, each by itself
+    StepReport report = sweep_blocks(step);
+    obstacles_.begin(step);
+    split_at_contacts(begin);
+    report += sweep_bordering(step);
+    // fans that no admissible reactions hold, and contacts that couple several fans
+    release(step, report);
+    obstacles_.solve(step, workspaces_.front().split, report);
+    report += advance_split(step);
+    obstacles_.finish(step, report);
+    report += account_loads(step);
+    if (report.released > 0) order_split_fans(model_, end, unordered_);
+    report.largest_speed = std::sqrt(report.largest_speed);  // squared until here
+    return report;
+}
+
+/// Forces of the triangles of a block and loads on their corners, and the motion of the fans inside.
+StepReport ExplicitScheme::sweep_blocks(const ExplicitStep& step) {
+    return sum_over_blocks(blocks_.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
+        const MeshBlock& block = blocks_[b];
+        Workspace& work = workspaces_[omp_get_thread_num()];
+        forces_.evaluate(block.first, block.last, step.begin.displacement, step.begin.node_of_corner, work.force.data(),
+                         fan_is_candidate_);
+        Vec2* kept = &corner_force_[model_.mesh.corners_per_triangle() * block.first];
+        for (const MeshBlock::Corner c : block.kept) kept[c] = work.force[c];
+        for (Index i = block.first_load; i < block.last_load; ++i) {
+            const CornerLoad& load = model_.corner_loads[i];
+            corner_force_[load.corner] += amplitude_[load.history] * load.force;
+        }
+        sweep_inner(block, step, work, report);
+    });
+}
+
+void ExplicitScheme::sweep_inner(const MeshBlock& block, const ExplicitStep& step, Workspace& work,
+                                 StepReport& report) {
+    const State& begin = step.begin;
+    NodeMotion motion(step);
+    Vec2* kept = &corner_force_[model_.mesh.corners_per_triangle() * block.first];
+    const Vec2* on_corner = work.force.data();
+    const MeshBlock::Corner* last = block.inner_corners.data();
+    const InscribedCircle* circles = block.inner_circles.data();
+    for (std::size_t i = 0; i < block.inner.size(); ++i) {
+        const MeshBlock::BlockFan& fan = block.inner[i];
+        const MeshBlock::Corner* corner = last;
+        const InscribedCircle* circle = circles + (corner - block.inner_corners.data());
+        last += fan.n_corners;
+        if (i + soon < block.inner.size() && fan_is_candidate_[block.inner[i + soon].fan]) {
+            __builtin_prefetch(circle + MeshBlock::look_ahead);
+            __builtin_prefetch(circle + MeshBlock::look_ahead + 4);  // the next cache line
+        }
+        const auto keep = [&] {
+            for (const MeshBlock::Corner* c = corner; c < last; ++c) kept[*c] = on_corner[*c];
+        };
+        if (const Index rank = begin.split_rank[fan.fan]; rank >= 0) {
+            keep();
+            if (fans_are_independent()) solver_.advance(rank, step, work.split, report);
+            continue;
+        }
+        Vec2 force = Vec2::Zero();
+        for (const MeshBlock::Corner* c = corner; c < last; ++c) force += on_corner[*c];
+        const auto force_on = [&](Index c) -> const Vec2& { return on_corner[corner[c]]; };
+        if (fan_is_candidate_[fan.fan] && !is_bonded(fan, circle, force_on, force, work, report)) {
+            keep();
+            continue;
+        }
+        motion.move(fan.fan, fan.fan, fan.mass, force, begin.velocity[fan.fan] + step.kick_time / fan.mass * force);
+    }
+    motion.add_to(report);
+}
+
+/// A fan near an obstacle is solved as a split one, in which the fan solver finds what sticks.
+void ExplicitScheme::split_at_contacts(const State& begin) {
+    for (const ObstacleContact& contact : obstacle_step_.contacts.all())
+        for (const Index f : {contact.fan, contact.fan_beside})
+            if (f >= 0) splits_[f] = begin.split_rank[f] < 0;
+}
+
+/// The motion of the fans across borders of blocks, and of those with loads, prescribed motion and obstacles.
+StepReport ExplicitScheme::sweep_bordering(const ExplicitStep& step) {
+    return sum_over_blocks(blocks_.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
+        const State& begin = step.begin;
+        const MeshBlock& block = blocks_[b];
+        Workspace& work = workspaces_[omp_get_thread_num()];
+        NodeMotion nodes(step);
+        const Index* next = block.bordering_corners.data();
+        for (std::size_t i = 0; i < block.bordering.size(); ++i) {
+            if (i + soon < block.bordering.size()) {
+                __builtin_prefetch(&begin.velocity[block.bordering[i + soon].fan]);
+                __builtin_prefetch(&begin.displacement[block.bordering[i + soon].fan]);
+            }
+            const MeshBlock::BlockFan& fan = block.bordering[i];
+            const Index* corner = next;
+            next += fan.n_corners;
+            for (const Index* c = corner; c < next; ++c) __builtin_prefetch(&corner_force_[c[MeshBlock::look_ahead]]);
+            const Index f = fan.fan;
+            if (splits_[f]) continue;
+            if (const Index rank = begin.split_rank[f]; rank >= 0) {
+                if (fans_are_independent()) solver_.advance(rank, step, work.split, report);
+                continue;
+            }
+            Vec2 force = Vec2::Zero();
+            for (const Index* c = corner; c < next; ++c) force += corner_force_[*c];
+            const InscribedCircle* circle = &block.bordering_circles[corner - block.bordering_corners.data()];
+            const auto force_on = [&](Index c) -> const Vec2& { return corner_force_[corner[c]]; };
+            if (fan_is_candidate_[f] && !is_bonded(fan, circle, force_on, force, work, report)) continue;
+            Vec2 velocity = begin.velocity[f] + step.kick_time / fan.mass * force;
+            const PrescribedMotion* motion = model_.motion_of(*corner);
+            if (motion) {
+                const Vec2 given = step.prescribed_velocity(model_, *motion, begin.displacement[f]);
+                for (int k = 0; k < 2; ++k)
+                    if (motion->component[k]) velocity[k] = given[k];
+            }
+            nodes.move(f, f, fan.mass, force, velocity);
+            if (motion) account_drive(f, *motion, force, step, report);
+        }
+        nodes.add_to(report);
+    });
+}
+
+/// Tests a candidate of the stress criterion, by the inscribed circles and then by BondCheck. `force` [N]: on the whole
+/// fan.
+template <class Force>
+bool ExplicitScheme::is_bonded(const MeshBlock::BlockFan& of, const InscribedCircle* circle, const Force& force_on,
+                               const Vec2& force, Workspace& work, StepReport& report) {
+    fan_is_candidate_[of.fan] = 0;
+    if (within_inscribed_circles(circle, of.n_corners, force_on, force)) return true;
+    const Fan& fan = model_.fans[of.fan];
+    const PrescribedMotion* motion = model_.motion_of(model_.corners(fan)[0]);
+    const Vec2 acceleration = force / fan.mass;
+    work.required.resize(fan.n_corners);
+    for (Index i = 0; i < fan.n_corners; ++i) {
+        work.required[i] = mass_[fan.first_corner + i] * acceleration - force_on(i);
+        for (int k = 0; k < 2 && motion; ++k)
+            if (motion->component[k]) work.required[i][k] = 0;  // the drive of each corner supplies it
+    }
+    ++report.bond_checks;
+    const bool bonded = work.bond_check.is_bonded(of.fan, work.required, 1);
+    splits_[of.fan] = !bonded;
+    return bonded;
+}
+
+void ExplicitScheme::account_drive(Index fan, const PrescribedMotion& motion, const Vec2& force,
+                                   const ExplicitStep& step, StepReport& report) const {
+    const Vec2 before = step.begin.velocity[fan], after = step.end.velocity[fan];
+    const Vec2 impulse = model_.fans[fan].mass * (after - before) - step.kick_time * force;
+    Vec2& reaction = step.end.reaction[&motion - model_.prescribed.data()];
+    for (int k = 0; k < 2; ++k) {
+        if (!motion.component[k]) continue;
+        report.external_work += 0.5 * impulse[k] * (after[k] + before[k]);
+        reaction[k] = impulse[k] / step.kick_time;
+    }
+}
+
+void ExplicitScheme::release(const ExplicitStep& step, StepReport& report) {
+    const std::uint8_t *first = splits_.data(), *last = first + splits_.size();
+    while (const void* found = first < last ? std::memchr(first, 1, last - first) : nullptr) {
+        const Index f = static_cast<Index>(static_cast<const std::uint8_t*>(found) - splits_.data());
+        first = splits_.data() + f + 1;
+        splits_[f] = 0;
+        step.end.displacement[f] = step.begin.displacement[f];
+        split(model_, f, step.end);
+        ++report.released;
+    }
+}
+
+/// The fans that split in this step, and all split fans if there are obstacles.
+StepReport ExplicitScheme::advance_split(const ExplicitStep& step) {
+    const std::size_t done = fans_are_independent() ? step.begin.split_fans.size() : 0;
+    return sum_over_blocks(step.end.split_fans.size() - done, split_fans_in_a_block, partial_,
+                           [&](std::size_t first, std::size_t last, StepReport& report) {
+                               for (std::size_t rank = done + first; rank < done + last; ++rank)
+                                   solver_.advance(static_cast<Index>(rank), step,
+                                                   workspaces_[omp_get_thread_num()].split, report);
+                           });
+}
+
+/// Works of the loads, and their part in the energies that the report has of all forces; by the threads that moved
+/// these corners, since a load on a long boundary has many.
+StepReport ExplicitScheme::account_loads(const ExplicitStep& step) {
+    if (model_.corner_loads.empty()) return {};
+    const State &begin = step.begin, &end = step.end;
+    return sum_over_blocks(blocks_.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
+        for (Index i = blocks_[b].first_load; i < blocks_[b].last_load; ++i) {
+            const CornerLoad& load = model_.corner_loads[i];
+            const Vec2 force = amplitude_[load.history] * load.force;
+            const Index from = begin.node_of_corner[load.corner], to = end.node_of_corner[load.corner];
+            report.external_work += step.kick_time * force.dot(0.5 * (begin.velocity[from] + end.velocity[to]));
+            report.strain += 0.5 * force.dot(end.displacement[to]);
+            report.step_change_work += step.change_time() * force.dot(end.velocity[to] - begin.velocity[from]);
+        }
+    });
+}
+
+}  // namespace knap

@@ -1,0 +1,64 @@
+#pragma once
+// One step of the explicit scheme, and the motion of a node over it (central differences: velocities live at the middle
+// of the steps):
+//
+//     M (v+ - v) = k (F - K u) + H' P,     u+ = u + h v+,     k = (previous h + h)/2
+#include "model/state.hpp"
+#include "stepper/common/step_report.hpp"
+
+#include <algorithm>
+
+namespace knap {
+
+struct ExplicitStep {
+    const State& begin;
+    State& end;
+    double drift_time, kick_time;     // [s] h, k
+    const std::vector<double>& mass;  // [kg] per corner, in the order of Model::fan_corners
+    const std::vector<Vec2>&
+        corner_force;  // [N] F - K u per corner, where more than the block of its triangle reads it
+
+    /// [m/s] v+ in the prescribed components, zero in the others; `displacement` [m] u.
+    Vec2 prescribed_velocity(const Model& model, const PrescribedMotion& motion, const Vec2& displacement) const {
+        const StepTimes times{.begin = begin.time, .h = drift_time, .central_differences = true};
+        Vec2 velocity = Vec2::Zero();
+        for (int k = 0; k < 2; ++k)
+            if (motion.component[k]) velocity[k] = motion.rate(k, model.histories, displacement[k], times).rate;
+        return velocity;
+    }
+    /// [s] Times a change of velocity and a force: the work of a change of the step size in the leapfrog energy.
+    double change_time() const { return 0.25 * (drift_time - begin.last_step); }
+};
+
+/// Moves nodes and sums up their energies, in registers. The largest speed of the report is squared here.
+class NodeMotion {
+public:
+    explicit NodeMotion(const ExplicitStep& step)
+        : begin_(step.begin), end_(step.end), h_(step.drift_time), change_time_(step.change_time()) {}
+
+    /// To the end velocity v+ [m/s]; `force` [N] F - K u.
+    [[gnu::always_inline]] void move(Index from, Index to, double mass, const Vec2& force, const Vec2& velocity) {
+        const Vec2 u = begin_.displacement[from] + h_ * velocity;
+        const double speed2 = velocity.squaredNorm();
+        kinetic_ += 0.5 * mass * speed2;
+        strain_ -= 0.5 * force.dot(u);
+        step_change_work_ -= change_time_ * force.dot(velocity - begin_.velocity[from]);
+        largest_speed2_ = std::max(largest_speed2_, speed2);
+        end_.velocity[to] = velocity;
+        end_.displacement[to] = u;
+    }
+    void add_to(StepReport& report) const {
+        report.kinetic += kinetic_;
+        report.strain += strain_;
+        report.step_change_work += step_change_work_;
+        report.largest_speed = std::max(report.largest_speed, largest_speed2_);
+    }
+
+private:
+    const State& begin_;
+    State& end_;
+    double h_, change_time_;
+    double kinetic_ = 0, strain_ = 0, step_change_work_ = 0, largest_speed2_ = 0;
+};
+
+}  // namespace knap

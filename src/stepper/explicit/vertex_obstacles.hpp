@@ -1,0 +1,41 @@
+#pragma once
+// Rigid obstacles next to the explicit bulk, where a contact reaches beyond a fan: a free obstacle couples the fans
+// that it touches by its three velocities; a contact on an edge couples the two fans at its ends by its impulse.
+#include "stepper/explicit/vertex_solver.hpp"
+
+namespace knap {
+
+class VertexObstacles {
+public:
+    VertexObstacles(const Model& model, const VertexSolver& solver, ObstacleStep& obstacles)
+        : model_(model), solver_(solver), now_(obstacles) {}
+
+    /// Motion of the obstacles without the body, and the contacts that may close.
+    void begin(const ExplicitStep& step);
+    /// End velocities of free obstacles and impulses of contacts on edges.
+    void solve(const ExplicitStep& step, VertexSolver::Workspace& work, StepReport& report);
+    /// The obstacles at the end of the step, their energies and works, and those of the contacts on edges.
+    void finish(const ExplicitStep& step, StepReport& report);
+
+private:
+    struct EdgeContact {
+        double mobility;  // [1/kg] of the body at the contact
+        Vec2 last_velocity = Vec2::Zero(), last_change = Vec2::Zero();
+    };
+    void solve_obstacles(const ExplicitStep& step, VertexSolver::Workspace& work, StepReport& report);
+    void solve_edges(const ExplicitStep& step, VertexSolver::Workspace& work, StepReport& report);
+    Vec2 end_velocity_at(const ObstacleContact& contact, const ExplicitStep& step, VertexSolver::Workspace& work) const;
+    void sum_wrenches(std::vector<Vec3>& wrench) const;
+
+    const Model& model_;
+    const VertexSolver& solver_;
+    ObstacleStep& now_;
+    std::vector<EdgeContact> edges_;
+    std::vector<FanLink> edge_links_;  // solved
+    FanProblem edge_problem_;
+    std::vector<std::uint8_t> touched_;  // per obstacle: it is free, and something may touch it
+    std::vector<Index> touching_fans_;
+    std::vector<Vec3> wrench_;  // [N s, N s, N m s] per obstacle
+};
+
+}  // namespace knap

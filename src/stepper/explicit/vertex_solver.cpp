@@ -1,0 +1,266 @@
+#include "stepper/explicit/vertex_solver.hpp"
+
+#include "stepper/common/point_work.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace knap {
+namespace {
+
+constexpr double contradiction = 1e-12;  // [-] residual of a fan whose rebounds contradict each other; rounding is less
+constexpr double slow = 1e-9;            // [-] of the largest speed
+constexpr double rounding = 1e-14;       // [-] of the velocities of a fan
+constexpr double caught = 1e-9;  // [-] of the tangential cohesion: a force smaller by more holds the slip at zero
+
+/// [-] beta at the start of the step, of point i of the fan.
+double cohesion_before(const Model& model, Index f, Index i, const State& begin) {
+    if (begin.split_rank[f] >= 0) return begin.points[begin.first_point[begin.split_rank[f]] + i].cohesion;
+    return model.laws[model.points(model.fans[f])[i].law].sigma_c > 0 ? 1 : 0;
+}
+
+/// Newton's coefficient in this step: zero for a link that would come to rest within the step under `push` [m/s], the
+/// approach that the lasting pressure causes in a step. A ball rests after infinitely many rebounds, in
+/// 2 e |V_N|/((1 - e) push) steps.
+double restitution_under(const FanProblem& problem, const FanLink& link, double push) {
+    const double approach =
+        -link.normal.dot(problem.velocity_before(link.after) - problem.velocity_before(link.before));
+    const bool rests = 2 * link.restitution * std::max(approach, 0.0) < (1 - link.restitution) * push;
+    return rests ? 0 : link.restitution;
+}
+
+/// [m/s] Size of the terms of which the velocities of a fan are sums: impulses that hold a body together cancel.
+double speed_scale(const FanProblem& problem) {
+    double speed = 0, mobility = 0, impulse = 0;
+    for (const FanBody& body : problem.bodies) {
+        speed = std::max({speed, body.velocity.norm(), body.end_velocity.norm()});
+        mobility = std::max({mobility, body.inverse_mass.x(), body.inverse_mass.y()});
+    }
+    for (const FanLink& link : problem.links) impulse = std::max({impulse, link.contact, link.impulse.norm()});
+    return speed + mobility * impulse;
+}
+
+/// [J] Loss by the implicit sign of the tangential cohesion where the slip changes its sign: the work of its force
+/// minus the change of gamma beta sigma_c |u_T| S, both from the middle of the last step to the middle of this one, the
+/// interval to which the mean velocity of an impulse belongs.
+double crossing_loss(const FanLink& link, double V_T_before, double V_T_after, const ExplicitStep& step) {
+    const double from = link.u_T - 0.5 * step.begin.last_step * V_T_before,
+                 to = link.u_T + 0.5 * step.drift_time * V_T_after;
+    const double force = link.friction_part - link.tangential, full = link.gamma * link.cohesive * (1 - caught);
+    if (link.cohesive == 0 || (from >= 0 && to >= 0 && force >= full) || (from <= 0 && to <= 0 && force <= -full))
+        return 0;
+    const double work = force * 0.5 * (V_T_before + V_T_after);
+    return work - link.gamma * link.cohesive / step.kick_time * (std::abs(to) - std::abs(from));
+}
+
+}  // namespace
+
+Vec2 ObstacleStep::edge_impulse_on(Index corner) const {
+    Vec2 sum = Vec2::Zero();
+    for (std::size_t i = contacts.n_at_corners(); i < contacts.all().size(); ++i) {
+        const ObstacleContact& contact = contacts.all()[i];
+        if (contact.corner == corner) sum += (1 - contact.share) * impulse[i];
+        if (contact.beside == corner) sum += contact.share * impulse[i];
+    }
+    return sum;
+}
+
+void VertexSolver::assemble(Index f, const ExplicitStep& step, FanProblem& problem) const {
+    const Fan& fan = model_.fans[f];
+    const State& begin = step.begin;
+    const auto corners = model_.corners(fan);
+    const auto points = model_.points(fan);
+    problem.closed = fan.closed;
+    problem.drift_time = step.drift_time;
+    problem.bodies.clear();
+    problem.links.clear();
+    for (Index i = 0; i < fan.n_corners; ++i) {
+        const Index corner = corners[i], node = begin.node_of_corner[corner];
+        const double inverse_mass = 1 / step.mass[fan.first_corner + i];
+        FanBody body{.velocity = begin.velocity[node],
+                     .free_velocity = begin.velocity[node] + step.kick_time * inverse_mass * step.corner_force[corner],
+                     .inverse_mass = Vec2::Constant(inverse_mass),
+                     .end_velocity = Vec2::Zero()};
+        if (!obstacles_.contacts.on_edges().empty())
+            body.free_velocity += inverse_mass * obstacles_.edge_impulse_on(corner);
+        if (const PrescribedMotion* motion = model_.motion_of(corner)) {
+            const Vec2 given = step.prescribed_velocity(model_, *motion, begin.displacement[node]);
+            for (int k = 0; k < 2; ++k)
+                if (motion->component[k]) body.free_velocity[k] = given[k], body.inverse_mass[k] = 0;
+        }
+        problem.bodies.push_back(body);
+    }
+    // both in counterclockwise order: point i lies between the bodies shift + i - 1 and shift + i
+    const Index shift = fan.closed || (fan.n_points > 0 && points[0].before == rigid_support) ? 0 : 1;
+    const auto body = [&](Index corner, Index i) {
+        return corner == rigid_support ? rigid_support : (i + fan.n_corners) % fan.n_corners;
+    };
+    for (Index i = 0; i < fan.n_points; ++i) {
+        const FanPoint& point = points[i];
+        const CohesiveLaw& law = model_.laws[point.law];
+        const Vec2 u = begin.opening_of(point);
+        const bool sticks = unbreakable(model_, point);
+        const double beta = sticks || point.cracked ? 0 : cohesion_before(model_, f, i, begin);
+        problem.links.push_back({.before = body(point.before, shift + i - 1),
+                                 .after = body(point.after, shift + i),
+                                 .normal = point.normal,
+                                 .u_N = u.x(),
+                                 .u_T = u.y(),
+                                 .cohesive = beta > 0 ? step.kick_time * law.sigma_c * point.area * beta : 0,
+                                 .gamma = law.gamma,
+                                 .friction = law.friction,
+                                 .restitution = law.restitution_at(beta),
+                                 .unbreakable = sticks});
+        FanLink& link = problem.links.back();
+        if (link.restitution == 0 || begin.split_rank[f] < 0) continue;
+        const Vec2 mobility = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
+        const double pressure =
+            begin.points[begin.first_point[begin.split_rank[f]] + i].traction.x();  // of the step before
+        link.restitution = restitution_under(
+            problem, link,
+            step.kick_time * point.area * pressure * link.normal.dot(mobility.cwiseProduct(link.normal)));
+    }
+    add_contacts(f, step, problem);
+}
+
+void VertexSolver::add_contacts(Index f, const ExplicitStep& step, FanProblem& problem) const {
+    const Fan& fan = model_.fans[f];
+    const auto corners = model_.corners(fan);
+    for (const ObstacleContact& contact : obstacles_.contacts.of_fan(f)) {
+        const Obstacle& obstacle = model_.obstacles[contact.obstacle];
+        const PrescribedMotion* motion = model_.motion_of(contact.corner);
+        const bool rubs = !(motion && obstacle.is_free() && contact.is_led_along(motion->component));
+        problem.links.push_back(
+            {.before = static_cast<Index>(problem.bodies.size()),
+             .after = static_cast<Index>(std::ranges::find(corners, contact.corner) - corners.begin()),
+             .normal = contact.normal,
+             .u_N = contact.gap,
+             .u_T = 0,
+             .cohesive = 0,
+             .gamma = 0,
+             .friction = rubs ? obstacle.contact.friction : 0,
+             .restitution = obstacle.contact.restitution,
+             .unbreakable = false});
+        problem.bodies.push_back({.velocity = velocity_at(step.begin.obstacles[contact.obstacle].velocity, contact),
+                                  .free_velocity = velocity_at(obstacles_.motion.rate()[contact.obstacle], contact),
+                                  .inverse_mass = Vec2::Zero(),
+                                  .end_velocity = Vec2::Zero()});
+        if (obstacle.contact.restitution == 0) continue;
+        Vec2 force = Vec2::Zero();  // on the whole fan
+        for (const Index c : corners) force += step.corner_force[c];
+        FanLink& link = problem.links.back();
+        link.restitution = restitution_under(problem, link, -step.kick_time * link.normal.dot(force) / fan.mass);
+    }
+}
+
+/// Rebounds at several links of a vertex may contradict each other: their speeds do not add up round it, and no motion
+/// has them all. The fan is then solved without restitution. Slips near zero that reverse in every step where several
+/// contacts stick may contradict each other too, and grow: before the residual exceeds the limit of a run they are set
+/// to rest, at the cost of a friction work of either sign below the limit of its gate.
+FanSolution VertexSolver::solve(Index f, const ExplicitStep& step, Workspace& work) const {
+    FanSolution best = solve_once(f, step, true, 0, work);
+    const auto try_without_rebounds = [&](double rest) {
+        std::swap(work.problem, work.kept);
+        const FanSolution other = solve_once(f, step, false, rest, work);
+        if (other.residual < best.residual) best = other;
+        else std::swap(work.problem, work.kept);
+    };
+    const auto rebounds = [](const FanLink& link) { return link.restitution > 0; };
+    if (best.residual > contradiction && std::ranges::any_of(work.problem.links, rebounds)) try_without_rebounds(0);
+    if (best.residual > 0.5 * max_residual) try_without_rebounds(slow);
+    return best;
+}
+
+FanSolution VertexSolver::solve_once(Index f, const ExplicitStep& step, bool rebounds, double rest,
+                                     Workspace& work) const {
+    FanProblem& problem = work.problem;
+    assemble(f, step, problem);
+    for (FanLink& link : problem.links)
+        if (!rebounds) link.restitution = 0;
+    if (options_.cohesion == CohesionScheme::explicit_beta) return work.solver.solve(problem, rest);
+    work.cohesion.clear();
+    for (Index i = 0; i < model_.fans[f].n_points; ++i)
+        if (const double strength = problem.links[i].cohesive; strength > 0)
+            work.cohesion.push_back({.link = i,
+                                     .law = &model_.laws[model_.points(model_.fans[f])[i].law],
+                                     .start = cohesion_before(model_, f, i, step.begin),
+                                     .strength = strength});
+    return solve_softening(problem, work.solver, work.cohesion, options_.theta);
+}
+
+void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work, StepReport& report) const {
+    State& end = step.end;
+    const Index f = end.split_fans[rank];
+    const Fan& fan = model_.fans[f];
+    const bool meets_obstacles = !obstacles_.contacts.on_edges().empty() || !obstacles_.contacts.of_fan(f).empty();
+    if (options_.cohesion == CohesionScheme::explicit_beta && !meets_obstacles &&
+        advance_stationary(model_, rank, step, work.stationary, report))
+        return;
+    const FanSolution solution = solve(f, step, work);
+    const FanProblem& problem = work.problem;
+    const auto corners = model_.corners(fan);
+    ++report.fan_solves;
+    report.fan_iterations += solution.iterations;
+    if (solution.status != FanSolution::Status::exact) ++report.fan_fallbacks;
+    report.residual = std::max(report.residual, solution.residual);
+    const bool inexact = options_.cohesion == CohesionScheme::implicit_beta &&
+                         solution.residual > max_residual;  // a shorter step softens less
+    if (!solution.settled || inexact) report.reject(Rejection::not_converged, model_.mesh.corner(corners[0]));
+
+    // the impulse of a prescribed motion is the rest of the balance of its corner, and it works
+    const auto drive = [&](Index body, int k, double impulse) {
+        if (body < 0 || body >= fan.n_corners || problem.bodies[body].inverse_mass[k] != 0) return;
+        report.external_work +=
+            impulse * (0.5 * (problem.bodies[body].velocity[k] + problem.bodies[body].end_velocity[k]));
+        end.reaction[model_.prescribed_of_corner[corners[body]]][k] += impulse / step.kick_time;
+    };
+    for (Index i = 0; i < fan.n_corners; ++i) {
+        const Index corner = corners[i];
+        const double mass = step.mass[fan.first_corner + i];
+        const Vec2 before = problem.bodies[i].velocity, after = problem.bodies[i].end_velocity,
+                   force = step.corner_force[corner];
+        NodeMotion motion(step);
+        motion.move(step.begin.node_of_corner[corner], end.node_of_corner[corner], mass, force, after);
+        motion.add_to(report);
+        if (!model_.motion_of(corner)) continue;
+        const Vec2 on_edges = obstacles_.edge_impulse_on(corner);
+        for (int k = 0; k < 2; ++k)
+            drive(i, k, mass * (after[k] - before[k]) - step.kick_time * force[k] - on_edges[k]);
+    }
+
+    const double rate_error = (rounding + solution.residual) * speed_scale(problem);  // [m/s]
+    const auto contacts = obstacles_.contacts.of_fan(f);
+    for (Index i = 0; i < static_cast<Index>(problem.links.size()); ++i) {
+        const FanLink& link = problem.links[i];
+        for (int k = 0; k < 2; ++k) {
+            drive(link.after, k, -link.impulse[k]);
+            drive(link.before, k, link.impulse[k]);
+        }
+        const Vec2 n = link.normal, t = turned_left(n);
+        const Vec2 before = problem.velocity_before(link.after) - problem.velocity_before(link.before);
+        const Vec2 after = problem.velocity_after(link.after) - problem.velocity_after(link.before);
+        const double mean_N = 0.5 * n.dot(before + after), mean_T = 0.5 * t.dot(before + after);
+        const double u_N = link.u_N + step.drift_time * n.dot(after), u_T = link.u_T + step.drift_time * t.dot(after);
+        if (i < fan.n_points) {
+            const FanPoint& point = model_.points(fan)[i];
+            const CohesiveLaw& law = model_.laws[point.law];
+            PointState& state = end.points[end.first_point[rank] + i];
+            state.traction = Vec2(link.contact - link.cohesive, link.tangential) / (step.kick_time * point.area);
+            if (link.unbreakable) {
+                state.cohesion = 1;
+                continue;
+            }
+            report.cohesive_work += link.cohesive * mean_N - (link.tangential - link.friction_part) * mean_T;
+            report.crossing_loss += crossing_loss(link, t.dot(before), t.dot(after), step);
+            const double beta = point.cracked ? 0 : cohesion_before(model_, f, i, step.begin);
+            state.cohesion = law.next_cohesion(beta, u_N, u_T);
+            account_cohesion(point, law, beta, state.cohesion, u_N, u_T, report);
+        } else {
+            obstacles_.impulse[&contacts[i - fan.n_points] - obstacles_.contacts.all().data()] = link.impulse;
+        }
+        account_contact({link.contact, link.friction_part, mean_N, mean_T, rate_error, u_N}, report);
+    }
+}
+
+}  // namespace knap

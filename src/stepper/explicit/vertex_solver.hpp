@@ -1,0 +1,60 @@
+#pragma once
+// The interfaces next to the explicit lumped bulk, whose mass couples nothing beyond a fan: every split fan is solved
+// by itself and exactly (interface/fan_solver.hpp), and the cohesion follows from the openings at the end of the step.
+// Explicit beta: the forces are those of the cohesion at the start. Implicit beta: of theta beta+ + (1 - theta) beta
+// (interface/fan_cohesion.hpp).
+//
+// A corner near a rigid obstacle adds a link to its fan, and the obstacle as a body with given motion.
+#include "interface/fan_cohesion.hpp"
+#include "interface/fan_solver.hpp"
+#include "stepper/common/obstacle_contacts.hpp"
+#include "stepper/common/obstacle_motion.hpp"
+#include "stepper/common/scheme_options.hpp"
+#include "stepper/explicit/explicit_step.hpp"
+#include "stepper/explicit/stationary_fans.hpp"
+
+namespace knap {
+
+/// The contacts with obstacles in a step.
+struct ObstacleStep {
+    explicit ObstacleStep(const Model& model) : contacts(model), motion(model) {}
+
+    ObstacleContacts contacts;
+    ObstacleMotion motion;
+    std::vector<Vec2> impulse;  // [N s] per contact, on the body
+
+    /// [N s] On a corner, of the contacts on edges.
+    Vec2 edge_impulse_on(Index corner) const;
+};
+
+class VertexSolver {
+public:
+    struct Workspace {
+        FanProblem problem, kept;  // `problem` holds the last solution
+        FanSolver solver;
+        std::vector<LinkCohesion> cohesion;
+        StationaryWorkspace stationary;
+    };
+
+    /// `obstacles` must outlive this.
+    VertexSolver(const Model& model, const SchemeOptions& options, ObstacleStep& obstacles)
+        : model_(model), options_(options), obstacles_(obstacles) {}
+
+    /// The problem of the fan in this step and its solution, in work.problem: the bodies are its corners and then the
+    /// obstacles in contact, the links its points and then these contacts.
+    FanSolution solve(Index fan, const ExplicitStep& step, Workspace& work) const;
+
+    /// Moves a split fan to the end of the step: velocities, displacements, cohesion, tractions, works.
+    void advance(Index rank, const ExplicitStep& step, Workspace& work, StepReport& report) const;
+
+private:
+    FanSolution solve_once(Index fan, const ExplicitStep& step, bool rebounds, double rest, Workspace& work) const;
+    void assemble(Index fan, const ExplicitStep& step, FanProblem& problem) const;
+    void add_contacts(Index fan, const ExplicitStep& step, FanProblem& problem) const;
+
+    const Model& model_;
+    SchemeOptions options_;
+    ObstacleStep& obstacles_;
+};
+
+}  // namespace knap
