@@ -21,7 +21,7 @@ void print_grains(const Scenario& scenario, const Mesh& mesh) {
     std::printf("%-28s %d, of them %d whole\n", "grains", grains.n_grains, grains.n_whole);
     std::printf("%-28s %.4g, spread %.3f\n", "mean grain diameter [m]", grains.mean_diameter, grains.spread);
     std::printf("%-28s %.2f at %.0f degree\n", "mean grain elongation", grains.elongation, grains.direction * 180 / std::numbers::pi);
-    std::printf("%-28s %d\n", "least triangles in a grain", grains.least_triangles);
+    std::printf("%-28s %d\n", "least triangles in a grain", grains.min_triangles);
     std::vector<double> area(scenario.materials.size(), 0);
     double total = 0;
     for (Index t = 0; t < mesh.n_triangles(); ++t) area[mesh.region[t]] += mesh.area(t), total += mesh.area(t);

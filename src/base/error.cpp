@@ -7,66 +7,58 @@
 namespace knap {
 namespace {
 
-constexpr std::size_t most_shown = 50;  // messages
-constexpr int widest = 160;             // characters of a source line
-constexpr int longest = 1000;           // of a message, which may quote what somebody wrote
-
-/// The part of a source line that is shown, and the column in it that is meant.
-struct Excerpt {
-    std::string text;
-    int column;
-};
+constexpr int max_line = 160;      // characters shown of a source line
+constexpr int max_message = 1000;  // of a message, which may quote the user's input
 
 int whole(const std::string& text, int i) { return static_cast<int>(character_begin(text, i)); }
 
-Excerpt excerpt(const std::string& line, int column) {
-    if (static_cast<int>(line.size()) <= widest) return {line, column};
+/// The part of the source line that is shown, and the column of the mistake in it.
+std::pair<std::string, int> excerpt(const std::string& line, int column) {
     const int size = static_cast<int>(line.size());
-    const int begin = whole(line, std::clamp(column - 1 - widest / 2, 0, size - widest)), end = whole(line, std::min(begin + widest, size));
-    const std::string before = begin > 0 ? "..." : "", after = end < size ? "..." : "";
-    return {before + line.substr(begin, end - begin) + after, column - begin + static_cast<int>(before.size())};
+    if (size <= max_line) return {line, column};
+    const int first = whole(line, std::clamp(column - 1 - max_line / 2, 0, size - max_line)),
+              end = whole(line, std::min(first + max_line, size));
+    const std::string before = first > 0 ? "..." : "", after = end < size ? "..." : "";
+    return {before + line.substr(first, end - first) + after, column - first + static_cast<int>(before.size())};
 }
 
-/// Its begin and its end, where it is too long to be read.
-std::string readable(const std::string& message) {
-    const int size = static_cast<int>(message.size());
-    if (size <= longest) return message;
-    return message.substr(0, whole(message, longest / 2)) + " ... " + message.substr(whole(message, size - longest / 2));
+/// Without its middle where it is too long to be read.
+std::string shortened(const std::string& message) {
+    const int size = static_cast<int>(message.size()), half = max_message / 2;
+    if (size <= max_message) return message;
+    return message.substr(0, whole(message, half)) + " ... " + message.substr(whole(message, size - half));
+}
+
+std::string all(const std::vector<Diagnostic>& found) {
+    constexpr std::size_t max_shown = 50;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(found.size(), max_shown); ++i) text += format(found[i]);
+    if (found.size() > max_shown) text += text_of("... and ", found.size() - max_shown, " more\n");
+    return text;
 }
 
 }  // namespace
 
 std::string format(const Diagnostic& d) {
-    std::string text = d.severity == Diagnostic::Severity::error ? "error" : "warning";
-    text += "[" + d.code + "]: " + readable(d.message) + "\n";
-    const std::string number = d.line > 0 ? std::to_string(d.line) : "";
-    const std::string margin(number.size() + 1, ' ');
+    const std::string number = d.line > 0 ? std::to_string(d.line) : "", margin(number.size() + 1, ' ');
+    std::string text = text_of(d.severity == Diagnostic::Severity::error ? "error" : "warning", "[", d.code,
+                               "]: ", shortened(d.message), "\n");
     if (!d.file.empty()) {
-        text += margin + "--> " + readable(d.file);
-        if (d.line > 0) text += ":" + number + ":" + std::to_string(std::max(d.column, 1));
+        text += margin + "--> " + shortened(d.file);
+        if (d.line > 0) text += text_of(":", number, ":", std::max(d.column, 1));
         text += "\n";
     }
     if (!d.source_line.empty()) {
         const auto [line, column] = excerpt(d.source_line, d.column);
-        text += margin + " |\n" + number + " | " + line + "\n" + margin + "| ";
-        text += std::string(std::max(column - 1, 0), ' ') + std::string(std::clamp(d.length, 1, widest), '^');
-        if (!d.hint.empty()) text += " " + d.hint;
-        text += "\n";
+        text +=
+            text_of(margin, " |\n", number, " | ", line, "\n", margin, "| ", std::string(std::max(column - 1, 0), ' '),
+                    std::string(std::clamp(d.length, 1, max_line), '^'), d.hint.empty() ? "" : " ", d.hint, "\n");
     } else if (!d.hint.empty()) {
         text += margin + "= help: " + d.hint + "\n";
     }
     if (!d.note.empty()) text += margin + "= " + d.note + "\n";
     return printable(text);
 }
-
-namespace {
-std::string all(const std::vector<Diagnostic>& found) {
-    std::string text;
-    for (std::size_t i = 0; i < std::min(found.size(), most_shown); ++i) text += format(found[i]);
-    if (found.size() > most_shown) text += "... and " + std::to_string(found.size() - most_shown) + " more\n";
-    return text;
-}
-}  // namespace
 
 UserError::UserError(std::vector<Diagnostic> found) : std::runtime_error(all(found)), diagnostics(std::move(found)) {}
 

@@ -1,6 +1,6 @@
 #pragma once
-// The only source of randomness: a counter-based stream (splitmix64; Steele, Lea, Flood 2014), the same bits on every machine and
-// for every number of threads. Streams of one seed are told apart by a name.
+// The only source of randomness: a counter-based stream (splitmix64; Steele, Lea, Flood 2014), the same bits on every
+// machine and for every number of threads. Streams of one seed are told apart by a name.
 #include <cmath>
 #include <cstdint>
 #include <numbers>

@@ -1,6 +1,6 @@
 #pragma once
-// Lists of what is loose grow as a body breaks. Their room is taken once, for the day when all of it is loose: of address space, which becomes memory where
-// it is used.
+// The lists of split corners and points grow while a body breaks. They reserve the capacity for the completely broken
+// body once: address space, which becomes memory where it is used. So a time step allocates nothing.
 #include <cstddef>
 
 namespace knap {

@@ -53,15 +53,14 @@ bool is_plain(char c) {
 
 const std::string* nearest(std::string_view word, const std::vector<std::string>& candidates) {
     const std::string* best = nullptr;
-    int least = 2 + static_cast<int>(word.size()) / 3;  // a third of the letters may be wrong
+    int limit = 2 + static_cast<int>(word.size()) / 3;  // a third of the letters may be wrong
     for (const std::string& candidate : candidates) {
-        if (std::abs(static_cast<int>(word.size()) - static_cast<int>(candidate.size())) >= least) continue;
+        const auto [shorter, longer] = std::minmax({std::ssize(word), std::ssize(candidate)});
+        if (longer - shorter >= limit) continue;
         const int distance = edit_distance(word, candidate);
-        const int shorter = static_cast<int>(std::min(word.size(), candidate.size()));
-        const bool nothing_alike = distance > 0 && distance >= shorter;
-        if (distance >= least || nothing_alike) continue;
+        if (distance >= limit || (distance > 0 && distance >= shorter)) continue;  // nothing alike
         best = &candidate;
-        least = distance;
+        limit = distance;
     }
     return best;
 }
@@ -106,8 +105,8 @@ std::string printable(const std::string& message) {
         const auto c = static_cast<unsigned char>(message[i]);
         const auto next = static_cast<unsigned char>(i + 1 < message.size() ? message[i + 1] : 0);
         const bool second_set = c == 0xC2 && next >= 0x80 && next < 0xA0;  // U+0080 to U+009F in UTF-8
-        const bool control = (c < 0x20 && c != '\n' && c != '\t') || c == 0x7F || second_set;
-        shown += control ? '?' : message[i];
+        const bool is_control = (c < 0x20 && c != '\n' && c != '\t') || c == 0x7F || second_set;
+        shown += is_control ? '?' : message[i];
         if (second_set) ++i;
     }
     return shown;

@@ -1,13 +1,23 @@
 #pragma once
-// Text: decimals of a number, characters of UTF-8, words that are nearly alike.
+// Text: numbers as decimals, characters of UTF-8, words that are nearly alike.
 #include <cstddef>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace knap {
 
-/// The shortest decimal text that reads back as the same double; "-0.0" for minus zero, since "-0" is an integer in TOML.
+/// The parts one after the other; a double has six significant digits.
+template <class... Parts>
+std::string text_of(const Parts&... parts) {
+    std::ostringstream text;
+    (text << ... << parts);
+    return std::move(text).str();
+}
+
+/// The shortest decimal text that reads back as the same double; "-0.0" for minus zero, since "-0" is an integer in
+/// TOML.
 std::string shortest(double value);
 
 /// Without blanks and tabs at its ends.
@@ -26,14 +36,14 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 
 /// Whether a byte continues a character of UTF-8 (10xxxxxx).
 constexpr bool continues_character(char byte) { return (static_cast<unsigned char>(byte) & 0xC0) == 0x80; }
-/// The number of characters in a text of UTF-8.
+/// The number of characters in UTF-8 text.
 std::size_t n_characters(std::string_view utf8);
-/// The first position from `i` on that is not inside a character of UTF-8.
+/// The first position from `i` on that is not inside a character.
 std::size_t character_begin(std::string_view utf8, std::size_t i);
 /// Whether all of a text is UTF-8 (RFC 3629).
 bool is_utf8(std::string_view text);
 
-/// A message as a terminal may show it: control characters become "?", except line feeds and tabs; columns stay.
+/// A message fit for a terminal: control characters become "?", except line feeds and tabs; columns stay.
 std::string printable(const std::string& message);
 
 }  // namespace knap

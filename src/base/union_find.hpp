@@ -1,6 +1,5 @@
 #pragma once
-// Disjoint sets of the numbers 0 to n - 1. The lowest member of a set is its representative, whatever the order of the
-// joins.
+// Disjoint sets of the numbers 0 to n - 1. The lowest member of a set is its representative, in any order of the joins.
 #include "base/vec.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 #pragma once
-// Linear algebra aliases of the project. Two-dimensional vectors are Eigen's; an `Index` counts triangles, corners, nodes, points.
+// Linear algebra of the project: vectors are Eigen's; an `Index` counts triangles, corners, nodes, points.
 #include <Eigen/Core>
 
 #include <cstdint>

@@ -12,24 +12,23 @@
 #include <sstream>
 
 namespace knap {
-
 namespace fs = std::filesystem;
-
 namespace {
 
-OutputError cannot_write(const fs::path& path, int error) { return OutputError("cannot write " + path.string() + ": " + std::strerror(error)); }
+OutputError cannot_write(const fs::path& path, int error) {
+    return OutputError("cannot write " + path.string() + ": " + std::strerror(error));
+}
 
-/// Of what goes wrong the final name is said.
+/// Errors are reported with the final name.
 void write_bytes(const fs::path& path, std::string_view text, const fs::path& final_name) {
     const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    if (file < 0) throw cannot_write(final_name, errno);
-    int error = 0;
+    int error = file < 0 ? errno : 0;
     while (!text.empty() && error == 0) {
         const ssize_t n = write(file, text.data(), text.size());
         if (n >= 0) text.remove_prefix(static_cast<std::size_t>(n));
         else if (errno != EINTR) error = errno;
     }
-    if (close(file) != 0 && error == 0) error = errno;
+    if (file >= 0 && close(file) != 0 && error == 0) error = errno;
     if (error != 0) throw cannot_write(final_name, error);
 }
 
@@ -48,10 +47,7 @@ void replace_whole_file(const fs::path& path, const fs::path& older, std::string
 
 void write_whole_file(const fs::path& path, const std::function<void(const fs::path&)>& write) {
     std::error_code unknown;
-    if (fs::exists(path, unknown) && !fs::is_regular_file(path, unknown)) {
-        write(path);
-        return;
-    }
+    if (fs::exists(path, unknown) && !fs::is_regular_file(path, unknown)) return write(path);
     const fs::path written = path.string() + ".part";
     try {
         write(written);
@@ -67,7 +63,8 @@ std::string read_whole_file(const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
     std::ostringstream bytes;
     bytes << in.rdbuf();
-    if (!in) throw OutputError("cannot read " + path.string() + (errno != 0 ? std::string(": ") + std::strerror(errno) : ""));
+    if (!in)
+        throw OutputError("cannot read " + path.string() + (errno ? std::string(": ") + std::strerror(errno) : ""));
     return std::move(bytes).str();
 }
 

@@ -2,9 +2,9 @@
 #include "mesh/gmsh.hpp"
 
 #include "base/union_find.hpp"
-#include "mesh/check_shape.hpp"
 #include "mesh/gmsh_file.hpp"
 #include "mesh/overlap.hpp"
+#include "mesh/planar_graph.hpp"
 
 #include <cmath>
 #include <set>
@@ -32,7 +32,7 @@ std::size_t n_doubled_vertices(const Mesh& mesh) {
     const double scale = 1 / (same_place * box.diagonal());
     std::set<Index> on_boundary;
     for (const BoundaryEdge& edge : mesh.boundary_edges)
-        for (const Index k : {edge.side, (edge.side + 1) % 3}) on_boundary.insert(mesh.triangles[edge.triangle][k]);
+        for (const Index v : mesh.side_vertices(edge.triangle, edge.side)) on_boundary.insert(v);
     std::set<std::pair<double, double>> cells;
     for (const Index v : on_boundary) {
         const Vec2 x = (mesh.vertices[v] - box.low) * scale;
@@ -192,16 +192,15 @@ private:
                         b = vertex_of_node_[node(line.nodes[1], line.where)];
             if (line.group == 0) continue;
             if (a < 0 || b < 0) ++n_without_effect_[line.group];
-            else lines_.push_back({edge_key(a, b), line.group, line.where});
+            else lines_.push_back({edge_key({a, b}), line.group, line.where});
         }
         std::ranges::sort(lines_, {}, [](const Line& l) { return std::tuple(l.edge, l.group, l.where); });
     }
 
     /// The lines on a side of a triangle, which are marked as found.
     std::span<Line> lines_on(Index triangle, Index side) {
-        const auto& corners = mesh_.triangles[triangle];
-        const auto lines =
-            std::ranges::equal_range(lines_, edge_key(corners[side], corners[(side + 1) % 3]), {}, &Line::edge);
+        const std::uint64_t edge = edge_key(mesh_.side_vertices(triangle, side));
+        const auto lines = std::ranges::equal_range(lines_, edge, {}, &Line::edge);
         for (Line& line : lines) line.found = true;
         return lines;
     }
@@ -244,11 +243,7 @@ private:
 
     /// Of probable mistakes: separate pieces, vertices at the same place, lines that are no sides of triangles.
     void warn() {
-        const auto add = [&](const auto&... parts) {
-            std::ostringstream text;
-            (text << ... << parts);
-            made_.warnings.push_back(text.str());
-        };
+        const auto add = [&](const auto&... parts) { made_.warnings.push_back(text_of(parts...)); };
         if (const Index n = n_pieces(mesh_); n > 1)
             add("the mesh falls into ", n,
                 " pieces that share no edge: they never feel each other, there is no contact between them");

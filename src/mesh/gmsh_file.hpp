@@ -1,12 +1,11 @@
 #pragma once
 // The content of a Gmsh file: nodes, lines, triangles and names of physical groups, with the tags of the file.
 // Source: Gmsh reference manual, "MSH file format" (version 4.1) and "Legacy formats" (version 2.2).
+#include "base/text.hpp"
+
 #include <array>
 #include <cstdint>
 #include <map>
-#include <sstream>
-#include <string>
-#include <vector>
 
 namespace knap {
 
@@ -42,9 +41,7 @@ struct GmshFile {
     /// file.
     template <class... Parts>
     [[noreturn]] void fail(const Place& place, const Parts&... message) const {
-        std::ostringstream text;
-        (text << ... << message);
-        throw_error(place, text.str());
+        throw_error(place, text_of(message...));
     }
 
     /// Where the file gives no name, the tag; empty for tag 0 (no group).

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 namespace knap {
-
 namespace {
 
 /// Position of the cell (x, y) of a 2^16 x 2^16 grid on the Hilbert curve.
@@ -27,18 +26,15 @@ std::uint32_t hilbert_index(std::uint32_t x, std::uint32_t y) {
 void find_edges(Mesh& mesh) {
     mesh.interior_edges.clear();
     mesh.boundary_edges.clear();
-    const auto vertex = [&](Index side, Index end) {
-        return mesh.triangles[side / 3][(side + end) % 3];
-    };  // side = 3 triangle + k
+    const auto ends = [&](Index side) { return mesh.side_vertices(side / 3, side % 3); };  // side = 3 triangle + k
     std::vector<std::pair<std::uint64_t, Index>> sides;
-    for (Index side = 0; side < 3 * mesh.n_triangles(); ++side)
-        sides.emplace_back(edge_key(vertex(side, 0), vertex(side, 1)), side);
-    std::sort(sides.begin(), sides.end());
+    for (Index side = 0; side < 3 * mesh.n_triangles(); ++side) sides.emplace_back(edge_key(ends(side)), side);
+    std::ranges::sort(sides);
     std::vector<Index> other(sides.size(), -1);  // the side of the neighbour
     for (std::size_t i = 1; i < sides.size(); ++i) {
         if (sides[i].first != sides[i - 1].first) continue;
         const Index a = sides[i - 1].second, b = sides[i].second;
-        if (other[a] >= 0 || vertex(a, 0) == vertex(b, 0))
+        if (other[a] >= 0 || ends(a) == ends(b))
             throw ShapeError("mesh", "two triangles lie on the same side of one edge");
         other[a] = b, other[b] = a;
     }
@@ -57,17 +53,14 @@ std::vector<Index> order_along_curve(Mesh& mesh) {
         const Vec2 cell = (mesh.centroid(t) - box.low) * scale;
         keys.emplace_back(hilbert_index(static_cast<std::uint32_t>(cell.x()), static_cast<std::uint32_t>(cell.y())), t);
     }
-    std::sort(keys.begin(), keys.end());
+    std::ranges::sort(keys);
 
     Mesh ordered;
     std::vector<Index> number(mesh.vertices.size(), -1);
     for (const auto& [key, t] : keys) {
         std::array<Index, 3> corners = mesh.triangles[t];
         for (Index& v : corners) {
-            if (number[v] < 0) {
-                number[v] = ordered.n_vertices();
-                ordered.vertices.push_back(mesh.vertices[v]);
-            }
+            if (number[v] < 0) number[v] = ordered.n_vertices(), ordered.vertices.push_back(mesh.vertices[v]);
             v = number[v];
         }
         ordered.triangles.push_back(corners);

@@ -23,8 +23,8 @@ struct BoundaryEdge {
     Index boundary;  // index into boundary_names
 };
 
-/// A triangle owns its corners: of order 1 its three vertices 0, 1, 2; of order 2 also 3 + k, the middle of edge k, and
-/// 6, its centre. Corner k of triangle t has the number corners_per_triangle() t + k.
+/// A triangle owns its corners (element nodes): of order 1 its three vertices 0, 1, 2; of order 2 also 3 + k, the
+/// middle of edge k, and 6, its centre. Corner k of triangle t has the number corners_per_triangle() t + k.
 struct Mesh {
     Index order = 1;                              // of the displacement on a triangle: 1 or 2
     std::vector<Vec2> vertices;                   // [m]
@@ -57,6 +57,9 @@ struct Mesh {
     Vec2 side_vector(Index triangle, Index k) const {  // [m] along edge k
         return corner(triangle, (k + 1) % 3) - corner(triangle, k);
     }
+    std::array<Index, 2> side_vertices(Index triangle, Index k) const {  // the ends of edge k
+        return {triangles[triangle][k], triangles[triangle][(k + 1) % 3]};
+    }
     /// Both sides of an edge lie in one grain.
     bool within_grain(const InteriorEdge& edge) const {
         return !grain.empty() && grain[edge.triangle[0]] >= 0 && grain[edge.triangle[0]] == grain[edge.triangle[1]];
@@ -73,8 +76,9 @@ void find_edges(Mesh& mesh);
 std::vector<Index> order_along_curve(Mesh& mesh);
 
 /// One key for the edge between two vertices, in either direction.
-inline std::uint64_t edge_key(Index a, Index b) {
-    return (static_cast<std::uint64_t>(std::min(a, b)) << 32) | static_cast<std::uint32_t>(std::max(a, b));
+inline std::uint64_t edge_key(std::array<Index, 2> ends) {
+    const auto [low, high] = std::minmax(ends[0], ends[1]);
+    return (static_cast<std::uint64_t>(low) << 32) | static_cast<std::uint32_t>(high);
 }
 
 /// The triangles around every vertex. Reads vertices and triangles only.

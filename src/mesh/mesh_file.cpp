@@ -24,12 +24,9 @@ public:
 
 Index n_regions(const Mesh& mesh) { return mesh.region.empty() ? 0 : 1 + std::ranges::max(mesh.region); }
 
-/// The vertices of an edge.
-std::array<Index, 2> ends(const Mesh& mesh, const BoundaryEdge& e) {
-    return {mesh.triangles[e.triangle][e.side], mesh.triangles[e.triangle][(e.side + 1) % 3]};
-}
+std::array<Index, 2> ends(const Mesh& mesh, const BoundaryEdge& e) { return mesh.side_vertices(e.triangle, e.side); }
 std::array<Index, 2> ends(const Mesh& mesh, const InteriorEdge& e) {
-    return ends(mesh, BoundaryEdge{e.triangle[0], e.side[0], 0});
+    return mesh.side_vertices(e.triangle[0], e.side[0]);
 }
 
 /// Format 2.2. Physical groups are the boundaries (lines), the regions (triangles) and the pre-cracks (lines).

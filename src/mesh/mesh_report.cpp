@@ -18,7 +18,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 Grouped<Index> neighbours_of_vertices(const Mesh& mesh) {
     return {mesh.vertices.size(), [&](const auto& visit) {
                 const auto edge = [&](Index t, Index k) {
-                    const Index a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
+                    const auto [a, b] = mesh.side_vertices(t, k);
                     visit(a, b), visit(b, a);
                 };
                 for (const InteriorEdge& e : mesh.interior_edges) edge(e.triangle[0], e.side[0]);

@@ -1,5 +1,7 @@
 #include "mesh/overlap.hpp"
 
+#include "mesh/polygon.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,10 +19,8 @@ struct Triangle {
     Vec2 side(Index k) const { return corner[(k + 1) % 3] - corner[k]; }
     Vec2 low() const { return corner[0].cwiseMin(corner[1]).cwiseMin(corner[2]); }
     Vec2 high() const { return corner[0].cwiseMax(corner[1]).cwiseMax(corner[2]); }
-    double signed_area() const { return 0.5 * cross(corner[1] - corner[0], corner[2] - corner[0]); }
-    double smallest_height() const {
-        return 2 * signed_area() / std::max({side(0).norm(), side(1).norm(), side(2).norm()});
-    }
+    double area() const { return 0.5 * cross(side(0), corner[2] - corner[0]); }  // [m2] signed
+    double smallest_height() const { return 2 * area() / std::max({side(0).norm(), side(1).norm(), side(2).norm()}); }
 };
 
 /// [m] The smallest distance, over the sides of a, that b reaches behind the side. Zero for a side of either triangle
@@ -129,32 +129,13 @@ private:
     const std::vector<bool> is_candidate_;
 };
 
-/// The intersection of two triangles, a cut by the sides of b: its area [m2], and its moment (area times centroid).
-double common_area(const Triangle& a, const Triangle& b, Vec2& moment) {
-    std::array<Vec2, 9> polygon, cut;
-    std::size_t n = 3;
-    std::copy(a.corner.begin(), a.corner.end(), polygon.begin());
-    for (Index k = 0; k < 3; ++k) {
-        const Vec2 from = b[k], along = b.side(k);
-        std::size_t m = 0;
-        for (std::size_t i = 0; i < n; ++i) {
-            const Vec2 &p = polygon[i], &q = polygon[(i + 1) % n];
-            const double left_p = cross(along, p - from), left_q = cross(along, q - from);
-            if (left_p >= 0) cut[m++] = p;
-            if ((left_p > 0 && left_q < 0) || (left_p < 0 && left_q > 0))
-                cut[m++] = p + left_p / (left_p - left_q) * (q - p);
-        }
-        polygon = cut, n = m;
-        if (n < 3) return 0;
-    }
-    double area = 0;
-    moment = Vec2::Zero();
-    for (std::size_t i = 1; i + 1 < n; ++i) {
-        const double part = 0.5 * cross(polygon[i] - polygon[0], polygon[i + 1] - polygon[0]);
-        area += part;
-        moment += part / 3 * (polygon[0] + polygon[i] + polygon[i + 1]);
-    }
-    return area;
+/// The intersection of two triangles: a cut by the sides of b.
+std::vector<Vec2> intersection(const Triangle& a, const Triangle& b) {
+    std::vector<Vec2> polygon(a.corner.begin(), a.corner.end()), scratch;
+    for (Index k = 0; k < 3; ++k)
+        clip(
+            polygon, [from = b[k], along = b.side(k)](const Vec2& p) { return cross(p - from, along); }, scratch);
+    return polygon;
 }
 
 }  // namespace
@@ -182,7 +163,7 @@ CoveredTwice find_covered_twice(std::span<const Vec2> corner, std::span<const In
     std::vector<Index> valid;
     for (Index t = 0; t < static_cast<Index>(corner.size() / 3); ++t) {
         Triangle& triangle = triangles.emplace_back(Triangle{{corner[3 * t], corner[3 * t + 1], corner[3 * t + 2]}});
-        const double area = triangle.signed_area();
+        const double area = triangle.area();
         if (area < 0) std::swap(triangle.corner[1], triangle.corner[2]);
         if (std::isfinite(area) && area != 0) valid.push_back(t);
     }
@@ -193,24 +174,24 @@ CoveredTwice find_covered_twice(std::span<const Vec2> corner, std::span<const In
     struct Overlap {
         std::array<Index, 2> pair;
         double area;  // [m2]
-        Vec2 moment;
+        Vec2 centroid;
     };
     std::vector<Overlap> overlaps;
     PairSearch(triangles, std::vector<bool>(triangles.size(), true)).visit_pairs(valid, [&](Index a, Index b) {
-        Overlap overlap{{std::min(a, b), std::max(a, b)}};
+        if (a > b) std::swap(a, b);
         if (share_a_vertex(a, b) && !overlap_deeply(triangles[a], triangles[b])) return false;
-        overlap.area = common_area(triangles[overlap.pair[0]], triangles[overlap.pair[1]], overlap.moment);
-        if (overlap.area > 0) overlaps.push_back(overlap);
+        const std::vector<Vec2> common = intersection(triangles[a], triangles[b]);
+        if (const double area = signed_area(common); area > 0) overlaps.push_back({{a, b}, area, centroid(common)});
         return false;
     });
     std::ranges::sort(overlaps, {}, &Overlap::pair);
     const auto repeated = std::ranges::unique(overlaps, {}, &Overlap::pair);
     overlaps.erase(repeated.begin(), repeated.end());
     CoveredTwice found;
-    for (const auto& [pair, area, moment] : overlaps) {
+    for (const auto& [pair, area, place] : overlaps) {
         found.area += area;
-        found.triangles += area / std::min(triangles[pair[0]].signed_area(), triangles[pair[1]].signed_area());
-        if (area > found.largest) found.largest = area, found.place = moment / area;
+        found.triangles += area / std::min(triangles[pair[0]].area(), triangles[pair[1]].area());
+        if (area > found.largest) found.largest = area, found.place = place;
     }
     return found;
 }

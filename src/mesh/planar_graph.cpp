@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace knap {
-
 namespace {
 
 /// Inserts one straight piece after the other; earlier pieces keep their place, later ones are bent onto them.
@@ -12,43 +12,47 @@ class GraphBuilder {
 public:
     explicit GraphBuilder(PlanarGraph& graph) : graph_(graph) {}
 
-    /// Points of the piece that are nearer than the tolerance to earlier nodes and segments are moved onto these.
-    void insert(const Segment& piece, double tolerance, const GraphSegment& labels) {
+    /// Points of the pieces that are nearer than the tolerance to earlier nodes and segments are moved onto these.
+    void insert(const std::vector<Segment>& pieces, double tolerance, GraphSegment labels,
+                const std::vector<Index>& boundaries = {}) {
         tolerance_ = tolerance;
-        const Index from = node_at(piece.a), to = node_at(piece.b);
-        connect_through(from, to, labels, 0);
+        for (std::size_t i = 0; i < pieces.size(); ++i) {
+            if (!boundaries.empty()) labels.boundary = boundaries[i];
+            const Index from = node_at(pieces[i].a), to = node_at(pieces[i].b);
+            connect_through(from, to, labels, 0);
+        }
     }
 
 private:
-    struct Stop {
-        double position;  // on the piece, 0..1
-        Index node;
-    };
-
     /// Connects two nodes through all nodes between them; a piece that was bent onto one may then come across others.
     void connect_through(Index from, Index to, const GraphSegment& labels, int n_bends) {
         if (from == to) return;
         const Vec2 p = graph_.nodes[from], q = graph_.nodes[to];
         split_crossed(p, q);
         const Vec2 low = p.cwiseMin(q).array() - tolerance_, high = p.cwiseMax(q).array() + tolerance_;
-        std::vector<Stop> stops{{0.0, from}};
+        std::vector<std::pair<double, Index>> stops{{0.0, from}};  // position on the piece, 0..1, and node
         for (Index n = 0; n < n_nodes(); ++n) {
             const Vec2& r = graph_.nodes[n];
-            if (n == from || n == to || (r.array() < low.array()).any() || (r.array() > high.array()).any()) continue;
+            if (n == from || n == to || !Box{low, high}.contains(r)) continue;
             const double t = nearest_parameter(p, q, r);
-            if (t > 0 && t < 1 && distance_to_segment(p, q, r) <= tolerance_) stops.push_back({t, n});
+            if (t > 0 && t < 1 && distance_to_segment(p, q, r) <= tolerance_) stops.emplace_back(t, n);
         }
-        std::stable_sort(stops.begin(), stops.end(),
-                         [](const Stop& s, const Stop& t) { return s.position < t.position; });
-        stops.push_back({1.0, to});
+        std::ranges::sort(stops);
+        stops.emplace_back(1.0, to);
         constexpr int max_bends = 6;
         for (std::size_t i = 0; i + 1 < stops.size(); ++i) {
-            if (stops.size() == 2 || n_bends == max_bends) connect(stops[i].node, stops[i + 1].node, labels);
-            else connect_through(stops[i].node, stops[i + 1].node, labels, n_bends + 1);
+            const Index here = stops[i].second, next = stops[i + 1].second;
+            if (stops.size() == 2 || n_bends == max_bends) connect(here, next, labels);
+            else connect_through(here, next, labels, n_bends + 1);
         }
     }
 
     Index n_nodes() const { return static_cast<Index>(graph_.nodes.size()); }
+
+    Index add_node(const Vec2& p) {
+        graph_.nodes.push_back(p);
+        return n_nodes() - 1;
+    }
 
     /// The node at p: an old one, a new one on the segment that p lies on, or a new free one.
     Index node_at(const Vec2& p) {
@@ -63,18 +67,14 @@ private:
             const auto [a, b] = graph_.line(graph_.segments[s]);
             if (distance_to_segment(a, b, p) <= tolerance_) return split(s, a + nearest_parameter(a, b, p) * (b - a));
         }
-        graph_.nodes.push_back(p);
-        return n_nodes() - 1;
+        return add_node(p);
     }
 
     Index split(std::size_t s, const Vec2& p) {
-        graph_.nodes.push_back(p);
-        const Index middle = n_nodes() - 1;
         GraphSegment second = graph_.segments[s];
-        graph_.segments[s].to = middle;
-        second.from = middle;
+        graph_.segments[s].to = second.from = add_node(p);
         graph_.segments.push_back(second);
-        return middle;
+        return second.from;
     }
 
     void split_crossed(const Vec2& p, const Vec2& q) {
@@ -88,18 +88,16 @@ private:
         }
     }
 
-    void connect(Index from, Index to, const GraphSegment& labels) {
+    void connect(Index from, Index to, GraphSegment labels) {
         if (from == to) return;
         for (GraphSegment& old : graph_.segments) {
-            if (!((old.from == from && old.to == to) || (old.from == to && old.to == from))) continue;
+            if (std::minmax(old.from, old.to) != std::minmax(from, to)) continue;
             if (old.crack < 0) old.crack = labels.crack;
             old.region = std::max(old.region, labels.region);
             return;
         }
-        GraphSegment fresh = labels;
-        fresh.from = from;
-        fresh.to = to;
-        graph_.segments.push_back(fresh);
+        labels.from = from, labels.to = to;
+        graph_.segments.push_back(labels);
     }
 
     PlanarGraph& graph_;
@@ -148,33 +146,191 @@ void drop_unused_nodes(PlanarGraph& graph) {
     graph.nodes = std::move(kept);
 }
 
+// --- checks
+
+constexpr double area_of_unit_triangle = 0.433;  // equilateral, edge 1
+
+std::string place(const Vec2& p) { return text_of("(", p.x(), ", ", p.y(), ") m"); }
+
+void check_points(const std::string& part, const std::vector<Vec2>& points, bool closed, double tolerance) {
+    const std::size_t min_points = closed ? 3 : 2;
+    if (points.size() < min_points) throw ShapeError(part, "needs at least ", min_points, " points");
+    for (const Vec2& p : points)
+        if (!p.allFinite()) throw ShapeError(part, "has a point that is not a finite number");
+    for (const Segment& side : sides_of(points, closed))
+        if (!((side.b - side.a).norm() > tolerance))
+            throw ShapeError(part, "has a segment of zero length at ", place(side.b), ": remove one of its two points");
+}
+
+struct Polygon {
+    std::string name;
+    const std::vector<Vec2>& points;
+};
+
+/// Throws unless all polygons are simple, have an area and do not touch each other.
+void check_polygons(const std::vector<Polygon>& polygons, double tolerance) {
+    struct Side {
+        Segment line;
+        std::size_t polygon, number;
+        Vec2 low, high;  // [m] its box
+    };
+    std::vector<Side> sides;
+    for (std::size_t p = 0; p < polygons.size(); ++p) {
+        const auto& [name, points] = polygons[p];
+        check_points(name, points, true, tolerance);
+        if (!(std::abs(signed_area(points)) > tolerance * bounding_box(points).diagonal()))
+            throw ShapeError(name, "has no area");
+        std::size_t number = 0;
+        for (const Segment& s : sides_of(points, true))
+            sides.push_back({s, p, number++, s.a.cwiseMin(s.b), s.a.cwiseMax(s.b)});
+    }
+    const auto check = [&](const Side& s, const Side& t) {
+        const auto& [name, points] = polygons[s.polygon];
+        const bool same = s.polygon == t.polygon;
+        const bool s_then_t = same && (s.number + 1) % points.size() == t.number;
+        const bool t_then_s = same && (t.number + 1) % points.size() == s.number;
+        if (s_then_t || t_then_s) {  // neighbours share their vertex and nothing else
+            const auto& [a, b] = s_then_t ? s.line : t.line;
+            const auto& [c, d] = s_then_t ? t.line : s.line;
+            if (distance_to_segment(a, b, d) <= tolerance || distance_to_segment(c, d, a) <= tolerance)
+                throw ShapeError(name, "turns back on itself at ", place(c));
+            return;
+        }
+        if (distance_between(s.line, t.line) > tolerance) return;
+        const std::string near = place(0.5 * (t.line.a + t.line.b));
+        if (same)
+            throw ShapeError(name, "crosses or touches itself near ", near, " (sides ", std::min(s.number, t.number),
+                             " and ", std::max(s.number, t.number), ")");
+        const auto [first, second] = std::minmax({s.polygon, t.polygon});
+        throw ShapeError(polygons[second].name, "crosses or touches ", polygons[first].name, " near ", near,
+                         ": make it part of that ring or move it away");
+    };
+    std::ranges::stable_sort(sides, {}, [](const Side& s) { return s.low.x(); });  // sweep along x
+    for (auto s = sides.begin(); s != sides.end(); ++s)
+        for (auto t = s + 1; t != sides.end() && t->low.x() <= s->high.x() + tolerance; ++t)
+            if (t->low.y() <= s->high.y() + tolerance && t->high.y() >= s->low.y() - tolerance) check(*s, *t);
+}
+
+void check_rings(const Shape& shape, double tolerance) {
+    std::vector<Polygon> rings;
+    const auto add = [&](const Ring& ring) {
+        const std::string name = GraphSegment{.ring = static_cast<Index>(rings.size())}.part_name();
+        rings.push_back({name, ring.points});
+        if (ring.boundary.size() != ring.points.size()) throw ShapeError(name, "needs one boundary name per side");
+        for (const Index b : ring.boundary)
+            if (b < 0 || b >= std::ssize(shape.boundary_names))
+                throw ShapeError(name, "has a side whose boundary has no name");
+    };
+    add(shape.outer);
+    for (const Ring& hole : shape.holes) add(hole);
+    check_polygons(rings, tolerance);
+    for (std::size_t r = 1; r < rings.size(); ++r) {
+        const auto& [name, points] = rings[r];
+        if (!contains(rings[0].points, points[0])) throw ShapeError(name, "lies outside the outer ring");
+        for (std::size_t q = 1; q < rings.size(); ++q)
+            if (q != r && contains(rings[q].points, points[0])) throw ShapeError(name, "lies inside ", rings[q].name);
+    }
+}
+
+/// The segment whose part is more likely wrong: cracks before regions before holes before the outer ring.
+const GraphSegment& likelier(const GraphSegment& a, const GraphSegment& b) {
+    const auto rank = [](const GraphSegment& s) { return s.crack >= 0 ? 3 : s.region >= 0 ? 2 : s.ring > 0 ? 1 : 0; };
+    return rank(b) > rank(a) ? b : a;
+}
+
+void check_lengths(const PlanarGraph& graph, const SizeField& min_length) {
+    for (const GraphSegment& s : graph.segments) {
+        const auto [a, b] = graph.line(s);
+        if ((b - a).norm() < min_length(0.5 * (a + b)))
+            throw ShapeError(s.part_name(), "has a piece of only ", (b - a).norm(), " m at ", place(a),
+                             ", below a twentieth of the mesh size: drop the detail, move what crosses there, "
+                             "or refine the mesh");
+    }
+}
+
+void check_gaps(const PlanarGraph& graph, const SizeField& min_gap) {
+    std::vector<const GraphSegment*> of_node(graph.nodes.size());
+    for (const GraphSegment& s : graph.segments)
+        for (const Index n : {s.from, s.to}) of_node[n] = of_node[n] ? &likelier(*of_node[n], s) : &s;
+    for (Index n = 0; n < std::ssize(graph.nodes); ++n) {
+        const Vec2 p = graph.nodes[n];
+        const double limit = min_gap(p);
+        for (const GraphSegment& s : graph.segments) {
+            if (s.from == n || s.to == n) continue;
+            const auto [a, b] = graph.line(s);
+            if ((a.cwiseMin(b) - p).maxCoeff() > limit || (p - a.cwiseMax(b)).maxCoeff() > limit) continue;
+            const double gap = distance_to_segment(a, b, p);
+            if (gap >= limit) continue;
+            const GraphSegment &offender = likelier(s, *of_node[n]), &other = &offender == &s ? *of_node[n] : s;
+            throw ShapeError(offender.part_name(), "comes within ", gap, " m of ", other.part_name(), " at ", place(p),
+                             " without touching it: let it end there exactly, or leave at least ", limit,
+                             " m (a twentieth of the mesh size)");
+        }
+    }
+}
+
+void check_corners(const PlanarGraph& graph) {
+    struct Arm {
+        double direction;  // [rad]
+        const GraphSegment* segment;
+    };
+    std::vector<std::vector<Arm>> arms(graph.nodes.size());
+    for (const GraphSegment& s : graph.segments) {
+        const auto [a, b] = graph.line(s);
+        const Vec2 ahead = b - a;
+        arms[s.from].push_back({std::atan2(ahead.y(), ahead.x()), &s});
+        arms[s.to].push_back({std::atan2(-ahead.y(), -ahead.x()), &s});
+    }
+    constexpr double min_angle = std::numbers::pi / 180;
+    for (std::size_t n = 0; n < arms.size(); ++n) {
+        std::ranges::sort(arms[n], {}, &Arm::direction);
+        for (std::size_t i = 0; i < arms[n].size() && arms[n].size() > 1; ++i) {
+            const Arm &arm = arms[n][i], &next = arms[n][(i + 1) % arms[n].size()];
+            double angle = next.direction - arm.direction;
+            if (angle < 0) angle += 2 * std::numbers::pi;
+            if (angle < min_angle)
+                throw ShapeError(likelier(*arm.segment, *next.segment).part_name(),
+                                 "has a corner of less than 1 degree at ", place(graph.nodes[n]),
+                                 ": make it blunt or let the lines coincide");
+        }
+    }
+}
+
+/// About the number of triangles that the mesh would have.
+double expected_triangles(double area, const MeshOptions& options) {
+    double sum = area / (options.size * options.size);
+    for (const RefineBox& box : options.refine) {
+        // inside the box, and in the seam around it where the size grows:
+        // integral of dx/(size + grading x)^2 = 1/(size grading)
+        const Vec2 extent = box.high - box.low;
+        sum += std::min(area, extent.x() * extent.y()) / (box.size * box.size);
+        sum += std::min(2 * extent.sum(), area / box.size) / (box.size * options.grading);
+    }
+    return sum / area_of_unit_triangle;
+}
+
 }  // namespace
 
 PlanarGraph planar_graph(const Shape& shape, double region_tolerance) {
     PlanarGraph graph;
     const double tolerance = shape.tolerance();
     GraphBuilder builder(graph);
-    const auto insert_ring = [&](const Ring& ring, Index number) {
-        auto boundary = ring.boundary.begin();
-        for (const Segment& s : sides_of(ring.points, true))
-            builder.insert(s, tolerance, {.ring = number, .boundary = *boundary++});
-    };
-    insert_ring(shape.outer, 0);
-    for (Index i = 0; i < std::ssize(shape.holes); ++i) insert_ring(shape.holes[i], i + 1);
+    builder.insert(sides_of(shape.outer.points, true), tolerance, {.ring = 0}, shape.outer.boundary);
+    for (Index i = 0; i < std::ssize(shape.holes); ++i)
+        builder.insert(sides_of(shape.holes[i].points, true), tolerance, {.ring = i + 1}, shape.holes[i].boundary);
     for (Index i = 0; i < std::ssize(shape.cracks); ++i)
-        for (const Segment& s : sides_of(shape.cracks[i].points, false)) builder.insert(s, tolerance, {.crack = i});
+        builder.insert(sides_of(shape.cracks[i].points, false), tolerance, {.crack = i});
     for (Index i = 0; i < std::ssize(shape.regions); ++i)
-        for (const Segment& s : sides_of(shape.regions[i].points, true))
-            builder.insert(s, std::max(tolerance, region_tolerance), {.region = i});
+        builder.insert(sides_of(shape.regions[i].points, true), std::max(tolerance, region_tolerance), {.region = i});
     cut_off(graph, shape, tolerance);
     drop_unused_nodes(graph);
     return graph;
 }
 
-std::string part_name(const GraphSegment& segment) {
-    if (segment.crack >= 0) return "cracks[" + std::to_string(segment.crack) + "]";
-    if (segment.region >= 0) return "regions[" + std::to_string(segment.region) + "]";
-    return segment.ring > 0 ? "holes[" + std::to_string(segment.ring - 1) + "]" : "outer";
+std::string GraphSegment::part_name() const {
+    if (crack >= 0) return text_of("cracks[", crack, "]");
+    if (region >= 0) return text_of("regions[", region, "]");
+    return ring > 0 ? text_of("holes[", ring - 1, "]") : "outer";
 }
 
 bool Shape::contains(const Vec2& p) const {
@@ -189,5 +345,56 @@ double Shape::area() const {
 }
 
 double Shape::tolerance() const { return 1e-6 * bounding_box(outer.points).diagonal(); }
+
+void check_shape(const Shape& shape) {
+    check_points("outer", shape.outer.points, true, 0);
+    const double tolerance = shape.tolerance();
+    check_rings(shape, tolerance);
+    for (Index i = 0; i < std::ssize(shape.regions); ++i) {
+        const std::string part = GraphSegment{.region = i}.part_name();
+        check_polygons({{part, shape.regions[i].points}}, tolerance);
+        if (shape.regions[i].tag < 0) throw ShapeError(part, "has a negative tag");
+    }
+    const auto crack_name = [](std::size_t i) { return GraphSegment{.crack = static_cast<Index>(i)}.part_name(); };
+    for (std::size_t i = 0; i < shape.cracks.size(); ++i)
+        check_points(crack_name(i), shape.cracks[i].points, false, tolerance);
+    std::vector<bool> inside(shape.cracks.size(), false);
+    for (const GraphSegment& s : planar_graph(shape).segments)
+        if (s.crack >= 0) inside[s.crack] = true;
+    for (std::size_t i = 0; i < shape.cracks.size(); ++i)
+        if (!inside[i])
+            throw ShapeError(crack_name(i),
+                             "has no length inside the body (it lies outside, along the border or along "
+                             "another crack)");
+}
+
+void check_sizes(const Shape& shape, const MeshOptions& options) {
+    const auto check = [](bool holds, const auto&... message) {
+        if (!holds) throw ShapeError("size", message...);
+    };
+    check(options.size > 0 && std::isfinite(options.size), "the mesh size must be above zero");
+    check(options.grading > 0 && options.grading <= 1, "the grading must be above 0 and at most 1");
+    check(options.min_angle >= 0 && options.min_angle <= 30,
+          "the requested smallest angle must lie between 0 and 30 degree");
+    for (const RefineBox& box : options.refine) {
+        const Vec2 extent = box.high - box.low;
+        check(box.size > 0 && std::isfinite(box.size), "the mesh size of a refine box must be above zero");
+        check(extent.minCoeff() >= 0 && extent.allFinite(), "a refine box must have low <= high");
+    }
+    const Vec2 extent = bounding_box(shape.outer.points).extent();
+    const double area = shape.area();
+    check(options.size <= extent.maxCoeff() && area_of_unit_triangle * options.size * options.size <= area,
+          "the mesh size ", options.size, " m is larger than the body (", extent.x(), " m x ", extent.y(), " m)");
+    const double n = expected_triangles(area, options);
+    check(n <= max_triangles, "the mesh would have about ", n, " triangles, more than ", max_triangles,
+          ": choose larger sizes");
+}
+
+void check_details(const PlanarGraph& graph, const MeshOptions& options) {
+    const SizeField twentieth(options, 0.05);
+    check_corners(graph);
+    check_lengths(graph, twentieth);
+    check_gaps(graph, twentieth);
+}
 
 }  // namespace knap

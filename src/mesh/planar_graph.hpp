@@ -1,7 +1,9 @@
 #pragma once
 // A shape as a planar straight-line graph: every crossing is a node, points nearer than the tolerance are one node,
-// lines outside the body are cut off. The mesh conforms to its segments.
+// lines outside the body are cut off. The mesh conforms to its segments. And the checks that a shape can be meshed with
+// the requested sizes: every mistake is named before anything is meshed.
 #include "mesh/shape.hpp"
+#include "mesh/size_field.hpp"
 
 namespace knap {
 
@@ -12,6 +14,9 @@ struct GraphSegment {
     Index boundary = -1;  // index into Shape::boundary_names, on rings only
     Index crack = -1;     // first crack that runs along it, -1 none
     Index region = -1;    // last region whose border it is, -1 none
+
+    /// The last-declared part that the segment belongs to: "cracks[1]", "regions[0]", "holes[2]" or "outer".
+    std::string part_name() const;
 };
 
 struct PlanarGraph {
@@ -26,7 +31,20 @@ struct PlanarGraph {
 /// each other, and their shorter sides collapse, so that a border cannot force triangles far below the mesh size.
 PlanarGraph planar_graph(const Shape& shape, double region_tolerance = 0);
 
-/// The name of the last-declared part that a segment belongs to: "cracks[1]", "regions[0]", "holes[2]" or "outer".
-std::string part_name(const GraphSegment& segment);
+/// Throws ShapeError unless rings are simple polygons that do not touch each other, holes lie inside the outer ring,
+/// regions are simple polygons, and every part has a length or an area. Cracks may start on a border, cross each other,
+/// and reach out of the body: the part outside is cut off, and a crack with no part inside is an error. Mesh sizes are
+/// not considered.
+void check_shape(const Shape& shape);
+
+constexpr double max_triangles = 5e7;
+
+/// Throws ShapeError, part "size", for sizes that make no sense for this body.
+void check_sizes(const Shape& shape, const MeshOptions& options);
+
+/// Throws ShapeError for lines that come nearer to each other than a twentieth of the mesh size without touching, that
+/// are shorter than that, or that meet at less than 1 degree: the triangles between them would reduce the time step too
+/// far.
+void check_details(const PlanarGraph& graph, const MeshOptions& options);
 
 }  // namespace knap

@@ -1,9 +1,9 @@
 #pragma once
 // The shape to be meshed: an outer ring, holes, cracks (polylines) and regions, all in metres.
+#include "base/text.hpp"
 #include "mesh/polygon.hpp"
 
 #include <stdexcept>
-#include <string>
 
 namespace knap {
 
@@ -42,8 +42,10 @@ struct Shape {
 /// "regions[0]", "size".
 class ShapeError : public std::runtime_error {
 public:
-    ShapeError(std::string offending_part, const std::string& message)
-        : std::runtime_error(message), part(std::move(offending_part)) {}
+    /// The message is the parts of it one after the other.
+    template <class... Parts>
+    ShapeError(std::string offending_part, const Parts&... message)
+        : std::runtime_error(text_of(message...)), part(std::move(offending_part)) {}
     std::string part;
 };
 

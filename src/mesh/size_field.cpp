@@ -9,7 +9,6 @@ namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
 constexpr double min_sides_of_turn = 12;
-constexpr double max_samples = 1e7;
 
 LengthInSizes length_in_sizes(const Arc& arc, const SizeField& size) {
     return {arc.length(), size, [&](double position) { return arc.at(position); }};
@@ -37,9 +36,11 @@ double SizeField::smallest() const {
     return factor_ * size;
 }
 
-int LengthInSizes::n_samples(double length, const SizeField& size) {
-    if (size.slope() == 0) return 1;
-    return static_cast<int>(std::clamp(std::ceil(8 * length / size.smallest()), 1.0, max_samples));
+LengthInSizes::LengthInSizes(double length, const SizeField& size, const std::function<Vec2(double)>& at) {
+    constexpr double max_samples = 1e7;
+    const double n_needed = size.slope() == 0 ? 1 : std::ceil(8 * length / size.smallest());
+    const int n = static_cast<int>(std::clamp(n_needed, 1.0, max_samples));
+    for (int i = 0; i < n; ++i) sum_.push_back(sum_.back() + length / n / size(at((i + 0.5) / n)));
 }
 
 double LengthInSizes::position(double target) {

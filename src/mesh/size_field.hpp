@@ -5,6 +5,7 @@
 #include "mesh/polygon.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 
 namespace knap {
@@ -42,19 +43,13 @@ private:
 class LengthInSizes {
 public:
     /// `at(position)` is a point of the curve, position 0 to 1; `length` [m].
-    template <class Curve>
-    LengthInSizes(double length, const SizeField& size, const Curve& at) {
-        const int n = n_samples(length, size);
-        for (int i = 0; i < n; ++i) sum_.push_back(sum_.back() + length / n / size(at((i + 0.5) / n)));
-    }
+    LengthInSizes(double length, const SizeField& size, const std::function<Vec2(double)>& at);
 
     double total() const { return sum_.back(); }
     /// The position on the curve where the length in sizes is `target`. Targets must ascend from one call to the next.
     double position(double target);
 
 private:
-    static int n_samples(double length, const SizeField& size);
-
     std::vector<double> sum_{0.0};  // up to the end of each sample
     std::size_t sample_ = 1;
 };
@@ -62,10 +57,10 @@ private:
 struct Arc {
     Vec2 centre;
     double radius;       // [m]
-    double from, sweep;  // [rad] direction of its begin from the centre; positive counterclockwise
+    double from, sweep;  // [rad] direction of its start from the centre; positive counterclockwise
 
     double length() const;           // [m]
-    Vec2 at(double position) const;  // 0 its begin, 1 its end
+    Vec2 at(double position) const;  // 0 its start, 1 its end
 };
 
 /// The arc from a over `through` to b; none where they lie on a line, to 1e-9 of their distance.

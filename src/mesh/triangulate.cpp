@@ -3,7 +3,7 @@
 // refinement algorithms for triangular mesh generation", Comput. Geom. 22 (2002) 21.
 #include "mesh/triangulate.hpp"
 
-#include "mesh/check_shape.hpp"
+#include "mesh/planar_graph.hpp"
 #include "mesh/poisson_discs.hpp"
 #include "mesh/relax.hpp"
 
@@ -156,7 +156,7 @@ private:
     std::vector<Point> points_outside() const {
         std::set<std::uint64_t> on_ring;
         for (const GraphSegment& s : lines_.segments)
-            if (s.ring >= 0) on_ring.insert(edge_key(s.from, s.to));
+            if (s.ring >= 0) on_ring.insert(edge_key({s.from, s.to}));
         std::vector<Point> outside;
         std::vector<std::pair<Face, bool>> front{{delaunay_.infinite_face(), false}};
         std::set<Face> seen{delaunay_.infinite_face()};
@@ -172,7 +172,7 @@ private:
                 const Face next = face->neighbor(i);
                 if (!seen.insert(next).second) continue;
                 const Index a = face->vertex(face->cw(i))->info().value, b = face->vertex(face->ccw(i))->info().value;
-                front.emplace_back(next, inside != on_ring.contains(edge_key(a, b)));
+                front.emplace_back(next, inside != on_ring.contains(edge_key({a, b})));
             }
         }
         return outside;
@@ -212,10 +212,9 @@ PlanarGraph divided(const PlanarGraph& graph, const SizeField& radius, Random& r
 /// Boundary names, cracks and joints, from the segments that the edges lie on.
 void label_edges(Mesh& mesh, const std::vector<GraphSegment>& on_lines, const Shape& shape) {
     std::unordered_map<std::uint64_t, const GraphSegment*> segment_of;
-    for (const GraphSegment& edge : on_lines) segment_of[edge_key(edge.from, edge.to)] = &edge;
+    for (const GraphSegment& edge : on_lines) segment_of[edge_key({edge.from, edge.to})] = &edge;
     const auto segment_at = [&](Index triangle, Index side) -> const GraphSegment* {
-        const auto& corners = mesh.triangles[triangle];
-        const auto found = segment_of.find(edge_key(corners[side], corners[(side + 1) % 3]));
+        const auto found = segment_of.find(edge_key(mesh.side_vertices(triangle, side)));
         return found == segment_of.end() ? nullptr : found->second;
     };
     mesh.boundary_names = shape.boundary_names;

@@ -4,27 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace knap {
 namespace {
 
 constexpr Index none = -1;
-constexpr int n_sweeps = 8;
-
-/// The neighbours of a triangle across its edges, or none.
-std::vector<std::array<Index, 3>> neighbours_of(const Mesh& mesh) {
-    std::vector<std::array<Index, 3>> neighbours(mesh.triangles.size(), {none, none, none});
-    for (const InteriorEdge& edge : mesh.interior_edges)
-        for (int k = 0; k < 2; ++k) neighbours[edge.triangle[k]][edge.side[k]] = edge.triangle[1 - k];
-    return neighbours;
-}
 
 /// A triangle with two neighbours in one other grain joins that grain. Every change removes a border edge, so this
 /// ends.
 void smooth_teeth(Mesh& mesh) {
-    const auto neighbours = neighbours_of(mesh);
+    std::vector<std::array<Index, 3>> neighbours(mesh.triangles.size(), {none, none, none});  // across the edges
+    for (const InteriorEdge& edge : mesh.interior_edges)
+        for (int k = 0; k < 2; ++k) neighbours[edge.triangle[k]][edge.side[k]] = edge.triangle[1 - k];
     std::vector<Index> front(mesh.n_triangles());
     for (Index t = 0; t < mesh.n_triangles(); ++t) front[t] = mesh.n_triangles() - 1 - t;
     while (!front.empty()) {
@@ -53,7 +45,7 @@ public:
           fixed_(mesh.n_vertices(), 0),
           size_(mesh.n_vertices(), 1) {
         const auto fix = [&](Index triangle, Index side) {
-            for (const Index k : {side, (side + 1) % 3}) fixed_[mesh.triangles[triangle][k]] = 1;
+            for (const Index v : mesh.side_vertices(triangle, side)) fixed_[v] = 1;
         };
         for (const BoundaryEdge& edge : mesh.boundary_edges) fix(edge.triangle, edge.side);
         for (const InteriorEdge& edge : mesh.interior_edges) {
@@ -73,13 +65,11 @@ public:
     }
 
     void run() {
+        constexpr int n_sweeps = 8;
         std::vector<Index> on_border, neighbours;
         std::vector<char> near(mesh_.n_vertices(), 0);
-        for (Index v = 0; v < mesh_.n_vertices(); ++v) {
-            if (fixed_[v] || grains_around(v).size() < 2) continue;
-            on_border.push_back(v);
-            near[v] = 1;
-        }
+        for (Index v = 0; v < mesh_.n_vertices(); ++v)
+            if (!fixed_[v] && grains_around(v).size() >= 2) near[v] = 1, on_border.push_back(v);
         for (const Index v : on_border)
             for (const Index t : stars_[v])
                 for (const Index w : mesh_.triangles[t])
@@ -94,7 +84,7 @@ private:
     std::vector<Index> grains_around(Index v) const {
         std::vector<Index> found;
         for (const Index t : stars_[v])
-            if (mesh_.grain[t] != none && std::find(found.begin(), found.end(), mesh_.grain[t]) == found.end())
+            if (mesh_.grain[t] != none && std::ranges::count(found, mesh_.grain[t]) == 0)
                 found.push_back(mesh_.grain[t]);
         return found;
     }
@@ -118,33 +108,37 @@ private:
         return x + Vec2(cross(right, normal.col(1)), cross(normal.col(0), right)) / determinant;
     }
 
-    /// Moves v as far towards its border as the triangles around it stay good.
-    void pull(Index v) {
+    /// Moves v as far along `way` as the star of v stays acceptable: tries `part` of it, and half of that as long as
+    /// more than a tenth is left.
+    template <class IsAcceptable>
+    void move(Index v, const Vec2& way, double part, const IsAcceptable& is_acceptable) {
         const Vec2 start = mesh_.vertices[v];
-        const TriangleQuality before = worst_of_star(v);
-        Vec2 way = target(v) - start;
-        if (const double length = way.norm(); length > size_[v]) way *= size_[v] / length;  // a junction may be distant
-        for (double part = 1; part > 0.1; part /= 2) {
+        for (; part > 0.1; part /= 2) {
             mesh_.vertices[v] = start + part * way;
-            const TriangleQuality now = worst_of_star(v);
-            if (now.step >= std::min(1.0, before.step) && now.angle >= std::min(1.0, before.angle)) return;
+            if (is_acceptable(worst_of_star(v))) return;
         }
         mesh_.vertices[v] = start;
     }
 
-    /// Moves v towards the middle of its neighbours, where that improves its worst triangle.
+    /// Towards its border, as far as the triangles around it stay good.
+    void pull(Index v) {
+        const TriangleQuality before = worst_of_star(v);
+        Vec2 way = target(v) - mesh_.vertices[v];
+        if (const double length = way.norm(); length > size_[v]) way *= size_[v] / length;  // a junction may be distant
+        move(v, way, 1, [&](const TriangleQuality& now) {
+            return now.step >= std::min(1.0, before.step) && now.angle >= std::min(1.0, before.angle);
+        });
+    }
+
+    /// Towards the middle of its neighbours, where that improves its worst triangle.
     void make_way(Index v) {
         Vec2 sum = Vec2::Zero();
         for (const Index t : stars_[v])
             for (const Index w : mesh_.triangles[t])
                 if (w != v) sum += mesh_.vertices[w];
-        const Vec2 start = mesh_.vertices[v], middle = sum / (2 * static_cast<double>(stars_[v].size()));
+        const Vec2 middle = sum / (2 * static_cast<double>(stars_[v].size()));
         const double before = worst_of_star(v).worse();
-        for (double part = 0.5; part > 0.1; part /= 2) {
-            mesh_.vertices[v] = start + part * (middle - start);
-            if (worst_of_star(v).worse() > before) return;
-        }
-        mesh_.vertices[v] = start;
+        move(v, middle - mesh_.vertices[v], 0.5, [&](const TriangleQuality& now) { return now.worse() > before; });
     }
 
     TriangleQuality worst_of_star(Index v) const {
@@ -159,35 +153,13 @@ private:
     std::vector<double> size_;  // [m] mean edge length around a vertex, taken as the requested one
 };
 
-/// Numbers from `first` on, in the order of the triangles.
-void number_from(Index first, const std::vector<char>& is_new, std::vector<Index>& grain, Index n_grains) {
-    std::vector<Index> number(n_grains, none);
-    for (std::size_t t = 0; t < grain.size(); ++t) {
-        if (!is_new[t]) continue;
-        if (number[grain[t]] == none) number[grain[t]] = first++;
-        grain[t] = number[grain[t]];
-    }
-}
-
-/// Flags of the grains whose triangles all have neighbours within the region of the grains.
-std::vector<char> whole_grains(const Mesh& mesh, Index n_grains) {
-    std::vector<char> whole(n_grains, 1);
-    for (const BoundaryEdge& edge : mesh.boundary_edges)
-        if (mesh.grain[edge.triangle] >= 0) whole[mesh.grain[edge.triangle]] = 0;
-    for (const InteriorEdge& edge : mesh.interior_edges) {
-        const Index a = mesh.grain[edge.triangle[0]], b = mesh.grain[edge.triangle[1]];
-        if (a < 0 && b >= 0) whole[b] = 0;
-        if (b < 0 && a >= 0) whole[a] = 0;
-    }
-    return whole;
-}
-
-/// Area, first and second moments of area.
+/// Of one grain.
 struct Moments {
-    double area = 0;
-    Vec2 first = Vec2::Zero();
-    Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
+    double area = 0;                                   // [m2]
+    Vec2 first = Vec2::Zero();                         // [m3]
+    Eigen::Matrix2d second = Eigen::Matrix2d::Zero();  // [m4]
     Index n_triangles = 0;
+    bool is_whole = true;  // all its triangles have neighbours, and these are in grains
 };
 
 std::vector<Moments> moments_of_grains(const Mesh& mesh) {
@@ -195,7 +167,7 @@ std::vector<Moments> moments_of_grains(const Mesh& mesh) {
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const Index g = mesh.grain[t];
         if (g < 0) continue;
-        if (g >= static_cast<Index>(moments.size())) moments.resize(g + 1);
+        if (g >= std::ssize(moments)) moments.resize(g + 1);
         const double area = mesh.area(t);
         const Vec2 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2), sum = a + b + c;
         moments[g].area += area;
@@ -204,6 +176,14 @@ std::vector<Moments> moments_of_grains(const Mesh& mesh) {
             area / 12 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
         ++moments[g].n_triangles;
     }
+    const auto cut = [&](Index grain) {
+        if (grain >= 0) moments[grain].is_whole = false;
+    };
+    for (const BoundaryEdge& edge : mesh.boundary_edges) cut(mesh.grain[edge.triangle]);
+    for (const InteriorEdge& edge : mesh.interior_edges) {
+        const Index a = mesh.grain[edge.triangle[0]], b = mesh.grain[edge.triangle[1]];
+        if (a < 0 || b < 0) cut(std::max(a, b));
+    }
     return moments;
 }
 
@@ -211,19 +191,19 @@ std::vector<Moments> moments_of_grains(const Mesh& mesh) {
 
 Index put_grains(Mesh& mesh, const Grains& grains, Index region) {
     const std::vector<Index> old = mesh.grain.empty() ? std::vector<Index>(mesh.triangles.size(), none) : mesh.grain;
-    const Index first = 1 + (old.empty() ? none : *std::max_element(old.begin(), old.end()));
-    std::vector<char> is_new(mesh.triangles.size(), 0);
+    const Index first = 1 + (old.empty() ? none : std::ranges::max(old));
+    const auto is_new = [&](Index t) { return mesh.region[t] == region && old[t] == none; };
     mesh.grain.assign(mesh.triangles.size(), none);
-    for (Index t = 0; t < mesh.n_triangles(); ++t) {
-        if (mesh.region[t] != region || old[t] != none) continue;
-        is_new[t] = 1;
-        mesh.grain[t] = grains.at(mesh.centroid(t));
-    }
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        if (is_new(t)) mesh.grain[t] = grains.at(mesh.centroid(t));
     smooth_teeth(mesh);
     BorderSmoothing(mesh, grains).run();
-    number_from(first, is_new, mesh.grain, grains.n_grains());
-    for (Index t = 0; t < mesh.n_triangles(); ++t)
-        if (!is_new[t]) mesh.grain[t] = old[t];
+    std::vector<Index> number(grains.n_grains(), none);  // from `first` on, in the order of the triangles
+    for (Index t = 0, next = first; t < mesh.n_triangles(); ++t) {
+        Index& grain = mesh.grain[t];
+        if (is_new(t) && number[grain] == none) number[grain] = next++;
+        grain = is_new(t) ? number[grain] : old[t];
+    }
     return first;
 }
 
@@ -234,28 +214,23 @@ std::vector<double> grain_areas(const Mesh& mesh) {
 }
 
 GrainReport judge_grains(const Mesh& mesh) {
-    GrainReport report;
     const std::vector<Moments> moments = moments_of_grains(mesh);
-    report.n_grains = static_cast<Index>(moments.size());
-    const std::vector<char> whole = whole_grains(mesh, report.n_grains);
+    GrainReport report{.n_grains = static_cast<Index>(moments.size())};
     double sum = 0, squares = 0;
     Eigen::Matrix2d shape = Eigen::Matrix2d::Zero();
-    for (Index g = 0; g < report.n_grains; ++g) {
-        const Moments& m = moments[g];
-        if (!whole[g] || m.n_triangles == 0) continue;
+    for (const Moments& m : moments) {
+        if (!m.is_whole || m.n_triangles == 0) continue;
         const double diameter = std::sqrt(4 * m.area / std::numbers::pi);
         sum += diameter;
         squares += diameter * diameter;
         const Vec2 centroid = m.first / m.area;
         shape += (m.second - m.area * centroid * centroid.transpose()) / (m.area * m.area);
-        report.least_triangles = report.n_whole == 0 ? m.n_triangles : std::min(report.least_triangles, m.n_triangles);
+        report.min_triangles = report.n_whole == 0 ? m.n_triangles : std::min(report.min_triangles, m.n_triangles);
         ++report.n_whole;
     }
-    if (report.n_whole > 0) {
-        report.mean_diameter = sum / report.n_whole;
-        report.spread =
-            std::sqrt(std::max(0.0, squares / report.n_whole - report.mean_diameter * report.mean_diameter)) /
-            report.mean_diameter;
+    if (const Index n = report.n_whole; n > 0) {
+        const double d = report.mean_diameter = sum / n;
+        report.spread = std::sqrt(std::max(0.0, squares / n - d * d)) / d;
         const double mean = 0.5 * shape.trace(), half = 0.5 * (shape(0, 0) - shape(1, 1)),
                      radius = std::hypot(half, shape(0, 1));
         report.elongation = std::sqrt((mean + radius) / (mean - radius));

@@ -15,13 +15,13 @@ Index put_grains(Mesh& mesh, const Grains& grains, Index region);
 
 struct GrainReport {
     Index n_grains = 0;
-    Index n_whole = 0;          // not cut by a boundary; the rest is about these
-    double mean_diameter = 0;   // [m] of the circle of equal area
-    double spread = 0;          // [-] standard deviation of the diameters over their mean
-    double elongation = 1;      // [-] length over width of the mean grain: root of the ratio of its mean second moments
-    double direction = 0;       // [rad] of its length, -pi/2 to pi/2
-    double border_length = 0;   // [m] between different grains
-    Index least_triangles = 0;  // in a whole grain
+    Index n_whole = 0;         // not cut by a boundary; the rest is about these
+    double mean_diameter = 0;  // [m] of the circle of equal area
+    double spread = 0;         // [-] standard deviation of the diameters over their mean
+    double elongation = 1;     // [-] length over width of the mean grain: root of the ratio of its mean second moments
+    double direction = 0;      // [rad] of its length, -pi/2 to pi/2
+    double border_length = 0;  // [m] between different grains
+    Index min_triangles = 0;   // in a whole grain
 };
 
 GrainReport judge_grains(const Mesh& mesh);

@@ -22,22 +22,21 @@ void assign_minerals(Mesh& mesh, const std::vector<Mineral>& minerals, Index fir
     }
     std::vector<std::size_t> order(areas.size());
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return areas[a] > areas[b]; });
+    std::ranges::stable_sort(order, std::greater(), [&](std::size_t grain) { return areas[grain]; });
 
     Random random(seed, "minerals");
     std::vector<Index> of_grain(areas.size(), unchanged);
     for (const std::size_t grain : order) {
         double sum = 0;
         for (const double area : missing) sum += std::max(0.0, area);
-        double lot = random.uniform() * sum;
-        auto drawn = static_cast<std::size_t>(std::max_element(missing.begin(), missing.end()) - missing.begin());
+        double left = random.uniform() * sum;
+        auto drawn = static_cast<std::size_t>(std::ranges::max_element(missing) - missing.begin());
         for (std::size_t i = 0; i < missing.size(); ++i) {
-            if (missing[i] <= 0) continue;
-            if (lot < missing[i]) {
+            if (missing[i] > 0 && left < missing[i]) {
                 drawn = i;
                 break;
             }
-            lot -= missing[i];
+            left -= std::max(0.0, missing[i]);
         }
         of_grain[grain] = regions[drawn];
         missing[drawn] -= areas[grain];
@@ -66,9 +65,8 @@ void paint(const MaterialMap& map, Mesh& mesh) {
                 ++votes[map.at(a + (i + 1.0 / 3) * along + (j + 1.0 / 3) * across)];
                 if (i + j + 1 < n) ++votes[map.at(a + (i + 2.0 / 3) * along + (j + 2.0 / 3) * across)];
             }
-        const auto most = std::max_element(votes.begin(), votes.end(),
-                                           [](const auto& v, const auto& w) { return v.second < w.second; });
-        if (most->first >= 0) mesh.region[t] = most->first;
+        const Index material = std::ranges::max_element(votes, {}, &std::pair<const Index, int>::second)->first;
+        if (material >= 0) mesh.region[t] = material;
     }
 }
 

@@ -10,7 +10,7 @@ struct Mineral {
 };
 
 /// For the grains from number `first` on. Random, with the area fractions met as well as whole grains allow: the
-/// largest grains first, each by lot with the odds of the areas still missing, so that size and mineral are
+/// largest grains first, with probabilities proportional to the areas still missing, so that size and mineral are
 /// independent.
 void assign_minerals(Mesh& mesh, const std::vector<Mineral>& minerals, Index first, std::uint64_t seed);
 

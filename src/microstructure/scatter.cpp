@@ -7,26 +7,23 @@
 namespace knap {
 namespace {
 
-constexpr double largest_hazard = 600;  // exp(-600) is still a number
 constexpr int n_waves = 512;
 
 double normal_survival(double z) { return 0.5 * std::erfc(z / std::numbers::sqrt2); }
 
-/// Deviation of the logarithm and its mean, for a lognormal number of mean 1.
+/// Standard deviation of the logarithm of a lognormal number of mean 1.
 double log_deviation(const Scatter& s) { return std::sqrt(std::log1p(s.deviation * s.deviation)); }
 
 double weibull_scale(const Scatter& s) { return 1 / std::tgamma(1 + 1 / s.modulus); }
 
 /// S_0^-1(exp(-hazard))
-double uncut(const Scatter& s, double hazard) {
+double untruncated(const Scatter& s, double hazard) {
     switch (s.kind) {
         case Scatter::Kind::none: break;
         case Scatter::Kind::weibull: return weibull_scale(s) * std::pow(hazard, 1 / s.modulus);
         case Scatter::Kind::normal: return 1 + s.deviation * normal_quantile(hazard);
-        case Scatter::Kind::lognormal: {
-            const double deviation = log_deviation(s);
-            return std::exp(deviation * normal_quantile(hazard) - 0.5 * deviation * deviation);
-        }
+        case Scatter::Kind::lognormal:
+            return std::exp(log_deviation(s) * normal_quantile(hazard) - 0.5 * log_deviation(s) * log_deviation(s));
         case Scatter::Kind::uniform: return 1 + std::sqrt(3.0) * s.deviation * (1 - 2 * std::exp(-hazard));
     }
     return 1;
@@ -39,20 +36,17 @@ double survival(const Scatter& s, double x) {
         case Scatter::Kind::none: return x < 1 ? 1 : 0;
         case Scatter::Kind::weibull: return x > 0 ? std::exp(-std::pow(x / weibull_scale(s), s.modulus)) : 1;
         case Scatter::Kind::normal: return normal_survival((x - 1) / s.deviation);
-        case Scatter::Kind::lognormal: {
-            const double deviation = log_deviation(s);
-            return x > 0 ? normal_survival(std::log(x) / deviation + 0.5 * deviation) : 1;
-        }
+        case Scatter::Kind::lognormal:
+            return x > 0 ? normal_survival(std::log(x) / log_deviation(s) + 0.5 * log_deviation(s)) : 1;
         case Scatter::Kind::uniform: return std::clamp(0.5 - 0.5 * (x - 1) / (std::sqrt(3.0) * s.deviation), 0.0, 1.0);
     }
     return 0;
 }
 
 double strength_factor(const Scatter& s, double hazard) {
-    // drawn between lowest and highest: survival between S_0(highest) and S_0(lowest)
-    const double most = survival(s, s.lowest), least = std::isinf(s.highest) ? 0 : survival(s, s.highest);
-    if (most < 1 || least > 0) hazard = -std::log(least + std::exp(-hazard) * (most - least));
-    return std::clamp(uncut(s, hazard), s.lowest, s.highest);
+    const double at_lowest = survival(s, s.lowest), at_highest = std::isinf(s.highest) ? 0 : survival(s, s.highest);
+    if (at_lowest < 1 || at_highest > 0) hazard = -std::log(at_highest + std::exp(-hazard) * (at_lowest - at_highest));
+    return std::clamp(untruncated(s, hazard), s.lowest, s.highest);
 }
 
 double normal_hazard(double z) {
@@ -63,7 +57,7 @@ double normal_quantile(double hazard) {
     // Newton's method for ln Q(z) = -hazard, a concave function; below the median for 1 - Q by symmetry
     if (!(hazard > 0)) hazard = std::numeric_limits<double>::min();
     if (hazard < std::numbers::ln2) return -normal_quantile(-std::log(-std::expm1(-hazard)));
-    hazard = std::min(hazard, largest_hazard);
+    hazard = std::min(hazard, 600.0);                                       // exp(-600) is still a number
     double z = std::sqrt(std::max(0.0, 2 * (hazard - std::numbers::ln2)));  // Q(z) <= exp(-z^2/2)/2: never too small
     for (int i = 0; i < 50; ++i) {
         const double q = normal_survival(z),

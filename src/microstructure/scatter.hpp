@@ -21,18 +21,18 @@ struct Scatter {
     double deviation = 0.1;  // [-] standard deviation over the mean, of the others
     double length = 0;       // [m] l_0 that the mean belongs to; 0 = pieces of every length alike
     double area = 0;         // [m2] likewise, of the part of the body that an interface stands for
-    double lowest = 0,
-           highest = std::numeric_limits<double>::infinity();  // [-] of the mean: values outside are drawn again
+    double lowest = 0;       // [-] of the mean: the distribution is truncated below and above
+    double highest = std::numeric_limits<double>::infinity();
     double correlation = 0;                      // [m] correlation length of the field; 0 = every interface by itself
     bool of_strength = true, of_energy = false;  // the factor multiplies sigma_c, G_c
 
     bool any() const { return kind != Kind::none; }
 };
 
-/// S_0(x), before lowest and highest cut it.
+/// S_0(x), before the truncation.
 double survival(const Scatter& scatter, double x);
 
-/// The factor whose survival is exp(-hazard), within lowest and highest; mean 1 but for these.
+/// The factor with the survival exp(-hazard), after the truncation; its mean is 1 without truncation.
 double strength_factor(const Scatter& scatter, double hazard);
 
 /// z with Q(z) = exp(-hazard), Q the survival function of the standard normal distribution, and its inverse.

@@ -114,6 +114,6 @@ TEST_CASE("check and mesh and the log of a run say what was placed") {
     CHECK(text_of(folder.path / "run/log.txt").find("inclusions[0]  5 placed, 6.28") != std::string::npos);
     const Answer full = command(plate(folder, set) + "-s inclusions[0].number=500");
     CHECK(full.code == 2);
-    CHECK(full.has("500 are wanted"));
+    CHECK(full.has("500 are requested"));
     CHECK(full.has("a smaller number"));
 }

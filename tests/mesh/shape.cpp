@@ -1,7 +1,7 @@
 // What is not a shape is refused, by name.
 #include "mesh/shapes.hpp"
 
-#include "mesh/check_shape.hpp"
+#include "mesh/planar_graph.hpp"
 #include "mesh/triangulate.hpp"
 
 #include <doctest/doctest.h>

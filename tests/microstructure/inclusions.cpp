@@ -1,7 +1,7 @@
 // Inclusions, pores and joints: areas, distances, directions, and meshes without needles.
 #include "microstructure/inclusions.hpp"
 
-#include "mesh/check_shape.hpp"
+#include "mesh/planar_graph.hpp"
 #include "mesh/mesh_report.hpp"
 #include "mesh/polygon.hpp"
 #include "mesh/shapes.hpp"
