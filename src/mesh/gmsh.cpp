@@ -64,10 +64,11 @@ public:
             find_edges(mesh_);
         } catch (const ShapeError&) {
             fail_for_overlapping_neighbours();
+            throw;
         }
         if (const auto overlap = find_overlap(mesh_)) {
             const Vec2 x = mesh_.centroid((*overlap)[0]), y = mesh_.centroid((*overlap)[1]);
-            file_.fail(file_.end, "the triangle round (", x.x(), ", ", x.y(), ") lies over the one round (", y.x(),
+            file_.fail(file_.end, "the triangle around (", x.x(), ", ", x.y(), ") overlaps the one around (", y.x(),
                        ", ", y.y(), "), with which it shares no edge");
         }
         sort_lines();
@@ -115,9 +116,12 @@ private:
             if (is_new) made_.surface_groups.push_back(group(2, triangle.group));
             mesh_.region.push_back(found->second);
             ++made_.surface_groups[found->second].n;
-            std::array<Index, 3> corners = counterclockwise_nodes(triangle);
-            for (Index& n : corners) n = vertex_of(n);
-            mesh_.triangles.push_back(corners);
+            std::array<Index, 3>& corners = mesh_.triangles.emplace_back(counterclockwise_nodes(triangle));
+            for (Index& corner : corners) {
+                Index& vertex = vertex_of_node_[corner];
+                if (vertex < 0) vertex = mesh_.n_vertices(), mesh_.vertices.push_back(position(corner));
+                corner = vertex;
+            }
         }
     }
 
@@ -131,7 +135,7 @@ private:
             nodes[k] = node(triangle.nodes[k], triangle.where);
             for (const double x : file_.nodes[nodes[k]].position)
                 if (std::abs(x) > max_coordinate)
-                    file_.fail(triangle.where, "node ", triangle.nodes[k], " is too far away");
+                    file_.fail(triangle.where, "node ", triangle.nodes[k], " has a coordinate above 1e100");
         }
         const Vec2 a = position(nodes[0]), b = position(nodes[1]), c = position(nodes[2]);
         const double area = cross(b - a, c - a);
@@ -141,15 +145,6 @@ private:
                        " and ", triangle.nodes[2], " has no area in the x-y plane");
         if (area < 0) std::swap(nodes[1], nodes[2]);
         return nodes;
-    }
-
-    Index vertex_of(Index node) {
-        Index& vertex = vertex_of_node_[node];
-        if (vertex < 0) {
-            vertex = mesh_.n_vertices();
-            mesh_.vertices.push_back(position(node));
-        }
-        return vertex;
     }
 
     /// All z are equal, compared with the extent.
@@ -241,14 +236,13 @@ private:
             }
     }
 
-    /// Of probable mistakes: separate pieces, vertices at the same place, lines that are no sides of triangles.
+    /// Warns of probable mistakes: separate pieces, vertices at the same place, lines that are no sides of triangles.
     void warn() {
         const auto add = [&](const auto&... parts) { made_.warnings.push_back(text_of(parts...)); };
         if (const Index n = n_pieces(mesh_); n > 1)
-            add("the mesh falls into ", n,
-                " pieces that share no edge: they never feel each other, there is no contact between them");
+            add("the mesh consists of ", n, " pieces that share no edge: they do not interact, not even by contact");
         if (const std::size_t n = n_doubled_vertices(mesh_); n > 0)
-            add(n, " nodes of the boundary lie on top of others: the body is open there, without cohesion and contact ",
+            add(n, " nodes of the boundary coincide with others: the body is open there, without cohesion and contact ",
                 "(`Coherence` in Gmsh joins surfaces; a crack is a group of lines inside the body)");
         for (const Line& line : lines_) n_without_effect_[line.group] += !line.found;
         for (const auto& [group, n] : n_without_effect_)

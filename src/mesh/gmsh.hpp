@@ -26,7 +26,7 @@ struct GmshMesh {
 };
 
 /// `bytes` of a file of format 2.2 or 4.1, ASCII or binary; `name` is the file in messages. Clockwise triangles are
-/// turned over, nodes without triangles dropped. Throws UserError for a file that cannot be read or is no mesh of
+/// reversed, nodes without triangles dropped. Throws UserError for a file that cannot be read or is no mesh of
 /// triangles in a plane.
 GmshMesh read_gmsh(const std::string& bytes, const std::string& name);
 

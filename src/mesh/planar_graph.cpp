@@ -136,10 +136,7 @@ void drop_unused_nodes(PlanarGraph& graph) {
     std::vector<Index> number(graph.nodes.size(), -1);
     std::vector<Vec2> kept;
     const auto renumber = [&](Index& node) {
-        if (number[node] < 0) {
-            number[node] = static_cast<Index>(kept.size());
-            kept.push_back(graph.nodes[node]);
-        }
+        if (number[node] < 0) number[node] = static_cast<Index>(kept.size()), kept.push_back(graph.nodes[node]);
         node = number[node];
     };
     for (GraphSegment& s : graph.segments) renumber(s.from), renumber(s.to);

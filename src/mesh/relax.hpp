@@ -9,8 +9,8 @@
 
 namespace knap {
 
-/// How good a triangle is, each over the requested value: 1 and more is good enough; negative or zero for one that is
-/// turned over.
+/// How good a triangle is, each over the requested value: 1 and more is good enough; negative or zero for an
+/// inverted one.
 struct TriangleQuality {
     double step;   // stable step of the free triangle with lumped mass over that of an equilateral one of the requested
                    // edge length

@@ -93,10 +93,7 @@ public:
             std::array<Index, 3>& corners = mesh.triangles.emplace_back();
             for (int k = 0; k < 3; ++k) {
                 Index& number = face->vertex(k)->info().value;
-                if (number < 0) {
-                    number = mesh.n_vertices();
-                    mesh.vertices.push_back(position(face->vertex(k)));
-                }
+                if (number < 0) number = mesh.n_vertices(), mesh.vertices.push_back(position(face->vertex(k)));
                 corners[k] = number;
             }
         }

@@ -38,7 +38,7 @@ struct Squares {
 
 }  // namespace
 
-TEST_CASE("covered twice: two squares that lie over each other by a known rectangle") {
+TEST_CASE("covered twice: two squares that overlap in a known rectangle") {
     for (const int n : {1, 2, 7, 40}) {
         CAPTURE(n);
         Squares squares;
@@ -55,7 +55,7 @@ TEST_CASE("covered twice: two squares that lie over each other by a known rectan
     }
 }
 
-TEST_CASE("covered twice: a square that turned inside out counts as what it covers") {
+TEST_CASE("covered twice: an inverted square counts with the area it covers") {
     Squares squares;
     squares.add({0, 0}, 1, 1);
     squares.add({1.5, 0.25}, -1, 2);  // from 0.5 to 1.5, from -0.75 to 0.25; its triangles stay counterclockwise
@@ -64,8 +64,7 @@ TEST_CASE("covered twice: a square that turned inside out counts as what it cove
     CHECK(squares.found().area == relative(0.5 * 0.25, 1e-13));
 }
 
-TEST_CASE(
-    "covered twice: pieces apart and pieces flown far away cover nothing twice and what is no number is left out") {
+TEST_CASE("covered twice: separate and distant pieces cover nothing twice and triangles without numbers are left out") {
     Squares squares;
     squares.add({0, 0}, 1, 3);
     squares.add({1.001, 0}, 1, 3);
@@ -79,7 +78,7 @@ TEST_CASE(
     CHECK(squares.found().area == relative(0.125 + 0.499 * 0.5, 1e-13));
 }
 
-TEST_CASE("covered twice: triangles with a common vertex may lie over each other by a little") {
+TEST_CASE("covered twice: triangles with a common vertex may overlap a little") {
     Squares squares;
     squares.add({0, 0}, 1, 1);
     const auto lifted = [&](double by) {

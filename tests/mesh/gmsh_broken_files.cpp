@@ -1,4 +1,4 @@
-// Damaged files: whatever is cut off or changed, the result is a mesh that holds together or a message, never a crash.
+// Damaged files: a truncated or changed file gives a consistent mesh or an error message, never a crash.
 #include "mesh/gmsh_files.hpp"
 
 #include <map>
@@ -31,7 +31,7 @@ bool is_sound(const GmshMesh& read) {
     return true;
 }
 
-/// True when it is read; fails the test when what is read is no mesh, or the message has no place.
+/// True when it is read; fails the test when the result is no mesh, or the message has no place.
 bool is_read(const std::string& bytes) {
     try {
         const bool sound = is_sound(read_gmsh(bytes, "m.msh"));
@@ -47,7 +47,7 @@ bool is_read(const std::string& bytes) {
 
 }  // namespace
 
-TEST_CASE("gmsh: a file that is cut off is refused wherever it is cut") {
+TEST_CASE("gmsh: a truncated file is rejected at every length") {
     for (const std::string& file : gmsh_files) {
         CAPTURE(file);
         const std::string bytes = gmsh_bytes(file);
@@ -60,7 +60,7 @@ TEST_CASE("gmsh: a file that is cut off is refused wherever it is cut") {
     }
 }
 
-TEST_CASE("gmsh: any byte may be wrong") {
+TEST_CASE("gmsh: any byte may be changed") {
     for (const std::string& file : gmsh_files) {
         CAPTURE(file);
         std::string bytes = gmsh_bytes(file);

@@ -1,4 +1,4 @@
-// The four formats of Gmsh hold the same mesh, and it is the one that Gmsh was asked for.
+// The four formats of Gmsh give the same mesh, with the areas and lengths of its geometry.
 #include "mesh/gmsh_files.hpp"
 
 #include "mesh/mesh_file.hpp"
@@ -65,7 +65,7 @@ void check_same(const Mesh& a, const Mesh& b, bool text = false) {
 
 }  // namespace
 
-TEST_CASE("gmsh: a file of every format has the areas and lengths of its drawing") {
+TEST_CASE("gmsh: a file of every format has the areas and lengths of its geometry") {
     for (const std::string& file : gmsh_files) {
         CAPTURE(file);
         const GmshMesh read = read_gmsh(gmsh_bytes(file), file);
@@ -101,7 +101,7 @@ TEST_CASE("gmsh: text and binary of one version are the same mesh") {
     check_same(mesh(0), mesh(2));
 }
 
-TEST_CASE("gmsh: what knap writes is read back bit for bit") {
+TEST_CASE("gmsh: a file that knap wrote is read back bit for bit") {
     Shape shape = block();
     add_hole(shape, circle({0.07, 0.02}, 0.01, 24));
     shape.cracks.push_back({{{0, 0.02}, {0.03, 0.021}}});
@@ -152,7 +152,7 @@ TEST_CASE("gmsh: partitions of format 2.2 are more tags of an element") {
     CHECK(read.mesh.boundary_names == std::vector<std::string>{"6", ""});
 }
 
-TEST_CASE("gmsh: sections that say nothing about the mesh are passed over") {
+TEST_CASE("gmsh: sections that do not describe the mesh are skipped") {
     const std::string other = "$Comments\nby hand\n$EndComments\n$NodeData\n1\n\"a\"\n$EndNodeData\n";
     CHECK(read_gmsh(square_file("2\n1 2 0 1 2 3\n2 2 0 1 3 4\n", "4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n", other),
                     "m.msh")

@@ -1,4 +1,4 @@
-// What a Gmsh file may hold that is no good mesh: read right or refused, with the place.
+// Unusual and invalid Gmsh files: read correctly or rejected, with the place.
 #include "mesh/gmsh_files.hpp"
 
 #include <algorithm>
@@ -50,7 +50,7 @@ const std::vector<Case>& cases() {
         {"a coordinate that is no number", nodes("4\n1 0 0 0\n2 1,5 0 0\n3 1 1 0\n4 0 1 0\n"), 7,
          "`1,5` is not a coordinate"},
         {"a coordinate that is not finite", nodes("4\n1 0 0 0\n2 nan 0 0\n3 1 1 0\n4 0 1 0\n"), 7, "not finite"},
-        {"a node far away", nodes("4\n1 0 0 0\n2 1e200 0 0\n3 1 1 0\n4 0 1 0\n"), 13, "node 2 is too far away"},
+        {"a node far away", nodes("4\n1 0 0 0\n2 1e200 0 0\n3 1 1 0\n4 0 1 0\n"), 13, "node 2 has a coordinate above"},
         {"a node twice", nodes("4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n3 0 1 0\n"), 16, "node 3 twice"},
         {"not in a plane", nodes("4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0.1\n"), 16, "plane z = const"},
         {"a node that is not there", elements("2\n1 2 0 1 2 3\n2 2 0 1 3 7\n"), 14, "no node 7"},
@@ -73,7 +73,7 @@ const std::vector<Case>& cases() {
         {"a triangle over the others",
          square_file("3\n1 2 0 1 2 3\n2 2 0 1 3 4\n3 2 0 5 6 7\n",
                      "7\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0.3 0.2 0\n6 0.7 0.3 0\n7 0.4 0.6 0\n"),
-         20, "lies over the one round"},
+         20, "overlaps the one around"},
         {"an edge with two names", elements("4\n1 2 0 1 2 3\n2 2 0 1 3 4\n3 1 1 7 1 2\n4 1 1 8 2 1\n"), 16,
          "two physical groups, `7` and `8`"},
         {"a name without quotes", square_file("0\n", "0\n", "$PhysicalNames\n1\n1 1 left\n$EndPhysicalNames\n"), 6,
@@ -92,7 +92,7 @@ const std::vector<Case>& cases() {
 
 }  // namespace
 
-TEST_CASE("gmsh: each mistake is refused with its line") {
+TEST_CASE("gmsh: each mistake is rejected with its line") {
     for (const Case& c : cases()) {
         CAPTURE(c.what);
         const Diagnostic found = mistake(c.text);
@@ -102,7 +102,7 @@ TEST_CASE("gmsh: each mistake is refused with its line") {
     }
 }
 
-TEST_CASE("gmsh: format 4.1 says what is wrong in its blocks") {
+TEST_CASE("gmsh: mistakes in the blocks of format 4.1 are reported") {
     const std::string good = gmsh_bytes("block_41_ascii.msh");
     const auto message = [&](const std::string& from, const std::string& to) {
         return mistake(with(good, from, to)).message;
@@ -134,7 +134,7 @@ TEST_CASE("gmsh: the byte order is tested and binary messages name the byte") {
     }
 }
 
-TEST_CASE("gmsh: clockwise triangles are turned round and nodes without triangles are dropped") {
+TEST_CASE("gmsh: clockwise triangles are reversed and nodes without triangles are dropped") {
     const std::string five = "5\n1 0 0 0\n99 5 5 5\n2 1 0 0\n3 1 1 0\n4 0 1 0\n";
     const GmshMesh read = read_gmsh(square_file("2\n1 2 0 1 3 2\n2 2 0 1 3 4\n", five), "m.msh");
     CHECK(read.mesh.n_vertices() == 4);
@@ -155,7 +155,7 @@ TEST_CASE("gmsh: tags need be neither ascending nor without gaps") {
     CHECK(read.mesh.interior_edges.size() == 1);
 }
 
-TEST_CASE("gmsh: groups without a name are called by their number and a sign is an orientation") {
+TEST_CASE("gmsh: groups without a name have their number as name and a sign is an orientation") {
     const GmshMesh read =
         read_gmsh(square_file("4\n1 2 1 -5 1 2 3\n2 2 2 5 1 1 3 4\n3 1 2 -8 1 1 2\n4 1 2 8 1 3 1\n"), "m.msh");
     REQUIRE(read.surface_groups.size() == 1);
@@ -166,12 +166,12 @@ TEST_CASE("gmsh: groups without a name are called by their number and a sign is 
     CHECK(read.inner_groups[0].name == "8");
 }
 
-TEST_CASE("gmsh: what is probably not meant is said") {
+TEST_CASE("gmsh: probable mistakes give warnings") {
     const std::string eight = "8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 1 0 0\n6 2 0 0\n7 1 1 0\n8 3 3 0\n";
     const GmshMesh read =
         read_gmsh(square_file("5\n1 2 0 1 2 3\n2 2 0 1 3 4\n3 2 0 5 6 7\n4 1 1 9 2 4\n5 1 1 9 1 8\n", eight), "m.msh");
     REQUIRE(read.warnings.size() == 3);
     CHECK(read.warnings[0].find("2 pieces") != std::string::npos);
-    CHECK(read.warnings[1].find("2 nodes of the boundary lie on top of others") != std::string::npos);
+    CHECK(read.warnings[1].find("2 nodes of the boundary coincide with others") != std::string::npos);
     CHECK(read.warnings[2].find("2 lines of the group `9`") != std::string::npos);
 }

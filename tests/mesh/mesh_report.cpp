@@ -1,4 +1,4 @@
-// The judge on meshes whose answers are known, and the random mesh against a lattice (cases.md E15).
+// The quality report of meshes with known answers, and of the random mesh against a lattice (case E15).
 #include "mesh/mesh_report.hpp"
 
 #include "mesh/shapes.hpp"
@@ -35,7 +35,7 @@ Mesh lattice(Index n) {
 
 }  // namespace
 
-TEST_CASE("a lattice of equilateral triangles is judged exactly") {
+TEST_CASE("a lattice of equilateral triangles is measured exactly") {
     const MeshReport report = judge(lattice(100));
     CHECK(report.n_triangles == 20000);
     CHECK(report.n_vertices == 101 * 101);

@@ -1,4 +1,4 @@
-// Triangles over each other are found among very many, however these lie.
+// One overlap is found among very many triangles in unfavourable positions.
 #include "mesh/overlap.hpp"
 
 #include <doctest/doctest.h>
@@ -11,7 +11,7 @@ using namespace knap;
 
 namespace {
 
-/// Of triangles that share nothing, each counterclockwise.
+/// Of triangles without common vertices, each counterclockwise.
 Mesh mesh_of(const std::vector<std::array<Vec2, 3>>& triangles) {
     Mesh mesh;
     for (const auto& [a, b, c] : triangles) {
@@ -49,7 +49,7 @@ std::vector<Family> families() {
 
 }  // namespace
 
-TEST_CASE("overlap: one sliver that lies over others is found among fifty thousand") {
+TEST_CASE("overlap: one sliver over another one is found among fifty thousand") {
     for (const Family& family : families()) {
         CAPTURE(family.name);
         std::vector<std::array<Vec2, 3>> slivers;
@@ -64,7 +64,7 @@ TEST_CASE("overlap: one sliver that lies over others is found among fifty thousa
     }
 }
 
-TEST_CASE("overlap: a disc of very many triangles round one vertex has none") {
+TEST_CASE("overlap: a disc of very many triangles around one vertex has none") {
     Mesh mesh;
     mesh.vertices.emplace_back(0, 0);
     for (Index i = 0; i < n_slivers; ++i)

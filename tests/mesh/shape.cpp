@@ -1,4 +1,4 @@
-// What is not a shape is refused, by name.
+// Shapes that cannot be meshed are rejected, and the part at fault is named.
 #include "mesh/shapes.hpp"
 
 #include "mesh/planar_graph.hpp"
@@ -15,7 +15,7 @@ using knap::testing::relative;
 
 namespace {
 
-/// The part that check_shape blames, "" for a good shape.
+/// The part at fault according to check_shape, "" for a valid shape.
 std::string blamed(const Shape& shape) {
     try {
         check_shape(shape);
@@ -25,7 +25,7 @@ std::string blamed(const Shape& shape) {
     return "";
 }
 
-/// The same for the mesher.
+/// The same according to the mesher.
 std::string blamed(const Shape& shape, const MeshOptions& options) {
     try {
         triangulate(shape, options);
@@ -46,7 +46,7 @@ TEST_CASE("a circle is a counterclockwise polygon on its radius") {
     }
 }
 
-TEST_CASE("good shapes pass") {
+TEST_CASE("valid shapes pass") {
     Shape shape = block();
     CHECK(blamed(shape) == "");
     add_hole(shape, circle({0.07, 0.02}, 0.005, 24));
@@ -55,7 +55,7 @@ TEST_CASE("good shapes pass") {
     CHECK(blamed(shape) == "");
 }
 
-TEST_CASE("rings that cross or fold or have no area are refused") {
+TEST_CASE("rings that cross or fold or have no area are rejected") {
     Shape bow_tie = block();
     bow_tie.outer.points = {{0, 0}, {0.1, 0.04}, {0.1, 0}, {0, 0.04}};
     CHECK(blamed(bow_tie) == "outer");
@@ -111,7 +111,7 @@ TEST_CASE("regions are simple polygons") {
     CHECK(blamed(shape) == "regions[0]");
 }
 
-TEST_CASE("sizes that make no sense are refused") {
+TEST_CASE("sizes that make no sense are rejected") {
     CHECK(blamed(block(), {.size = 0.2}) == "size");
     CHECK(blamed(block(), {.size = 0}) == "size");
     CHECK(blamed(block(), {.size = -1e-3}) == "size");
@@ -123,7 +123,7 @@ TEST_CASE("sizes that make no sense are refused") {
     CHECK(blamed(block(), {.size = 2e-3, .min_angle = 35}) == "size");
 }
 
-TEST_CASE("details far below the mesh size are refused") {
+TEST_CASE("details far below the mesh size are rejected") {
     const MeshOptions options{.size = 2e-3};
     Shape shape = block();
     SUBCASE("a crack that ends just before the border") {
@@ -142,7 +142,7 @@ TEST_CASE("details far below the mesh size are refused") {
         shape.cracks = {{{{0, 0}, {0.05, 4e-4}}}};
         CHECK(blamed(shape, options) == "cracks[0]");
     }
-    SUBCASE("a hole just beside the border") {
+    SUBCASE("a hole very near the border") {
         add_hole(shape, {{0.02, 2e-5}, {0.03, 0.01}, {0.01, 0.01}});
         CHECK(blamed(shape, options) == "holes[0]");
     }

@@ -1,6 +1,7 @@
-// Meshes fill their shape, follow its lines, keep the wanted size, and are random.
+// Meshes fill their shape, follow its lines, keep the requested size, and are random.
 #include "mesh/triangulate.hpp"
 
+#include "base/union_find.hpp"
 #include "mesh/mesh_report.hpp"
 #include "mesh/polygon.hpp"
 #include "mesh/shapes.hpp"
@@ -11,7 +12,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 
 using namespace knap;
 using knap::testing::add_hole;
@@ -20,7 +20,7 @@ using knap::testing::relative;
 
 namespace {
 
-Vec2 edge_begin(const Mesh& mesh, const InteriorEdge& edge) { return mesh.corner(edge.triangle[0], edge.side[0]); }
+Vec2 edge_start(const Mesh& mesh, const InteriorEdge& edge) { return mesh.corner(edge.triangle[0], edge.side[0]); }
 Vec2 edge_end(const Mesh& mesh, const InteriorEdge& edge) {
     return mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
 }
@@ -28,15 +28,14 @@ Vec2 edge_end(const Mesh& mesh, const InteriorEdge& edge) {
 double cracked_length(const Mesh& mesh) {
     double length = 0;
     for (const InteriorEdge& edge : mesh.interior_edges)
-        if (edge.cracked) length += (edge_end(mesh, edge) - edge_begin(mesh, edge)).norm();
+        if (edge.cracked) length += (edge_end(mesh, edge) - edge_start(mesh, edge)).norm();
     return length;
 }
 
 double boundary_length(const Mesh& mesh, Index boundary) {
     double length = 0;
     for (const BoundaryEdge& edge : mesh.boundary_edges)
-        if (edge.boundary == boundary)
-            length += (mesh.corner(edge.triangle, (edge.side + 1) % 3) - mesh.corner(edge.triangle, edge.side)).norm();
+        if (edge.boundary == boundary) length += mesh.side_vector(edge.triangle, edge.side).norm();
     return length;
 }
 
@@ -58,18 +57,12 @@ int euler_characteristic(const Mesh& mesh) {
            mesh.n_triangles();
 }
 
-/// Pieces that the mesh falls into when cracked edges hold nothing together.
+/// Connected components of the triangles, not connected across cracked edges.
 int n_bodies(const Mesh& mesh) {
-    std::vector<Index> parent(mesh.triangles.size());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](Index t) {
-        while (parent[t] != t) t = parent[t] = parent[parent[t]];
-        return t;
-    };
+    UnionFind sets(mesh.triangles.size());
+    int n = mesh.n_triangles();
     for (const InteriorEdge& edge : mesh.interior_edges)
-        if (!edge.cracked) parent[root(edge.triangle[0])] = root(edge.triangle[1]);
-    int n = 0;
-    for (Index t = 0; t < mesh.n_triangles(); ++t) n += root(t) == t;
+        if (!edge.cracked) n -= sets.join(edge.triangle[0], edge.triangle[1]);
     return n;
 }
 
@@ -108,7 +101,7 @@ TEST_CASE("a block has its area and sides and mean edge length") {
         if (edge.boundary == 1) CHECK(mesh.corner(edge.triangle, edge.side).x() == 0.1);
 }
 
-TEST_CASE("the wanted size is the mean edge length for coarse and fine meshes and other bodies") {
+TEST_CASE("the requested size is the mean edge length for coarse and fine meshes and other bodies") {
     for (const double size : {4e-3, 1e-3, 5e-4})
         CHECK(judge(triangulate(block(), {.size = size})).mean_edge == relative(size, 0.05));
     Shape disc;
@@ -152,7 +145,7 @@ TEST_CASE("a crack is covered exactly by cracked edges") {
     CHECK(cracked_length(mesh) == relative(length, 1e-12));
     for (const InteriorEdge& edge : mesh.interior_edges) {
         if (!edge.cracked) continue;
-        const Vec2 middle = 0.5 * (edge_begin(mesh, edge) + edge_end(mesh, edge));
+        const Vec2 middle = 0.5 * (edge_start(mesh, edge) + edge_end(mesh, edge));
         CHECK(std::min(distance_to_segment({0, 0.02}, {0.03, 0.023}, middle),
                        distance_to_segment({0.03, 0.023}, {0.05, 0.02}, middle)) < 1e-12);
     }
@@ -182,7 +175,7 @@ TEST_CASE("a crack that reaches out of the body is cut off") {
     CHECK(n_bodies(mesh) == 2);
 }
 
-TEST_CASE("a crack that ends a hair from the border ends on it") {
+TEST_CASE("a crack that ends very near the border ends on it") {
     for (const double gap : {1e-9, -1e-9, 5e-8}) {
         Shape shape = block();
         shape.cracks = {{{{gap, 0.02}, {0.1 - gap, 0.021}}}};
@@ -268,7 +261,7 @@ TEST_CASE("region borders yield to cracks and to the mesh size") {
     Shape shape = block();
     shape.cracks = {{{{0, 0.02}, {0.05, 0.02}}}};
     double area = 0.002;
-    SUBCASE("a border that starts just beside a crack") {
+    SUBCASE("a border that starts just next to a crack") {
         shape.regions = {{{{0, 0.02001}, {0.1, 0.02001}, {0.1, 0.05}, {0, 0.05}}, 1}};
     }
     SUBCASE("a border of very many sides") {
@@ -285,13 +278,13 @@ TEST_CASE("region borders yield to cracks and to the mesh size") {
     CHECK(judge(mesh).smallest_angle > 10);
 }
 
-TEST_CASE("a refine box has its size inside and the wanted size far away") {
+TEST_CASE("a refine box has its size inside and the requested size far away") {
     const RefineBox box{{0.06, 0.01}, {0.08, 0.03}, 5e-4};
     const Mesh mesh = triangulate(block(), {.size = 2e-3, .refine = {box}});
     double inside = 0, away = 0;
     int n_inside = 0, n_away = 0;
     for (const InteriorEdge& edge : mesh.interior_edges) {
-        const Vec2 a = edge_begin(mesh, edge), b = edge_end(mesh, edge);
+        const Vec2 a = edge_start(mesh, edge), b = edge_end(mesh, edge);
         if (Box{box.low, box.high}.contains(a) && Box{box.low, box.high}.contains(b))
             inside += (b - a).norm(), ++n_inside;
         if (a.x() < 0.05 && b.x() < 0.05) away += (b - a).norm(), ++n_away;

@@ -1,4 +1,4 @@
-// Grains have the sizes, shapes and directions that were asked for, and put on a mesh they leave it a good mesh.
+// Grains have the sizes, shapes and directions requested, and a mesh with them stays a good mesh.
 #include "base/random.hpp"
 #include "mesh/mesh_report.hpp"
 #include "mesh/polygon.hpp"
@@ -85,7 +85,7 @@ TEST_CASE("cells of a power diagram fill their box and agree with the cell of a 
     }
 }
 
-TEST_CASE("grains have the diameters and shapes asked for") {
+TEST_CASE("grains have the requested diameters and shapes") {
     for (const double spread : {0.0, 0.25, 0.6})
         for (const double elongation : {1.0, 3.0}) {
             CAPTURE(spread);
@@ -166,7 +166,7 @@ TEST_CASE("borders of grains are straight to a fraction of an edge and longer by
     }
 }
 
-TEST_CASE("the same seed gives the same grains and another one others") {
+TEST_CASE("the same seed gives the same grains and another seed other grains") {
     const auto grains_of = [](std::uint64_t seed) {
         return grained(block(), {.size = 0.002}, {.size = 0.006}, seed).grain;
     };

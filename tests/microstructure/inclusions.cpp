@@ -1,8 +1,8 @@
 // Inclusions, pores and joints: areas, distances, directions, and meshes without needles.
 #include "microstructure/inclusions.hpp"
 
-#include "mesh/planar_graph.hpp"
 #include "mesh/mesh_report.hpp"
+#include "mesh/planar_graph.hpp"
 #include "mesh/polygon.hpp"
 #include "mesh/shapes.hpp"
 #include "mesh/triangulate.hpp"
@@ -23,10 +23,10 @@ namespace {
 constexpr double degree = std::numbers::pi / 180;
 
 double distance_between(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
-    double least = 1e300;
+    double smallest = 1e300;
     for (const Segment& s : sides_of(a, true))
-        for (const Segment& t : sides_of(b, true)) least = std::min(least, distance_between(s, t));
-    return least;
+        for (const Segment& t : sides_of(b, true)) smallest = std::min(smallest, distance_between(s, t));
+    return smallest;
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ TEST_CASE("inclusions meet their fraction and keep their distance") {
         }
 }
 
-TEST_CASE("as many inclusions as are wanted and round ones with sides of the local mesh size") {
+TEST_CASE("the requested number of inclusions and round ones with sides of the local mesh size") {
     Shape shape = block();
     const MeshOptions mesh{.size = 0.002, .refine = {{{0, 0}, {0.05, 0.04}, 0.0005}}};
     const PlacedInclusions placed = place_inclusions(
@@ -102,7 +102,7 @@ TEST_CASE("elongated inclusions lie in their direction") {
     }
 }
 
-TEST_CASE("pores are holes with a boundary and where there is no room it is said") {
+TEST_CASE("pores are holes with a boundary and missing room is reported") {
     Shape shape = block();
     place_inclusions(shape, {.size = 0.005, .fraction = 0.1, .distance = 0.001, .boundary = 4, .mesh = {.size = 0.001}},
                      3, "test");
@@ -120,7 +120,7 @@ TEST_CASE("pores are holes with a boundary and where there is no room it is said
         ShapeError);
 }
 
-TEST_CASE("joints have the spacing and direction and persistence asked for") {
+TEST_CASE("joints have the requested spacing and direction and persistence") {
     double length = 0, turn = 0, turn_squares = 0;
     int n = 0;
     constexpr int n_seeds = 20;
@@ -152,7 +152,7 @@ TEST_CASE("joints have the spacing and direction and persistence asked for") {
     CHECK(std::sqrt(turn_squares / n) == relative(4 * degree, 0.1));
 }
 
-TEST_CASE("more joints than anybody could place are refused at once") {
+TEST_CASE("more joints than can be placed are rejected at once") {
     Shape shape;
     shape.outer = {.points = {{0, 0}, {50, 0}, {50, 3e5}, {0, 3e5}}, .boundary = {0, 0, 0, 0}};
     shape.boundary_names = {"outer"};

@@ -36,7 +36,7 @@ TEST_CASE("the strength factor inverts the survival function") {
         CHECK(normal_quantile(normal_hazard(z)) == doctest::Approx(z).epsilon(1e-9));
 }
 
-TEST_CASE("strength factors have the mean 1 and the deviation asked for") {
+TEST_CASE("strength factors have the mean 1 and the requested deviation") {
     // exact but for the integration: midpoints of equal probability
     constexpr int n = 200000;
     for (const Scatter& s : distributions) {
@@ -79,7 +79,7 @@ TEST_CASE("a chain of n Weibull links is weaker by n^(-1/m) exactly") {
     }
 }
 
-TEST_CASE("a chain is as strong whatever it is cut into") {
+TEST_CASE("the strength of a chain does not depend on its division") {
     // n pieces of length l_0/n: the survival of the chain is that of one piece of length l_0, for every distribution
     for (const Scatter& s : distributions)
         for (const double pieces : {3.0, 50.0})
@@ -91,7 +91,7 @@ TEST_CASE("a chain is as strong whatever it is cut into") {
             }
 }
 
-TEST_CASE("cut distributions stay within their limits and keep their order") {
+TEST_CASE("truncated distributions stay within their limits and keep their order") {
     for (Scatter s : distributions) {
         s.lowest = 0.97;
         s.highest = 1.02;
@@ -109,7 +109,7 @@ TEST_CASE("cut distributions stay within their limits and keep their order") {
     }
 }
 
-TEST_CASE("a random field has the correlation asked for") {
+TEST_CASE("a random field has the requested correlation") {
     constexpr double L = 0.003;
     const std::vector<double> distances{0, 0.5 * L, L, 2 * L};
     std::vector<double> product(distances.size(), 0), product_y(distances.size(), 0);
