@@ -33,7 +33,7 @@ std::string all(const std::vector<Diagnostic>& found) {
     constexpr std::size_t max_shown = 50;
     std::string text;
     for (std::size_t i = 0; i < std::min(found.size(), max_shown); ++i) text += format(found[i]);
-    if (found.size() > max_shown) text += text_of("... and ", found.size() - max_shown, " more\n");
+    if (found.size() > max_shown) text += concatenated("... and ", found.size() - max_shown, " more\n");
     return text;
 }
 
@@ -41,18 +41,18 @@ std::string all(const std::vector<Diagnostic>& found) {
 
 std::string format(const Diagnostic& d) {
     const std::string number = d.line > 0 ? std::to_string(d.line) : "", margin(number.size() + 1, ' ');
-    std::string text = text_of(d.severity == Diagnostic::Severity::error ? "error" : "warning", "[", d.code,
-                               "]: ", shortened(d.message), "\n");
+    std::string text = concatenated(d.severity == Diagnostic::Severity::error ? "error" : "warning", "[", d.code,
+                                    "]: ", shortened(d.message), "\n");
     if (!d.file.empty()) {
         text += margin + "--> " + shortened(d.file);
-        if (d.line > 0) text += text_of(":", number, ":", std::max(d.column, 1));
+        if (d.line > 0) text += concatenated(":", number, ":", std::max(d.column, 1));
         text += "\n";
     }
     if (!d.source_line.empty()) {
         const auto [line, column] = excerpt(d.source_line, d.column);
-        text +=
-            text_of(margin, " |\n", number, " | ", line, "\n", margin, "| ", std::string(std::max(column - 1, 0), ' '),
-                    std::string(std::clamp(d.length, 1, max_line), '^'), d.hint.empty() ? "" : " ", d.hint, "\n");
+        text += concatenated(
+            margin, " |\n", number, " | ", line, "\n", margin, "| ", std::string(std::max(column - 1, 0), ' '),
+            std::string(std::clamp(d.length, 1, max_line), '^'), d.hint.empty() ? "" : " ", d.hint, "\n");
     } else if (!d.hint.empty()) {
         text += margin + "= help: " + d.hint + "\n";
     }

@@ -10,7 +10,7 @@ namespace knap {
 
 /// The parts one after the other; a double has six significant digits.
 template <class... Parts>
-std::string text_of(const Parts&... parts) {
+std::string concatenated(const Parts&... parts) {
     std::ostringstream text;
     (text << ... << parts);
     return std::move(text).str();

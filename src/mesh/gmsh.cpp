@@ -238,7 +238,7 @@ private:
 
     /// Warns of probable mistakes: separate pieces, vertices at the same place, lines that are no sides of triangles.
     void warn() {
-        const auto add = [&](const auto&... parts) { made_.warnings.push_back(text_of(parts...)); };
+        const auto add = [&](const auto&... parts) { made_.warnings.push_back(concatenated(parts...)); };
         if (const Index n = n_pieces(mesh_); n > 1)
             add("the mesh consists of ", n, " pieces that share no edge: they do not interact, not even by contact");
         if (const std::size_t n = n_doubled_vertices(mesh_); n > 0)

@@ -41,7 +41,7 @@ struct GmshFile {
     /// file.
     template <class... Parts>
     [[noreturn]] void fail(const Place& place, const Parts&... message) const {
-        throw_error(place, text_of(message...));
+        throw_error(place, concatenated(message...));
     }
 
     /// Where the file gives no name, the tag; empty for tag 0 (no group).

@@ -147,7 +147,7 @@ void drop_unused_nodes(PlanarGraph& graph) {
 
 constexpr double area_of_unit_triangle = 0.433;  // equilateral, edge 1
 
-std::string place(const Vec2& p) { return text_of("(", p.x(), ", ", p.y(), ") m"); }
+std::string place(const Vec2& p) { return concatenated("(", p.x(), ", ", p.y(), ") m"); }
 
 void check_points(const std::string& part, const std::vector<Vec2>& points, bool closed, double tolerance) {
     const std::size_t min_points = closed ? 3 : 2;
@@ -325,9 +325,9 @@ PlanarGraph planar_graph(const Shape& shape, double region_tolerance) {
 }
 
 std::string GraphSegment::part_name() const {
-    if (crack >= 0) return text_of("cracks[", crack, "]");
-    if (region >= 0) return text_of("regions[", region, "]");
-    return ring > 0 ? text_of("holes[", ring - 1, "]") : "outer";
+    if (crack >= 0) return concatenated("cracks[", crack, "]");
+    if (region >= 0) return concatenated("regions[", region, "]");
+    return ring > 0 ? concatenated("holes[", ring - 1, "]") : "outer";
 }
 
 bool Shape::contains(const Vec2& p) const {

@@ -45,7 +45,7 @@ public:
     /// The message is the parts of it one after the other.
     template <class... Parts>
     ShapeError(std::string offending_part, const Parts&... message)
-        : std::runtime_error(text_of(message...)), part(std::move(offending_part)) {}
+        : std::runtime_error(concatenated(message...)), part(std::move(offending_part)) {}
     std::string part;
 };
 

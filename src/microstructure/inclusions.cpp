@@ -206,10 +206,11 @@ PlacedInclusions place_inclusions(Shape& shape, const InclusionOptions& options,
             obstacles.push_back(candidate);
         }
         if (!done)
-            throw ShapeError(part, "finds no room: ", placed.n, ", which fill ", 100 * placed.fraction,
-                             " % of the area, are placed, ",
-                             options.number > 0 ? text_of(options.number) : text_of(100 * options.fraction, " %"),
-                             " are requested");
+            throw ShapeError(
+                part, "finds no room: ", placed.n, ", which fill ", 100 * placed.fraction,
+                " % of the area, are placed, ",
+                options.number > 0 ? concatenated(options.number) : concatenated(100 * options.fraction, " %"),
+                " are requested");
     }
     return placed;
 }
