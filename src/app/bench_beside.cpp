@@ -3,6 +3,7 @@
 #include "app/run/setup.hpp"
 #include "app/run/step_plan.hpp"
 #include "base/stopwatch.hpp"
+#include "figures/canvas.hpp"
 #include "figures/figures.hpp"
 #include "output/vtk_series.hpp"
 #include "stepper/moreau_jean.hpp"

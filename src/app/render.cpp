@@ -4,6 +4,7 @@
 #include "app/run/read_run.hpp"
 #include "app/run/run_directory.hpp"
 #include "base/error.hpp"
+#include "figures/canvas.hpp"
 #include "figures/ticks.hpp"
 #include "output/vtk_series.hpp"
 #include "record/outputs.hpp"
@@ -58,7 +59,7 @@ void keep_reached(FigureOptions& figure, const FinishedRun& run) {
 
 std::vector<std::filesystem::path> draw(const FigureOptions& figure, const FinishedRun& run, const std::filesystem::path& directory) {
     check_figure(figure, run.histories);
-    if (!shows_body(figure.show)) return {draw_figure(figure, Frame{}, run.histories, run.context, directory)};
+    if (!shows_body(figure.show)) return {draw_figure(figure, Frame{}, run.histories, run.context, directory).file};
     const FrameList list = frames_for(figure, run);
     FigureOptions drawn = figure;  // named by the times that are drawn, not by those that were asked for
     drawn.at.clear();

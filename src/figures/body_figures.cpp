@@ -1,218 +1,360 @@
 #include "figures/body_figures.hpp"
 
-#include "figures/body_page.hpp"
-#include "figures/crack_colours.hpp"
-
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <map>
+#include <set>
 
 namespace knap {
-
 namespace {
 
-constexpr Colour body_colour{0.90, 0.90, 0.89}, damaged_colour{0.10, 0.38, 0.66};
-constexpr double broken_width = 1.3, damaged_width = 1, precrack_width = 1, path_width = 0.6, swatch_width = 9;  // [unit]
-constexpr double outside_of_cracks = 0.02, outside_of_fields = 0.005;                                            // parts of the values that a range leaves out
+constexpr Colour body_colour{0.90, 0.90, 0.89}, damaged_colour{0.10, 0.38, 0.66}, outline_colour{0.35, 0.35, 0.35},
+    obstacle_colour{0.70, 0.72, 0.76};
+// [unit]
+constexpr double broken_width = 1.3, damaged_width = 1, precrack_width = 1, path_width = 0.6, outline_width = 0.5;
+constexpr double margin_left = 52, margin_right = 16, panel_margin = 4, max_height = 620, min_size = 60;
 
-template <class Values>
-Vec2 corner_mean(const Values& values, Index t) {
-    return (values[3 * t] + values[3 * t + 1] + values[3 * t + 2]) / 3;
+Vec2 deformed(const Frame& frame, Index corner, double magnification) {
+    return frame.position[corner] + magnification * frame.displacement[corner];
 }
 
-const BodyField& field_of(const std::string& name) {
-    return *std::find_if(body_fields().begin(), body_fields().end(), [&](const BodyField& f) { return f.name == name; });
+const BodyField& field_of(const FigureOptions& options) {
+    return *std::ranges::find(body_fields(), options.show, &BodyField::name);
 }
 
-bool is_seen(const FigureOptions& options, const Frame& frame, Index corner) { return corner >= 0 && options.box->contains(deformed(frame, corner, options.deform)); }
-
-/// Colours come from what lies inside the box.
-ValueSpan field_span(const FigureOptions& options, const Frame& frame, const BodyField& field) {
-    std::vector<double> values;
-    for (Index t = 0; t < frame.n_triangles(); ++t)
-        if (!options.box || is_seen(options, frame, 3 * t) || is_seen(options, frame, 3 * t + 1) || is_seen(options, frame, 3 * t + 2)) values.push_back(field.value(frame, t));
-    return span_of(std::move(values), outside_of_fields);
+std::vector<Index> interfaces_of(const Frame& frame, InterfaceKind kind) {
+    std::vector<Index> found;
+    for (Index i = 0; i < frame.n_interfaces(); ++i)
+        if (kind_of(frame, i) == kind) found.push_back(i);
+    return found;
 }
 
-ValueSpan crack_span(const FigureOptions& options, const Frame& frame, const std::vector<double>& of_interfaces) {
-    std::vector<double> values;
-    for (Index i = 0; i < frame.n_interfaces(); ++i) {
-        const auto &a = frame.side_a[i], &b = frame.side_b[i];
-        if (!options.box || is_seen(options, frame, a[0]) || is_seen(options, frame, a[1]) || is_seen(options, frame, b[0]) || is_seen(options, frame, b[1]))
-            values.push_back(of_interfaces[i]);
+// ---- what is seen
+
+/// Scale of x and y relative to each other: the short side is drawn `aspect` times larger.
+Vec2 stretch_of(const Box& seen, double aspect) {
+    return seen.extent().x() < seen.extent().y() ? Vec2(aspect, 1) : Vec2(1, aspect);
+}
+
+std::vector<Vec2> obstacle_outline(const Frame& frame, Index obstacle, double magnification) {
+    std::vector<Vec2> points;
+    for (Index i = obstacle * n_outline_points; i < (obstacle + 1) * n_outline_points; ++i)
+        points.push_back(frame.obstacle_position[i] + magnification * frame.obstacle_displacement[i]);
+    return points;
+}
+
+/// The surface of a half plane: the foot of `x` on it, its direction, and the direction into the half plane.
+struct Surface {
+    Vec2 foot, along, inwards;
+};
+Surface surface_of(const std::vector<Vec2>& outline, const Vec2& x) {
+    const Vec2 along = (outline[1] - outline[0]).normalized();
+    return {outline[0] + along.dot(x - outline[0]) * along, along, (outline[2] - outline[1]).normalized()};
+}
+
+/// The deformed body with the obstacles near it, and a margin of 2 %.
+Box seen_part(const FigureOptions& options, const Frame& frame) {
+    if (options.box) return *options.box;
+    if (frame.position.empty()) return {{0, 0}, {1, 1}};
+    std::vector<Vec2> points;
+    for (Index c = 0; c < 3 * frame.n_triangles(); ++c) points.push_back(deformed(frame, c, options.deform));
+    const Box body = bounding_box(points);
+    const double size = body.extent().maxCoeff();
+    const Box near{body.low.array() - 0.75 * size, body.high.array() + 0.75 * size};
+    for (Index o = 0; o < frame.n_obstacles(); ++o) {
+        std::vector<Vec2> outline = obstacle_outline(frame, o, options.deform);
+        if (frame.is_half_plane(o)) {  // a strip of it below the middle of the body
+            const Surface surface = surface_of(outline, body.middle());
+            outline.clear();
+            if (near.contains(surface.foot)) outline = {surface.foot, surface.foot + 0.05 * size * surface.inwards};
+            points.insert(points.end(), outline.begin(), outline.end());
+        } else
+            std::ranges::copy_if(outline, std::back_inserter(points), [&](const Vec2& x) { return near.contains(x); });
     }
-    return span_of(std::move(values), outside_of_cracks);
+    const Box seen = bounding_box(points);
+    const Vec2 stretch = stretch_of(seen, options.aspect);
+    const Vec2 margin = std::max(0.02 * stretch.cwiseProduct(seen.extent()).maxCoeff(), 1e-12) * stretch.cwiseInverse();
+    return {seen.low - margin, seen.high + margin};
 }
 
-/// The limits asked for, or those of the quantity.
-ColourScale with_range(ColourScale scale, const FigureOptions& options, const ValueSpan& values, const ColourRange& otherwise) {
-    const bool given = options.range.size() == 2 && options.range[0] < options.range[1];
-    scale.low = given ? options.range[0] : otherwise.low;
-    scale.high = given ? options.range[1] : otherwise.high;
-    scale.more_below = values.least < scale.low;
-    scale.more_above = values.most > scale.high;
+/// The span of the finite values of triangles or interfaces; of those with a corner in the box of the options, if any.
+/// `corners_of(i)`: corners, -1 for none.
+template <class CornersOf>
+ValueSpan seen_span(const FigureOptions& options, const Frame& frame, std::vector<double> values, double outliers,
+                    CornersOf corners_of) {
+    const auto is_seen = [&](Index c) { return c >= 0 && options.box->contains(deformed(frame, c, options.deform)); };
+    for (std::size_t i = 0; options.box && i < values.size(); ++i)
+        if (std::ranges::none_of(corners_of(static_cast<Index>(i)), is_seen)) values[i] = NAN;
+    return span_of(std::move(values), outliers);
+}
+
+// ---- colours
+
+ColourScale with_range(ColourScale scale, const FigureOptions& options, const ValueSpan& values, Limits range) {
+    if (options.range.size() == 2) range = {options.range[0], options.range[1]};
+    scale.low = range.low, scale.high = range.high;
+    scale.more_below = values.min < range.low;
+    scale.more_above = values.max > range.high;
     return scale;
 }
 
 ColourScale field_scale(const FigureOptions& options, const ValueSpan& values) {
-    const BodyField& field = field_of(options.show);
-    const ColourScale scale{.map = field.is_signed ? ColourMap::diverging() : ColourMap::viridis(), .quantity = field.quantity, .unit = field.unit, .about_zero = field.is_signed};
-    ValueSpan shown = values;
-    if (field.is_signed) {  // few large triangles may be all that has the other sign: it is not left out
-        shown.low = std::min(values.low, std::max(values.least, -values.high));
-        shown.high = std::max(values.high, std::min(values.most, -values.low));
+    const BodyField& field = field_of(options);
+    double low = values.low, high = values.high;
+    if (field.is_signed) {  // the values of the other sign may be those of a few large triangles: no outliers
+        low = std::min(low, std::max(values.min, -values.high));
+        high = std::max(high, std::min(values.max, -values.low));
     }
-    return with_range(scale, options, values, round_limits(shown.low, shown.high, field.is_signed));
+    return with_range({.map = field.is_signed ? ColourMap::diverging : ColourMap::viridis,
+                       .quantity = field.quantity,
+                       .unit = field.unit,
+                       .about_zero = field.is_signed},
+                      options, values, round_limits(low, high, field.is_signed));
 }
 
 ColourScale crack_scale(const FigureOptions& options, const ValueSpan& values) {
     const CrackColour& colour = crack_colour(options.colour);
-    const ColourScale scale{.map = colour.map, .quantity = colour.quantity, .unit = colour.unit};
-    ColourRange range = round_limits(values.low, values.high, false);
-    if (colour.unit == "m") range = {0, values.high > 0 ? range.high : 1e-6};  // of sizes, from none on
-    return with_range(scale, options, values, colour.range.value_or(range));
+    Limits range = round_limits(values.low, values.high, false);
+    if (colour.unit == "m") range = {0, values.high > 0 ? range.high : 1e-6};  // openings and slips start at zero
+    return with_range({.map = colour.map, .quantity = colour.quantity, .unit = colour.unit}, options, values,
+                      colour.range.value_or(range));
 }
 
-/// The paler the less damaged: a process zone is a haze, and is still seen in print.
-void draw_damaged(BodyPage& page, const Frame& frame, const std::vector<Index>& damaged) {
-    constexpr int n_shades = 12;
-    constexpr double palest = 0.4;
-    std::vector<std::vector<Index>> of_shade(n_shades);
-    for (const Index i : damaged) of_shade[std::clamp(static_cast<int>((1 - mean_cohesion(frame, i)) * n_shades), 0, n_shades - 1)].push_back(i);
-    for (int shade = 0; shade < n_shades; ++shade) {
-        Colour colour = damaged_colour;
-        colour.alpha = palest + (1 - palest) * std::min(1.0, 1.5 * (shade + 0.5) / n_shades);
-        page.draw_interfaces(of_shade[shade], colour, damaged_width);
-    }
-}
-
-/// Cracks as thin black lines over colours.
-void draw_paths(BodyPage& page, const Frame& frame, bool on_white) {
-    std::vector<Index> paths = interfaces_of(frame, Kind::broken);
-    for (const Index i : interfaces_of(frame, Kind::precrack)) paths.push_back(i);
-    page.draw_open_faces(interfaces_of(frame, Kind::damaged));
-    if (on_white) page.draw_interfaces(paths, {1, 1, 1, 0.75}, 3 * path_width);
-    page.draw_interfaces(paths, black, path_width);
-}
-
-/// Light enough for black cracks; grains of one material differ in lightness.
+/// Light enough for black cracks; the grains of a material have one of four shades.
 Colour material_colour(std::int32_t region, std::int32_t grain) {
-    static const std::array<Colour, 8> palette{Colour{0.80, 0.80, 0.78}, Colour{0.94, 0.72, 0.62}, Colour{0.62, 0.78, 0.90}, Colour{0.80, 0.86, 0.60},
-                                               Colour{0.93, 0.84, 0.55}, Colour{0.80, 0.70, 0.88}, Colour{0.58, 0.86, 0.78}, Colour{0.93, 0.68, 0.80}};
-    Colour colour = palette[static_cast<std::size_t>(region) % palette.size()];
-    if (grain < 0) return colour;
-    const double shade = 0.86 + 0.05 * static_cast<double>((static_cast<std::uint32_t>(grain) * 2654435769u) >> 30);  // one of four
-    return {shade * colour.red, shade * colour.green, shade * colour.blue};
+    static constexpr double palette[][3]{{0.80, 0.80, 0.78}, {0.94, 0.72, 0.62}, {0.62, 0.78, 0.90},
+                                         {0.80, 0.86, 0.60}, {0.93, 0.84, 0.55}, {0.80, 0.70, 0.88},
+                                         {0.58, 0.86, 0.78}, {0.93, 0.68, 0.80}};
+    const auto& c = palette[static_cast<std::size_t>(region) % std::size(palette)];
+    const std::uint32_t mixed = static_cast<std::uint32_t>(grain) * 2654435769u;  // Fibonacci hashing
+    const double shade = grain < 0 ? 1 : 0.86 + 0.05 * static_cast<double>(mixed >> 30);
+    return {shade * c[0], shade * c[1], shade * c[2]};
 }
 
+// ---- drawing
 
-Legend crack_legend(const FigureOptions& options, const FigureScale& scale) {
-    const CrackColour& colour = crack_colour(options.colour);
-    Legend legend;
-    if (std::isfinite(scale.values.low)) legend.bar = crack_scale(options, scale.values);
-    else legend.note = colour.needs_breaks ? "nothing has broken" : "no broken interface";
-    if (!colour.precracks && scale.precracks) legend.key.push_back({"pre-crack", black, precrack_width});
-    if (!colour.damaged && scale.damaged) legend.key.push_back({"damaged, not broken", damaged_colour, damaged_width});
-    return legend;
-}
+/// Interfaces that are drawn in one stroke.
+struct Layer {
+    std::vector<Index> interfaces;
+    Colour colour;
+    double width;            // [unit]
+    bool only_open = false;  // only interfaces whose faces are visibly apart
+};
 
-Legend material_legend(const Frame& frame, const std::vector<std::string>& materials) {
-    Legend legend;
-    std::vector<std::int32_t> present = frame.region;
-    std::sort(present.begin(), present.end());
-    present.erase(std::unique(present.begin(), present.end()), present.end());
-    for (const std::int32_t region : present) {
-        const bool named = region < static_cast<std::int32_t>(materials.size());
-        legend.key.push_back({named ? materials[region] : "material " + std::to_string(region), material_colour(region, -1), swatch_width});
+/// A figure of the body: what its triangles and interfaces look like.
+struct BodyDrawing {
+    std::vector<Colour> triangles;
+    std::vector<Layer> layers;  // from below to above
+};
+
+/// The less cohesion is left the darker: a process zone is a haze that is visible in print.
+void add_damaged(BodyDrawing& drawing, const Frame& frame, const std::vector<Index>& damaged) {
+    constexpr int n_shades = 12;
+    std::vector<Layer> shades(n_shades, {{}, damaged_colour, damaged_width});
+    for (int k = 0; k < n_shades; ++k) shades[k].colour.alpha = 0.4 + 0.6 * std::min(1.0, 1.5 * (k + 0.5) / n_shades);
+    for (const Index i : damaged) {
+        const double mean_damage = 1 - 0.5 * (frame.cohesion[2 * i] + frame.cohesion[2 * i + 1]);
+        shades[std::clamp(static_cast<int>(mean_damage * n_shades), 0, n_shades - 1)].interfaces.push_back(i);
     }
-    return legend;
+    drawing.layers.insert(drawing.layers.end(), shades.begin(), shades.end());
+}
+
+BodyDrawing cracks_drawing(const FigureOptions& options, const Frame& frame, const History& breaks,
+                           const FigureScale& scale) {
+    const CrackColour& colour = crack_colour(options.colour);
+    const ColourScale colours = crack_scale(options, scale.values);
+    const std::vector<double> values = crack_values(colour, frame, breaks);
+    std::vector<Index> coloured, others;
+    for (Index i = 0; i < frame.n_interfaces(); ++i)
+        if (std::isfinite(values[i])) coloured.push_back(i);
+        else if (kind_of(frame, i) == InterfaceKind::broken) others.push_back(i);
+    std::ranges::sort(coloured, [&](Index a, Index b) {
+        return colour.smallest_last ? values[a] > values[b] : values[a] < values[b];
+    });
+    const std::vector<Index> damaged = interfaces_of(frame, InterfaceKind::damaged);
+    BodyDrawing drawing{.triangles = std::vector<Colour>(frame.n_triangles(), body_colour),
+                        .layers = {{damaged, outline_colour, outline_width, true}}};
+    if (!colour.damaged) add_damaged(drawing, frame, damaged);
+    if (!colour.precracks)
+        drawing.layers.push_back({interfaces_of(frame, InterfaceKind::precrack), black, precrack_width});
+    drawing.layers.push_back({others, outline_colour, path_width});
+    for (const Index i : coloured) drawing.layers.push_back({{i}, colours(values[i]), broken_width});
+    return drawing;
+}
+
+/// Coloured triangles with black cracks, over a field with a white border: they must be visible on dark colours, too.
+BodyDrawing field_drawing(const FigureOptions& options, const Frame& frame, const FigureScale& scale) {
+    const bool materials = options.show == "materials";
+    const ColourScale colours = materials ? ColourScale{.map = ColourMap::viridis} : field_scale(options, scale.values);
+    const auto value = materials ? nullptr : field_of(options).value;
+    BodyDrawing drawing;
+    for (Index t = 0; t < frame.n_triangles(); ++t)
+        drawing.triangles.push_back(value
+                                        ? colours(value(frame, t))
+                                        : material_colour(frame.region[t], frame.grain.empty() ? -1 : frame.grain[t]));
+    std::vector<Index> paths = interfaces_of(frame, InterfaceKind::broken);
+    for (const Index i : interfaces_of(frame, InterfaceKind::precrack)) paths.push_back(i);
+    drawing.layers = {{interfaces_of(frame, InterfaceKind::damaged), outline_colour, outline_width, true},
+                      {materials ? std::vector<Index>() : paths, {1, 1, 1, 0.75}, 3 * path_width},
+                      {paths, black, path_width}};
+    return drawing;
+}
+
+/// The edges that belong to one triangle only.
+std::vector<Vec2> outline_of(const Frame& frame, const std::vector<Vec2>& corners) {
+    using Place = std::pair<double, double>;
+    std::map<std::pair<Place, Place>, std::pair<Index, Index>> single;
+    const auto place = [&](Index c) { return Place(frame.position[c].x(), frame.position[c].y()); };
+    for (Index c = 0; c < 3 * frame.n_triangles(); ++c) {
+        const Index next = c % 3 == 2 ? c - 2 : c + 1;
+        if (single.erase({place(next), place(c)}) == 0) single[{place(c), place(next)}] = {c, next};
+    }
+    std::vector<Vec2> ends;
+    for (const auto& [places, edge] : single) ends.insert(ends.end(), {corners[edge.first], corners[edge.second]});
+    return ends;
+}
+
+/// Half planes extend to the end of what is seen.
+void draw_obstacles(Canvas& canvas, const Plot& plot, const Frame& frame, double magnification) {
+    const auto at = [&](double x, double y) { return Vec2(Vec2(x, y) / plot.x.unit.factor); };
+    const Box seen{at(plot.x.low, plot.y.low), at(plot.x.high, plot.y.high)};
+    for (Index o = 0; o < frame.n_obstacles(); ++o) {
+        std::vector<Vec2> outline = obstacle_outline(frame, o, magnification);
+        if (frame.is_half_plane(o)) {
+            const auto [foot, along, inwards] = surface_of(outline, seen.middle());
+            const double far = seen.diagonal(), deep = far + (seen.middle() - foot).norm();
+            outline = {foot - far * along, foot + far * along, foot + far * along + deep * inwards,
+                       foot - far * along + deep * inwards};
+        }
+        for (Vec2& x : outline) x = plot.on_page(x);
+        canvas.fill(outline, obstacle_colour);
+        outline.push_back(Vec2(outline.front()));
+        canvas.line(outline, outline_colour, outline_width);
+    }
+}
+
+/// Both faces of each interface; they are one line while it is closed.
+void draw_layer(Canvas& canvas, const Frame& frame, const std::vector<Vec2>& corners, const Layer& layer,
+                double width) {
+    constexpr double visible = 0.4;  // [unit]
+    std::vector<Vec2> ends;
+    for (const Index i : layer.interfaces) {
+        const auto &a = frame.side_a[i], &b = frame.side_b[i];
+        if (layer.only_open &&
+            (a[0] < 0 || b[0] < 0 ||
+             std::max((corners[a[0]] - corners[b[0]]).norm(), (corners[a[1]] - corners[b[1]]).norm()) <= visible))
+            continue;
+        for (const auto& side : {a, b})
+            if (side[0] >= 0) ends.insert(ends.end(), {corners[side[0]], corners[side[1]]});
+    }
+    canvas.segments(ends, layer.colour, width);
 }
 
 }  // namespace
 
-const std::vector<BodyField>& body_fields() {
-    static const std::vector<BodyField> fields{
-        {"displacement", "displacement |u|", "m", false, [](const Frame& f, Index t) { return corner_mean(f.displacement, t).norm(); }},
-        {"displacement_x", "displacement u_{x}", "m", true, [](const Frame& f, Index t) { return corner_mean(f.displacement, t).x(); }},
-        {"displacement_y", "displacement u_{y}", "m", true, [](const Frame& f, Index t) { return corner_mean(f.displacement, t).y(); }},
-        {"speed", "speed |v|", "m/s", false, [](const Frame& f, Index t) { return corner_mean(f.velocity, t).norm(); }},
-        {"velocity_x", "velocity v_{x}", "m/s", true, [](const Frame& f, Index t) { return corner_mean(f.velocity, t).x(); }},
-        {"velocity_y", "velocity v_{y}", "m/s", true, [](const Frame& f, Index t) { return corner_mean(f.velocity, t).y(); }},
-        {"stress_xx", "stress σ_{xx}", "Pa", true, [](const Frame& f, Index t) { return f.stress[t][0]; }},
-        {"stress_yy", "stress σ_{yy}", "Pa", true, [](const Frame& f, Index t) { return f.stress[t][1]; }},
-        {"stress_xy", "stress σ_{xy}", "Pa", true, [](const Frame& f, Index t) { return f.stress[t][2]; }},
-        {"principal_stress", "largest principal stress σ_{1}", "Pa", false, [](const Frame& f, Index t) { return largest_principal(f.stress[t]); }},
+Plot body_plot(Box seen, const FigureOptions& options, double below) {
+    const Vec2 stretch = stretch_of(seen, options.aspect);
+    Plot plot;
+    const auto place = [&](double left) {
+        const double width = page_width - left - (options.panel ? panel_margin : margin_right);
+        Vec2 size = stretch.cwiseProduct(seen.extent());
+        const Vec2 min(size.y() * min_size / max_height, size.x() * (options.panel ? 0.3 : 1) * min_size / width);
+        const Vec2 missing = (min - size).cwiseMax(0), margin = 0.5 * missing.cwiseQuotient(stretch);
+        const Box shown{seen.low - margin, seen.high + margin};
+        size += missing;
+        const double scale = std::min(width / size.x(), max_height / size.y());  // [unit/m]
+        plot.area = {left + 0.5 * (width - scale * size.x()), below, scale * size.x(), scale * size.y()};
+        const DisplayUnit unit = display_unit(shown.low.cwiseAbs().cwiseMax(shown.high.cwiseAbs()).maxCoeff(), "m");
+        const auto axis = [&](const char* name, int i) {
+            const std::string factor = stretch[i] == 1 ? "" : ", × " + short_number(stretch[i]);
+            return Axis{.title = with_unit(name, unit.unit) + factor,
+                        .unit = unit,
+                        .low = shown.low[i] * unit.factor,
+                        .high = shown.high[i] * unit.factor};
+        };
+        plot.x = axis("x", 0), plot.y = axis("y", 1);
+        plot.fit_ticks(std::clamp(static_cast<int>(plot.area.width / 45), 3, 11),
+                       std::clamp(static_cast<int>(plot.area.height / 28), 3, 11));
     };
-    return fields;
+    place(options.panel ? panel_margin : margin_left);
+    if (const double needed = plot.y_label_width() + 28.5; !options.panel && needed > margin_left) place(needed);
+    return plot;
 }
 
-FigureScale body_scale(const FigureOptions& options, const Frame& frame, const History* breaks) {
+FigureScale body_scale(const FigureOptions& options, const Frame& frame, const History& breaks) {
     FigureScale scale{.seen = seen_part(options, frame)};
     if (options.show == "cracks") {
-        scale.values = crack_span(options, frame, crack_values(crack_colour(options.colour), frame, breaks));
-        scale.damaged = !interfaces_of(frame, Kind::damaged).empty();
-        scale.precracks = !interfaces_of(frame, Kind::precrack).empty();
-    } else if (options.show != "materials") scale.values = field_span(options, frame, field_of(options.show));
+        scale.values =
+            seen_span(options, frame, crack_values(crack_colour(options.colour), frame, breaks), 0.02, [&](Index i) {
+                return std::array{frame.side_a[i][0], frame.side_a[i][1], frame.side_b[i][0], frame.side_b[i][1]};
+            });
+        scale.damaged = !interfaces_of(frame, InterfaceKind::damaged).empty();
+        scale.precracks = !interfaces_of(frame, InterfaceKind::precrack).empty();
+    } else if (options.show != "materials") {
+        const auto value = field_of(options).value;
+        std::vector<double> values;
+        for (Index t = 0; t < frame.n_triangles(); ++t) values.push_back(value(frame, t));
+        scale.values = seen_span(options, frame, std::move(values), 0.005, [](Index t) {
+            return std::array{3 * t, 3 * t + 1, 3 * t + 2};
+        });
+    }
     return scale;
 }
 
-Legend body_legend(const FigureOptions& options, const Frame& frame, const std::vector<std::string>& materials, const FigureScale& scale) {
-    if (options.show == "cracks") return crack_legend(options, scale);
-    if (options.show == "materials") return material_legend(frame, materials);
-    return {.bar = field_scale(options, scale.values)};
+Legend body_legend(const FigureOptions& options, const Frame& frame, const FigureContext& context,
+                   const FigureScale& scale) {
+    Legend legend;
+    if (options.show == "cracks") {
+        const CrackColour& colour = crack_colour(options.colour);
+        if (std::isfinite(scale.values.low)) legend.bar = crack_scale(options, scale.values);
+        else legend.note = "no broken interface";
+        if (!colour.precracks && scale.precracks) legend.entries.push_back({"pre-crack", black, precrack_width});
+        if (!colour.damaged && scale.damaged)
+            legend.entries.push_back({"damaged, not broken", damaged_colour, damaged_width});
+    } else if (options.show == "materials") {
+        const std::set<std::int32_t> present(frame.region.begin(), frame.region.end());
+        for (const std::int32_t region : present) {
+            const bool named = region < static_cast<std::int32_t>(context.materials.size());
+            legend.entries.push_back({named ? context.materials[region] : "material " + std::to_string(region),
+                                      material_colour(region, -1), 9});
+        }
+    } else legend.bar = field_scale(options, scale.values);
+    return legend;
 }
 
-DrawnFigure draw_cracks(const FigureOptions& options, const Frame& frame, const std::string& title, const std::filesystem::path& file, const BodyExtras& extras) {
-    const CrackColour& colour = crack_colour(options.colour);
-    const std::vector<double> values = crack_values(colour, frame, extras.breaks);
-    const FigureScale own = extras.scale ? *extras.scale : body_scale(options, frame, extras.breaks);
-    const ColourScale scale = crack_scale(options, own.values);
-    std::vector<Index> coloured, others;
-    for (Index i = 0; i < frame.n_interfaces(); ++i)
-        if (std::isfinite(values[i])) coloured.push_back(i);
-        else if (kind_of(frame, i) == Kind::broken) others.push_back(i);
-    // what is of most interest is drawn last: the widest, or the most broken
-    std::sort(coloured.begin(), coloured.end(), [&](Index a, Index b) { return colour.falls ? values[a] > values[b] : values[a] < values[b]; });
-    const std::vector<Index> damaged = interfaces_of(frame, Kind::damaged);
+DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const History& breaks,
+                      const FigureContext& context, const std::filesystem::path& file, const FigureScale& scale) {
+    const double full_width = page_width - margin_left - margin_right;
+    const Legend legend = body_legend(options, frame, context, scale);
+    const double below = options.panel ? 0 : legend_height(legend, full_width);
+    const Plot plot = body_plot(scale.seen, options, options.panel ? panel_margin : below + 36);
+    const Area& area = plot.area;
+    const bool narrow = area.width < 0.6 * full_width;  // the title then extends over the whole page
+    const std::string magnified = magnification(options, frame.n_obstacles() > 0);
+    const Title title = fitted_title(options.title.empty() ? context.title : options.title,
+                                     "t = " + time_text(frame.time) + (magnified.empty() ? "" : ", ") + magnified,
+                                     narrow ? full_width : area.width);
+    const BodyDrawing drawing =
+        options.show == "cracks" ? cracks_drawing(options, frame, breaks, scale) : field_drawing(options, frame, scale);
+    std::vector<Vec2> corners;  // on the page
+    for (Index c = 0; c < 3 * frame.n_triangles(); ++c)
+        corners.push_back(plot.on_page(deformed(frame, c, options.deform)));
 
-    BodyPage page(options, frame, own.seen, title, crack_legend(options, own), file);
-    page.inside_plot([&] { page.fill_obstacles(); });
-    page.fill_triangles([](Index) { return body_colour; });
-    page.inside_plot([&] {
-        page.draw_outline();
-        page.draw_open_faces(damaged);
-        if (!colour.damaged) draw_damaged(page, frame, damaged);
-        if (!colour.precracks) page.draw_interfaces(interfaces_of(frame, Kind::precrack), black, precrack_width);
-        page.draw_interfaces(others, outline_colour, path_width);
-        for (const Index i : coloured) page.draw_interfaces({i}, scale(values[i]), broken_width);
-    });
-    return page.finished();
-}
-
-DrawnFigure draw_field(const FigureOptions& options, const Frame& frame, const std::string& title, const std::filesystem::path& file, const BodyExtras& extras) {
-    const BodyField& field = field_of(options.show);
-    const FigureScale own = extras.scale ? *extras.scale : body_scale(options, frame, nullptr);
-    const ColourScale scale = field_scale(options, own.values);
-    BodyPage page(options, frame, own.seen, title, {.bar = scale}, file);
-    page.inside_plot([&] { page.fill_obstacles(); });
-    page.fill_triangles([&](Index t) { return scale(field.value(frame, t)); });
-    page.inside_plot([&] {
-        page.draw_outline();
-        draw_paths(page, frame, true);  // to be seen on dark colours too
-    });
-    return page.finished();
-}
-
-DrawnFigure draw_materials(const FigureOptions& options, const Frame& frame, const std::vector<std::string>& materials, const std::string& title,
-                           const std::filesystem::path& file, const BodyExtras& extras) {
-    BodyPage page(options, frame, extras.scale ? extras.scale->seen : seen_part(options, frame), title, material_legend(frame, materials), file);
-    page.inside_plot([&] { page.fill_obstacles(); });
-    page.fill_triangles([&](Index t) { return material_colour(frame.region[t], frame.grain.empty() ? -1 : frame.grain[t]); });
-    page.inside_plot([&] {
-        page.draw_outline();
-        draw_paths(page, frame, false);
-    });
-    return page.finished();
+    Canvas canvas(file, area.top() + (options.panel ? panel_margin : title.height()), options.width);
+    canvas.clip(area);
+    draw_obstacles(canvas, plot, frame, options.deform);
+    canvas.triangles(corners, drawing.triangles, area);
+    canvas.segments(outline_of(frame, corners), outline_colour, outline_width);
+    for (const Layer& layer : drawing.layers)
+        draw_layer(canvas, frame, corners, layer, (options.panel ? 1.8 : 1) * layer.width);  // panels are shown smaller
+    canvas.unclip();
+    if (!options.panel) {
+        plot.draw_axes(canvas, false);
+        draw_title(canvas, title, narrow ? margin_left : area.left, narrow ? page_width - margin_right : area.right(),
+                   area.top());
+        draw_legend(canvas, legend, {margin_left, 0, full_width, below});
+    }
+    return canvas.finish();
 }
 
 }  // namespace knap

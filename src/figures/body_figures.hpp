@@ -1,39 +1,53 @@
 #pragma once
-// Pictures of the body at one moment: its cracks, or a field on it. Obstacles are in all of them.
-#include "figures/chart.hpp"
+// Figures of the body at one moment: its cracks, its materials, or a field on it, with the obstacles around it. A new
+// field is a row of body_fields(), a new colour of cracks a row of crack_colours() (both in body_quantities.cpp).
 #include "figures/figures.hpp"
 #include "figures/legend.hpp"
+#include "figures/plot.hpp"
 
 namespace knap {
 
-struct BodyExtras {
-    const FigureScale* scale = nullptr;  // of all pictures that this one belongs to; none: its own
-    const History* breaks = nullptr;     // for colours that need it
-};
-
-/// Broken interfaces as thin lines coloured by opening, slip, cohesion, mode or time of breaking, damaged ones paler, pre-cracks black, over the deformed body.
-DrawnFigure draw_cracks(const FigureOptions& options, const Frame& frame, const std::string& title, const std::filesystem::path& file, const BodyExtras& extras = {});
-
-/// Triangles coloured by a field, broken interfaces as thin black lines.
-DrawnFigure draw_field(const FigureOptions& options, const Frame& frame, const std::string& title, const std::filesystem::path& file, const BodyExtras& extras = {});
-
-/// Triangles coloured by material, those of a grain in a shade of their own, broken interfaces black.
-DrawnFigure draw_materials(const FigureOptions& options, const Frame& frame, const std::vector<std::string>& materials, const std::string& title,
-                           const std::filesystem::path& file, const BodyExtras& extras = {});
-
-/// The part of the plane and the values of one picture of any of these kinds.
-FigureScale body_scale(const FigureOptions& options, const Frame& frame, const History* breaks);
-/// What stands below it, for panels that have none.
-Legend body_legend(const FigureOptions& options, const Frame& frame, const std::vector<std::string>& materials, const FigureScale& scale);
-
-/// A field that can be shown: one number per triangle.
+/// A field of the body: one number per triangle.
 struct BodyField {
     std::string name;      // as in FigureOptions::show
-    std::string quantity;  // as beside the colour bar
+    std::string quantity;  // as at the colour bar
     std::string unit;
-    bool is_signed;        // shown about zero
+    bool is_signed;  // zero is the middle of the colours
     double (*value)(const Frame&, Index triangle);
 };
 const std::vector<BodyField>& body_fields();
+
+/// Status of an interface of a frame (of second order: of half an interface).
+enum class InterfaceKind { intact, damaged, broken, precrack };
+InterfaceKind kind_of(const Frame& frame, Index interface);
+
+/// A quantity that colours cracks.
+struct CrackColour {
+    std::string name;      // as in FigureOptions::colour
+    std::string quantity;  // as at the colour bar
+    std::string unit;
+    double (*value)(const Frame&, Index interface) = nullptr;
+    std::string column = {};                  // of breaks.csv, which then has the values instead
+    bool damaged = false, precracks = false;  // these are coloured, too, not only broken interfaces
+    bool smallest_last = false;               // drawn over the others; otherwise the largest
+    std::optional<Limits> range = {};         // whatever the values
+    ColourMap map = ColourMap::plasma;
+};
+const std::vector<CrackColour>& crack_colours();
+/// Throws UserError for an unknown name.
+const CrackColour& crack_colour(const std::string& name);
+
+/// Value per interface; NaN without one. An interface that is not in `breaks` (breaks.csv) has no value of it.
+std::vector<double> crack_values(const CrackColour& colour, const Frame& frame, const History& breaks);
+
+/// The axes of a figure of the part `seen` of the plane with `below` [unit] for a legend: equal scales in x and y, but
+/// for FigureOptions::aspect. A slender part is widened so that its axis has room for labels.
+Plot body_plot(Box seen, const FigureOptions& options, double below);
+
+FigureScale body_scale(const FigureOptions& options, const Frame& frame, const History& breaks);
+Legend body_legend(const FigureOptions& options, const Frame& frame, const FigureContext& context,
+                   const FigureScale& scale);
+DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const History& breaks,
+                      const FigureContext& context, const std::filesystem::path& file, const FigureScale& scale);
 
 }  // namespace knap

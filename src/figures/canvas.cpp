@@ -7,48 +7,33 @@
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 #include <cairo.h>
-
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 namespace knap {
-
 namespace {
 
-// of the font, in units of its size: a capital's height and what hangs below the baseline
+// of the font, relative to its size: height of a capital, above and below the baseline
 constexpr double cap_height = 0.73, ascent = 0.78, descent = 0.22;
 constexpr double subscript_size = 0.72, subscript_drop = 0.18;
+constexpr double degree = std::numbers::pi / 180;
 
-/// A piece of text of one size.
-struct Run {
+/// Part of a text of one size, and where it starts [unit] from the text's position (y downwards, as in Cairo).
+struct TextPart {
     std::string text;
-    bool subscript;
+    double x, y, size;
+    cairo_text_extents_t extents;
 };
 
-/// Splits "c_{R} = 3" into "c", "R" (subscript) and " = 3".
-std::vector<Run> runs(const std::string& text) {
-    std::vector<Run> found;
-    std::size_t at = 0;
-    while (at < text.size()) {
-        const std::size_t open = text.find("_{", at), close = open == std::string::npos ? open : text.find('}', open);
-        if (close == std::string::npos) {
-            found.push_back({text.substr(at), false});
-            break;
-        }
-        if (open > at) found.push_back({text.substr(at, open - at), false});
-        found.push_back({text.substr(open + 2, close - open - 2), true});
-        at = close + 1;
-    }
-    return found;
-}
-
 void select_font(cairo_t* cairo, double size, bool bold) {
-    cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                           bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(cairo, size);
-    // the layout of a PNG and of a PDF are the same
+    // without hinting PNG and PDF have the same layout
     cairo_font_options_t* options = cairo_font_options_create();
     cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
     cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
@@ -57,33 +42,50 @@ void select_font(cairo_t* cairo, double size, bool bold) {
     cairo_font_options_destroy(options);
 }
 
-/// Lays the runs out from the origin along +x (y down, as Cairo's text has it) and calls use(text, x, y, extents); returns the advance.
-template <class Use>
-double lay_out(cairo_t* cairo, const std::string& text, double size, bool bold, Use use) {
-    double x = 0;
-    for (const Run& run : runs(text)) {
-        select_font(cairo, run.subscript ? subscript_size * size : size, bold);
-        cairo_text_extents_t extents;
-        cairo_text_extents(cairo, run.text.c_str(), &extents);
-        use(run.text, x, run.subscript ? subscript_drop * size : 0.0, extents);
-        x += extents.x_advance;
+/// Splits "c_{R} = 3" into "c", "R" (subscript) and " = 3"; `width`: of all.
+std::vector<TextPart> parts_of(cairo_t* cairo, const std::string& text, const TextStyle& style, double& width) {
+    std::vector<TextPart> parts;
+    width = 0;
+    const auto add = [&](std::size_t from, std::size_t to, bool subscript) {
+        if (from == to) return;
+        TextPart part{.text = text.substr(from, to - from),
+                      .x = width,
+                      .y = subscript ? subscript_drop * style.size : 0,
+                      .size = subscript ? subscript_size * style.size : style.size};
+        select_font(cairo, part.size, style.bold);
+        cairo_text_extents(cairo, part.text.c_str(), &part.extents);
+        width += part.extents.x_advance;
+        parts.push_back(std::move(part));
+    };
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t open = text.find("_{", at), close = open == text.npos ? open : text.find('}', open);
+        add(at, close == text.npos ? text.size() : open, false);
+        if (close == text.npos) break;
+        add(open + 2, close, true);
+        at = close + 1;
     }
-    return x;
+    return parts;
 }
 
-double shift_across(Across across, double width) {
-    return across == Across::left ? 0 : across == Across::centre ? -0.5 * width : -width;
+/// A page of one pixel on which texts are measured; unhinted, so they are as wide on every page.
+cairo_t* measuring_page() {
+    thread_local const Image surface(cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1), cairo_surface_destroy);
+    thread_local const std::unique_ptr<cairo_t, void (*)(cairo_t*)> page(cairo_create(surface.get()), cairo_destroy);
+    return page.get();
 }
 
-/// From the position down to the baseline.
-double shift_along(Along along, double size) {
-    switch (along) {
-        case Along::middle: return 0.5 * cap_height * size;
-        case Along::top: return ascent * size;
-        case Along::bottom: return -descent * size;
-        case Along::baseline: break;
-    }
-    return 0;
+/// The number of bytes of the first characters that fit into `width` together with `after`, and whether that is all.
+/// Texts may be long: only as many characters are measured as fit if each is a twentieth of its height wide.
+std::size_t fitting_bytes(const std::string& text, const std::string& after, double size, double width, bool bold) {
+    const auto max_ends = static_cast<std::size_t>(std::max(20 * width / size, 1.));
+    std::vector<std::size_t> ends{0};
+    for (std::size_t at = 1; at <= text.size() && ends.size() <= max_ends; ++at)
+        if (at == text.size() || !continues_character(text[at])) ends.push_back(at);
+    if (ends.back() == text.size() && text_width(text, size, bold) <= width) return text.size();
+    return *(std::partition_point(
+                 ends.begin() + 1, ends.end(),
+                 [&](std::size_t end) { return text_width(text.substr(0, end) + after, size, bold) <= width; }) -
+             1);
 }
 
 void set_colour(cairo_t* cairo, const Colour& c) { cairo_set_source_rgba(cairo, c.red, c.green, c.blue, c.alpha); }
@@ -98,30 +100,73 @@ cairo_status_t append(void* bytes, const unsigned char* data, unsigned int n) {
     return CAIRO_STATUS_SUCCESS;
 }
 
-/// A vector file goes into `bytes` as it is drawn.
-cairo_surface_t* make_surface(const std::string& ending, double height, double scale, std::string& bytes) {
-    if (ending == ".svg") return cairo_svg_surface_create_for_stream(append, &bytes, page_width, height);
-    if (ending == ".pdf") return cairo_pdf_surface_create_for_stream(append, &bytes, page_width, height);
+/// A vector file is written to `bytes` while it is drawn.
+cairo_surface_t* make_surface(const std::filesystem::path& file, double height, double scale, std::string& bytes) {
+    if (file.extension() == ".svg") return cairo_svg_surface_create_for_stream(append, &bytes, page_width, height);
+    if (file.extension() == ".pdf") return cairo_pdf_surface_create_for_stream(append, &bytes, page_width, height);
+    if (file.extension() != ".png")
+        throw UserError("figure-file", "figures cannot be written as `" + file.filename().string() + "`",
+                        "known endings: .png, .svg, .pdf");
     return cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::lround(page_width * scale)),
                                       static_cast<int>(std::lround(height * scale)));
 }
 
 }  // namespace
 
-Canvas::Canvas(std::filesystem::path file, double height, int pixels) : file_(std::move(file)), height_(height), scale_(pixels / page_width) {
-    const std::string ending = file_.extension().string();
-    if (ending != ".png" && ending != ".svg" && ending != ".pdf")
-        throw UserError("figure-file", "`" + file_.filename().string() + "` is no file a figure can be written to", "known endings: .png, .svg, .pdf");
-    surface_ = make_surface(ending, height, scale_, bytes_);
-    cairo_ = cairo_create(surface_);
-    if (ending == ".png") cairo_scale(cairo_, scale_, scale_);
+double text_width(const std::string& text, double size, bool bold) {
+    double width;
+    parts_of(measuring_page(), text, {.size = size, .bold = bold}, width);
+    return width;
+}
+
+std::string fitted_text(const std::string& text, double size, double width, bool bold) {
+    const std::size_t n = fitting_bytes(text, "…", size, width, bold);
+    return n == text.size() ? text : text.substr(0, n) + "…";
+}
+
+std::vector<std::string> broken_lines(const std::string& text, double size, double width, bool bold,
+                                      std::size_t max_lines) {
+    std::vector<std::string> lines;
+    for (std::size_t from = 0; from < text.size() && lines.size() < max_lines;) {
+        const std::string rest = text.substr(from);
+        std::size_t n = std::max<std::size_t>(fitting_bytes(rest, "", size, width, bold), 1);
+        if (n < rest.size() && lines.size() + 1 == max_lines) {
+            lines.push_back(fitted_text(rest, size, width, bold));
+            break;
+        }
+        if (const std::size_t blank = rest.rfind(' ', n); n < rest.size() && blank != rest.npos && blank > 0) n = blank;
+        lines.push_back(rest.substr(0, n));
+        for (from += n; from < text.size() && text[from] == ' ';) ++from;
+    }
+    return lines;
+}
+
+Marker marker(std::size_t i) { return static_cast<Marker>(1 + i % static_cast<std::size_t>(Marker::cross)); }
+
+std::vector<double> line_pattern(int kind, double width) {
+    const double dash = 4 * width, gap = 1.8 * width, dot = 1.2 * width;
+    switch (kind % n_line_patterns) {
+        case 1: return {dash, 2.5 * width};
+        case 2: return {dot, gap};
+        case 3: return {dash, gap, dot, gap};
+        case 4: return {dash, gap, dot, gap, dot, gap};
+        default: return {};
+    }
+}
+
+Canvas::Canvas(std::filesystem::path file, double height, int pixels)
+    : file_(std::move(file)),
+      height_(height),
+      pixels_per_unit_(pixels / page_width),
+      surface_(make_surface(file_, height, pixels_per_unit_, bytes_)),
+      cairo_(cairo_create(surface_)) {
+    if (file_.extension() == ".png") cairo_scale(cairo_, pixels_per_unit_, pixels_per_unit_);
     cairo_translate(cairo_, 0, height);
     cairo_scale(cairo_, 1, -1);
-    if (ending == ".svg") cairo_svg_surface_set_document_unit(surface_, CAIRO_SVG_UNIT_PT);
+    if (file_.extension() == ".svg") cairo_svg_surface_set_document_unit(surface_, CAIRO_SVG_UNIT_PT);
     set_colour(cairo_, white);
     cairo_paint(cairo_);
     cairo_set_line_join(cairo_, CAIRO_LINE_JOIN_ROUND);
-    cairo_set_line_cap(cairo_, CAIRO_LINE_CAP_ROUND);
 }
 
 Canvas::~Canvas() {
@@ -129,15 +174,23 @@ Canvas::~Canvas() {
     cairo_surface_destroy(surface_);
 }
 
-void Canvas::line(const std::vector<Vec2>& points, const Colour& colour, double width, const std::vector<double>& dashes) {
+void Canvas::clip(const Area& a) {
+    cairo_new_path(cairo_);
+    cairo_rectangle(cairo_, a.left, a.bottom, a.width, a.height);
+    cairo_clip(cairo_);
+}
+
+void Canvas::unclip() { cairo_reset_clip(cairo_); }
+
+void Canvas::line(const std::vector<Vec2>& points, const Colour& colour, double width,
+                  const std::vector<double>& dashes) {
+    if (width <= 0) return;
     trace(cairo_, points);
     set_colour(cairo_, colour);
     cairo_set_line_width(cairo_, width);
     cairo_set_line_cap(cairo_, dashes.empty() ? CAIRO_LINE_CAP_ROUND : CAIRO_LINE_CAP_BUTT);
     cairo_set_dash(cairo_, dashes.data(), static_cast<int>(dashes.size()), 0);
     cairo_stroke(cairo_);
-    cairo_set_dash(cairo_, nullptr, 0, 0);
-    cairo_set_line_cap(cairo_, CAIRO_LINE_CAP_ROUND);
 }
 
 void Canvas::segments(const std::vector<Vec2>& points, const Colour& colour, double width) {
@@ -148,22 +201,81 @@ void Canvas::segments(const std::vector<Vec2>& points, const Colour& colour, dou
     }
     set_colour(cairo_, colour);
     cairo_set_line_width(cairo_, width);
+    cairo_set_line_cap(cairo_, CAIRO_LINE_CAP_ROUND);
+    cairo_set_dash(cairo_, nullptr, 0, 0);
     cairo_stroke(cairo_);
 }
 
-void Canvas::fill(const std::vector<Vec2>& points, const Colour& colour) {
-    trace(cairo_, points);
-    cairo_close_path(cairo_);
+void Canvas::fill(const std::vector<Vec2>& outline, const Colour& colour) {
+    trace(cairo_, outline);
     set_colour(cairo_, colour);
     cairo_fill(cairo_);
 }
 
-void Canvas::rectangle(const Area& a, const Colour& colour, double width) {
-    cairo_new_path(cairo_);
-    cairo_rectangle(cairo_, a.left, a.bottom, a.width, a.height);
-    set_colour(cairo_, colour);
-    cairo_set_line_width(cairo_, width);
-    cairo_stroke(cairo_);
+void Canvas::marker(Marker marker, const Vec2& at, const Colour& colour) {
+    constexpr double radius = 3.2;  // [unit] of the circle; the others have about its area
+    if (marker == Marker::none) return;
+    if (marker == Marker::cross) {
+        const Vec2 a(radius, radius), b(radius, -radius);
+        return segments({at - a, at + a, at - b, at + b}, colour, 1.4);
+    }
+    struct Polygon {
+        int n;
+        double radius, first_angle;
+    };
+    static constexpr std::array<Polygon, 4> polygons{{{32, radius, 0},
+                                                      {4, 1.25 * radius, 45 * degree},
+                                                      {3, 1.4 * radius, 90 * degree},
+                                                      {4, 1.4 * radius, 90 * degree}}};
+    const Polygon& shape = polygons[static_cast<std::size_t>(marker) - 1];
+    std::vector<Vec2> outline;
+    for (int i = 0; i < shape.n; ++i) {
+        const double angle = shape.first_angle + 2 * std::numbers::pi * i / shape.n;
+        outline.push_back(at + shape.radius * Vec2(std::cos(angle), std::sin(angle)));
+    }
+    fill(outline, colour);
+}
+
+void Canvas::triangles(const std::vector<Vec2>& corners, const std::vector<Colour>& colours, const Area& area) {
+    constexpr int n_fine = 3;  // fine pixels per pixel, in each direction
+    const double scale = pixels_per_unit_;
+    // [pixel] from the upper left of the page
+    const int left = static_cast<int>(std::floor(area.left * scale)),
+              top = static_cast<int>(std::floor((height_ - area.top()) * scale)),
+              width = static_cast<int>(std::ceil(area.right() * scale)) - left,
+              height = static_cast<int>(std::ceil((height_ - area.bottom) * scale)) - top;
+    const Image fine(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, n_fine * width, n_fine * height),
+                     cairo_surface_destroy);
+    cairo_t* cairo = cairo_create(fine.get());
+    cairo_set_antialias(cairo, CAIRO_ANTIALIAS_NONE);
+    cairo_scale(cairo, n_fine * scale, -n_fine * scale);
+    cairo_translate(cairo, -left / scale, top / scale - height_);
+    for (std::size_t t = 0; t < colours.size(); ++t) {
+        cairo_new_path(cairo);
+        for (std::size_t i = 3 * t; i < 3 * t + 3; ++i) cairo_line_to(cairo, corners[i].x(), corners[i].y());
+        set_colour(cairo, colours[t]);
+        cairo_fill(cairo);
+    }
+    cairo_destroy(cairo);
+    const Image averaged(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height), cairo_surface_destroy);
+    cairo = cairo_create(averaged.get());
+    cairo_scale(cairo, 1. / n_fine, 1. / n_fine);
+    cairo_set_source_surface(cairo, fine.get(), 0, 0);
+    cairo_pattern_set_filter(cairo_get_source(cairo), CAIRO_FILTER_GOOD);
+    cairo_paint(cairo);
+    cairo_destroy(cairo);
+    image(averaged, {left / scale, height_ - (top + height) / scale, width / scale, height / scale});
+}
+
+void Canvas::image(const Image& image, const Area& area) {
+    cairo_save(cairo_);
+    cairo_translate(cairo_, area.left, area.top());
+    cairo_scale(cairo_, area.width / cairo_image_surface_get_width(image.get()),
+                -area.height / cairo_image_surface_get_height(image.get()));  // the rows of an image run downwards
+    cairo_set_source_surface(cairo_, image.get(), 0, 0);
+    cairo_pattern_set_filter(cairo_get_source(cairo_), CAIRO_FILTER_GOOD);
+    cairo_paint(cairo_);
+    cairo_restore(cairo_);
 }
 
 void Canvas::text(const Vec2& at, const std::string& text, const TextStyle& style) {
@@ -172,87 +284,41 @@ void Canvas::text(const Vec2& at, const std::string& text, const TextStyle& styl
     cairo_new_path(cairo_);
     cairo_translate(cairo_, at.x(), at.y());
     cairo_scale(cairo_, 1, -1);
-    cairo_rotate(cairo_, -style.angle * std::numbers::pi / 180);
-    const double x0 = shift_across(style.across, text_width(text, style.size, style.bold)), y0 = shift_along(style.along, style.size);
-    set_colour(cairo_, style.colour);
-    double left = 1e30, low = 1e30, right = -1e30, high = -1e30;  // of the ink, in text directions
-    lay_out(cairo_, text, style.size, style.bold, [&](const std::string& run, double x, double y, const cairo_text_extents_t& extents) {
-        cairo_move_to(cairo_, x0 + x, y0 + y);
-        cairo_show_text(cairo_, run.c_str());
-        left = std::min(left, x0 + x + extents.x_bearing);
-        right = std::max(right, x0 + x + extents.x_bearing + extents.width);
-        low = std::min(low, y0 + y + extents.y_bearing);
-        high = std::max(high, y0 + y + extents.y_bearing + extents.height);
-    });
-    cairo_restore(cairo_);
-    const Eigen::Rotation2Dd turn(style.angle * std::numbers::pi / 180);
-    Vec2 box_low(1e30, 1e30), box_high(-1e30, -1e30);
-    for (const double x : {left, right}) {
-        for (const double y : {low, high}) {
-            const Vec2 p = at + turn * Vec2(x, -y);
-            box_low = box_low.cwiseMin(p);
-            box_high = box_high.cwiseMax(p);
-        }
+    cairo_rotate(cairo_, -style.angle * degree);
+    double width;
+    const std::vector<TextPart> parts = parts_of(cairo_, text, style, width);
+    const double x0 = style.across == Across::left ? 0 : style.across == Across::centre ? -0.5 * width : -width;
+    const double to_baseline = style.along == Along::middle   ? 0.5 * cap_height
+                               : style.along == Along::top    ? ascent
+                               : style.along == Along::bottom ? -descent
+                                                              : 0;
+    set_colour(cairo_, ink);
+    Eigen::AlignedBox2d box;  // of the ink on the page
+    for (const TextPart& part : parts) {
+        const double x = x0 + part.x, y = to_baseline * style.size + part.y;
+        select_font(cairo_, part.size, style.bold);
+        cairo_move_to(cairo_, x, y);
+        cairo_show_text(cairo_, part.text.c_str());
+        const Vec2 corner(x + part.extents.x_bearing, -y - part.extents.y_bearing);
+        for (const double dx : {0., part.extents.width})
+            for (const double dy : {0., part.extents.height})
+                box.extend(at + Eigen::Rotation2Dd(style.angle * degree) * Vec2(corner + Vec2(dx, -dy)));
     }
-    texts_.push_back({text, {box_low.x(), box_low.y(), box_high.x() - box_low.x(), box_high.y() - box_low.y()}});
+    cairo_restore(cairo_);
+    texts_.push_back({text, {box.min().x(), box.min().y(), box.sizes().x(), box.sizes().y()}});
 }
 
-namespace {
-
-/// A page of one pixel to measure texts on; metrics are not hinted, so they are those of every page.
-cairo_t* measuring_page() {
-    struct Page {
-        cairo_surface_t* surface = cairo_image_surface_create(CAIRO_FORMAT_A8, 1, 1);
-        cairo_t* cairo = cairo_create(surface);
-        ~Page() {
-            cairo_destroy(cairo);
-            cairo_surface_destroy(surface);
-        }
-    };
-    thread_local const Page page;
-    return page.cairo;
-}
-
-/// Ends of the characters that can be needed to fill `width`, which in UTF-8 go on with bytes 10xxxxxx. A text may have millions: no more are looked at than
-/// would fit if they were a twentieth of their height wide.
-std::vector<std::size_t> character_ends(const std::string& text, double size, double width) {
-    const auto most = static_cast<std::size_t>(std::max(20 * width / size, 1.));
-    std::vector<std::size_t> ends{0};
-    for (std::size_t at = 1; at <= text.size() && ends.size() <= most; ++at)
-        if (at == text.size() || !continues_character(text[at])) ends.push_back(at);
-    return ends;
-}
-
-/// The end of the last of them up to which text and `after` fit.
-std::size_t last_fitting(const std::vector<std::size_t>& ends, const std::string& text, const std::string& after, double size, double width, bool bold) {
-    const auto beyond = std::partition_point(ends.begin() + 1, ends.end(), [&](std::size_t end) { return text_width(text.substr(0, end) + after, size, bold) <= width; });
-    return *(beyond - 1);
-}
-
-}  // namespace
-
-double text_width(const std::string& text, double size, bool bold) {
-    return lay_out(measuring_page(), text, size, bold, [](const std::string&, double, double, const cairo_text_extents_t&) {});
-}
-
-std::size_t fitting_bytes(const std::string& text, double size, double width, bool bold) {
-    return last_fitting(character_ends(text, size, width), text, "", size, width, bold);
-}
-
-std::string fitted_text(const std::string& text, double size, double width, bool bold) {
-    const std::vector<std::size_t> ends = character_ends(text, size, width);
-    if (ends.back() == text.size() && text_width(text, size, bold) <= width) return text;
-    return text.substr(0, last_fitting(ends, text, "…", size, width, bold)) + "…";
-}
-
-void Canvas::finish() {
+DrawnFigure Canvas::finish() {
     cairo_show_page(cairo_);
     cairo_status_t status = cairo_status(cairo_);
-    if (status == CAIRO_STATUS_SUCCESS && file_.extension() == ".png") status = cairo_surface_write_to_png_stream(surface_, append, &bytes_);
+    if (status == CAIRO_STATUS_SUCCESS && file_.extension() == ".png")
+        status = cairo_surface_write_to_png_stream(surface_, append, &bytes_);
     cairo_surface_finish(surface_);
     if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface_);
-    if (status != CAIRO_STATUS_SUCCESS) throw OutputError("cannot write " + file_.string() + ": " + cairo_status_to_string(status));
+    if (status != CAIRO_STATUS_SUCCESS)
+        throw OutputError("cannot write " + file_.string() + ": " + cairo_status_to_string(status));
     write_whole_file(file_, bytes_);
+    return {file_, height_, std::move(texts_)};
 }
 
 }  // namespace knap

@@ -1,10 +1,12 @@
 #pragma once
-// A page to draw on, in units that do not depend on the resolution: the page is `page_width` units wide, x to the right, y up, and
-// becomes a PNG, SVG or PDF by the file's ending (Cairo; no display). In vector files a unit is a point.
-// Text knows subscripts: "c_{R}". Every text is recorded with its ink box, so that a test can see what leaves the page or collides.
+// A page to draw on with Cairo; no display is needed. The page is `page_width` units wide, x to the right, y upwards,
+// and is written as PNG, SVG or PDF according to the ending of the file. Units do not depend on the resolution; in
+// vector files a unit is a point. Texts may have subscripts: "c_{R}". Every text is recorded with the box of its ink,
+// so that tests find texts that overlap or leave the page.
 #include "base/vec.hpp"
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,75 +15,104 @@ typedef struct _cairo_surface cairo_surface_t;
 
 namespace knap {
 
-inline constexpr double page_width = 560;  // [unit]
+inline constexpr double page_width = 560, type_size = 11;  // [unit] type_size: of labels in all figures
 
 struct Colour {
     double red = 0, green = 0, blue = 0, alpha = 1;
 };
-
 inline constexpr Colour black{0, 0, 0}, white{1, 1, 1}, ink{0.15, 0.15, 0.15};
 
-/// A rectangle in units of the page.
+/// A rectangle on the page [unit].
 struct Area {
     double left = 0, bottom = 0, width = 0, height = 0;
     double right() const { return left + width; }
     double top() const { return bottom + height; }
+    bool overlaps(const Area& other) const {
+        return left < other.right() && other.left < right() && bottom < other.top() && other.bottom < top();
+    }
 };
 
-enum class Across { left, centre, right };          // which part of the text stands at its position
-enum class Along { baseline, middle, top, bottom };  // likewise, upwards
+enum class Across { left, centre, right };           // horizontal part of a text that lies at its position
+enum class Along { baseline, middle, top, bottom };  // the vertical part
 
 struct TextStyle {
-    double size = 12;  // [unit]
-    Colour colour = ink;
+    double size = type_size;  // [unit]
     Across across = Across::left;
     Along along = Along::baseline;
     double angle = 0;  // [degree] counterclockwise
     bool bold = false;
 };
 
-/// Width [unit] of a text, and how much of it fits into a width: without a page, to find out how large that must be.
-double text_width(const std::string& text, double size, bool bold = false);
-/// In bytes, whole characters.
-std::size_t fitting_bytes(const std::string& text, double size, double width, bool bold = false);
-/// The text, or as much of it as fits into `width` units, with an ellipsis.
+/// Width [unit] of a text on any page.
+double text_width(const std::string& text, double size = type_size, bool bold = false);
+/// The text, or as many of its first characters as fit into `width` [unit] with an ellipsis.
 std::string fitted_text(const std::string& text, double size, double width, bool bold = false);
+/// The text in at most `max_lines` lines of at most `width` [unit], broken at blanks, within longer words anywhere; the
+/// last line ends with an ellipsis where text is left.
+std::vector<std::string> broken_lines(const std::string& text, double size, double width, bool bold,
+                                      std::size_t max_lines);
+
+enum class Marker { none, circle, square, triangle, diamond, cross };
+/// The i-th shape other than none; they repeat.
+Marker marker(std::size_t i);
+
+/// Lengths [unit] of dashes and gaps of a line of this width: 0 solid, 1 dashed, 2 dotted, 3 dash-dotted, 4 dash and
+/// two dots; they repeat.
+std::vector<double> line_pattern(int kind, double width);
+inline constexpr int n_line_patterns = 5;
+
+/// An image in memory; see cairo_image_surface_create.
+using Image = std::unique_ptr<cairo_surface_t, void (*)(cairo_surface_t*)>;
 
 struct DrawnText {
     std::string text;
-    Area box;  // what is inked
+    Area box;  // of the ink
+};
+
+/// A figure that has been written, for tests.
+struct DrawnFigure {
+    std::filesystem::path file;
+    double height = 0;  // [unit] of the page
+    std::vector<DrawnText> texts;
 };
 
 class Canvas {
 public:
-    /// `height` in units; `pixels` is the width of a PNG. Throws UserError for an ending that is not .png, .svg or .pdf.
+    /// `height` [unit]; `pixels`: width of a PNG. Throws UserError for an ending other than .png, .svg and .pdf.
     Canvas(std::filesystem::path file, double height, int pixels);
     ~Canvas();
     Canvas(const Canvas&) = delete;
     Canvas& operator=(const Canvas&) = delete;
 
     double height() const { return height_; }
-    double pixels_per_unit() const { return scale_; }  // of an image on the page
-    cairo_t* cairo() const { return cairo_; }
 
-    void line(const std::vector<Vec2>& points, const Colour& colour, double width, const std::vector<double>& dashes = {});
-    /// Separate lines from points[2i] to points[2i+1] as one stroke: where they meet or overlap nothing gets darker.
+    /// Until unclip() nothing is drawn outside of `area`.
+    void clip(const Area& area);
+    void unclip();
+
+    void line(const std::vector<Vec2>& points, const Colour& colour, double width,
+              const std::vector<double>& dashes = {});
+    /// Lines from points[2i] to points[2i+1] in one stroke: a transparent colour is not darker where they meet.
     void segments(const std::vector<Vec2>& points, const Colour& colour, double width);
-    void fill(const std::vector<Vec2>& points, const Colour& colour);
-    void rectangle(const Area& area, const Colour& colour, double width);
-
+    void fill(const std::vector<Vec2>& outline, const Colour& colour);
+    void marker(Marker marker, const Vec2& at, const Colour& colour);
+    /// Fills the triangles corners[3t .. 3t+2] inside `area` as an image without seams: filled without antialiasing at
+    /// three times the resolution, then averaged. It is an image in vector files, too: viewers are slow with 37 000
+    /// paths.
+    void triangles(const std::vector<Vec2>& corners, const std::vector<Colour>& colours, const Area& area);
+    /// Stretches an image to `area`.
+    void image(const Image& image, const Area& area);
     void text(const Vec2& at, const std::string& text, const TextStyle& style);
-    const std::vector<DrawnText>& texts() const { return texts_; }
 
-    /// Writes the file. Throws OutputError naming it; an older one stays then.
-    void finish();
+    /// Writes the file. Throws OutputError with its name; an older file then stays.
+    DrawnFigure finish();
 
 private:
     std::filesystem::path file_;
     std::string bytes_;  // of the file
-    double height_, scale_;
-    cairo_surface_t* surface_ = nullptr;
-    cairo_t* cairo_ = nullptr;
+    double height_, pixels_per_unit_;
+    cairo_surface_t* surface_;
+    cairo_t* cairo_;
     std::vector<DrawnText> texts_;
 };
 

@@ -1,144 +1,140 @@
 #include "figures/curve_figures.hpp"
 
+#include "analysis/breaks.hpp"
+#include "analysis/specimen.hpp"
+#include "analysis/strength.hpp"
+
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <iterator>
-#include <set>
+#include <numeric>
 
 namespace knap {
-
 namespace {
 
-const Colour blue = curve_colour(0), vermilion = curve_colour(1), green = curve_colour(2), orange = curve_colour(3), purple = curve_colour(4), sky = curve_colour(5);
+const Colour blue = curve_colour(0), vermilion = curve_colour(1), green = curve_colour(2), orange = curve_colour(3),
+             purple = curve_colour(4), sky = curve_colour(5);
 constexpr Colour light_grey{0.75, 0.75, 0.75};
+constexpr double visible = 1e-3;  // of the largest value
 
 using Column = std::vector<double>;
 
-Column column_or_zero(const History& history, const std::string& name) {
-    return history.has(name) ? history.column(name) : Column(history.rows.size(), 0.0);
-}
-
-double largest(const Column& values) {
-    double found = 0;
-    for (const double v : values) found = std::max(found, std::abs(v));
-    return found;
-}
-
-Column negated(Column values) {
-    for (double& v : values) v = -v;
+Column scaled(Column values, double factor) {
+    for (double& value : values) value *= factor;
     return values;
 }
 
-Column sum(const std::vector<Column>& parts) {
-    Column total(parts.front().size(), 0.0);
-    for (const Column& part : parts)
-        for (std::size_t i = 0; i < total.size(); ++i) total[i] += part[i];
-    return total;
+double largest(const Column& values) {
+    return std::accumulate(values.begin(), values.end(), 0.,
+                           [](double a, double b) { return std::max(a, std::abs(b)); });
 }
 
-double range(const Column& values) {
-    if (values.empty()) return 0;
-    const auto [low, high] = std::minmax_element(values.begin(), values.end());
-    return *high - *low;
+Chart over_time(const char* title, const char* quantity, const char* unit) {
+    return {.title = title, .x_quantity = "time", .x_unit = "s", .y_quantity = quantity, .y_unit = unit};
 }
 
-/// What a table has of each of its loads or probes.
+/// Components of the loads or probes of a table: "_u_x" ends the name of the column, "u_{x}" stands in the legend.
 struct Component {
-    const char *ending, *symbol;  // of the column, in the key
+    std::string ending, symbol;
 };
 
-/// All components that can be seen beside the largest: whose it is by colour, which one by the pattern, as far as there are patterns.
+/// Curves over time of all visible components. The colour stands for the load or probe and the line pattern for the
+/// component, as long as there are enough patterns.
 void add_components(Chart& chart, const History& table, const std::vector<Component>& components) {
     struct Found {
-        std::size_t name, component;
+        std::size_t name;
+        const Component* component;
         Column values;
     };
     std::vector<std::string> names;
     std::vector<Found> found;
-    double visible = 0;
+    double max = 0;
     for (const std::string& column : table.columns)
-        for (std::size_t c = 0; c < components.size(); ++c) {
-            if (!column.ends_with(components[c].ending)) continue;
-            const std::string name = column.substr(0, column.size() - std::string(components[c].ending).size());
+        for (const Component& component : components) {
+            if (!column.ends_with(component.ending)) continue;
+            const std::string name = column.substr(0, column.size() - component.ending.size());
             if (names.empty() || names.back() != name) names.push_back(name);
-            found.push_back({names.size() - 1, c, table.column(column)});
-            visible = std::max(visible, 1e-3 * largest(found.back().values));
+            found.push_back({names.size() - 1, &component, table.column(column)});
+            max = std::max(max, largest(found.back().values));
         }
-    std::erase_if(found, [&](const Found& f) { return largest(f.values) < visible; });
-    std::set<std::size_t> shown;
-    for (const Found& f : found) shown.insert(f.component);
-    const std::size_t n = shown.size(), rounds = (names.size() + n_curve_colours - 1) / n_curve_colours;
+    std::erase_if(found, [&](const Found& f) { return largest(f.values) < visible * max; });
+    std::vector<const Component*> shown;
+    for (const Component& component : components)
+        if (std::ranges::count(found, &component, &Found::component) > 0) shown.push_back(&component);
+    const std::size_t rounds = (names.size() + n_curve_colours - 1) / n_curve_colours;
+    const bool paired = shown.size() * rounds <= n_line_patterns;
     for (const Found& f : found) {
-        const std::size_t i = chart.curves.size(), component = static_cast<std::size_t>(std::distance(shown.begin(), shown.find(f.component)));
-        const bool paired = n * rounds <= n_line_patterns;
-        chart.curves.push_back({.label = names[f.name] + ", " + components[f.component].symbol,
+        const std::size_t i = chart.curves.size(),
+                          pattern = static_cast<std::size_t>(std::ranges::find(shown, f.component) - shown.begin()) +
+                                    shown.size() * (f.name / n_curve_colours);
+        chart.curves.push_back({.label = names[f.name] + ", " + f.component->symbol,
                                 .x = table.column("time"),
                                 .y = f.values,
                                 .colour = curve_colour(paired ? f.name : i),
-                                .dash = paired ? static_cast<int>(component + n * (f.name / n_curve_colours)) : curve_dash(i)});
+                                .dash = paired ? static_cast<int>(pattern) : curve_dash(i)});
     }
 }
 
-/// Names in front of `ending` among the columns.
-std::vector<std::string> names_before(const History& history, const std::string& ending) {
-    std::vector<std::string> names;
-    for (const std::string& column : history.columns)
-        if (column.ends_with(ending)) names.push_back(column.substr(0, column.size() - ending.size()));
-    return names;
-}
-
-void add_curve(Chart& chart, const std::string& label, const Column& x, const Column& y) {
-    const std::size_t i = chart.curves.size();
-    chart.curves.push_back({.label = label, .x = x, .y = y, .colour = curve_colour(i), .dash = curve_dash(i)});
+/// A sum that rises at each x, from `start` to `end`.
+Curve staircase(const std::string& label, const Column& x, const Column& rise, const Colour& colour, double start,
+                double end) {
+    Curve curve{.label = label, .x = {start}, .y = {0}, .colour = colour};
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        curve.x.insert(curve.x.end(), 2, x[i]);
+        curve.y.insert(curve.y.end(), {curve.y.back(), curve.y.back() + rise[i]});
+    }
+    curve.x.push_back(end);
+    curve.y.push_back(curve.y.back());
+    return curve;
 }
 
 }  // namespace
 
 Chart energy_chart(const History& energy) {
-    // Where the work of the loads went: with the energy of the start their sum is the work, to rounding. What is physical is drawn through, what is of the
-    // numbers is dashed.
-    struct Part {
+    // Solid: physical terms, dashed: errors of the numerical scheme. Together with the energy at the start the external
+    // work equals their sum, to rounding.
+    struct Term {
         const char *label, *column;
         double sign;
         Colour colour;
         int dash;
         bool always;
     };
-    const bool parted = energy.has("dissipated");  // older runs have only the sum of the two
-    const std::array parts{Part{"kinetic", "kinetic", 1, blue, 0, true},
-                           Part{"strain", "strain", 1, orange, 0, true},
-                           Part{parted ? "dissipated" : "surface", parted ? "dissipated" : "surface", 1, vermilion, 0, true},
-                           Part{"recoverable", "recoverable", 1, green, 0, false},
-                           Part{"lost in friction", "friction_work", -1, purple, 0, false},
-                           Part{"lost in impact", "impact_work", -1, sky, 0, false},
-                           Part{"law lag", "law_lag_energy", 1, vermilion, 1, false},
-                           Part{"crossing loss", "crossing_loss_energy", 1, purple, 1, false},
-                           Part{"damped by the scheme", "scheme_dissipation", 1, green, 1, false},
-                           Part{"lost in changes of step", "step_change_work", -1, blue, 1, false}};
-    std::vector<Column> values;
-    for (const Part& part : parts) values.push_back(part.sign > 0 ? column_or_zero(energy, part.column) : negated(column_or_zero(energy, part.column)));
-
+    const char* dissipated = energy.has("dissipated") ? "dissipated" : "surface";  // older runs: with the recoverable
+    const std::array terms{Term{"kinetic", "kinetic", 1, blue, 0, true},
+                           Term{"strain", "strain", 1, orange, 0, true},
+                           Term{dissipated, dissipated, 1, vermilion, 0, true},
+                           Term{"recoverable", "recoverable", 1, green, 0, false},
+                           Term{"lost in friction", "friction_work", -1, purple, 0, false},
+                           Term{"lost in impact", "impact_work", -1, sky, 0, false},
+                           Term{"law lag", "law_lag_energy", 1, vermilion, 1, false},
+                           Term{"crossing loss", "crossing_loss_energy", 1, purple, 1, false},
+                           Term{"damped by the scheme", "scheme_dissipation", 1, green, 1, false},
+                           Term{"lost in changes of step", "step_change_work", -1, blue, 1, false}};
     const Column time = energy.column("time");
-    // a body that moves or is loaded at the start has energy before any work is done
-    const double start = time.empty() ? 0 : values[0].front() + values[1].front();
-    Column given = column_or_zero(energy, "external_work");
-    for (double& work : given) work += start;
-    Chart chart{.title = "Energy", .x_quantity = "time", .x_unit = "s", .y_quantity = "energy", .y_unit = "J"};
-    // the sum lies broad and pale below the dashed work of the loads: one look tells whether the balance closes
-    chart.curves.push_back({"sum of all", time, sum(values), light_grey, 4});
-    chart.curves.push_back({start > 0 ? "start + external work" : "external work", time, given, black, 1.4, 1});
-    const double visible = 1e-3 * largest(given);  // what would lie on the axis is left out
-    for (std::size_t i = 0; i < parts.size(); ++i)
-        if (parts[i].always || largest(values[i]) > visible) chart.curves.push_back({parts[i].label, time, values[i], parts[i].colour, 1.6, parts[i].dash});
+    const auto column = [&](const char* name, double sign) {
+        return energy.has(name) ? scaled(energy.column(name), sign) : Column(time.size(), 0.);
+    };
+    Column sum(time.size(), 0.), work = column("external_work", 1);
+    const double start = time.empty() ? 0 : column("kinetic", 1).front() + column("strain", 1).front();
+    for (double& value : work) value += start;
+    Chart chart = over_time("Energy", "energy", "J");
+    // a wide pale line below the dashed one: where they separate, the balance does not close
+    chart.curves = {{"sum of all", time, {}, light_grey, 4},
+                    {start > 0 ? "start + external work" : "external work", time, work, black, 1.4, 1}};
+    for (const Term& term : terms) {
+        const Column values = column(term.column, term.sign);
+        std::ranges::transform(sum, values, sum.begin(), std::plus<>());
+        if (term.always || largest(values) > visible * largest(work))
+            chart.curves.push_back({term.label, time, values, term.colour, 1.6, term.dash});
+    }
+    chart.curves[0].y = sum;
     return chart;
 }
 
 Chart crack_length_chart(const History& cracks) {
-    const Column time = cracks.column("time");
-    Chart chart{.title = "Crack length", .x_quantity = "time", .x_unit = "s", .y_quantity = "length", .y_unit = "m"};
-    const auto add = [&](const char* label, const char* name, const Colour& colour) {
-        if (cracks.has(name)) chart.curves.push_back({label, time, cracks.column(name), colour});
+    Chart chart = over_time("Crack length", "length", "m");
+    const auto add = [&](const char* label, const char* column, const Colour& colour) {
+        if (cracks.has(column)) chart.curves.push_back({label, cracks.column("time"), cracks.column(column), colour});
     };
     add("main crack", "main_length", black);
     add("all arms", "crack_length", blue);
@@ -147,39 +143,114 @@ Chart crack_length_chart(const History& cracks) {
 }
 
 Chart crack_speed_chart(const History& cracks, double rayleigh_speed) {
-    Chart chart{.title = "Crack speed", .x_quantity = "time", .x_unit = "s", .y_quantity = "speed of the main tip", .y_unit = "m/s"};
-    chart.curves.push_back({"speed", cracks.column("time"), cracks.column("tip_speed"), blue, 1.4});
+    Chart chart = over_time("Crack speed", "speed of the main tip", "m/s");
+    chart.curves = {{"speed", cracks.column("time"), cracks.column("tip_speed"), blue, 1.4}};
     if (rayleigh_speed > 0) chart.levels = {{"0.65 c_{R}", 0.65 * rayleigh_speed}, {"c_{R}", rayleigh_speed}};
     return chart;
 }
 
-Chart reaction_chart(const History& reactions, bool over_time) {
-    Chart chart{.title = "Force and displacement", .x_quantity = "displacement", .x_unit = "m", .y_quantity = "force", .y_unit = "N"};
-    if (over_time) chart.title = "Reactions", chart.x_quantity = "time", chart.x_unit = "s";
-    const std::vector<std::string> loads = names_before(reactions, "_force_x");
-    const auto moves = [&](const std::string& load) { return range(reactions.column(load + "_u_x")) > 0 || range(reactions.column(load + "_u_y")) > 0; };
-    if (over_time) {  // also of what stands still, in both directions, where it can be seen
+Chart reaction_chart(const History& reactions, bool at_times) {
+    if (at_times) {
+        Chart chart = over_time("Reactions", "force", "N");
         add_components(chart, reactions, {{"_force_x", "F_{x}"}, {"_force_y", "F_{y}"}});
         return chart;
     }
-    const bool any_moves = std::any_of(loads.begin(), loads.end(), moves);
-    for (const std::string& load : loads) {
-        if (any_moves && !moves(load)) continue;
-        const std::string axis = range(reactions.column(load + "_u_y")) > range(reactions.column(load + "_u_x")) ? "_y" : "_x";
-        add_curve(chart, load + (axis == "_x" ? ", F_{x}" : ", F_{y}"), reactions.column(load + "_u" + axis), reactions.column(load + "_force" + axis));
+    Chart chart{.title = "Force and displacement",
+                .x_quantity = "displacement",
+                .x_unit = "m",
+                .y_quantity = "force",
+                .y_unit = "N"};
+    const std::string ending = "_force_x";
+    bool any_moves = false;
+    for (const std::string& column : reactions.columns) {
+        if (!column.ends_with(ending)) continue;
+        const std::string load = column.substr(0, column.size() - ending.size());
+        const auto range = [&](const char* component) {
+            const Column u = reactions.column(load + component);
+            return u.empty() ? 0 : std::ranges::max(u) - std::ranges::min(u);
+        };
+        const double x = range("_u_x"), y = range("_u_y");
+        const bool moves = x > 0 || y > 0;
+        if (any_moves && !moves) continue;
+        if (moves && !any_moves) chart.curves.clear();
+        any_moves = any_moves || moves;
+        const std::string axis = y > x ? "y" : "x";
+        const std::size_t i = chart.curves.size();
+        chart.curves.push_back({.label = load + ", F_{" + axis + "}",
+                                .x = reactions.column(load + "_u_" + axis),
+                                .y = reactions.column(load + "_force_" + axis),
+                                .colour = curve_colour(i),
+                                .dash = curve_dash(i)});
     }
     return chart;
 }
 
 Chart probe_chart(const History& probes) {
-    Chart chart{.title = "Displacement", .x_quantity = "time", .x_unit = "s", .y_quantity = "displacement", .y_unit = "m"};
+    Chart chart = over_time("Displacement", "displacement", "m");
     add_components(chart, probes, {{"_u_x", "u_{x}"}, {"_u_y", "u_{y}"}, {"_opening", "opening"}, {"_slip", "slip"}});
     return chart;
 }
 
 Chart probe_velocity_chart(const History& probes) {
-    Chart chart{.title = "Velocity", .x_quantity = "time", .x_unit = "s", .y_quantity = "velocity", .y_unit = "m/s"};
+    Chart chart = over_time("Velocity", "velocity", "m/s");
     add_components(chart, probes, {{"_v_x", "v_{x}"}, {"_v_y", "v_{y}"}});
+    return chart;
+}
+
+Chart stress_strain_chart(const History& stress_strain) {
+    Chart chart{.title = "Stress and strain", .x_quantity = "strain [%]", .y_quantity = "stress", .y_unit = "Pa"};
+    // the axis extends as far as the axial strain, in both directions: larger strains are those of flying fragments
+    double max_strain = 0;
+    for (const double strain : stress_strain.column("axial_strain"))
+        if (std::isfinite(strain)) max_strain = std::max(max_strain, 100 * std::abs(strain));
+    if (max_strain > 0) chart.x_within = {-max_strain, max_strain};
+    for (const char* label : {"axial", "lateral", "volumetric"})
+        if (const std::string column = std::string(label) + "_strain"; stress_strain.has(column))
+            chart.curves.push_back({label, scaled(stress_strain.column(column), 100), stress_strain.column("stress"),
+                                    curve_colour(chart.curves.size())});
+    const Strength strength = strength_of(stress_strain, SpecimenOptions{}.modulus_between);
+    chart.curves.push_back({.label = "peak",
+                            .x = {100 * strength.peak_strain},
+                            .y = {strength.peak_stress},
+                            .colour = black,
+                            .width = 0,
+                            .marker = Marker::diamond});
+    std::vector<Level> levels{{"crack initiation", strength.crack_initiation, true},
+                              {"dilatancy", strength.dilatancy, true},
+                              {"crack damage", strength.crack_damage, true}};
+    std::erase_if(levels, [](const Level& level) { return !std::isfinite(level.y); });
+    std::ranges::sort(levels, {}, &Level::y);
+    for (const Level& level : levels)  // levels at nearly the same stress share a line
+        if (!chart.levels.empty() && level.y - chart.levels.back().y < 0.02 * strength.peak_stress)
+            chart.levels.back().label += ", " + level.label;
+        else chart.levels.push_back(level);
+    return chart;
+}
+
+Chart break_chart(const History& breaks, double start, double end) {
+    Chart chart = over_time("Breaks", "broken interfaces", "");
+    const Column time = breaks.column("time"), shear = breaks.column("shear");
+    Column all(time.size(), 1.), tensile, sheared;
+    for (const double s : shear) tensile.push_back(!is_shear(s)), sheared.push_back(is_shear(s));
+    chart.curves = {staircase("all", time, all, black, start, end),
+                    staircase("tension", time, tensile, blue, start, end),
+                    staircase("shear", time, sheared, vermilion, start, end)};
+    return chart;
+}
+
+Chart fragment_size_chart(const History& fragments) {
+    Chart chart{.title = "Fragment sizes",
+                .x_quantity = "diameter of the circle of equal area",
+                .x_unit = "m",
+                .y_quantity = "mass passing [%]",
+                .x_logarithmic = true};
+    const Column diameter = fragments.column("diameter"), mass = fragments.column("mass_part");
+    std::vector<std::pair<double, double>> sizes;
+    for (std::size_t i = 0; i < diameter.size(); ++i) sizes.emplace_back(diameter[i], 100 * mass[i]);
+    std::ranges::sort(sizes);
+    Column x, rise;
+    for (const auto& [d, percent] : sizes) x.push_back(d), rise.push_back(percent);
+    if (!x.empty()) chart.curves = {staircase("passing", x, rise, blue, x.front() / 1.2, x.back() * 1.2)};
     return chart;
 }
 

@@ -3,132 +3,118 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "figures/body_figures.hpp"
-#include "figures/crack_colours.hpp"
 #include "figures/curve_figures.hpp"
-#include "figures/rock_figures.hpp"
-#include "figures/ticks.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace knap {
-
 namespace {
 
-bool among(const std::vector<std::string>& words, const std::string& word) { return std::find(words.begin(), words.end(), word) != words.end(); }
-
-void check(const FigureOptions& options) {
-    if (!among(figure_subjects(), options.show))
-        throw UserError("figure-show", "`" + options.show + "` is nothing a figure can show", "known: " + joined(figure_subjects()));
-    crack_colour(options.colour);
-    if (!among(figure_abscissas(), options.over))
-        throw UserError("figure-over", "reactions cannot be drawn over `" + options.over + "`", "known: " + joined(figure_abscissas()));
-    if (!std::isfinite(options.deform)) throw UserError("figure-deform", "displacements cannot be drawn " + std::to_string(options.deform) + " times as large");
-    if (!(options.aspect >= 1 && options.aspect <= 1000))
-        throw UserError("figure-aspect", "the short side can be drawn 1 to 1000 times larger than the long one, not " + short_number(options.aspect));
-    if (options.range.size() == 2 && !(options.range[0] < options.range[1])) throw UserError("figure-range", "a colour range must ascend");
-    if (options.box && !(options.box->low.array() < options.box->high.array()).all()) throw UserError("figure-box", "a box is given by its lower left and its upper right corner");
-    if (options.width < 200 || options.width > 20000)
-        throw UserError("figure-width", "a figure is 200 to 20000 pixels wide, not " + std::to_string(options.width));
-}
-
-/// With several times asked for, the one nearest to the frame's is put before the ending.
-std::filesystem::path file_name(const FigureOptions& options, double time) {
-    std::filesystem::path file = options.file;
-    if (options.at.size() < 2) return file;
-    const double asked = *std::min_element(options.at.begin(), options.at.end(),
-                                           [&](double a, double b) { return std::abs(a - time) < std::abs(b - time); });
-    return file.replace_filename(file.stem().string() + "_" + time_text(asked, true) + file.extension().string());
-}
+/// Data for a figure that is drawn from histories.
+struct Source {
+    const Histories& histories;
+    const FigureOptions& options;
+    const FigureContext& context;
+};
 
 /// A figure that is drawn from histories. A new one is a row of curve_kinds.
 struct CurveKind {
     const char* show;
-    Chart (*chart)(const FigureOptions&, const Histories&, const FigureContext&);  // null: draw_rose
+    Chart (*chart)(const Source&);        // null: the rose
     History Histories::*table = nullptr;  // null: every run has it
-    const char* origin = "";              // of the table, for a run without it
+    const char* origin = "";              // of the table
 };
 
 constexpr const char* origin_of_probes = "probes.csv is written where the scenario has a [[probe]]";
 constexpr const char* origin_of_breaks = "breaks.csv is written with output.breaks = true";
 
-using Options = FigureOptions;
-using Context = FigureContext;
 const CurveKind curve_kinds[] = {
-    {"energy", [](const Options&, const Histories& h, const Context&) { return energy_chart(h.energy); }},
-    {"crack_length", [](const Options&, const Histories& h, const Context&) { return crack_length_chart(h.cracks); }},
-    {"crack_speed",
-     [](const Options&, const Histories& h, const Context& context) { return crack_speed_chart(h.cracks, context.rayleigh_speed); }},
-    {"reactions",
-     [](const Options& options, const Histories& h, const Context&) { return reaction_chart(h.reactions, options.over == "time"); },
+    {"energy", [](const Source& s) { return energy_chart(s.histories.energy); }},
+    {"crack_length", [](const Source& s) { return crack_length_chart(s.histories.cracks); }},
+    {"crack_speed", [](const Source& s) { return crack_speed_chart(s.histories.cracks, s.context.rayleigh_speed); }},
+    {"reactions", [](const Source& s) { return reaction_chart(s.histories.reactions, s.options.over == "time"); },
      &Histories::reactions, "reactions.csv is written where a load prescribes a motion or there is an obstacle"},
-    {"probes", [](const Options&, const Histories& h, const Context&) { return probe_chart(h.probes); }, &Histories::probes,
+    {"probes", [](const Source& s) { return probe_chart(s.histories.probes); }, &Histories::probes, origin_of_probes},
+    {"probe_velocities", [](const Source& s) { return probe_velocity_chart(s.histories.probes); }, &Histories::probes,
      origin_of_probes},
-    {"probe_velocities", [](const Options&, const Histories& h, const Context&) { return probe_velocity_chart(h.probes); },
-     &Histories::probes, origin_of_probes},
-    {"stress_strain", [](const Options&, const Histories& h, const Context&) { return stress_strain_chart(h.stress_strain); },
+    {"stress_strain", [](const Source& s) { return stress_strain_chart(s.histories.stress_strain); },
      &Histories::stress_strain, "stress_strain.csv is written where the scenario has a [specimen]"},
     {"breaks",
-     [](const Options&, const Histories& h, const Context&) {
-         const std::vector<double> time = h.energy.column("time");
-         return break_chart(h.breaks, time.front(), time.back());
+     [](const Source& s) {
+         const std::vector<double> time = s.histories.energy.column("time");
+         return break_chart(s.histories.breaks, time.front(), time.back());
      },
      &Histories::breaks, origin_of_breaks},
     {"rose", nullptr, &Histories::breaks, origin_of_breaks},
-    {"fragments", [](const Options&, const Histories& h, const Context&) { return fragment_size_chart(h.fragments); },
-     &Histories::fragments, "fragments.csv is written at the end of a run"},
+    {"fragments", [](const Source& s) { return fragment_size_chart(s.histories.fragments); }, &Histories::fragments,
+     "fragments.csv is written at the end of a run"},
 };
 
-/// Null for a picture of the body.
+/// Null for a figure of the body.
 const CurveKind* curve_kind(const std::string& show) {
     const auto found = std::ranges::find(curve_kinds, show, &CurveKind::show);
     return found == std::end(curve_kinds) ? nullptr : &*found;
 }
 
-Chart chart_of(const FigureOptions& options, const Histories& histories, const FigureContext& context) {
-    return curve_kind(options.show)->chart(options, histories, context);
+/// Why a figure cannot be drawn from these histories: the origin of the table it needs; null where it can be.
+const char* missing_table(const std::string& show, const std::string& colour, const Histories& histories) {
+    if (needs_breaks(show, colour)) return histories.breaks.columns.empty() ? origin_of_breaks : nullptr;
+    const CurveKind* kind = curve_kind(show);
+    return kind && kind->table && (histories.*kind->table).columns.empty() ? kind->origin : nullptr;
 }
 
-/// Which table a figure is drawn from, and where that comes from; null where every run has what it needs.
-struct Source {
-    const History* table = nullptr;
-    const char* note = "";
-};
+void check(const FigureOptions& options) {
+    const auto check_word = [](const char* code, const std::string& word, const char* what,
+                               const std::vector<std::string>& known) {
+        if (std::ranges::count(known, word) == 0)
+            throw UserError(code, "`" + word + "` is not " + what, "known: " + joined(known));
+    };
+    check_word("figure-show", options.show, "a subject of figures", figure_subjects());
+    check_word("figure-colour", options.colour, "a quantity that colours cracks", figure_colours());
+    check_word("figure-over", options.over, "an abscissa of reactions", figure_abscissas());
+    const auto require = [](bool holds, const char* code, const std::string& message) {
+        if (!holds) throw UserError(code, message);
+    };
+    require(std::isfinite(options.deform), "figure-deform",
+            "displacements cannot be magnified by " + std::to_string(options.deform));
+    require(options.aspect >= 1 && options.aspect <= 1000, "figure-aspect",
+            "the short side can be magnified by 1 to 1000, not by " + short_number(options.aspect));
+    require(options.range.size() != 2 || options.range[0] < options.range[1], "figure-range",
+            "the first value of a colour range must be smaller than the second");
+    require(!options.box || (options.box->extent().array() > 0).all(), "figure-box",
+            "a box is given by its lower left and its upper right corner");
+    require(options.width >= 200 && options.width <= 20000, "figure-width",
+            "a figure is 200 to 20000 pixels wide, not " + std::to_string(options.width));
+}
 
-Source source_of(const std::string& show, const std::string& colour, const Histories& histories) {
-    if (show == "cracks" && crack_colour(colour).needs_breaks) return {&histories.breaks, origin_of_breaks};
-    const CurveKind* kind = curve_kind(show);
-    return kind && kind->table ? Source{&(histories.*kind->table), kind->origin} : Source{};
+std::filesystem::path file_name(const FigureOptions& options, double time) {
+    std::filesystem::path file = options.file;
+    if (options.at.size() < 2) return file;
+    const double nearest = std::ranges::min(options.at, {}, [&](double at) { return std::abs(at - time); });
+    return file.replace_filename(file.stem().string() + "_" + time_text(nearest, true) + file.extension().string());
 }
 
 }  // namespace
 
 void check_figure(const FigureOptions& options, const Histories& histories) {
     check(options);
-    const Source source = source_of(options.show, options.colour, histories);
+    const char* reason = missing_table(options.show, options.colour, histories);
+    const auto has_velocity = [](const std::string& column) { return column.ends_with("_v_x"); };
+    if (!reason && options.show == "probe_velocities" && std::ranges::none_of(histories.probes.columns, has_velocity))
+        reason = "its probes are on interfaces, which have no velocity";
+    if (!reason) return;
+    std::vector<std::string> possible;
+    for (const std::string& subject : figure_subjects())
+        if (!missing_table(subject, "opening", histories) && (subject == "cracks" || subject != options.show))
+            possible.push_back(subject);
     const std::string what = options.show == "cracks" ? "cracks by " + options.colour : options.show;
-    const auto refuse = [&](const std::string& why) {
-        std::vector<std::string> there;
-        for (const std::string& subject : figure_subjects())
-            if (subject == options.show && subject != "cracks") continue;
-            else if (const Source other = source_of(subject, "opening", histories); other.table == nullptr || !other.table->columns.empty()) there.push_back(subject);
-        throw UserError("nothing-to-show", "the run has nothing that `" + what + "` could show", why + "; it has " + joined(there));
-    };
-    if (source.table != nullptr && source.table->columns.empty()) refuse(source.note);
-    if (options.show != "probe_velocities") return;
-    const std::vector<std::string>& columns = histories.probes.columns;
-    if (std::none_of(columns.begin(), columns.end(), [](const std::string& name) { return name.ends_with("_v_x"); })) refuse("its probes watch interfaces, which have no velocity");
-}
-
-std::vector<std::string> figure_fields() {
-    std::vector<std::string> names;
-    for (const BodyField& field : body_fields()) names.push_back(field.name);
-    return names;
+    throw UserError("nothing-to-show", "the run has no data for a figure of `" + what + "`",
+                    std::string(reason) + "; it has " + joined(possible));
 }
 
 std::vector<std::string> figure_subjects() {
     std::vector<std::string> names{"cracks", "materials"};
-    for (const std::string& field : figure_fields()) names.push_back(field);
+    for (const BodyField& field : body_fields()) names.push_back(field.name);
     for (const CurveKind& kind : curve_kinds) names.emplace_back(kind.show);
     return names;
 }
@@ -142,18 +128,19 @@ std::vector<std::string> figure_colours() {
 std::vector<std::string> figure_abscissas() { return {"displacement", "time"}; }
 
 bool shows_body(const std::string& subject) {
-    const auto is_subject = [&](const BodyField& field) { return field.name == subject; };
-    return subject == "cracks" || subject == "materials" || std::any_of(body_fields().begin(), body_fields().end(), is_subject);
+    return subject == "cracks" || subject == "materials" ||
+           std::ranges::count(body_fields(), subject, &BodyField::name) > 0;
 }
 
 bool needs_breaks(const std::string& show, const std::string& colour) {
-    if (show == "cracks") return among(figure_colours(), colour) && crack_colour(colour).needs_breaks;
-    const CurveKind* kind = curve_kind(show);
-    return kind && kind->table == &Histories::breaks;
+    if (const CurveKind* kind = curve_kind(show)) return kind->table == &Histories::breaks;
+    const auto found = std::ranges::find(crack_colours(), colour, &CrackColour::name);
+    return show == "cracks" && found != crack_colours().end() && !found->column.empty();
 }
 
 std::string_view unit_of_figure(const std::string& show, const std::string& colour) {
-    if (show == "cracks") return among(figure_colours(), colour) ? std::string_view(crack_colour(colour).unit) : "";
+    for (const CrackColour& known : crack_colours())
+        if (show == "cracks" && known.name == colour) return known.unit;
     for (const BodyField& field : body_fields())
         if (field.name == show) return field.unit;
     return "";
@@ -164,7 +151,9 @@ std::string magnification(const FigureOptions& options, bool obstacles) {
     return "displacements × " + short_number(options.deform) + (obstacles ? ", so closed gaps overlap" : "");
 }
 
-bool waits_for_the_end(const FigureOptions& options) { return shows_body(options.show) && (options.at.size() > 1 || options.panel); }
+bool waits_for_the_end(const FigureOptions& options) {
+    return shows_body(options.show) && (options.at.size() > 1 || options.panel);
+}
 
 FigureScale joined(const FigureScale& a, const FigureScale& b) {
     return {.seen = {a.seen.low.cwiseMin(b.seen.low), a.seen.high.cwiseMax(b.seen.high)},
@@ -173,35 +162,36 @@ FigureScale joined(const FigureScale& a, const FigureScale& b) {
             .precracks = a.precracks || b.precracks};
 }
 
-FigureScale scale_of(const FigureOptions& options, const Frame& frame, const Histories& histories, const FigureContext& context) {
+FigureScale scale_of(const FigureOptions& options, const Frame& frame, const Histories& histories,
+                     const FigureContext& context) {
     check_figure(options, histories);
-    if (shows_body(options.show)) return body_scale(options, frame, &histories.breaks);
-    if (options.show == "rose") return {};
-    const AxisRanges axes = axis_ranges(chart_of(options, histories, context));
-    return {.seen = {{axes.x[0], axes.y[0]}, {axes.x[1], axes.y[1]}}};
+    if (shows_body(options.show)) return body_scale(options, frame, histories.breaks);
+    const CurveKind& kind = *curve_kind(options.show);
+    return kind.chart ? FigureScale{.seen = axis_ranges(kind.chart({histories, options, context}))} : FigureScale{};
 }
 
-Legend panel_legend(const FigureOptions& options, const Frame& frame, const Histories& histories, const FigureContext& context, const FigureScale& scale) {
-    if (shows_body(options.show)) return body_legend(options, frame, context.materials, scale);
-    return options.show == "rose" ? Legend{} : Legend{.key = key_of(chart_of(options, histories, context))};
+Legend panel_legend(const FigureOptions& options, const Frame& frame, const Histories& histories,
+                    const FigureContext& context, const FigureScale& scale) {
+    if (shows_body(options.show)) return body_legend(options, frame, context, scale);
+    const CurveKind& kind = *curve_kind(options.show);
+    return kind.chart ? Legend{.entries = entries_of(kind.chart({histories, options, context}))} : Legend{};
 }
 
-std::filesystem::path draw_figure(const FigureOptions& options, const Frame& frame, const Histories& histories, const FigureContext& context,
-                                  const std::filesystem::path& directory, const FigureScale* common) {
+DrawnFigure draw_figure(const FigureOptions& options, const Frame& frame, const Histories& histories,
+                        const FigureContext& context, const std::filesystem::path& directory,
+                        const FigureScale* common) {
     check_figure(options, histories);
+    if (shows_body(options.show))
+        return draw_body(options, frame, histories.breaks, context, directory / file_name(options, frame.time),
+                         common ? *common : body_scale(options, frame, histories.breaks));
     const std::string title = options.title.empty() ? context.title : options.title;
-    if (shows_body(options.show)) {
-        const std::filesystem::path file = directory / file_name(options, frame.time);
-        const BodyExtras extras{.scale = common, .breaks = &histories.breaks};
-        if (options.show == "materials") return draw_materials(options, frame, context.materials, title, file, extras).file;
-        return (options.show == "cracks" ? draw_cracks : draw_field)(options, frame, title, file, extras).file;
-    }
-    if (options.show == "rose") return draw_rose(histories.breaks, title, directory / options.file, options.width).file;
-    Chart chart = chart_of(options, histories, context);
+    const CurveKind& kind = *curve_kind(options.show);
+    if (!kind.chart) return draw_rose(histories.breaks, title, directory / options.file, options.width);
+    Chart chart = kind.chart({histories, options, context});
     if (!title.empty()) chart.title = title;
-    ChartPlace place{.panel = options.panel};
-    if (common != nullptr) place.axes = {{common->seen.low.x(), common->seen.high.x()}, {common->seen.low.y(), common->seen.high.y()}};
-    return draw_chart(chart, directory / options.file, options.width, place).file;
+    ChartPlace place{.axes = {}, .panel = options.panel};
+    if (common) place.axes = common->seen;
+    return draw_chart(chart, directory / options.file, options.width, place);
 }
 
 }  // namespace knap

@@ -1,5 +1,5 @@
 #pragma once
-// Pictures as input.
+// Reads a picture, as the map of materials of a microstructure.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -12,8 +12,8 @@ struct Picture {
     std::vector<std::uint8_t> rgb;  // three per pixel, rows from the top
 };
 
-/// Nothing when the bytes are no PNG file that can be read, for a `problem` such as "is no PNG picture with colours". Grey becomes colour; what is
-/// transparent is drawn on white.
+/// The bytes of a PNG file; grey becomes RGB, transparent pixels are drawn on white. Without a result `problem` says
+/// why: "is not a PNG picture with colours".
 std::optional<Picture> read_png(const std::string& bytes, std::string& problem);
 
 }  // namespace knap

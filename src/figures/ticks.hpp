@@ -1,46 +1,60 @@
 #pragma once
-// Round numbers along an axis, even or logarithmic, and units with a prefix.
+// Numbers in figures: ranges of values, round ticks along an axis, linear or logarithmic, units with an SI prefix.
+#include <cmath>
 #include <string>
 #include <vector>
 
 namespace knap {
 
-/// Values are shown as value * factor, in `unit`: 3e6 Pa -> 3, "MPa".
+struct Limits {
+    double low = 0, high = 1;
+};
+
+/// The range of a set of values, with and without outliers: the peak at a crack tip must not set the colours of a body.
+struct ValueSpan {
+    double low = INFINITY, high = -INFINITY;  // without outliers
+    double min = INFINITY, max = -INFINITY;   // of all values
+};
+/// Of all finite values; the fraction `outliers` of them is left out of [low, high] at either end.
+ValueSpan span_of(std::vector<double> values, double outliers);
+ValueSpan joined(const ValueSpan& a, const ValueSpan& b);
+
+/// Values are shown as value * factor in `unit`: 3e6 Pa -> 3, "MPa".
 struct DisplayUnit {
     double factor = 1;
     std::string unit;
 };
 
-/// The prefix that brings `largest` to 1 .. 1000. There is no km/s and no ks; a number without unit stays as it is.
+/// The unit with the prefix that brings `largest` into 1 .. 1000. There are no km/s and no ks; "" stays "".
 DisplayUnit display_unit(double largest, const std::string& unit);
 
-/// "crack length [mm]"
+/// "crack length [mm]"; a pure number has no brackets.
 std::string with_unit(const std::string& quantity, const std::string& unit);
 
 struct Ticks {
-    std::vector<double> at;           // multiples of 1, 2, 2.5 or 5 times a power of ten, inside [low, high]
-    std::vector<std::string> labels;  // all with the same number of decimals
-    double step = 1;
+    std::vector<double> at;           // inside the limits of the axis
+    std::vector<std::string> labels;  // of a linear axis all with the same number of decimals
+    double step = 1;                  // of a linear axis: 1, 2, 2.5 or 5 times a power of ten
 };
 
-/// At most `n_most` (at least 2) ticks; low < high.
-Ticks round_ticks(double low, double high, int n_most);
+/// At most max(max_ticks, 2) ticks; low < high.
+Ticks round_ticks(double low, double high, int max_ticks);
 
-/// [low, high] widened until it begins and ends with one of its own round_ticks; at least 3 (two never fit round zero).
-std::vector<double> round_range(double low, double high, int n_most);
+/// The limits widened until both are among their own round_ticks with max(max_ticks, 3).
+Limits round_range(double low, double high, int max_ticks);
 
-/// Ticks of a logarithmic axis over decimal exponents [low, high]: `at` are exponents. Over less than two decades 1, 2 and 5 times the
-/// powers of ten, else powers alone, at most about eight.
+/// Ticks of a logarithmic axis between two decimal exponents; `at` are exponents. Below two decades 1, 2 and 5 times
+/// the powers of ten, otherwise about eight powers at most.
 Ticks logarithmic_ticks(double low, double high);
 
-/// Exponents [low, high] widened to the next 1, 2 or 5 times a power of ten, or to the next power where that is more than two decades;
-/// at least half a decade.
-std::vector<double> logarithmic_range(double low, double high);
+/// Two decimal exponents at least half a decade apart, widened to the next 1, 2 or 5 times a power of ten; above two
+/// decades to the next power.
+Limits logarithmic_range(double low, double high);
 
-/// "20", "0.5": four digits at most.
+/// "20", "0.5": at most four digits.
 std::string short_number(double value);
 
-/// "40 µs", "117.5 µs": three digits, or four where the fourth matters (by 0.1 %), with a prefix. `plain` writes ASCII without a blank, for file names: "12.5us".
+/// "40 µs", "117.5 µs": three digits, or four where the fourth is more than 0.1 %. `plain`: "12.5us", for file names.
 std::string time_text(double seconds, bool plain = false);
 
 }  // namespace knap

@@ -4,6 +4,7 @@
 #include "analysis/interface_graph.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "figures/canvas.hpp"
 #include "output/history_csv.hpp"
 #include "record/outputs.hpp"
 #include "record/sequence.hpp"
@@ -273,7 +274,7 @@ void Recorder::draw_due(const State& now, bool at_end) {
         if (due && !waits_for_the_end(figure)) {
             const Timed timed(*this, &figure_seconds_);
             if (!frame) frame = make_frame(model_, now, false);
-            drawn_.push_back(draw_figure(figure, *frame, histories_, figure_context(), options_.directory / "figures"));
+            drawn_.push_back(draw_figure(figure, *frame, histories_, figure_context(), options_.directory / "figures").file);
         }
         while (is_due(i, now)) ++next_at_[i];
     }

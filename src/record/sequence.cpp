@@ -1,5 +1,6 @@
 #include "record/sequence.hpp"
 
+#include "figures/canvas.hpp"
 #include "output/vtk_series.hpp"
 
 namespace knap {
@@ -13,7 +14,7 @@ FigureScale scale_of(const FigureOptions& options, const FrameList& list, const 
 std::vector<std::filesystem::path> draw_frames(const FigureOptions& options, const FrameList& list, const Histories& histories, const FigureContext& context,
                                                const std::filesystem::path& directory, const FigureScale& common) {
     std::vector<std::filesystem::path> drawn;
-    for (const std::size_t k : list.frames) drawn.push_back(draw_figure(options, read_frame(list.run, k), histories, context, directory, &common));
+    for (const std::size_t k : list.frames) drawn.push_back(draw_figure(options, read_frame(list.run, k), histories, context, directory, &common).file);
     return drawn;
 }
 

@@ -1,6 +1,6 @@
 // Breaks of interfaces: mode, time, direction; the rose diagram of a known set of them.
 #include "analysis/breaks.hpp"
-#include "figures/rock_figures.hpp"
+#include "figures/curve_figures.hpp"
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 

@@ -1,6 +1,6 @@
 #include "analysis/fragments.hpp"
 
-#include "figures/rock_figures.hpp"
+#include "figures/curve_figures.hpp"
 #include "model/state.hpp"
 #include "support/meshes.hpp"
 

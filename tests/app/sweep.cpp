@@ -38,17 +38,22 @@ std::vector<Texts> rows_of(const fs::path& csv) {
     return rows;
 }
 
-bool has_program(const std::string& name) { return std::system(("command -v " + name + " >/dev/null 2>&1").c_str()) == 0; }
+bool has_program(const std::string& name) {
+    return std::system(("command -v " + name + " >/dev/null 2>&1").c_str()) == 0;
+}
 
 /// In a shell, in a directory.
-int shell_in(const fs::path& directory, const std::string& line) { return std::system(("cd '" + directory.string() + "' && " + line + " >shell.txt 2>&1").c_str()); }
+int shell_in(const fs::path& directory, const std::string& line) {
+    return std::system(("cd '" + directory.string() + "' && " + line + " >shell.txt 2>&1").c_str());
+}
 
 void check_whole(const Answer& answer, const fs::path& sweep) {
     CAPTURE(answer.text);
     CHECK(answer.code == 0);
     const std::vector<Texts> rows = rows_of(sweep / "sweep.csv");
     REQUIRE(rows.size() == 5);
-    CHECK(rows[0] == Texts{"run", "interface.left-right.G_c", "seed", "status", "triangles", "steps", "cpu [s]", "broken_length [m]", "dissipated [J]", "fragments"});
+    CHECK(rows[0] == Texts{"run", "interface.left-right.G_c", "seed", "status", "triangles", "steps", "cpu [s]",
+                           "broken_length [m]", "dissipated [J]", "fragments"});
     const Texts values{"1.5", "1.5", "3", "3"}, seeds{"1", "2", "1", "2"};
     for (std::size_t i = 0; i < 4; ++i) {
         const Texts& row = rows[i + 1];
@@ -79,14 +84,16 @@ TEST_CASE("sweep: values of a key are split at commas outside of quotes and brac
     CHECK_THROWS_AS(sweep_key("=1"), UserError);
     CHECK(seed_overrides("20") == Texts{"sweep.seeds=20"});
     CHECK(seed_overrides("3..20") == Texts{"seed=3", "sweep.seeds=18"});
-    for (const char* wrong : {"1..", "..3", "4..3", "-1", "a", "1...3"}) CHECK_THROWS_AS(seed_overrides(wrong), UserError);
+    for (const char* wrong : {"1..", "..3", "4..3", "-1", "a", "1...3"})
+        CHECK_THROWS_AS(seed_overrides(wrong), UserError);
     CHECK(quoted_for_shell("mesh.size=1e-3") == "mesh.size=1e-3");
     CHECK(quoted_for_shell("it's $1") == "'it'\\''s $1'");
     CHECK(quoted_for_shell("") == "''");
 }
 
 TEST_CASE("sweep: the full product with the last key fastest and the seeds faster") {
-    const Ensemble plan = plan_sweep("bar_pulled_apart", {"mesh.size=1 mm,2 mm", "time.end=100 us", "interface.left-right.G_c=1,2,3", "sweep.seeds=2", "seed=7"});
+    const Ensemble plan = plan_sweep("bar_pulled_apart", {"mesh.size=1 mm,2 mm", "time.end=100 us",
+                                                          "interface.left-right.G_c=1,2,3", "sweep.seeds=2", "seed=7"});
     REQUIRE(plan.runs.size() == 12);
     REQUIRE(plan.keys.size() == 2);
     CHECK(plan.runs[0].name == "size_1_mm_G_c_1_s7");
@@ -97,7 +104,8 @@ TEST_CASE("sweep: the full product with the last key fastest and the seeds faste
     for (const EnsembleRun& run : plan.runs) {
         const ReadResult read = open_scenario("bar_pulled_apart", run.overrides);
         CHECK(read.scenario.time.end == tests::relative(100e-6, 1e-12));
-        CHECK(read.scenario.mesh.size == tests::relative(plan.variants[run.variant].values[0] == "1 mm" ? 1e-3 : 2e-3, 1e-12));
+        CHECK(read.scenario.mesh.size ==
+              tests::relative(plan.variants[run.variant].values[0] == "1 mm" ? 1e-3 : 2e-3, 1e-12));
         CHECK(read.scenario.seed == run.seed);
         CHECK(read.scenario.figures.size() == 1);
     }
@@ -106,11 +114,14 @@ TEST_CASE("sweep: the full product with the last key fastest and the seeds faste
     CHECK_THROWS_AS(plan_sweep("bar_pulled_apart", {"mesh.size=1 mm,1 mm"}), UserError);
     std::string values = "0";  // 100^4 combinations have no room
     for (int i = 1; i < 100; ++i) values += "," + std::to_string(i);
-    CHECK_THROWS_WITH_AS(plan_sweep("bar_pulled_apart", {"mesh.size=" + values, "time.end=" + values, "seed=" + values, "title=" + values}), doctest::Contains("too-many-runs"), UserError);
+    CHECK_THROWS_WITH_AS(plan_sweep("bar_pulled_apart",
+                                    {"mesh.size=" + values, "time.end=" + values, "seed=" + values, "title=" + values}),
+                         doctest::Contains("too-many-runs"), UserError);
 }
 
-TEST_CASE("sweep: what the scenario says and --set instead of it") {
-    const std::string table = "sweep={ set = [\"mesh.size=1 mm,2 mm\", \"time.end=100 us\"], seeds = 3, quantities = [\"dissipated\"] }";
+TEST_CASE("sweep: the table of the scenario and --set instead of it") {
+    const std::string table =
+        "sweep={ set = [\"mesh.size=1 mm,2 mm\", \"time.end=100 us\"], seeds = 3, quantities = [\"dissipated\"] }";
     const Ensemble plan = plan_sweep("bar_pulled_apart", {table});
     CHECK(plan.runs.size() == 6);
     REQUIRE(plan.quantities.size() == 1);
@@ -137,12 +148,13 @@ TEST_CASE("sweep: every run and table is there and finished runs are kept") {
     CHECK(again.has("run 1 of 1: G_c_3_s2"));
     check_whole(again, sweep);
     CHECK(fs::last_write_time(kept) == written);
-    CHECK(command("sweep " + bar + "-s 'interface.left-right.G_c=1.5,3' --seeds 1..3 -o " + folder.in_shell("s")).has("run 2 of 2"));
-    // what a run that is refused says is in the table
+    CHECK(command("sweep " + bar + "-s 'interface.left-right.G_c=1.5,3' --seeds 1..3 -o " + folder.in_shell("s"))
+              .has("run 2 of 2"));
+    // the message of a refused run is in the table
     const Answer failed = command("sweep " + both + "-q -s 'time.step=0.1 us,20 us' -o " + folder.in_shell("f"));
     CHECK(failed.code == 3);
     CHECK(failed.has("G_c_3_step_20_us_s2: refused: time.step"));
-    // another sweep in the same place, and a directory of someone else
+    // another sweep in the same place, and a directory with other files
     CHECK(command("sweep " + both + "-s domain.thickness=2 -o " + folder.in_shell("s")).has("runs-exist"));
     fs::create_directories(folder.path / "mine");
     std::ofstream(folder.path / "mine" / "letter.txt") << "dear";
@@ -158,7 +170,8 @@ pid_t started(const std::string& words, const fs::path& file) {
     const pid_t child = fork();
     REQUIRE(child >= 0);
     if (child == 0) {
-        execl("/bin/sh", "sh", "-c", ("exec '" KNAP_PROGRAM "' " + words + " >/dev/null 2>&1").c_str(), static_cast<char*>(nullptr));
+        execl("/bin/sh", "sh", "-c", ("exec '" KNAP_PROGRAM "' " + words + " >/dev/null 2>&1").c_str(),
+              static_cast<char*>(nullptr));
         _exit(127);
     }
     for (int i = 0; i < 60000 && !fs::exists(file); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -173,7 +186,9 @@ TEST_CASE("sweep: SIGTERM and SIGHUP stop the run under way and the same command
     SUBCASE("SIGTERM") {}
     SUBCASE("SIGHUP") { signal = SIGHUP; }
     const fs::path run = folder.path / "s/runs/s1";
-    const std::string sweep = "sweep " + small_block() + "-s 'mesh.size=1 mm' -s output.checkpoint_every=0 --seeds 1..1 -o " + folder.in_shell("s");
+    const std::string sweep = "sweep " + small_block() +
+                              "-s 'mesh.size=1 mm' -s output.checkpoint_every=0 --seeds 1..1 -o " +
+                              folder.in_shell("s");
     const pid_t child = started(sweep, run / "checkpoint");
     for (int i = 0; i < 3; ++i) kill(child, signal);
     int status = 0;
@@ -188,7 +203,9 @@ TEST_CASE("sweep: SIGTERM and SIGHUP stop the run under way and the same command
 TEST_CASE("sweep: no run outlives a sweep that is killed") {
     const Folder folder("sweep killed");
     const fs::path run = folder.path / "s/runs/s1";
-    const std::string sweep = "sweep " + small_block() + "-s 'mesh.size=1 mm' -s output.checkpoint_every=0 --seeds 1..1 -o " + folder.in_shell("s");
+    const std::string sweep = "sweep " + small_block() +
+                              "-s 'mesh.size=1 mm' -s output.checkpoint_every=0 --seeds 1..1 -o " +
+                              folder.in_shell("s");
     const pid_t child = started(sweep, run / "checkpoint");
     const int log = open((run / "log.txt").c_str(), O_RDONLY | O_CLOEXEC);
     REQUIRE(flock(log, LOCK_EX | LOCK_NB) != 0);
@@ -201,7 +218,7 @@ TEST_CASE("sweep: no run outlives a sweep that is killed") {
     CHECK(text_of(run / "log.txt").find("resumed: goes on") != std::string::npos);
 }
 
-TEST_CASE("sweep: a run whose record is lost is done again and what is no run is not touched") {
+TEST_CASE("sweep: a run whose record is lost is done again and a directory without a run is not touched") {
     const Folder folder("sweep lost record");
     const std::string sweep = "sweep " + bar + "-q --seeds 1..2 -o " + folder.in_shell("s");
     const fs::path runs = folder.path / "s/runs";
@@ -218,7 +235,7 @@ TEST_CASE("sweep: a run whose record is lost is done again and what is no run is
         CHECK(answer.has("delete this one by hand"));
         CHECK_FALSE(answer.has("replace"));
     }
-    fs::remove_all(runs / "s1");  // as it says
+    fs::remove_all(runs / "s1");  // as the message says
     CHECK(command(sweep).code == 0);
 }
 
@@ -228,7 +245,7 @@ TEST_CASE("sweep and study: one process at a time in a directory") {
         const fs::path directory = folder.path / what.substr(0, 5);
         const std::string line = what + "-q -o '" + directory.string() + "'";
         fs::create_directory(directory);
-        const int lock = open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);  // as one who is at work there
+        const int lock = open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);  // as another process does
         REQUIRE(flock(lock, LOCK_EX | LOCK_NB) == 0);
         for (const char* force : {"", " --force"}) {
             const Answer other = command(line + force);
@@ -241,7 +258,7 @@ TEST_CASE("sweep and study: one process at a time in a directory") {
     }
 }
 
-TEST_CASE("sweep: what a run said is shown where its results have no room") {
+TEST_CASE("sweep: the message of a run is shown where its results cannot be written") {
     const Folder folder("sweep no room");
     const std::string line = "sweep " + bar + "--seeds 1..1 -o " + folder.in_shell("s");
     const Answer full = command("--version >/dev/null; ulimit -f 8; '" KNAP_PROGRAM "' " + line);
@@ -250,16 +267,19 @@ TEST_CASE("sweep: what a run said is shown where its results have no room") {
     CHECK(command(line).code == 0);
 }
 
-TEST_CASE("sweep: what a run said is shown where even its record has no room") {
+TEST_CASE("sweep: the message of a run is shown where even its record cannot be written") {
     const Folder folder("sweep no record");
     const fs::path run = folder.path / "s/runs/s1";
     std::thread vandal([&] {  // takes the names that whole files are written under
-        for (int i = 0; i < 60000 && !fs::exists(run / "checkpoint"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        for (int i = 0; i < 60000 && !fs::exists(run / "checkpoint"); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
         for (const char* name : {"run.json.part", "checkpoint.part"})
-            for (std::error_code error; fs::exists(run) && !fs::create_directory(run / name, error);) std::this_thread::yield();
+            for (std::error_code error; fs::exists(run) && !fs::create_directory(run / name, error);)
+                std::this_thread::yield();
     });
     const std::string block = small_block().erase(small_block().find("-q "), 3);
-    const Answer full = command("sweep " + block + "-s 'mesh.size=1 mm' -s output.checkpoint_every=0 --seeds 1..1 -o " + folder.in_shell("s"));
+    const Answer full = command("sweep " + block + "-s 'mesh.size=1 mm' -s output.checkpoint_every=0 --seeds 1..1 -o " +
+                                folder.in_shell("s"));
     vandal.join();
     CAPTURE(full.text);
     CHECK(text_of(run / "run.json").find("\"status\": \"running\"") != std::string::npos);
@@ -271,9 +291,12 @@ TEST_CASE("sweep: what a run said is shown where even its record has no room") {
 TEST_CASE("sweep and study: a disk that was full at the start is no obstacle later") {
     const Folder folder("batch full disk");
     for (const std::string& what : {"sweep " + bar + "--seeds 1..1 ", "study " + bar + "--levels 1 "}) {
-        for (const char* blocks : {"0", "1", "2", "4", "8"}) {  // the table of runs, or the first files of the first run, have no room
+        for (const char* blocks :
+             {"0", "1", "2", "4", "8"}) {  // the table of runs, or the first files of the first run, have no room
             const std::string line = what + "-q -o " + folder.in_shell(what.substr(0, 5) + blocks);
-            CHECK(WEXITSTATUS(std::system((std::string("ulimit -f ") + blocks + "; '" KNAP_PROGRAM "' " + line + " 2>/dev/null >&2").c_str())) == 3);
+            CHECK(WEXITSTATUS(std::system(
+                      (std::string("ulimit -f ") + blocks + "; '" KNAP_PROGRAM "' " + line + " 2>/dev/null >&2")
+                          .c_str())) == 3);
             CHECK(command(line).code == 0);
         }
     }
@@ -286,7 +309,9 @@ TEST_CASE("sweep: printed command lines are done by a Slurm array and by GNU par
     REQUIRE(shell_in(folder.path, line + " --print-commands | tee jobs.txt") == 0);
     // as in scenarios/README.md
     SUBCASE("Slurm") {  // played by a loop
-        CHECK(shell_in(folder.path, "for i in 1 2 3 4; do SLURM_ARRAY_TASK_ID=$i bash -c 'eval \"$(sed -n \"${SLURM_ARRAY_TASK_ID}p\" jobs.txt)\"' || exit 1; done") == 0);
+        CHECK(shell_in(folder.path,
+                       "for i in 1 2 3 4; do SLURM_ARRAY_TASK_ID=$i bash -c 'eval \"$(sed -n "
+                       "\"${SLURM_ARRAY_TASK_ID}p\" jobs.txt)\"' || exit 1; done") == 0);
     }
     SUBCASE("parallel") {
         if (!has_program("parallel")) return;
@@ -310,7 +335,7 @@ TEST_CASE("sweep: printed command lines are done by a Slurm array and by GNU par
     const std::string out = "sweep " + both + "-q -o " + folder.in_shell("s") + " --print-commands";
     const Answer nothing = command(out);
     CHECK(nothing.text.starts_with("0 of 4 runs are to be done"));
-    // runs that are there are replaced only by what says so
+    // existing runs are replaced by --force only
     const Answer all = command(out + " --force");
     CHECK(all.has("4 of 4 runs are to be done"));
     CHECK(all.has(" --force -s "));

@@ -1,15 +1,11 @@
-// What pictures of one kind have in common, and what a referee looks for: whole titles, bodies and supports in their place, lines told apart.
+// Common ranges of several pictures, complete titles, obstacles at their place, distinct lines.
 #include "pixels.hpp"
 #include "support/synthetic_run.hpp"
 
 #include "base/error.hpp"
 #include "figures/body_figures.hpp"
-#include "figures/body_view.hpp"
 #include "figures/contact_sheet.hpp"
-#include "figures/crack_colours.hpp"
 #include "figures/curve_figures.hpp"
-#include "figures/figures.hpp"
-#include "figures/rock_figures.hpp"
 #include "output/vtk_series.hpp"
 #include "record/sequence.hpp"
 
@@ -34,8 +30,9 @@ std::vector<std::string> legend_texts(const DrawnFigure& figure) {
     return found;
 }
 
-bool has_text(const DrawnFigure& figure, const std::string& wanted) {
-    return std::any_of(figure.texts.begin(), figure.texts.end(), [&](const DrawnText& text) { return text.text.find(wanted) != std::string::npos; });
+bool has_text(const DrawnFigure& figure, const std::string& part) {
+    return std::any_of(figure.texts.begin(), figure.texts.end(),
+                       [&](const DrawnText& text) { return text.text.find(part) != std::string::npos; });
 }
 
 /// The plate with all openings and stresses multiplied.
@@ -55,10 +52,12 @@ TEST_CASE("figures: the pictures of a sequence share colours and view") {
         CAPTURE(show);
         const FigureOptions options{.file = "shared.png", .show = show, .at = {20e-6, 40e-6}, .width = 560};
         CHECK(waits_for_the_end(options));
-        const FigureScale common = joined(body_scale(options, early, nullptr), body_scale(options, late, nullptr));
-        const auto draw = show == std::string("cracks") ? draw_cracks : draw_field;
-        const DrawnFigure own = draw(options, early, "A plate", pictures() / "own.png", {}), a = draw(options, early, "A plate", pictures() / "a.png", {.scale = &common}),
-                          b = draw(options, late, "A plate", pictures() / "b.png", {.scale = &common}), alone = draw(options, late, "A plate", pictures() / "alone.png", {});
+        const FigureScale common = joined(body_scale(options, early, {}), body_scale(options, late, {}));
+        const FigureOptions single{.show = show, .width = 560};
+        const DrawnFigure own = draw(single, early, {.title = "A plate"}, pictures() / "own.png"),
+                          a = draw(single, early, {.title = "A plate"}, pictures() / "a.png", &common),
+                          b = draw(single, late, {.title = "A plate"}, pictures() / "b.png", &common),
+                          alone = draw(single, late, {.title = "A plate"}, pictures() / "alone.png");
         CHECK(legend_texts(a) == legend_texts(b));
         CHECK(legend_texts(own) != legend_texts(a));
         CHECK(legend_texts(alone) == legend_texts(b));
@@ -74,7 +73,7 @@ TEST_CASE("figures: the pictures of a sequence share colours and view") {
     const FigureOptions options{.file = "disk.png", .show = "stress_yy", .at = {20e-6, 40e-6}, .width = 560};
     const FrameList list{.run = run, .frames = {0, 1}};
     const FigureScale common = scale_of(options, list, {}, {});
-    const FigureScale in_memory = joined(body_scale(options, early, nullptr), body_scale(options, late, nullptr));
+    const FigureScale in_memory = joined(body_scale(options, early, {}), body_scale(options, late, {}));
     CHECK(common.values.high == doctest::Approx(in_memory.values.high).epsilon(1e-6));
     CHECK(common.values.low == doctest::Approx(in_memory.values.low).epsilon(1e-6));
     const auto files = draw_frames(options, list, {}, {}, pictures(), common);
@@ -88,22 +87,26 @@ TEST_CASE("figures: a box has the colours of what lies inside") {
     const FigureOptions whole{.show = "principal_stress", .deform = 0, .width = 560};
     FigureOptions part = whole;
     part.box = Box{{0.002, 0.002}, {0.03, 0.01}};  // far from the tips
-    const ValueSpan all = body_scale(whole, frame, nullptr).values, inside = body_scale(part, frame, nullptr).values;
-    CHECK(inside.most < 0.5 * all.most);
+    const ValueSpan all = body_scale(whole, frame, {}).values, inside = body_scale(part, frame, {}).values;
+    CHECK(inside.max < 0.5 * all.max);
     double largest = 0;
     for (Index t = 0; t < frame.n_triangles(); ++t) {
         const auto in_box = [&](Index c) { return part.box->contains(frame.position[c]); };
-        if (in_box(3 * t) || in_box(3 * t + 1) || in_box(3 * t + 2)) largest = std::max(largest, largest_principal(frame.stress[t]));
+        if (in_box(3 * t) || in_box(3 * t + 1) || in_box(3 * t + 2))
+            largest = std::max(largest, largest_principal(frame.stress[t]));
     }
-    CHECK(inside.most == largest);
-    CHECK(legend_texts(draw_field(part, frame, "", pictures() / "part.png")) != legend_texts(draw_field(whole, frame, "", pictures() / "whole.png")));
+    CHECK(inside.max == largest);
+    CHECK(legend_texts(draw(part, frame, {}, pictures() / "part.png")) !=
+          legend_texts(draw(whole, frame, {}, pictures() / "whole.png")));
     FigureOptions cracks = part;
     cracks.show = "cracks";
-    CHECK(body_scale(cracks, frame, nullptr).values.high < body_scale({.show = "cracks"}, frame, nullptr).values.high);
+    CHECK(body_scale(cracks, frame, {}).values.high < body_scale({.show = "cracks"}, frame, {}).values.high);
 }
 
 TEST_CASE("figures: titles are whole") {
-    const std::string title = "Edge-cracked block of soda-lime glass under uniaxial tension of 1 MPa, mesh of 0.5 mm, seed 17, with a law of Camacho and Ortiz";
+    const std::string title =
+        "Edge-cracked block of soda-lime glass under uniaxial tension of 1 MPa, mesh of 0.5 mm, seed 17, with a law of "
+        "Camacho and Ortiz";
     const auto check = [&](const DrawnFigure& figure) {
         std::string shown;
         for (const DrawnText& text : figure.texts) {
@@ -112,13 +115,14 @@ TEST_CASE("figures: titles are whole") {
             CHECK(text.box.right() <= page_width);
             CHECK(text.box.top() <= figure.height);
             CHECK(text.text.find("…") == std::string::npos);
-            if (title.find(text.text) != std::string::npos && text.text.size() > 10) shown += (shown.empty() ? "" : " ") + text.text;
+            if (title.find(text.text) != std::string::npos && text.text.size() > 10)
+                shown += (shown.empty() ? "" : " ") + text.text;
         }
         CHECK(shown == title);
     };
     const Frame frame = synthetic::frame(20);
-    check(draw_cracks({.width = 560}, frame, title, pictures() / "title.png"));
-    check(draw_field({.show = "stress_yy", .deform = 100, .width = 560}, frame, title, pictures() / "title.png"));
+    check(draw({.width = 560}, frame, {.title = title}, pictures() / "title.png"));
+    check(draw({.show = "stress_yy", .deform = 100, .width = 560}, frame, {.title = title}, pictures() / "title.png"));
     Chart chart = energy_chart(synthetic::energy());
     chart.title = title;
     check(draw_chart(chart, pictures() / "title.png", 560));
@@ -139,20 +143,22 @@ TEST_CASE("figures: a half plane reaches the frame") {
         frame.obstacle_position.push_back(strip[std::min<Index>(k, 3)]);
         frame.obstacle_displacement.push_back(Vec2::Zero());
     }
-    const auto support_at_border = [&](const DrawnFigure& figure) {  // pixels of the support's colour just inside the left end of the plot, below its surface
+    const auto support_at_border = [&](const DrawnFigure& figure) {  // pixels of the support's colour just inside the
+                                                                     // left end of the plot, below its surface
         const Pixels pixels(figure.file);
         int n = 0;
-        for (int y = 0; y < pixels.height(); ++y) n += pixels.at(54 * pixels.width() / 560, y) == 0xB2B8C2 || pixels.at(54 * pixels.width() / 560, y) == 0xB3B8C2;
+        for (int y = 0; y < pixels.height(); ++y)
+            n += pixels.at(54 * pixels.width() / 560, y) == 0xB2B8C2 ||
+                 pixels.at(54 * pixels.width() / 560, y) == 0xB3B8C2;
         return n;
     };
     frame.half_plane = {0};
-    CHECK(support_at_border(draw_cracks({.width = 560}, frame, "", pictures() / "strip.png")) == 0);
+    CHECK(support_at_border(draw({.width = 560}, frame, {}, pictures() / "strip.png")) == 0);
     frame.half_plane = {1};
     for (const char* show : {"cracks", "stress_yy", "materials"}) {
         CAPTURE(show);
         const FigureOptions options{.file = std::string("support_") + show + ".png", .show = show, .width = 560};
-        const auto file = draw_figure(options, frame, {}, {}, pictures());
-        CHECK(support_at_border({.file = file}) >= 8);
+        CHECK(support_at_border(draw_figure(options, frame, {}, {}, pictures())) >= 8);
     }
     // it is written and read
     const std::filesystem::path run = pictures() / "support";
@@ -162,41 +168,43 @@ TEST_CASE("figures: a half plane reaches the frame") {
     CHECK(read_frame(run, 0).is_half_plane(0));
 }
 
-TEST_CASE("figures: the short side of a slender body is stretched and its axis says so") {
+TEST_CASE("figures: the short side of a slender body is stretched as its axis is labelled") {
     Frame bar = synthetic::frame(20);
     for (Vec2& x : bar.position) x.y() *= 0.1;
     const FigureOptions plain{.show = "stress_yy", .deform = 0, .width = 560};
     FigureOptions stretched = plain;
     stretched.aspect = 5;
-    const Box seen = seen_part(plain, bar);
-    const BodyView a(seen, plain, "", "", 40), b(seen, stretched, "", "", 40);
+    const Box seen = body_scale(plain, bar, {}).seen;
+    const Plot a = body_plot(seen, plain, 40), b = body_plot(seen, stretched, 40);
     const Vec2 low(0, 0), high(0.1, 0.004);
     const Vec2 size_a = a.on_page(high) - a.on_page(low), size_b = b.on_page(high) - b.on_page(low);
     CHECK(size_b.x() == doctest::Approx(size_a.x()));
     CHECK(size_b.y() == doctest::Approx(5 * size_a.y()));
-    CHECK(has_text(draw_field(stretched, bar, "A bar", pictures() / "bar.png"), "y [mm], × 5"));
-    CHECK_FALSE(has_text(draw_field(plain, bar, "A bar", pictures() / "bar_plain.png"), "], ×"));
+    CHECK(has_text(draw(stretched, bar, {.title = "A bar"}, pictures() / "bar.png"), "y [mm], × 5"));
+    CHECK_FALSE(has_text(draw(plain, bar, {.title = "A bar"}, pictures() / "bar_plain.png"), "], ×"));
     for (Vec2& x : bar.position) x = Vec2(x.y(), x.x());
-    CHECK(has_text(draw_field(stretched, bar, "A column", pictures() / "column.png"), "x [mm], × 5"));
+    CHECK(has_text(draw(stretched, bar, {.title = "A column"}, pictures() / "column.png"), "x [mm], × 5"));
     CHECK_THROWS_AS(draw_figure({.file = "a.png", .aspect = 0.5}, bar, {}, {}, pictures()), UserError);
 }
 
 TEST_CASE("figures: cracks have the colour of slip or mode or time of breaking") {
     const Frame frame = synthetic::frame(30);
     History breaks = synthetic::breaks(0);
-    for (const Index i : interfaces_of(frame, Kind::broken)) {
+    for (Index i = 0; i < frame.n_interfaces(); ++i) {
+        if (kind_of(frame, i) != InterfaceKind::broken) continue;
         const Vec2 middle = 0.5 * (frame.end_position[2 * i] + frame.end_position[2 * i + 1]);
-        breaks.rows.push_back({1e-3 * middle.x(), middle.x(), middle.y(), 0, 1e-3, middle.y() / synthetic::height, 1e-3});
+        breaks.rows.push_back(
+            {1e-3 * middle.x(), middle.x(), middle.y(), 0, 1e-3, middle.y() / synthetic::height, 1e-3});
     }
-    const auto values = [&](const char* name) { return crack_values(crack_colour(name), frame, &breaks); };
+    const auto values = [&](const char* name) { return crack_values(crack_colour(name), frame, breaks); };
     const std::vector<double> slip = values("slip"), mode = values("mode"), time = values("break_time");
     Index n_broken = 0, n_slipped = 0;
     for (Index i = 0; i < frame.n_interfaces(); ++i) {
-        const Kind kind = kind_of(frame, i);
-        CHECK(std::isfinite(slip[i]) == (kind == Kind::broken || kind == Kind::precrack));
-        CHECK(std::isfinite(mode[i]) == (kind == Kind::broken));
+        const InterfaceKind kind = kind_of(frame, i);
+        CHECK(std::isfinite(slip[i]) == (kind == InterfaceKind::broken || kind == InterfaceKind::precrack));
+        CHECK(std::isfinite(mode[i]) == (kind == InterfaceKind::broken));
         n_slipped += slip[i] > 0;
-        if (kind != Kind::broken) continue;
+        if (kind != InterfaceKind::broken) continue;
         ++n_broken;
         const Vec2 middle = 0.5 * (frame.end_position[2 * i] + frame.end_position[2 * i + 1]);
         CHECK(time[i] == doctest::Approx(1e-3 * middle.x()));
@@ -206,14 +214,15 @@ TEST_CASE("figures: cracks have the colour of slip or mode or time of breaking")
     CHECK(n_slipped > n_broken);
     for (const std::string& colour : figure_colours()) {
         const FigureOptions options{.file = colour + ".png", .colour = colour, .width = 560};
-        CHECK(draw_figure(options, frame, {.breaks = breaks}, {}, pictures()) == pictures() / (colour + ".png"));
-        if (crack_colour(colour).needs_breaks) CHECK_THROWS_AS(draw_figure(options, frame, {}, {}, pictures()), UserError);
+        CHECK(draw_figure(options, frame, {.breaks = breaks}, {}, pictures()).file == pictures() / (colour + ".png"));
+        if (needs_breaks("cracks", colour)) CHECK_THROWS_AS(draw_figure(options, frame, {}, {}, pictures()), UserError);
     }
-    // what is whole is pale, what is broken is dark
+    // undamaged interfaces are pale, broken ones dark
     const ColourMap cohesion = crack_colour("beta").map;
     const auto light = [](const Colour& c) { return 0.3 * c.red + 0.6 * c.green + 0.1 * c.blue; };
     CHECK(light(cohesion(1)) > 0.75);
-    CHECK(std::max({std::abs(cohesion(1).red - cohesion(1).green), std::abs(cohesion(1).red - cohesion(1).blue)}) < 0.05);
+    CHECK(std::max({std::abs(cohesion(1).red - cohesion(1).green), std::abs(cohesion(1).red - cohesion(1).blue)}) <
+          0.05);
     for (int i = 0; i < 10; ++i) CHECK(light(cohesion(0.1 * i)) < light(cohesion(0.1 * (i + 1))));
 }
 
@@ -223,7 +232,9 @@ TEST_CASE("figures: opened edges that hold still have outlines") {
         if (status != PointStatus::intact) status = PointStatus::damaged;
     for (double& cohesion : frame.cohesion) cohesion = std::max(cohesion, 0.99);
     const auto n_dark = [&](double deform) {
-        const Pixels pixels(draw_field({.show = "velocity_x", .deform = deform, .range = {-1e3, 1e3}, .width = 1120}, frame, "", pictures() / "opened.png").file);
+        const Pixels pixels(draw({.show = "velocity_x", .deform = deform, .range = {-1e3, 1e3}, .width = 1120}, frame,
+                                 {}, pictures() / "opened.png")
+                                .file);
         int n = 0;  // between the axes and well inside
         for (int y = 150; y < 400; ++y)
             for (int x = 200; x < 700; ++x) n += (pixels.at(x, y) & 0xFF) < 0x90;
@@ -243,7 +254,8 @@ TEST_CASE("figures: many lines are told apart by colour and pattern") {
     const Chart chart = probe_velocity_chart(probes);
     REQUIRE(chart.curves.size() == 25);
     std::set<std::array<double, 4>> styles;
-    for (const Curve& curve : chart.curves) styles.insert({curve.colour.red, curve.colour.green, curve.colour.blue, static_cast<double>(curve.dash)});
+    for (const Curve& curve : chart.curves)
+        styles.insert({curve.colour.red, curve.colour.green, curve.colour.blue, static_cast<double>(curve.dash)});
     CHECK(styles.size() == 25);
     std::set<std::vector<double>> patterns;
     for (int kind = 0; kind < n_line_patterns; ++kind) patterns.insert(line_pattern(kind, 1.6));
@@ -257,15 +269,16 @@ TEST_CASE("figures: many lines are told apart by colour and pattern") {
 TEST_CASE("figures: axes of stress and strain follow the axial curve") {
     History wide = synthetic::stress_strain();
     for (std::vector<double>& row : wide.rows) row[3] *= 500, row[4] = row[2] + row[3];  // fragments fly aside
-    const AxisRanges axes = axis_ranges(stress_strain_chart(wide));
-    CHECK(axes.x[1] == doctest::Approx(0.2));  // [%]
-    CHECK(axes.x[0] == doctest::Approx(-0.2));
-    CHECK(axes.y[1] == doctest::Approx(100e6).epsilon(0.1));
+    const Box axes = axis_ranges(stress_strain_chart(wide));
+    CHECK(axes.high.x() == doctest::Approx(0.2));  // [%]
+    CHECK(axes.low.x() == doctest::Approx(-0.2));
+    CHECK(axes.high.y() == doctest::Approx(100e6).epsilon(0.1));
 }
 
 TEST_CASE("figures: what hardly leaves zero does not cost a step of the axis") {
     const auto labels = [](double low) {
-        const Chart chart{.x_quantity = "x", .y_quantity = "y", .curves = {{.label = "a", .x = {0, 1, 2}, .y = {0, low, 9}}}};
+        const Chart chart{
+            .x_quantity = "x", .y_quantity = "y", .curves = {{.label = "a", .x = {0, 1, 2}, .y = {0, low, 9}}}};
         std::set<std::string> texts;
         for (const DrawnText& text : draw_chart(chart, pictures() / "hardly.png", 560).texts) texts.insert(text.text);
         return texts;
@@ -275,14 +288,18 @@ TEST_CASE("figures: what hardly leaves zero does not cost a step of the axis") {
 }
 
 TEST_CASE("figures: the name of a level keeps off the curves") {
-    Chart chart{.x_quantity = "x", .y_quantity = "y", .curves = {{.label = "a", .x = {0, 1, 2, 2.2, 3}, .y = {0, 5, 5, 0, 0}}}, .levels = {{"level", 4.8, true}}};
+    Chart chart{.x_quantity = "x",
+                .y_quantity = "y",
+                .curves = {{.label = "a", .x = {0, 1, 2, 2.2, 3}, .y = {0, 5, 5, 0, 0}}},
+                .levels = {{"level", 4.8, true}}};
     const auto left_of = [&] {
         for (const DrawnText& text : draw_chart(chart, pictures() / "level.png", 560).texts)
             if (text.text == "level") return text.box.left;
         return -1.;
     };
     CHECK(left_of() > 400);
-    chart.curves[0].x = {0, 0.1, 2, 2.95, 3}, chart.curves[0].y = {0, 1, 2, 5, 5};  // runs through the place at the right
+    chart.curves[0].x = {0, 0.1, 2, 2.95, 3},
+    chart.curves[0].y = {0, 1, 2, 5, 5};  // runs through the place at the right
     CHECK(left_of() < 150);
     CHECK(left_of() > 0);
 }
@@ -293,51 +310,57 @@ TEST_CASE("figures: reactions over time are all forces that can be seen") {
     CHECK(chart.curves.size() == 4);
     CHECK(chart.curves[0].x.back() == doctest::Approx(80e-6));
     const FigureOptions options{.file = "over_time.png", .show = "reactions", .width = 560, .over = "time"};
-    CHECK(draw_figure(options, {}, synthetic::histories(20), {}, pictures()) == pictures() / "over_time.png");
-    CHECK_THROWS_AS(draw_figure({.file = "a.png", .show = "reactions", .over = "force"}, {}, synthetic::histories(20), {}, pictures()), UserError);
+    CHECK(draw_figure(options, {}, synthetic::histories(20), {}, pictures()).file == pictures() / "over_time.png");
+    CHECK_THROWS_AS(draw_figure({.file = "a.png", .show = "reactions", .over = "force"}, {}, synthetic::histories(20),
+                                {}, pictures()),
+                    UserError);
 }
 
 TEST_CASE("figures: what a run does not have is refused with a list of what it has") {
     Histories bare{.energy = synthetic::energy(5), .cracks = synthetic::cracks(5)};
-    for (const char* show : {"reactions", "probes", "probe_velocities", "stress_strain", "breaks", "rose", "fragments"}) {
+    for (const char* show :
+         {"reactions", "probes", "probe_velocities", "stress_strain", "breaks", "rose", "fragments"}) {
         CAPTURE(show);
         try {
             draw_figure({.file = "a.png", .show = show}, {}, bare, {}, pictures());
             FAIL("drawn");
         } catch (const UserError& error) {
-            const std::string said = error.what();
-            CHECK(said.find(show) != std::string::npos);
-            CHECK(said.find("crack_length") != std::string::npos);
-            CHECK(said.find("it has") != std::string::npos);
+            const std::string message = error.what();
+            CHECK(message.find(show) != std::string::npos);
+            CHECK(message.find("crack_length") != std::string::npos);
+            CHECK(message.find("it has") != std::string::npos);
         }
     }
     bare.probes = {{"time", "p_opening", "p_slip", "p_cohesion"}, {{0, 0, 0, 1}, {1, 0, 0, 1}}};
     CHECK_THROWS_AS(draw_figure({.file = "a.png", .show = "probe_velocities"}, {}, bare, {}, pictures()), UserError);
-    CHECK(draw_figure({.file = "a.png", .show = "probes"}, {}, bare, {}, pictures()) == pictures() / "a.png");
+    CHECK(draw_figure({.file = "a.png", .show = "probes"}, {}, bare, {}, pictures()).file == pictures() / "a.png");
 }
 
 TEST_CASE("figures: panels are bare and their legend stands below all") {
     const Frame frame = synthetic::frame(20);
     FigureOptions options{.file = "panel.png", .width = 560, .panel = true};
     CHECK(waits_for_the_end(options));
-    const FigureScale scale = body_scale(options, frame, nullptr);
-    CHECK(draw_cracks(options, frame, "A plate", pictures() / "panel.png").texts.empty());
+    const FigureScale scale = body_scale(options, frame, {});
+    CHECK(draw(options, frame, {.title = "A plate"}, pictures() / "panel.png").texts.empty());
     const Legend legend = panel_legend(options, frame, {}, {}, scale);
     REQUIRE(legend.bar.has_value());
-    CHECK(legend.key.size() == 2);
-    const std::vector<Tile> tiles(4, {pictures() / "panel.png", "a caption that is longer than the panel is wide and so goes over two lines or more than that"});
+    CHECK(legend.entries.size() == 2);
+    const std::vector<Tile> tiles(
+        4, {pictures() / "panel.png",
+            "a caption that is longer than the panel is wide and so goes over two lines or more than that"});
     const DrawnFigure sheet = draw_contact_sheet(tiles, 4, "Plates", pictures() / "panels.png", 560, legend);
     CHECK(has_text(sheet, "opening"));
     CHECK(has_text(sheet, "pre-crack"));
     CHECK_FALSE(has_text(sheet, "…"));
     // curves: the same axes
     const Chart small = probe_chart(synthetic::probes(10));
-    AxisRanges wide = axis_ranges(small);
-    wide.y[1] *= 4;
+    Box wide = axis_ranges(small);
+    wide.high.y() *= 4;
     const auto labels = [](const DrawnFigure& figure) {
         std::set<std::string> texts;
         for (const DrawnText& text : figure.texts) texts.insert(text.text);
         return texts;
     };
-    CHECK(labels(draw_chart(small, pictures() / "curve.png", 560, {.axes = wide, .panel = true})) != labels(draw_chart(small, pictures() / "curve.png", 560, {.panel = true})));
+    CHECK(labels(draw_chart(small, pictures() / "curve.png", 560, {.axes = wide, .panel = true})) !=
+          labels(draw_chart(small, pictures() / "curve.png", 560, {.panel = true})));
 }

@@ -3,12 +3,8 @@
 #include "support/synthetic_run.hpp"
 
 #include "base/error.hpp"
-#include "figures/body_figures.hpp"
-#include "figures/canvas.hpp"
 #include "figures/contact_sheet.hpp"
 #include "figures/curve_figures.hpp"
-#include "figures/figures.hpp"
-#include "figures/rock_figures.hpp"
 
 #include <doctest/doctest.h>
 
@@ -27,21 +23,20 @@ namespace {
 
 std::filesystem::path pictures() { return picture_directory("test_figures"); }
 
-bool overlap(const Area& a, const Area& b) { return a.left < b.right() && b.left < a.right() && a.bottom < b.top() && b.bottom < a.top(); }
-
 /// No text leaves the page or runs into another.
 void check_type(const DrawnFigure& figure) {
     CHECK(figure.texts.size() >= 8);
     for (std::size_t i = 0; i < figure.texts.size(); ++i) {
         const auto& [text, box] = figure.texts[i];
-        INFO(figure.file.filename().string(), ": ", text, " at ", box.left, " ", box.bottom, " size ", box.width, " ", box.height);
+        INFO(figure.file.filename().string(), ": ", text, " at ", box.left, " ", box.bottom, " size ", box.width, " ",
+             box.height);
         CHECK(box.left >= 2);
         CHECK(box.bottom >= 2);
         CHECK(box.right() <= page_width - 2);
         CHECK(box.top() <= figure.height - 2);
         for (std::size_t j = 0; j < i; ++j) {
             INFO("and ", figure.texts[j].text);
-            CHECK_FALSE(overlap(box, figure.texts[j].box));
+            CHECK_FALSE(box.overlaps(figure.texts[j].box));
         }
     }
 }
@@ -53,25 +48,27 @@ const Frame& plate() {
 
 }  // namespace
 
-TEST_CASE("figures: every subject is drawn without a display at the asked width") {
+TEST_CASE("figures: every subject is drawn without a display at the requested width") {
     unsetenv("DISPLAY");
     const FigureContext context{.title = "Edge-cracked block in tension", .rayleigh_speed = 2125};
     for (const std::string& subject : figure_subjects()) {
         const FigureOptions options{.file = subject + ".png", .show = subject, .at = {40e-6}, .width = 1200};
-        const auto file = draw_figure(options, plate(), synthetic::histories(), context, pictures());
+        const auto file = draw_figure(options, plate(), synthetic::histories(), context, pictures()).file;
         CHECK(file == pictures() / (subject + ".png"));
         const Pixels picture(file);
         CAPTURE(subject);
         CHECK(picture.width() == 1200);
         CHECK(picture.height() > 300);
         CHECK(picture.height() < 1200);
-        CHECK(picture.colours().size() > (subject == "materials" ? 20 : shows_body(subject) ? 250 : 100));  // materials are few
+        CHECK(picture.colours().size() > (subject == "materials" ? 20
+                                          : shows_body(subject)  ? 250
+                                                                 : 100));  // materials are few
         CHECK(picture.inked() > (shows_body(subject) ? 0.4 : 0.02));
         CHECK(picture.inked() < 0.9);
     }
 }
 
-TEST_CASE("figures: of texts too long for their place the begin is shown") {
+TEST_CASE("figures: texts that are too long are shown from their start") {
     std::string endless;  // letters of two bytes; letter by letter this would take a day
     for (int i = 0; i < 1'000'000; ++i) endless += "ä";
     for (const bool bold : {false, true}) {
@@ -90,24 +87,29 @@ TEST_CASE("figures: of texts too long for their place the begin is shown") {
     chart.title = endless;
     check_type(draw_chart(chart, pictures() / "type.png", 600));
     const Frame& frame = plate();
-    check_type(draw_materials({.width = 600}, frame, std::vector<std::string>(9, endless), endless, pictures() / "long_names.png"));
+    check_type(draw({.show = "materials", .width = 600}, frame,
+                    {.title = endless, .materials = std::vector<std::string>(9, endless)},
+                    pictures() / "long_names.png"));
 }
 
-TEST_CASE("figures: long names in a key go over lines and are not cut") {
+TEST_CASE("figures: long names in a legend go over lines and are not cut") {
     const std::string name = "granite of the upper quarry, coarse grained and weathered along its joints";
     const auto shown = [&](const DrawnFigure& figure) {
         std::string all;
         for (const DrawnText& text : figure.texts) all += text.text + " ";
         check_type(figure);
-        return all.find("weathered") != std::string::npos && all.find("along its joints") != std::string::npos && all.find("…") == std::string::npos;
+        return all.find("weathered") != std::string::npos && all.find("along its joints") != std::string::npos &&
+               all.find("…") == std::string::npos;
     };
     Chart chart = probe_chart(synthetic::probes());
     for (Curve& curve : chart.curves) curve.label = name;
-    CHECK(shown(draw_chart(chart, pictures() / "long_key.png", 600)));
-    CHECK(shown(draw_materials({.width = 600}, plate(), std::vector<std::string>(9, name), "A plate", pictures() / "long_key.png")));
+    CHECK(shown(draw_chart(chart, pictures() / "long_legend.png", 600)));
+    CHECK(shown(draw({.show = "materials", .width = 600}, plate(),
+                     {.title = "A plate", .materials = std::vector<std::string>(9, name)},
+                     pictures() / "long_legend.png")));
 }
 
-TEST_CASE("figures: the scale of a rose stands beside its petals") {
+TEST_CASE("figures: the scale of a rose stands next to its petals") {
     const DrawnFigure rose = draw_rose(synthetic::breaks(), "", pictures() / "type.png", 600);
     int n = 0;
     for (const DrawnText& text : rose.texts) {
@@ -119,14 +121,16 @@ TEST_CASE("figures: the scale of a rose stands beside its petals") {
     CHECK(n >= 3);
 }
 
-TEST_CASE("figures: magnified displacements are said to be and what that does to contacts") {
+TEST_CASE("figures: magnified displacements are labelled with their consequence for contacts") {
     const FigureOptions magnified{.show = "cracks", .deform = 50}, other{.show = "energy", .deform = 50};
     CHECK(magnification(magnified, false) == "displacements × 50");
     CHECK(magnification(magnified, true).find("closed gaps overlap") != std::string::npos);
     CHECK(magnification(other, true).empty());
     CHECK(magnification({.show = "cracks", .deform = 1}, true).empty());
-    const DrawnFigure sheet = draw_contact_sheet({{pictures() / "type.png", "seed 1"}}, 1, "Plates", pictures() / "sheet.png", 600, {}, magnification(magnified, false));
-    CHECK(std::any_of(sheet.texts.begin(), sheet.texts.end(), [](const DrawnText& text) { return text.text == "displacements × 50"; }));
+    const DrawnFigure sheet = draw_contact_sheet({{pictures() / "type.png", "seed 1"}}, 1, "Plates",
+                                                 pictures() / "sheet.png", 600, {}, magnification(magnified, false));
+    CHECK(std::any_of(sheet.texts.begin(), sheet.texts.end(),
+                      [](const DrawnText& text) { return text.text == "displacements × 50"; }));
 }
 
 TEST_CASE("figures: probes are told apart by colour and their components by pattern") {
@@ -137,28 +141,39 @@ TEST_CASE("figures: probes are told apart by colour and their components by patt
     const Chart chart = probe_chart(probes);
     REQUIRE(chart.curves.size() == 8);
     for (std::size_t i = 0; i < 8; ++i) {
-        CHECK(chart.curves[i].label == std::string(1, static_cast<char>('a' + i / 2)) + (i % 2 == 0 ? ", u_{x}" : ", u_{y}"));
+        CHECK(chart.curves[i].label ==
+              std::string(1, static_cast<char>('a' + i / 2)) + (i % 2 == 0 ? ", u_{x}" : ", u_{y}"));
         CHECK(chart.curves[i].dash == static_cast<int>(i % 2));
         CHECK(chart.curves[i].colour.red == curve_colour(i / 2).red);
     }
 }
 
 TEST_CASE("figures: no text leaves the page or touches another") {
-    for (const std::string& subject : figure_fields()) {
-        check_type(draw_field({.show = subject, .width = 600}, plate(), "Edge-cracked block in tension", pictures() / "type.png"));
+    for (const std::string& subject : figure_subjects()) {
+        if (!shows_body(subject)) continue;
+        check_type(draw({.show = subject, .width = 600}, plate(), {.title = "Edge-cracked block in tension"},
+                        pictures() / "type.png"));
     }
-    check_type(draw_cracks({.width = 600}, plate(), "A title that is far too long for one line and goes on beyond what anyone would read at the top of a figure", pictures() / "type.png"));
-    check_type(draw_cracks({.colour = "beta", .deform = 200, .width = 600}, plate(), "Edge-cracked block", pictures() / "cracks_beta.png"));
-    for (const Chart& chart : {energy_chart(synthetic::energy()), crack_length_chart(synthetic::cracks()), crack_speed_chart(synthetic::cracks(), 2125),
-                               reaction_chart(synthetic::reactions()), probe_chart(synthetic::probes()), stress_strain_chart(synthetic::stress_strain()),
+    check_type(draw({.width = 600}, plate(),
+                    {.title = "A title that is far too long for one line and goes on beyond what anyone would read at "
+                              "the top of a figure"},
+                    pictures() / "type.png"));
+    check_type(draw({.colour = "beta", .deform = 200, .width = 600}, plate(), {.title = "Edge-cracked block"},
+                    pictures() / "cracks_beta.png"));
+    for (const Chart& chart : {energy_chart(synthetic::energy()), crack_length_chart(synthetic::cracks()),
+                               crack_speed_chart(synthetic::cracks(), 2125), reaction_chart(synthetic::reactions()),
+                               probe_chart(synthetic::probes()), stress_strain_chart(synthetic::stress_strain()),
                                break_chart(synthetic::breaks(), 0, 80e-6), fragment_size_chart(synthetic::fragments())})
         check_type(draw_chart(chart, pictures() / "type.png", 600));
     check_type(draw_rose(synthetic::breaks(), "Edge-cracked block", pictures() / "type.png", 600));
     // a contact sheet of pictures that are there, and one that is not
-    draw_cracks({.width = 600}, plate(), "Edge-cracked block", pictures() / "tile.png");
+    draw({.width = 600}, plate(), {.title = "Edge-cracked block"}, pictures() / "tile.png");
     std::vector<Tile> tiles;
-    for (int i = 0; i < 7; ++i) tiles.push_back({pictures() / (i == 4 ? "nothing.png" : "tile.png"), "interface.default.sigma_c 3 MPa, seed " + std::to_string(i)});
-    for (const std::size_t n_columns : {1, 3, 7}) check_type(draw_contact_sheet(tiles, n_columns, "Edge-cracked block", pictures() / "sheet.png", 1200));
+    for (int i = 0; i < 7; ++i)
+        tiles.push_back({pictures() / (i == 4 ? "nothing.png" : "tile.png"),
+                         "interface.default.sigma_c 3 MPa, seed " + std::to_string(i)});
+    for (const std::size_t n_columns : {1, 3, 7})
+        check_type(draw_contact_sheet(tiles, n_columns, "Edge-cracked block", pictures() / "sheet.png", 1200));
     CHECK(Pixels(pictures() / "sheet.png").inked() > 0.2);
     check_type(draw_rose(synthetic::breaks(0), "Edge-cracked block", pictures() / "type.png", 600));  // nothing broke
 }
@@ -169,15 +184,18 @@ TEST_CASE("figures: bodies of all shapes and without cracks keep their type apar
         for (Vec2& x : frame.position) x = Vec2(a * x.x(), b * x.y());
         return frame;
     };
-    for (const auto& [a, b] : {std::pair(1.0, 0.02), std::pair(0.01, 1.0), std::pair(0.3, 3.0), std::pair(1e3, 1e3), std::pair(1e-4, 1e-4)}) {
+    for (const auto& [a, b] : {std::pair(1.0, 0.02), std::pair(0.01, 1.0), std::pair(0.3, 3.0), std::pair(1e3, 1e3),
+                               std::pair(1e-4, 1e-4)}) {
         const Frame frame = with_shape(a, b);
-        check_type(draw_field({.show = "stress_yy", .deform = 0, .width = 400}, frame, "A plate", pictures() / "shape.png"));
-        check_type(draw_cracks({.deform = 0, .width = 400}, frame, "A plate", pictures() / "shape.png"));
+        check_type(draw({.show = "stress_yy", .deform = 0, .width = 400}, frame, {.title = "A plate"},
+                        pictures() / "shape.png"));
+        check_type(draw({.deform = 0, .width = 400}, frame, {.title = "A plate"}, pictures() / "shape.png"));
     }
-    check_type(draw_cracks({.box = Box{{0.0512, 0.0171}, {0.0533, 0.0187}}, .width = 400}, plate(), "A part", pictures() / "part.png"));
+    check_type(draw({.box = Box{{0.0512, 0.0171}, {0.0533, 0.0187}}, .width = 400}, plate(), {.title = "A part"},
+                    pictures() / "part.png"));
     Frame intact = synthetic::frame(10);
     for (PointStatus& status : intact.status) status = PointStatus::intact;
-    check_type(draw_cracks({.width = 400}, intact, "Intact", pictures() / "intact.png"));
+    check_type(draw({.width = 400}, intact, {.title = "Intact"}, pictures() / "intact.png"));
     const History none{synthetic::energy().columns, {}}, no_cracks{synthetic::cracks().columns, {}};
     check_type(draw_chart(energy_chart(none), pictures() / "none.png", 400));
     check_type(draw_chart(crack_speed_chart(no_cracks, 2125), pictures() / "none.png", 400));
@@ -187,8 +205,9 @@ TEST_CASE("figures: a uniform field shows no seams between its triangles") {
     Frame frame = synthetic::frame(80);
     for (Eigen::Vector3d& s : frame.stress) s = Eigen::Vector3d(2e6, 0, 0);
     for (PointStatus& status : frame.status) status = PointStatus::intact;
-    const FigureOptions options{.show = "stress_xx", .deform = 0, .box = Box{{0.02, 0.01}, {0.08, 0.03}}, .range = {-4e6, 4e6}, .width = 700};
-    const DrawnFigure figure = draw_field(options, frame, "", pictures() / "seams.png");
+    const FigureOptions options{
+        .show = "stress_xx", .deform = 0, .box = Box{{0.02, 0.01}, {0.08, 0.03}}, .range = {-4e6, 4e6}, .width = 700};
+    const DrawnFigure figure = draw(options, frame, {}, pictures() / "seams.png");
     const Pixels pixels(figure.file);
     std::set<std::uint32_t> colours;
     for (int y = 60; y < 180; ++y)
@@ -196,9 +215,9 @@ TEST_CASE("figures: a uniform field shows no seams between its triangles") {
     CHECK(colours.size() == 1);
 }
 
-TEST_CASE("figures: a crack is where it is and as dark as its opening says") {
+TEST_CASE("figures: a crack has its position and the colour of its opening") {
     const FigureOptions options{.range = {0, 20e-6}, .width = 1120};
-    const DrawnFigure figure = draw_cracks(options, plate(), "", pictures() / "place.png");
+    const DrawnFigure figure = draw(options, plate(), {}, pictures() / "place.png");
     const Pixels pixels(figure.file);
     // the plot is 104 mm wide between 52 and 544 units, two pixels a unit
     int n_black = 0, n_coloured = 0;
@@ -226,19 +245,19 @@ TEST_CASE("figures: a load that does not move has no curve of force over displac
 TEST_CASE("figures: vector files and names with the time") {
     const FigureContext context{.title = "Plate"};
     const History none;
-    const auto starts_with = [](const std::filesystem::path& file, const std::string& wanted) {
+    const auto starts_with = [](const std::filesystem::path& file, const std::string& expected) {
         std::ifstream in(file, std::ios::binary);
-        std::string head(wanted.size(), ' ');
+        std::string head(expected.size(), ' ');
         in.read(head.data(), static_cast<std::streamsize>(head.size()));
-        return head == wanted;
+        return head == expected;
     };
     FigureOptions options{.file = "cracks.svg", .at = {20e-6, 40e-6, 80e-6}};
-    auto file = draw_figure(options, plate(), {.energy = none, .cracks = none}, context, pictures());
+    auto file = draw_figure(options, plate(), {.energy = none, .cracks = none}, context, pictures()).file;
     CHECK(file == pictures() / "cracks_40us.svg");
     CHECK(starts_with(file, "<?xml"));
     options.file = "cracks.pdf";
     options.at = {};
-    file = draw_figure(options, plate(), {.energy = none, .cracks = none}, context, pictures());
+    file = draw_figure(options, plate(), {.energy = none, .cracks = none}, context, pictures()).file;
     CHECK(file == pictures() / "cracks.pdf");
     CHECK(starts_with(file, "%PDF"));
     CHECK(std::filesystem::file_size(file) > 5000);
@@ -256,15 +275,15 @@ TEST_CASE("figures: an older picture stays where there is no room for the new on
         std::ofstream(directory / name) << "an older picture";
         const rlimit little{.rlim_cur = 1000, .rlim_max = before.rlim_max};
         setrlimit(RLIMIT_FSIZE, &little);
-        std::string said;
+        std::string message;
         try {
             draw_chart(energy_chart(synthetic::energy()), directory / name, 800);
         } catch (const OutputError& error) {
-            said = error.what();
+            message = error.what();
         }
         setrlimit(RLIMIT_FSIZE, &before);
-        CHECK(said.find(name) != std::string::npos);
-        CHECK(said.find("File too large") != std::string::npos);
+        CHECK(message.find(name) != std::string::npos);
+        CHECK(message.find("File too large") != std::string::npos);
         CHECK(std::filesystem::file_size(directory / name) == 16);
         CHECK(!std::filesystem::exists(directory / (std::string(name) + ".part")));
     }
@@ -279,7 +298,8 @@ TEST_CASE("figures: what cannot be drawn is refused") {
     CHECK_THROWS_AS(draw({.file = "a.png", .colour = "red"}, pictures()), UserError);
     CHECK_THROWS_AS(draw({.file = "a.gif"}, pictures()), UserError);
     CHECK_THROWS_AS(draw({.file = "a.png", .width = 0}, pictures()), UserError);
-    for (const char* file : {"a.png", "a.svg", "a.pdf"}) CHECK_THROWS_AS(draw({.file = file, .width = 300}, pictures() / "missing"), SimulationError);
-    for (const std::string& subject : figure_fields()) CHECK(shows_body(subject));
+    for (const char* file : {"a.png", "a.svg", "a.pdf"})
+        CHECK_THROWS_AS(draw({.file = file, .width = 300}, pictures() / "missing"), SimulationError);
+    for (const char* subject : {"cracks", "materials", "speed"}) CHECK(shows_body(subject));
     CHECK_FALSE(shows_body("energy"));
 }

@@ -1,6 +1,7 @@
 #pragma once
 // Pictures that tests draw, and what is on them.
 #include "figures/canvas.hpp"
+#include "figures/figures.hpp"
 
 #include <cairo.h>
 #include <doctest/doctest.h>
@@ -19,9 +20,17 @@ inline std::filesystem::path picture_directory(const std::string& name) {
     return directory;
 }
 
+/// A figure as `file`.
+inline DrawnFigure draw(FigureOptions options, const Frame& frame, const FigureContext& context,
+                        const std::filesystem::path& file, const FigureScale* common = nullptr) {
+    options.file = file.filename().string();
+    return draw_figure(options, frame, {}, context, file.parent_path(), common);
+}
+
 class Pixels {
 public:
-    explicit Pixels(const std::filesystem::path& file) : image_(cairo_image_surface_create_from_png(file.string().c_str())) {
+    explicit Pixels(const std::filesystem::path& file)
+        : image_(cairo_image_surface_create_from_png(file.string().c_str())) {
         REQUIRE(cairo_surface_status(image_) == CAIRO_STATUS_SUCCESS);
     }
     ~Pixels() { cairo_surface_destroy(image_); }
@@ -32,7 +41,9 @@ public:
     int height() const { return cairo_image_surface_get_height(image_); }
     /// 0xRRGGBB; rows go down.
     std::uint32_t at(int x, int y) const {
-        return reinterpret_cast<const std::uint32_t*>(cairo_image_surface_get_data(image_) + y * cairo_image_surface_get_stride(image_))[x] & 0xFFFFFF;
+        return reinterpret_cast<const std::uint32_t*>(cairo_image_surface_get_data(image_) +
+                                                      y * cairo_image_surface_get_stride(image_))[x] &
+               0xFFFFFF;
     }
     /// At a place of the page [unit], from below.
     std::uint32_t on_page(double x, double y) const {

@@ -1,6 +1,5 @@
-#include "figures/colour_bar.hpp"
 #include "figures/ticks.hpp"
-#include "figures/value_span.hpp"
+#include "figures/colours.hpp"
 #include "support/relative.hpp"
 
 #include <doctest/doctest.h>
@@ -9,7 +8,7 @@
 
 using namespace knap;
 
-TEST_CASE("ticks: round and inside and no more than asked for") {
+TEST_CASE("ticks: round and inside and no more than requested") {
     for (const double low : {-7.3e-6, -1.0, 0.0, 0.02, 95.0, 1e4}) {
         for (const double width : {1e-6, 0.013, 1.0, 9.99, 12345.0}) {
             const double high = low + width;
@@ -21,15 +20,16 @@ TEST_CASE("ticks: round and inside and no more than asked for") {
                 CHECK(ticks.at.size() <= static_cast<std::size_t>(n));
                 CHECK(ticks.labels.size() == ticks.at.size());
                 const double digit = ticks.step / std::pow(10, std::floor(std::log10(ticks.step) + 1e-9));
-                CHECK((std::abs(digit - 1) < 1e-6 || std::abs(digit - 2) < 1e-6 || std::abs(digit - 2.5) < 1e-6 || std::abs(digit - 5) < 1e-6));
+                CHECK((std::abs(digit - 1) < 1e-6 || std::abs(digit - 2) < 1e-6 || std::abs(digit - 2.5) < 1e-6 ||
+                       std::abs(digit - 5) < 1e-6));
                 for (const double at : ticks.at) CHECK((at >= low - 1e-6 * width && at <= high + 1e-6 * width));
-                const auto range = round_range(low, high, n);
-                const Ticks inside = round_ticks(range[0], range[1], n);
+                const Limits range = round_range(low, high, n);
+                const Ticks inside = round_ticks(range.low, range.high, n);
                 REQUIRE(inside.at.size() >= 2);
-                CHECK(std::abs(inside.at.front() - range[0]) <= 1e-4 * inside.step);
-                CHECK(std::abs(inside.at.back() - range[1]) <= 1e-4 * inside.step);
-                CHECK(range[0] <= low + 1e-6 * width);
-                CHECK(range[1] >= high - 1e-6 * width);
+                CHECK(std::abs(inside.at.front() - range.low) <= 1e-4 * inside.step);
+                CHECK(std::abs(inside.at.back() - range.high) <= 1e-4 * inside.step);
+                CHECK(range.low <= low + 1e-6 * width);
+                CHECK(range.high >= high - 1e-6 * width);
             }
         }
     }
@@ -75,7 +75,7 @@ TEST_CASE("ticks: times read well") {
 
 namespace {
 
-ColourRange robust_range(const std::vector<double>& values, double outside, bool symmetric) {
+Limits robust_range(const std::vector<double>& values, double outside, bool symmetric) {
     const ValueSpan span = span_of(values, outside);
     return round_limits(span.low, span.high, symmetric);
 }
@@ -86,12 +86,12 @@ TEST_CASE("colour range: a few peaks do not set it and a constant field has one"
     std::vector<double> values(1000, 1e6);
     for (int i = 0; i < 500; ++i) values[i] = -2e6;
     values[10] = 1e9;
-    const ColourRange range = robust_range(values, 0.005, true);
+    const Limits range = robust_range(values, 0.005, true);
     CHECK(range.low == doctest::Approx(-2e6));
     CHECK(range.high == doctest::Approx(2e6));
     for (const double constant : {0.0, 3.0, -3.0}) {
         for (const bool symmetric : {false, true}) {
-            const ColourRange one = robust_range({constant, constant}, 0.005, symmetric);
+            const Limits one = robust_range({constant, constant}, 0.005, symmetric);
             CHECK(one.low <= constant);
             CHECK(one.high >= constant);
             CHECK(one.low < one.high);
@@ -106,10 +106,12 @@ TEST_CASE("colour range: a few peaks do not set it and a constant field has one"
 }
 
 TEST_CASE("colour map: grows in lightness or is symmetric") {
-    const auto lightness = [](const Colour& c) { return 0.2126 * std::pow(c.red, 2.2) + 0.7152 * std::pow(c.green, 2.2) + 0.0722 * std::pow(c.blue, 2.2); };
-    for (const ColourMap& map : {ColourMap::viridis(), ColourMap::plasma()})
+    const auto lightness = [](const Colour& c) {
+        return 0.2126 * std::pow(c.red, 2.2) + 0.7152 * std::pow(c.green, 2.2) + 0.0722 * std::pow(c.blue, 2.2);
+    };
+    for (const ColourMap& map : {ColourMap::viridis, ColourMap::plasma})
         for (int i = 0; i < 100; ++i) CHECK(lightness(map(0.01 * i)) < lightness(map(0.01 * (i + 1))));
-    const ColourMap map = ColourMap::diverging();
+    const ColourMap map = ColourMap::diverging;
     for (int i = 0; i < 50; ++i) {
         CHECK(lightness(map(0.01 * i)) < lightness(map(0.01 * (i + 1))));
         CHECK(lightness(map(1 - 0.01 * i)) < lightness(map(1 - 0.01 * (i + 1))));

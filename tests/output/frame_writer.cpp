@@ -6,8 +6,8 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "base/whole_file.hpp"
-#include "figures/body_figures.hpp"
 #include "figures/curve_figures.hpp"
+#include "figures/figures.hpp"
 #include "output/vtk_series.hpp"
 
 #include <doctest/doctest.h>
@@ -152,7 +152,7 @@ TEST_CASE("frame writer: frames written while figures are drawn equal frames wri
     for (int i = 0; i < 5; ++i) {
         writer.add(at(i));
         draw_chart(energy_chart(synthetic::energy()), root / "energy.png", 800);
-        draw_cracks({}, frame, "cracks", root / "cracks.png");
+        draw_figure({.file = "cracks.png"}, frame, {}, {.title = "cracks"}, root);
     }
     writer.finish();
     int n_files = 0;

@@ -1,16 +1,20 @@
-// Each run is a process of its own: its processor time and memory are its own, and several go side by side.
+// Each run is a process of its own: it has its own processor time and memory, and several run at the same time.
 #include "app/ensemble/ensemble.hpp"
 #include "app/run/checkpoint.hpp"
+#include "app/run/directory_lock.hpp"
 #include "app/run/interrupt.hpp"
 #include "app/run/run_directory.hpp"
 #include "app/run/run_json.hpp"
 #include "base/error.hpp"
+#include "base/text.hpp"
+#include "base/whole_file.hpp"
 
 #include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -20,18 +24,19 @@ namespace knap {
 namespace {
 
 namespace fs = std::filesystem;
+using Texts = std::vector<std::string>;
 
-/// Blocks SIGINT, SIGTERM, SIGHUP and SIGCHLD (a run ended); they are fetched one by one.
+/// Blocks SIGINT, SIGTERM, SIGHUP and SIGCHLD (a run has ended) and fetches them one by one.
 class HeldSignals {
 public:
     HeldSignals() {
         std::signal(SIGCHLD, SIG_DFL);
         sigemptyset(&held_);
         for (const int which : {SIGINT, SIGTERM, SIGCHLD}) sigaddset(&held_, which);
-        if (!ignores_hangup()) sigaddset(&held_, SIGHUP);  // a blocked signal is not ignored
+        if (!ignores_hangup()) sigaddset(&held_, SIGHUP);  // blocking would end the ignoring
         sigprocmask(SIG_BLOCK, &held_, &before_);
     }
-    /// Further interrupts after the first one are ignored while the program ends.
+    /// After an interrupt further ones are ignored while the program ends.
     ~HeldSignals() {
         if (interrupted_)
             for (const int which : {SIGINT, SIGTERM, SIGHUP}) std::signal(which, SIG_IGN);
@@ -45,29 +50,37 @@ public:
         return first;
     }
     bool interrupted() const { return interrupted_; }
-    const sigset_t& before() const { return before_; }  // for the runs
+    const sigset_t& before() const { return before_; }
 
 private:
     sigset_t held_, before_;
     bool interrupted_ = false;
 };
 
-/// Starts a run with its messages in <run>.log. An interrupted one goes on from its checkpoint, if this program can.
-pid_t start(const std::string& scenario, const EnsembleRun& run, const fs::path& directory, bool force,
+/// The words of the command line of a run in a directory of `runs`.
+Texts command_of(const std::string& program, const std::string& scenario, const EnsembleRun& run, const fs::path& runs,
+                 bool force) {
+    Texts words{program, "run", scenario, "-j", "1", "-q", "-o", (runs / run.name).string()};
+    if (force) words.emplace_back("--force");
+    for (const std::string& set : run.overrides) words.insert(words.end(), {"-s", set});
+    return words;
+}
+
+/// Starts a run, with its messages in <run>.log. An interrupted run goes on from its checkpoint if this program can
+/// read it.
+pid_t start(const std::string& scenario, const EnsembleRun& run, const fs::path& runs, bool force,
             const sigset_t& signals) {
-    std::vector<std::string> words =
-        command_of("knap", scenario, run, directory, force || !Checkpoints::usable_in(directory / run.name));
+    Texts words = command_of("knap", scenario, run, runs, force || !Checkpoints::usable_in(runs / run.name));
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
-    const fs::path path = directory / (run.name + ".log");
-    const int log = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC,
-                         0666);  // does not wait for the reader of a pipe
+    const fs::path path = runs / (run.name + ".log");
+    // O_NONBLOCK: a pipe without a reader is an error, not a long wait
+    const int log = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC, 0666);
     if (log < 0) throw OutputError("cannot write " + path.string() + ": " + std::strerror(errno));
     const pid_t batch = getpid(), child = fork();
     if (child == 0) {
-        // when the batch is gone, even by SIGKILL, the run ends as by Ctrl-C: an orphan would keep its directory from
-        // the next batch
+        // when the batch ends, even by SIGKILL, the run ends as by Ctrl-C: otherwise it would keep its directory locked
         if (prctl(PR_SET_PDEATHSIG, SIGTERM) != 0 || getppid() != batch) _exit(127);
         sigprocmask(SIG_SETMASK, &signals, nullptr);
         if (dup2(log, STDOUT_FILENO) >= 0 && dup2(log, STDERR_FILENO) >= 0) execv("/proc/self/exe", arguments.data());
@@ -78,9 +91,9 @@ pid_t start(const std::string& scenario, const EnsembleRun& run, const fs::path&
     return child;
 }
 
-/// "done, 343 steps, 0.5 s" or why not; `ended`: status of its process, as of wait().
+/// "done, 343 steps, 0.5 s" or the failure; `ended`: status of its process from waitpid().
 std::string outcome(const fs::path& run, int ended, bool interrupted) {
-    if (interrupted && !fs::exists(run / "run.json")) return "not begun";
+    if (interrupted && !fs::exists(run / "run.json")) return "not started";
     const RunResult result = read_result(run, {});
     if (result.is_under_way())
         return WIFSIGNALED(ended) ? "killed by signal " + std::to_string(WTERMSIG(ended)) : "failed: " + result.reason;
@@ -90,65 +103,62 @@ std::string outcome(const fs::path& run, int ended, bool interrupted) {
     return text;
 }
 
-}  // namespace
+void make_directory(const fs::path& directory) {
+    std::error_code error;
+    if (fs::create_directories(directory, error); error)
+        throw UserError("cannot-write", "cannot create `" + directory.string() + "`: " + error.message());
+}
 
+/// Creates the directory of an ensemble, or takes an earlier one (with a <kind>.toml), for this process alone.
 DirectoryLock take_directory(const fs::path& directory, const std::string& kind) {
     std::error_code error;
     if (!holds_only(directory, {kind + ".toml.part"}) && !fs::exists(directory / (kind + ".toml"), error))
         throw UserError("not-a-" + kind,
-                        "`" + directory.string() + "` was not made by knap " + kind + " (no " + kind +
-                            ".toml), so it is left alone",
+                        "`" + directory.string() + "` was not made by knap " + kind + " (it has no " + kind +
+                            ".toml) and is left unchanged",
                         "choose another directory with --output");
-    if (fs::create_directories(directory, error); error)
-        throw UserError("cannot-write", "cannot make `" + directory.string() + "`: " + error.message());
+    make_directory(directory);
     return DirectoryLock(directory);
 }
 
-std::vector<const EnsembleRun*> runs_to_do(const std::vector<EnsembleRun>& runs, const fs::path& directory,
-                                           bool force) {
+/// The runs that are not finished in `runs`; by `force` all. Throws UserError where a directory has another run, unless
+/// `force`, or no run at all.
+std::vector<const EnsembleRun*> runs_to_do(const std::vector<EnsembleRun>& all, const fs::path& runs, bool force) {
     std::vector<const EnsembleRun*> to_do;
-    for (const EnsembleRun& run : runs) {
-        const fs::path there = directory / run.name;
+    for (const EnsembleRun& run : all) {
+        const fs::path there = runs / run.name;
         const EarlierRecord record = earlier_record(there);
-        const bool begun = !never_began(there, record),
-                   same = begun && is_file_of(there / "resolved.toml", run.resolved);
-        if (begun && !same && !record.is_of_a_run)
+        const bool exists = !never_began(there, record),
+                   same = exists && is_file_of(there / "resolved.toml", run.resolved);
+        if (exists && !same && !record.is_of_a_run)
             throw UserError(
                 "not-a-run",
-                "`" + there.string() + "` was not made by knap (it has no run.json of a run), nothing was run",
+                "`" + there.string() + "` was not made by knap (it has no run.json of a run); nothing was run",
                 "choose another directory with --output, or delete this one by hand");
-        if (begun && !same && !force)
-            throw UserError("runs-exist",
-                            "`" + there.string() + "` is not one of these runs as they are now, nothing was run",
+        if (exists && !same && !force)
+            throw UserError("runs-exist", "`" + there.string() + "` has a run of another scenario; nothing was run",
                             "choose another directory with --output, or replace the old runs with --force");
-        // a failure would only be repeated
+        // a failed run would fail again, unless it could not write its output
         const bool finished = same && (record.status == "done" || (record.status == "failed" && !record.output_failed));
         if (!finished || force) to_do.push_back(&run);
     }
     return to_do;
 }
 
-std::vector<std::string> command_of(const std::string& program, const std::string& scenario, const EnsembleRun& run,
-                                    const fs::path& place, bool force) {
-    std::vector<std::string> words{program, "run", scenario, "-j", "1", "-q", "-o", (place / run.name).string()};
-    if (force) words.emplace_back("--force");
-    for (const std::string& set : run.overrides) words.insert(words.end(), {"-s", set});
-    return words;
-}
-
-bool do_runs(const std::string& scenario, const std::vector<const EnsembleRun*>& to_do, const fs::path& directory,
+/// False when interrupted.
+bool do_runs(const std::string& scenario, const std::vector<const EnsembleRun*>& to_do, const fs::path& runs,
              const BatchOptions& options) {
     HeldSignals signals;
     std::map<pid_t, const EnsembleRun*> running;
-    std::size_t next = 0, n_done = 0;
-    while (!running.empty() || (next < to_do.size() && !signals.interrupted())) {
-        if (next < to_do.size() && !signals.interrupted() &&
-            running.size() < static_cast<std::size_t>(options.n_at_once)) {
-            running[start(scenario, *to_do[next], directory, options.force, signals.before())] = to_do[next];
-            ++next;
+    std::size_t n_started = 0, n_done = 0;
+    const auto may_start = [&] { return n_started < to_do.size() && !signals.interrupted(); };
+    while (!running.empty() || may_start()) {
+        if (may_start() && running.size() < static_cast<std::size_t>(options.n_at_once)) {
+            const EnsembleRun* run = to_do[n_started++];
+            running[start(scenario, *run, runs, options.force, signals.before())] = run;
             continue;
         }
-        if (signals.next_interrupts())  // Ctrl-C reaches the runs by itself, SIGTERM may not
+        if (signals.next_interrupts())  // the runs receive Ctrl-C themselves, but perhaps not SIGTERM
             for (const auto& [child, run] : running) kill(child, SIGTERM);
         int status = 0;
         for (pid_t ended; (ended = waitpid(-1, &status, WNOHANG)) > 0;) {
@@ -158,12 +168,57 @@ bool do_runs(const std::string& scenario, const std::vector<const EnsembleRun*>&
             ++n_done;
             if (!options.quiet)
                 std::fprintf(stderr, "run %zu of %zu: %s: %s\n", n_done, to_do.size(), name.c_str(),
-                             outcome(directory / name, status, signals.interrupted()).c_str());
+                             outcome(runs / name, status, signals.interrupted()).c_str());
             running.erase(found);
         }
     }
-    if (signals.interrupted()) std::fprintf(stderr, "interrupted; the same command goes on where it stopped\n");
+    if (signals.interrupted()) std::fprintf(stderr, "interrupted; the same command continues\n");
     return !signals.interrupted();
+}
+
+}  // namespace
+
+std::string quoted_for_shell(const std::string& word) {
+    const auto plain = [](char c) { return is_plain(c) || std::strchr("+=,/:%@", c) != nullptr; };
+    if (!word.empty() && std::ranges::all_of(word, plain)) return word;
+    std::string quoted = "'";
+    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return quoted + "'";
+}
+
+ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const BatchOptions& options) {
+    const std::string& kind = ensemble.kind;
+    const fs::path directory =
+        options.output.empty() ? fs::path(ensemble.is_study() ? "studies" : "sweeps") / ensemble.name : options.output;
+    const fs::path runs = directory / "runs";
+    const DirectoryLock lock = take_directory(directory, kind);
+    const auto to_do = runs_to_do(ensemble.runs, runs, options.force);
+    write_whole_file(directory / (kind + ".toml"), ensemble.record);  // first: it marks the directory
+    make_directory(runs);
+    if (options.print_commands) {
+        for (const EnsembleRun* run : to_do) {
+            Texts words = command_of(options.program, scenario, *run, runs, options.force);
+            std::ranges::transform(words, words.begin(), quoted_for_shell);
+            std::printf("%s\n", joined(words, " ").c_str());
+        }
+        std::fprintf(
+            stderr,
+            "%zu of %zu runs are to be done; afterwards the same command without --print-commands makes tables "
+            "and figures\n",
+            to_do.size(), ensemble.runs.size());
+        return exit_done;
+    }
+    if (!do_runs(scenario, to_do, runs, options)) return exit_interrupted;
+    for (EnsembleRun& run : ensemble.runs) run.result = read_result(runs / run.name, ensemble.quantities);
+    if (ensemble.is_study() && ensemble.n_seeds == 0) judge_errors(ensemble);
+    const std::string text = overview(ensemble);
+    write_whole_file(directory / (kind + ".md"), text);
+    write_whole_file(directory / (kind + ".csv"), runs_csv(ensemble));
+    if (ensemble.n_seeds > 0) write_whole_file(directory / "statistics.csv", statistics_csv(ensemble));
+    std::printf("%s%-9s%s\n", text.c_str(), (kind + ":").c_str(), directory.c_str());
+    for (const fs::path& figure : draw_ensemble(ensemble, directory)) std::printf("figure:  %s\n", figure.c_str());
+    const auto successful = [](const EnsembleRun& run) { return run.result.trouble().empty(); };
+    return std::ranges::all_of(ensemble.runs, successful) ? exit_done : exit_failed;
 }
 
 }  // namespace knap

@@ -1,4 +1,4 @@
-// Of a study: error over cost and over h, or means with their spread over h. Of a sweep: a contact sheet.
+// Figures of a study: errors over cost and over h, or means with their deviations over h. Of a sweep: a contact sheet.
 #include "app/ensemble/ensemble.hpp"
 #include "app/run/finished_run.hpp"
 #include "base/error.hpp"
@@ -14,31 +14,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int pixels = 1200;
-constexpr Colour grey{0.6, 0.6, 0.6};
-
 // ---- study
 
 /// Lines of order 1 and 2 below the largest error.
 void add_guides(Chart& chart) {
-    double x_low = INFINITY, x_high = 0, y_high = 0;
+    double x = INFINITY, end = 0, y = 0;
     for (const Curve& curve : chart.curves)
-        for (std::size_t i = 0; i < curve.x.size(); ++i) {
-            if (!(curve.y[i] > 0) || !std::isfinite(curve.x[i])) continue;
-            x_low = std::min(x_low, curve.x[i]), x_high = std::max(x_high, curve.x[i]),
-            y_high = std::max(y_high, curve.y[i]);
-        }
-    if (!(x_high > x_low)) return;
+        for (std::size_t i = 0; i < curve.x.size(); ++i)
+            if (curve.y[i] > 0 && std::isfinite(curve.x[i]))
+                x = std::min(x, curve.x[i]), end = std::max(end, curve.x[i]), y = std::max(y, 0.6 * curve.y[i]);
     for (const int order : {1, 2})
-        chart.curves.push_back({.label = "order " + std::to_string(order),
-                                .x = {x_low, x_high},
-                                .y = {0.6 * y_high * std::pow(x_low / x_high, order), 0.6 * y_high},
-                                .colour = grey,
-                                .width = 1,
-                                .dash = order == 1 ? 1 : 0});
+        if (end > x)
+            chart.curves.push_back({.label = "order " + std::to_string(order),
+                                    .x = {x, end},
+                                    .y = {y * std::pow(x / end, order), y},
+                                    .colour = {0.6, 0.6, 0.6},
+                                    .width = 1,
+                                    .dash = order == 1 ? 1 : 0});
 }
 
-/// Errors of a quantity over processor time or over the step or mesh size; of statistics means with their deviations.
+/// Errors of a quantity over processor time or over the step or mesh size; or its means with deviations.
 Chart chart_of(const Ensemble& study, std::size_t q, bool over_cost) {
     const StudyQuantity& quantity = study.quantities[q];
     const bool errors = !study.errors.empty(), step = study.study.refine == Refine::step;
@@ -47,13 +42,14 @@ Chart chart_of(const Ensemble& study, std::size_t q, bool over_cost) {
                               : step    ? "step"
                                         : "mesh size",
                 .x_unit = over_cost || step ? "s" : "m",
-                .y_quantity = !errors                    ? "value"
-                              : quantity.scale           ? "error over its scale"
-                              : study.errors[q].relative ? "relative error"
-                                                         : "error",
+                .y_quantity = "value",
                 .y_unit = errors ? "" : quantity.unit,
                 .x_logarithmic = true,
                 .y_logarithmic = errors};
+    if (errors)
+        chart.y_quantity = quantity.scale             ? "error relative to the scale"
+                           : study.errors[q].relative ? "relative error"
+                                                      : "error";
     for (std::size_t line = 0; line < study.study.lines.size(); ++line) {
         Curve curve{.label = study.study.lines[line].name,
                     .colour = curve_colour(line),
@@ -73,30 +69,40 @@ Chart chart_of(const Ensemble& study, std::size_t q, bool over_cost) {
     return chart;
 }
 
-/// PNG and SVG of a chart; nothing of one without a curve of two points.
-void draw(const Chart& chart, const fs::path& stem, std::vector<fs::path>& drawn) {
-    const auto n_points = [](const Curve& c) {
-        return std::ranges::count_if(c.y, [](double y) { return std::isfinite(y); });
+/// PNG and SVG of each quantity, where a curve has two points at least.
+std::vector<fs::path> draw_study(const Ensemble& study, const fs::path& figures) {
+    std::vector<fs::path> drawn;
+    const auto draw = [&](const Chart& chart, const std::string& name) {
+        const auto is_finite = [](double y) { return std::isfinite(y); };
+        if (std::ranges::none_of(chart.curves,
+                                 [&](const Curve& c) { return std::ranges::count_if(c.y, is_finite) > 1; }))
+            return;
+        for (const char* ending : {".png", ".svg"})
+            drawn.push_back(draw_chart(chart, figures / (name + ending), 1200).file);
     };
-    if (std::ranges::none_of(chart.curves, [&](const Curve& c) { return n_points(c) > 1; })) return;
-    for (const char* ending : {".png", ".svg"}) drawn.push_back(draw_chart(chart, stem.string() + ending, pixels).file);
+    const bool errors = !study.errors.empty();
+    for (std::size_t q = 0; q < study.quantities.size(); ++q) {
+        const std::string name = plain_name(study.quantities[q].name);
+        if (errors) draw(chart_of(study, q, true), "work_precision_" + name);
+        draw(chart_of(study, q, false), (errors ? "convergence_" : "statistics_") + name);
+    }
+    return drawn;
 }
 
 // ---- sweep
 
-/// A column for every seed or value of the last key, or about as wide as high.
+/// A column for every seed or value of the last key where these are few; otherwise a square sheet.
 std::size_t n_columns(const Ensemble& sweep) {
     std::set<std::string> last_values;
     for (const Variant& variant : sweep.variants)
         if (!variant.values.empty()) last_values.insert(variant.values.back());
     const bool seeds = sweep.n_seeds > 1;
     const std::size_t n = sweep.keys.empty() ? 0 : seeds ? sweep.n_seeds : last_values.size();
-    if (n > 0 && n <= (seeds ? 8 : 6)) return n;
-    return std::clamp<std::size_t>(
-        static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(sweep.runs.size())))), 1, 12);
+    if (n > 0 && n <= (seeds ? 8 : 6)) return std::min(n, sweep.runs.size());
+    const double root = std::ceil(std::sqrt(static_cast<double>(sweep.runs.size())));
+    return std::clamp<std::size_t>(static_cast<std::size_t>(root), 1, 12);
 }
 
-/// What the panel of a run is drawn from.
 struct PanelSource {
     FinishedRun run;
     Frame frame;
@@ -105,42 +111,41 @@ struct PanelSource {
 /// Nothing where the run has nothing to show, as one that failed before its end.
 std::optional<PanelSource> panel_source(const fs::path& directory, const FigureOptions& sheet) {
     try {
-        FinishedRun run = read_finished_run(directory);
-        check_figure(sheet, run.histories);
-        if (!shows_body(sheet.show)) return PanelSource{std::move(run), {}};
-        if (run.frame_times.empty()) return {};
-        Frame frame = read_frame(directory, run.frame_times.size() - 1);
-        return PanelSource{std::move(run), std::move(frame)};
+        PanelSource source{read_finished_run(directory), {}};
+        check_figure(sheet, source.run.histories);
+        if (!shows_body(sheet.show)) return source;
+        if (source.run.frame_times.empty()) return {};
+        source.frame = read_frame(directory, source.run.frame_times.size() - 1);
+        return source;
     } catch (const UserError&) {
         return {};
     }
 }
 
-/// Draws the panels of all runs again, with the ranges of all, and the sheet of them.
+/// Draws the panels of all runs again, with common ranges, and the sheet of them.
 fs::path draw_sheet(const Ensemble& sweep, const fs::path& directory) {
     const FigureOptions& sheet = sweep.sheet;
-    const auto directory_of = [&](const EnsembleRun& run) { return directory / "runs" / run.name; };
+    const auto run_directory = [&](const EnsembleRun& run) { return directory / "runs" / run.name; };
     FigureScale common;
     for (const EnsembleRun& run : sweep.runs)
-        if (const auto source = panel_source(directory_of(run), sheet))
+        if (const auto source = panel_source(run_directory(run), sheet))
             common = joined(common, scale_of(sheet, source->frame, source->run.histories, source->run.context));
     Legend legend;
     std::string magnified;
     std::vector<Tile> tiles;
     for (const EnsembleRun& run : sweep.runs) {
-        const fs::path figures = directory_of(run) / "figures";
+        const fs::path figures = run_directory(run) / "figures";
         tiles.push_back({figures / sheet.file, sweep.caption(run)});
-        const auto source = panel_source(directory_of(run), sheet);
+        const auto source = panel_source(run_directory(run), sheet);
         if (!source) continue;
         fs::create_directories(figures);
         draw_figure(sheet, source->frame, source->run.histories, source->run.context, figures, &common);
         magnified = magnification(sheet, source->frame.n_obstacles() > 0);
-        join(legend, panel_legend(sheet, source->frame, source->run.histories, source->run.context, common));
+        legend = joined(legend, panel_legend(sheet, source->frame, source->run.histories, source->run.context, common));
     }
-    const std::size_t columns = std::min(n_columns(sweep), tiles.size());
-    const int width = std::clamp<int>(static_cast<int>(420 * columns), 1200, 6000);
-    return draw_contact_sheet(tiles, columns, sweep.title.empty() ? sweep.name : sweep.title, directory / "sweep.png",
-                              width, legend, magnified)
+    const int width = std::clamp<int>(static_cast<int>(420 * n_columns(sweep)), 1200, 6000);
+    return draw_contact_sheet(tiles, n_columns(sweep), sweep.title.empty() ? sweep.name : sweep.title,
+                              directory / "sweep.png", width, legend, magnified)
         .file;
 }
 
@@ -148,16 +153,8 @@ fs::path draw_sheet(const Ensemble& sweep, const fs::path& directory) {
 
 std::vector<fs::path> draw_ensemble(const Ensemble& ensemble, const fs::path& directory) {
     if (!ensemble.is_study()) return {draw_sheet(ensemble, directory)};
-    const fs::path figures = directory / "figures";
-    fs::create_directories(figures);
-    std::vector<fs::path> drawn;
-    for (std::size_t q = 0; q < ensemble.quantities.size(); ++q) {
-        const std::string name = plain_name(ensemble.quantities[q].name);
-        const bool errors = !ensemble.errors.empty();
-        if (errors) draw(chart_of(ensemble, q, true), figures / ("work_precision_" + name), drawn);
-        draw(chart_of(ensemble, q, false), figures / ((errors ? "convergence_" : "statistics_") + name), drawn);
-    }
-    return drawn;
+    fs::create_directories(directory / "figures");
+    return draw_study(ensemble, directory / "figures");
 }
 
 }  // namespace knap

@@ -14,20 +14,12 @@ namespace {
 
 using Texts = std::vector<std::string>;
 
-constexpr double max_runs = 100'000;  // each is resolved before the first one starts, which takes about a millisecond
-constexpr std::size_t max_directory_name = 120,
-                      max_quantity_name = 150;  // a quantity's name is part of the names of figures
+constexpr double max_runs = 100'000;  // each is resolved before the first one starts, in about a millisecond
+constexpr std::size_t max_directory_name = 120, max_quantity_name = 150;
 
 void append(Texts& all, const Texts& more) { all.insert(all.end(), more.begin(), more.end()); }
 
-double finest_size(const Scenario& scenario) {
-    if (scenario.given) return 0;
-    double size = scenario.mesh.size;
-    for (const auto& box : scenario.mesh.refine) size = std::min(size, box.size);
-    return size;
-}
-
-/// Adds the runs of all variants, each resolved: a mistake in any of them is reported before the first one starts.
+/// Adds and resolves the runs of all variants: a mistake in any of them is reported before the first one starts.
 void add_runs(const std::string& scenario, Ensemble& ensemble) {
     const bool seeds = ensemble.n_seeds > 0;
     std::set<std::string> names;
@@ -40,7 +32,10 @@ void add_runs(const std::string& scenario, Ensemble& ensemble) {
             const ReadResult read = open_scenario(scenario, run.overrides);
             run.seed = read.scenario.seed;
             run.resolved = resolved_for_run(read);
-            run.mesh_size = finest_size(read.scenario);
+            if (!read.scenario.given) {
+                run.mesh_size = read.scenario.mesh.size;
+                for (const auto& box : read.scenario.mesh.refine) run.mesh_size = std::min(run.mesh_size, box.size);
+            }
             if (seeds || run.name.empty()) run.name += (run.name.empty() ? "s" : "_s") + std::to_string(run.seed);
             if (run.name.size() > max_directory_name) run.name = "run_" + std::to_string(ensemble.runs.size() + 1);
             if (!names.insert(run.name).second)
@@ -53,24 +48,25 @@ void add_runs(const std::string& scenario, Ensemble& ensemble) {
 
 // ---- study
 
-/// The steps of a level. Those in multiples of the stable step follow a refined mesh by themselves.
-void refine_step(const Scenario& base, double level, bool follows_mesh, Texts& set) {
+/// Overrides that divide the steps or the sizes of the mesh by `level`. Steps in multiples of the stable step follow a
+/// refined mesh without that.
+Texts refined(const Scenario& base, Refine refine, double level) {
+    Texts set;
     const TimeOptions& time = base.time;
-    const bool implicit = time.scheme.bulk == BulkScheme::implicit_theta;
     const auto divide = [&](const char* key, const StepLength& step) {
-        if (step.value == 0 || (follows_mesh && step.of_stable_step)) return;
+        if (refine == Refine::mesh || step.value == 0 || (refine == Refine::both && step.of_stable_step)) return;
         set.push_back(std::string(key) + "=" + shortest(step.value / level) + (step.of_stable_step ? " CFL" : ""));
     };
+    const bool implicit = time.scheme.bulk == BulkScheme::implicit_theta;
     const StepLength automatic{.value = implicit ? automatic_multiple : time.safety, .of_stable_step = true};
     divide("time.step", time.step.value > 0 ? time.step : automatic);
     divide("time.step_cracking", time.step_cracking);
     divide("time.step_min", time.step_min);
-}
-
-void refine_mesh(const Scenario& base, double level, Texts& set) {
+    if (refine == Refine::step) return set;
     set.push_back("mesh.size=" + shortest(base.mesh.size / level));
     for (std::size_t i = 0; i < base.mesh.refine.size(); ++i)
         set.push_back(item("mesh.refine", i) + ".size=" + shortest(base.mesh.refine[i].size / level));
+    return set;
 }
 
 std::string scheme_name(const SchemeOptions& scheme) {
@@ -78,8 +74,8 @@ std::string scheme_name(const SchemeOptions& scheme) {
            (scheme.cohesion == CohesionScheme::explicit_beta ? "explicit" : "implicit");
 }
 
-/// Throws UserError where two quantities would have one figure, or one none.
-void check_quantities(const std::vector<StudyQuantity>& quantities) {
+/// The name of a quantity is part of the names of its figures.
+void check_names(const std::vector<StudyQuantity>& quantities) {
     std::set<std::string> names;
     for (const StudyQuantity& quantity : quantities) {
         const std::string name = plain_name(quantity.name);
@@ -94,7 +90,7 @@ void check_quantities(const std::vector<StudyQuantity>& quantities) {
 
 // ---- sweep
 
-/// Later entries take the place of earlier ones for the same key.
+/// A later text replaces an earlier one of the same key.
 void add_keys(const Texts& set, std::vector<SweepKey>& keys) {
     for (const std::string& text : set) {
         SweepKey key = sweep_key(text);
@@ -105,24 +101,13 @@ void add_keys(const Texts& set, std::vector<SweepKey>& keys) {
 
 std::string last_part(const std::string& key) { return key.substr(key.rfind('.') + 1); }
 
-/// The panel of a run on the contact sheet: as the scenario draws it, at the end of the run.
-FigureOptions sheet_figure(const Scenario& scenario, const std::string& show) {
-    const auto own = std::ranges::find(scenario.figures, show, &FigureOptions::show);
-    FigureOptions figure = own == scenario.figures.end() ? FigureOptions{.show = show} : *own;
-    figure.file = "sheet.png";
-    figure.at.clear();
-    figure.width = 800;
-    figure.panel = true;
-    return figure;
-}
-
-/// All combinations of the values, the last key fastest.
+/// All combinations of the values; the last key varies fastest.
 std::vector<Variant> combinations(const std::vector<SweepKey>& keys, std::size_t n_seeds) {
     double n_runs = static_cast<double>(std::max<std::size_t>(n_seeds, 1));
     for (const SweepKey& key : keys) n_runs *= static_cast<double>(key.values.size());
     if (n_runs > max_runs)
         throw UserError("too-many-runs", "this sweep has " + shortest(n_runs) + " runs",
-                        "at most " + shortest(max_runs) + "; fewer values or seeds, or several sweeps");
+                        "at most " + shortest(max_runs) + "; use fewer values or seeds, or several sweeps");
     std::vector<Variant> all{{}};
     for (const SweepKey& key : keys) {
         std::vector<Variant> longer;
@@ -163,31 +148,27 @@ std::vector<std::size_t> Ensemble::variants_of(std::size_t line) const {
 }
 
 std::string Ensemble::caption(const EnsembleRun& run) const {
-    std::string text;
+    Texts parts;
     for (std::size_t k = 0; k < keys.size(); ++k)
-        text += (text.empty() ? "" : ", ") + last_part(keys[k]) + " " + variants[run.variant].values[k];
-    if (n_seeds > 0 || text.empty()) text += (text.empty() ? "seed " : ", seed ") + std::to_string(run.seed);
-    return text;
+        parts.push_back(last_part(keys[k]) + " " + variants[run.variant].values[k]);
+    if (n_seeds > 0 || parts.empty()) parts.push_back("seed " + std::to_string(run.seed));
+    return joined(parts);
 }
 
 std::string plain_name(const std::string& text) {
     std::string name;
-    for (const char c : text) {
-        const bool plain = std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-';
-        if (plain)
-            name += c;
-        else if (!name.empty() && name.back() != '_')
-            name += '_';
-    }
+    for (const char c : text)
+        if (c != '_' && is_plain(c)) name += c;
+        else if (!name.empty() && name.back() != '_') name += '_';
     return name;
 }
 
-std::vector<std::string> seed_overrides(const std::string& text) {
+Texts seed_overrides(const std::string& text) {
     static const std::regex form(R"((\d{1,18})(\.\.(\d{1,18}))?)");
     std::smatch part;
     if (text.empty()) return {};
     if (!std::regex_match(text, part, form))
-        throw UserError("bad-value", "`--seeds " + text + "` is no number of seeds", "20, or 1..20");
+        throw UserError("bad-value", "`--seeds " + text + "` is not a number of seeds", "20, or 1..20");
     if (!part[2].matched) return {"sweep.seeds=" + text};
     const long long first = std::stoll(part[1]), last = std::stoll(part[3]);
     if (last < first)
@@ -197,31 +178,25 @@ std::vector<std::string> seed_overrides(const std::string& text) {
 
 SweepKey sweep_key(const std::string& set) {
     const std::size_t equals = set.find('=');
-    if (equals == std::string::npos || equals == 0)
+    if (equals == set.npos || equals == 0)
         throw UserError("bad-override", "`" + set + "` is not of the form KEY=VALUE or KEY=VALUE,VALUE,...",
                         "for example mesh.size=1 mm,2 mm");
-    SweepKey found{.key = set.substr(0, equals)};
+    SweepKey found{.key = set.substr(0, equals), .values = {}};
     char quote = 0;
     int depth = 0;
-    std::size_t begin = equals + 1;
+    std::size_t start = equals + 1;
     const auto end_value = [&](std::size_t end) {
-        found.values.emplace_back(trimmed(std::string_view(set).substr(begin, end - begin)));
-        begin = end + 1;
+        found.values.emplace_back(trimmed(std::string_view(set).substr(start, end - start)));
+        start = end + 1;
     };
-    for (std::size_t at = begin; at < set.size(); ++at) {
+    for (std::size_t at = start; at < set.size(); ++at) {
         const char c = set[at];
-        if (quote == '"' && c == '\\')
-            ++at;  // \" ends no text
-        else if (quote)
-            quote = c == quote ? 0 : quote;
-        else if (c == '"' || c == '\'')
-            quote = c;
-        else if (c == '[' || c == '{')
-            ++depth;
-        else if (c == ']' || c == '}')
-            --depth;
-        else if (c == ',' && depth == 0)
-            end_value(at);
+        if (quote == '"' && c == '\\') ++at;  // \" does not end a text
+        else if (quote) quote = c == quote ? 0 : quote;
+        else if (c == '"' || c == '\'') quote = c;
+        else if (c == '[' || c == '{') ++depth;
+        else if (c == ']' || c == '}') --depth;
+        else if (c == ',' && depth == 0) end_value(at);
     }
     end_value(set.size());
     return found;
@@ -229,39 +204,36 @@ SweepKey sweep_key(const std::string& set) {
 
 Ensemble plan_study(const std::string& scenario, const Texts& overrides) {
     const ReadResult read = open_scenario(scenario, overrides);
-    const StudyOptions& options = read.scenario.study;
     Ensemble study{.kind = "study",
                    .name = read.scenario.name,
                    .record = resolved_for_run(read),
                    .keys = {"line", "level"},
-                   .n_seeds = static_cast<std::size_t>(options.n_seeds),
-                   .quantities = options.quantities,
-                   .study = options};
-    check_quantities(options.quantities);
-    // errors need events to the step; statistics can do with the lines that the scenario writes
-    Texts common =
-        options.n_seeds > 0 ? Texts{} : Texts{"output.history_every=" + shortest(1e-9 * read.scenario.time.end)};
+                   .n_seeds = static_cast<std::size_t>(read.scenario.study.n_seeds),
+                   .quantities = read.scenario.study.quantities,
+                   .study = read.scenario.study};
+    check_names(study.quantities);
+    Texts common;
+    // times of events must be known to the step for errors; statistics need only what the scenario writes
+    if (study.n_seeds == 0) common = {"output.history_every=" + shortest(1e-9 * read.scenario.time.end)};
     append(common, overrides);
-    append(common, options.set);
-    for (std::size_t i = 0; i < options.lines.size(); ++i) {
+    append(common, study.study.set);
+    for (std::size_t i = 0; i < study.study.lines.size(); ++i) {
         StudyLine& line = study.study.lines[i];
         Texts of_line = common;
         append(of_line, line.set);
-        // a single run draws no figures, is bound to no [expect], which a coarse run may miss, and is no study
+        // the runs draw no figures, are no studies themselves, and may miss [expect], as coarse ones do
         append(of_line, {"output.fields=false", "figure=", "expect=", "study=", "sweep="});
         const Scenario base = open_scenario(scenario, of_line).scenario;
         if (i == 0) study.title = base.title;
         if (line.name.empty()) line.name = scheme_name(base.time.scheme);
-        std::sort(line.levels.begin(), line.levels.end());
+        std::ranges::sort(line.levels);
         for (const double level : line.levels) {
             Variant variant{.name = plain_name(line.name) + "_r" + shortest(level),
                             .values = {line.name, shortest(level)},
                             .overrides = of_line,
                             .line = i,
                             .level = level};
-            if (options.refine != Refine::mesh)
-                refine_step(base, level, options.refine == Refine::both, variant.overrides);
-            if (options.refine != Refine::step) refine_mesh(base, level, variant.overrides);
+            append(variant.overrides, refined(base, study.study.refine, level));
             study.variants.push_back(std::move(variant));
         }
     }
@@ -270,7 +242,7 @@ Ensemble plan_study(const std::string& scenario, const Texts& overrides) {
 }
 
 Ensemble plan_sweep(const std::string& scenario, const Texts& overrides) {
-    // --set may vary what the scenario does not; what [sweep] says is read without it
+    // [sweep] is read with the overrides of a single value; the others need not hold one after the other
     std::vector<SweepKey> given, keys;
     add_keys(overrides, given);
     Texts single;
@@ -290,17 +262,24 @@ Ensemble plan_sweep(const std::string& scenario, const Texts& overrides) {
     add_keys(overrides, keys);
     Texts common;
     std::erase_if(keys, [&](const SweepKey& key) {
-        if (key.values.size() == 1 && !key.key.starts_with("sweep"))
-            common.push_back(key.key + "=" + key.values.front());
-        return key.values.size() == 1 || key.key.starts_with("sweep");
+        const bool is_single = key.values.size() == 1, of_sweep = key.key.starts_with("sweep");
+        if (is_single && !of_sweep) common.push_back(key.key + "=" + key.values.front());
+        return is_single || of_sweep;
     });
     for (const SweepKey& key : keys) sweep.keys.push_back(key.key);
     sweep.variants = combinations(keys, sweep.n_seeds);
-    sweep.sheet = sheet_figure(base, base.sweep.show);
-    // a single run keeps what its panel needs, is bound to no [expect], and is no sweep; breaks go on being noted
-    const std::string figure =
-        "figure=[{ file = \"" + sweep.sheet.file + "\", show = \"" + sweep.sheet.show + "\", panel = true }]";
-    Texts last{"output.fields=false", figure, "expect=", "study=", "sweep="};
+
+    // a panel of the contact sheet shows the end of a run as the scenario draws it
+    const auto own = std::ranges::find(base.figures, base.sweep.show, &FigureOptions::show);
+    sweep.sheet = own == base.figures.end() ? FigureOptions{.show = base.sweep.show} : *own;
+    sweep.sheet.file = "sheet.png";
+    sweep.sheet.at.clear();
+    sweep.sheet.width = 800;
+    sweep.sheet.panel = true;
+    // the runs keep what their panels need, are no sweeps themselves, and may miss [expect]
+    Texts last{"output.fields=false",
+               "figure=[{ file = \"sheet.png\", show = \"" + sweep.sheet.show + "\", panel = true }]",
+               "expect=", "study=", "sweep="};
     if (base.output.breaks) last.emplace_back("output.breaks=true");
     for (Variant& variant : sweep.variants) {
         variant.overrides.insert(variant.overrides.begin(), common.begin(), common.end());

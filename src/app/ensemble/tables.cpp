@@ -1,4 +1,4 @@
-// The results of an ensemble: Markdown for people, CSV for programs.
+// The results of an ensemble as Markdown and CSV.
 #include "app/ensemble/ensemble.hpp"
 #include "base/text.hpp"
 #include "figures/ticks.hpp"
@@ -10,9 +10,7 @@
 namespace knap {
 namespace {
 
-using Row = std::vector<std::string>;  // of cells
-
-/// Columns of study.csv and sweep.csv that are numbers.
+/// The numbers among the columns of study.csv and sweep.csv.
 struct Number {
     std::string_view name;
     double (*of)(const EnsembleRun&);
@@ -28,69 +26,70 @@ constexpr Number numbers[] = {
     {"cpu", [](const EnsembleRun& run) { return run.result.cpu; }},
 };
 
-void append(Row& row, const Row& more) { row.insert(row.end(), more.begin(), more.end()); }
-
-/// "-" for what is not finite; `format` as of printf.
+/// "-" for a value that is not finite; `format` as of printf.
 std::string number_text(double value, const char* format) {
-    if (!std::isfinite(value)) return "-";
     char text[64];
     std::snprintf(text, sizeof text, format, value);
-    return text;
+    return std::isfinite(value) ? text : "-";
 }
 
 /// "2.5 mm"
-std::string shown(double value, const DisplayUnit& unit, const char* format) {
-    return number_text(value * unit.factor, format) +
-           (unit.unit.empty() || !std::isfinite(value) ? "" : " " + unit.unit);
+std::string shown(double value, const DisplayUnit& unit, int digits) {
+    return std::isfinite(value) ? value_text(value * unit.factor, unit.unit, digits) : "-";
 }
-std::string prefixed(double value, std::string_view unit) {
-    return shown(value, display_unit(std::abs(value), std::string(unit)), "%.4g");
-}
-
-/// "93.9 ± 6.9 (2)": without deviation of a single run; with the number of runs that have a value where it is not all.
-std::string spread_text(const Spread& s, std::size_t n_runs, double factor) {
-    if (s.n == 0) return "-";
-    std::string text = number_text(s.mean * factor, "%.4g");
-    if (n_runs > 1) text += " ± " + number_text(s.deviation * factor, "%.2g");
-    return text + (s.n < static_cast<int>(n_runs) ? " (" + std::to_string(s.n) + ")" : "");
+std::string shown(double value, std::string_view unit) {
+    return shown(value, display_unit(std::abs(value), std::string(unit)), 4);
 }
 
-std::string csv_number(double value) { return std::isfinite(value) ? shortest(value + 0.0) : ""; }
+std::string csv_number(double value) { return std::isfinite(value) ? shortest(value + 0.0) : ""; }  // + 0: no "-0.0"
 
 std::string csv_text(const std::string& text) {
-    if (text.find_first_of(",\"\n") == std::string::npos) return text;
+    if (text.find_first_of(",\"\n") == text.npos) return text;
     std::string quoted = "\"";
     for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
     return quoted + "\"";
 }
 
-std::string csv(const std::vector<Row>& rows) {
-    std::string text;
-    for (Row row : rows) {
-        std::ranges::transform(row, row.begin(), csv_text);
-        text += csv_line(row) + "\n";
-    }
-    return text;
-}
+class Table {
+public:
+    explicit Table(std::size_t n_rows) : n_rows_(n_rows) {}
 
-/// With columns of the same width; the first row is the header. Leaves out those of the first `n` columns that are
-/// empty below it.
-std::string markdown(const std::vector<Row>& rows, std::size_t n) {
-    std::vector<std::string> lines(rows.size() + 1, "|");
-    for (std::size_t k = 0; k < rows[0].size(); ++k) {
-        if (k < n &&
-            std::all_of(rows.begin() + 1, rows.end(), [k](const Row& row) { return row[k] == "-" || row[k].empty(); }))
-            continue;
-        std::size_t width = 0;
-        for (const Row& row : rows) width = std::max(width, n_characters(row[k]));
-        lines[1] += std::string(width + 2, '-') + "|";
-        for (std::size_t i = 0; i < rows.size(); ++i)
-            lines[i == 0 ? 0 : i + 1] += " " + rows[i][k] + std::string(width - n_characters(rows[i][k]), ' ') + " |";
+    /// A column; `cell(i)`: the text in row i.
+    template <class Cell>
+    void add(const std::string& header, Cell cell) {
+        std::vector<std::string>& column = columns_.emplace_back(1, header);
+        for (std::size_t i = 0; i < n_rows_; ++i) column.push_back(cell(i));
     }
-    std::string text;
-    for (const std::string& line : lines) text += line + "\n";
-    return text;
-}
+
+    std::string csv() const {
+        std::string text;
+        for (std::size_t i = 0; i <= n_rows_; ++i) {
+            std::vector<std::string> row;
+            for (const auto& column : columns_) row.push_back(csv_text(column[i]));
+            text += csv_line(row) + "\n";
+        }
+        return text;
+    }
+
+    /// Without columns that have no text.
+    std::string markdown() const {
+        std::vector<std::string> lines(n_rows_ + 2, "|");
+        for (const auto& column : columns_) {
+            if (std::all_of(column.begin() + 1, column.end(), [](const auto& t) { return t == "-" || t.empty(); }))
+                continue;
+            std::size_t width = 0;
+            for (const std::string& text : column) width = std::max(width, n_characters(text));
+            lines[1] += std::string(width + 2, '-') + "|";
+            for (std::size_t i = 0; i <= n_rows_; ++i)
+                lines[i == 0 ? 0 : i + 1] += " " + column[i] + std::string(width - n_characters(column[i]), ' ') + " |";
+        }
+        return joined(lines, "\n") + "\n";
+    }
+
+private:
+    std::size_t n_rows_;
+    std::vector<std::vector<std::string>> columns_;
+};
 
 /// With the prefix of the largest value of a quantity.
 DisplayUnit display_unit_of(const Ensemble& ensemble, std::size_t q) {
@@ -102,99 +101,101 @@ DisplayUnit display_unit_of(const Ensemble& ensemble, std::size_t q) {
     return display_unit(largest, ensemble.quantities[q].unit);
 }
 
-/// A row for each variant: its values, finished runs, means of the numbers of its runs, some of the quantities.
+/// A row per variant: values, finished runs, mean numbers of its runs, and some of the quantities.
 std::string variants_table(const Ensemble& ensemble, const std::vector<std::size_t>& quantities) {
-    std::vector<Row> rows{ensemble.keys};
     const bool errors = !ensemble.errors.empty(), extremes = ensemble.n_seeds > 0 && quantities.size() == 1;
-    append(rows[0], {"done"});
-    for (const Number& number : numbers) append(rows[0], {std::string(number.name)});
-    const std::size_t n_description = rows[0].size();
-    for (std::size_t v = 0; v < ensemble.variants.size(); ++v) {
-        const auto runs = ensemble.runs_of(v);
-        const auto n_done = std::ranges::count(runs, "done", [](const EnsembleRun& run) { return run.result.status; });
-        Row& row = rows.emplace_back(ensemble.variants[v].values);
-        append(row, {errors ? "-" : std::to_string(n_done) + " of " + std::to_string(runs.size())});
-        for (const Number& number : numbers) {
+    Table table(ensemble.variants.size());
+    for (std::size_t k = 0; k < ensemble.keys.size(); ++k)
+        table.add(ensemble.keys[k], [&](std::size_t v) { return ensemble.variants[v].values[k]; });
+    if (!errors)
+        table.add("done", [&](std::size_t v) {
+            const auto runs = ensemble.runs_of(v);
+            const auto n_done =
+                std::ranges::count(runs, "done", [](const EnsembleRun& run) { return run.result.status; });
+            return std::to_string(n_done) + " of " + std::to_string(runs.size());
+        });
+    for (const Number& number : numbers)
+        table.add(std::string(number.name), [&](std::size_t v) {
             const double mean = ensemble.spread(v, number.of).mean;
-            append(row, {mean > 0 ? prefixed(mean, unit_of("study.csv", number.name)) : "-"});
-        }
-    }
+            return mean > 0 ? shown(mean, unit_of("study.csv", number.name)) : "-";
+        });
     for (const std::size_t q : quantities) {
         const DisplayUnit unit = display_unit_of(ensemble, q);
-        append(rows[0], {with_unit(ensemble.quantities[q].name, unit.unit)});
-        if (errors) append(rows[0], {"error", "order"});
-        if (extremes) append(rows[0], {"smallest", "largest"});
-        for (std::size_t v = 0; v < ensemble.variants.size(); ++v) {
+        table.add(with_unit(ensemble.quantities[q].name, unit.unit), [&](std::size_t v) {
             const Spread s = ensemble.spread(v, q);
-            Row& row = rows[v + 1];
-            append(row, {errors ? number_text(s.mean * unit.factor, "%.7g")
-                                : spread_text(s, ensemble.runs_of(v).size(), unit.factor)});
-            if (extremes)
-                append(row,
-                       {number_text(s.smallest * unit.factor, "%.4g"), number_text(s.largest * unit.factor, "%.4g")});
-            if (!errors) continue;
-            const QuantityErrors& e = ensemble.errors[q];
-            append(row, {v == e.reference_run ? "reference" : number_text(e.error[v], "%.2e"),
-                         number_text(e.order[v], "%.2f")});
+            const std::size_t n_runs = ensemble.runs_of(v).size();
+            if (errors || s.n == 0) return number_text(s.mean * unit.factor, "%.7g");
+            // "93.9 ± 6.9 (2)": with the number of runs that have a value, if not all have
+            return number_text(s.mean * unit.factor, "%.4g") +
+                   (n_runs > 1 ? " ± " + number_text(s.deviation * unit.factor, "%.2g") : "") +
+                   (s.n < static_cast<int>(n_runs) ? " (" + std::to_string(s.n) + ")" : "");
+        });
+        if (extremes) {
+            table.add("smallest",
+                      [&](std::size_t v) { return number_text(ensemble.spread(v, q).smallest * unit.factor, "%.4g"); });
+            table.add("largest",
+                      [&](std::size_t v) { return number_text(ensemble.spread(v, q).largest * unit.factor, "%.4g"); });
         }
+        if (!errors) continue;
+        const QuantityErrors& e = ensemble.errors[q];
+        table.add("error",
+                  [&](std::size_t v) { return v == e.reference_run ? "reference" : number_text(e.error[v], "%.2e"); });
+        table.add("order", [&](std::size_t v) { return number_text(e.order[v], "%.2f"); });
     }
-    return markdown(rows, n_description);
+    return table.markdown();
 }
 
-std::string reference_text(const Ensemble& study, std::size_t q) {
+/// "dissipated, reference: 27.6 mJ (explicit_r4)"
+std::string heading(const Ensemble& study, std::size_t q) {
+    const std::string name = study.quantities[q].name + ", ";
+    if (study.errors.empty()) return name + std::to_string(study.n_seeds) + " seeds";
     const QuantityErrors& errors = study.errors[q];
-    const std::string value = shown(errors.reference, display_unit_of(study, q), "%.8g");
-    return errors.reference_run ? "reference: " + value + " (" + study.runs[*errors.reference_run].name + ")"
-                                : "exact: " + value;
+    const std::string value = shown(errors.reference, display_unit_of(study, q), 8);
+    return name + (errors.reference_run ? "reference: " + value + " (" + study.runs[*errors.reference_run].name + ")"
+                                        : "exact: " + value);
 }
 
 /// "differences of 12 mm, 15 mm"
 std::string gaps_text(const QuantityErrors& errors, const std::vector<double>& gaps, const std::string& unit) {
     const bool relative = !errors.reference_run && errors.relative;
-    std::string list;
+    std::vector<std::string> texts;
     for (const double gap : gaps)
-        if (std::isfinite(gap))
-            list += (list.empty() ? "" : ", ") + (relative ? number_text(gap, "%.2g") : prefixed(gap, unit));
-    return (errors.reference_run ? "differences of " : "errors of ") + list;
+        if (std::isfinite(gap)) texts.push_back(relative ? number_text(gap, "%.2g") : shown(gap, unit));
+    return (errors.reference_run ? "differences of " : "errors of ") + joined(texts);
 }
 
-/// An item for each line whose convergence can be judged.
+/// A list item for each line whose convergence is known.
 std::string orders_text(const Ensemble& study, std::size_t q) {
-    const QuantityErrors& errors = study.errors[q];
     std::string text;
-    for (std::size_t i = 0; i < errors.lines.size(); ++i) {
-        const LineOrder& line = errors.lines[i];
+    for (std::size_t i = 0; i < study.errors[q].lines.size(); ++i) {
+        const LineOrder& line = study.errors[q].lines[i];
         if (line.trend == Trend::unknown) continue;
         text += "- " + study.study.lines[i].name + ": ";
-        if (line.trend == Trend::same) text += "the same on all levels but for rounding";
+        if (line.trend == Trend::same) text += "the same on all levels except for rounding";
         if (line.trend == Trend::does_not_fall)
-            text += "no convergence seen, " + gaps_text(errors, line.gaps, study.quantities[q].unit) +
+            text += "no convergence seen, " + gaps_text(study.errors[q], line.gaps, study.quantities[q].unit) +
                     (line.errors_grow ? " fall, but errors grow" : " do not fall with h");
         if (line.trend == Trend::falls) text += "order " + number_text(line.fitted, "%.2f") + " (fitted)";
         if (line.limit)
-            text += "; extrapolated to " + shown(line.limit->value, display_unit_of(study, q), "%.8g") +
-                    " with order " + number_text(line.limit->order, "%.2f");
+            text += "; extrapolated to " + shown(line.limit->value, display_unit_of(study, q), 8) + " with order " +
+                    number_text(line.limit->order, "%.2f");
         text += "\n";
     }
-    return text;
+    return text.empty() ? "" : text + "\n";
 }
 
 }  // namespace
 
 std::string overview(const Ensemble& ensemble) {
-    std::string text;
+    std::string text, troubles;
     std::vector<std::size_t> all;
     for (std::size_t q = 0; q < ensemble.quantities.size(); ++q) {
         all.push_back(q);
         if (!ensemble.is_study()) continue;
-        const bool errors = !ensemble.errors.empty();
-        text += ensemble.quantities[q].name + ", " +
-                (errors ? reference_text(ensemble, q) : std::to_string(ensemble.n_seeds) + " seeds") + "\n\n";
-        text += variants_table(ensemble, {q}) + "\n";
-        if (const std::string orders = errors ? orders_text(ensemble, q) : ""; !orders.empty()) text += orders + "\n";
+        text += heading(ensemble, q) + "\n\n" + variants_table(ensemble, {q}) + "\n";
+        if (!ensemble.errors.empty()) text += orders_text(ensemble, q);
     }
     if (!ensemble.is_study()) text = variants_table(ensemble, all) + "\n";
-    std::string troubles;
     for (const EnsembleRun& run : ensemble.runs)
         if (const std::string trouble = run.result.trouble(); !trouble.empty())
             troubles += "- " + run.name + ": " + trouble + "\n";
@@ -202,49 +203,52 @@ std::string overview(const Ensemble& ensemble) {
 }
 
 std::string runs_csv(const Ensemble& ensemble) {
-    const std::string file = ensemble.kind + ".csv";
-    Row names;  // of the columns before those of the quantities; a sweep has its keys after the first one
-    for (const Output& output : output_table(file).rows) names.emplace_back(output.name);
-    std::vector<Row> rows{header_of(file, names)};
-    if (!ensemble.is_study()) rows[0].insert(rows[0].begin() + 1, ensemble.keys.begin(), ensemble.keys.end());
+    const auto& runs = ensemble.runs;
+    Table table(runs.size());
+    const auto value = [&](std::size_t i, std::size_t k) { return ensemble.variants[runs[i].variant].values[k]; };
+    for (const Output& output : output_table(ensemble.kind + ".csv").rows) {
+        table.add(with_unit(std::string(output.name), std::string(output.unit)), [&](std::size_t i) {
+            const EnsembleRun& run = runs[i];
+            if (output.name == "run") return run.name;
+            if (output.name == "line") return value(i, 0);
+            if (output.name == "level") return value(i, 1);
+            if (output.name == "seed") return std::to_string(run.seed);
+            if (output.name == "status") return run.result.status;
+            if (output.name == "bulk") return run.result.bulk;
+            if (output.name == "cohesion") return run.result.cohesion;
+            return csv_number(std::ranges::find(numbers, output.name, &Number::name)->of(run));
+        });
+        if (output.name == "run")  // of a sweep
+            for (std::size_t k = 0; k < ensemble.keys.size(); ++k)
+                table.add(ensemble.keys[k], [&](std::size_t i) { return value(i, k); });
+    }
     for (std::size_t q = 0; q < ensemble.quantities.size(); ++q) {
-        const std::string &name = ensemble.quantities[q].name, &unit = ensemble.quantities[q].unit;
-        append(rows[0], {with_unit(name, unit)});
-        if (!ensemble.errors.empty())
-            append(rows[0],
-                   {with_unit("error of " + name, ensemble.errors[q].relative ? "" : unit), "order of " + name});
+        const auto& [name, unit] = std::pair(ensemble.quantities[q].name, ensemble.quantities[q].unit);
+        table.add(with_unit(name, unit), [&](std::size_t i) { return csv_number(runs[i].result.values[q]); });
+        if (ensemble.errors.empty()) continue;
+        const QuantityErrors& errors = ensemble.errors[q];
+        table.add(with_unit("error of " + name, errors.relative ? "" : unit),
+                  [&](std::size_t i) { return csv_number(errors.error[i]); });
+        table.add("order of " + name, [&](std::size_t i) { return csv_number(errors.order[i]); });
     }
-    for (std::size_t i = 0; i < ensemble.runs.size(); ++i) {
-        const EnsembleRun& run = ensemble.runs[i];
-        const RunResult& result = run.result;
-        Row& row = rows.emplace_back();
-        if (!ensemble.is_study()) append(row, {run.name});
-        append(row, ensemble.variants[run.variant].values);
-        append(row, {std::to_string(run.seed), result.status});
-        if (ensemble.is_study()) append(row, {result.bulk, result.cohesion});
-        for (const Number& number : numbers)
-            if (std::ranges::count(names, number.name) > 0) append(row, {csv_number(number.of(run))});
-        for (std::size_t q = 0; q < ensemble.quantities.size(); ++q) {
-            append(row, {csv_number(result.values[q])});
-            if (!ensemble.errors.empty())
-                append(row, {csv_number(ensemble.errors[q].error[i]), csv_number(ensemble.errors[q].order[i])});
-        }
-    }
-    return csv(rows);
+    return table.csv();
 }
 
 std::string statistics_csv(const Ensemble& ensemble) {
-    std::vector<Row> rows{ensemble.keys};
-    append(rows[0], {"runs", "quantity", "unit", "happened", "mean", "deviation", "smallest", "largest"});
-    for (std::size_t v = 0; v < ensemble.variants.size(); ++v)
-        for (std::size_t q = 0; q < ensemble.quantities.size(); ++q) {
-            const Spread s = ensemble.spread(v, q);
-            Row& row = rows.emplace_back(ensemble.variants[v].values);
-            append(row, {std::to_string(ensemble.runs_of(v).size()), ensemble.quantities[q].name,
-                         ensemble.quantities[q].unit, std::to_string(s.n)});
-            for (const double number : {s.mean, s.deviation, s.smallest, s.largest}) append(row, {csv_number(number)});
-        }
-    return csv(rows);
+    const std::size_t n = ensemble.quantities.size();
+    Table table(ensemble.variants.size() * n);
+    for (std::size_t k = 0; k < ensemble.keys.size(); ++k)
+        table.add(ensemble.keys[k], [&](std::size_t i) { return ensemble.variants[i / n].values[k]; });
+    table.add("runs", [&](std::size_t i) { return std::to_string(ensemble.runs_of(i / n).size()); });
+    table.add("quantity", [&](std::size_t i) { return ensemble.quantities[i % n].name; });
+    table.add("unit", [&](std::size_t i) { return ensemble.quantities[i % n].unit; });
+    table.add("happened", [&](std::size_t i) { return std::to_string(ensemble.spread(i / n, i % n).n); });
+    for (const auto& [name, number] :
+         {std::pair{"mean", &Spread::mean}, std::pair{"deviation", &Spread::deviation},
+          std::pair{"smallest", &Spread::smallest}, std::pair{"largest", &Spread::largest}})
+        table.add(name,
+                  [&, member = number](std::size_t i) { return csv_number(ensemble.spread(i / n, i % n).*member); });
+    return table.csv();
 }
 
 }  // namespace knap

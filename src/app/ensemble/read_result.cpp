@@ -1,6 +1,5 @@
-#include "app/ensemble/run_result.hpp"
-
-#include "app/ensemble/statistics.hpp"
+// The numbers of a run, from its run.json and its histories.
+#include "app/ensemble/ensemble.hpp"
 #include "app/run/read_run.hpp"
 #include "output/history_csv.hpp"
 
@@ -17,7 +16,6 @@ using Json = nlohmann::ordered_json;
 
 double number(const Json& value) { return value.is_number() ? value.get<double>() : NAN; }
 
-/// Time and one column of a history.
 struct Column {
     std::vector<double> time, value;
 };
@@ -29,7 +27,7 @@ Column column_of(const fs::path& run, const std::string& name, bool explicit_bul
         const History history = read_csv(run / file);
         if (!history.has(name)) continue;
         Column column{history.column("time"), history.column(name)};
-        // velocities of the explicit bulk, and these terms with them, belong to the middle of a step
+        // with the explicit bulk these terms belong to the middle of a step, as its velocities do
         if (explicit_bulk && (name == "kinetic" || name == "strain" || name == "external_work")) {
             const std::vector<double> step = history.column("step");
             for (std::size_t i = 0; i < step.size(); ++i) column.time[i] -= 0.5 * step[i];
@@ -39,34 +37,33 @@ Column column_of(const fs::path& run, const std::string& name, bool explicit_bul
     return {};
 }
 
-/// Linear between two lines.
-double between(double x, double x0, double y0, double x1, double y1) {
+double interpolated(double x, double x0, double y0, double x1, double y1) {
     return x1 > x0 ? y0 + (y1 - y0) * (x - x0) / (x1 - x0) : y1;
 }
 
-/// NaN before the first and after the last line.
+/// NaN outside of the times of the column.
 double value_at(const Column& column, double time) {
     const auto& t = column.time;
     const double tolerance = 1e-9 * (t.back() - t.front());
     if (time > t.back() + tolerance || time < t.front() - tolerance) return NAN;
     const std::size_t i = std::lower_bound(t.begin(), t.end(), time - tolerance) - t.begin();
     if (i == 0 || t[i] <= time + tolerance) return column.value[i];
-    return between(time, t[i - 1], column.value[i - 1], t[i], column.value[i]);
+    return interpolated(time, t[i - 1], column.value[i - 1], t[i], column.value[i]);
 }
 
-/// When the column first reaches a value, from the side of its first one; NaN if never.
-double time_when(const Column& column, double value) {
+/// The first time at which the column reaches `value`, from the side of its first value; NaN if it does not.
+double time_of(const Column& column, double value) {
     const auto& v = column.value;
-    const auto first = std::find_if(v.begin(), v.end(), [](double x) { return std::isfinite(x); });
+    const auto first = std::ranges::find_if(v, [](double x) { return std::isfinite(x); });
     if (first == v.end()) return NAN;
     const double side = *first < value ? 1 : -1;
     const std::size_t i = std::find_if(first, v.end(), [&](double x) { return side * x >= side * value; }) - v.begin();
     if (i == v.size()) return NAN;
     if (i == 0 || !std::isfinite(v[i - 1])) return column.time[i];
-    return between(side * value, side * v[i - 1], column.time[i - 1], side * v[i], column.time[i]);
+    return interpolated(side * value, side * v[i - 1], column.time[i - 1], side * v[i], column.time[i]);
 }
 
-/// By least squares through the lines between two times; NaN where the run ended before.
+/// Least-squares slope between two times; NaN where the run ended before.
 double mean_slope(const Column& column, double from, double to) {
     if (to > column.time.back() + 1e-9 * (to - from)) return NAN;
     Column part;
@@ -84,9 +81,9 @@ double value_of(const StudyQuantity& quantity, const Json& summary, const fs::pa
     if (quantity.at) return value_at(column, *quantity.at);
     if (quantity.largest) return spread_of(column.value).largest;
     if (!quantity.reaches) return column.value.back();
-    const double time = time_when(column, *quantity.reaches);
+    const double time = time_of(column, *quantity.reaches);
     return quantity.since.empty() ? time
-                                  : time - time_when(column_of(run, quantity.since, explicit_bulk), *quantity.reaches);
+                                  : time - time_of(column_of(run, quantity.since, explicit_bulk), *quantity.reaches);
 }
 
 /// The first error in the log of a run.
@@ -105,9 +102,8 @@ std::string RunResult::trouble() const {
 }
 
 RunResult read_result(const fs::path& run, const std::vector<StudyQuantity>& quantities) {
-    RunResult result{.status = "refused"};
-    result.values.assign(quantities.size(), NAN);
     const fs::path log = run.string() + ".log";
+    RunResult result{.status = "refused", .values = std::vector<double>(quantities.size(), NAN)};
     if (!fs::exists(run / "run.json")) {
         result.reason = error_in(log);
         return result;
@@ -120,7 +116,7 @@ RunResult read_result(const fs::path& run, const std::vector<StudyQuantity>& qua
     for (const Json& gate : record["gates"]) result.gates_hold = result.gates_hold && gate.value("pass", false);
     result.triangles = number(record["triangles"]);
     result.steps = number(record["steps"]);
-    for (const auto& cut : record["cuts"].items()) result.cutbacks += number(cut.value());
+    for (const Json& n : record["cuts"]) result.cutbacks += number(n);
     result.linear_solves = number(record["linear_solves"]);
     result.factorisations = number(record["factorisations"]);
     result.step = number(record["step_s"]);

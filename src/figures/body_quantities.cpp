@@ -1,0 +1,117 @@
+// The quantities that colour a figure of the body.
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "figures/body_figures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+namespace knap {
+namespace {
+
+template <class Values>
+Vec2 corner_mean(const Values& values, Index t) {
+    return (values[3 * t] + values[3 * t + 1] + values[3 * t + 2]) / 3;
+}
+
+/// Over the two ends of an interface.
+double end_mean(const std::vector<double>& values, Index i) { return 0.5 * (values[2 * i] + values[2 * i + 1]); }
+
+}  // namespace
+
+const std::vector<BodyField>& body_fields() {
+    using F = const Frame&;
+    static const std::vector<BodyField> fields{
+        {"displacement", "displacement |u|", "m", false,
+         [](F f, Index t) { return corner_mean(f.displacement, t).norm(); }},
+        {"displacement_x", "displacement u_{x}", "m", true,
+         [](F f, Index t) { return corner_mean(f.displacement, t).x(); }},
+        {"displacement_y", "displacement u_{y}", "m", true,
+         [](F f, Index t) { return corner_mean(f.displacement, t).y(); }},
+        {"speed", "speed |v|", "m/s", false, [](F f, Index t) { return corner_mean(f.velocity, t).norm(); }},
+        {"velocity_x", "velocity v_{x}", "m/s", true, [](F f, Index t) { return corner_mean(f.velocity, t).x(); }},
+        {"velocity_y", "velocity v_{y}", "m/s", true, [](F f, Index t) { return corner_mean(f.velocity, t).y(); }},
+        {"stress_xx", "stress σ_{xx}", "Pa", true, [](F f, Index t) { return f.stress[t][0]; }},
+        {"stress_yy", "stress σ_{yy}", "Pa", true, [](F f, Index t) { return f.stress[t][1]; }},
+        {"stress_xy", "stress σ_{xy}", "Pa", true, [](F f, Index t) { return f.stress[t][2]; }},
+        {"principal_stress", "largest principal stress σ_{1}", "Pa", false,
+         [](F f, Index t) { return largest_principal(f.stress[t]); }},
+    };
+    return fields;
+}
+
+InterfaceKind kind_of(const Frame& frame, Index i) {
+    const PointStatus a = frame.status[2 * i], b = frame.status[2 * i + 1];
+    const bool on_support = frame.side_a[i][0] < 0 || frame.side_b[i][0] < 0;  // contact with a support is no crack
+    if (a == PointStatus::precrack) return on_support ? InterfaceKind::intact : InterfaceKind::precrack;
+    if (a == PointStatus::broken && b == PointStatus::broken) return InterfaceKind::broken;
+    return a == PointStatus::intact && b == PointStatus::intact ? InterfaceKind::intact : InterfaceKind::damaged;
+}
+
+const std::vector<CrackColour>& crack_colours() {
+    using F = const Frame&;
+    static const std::vector<CrackColour> colours{
+        {.name = "opening",
+         .quantity = "opening",
+         .unit = "m",
+         .value = [](F f, Index i) { return std::max(0.0, end_mean(f.opening, i)); }},
+        {.name = "slip",
+         .quantity = "slip",
+         .unit = "m",
+         .value = [](F f, Index i) { return 0.5 * (std::abs(f.slip[2 * i]) + std::abs(f.slip[2 * i + 1])); },
+         .precracks = true},
+        {.name = "beta",
+         .quantity = "cohesion β",
+         .unit = "",
+         .value = [](F f, Index i) { return end_mean(f.cohesion, i); },
+         .damaged = true,
+         .smallest_last = true,
+         .range = Limits{0, 1},
+         .map = ColourMap::fading},
+        {.name = "mode",
+         .quantity = "mode of breaking: 0 opening (I), 1 sliding (II)",
+         .unit = "",
+         .column = "shear",
+         .range = Limits{0, 1}},
+        {.name = "break_time", .quantity = "time of breaking", .unit = "s", .column = "time"},
+    };
+    return colours;
+}
+
+const CrackColour& crack_colour(const std::string& name) {
+    std::vector<std::string> names;
+    for (const CrackColour& colour : crack_colours()) {
+        if (colour.name == name) return colour;
+        names.push_back(colour.name);
+    }
+    throw UserError("figure-colour", "`" + name + "` is not a quantity that colours cracks", "known: " + joined(names));
+}
+
+std::vector<double> crack_values(const CrackColour& colour, const Frame& frame, const History& breaks) {
+    // an interface is found in breaks.csv by the cell of its middle
+    const double size = 1e-6 * frame.length_scale;  // [m] of a cell
+    const auto cell = [&](const Vec2& x) { return std::array{std::floor(x.x() / size), std::floor(x.y() / size)}; };
+    std::map<std::array<double, 2>, double> of_break;
+    if (!colour.value && !breaks.columns.empty()) {
+        const std::vector<double> x = breaks.column("x"), y = breaks.column("y"), value = breaks.column(colour.column);
+        for (std::size_t i = 0; i < x.size(); ++i) of_break.emplace(cell({x[i], y[i]}), value[i]);
+    }
+    std::vector<double> values(frame.n_interfaces(), NAN);
+    for (Index i = 0; i < frame.n_interfaces(); ++i) {
+        const InterfaceKind kind = kind_of(frame, i);
+        const bool coloured = kind == InterfaceKind::broken || (kind == InterfaceKind::damaged && colour.damaged) ||
+                              (kind == InterfaceKind::precrack && colour.precracks);
+        if (coloured && colour.value) values[i] = colour.value(frame, i);
+        if (!coloured || of_break.empty()) continue;
+        const Vec2 a = frame.end_position[2 * i], b = frame.end_position[2 * i + 1];
+        for (const Vec2& middle : {a, b, Vec2(0.5 * (a + b))})  // that of second order is an end of its halves
+            for (const double dx : {-0.25, 0.25})               // it may lie close to the border of its cell
+                for (const double dy : {-0.25, 0.25})
+                    if (const auto found = of_break.find(cell(middle + size * Vec2(dx, dy))); found != of_break.end())
+                        values[i] = found->second;
+    }
+    return values;
+}
+
+}  // namespace knap
