@@ -39,7 +39,8 @@ int nodes_of_type(const GmshFile& file, std::size_t where, Integer type) {
     };
     // clang-format off
     constexpr Type types[]{
-        {3, "a quadrangle", no_quads}, {10, "a quadrangle of 9 nodes", no_quads}, {16, "a quadrangle of 8 nodes", no_quads},
+        {3, "a quadrangle", no_quads}, {10, "a quadrangle of 9 nodes", no_quads},
+        {16, "a quadrangle of 8 nodes", no_quads},
         {4, "a tetrahedron", plane}, {5, "a hexahedron", plane}, {6, "a prism", plane}, {7, "a pyramid", plane},
         {8, "a line of 3 nodes", order_1}, {9, "a triangle of 6 nodes", order_1}};
     // clang-format on
