@@ -1,7 +1,6 @@
 #include "app/cli.hpp"
-#include "app/run/interrupt.hpp"
+#include "app/run/process.hpp"
 #include "app/run/run.hpp"
-#include "app/run/threads.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 
@@ -19,7 +18,7 @@
 
 namespace {
 
-/// A standard stream that is closed would be given to the first file that is opened, and messages would go into that.
+/// Replaces closed standard streams: the first file opened would take the place of one, and messages would go into it.
 void open_standard_streams() {
     int file;
     do file = open("/dev/null", O_RDWR);
@@ -27,13 +26,13 @@ void open_standard_streams() {
     if (file >= 0) close(file);
 }
 
-/// Of a pipe: who has read enough is not told more.
+/// Whether the reader of a pipe has closed it.
 bool reader_is_gone(int file) {
-    pollfd asked{.fd = file, .events = POLLOUT, .revents = 0};
-    return poll(&asked, 1, 0) > 0 && (asked.revents & POLLERR) != 0;
+    pollfd request{.fd = file, .events = POLLOUT, .revents = 0};
+    return poll(&request, 1, 0) > 0 && (request.revents & POLLERR) != 0;
 }
 
-/// The relocatable archive brings the font with it: Fontconfig is told where, unless the user has told it.
+/// The relocatable archive contains the font: tells Fontconfig its place, unless the user has set one.
 void find_own_font() {
     std::error_code none;
     const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", none);
@@ -41,15 +40,15 @@ void find_own_font() {
     if (std::filesystem::exists(fonts, none)) setenv("FONTCONFIG_FILE", fonts.c_str(), 0);
 }
 
-void say(const std::string& message) { std::fprintf(stderr, "%s\n", knap::printable(message).c_str()); }
+void print_error(const std::string& message) { std::fprintf(stderr, "%s\n", knap::printable(message).c_str()); }
 
 }  // namespace
 
 // Exceptions become exit codes.
 int main(int argc, char** argv) {
     open_standard_streams();
-    std::signal(SIGPIPE, SIG_IGN);  // a reader of the messages who goes away ends nothing
-    std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error like a full disk
+    std::signal(SIGPIPE, SIG_IGN);  // a reader of the messages who closes the pipe
+    std::signal(SIGXFSZ, SIG_IGN);  // a file size limit is an error like a full disk
     find_own_font();
     knap::let_waiting_threads_sleep(argv);
     knap::end_when_interrupted();
@@ -64,16 +63,18 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "%zu error%s, nothing was run.\n", n, n == 1 ? "" : "s");
         return knap::exit_bad_input;
     } catch (const knap::SimulationError& error) {
-        say("error[failed]: " + std::string(error.what()));
+        print_error("error[failed]: " + std::string(error.what()));
         return knap::exit_failed;
-    } catch (const std::filesystem::filesystem_error& error) {  // about a path that the user gave
-        say("error[file]: `" + error.path1().string() + "`: " + error.code().message());
+    } catch (const std::filesystem::filesystem_error& error) {  // of a path that the user gave
+        print_error("error[file]: `" + error.path1().string() + "`: " + error.code().message());
         return knap::exit_bad_input;
-    } catch (const std::bad_alloc&) {  // said without taking any
-        std::fputs("error[out-of-memory]: there is not enough memory for this\n = a larger mesh.size and mesh.order = 1 need less\n", stderr);
+    } catch (const std::bad_alloc&) {  // printed without allocating
+        std::fputs(
+            "error[out-of-memory]: there is not enough memory\n = a larger mesh.size and mesh.order = 1 need less\n",
+            stderr);
         return knap::exit_failed;
     } catch (const std::exception& error) {
-        say("error[internal]: " + std::string(error.what()));
+        print_error("error[internal]: " + std::string(error.what()));
         return knap::exit_internal;
     }
 }

@@ -1,16 +1,22 @@
-// knap bench: the edge-cracked block as fixed work. Prints triangle-steps per core-second, all interface work included, ratios of one run, and what
-// the kernels of a step take against what the machine could do.
-#include "app/bench_beside.hpp"
-#include "app/bench_machine.hpp"
+// knap bench: the edge-cracked block as fixed work. Prints triangle-steps per core-second with all interface work,
+// ratios within one run, and the time of the kernels of a step compared with the capacity of the machine.
 #include "app/commands.hpp"
-#include "app/new_file.hpp"
+#include "app/run/process.hpp"
+#include "app/run/setup.hpp"
 #include "app/run/step_plan.hpp"
-#include "app/run/threads.hpp"
+#include "base/formatted.hpp"
 #include "base/stopwatch.hpp"
 #include "element/elastic_forces.hpp"
+#include "figures/canvas.hpp"
+#include "figures/figures.hpp"
+#include "output/vtk_series.hpp"
 #include "stepper/explicit/mesh_blocks.hpp"
 #include "stepper/moreau_jean.hpp"
 
+#include <omp.h>
+#include <unistd.h>
+
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -18,19 +24,7 @@
 namespace knap {
 namespace {
 
-/// What was measured, by name: printed by those who measure, written at the end.
-class Table {
-public:
-    void add(const std::string& name, double value) {
-        char text[32];
-        std::snprintf(text, sizeof text, "%.6g", value);
-        text_ += name + "," + text + "\n";
-    }
-    const std::string& text() const { return text_; }
-
-private:
-    std::string text_ = "quantity,value\n";
-};
+constexpr int n_trials = 3;
 
 /// FNV-1a over the bits of the state.
 std::uint64_t hash_of(const State& state) {
@@ -46,103 +40,121 @@ std::uint64_t hash_of(const State& state) {
     return hash;
 }
 
-ReadResult block_of(double size, bool cracked) {
-    char override_size[64];
-    std::snprintf(override_size, sizeof override_size, "mesh.size=%.9g", size);
-    std::vector<std::string> overrides{override_size};
-    if (!cracked) overrides.emplace_back("domain.crack=[]");
-    return read_scenario_text(built_in_scenario("edge_cracked_block"), "edge_cracked_block", overrides);
+Scenario built_in(const std::string& name, const std::vector<std::string>& overrides) {
+    return read_scenario_text(built_in_scenario(name), name, overrides).scenario;
 }
 
-constexpr int n_trials = 3;
+// ---- the machine, by one thread with the compiler and flags of the program
+
+/// [byte/s] By a = b + s c over three arrays that exceed every cache, 24 bytes per entry.
+double memory_rate() {
+    constexpr std::size_t n = 1 << 22;  // 32 MB per array
+    std::vector<double> a(n, 0.0), b(n, 1.0), c(n, 2.0);
+    double best = 0;
+    for (int trial = 0; trial < 6; ++trial) {
+        const Stopwatch watch;
+        const double s = 1 + trial;
+        for (std::size_t i = 0; i < n; ++i) a[i] = b[i] + s * c[i];
+        best = std::max(best, 24.0 * n / watch.cpu());
+        b[trial] = a[n - 1 - trial];  // prevents elimination of the loop
+    }
+    return best;
+}
+
+/// [1/s] Independent multiplications and additions in registers.
+double flop_rate() {
+    using Pair = Eigen::Array2d;
+    constexpr int n_chains = 12;  // as many as the registers hold; fewer would wait for each other
+    double best = 0, sum = 0;
+    for (int trial = 0; trial < 6; ++trial) {
+        Pair x[n_chains];
+        for (int i = 0; i < n_chains; ++i) x[i] = Pair(i, trial);
+        const Pair factor = Pair::Constant(0.5 + 1e-3 * trial), added = Pair::Constant(0.25);
+        constexpr int n = 2000000;
+        const Stopwatch watch;
+        for (int k = 0; k < n; ++k) {
+#pragma GCC unroll 12  // else they are not in registers
+            for (int i = 0; i < n_chains; ++i) x[i] = factor * x[i] + added;
+        }
+        best = std::max(best, 2.0 * 2 * n_chains * n / watch.cpu());
+        for (const Pair& chain : x) sum += chain.sum();
+    }
+    return sum > 0 ? best : 0;
+}
+
+/// [s] Until one processor sees a value that another one wrote, the best mean of 1000 alternating writes: some 30 ns
+/// with a common cache, more than 100 ns without; NaN with one processor.
+double handover_time() {
+    alignas(64) static std::atomic<int> turn;
+    constexpr int n_turns = 1000;
+    double best = INFINITY;
+    for (int trial = 0; trial < 50 && omp_get_num_procs() > 1; ++trial) {
+        turn.store(-2);
+#pragma omp parallel num_threads(2)
+        if (omp_get_num_threads() == 2) {
+            const int mine = omp_get_thread_num();
+            turn.fetch_add(1);
+            while (turn.load() < 0) {
+            }  // the other thread has started
+            const double start = omp_get_wtime();
+            for (int i = mine; i < n_turns; i += 2) {
+                while (turn.load() != i) {
+                }
+                turn.store(i + 1);
+            }
+            if (mine == 0) best = std::min(best, (omp_get_wtime() - start) / n_turns);
+        }
+    }
+    return std::isfinite(best) ? best : NAN;
+}
+
+// ---- the block
 
 /// The block, its steps, and the time that they take.
 class Block {
 public:
-    explicit Block(double size, bool cracked = true) : read_(block_of(size, cracked)), model_(model_of(read_)), stepper_(model_), now_(initial_state(model_)), next_(now_) {
-        step_ = plan_steps(read_.scenario, stepper_.stable_step(), read_.scenario.time.end).limits.largest;
-    }
+    explicit Block(double size, bool cracked = true) : scenario_(scenario_of(size, cracked)) {}
     struct Times {
         double cpu, wall;  // [s]
     };
-    /// From the start; the best of some, since others may use the machine too.
+    /// From the start; the best of some trials, since others may use the machine too.
     Times run(double until) {
         Times best{INFINITY, INFINITY};
         for (int trial = 0; trial < n_trials; ++trial) {
-            now_ = initial_state(model_);
-            n_solves_ = 0;
+            now = initial_state(model);
+            n_solves = 0;
             const Stopwatch watch;
-            for (const std::int64_t end = steps_to(until); now_.n_steps < end; std::swap(now_, next_)) n_solves_ += stepper_.step(now_, step_, next_).fan_solves;
+            for (const std::int64_t end = steps_to(until); now.n_steps < end; std::swap(now, next_))
+                n_solves += static_cast<double>(stepper_.step(now, step_, next_).fan_solves);
             best = {.cpu = std::min(best.cpu, watch.cpu()), .wall = std::min(best.wall, watch.wall())};
         }
         return best;
     }
-    double work(double until) const { return static_cast<double>(steps_to(until)) * model_.mesh.n_triangles(); }  // triangle-steps
-    double n_solves() const { return static_cast<double>(n_solves_); }  // of the last run, of fans that are apart
-    const Model& model() const { return model_; }
-    const State& now() const { return now_; }
+    /// Triangle-steps.
+    double work(double until) const { return static_cast<double>(steps_to(until)) * model.mesh.n_triangles(); }
 
 private:
+    Scenario scenario_;
+
+public:
+    const Model model = build_model(scenario_);
+    State now = initial_state(model);
+    double n_solves = 0;  // of vertices that have split, in the last run
+
+private:
+    static Scenario scenario_of(double size, bool cracked) {
+        std::vector<std::string> overrides{formatted("mesh.size=%.9g", size)};
+        if (!cracked) overrides.emplace_back("domain.crack=[]");
+        return built_in("edge_cracked_block", overrides);
+    }
     std::int64_t steps_to(double time) const { return static_cast<std::int64_t>(std::ceil(time / step_ * (1 - 1e-9))); }
 
-    ReadResult read_;
-    Model model_;
-    MoreauJean stepper_;
-    State now_, next_;
-    std::int64_t n_solves_ = 0;
-    double step_ = 0;
+    MoreauJean stepper_{model};
+    State next_ = now;
+    double step_ = plan_steps(scenario_, stepper_.stable_step(), scenario_.time.end).limits.largest;  // [s]
 };
 
-struct Measured {
-    double per_core_second, wall;
-    std::uint64_t hash;
-};
-
-Measured measure(double size, double until, int threads, Table& table) {
-    use_threads(threads);
-    const Stopwatch meshing;
-    Block block(size);
-    const double making = meshing.cpu();
-    const Block::Times times = block.run(until);
-    const Measured measured{.per_core_second = block.work(until) / times.cpu, .wall = times.wall, .hash = hash_of(block.now())};
-    const int n = block.model().mesh.n_triangles();
-    std::printf("%9d triangles  %d thread%s %7lld steps  %.3g triangle-steps/core-second  wall %.2f s  mesh and model %.2f s  fans apart %5zu  hash %016llx\n", n,
-                threads, threads == 1 ? " " : "s", static_cast<long long>(block.now().n_steps), measured.per_core_second, measured.wall, making,
-                block.now().split_fans.size(), static_cast<unsigned long long>(measured.hash));
-    char name[80];
-    std::snprintf(name, sizeof name, "%d triangles to %.3g us with %d threads", n, 1e6 * until, threads);
-    table.add(std::string(name) + ": triangle-steps per core-second", measured.per_core_second);
-    table.add(std::string(name) + ": mesh and model [s]", making);
-    return measured;
-}
-
-/// What a frame and a figure cost, as they are after some steps.
-void measure_output(double size, double until, Table& table) {
-    Block block(size);
-    block.run(until);
-    const OutputTimes times = time_output(block.model(), block.now());
-    const int n = block.model().mesh.n_triangles();
-    std::printf("%9d triangles  a frame of fields %.4f s  a figure %.3f s\n", n, times.frame, times.figure);
-    table.add(std::to_string(n) + " triangles: a frame of fields [s]", times.frame);
-    table.add(std::to_string(n) + " triangles: a figure [s]", times.figure);
-}
-
-void measure_implicit(Table& table) {
-    const ImplicitWork work = implicit_work();
-    const auto of = [&](std::int64_t n) { return static_cast<double>(n); };
-    std::printf("implicit bulk and cohesion, 1 mm, to 40 us: %lld steps, %.3g s each: %.3g solves, %.3g factors a step, %.3g ms a solve; factor of %lld unknowns: %lld entries\n",
-                static_cast<long long>(work.steps), work.seconds / of(work.steps), of(work.linear_solves) / of(work.steps), of(work.factorisations) / of(work.steps),
-                1e3 * work.seconds / of(work.linear_solves), static_cast<long long>(work.unknowns), static_cast<long long>(work.entries));
-    table.add("implicit 1 mm to 40 us: steps", of(work.steps));
-    table.add("implicit 1 mm to 40 us: a step [s]", work.seconds / of(work.steps));
-    table.add("implicit 1 mm to 40 us: linear solves a step", of(work.linear_solves) / of(work.steps));
-    table.add("implicit 1 mm to 40 us: factorisations a step", of(work.factorisations) / of(work.steps));
-    table.add("implicit 1 mm to 40 us: all that a solve takes [ms]", 1e3 * work.seconds / of(work.linear_solves));
-    table.add("implicit 1 mm to 40 us: unknowns of the factor", of(work.unknowns));
-    table.add("implicit 1 mm to 40 us: entries of the factor", of(work.entries));
-}
-
-/// [s] of processor time for the forces of all triangles, block by block as in a step; the best of many.
+/// [s] Processor time of the forces of all triangles, block by block as in a step; the best of many trials.
 double time_of_forces(const Model& model, const State& state) {
     ElasticForces forces(model.mesh, model.materials, model.plane, model.thickness);
     const std::vector<MeshBlock> blocks = make_blocks(model);
@@ -158,78 +170,181 @@ double time_of_forces(const Model& model, const State& state) {
     return best;
 }
 
-/// Bytes that a triangle-step moves to and from memory where no cache holds the body, and its operations, counted in the source.
-struct Kernel {
-    const char* name;
-    double seconds, bytes, flops;  // per triangle-step
+/// A directory that is removed with its contents.
+struct TemporaryDirectory {
+    ~TemporaryDirectory() {
+        std::error_code error;
+        std::filesystem::remove_all(path, error);
+    }
+    const std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("knap_bench_" + std::to_string(getpid()));
 };
 
-void print(const Kernel& kernel, const Machine& machine, Table& table) {
-    const double by_memory = kernel.bytes / machine.bytes, by_flops = kernel.flops / machine.flops;
-    std::printf("  %-28s %6.2f ns  %4.0f bytes  %4.0f flops   at least %5.2f ns by memory, %5.2f ns by flops: %3.0f %% of the bound\n", kernel.name,
-                1e9 * kernel.seconds, kernel.bytes, kernel.flops, 1e9 * by_memory, 1e9 * by_flops, 100 * std::max(by_memory, by_flops) / kernel.seconds);
-    table.add(std::string(kernel.name) + " [ns a triangle-step]", 1e9 * kernel.seconds);
-    table.add(std::string(kernel.name) + " [part of the bound]", std::max(by_memory, by_flops) / kernel.seconds);
-}
+struct Measured {
+    double per_core_second, wall;
+    std::uint64_t hash;
+};
 
-/// What a step consists of: of a block without a crack, before anything is near its strength, forces and motion; what more a cracked one takes is the
-/// interfaces.
-void measure_kernels(double size, double until, const Machine& machine, Table& table) {
-    use_threads(1);
-    constexpr double quiet = 5e-6;  // the waves of the loads have not met yet
-    Block whole(size, false), cracked(size);
-    const int n = whole.model().mesh.n_triangles();
-    const double both = whole.run(quiet).cpu / whole.work(quiet), forces = time_of_forces(whole.model(), whole.now()) / n;
-    const double all = cracked.run(until).cpu / cracked.work(until), solves = cracked.n_solves() / cracked.work(until);
-    std::printf("a triangle-step of %d triangles on one thread; the machine: %.3g bytes/s, %.3g flops/s\n", n, machine.bytes, machine.flops);
-    table.add(std::to_string(n) + " triangles, kernels of a triangle-step to [us]", 1e6 * until);
-    // material 48, nodes 12, half a displacement 8; the forces on the corners stay in the cache
-    print({"forces, stress criterion", forces, 68, 52}, machine, table);
-    // half of: lists 28, partition 5, velocity and displacement read and written 64, and read before they are written 32
-    print({"motion, ledger", both - forces, 65, 19}, machine, table);
-    print({"both", both, 133, 71}, machine, table);
-    std::printf("  %-28s %6.2f ns  mean to %.3g us: tests of candidate fans, %.3g fans apart a step; at most %.0f ns for one of these\n", "interfaces", 1e9 * (all - both),
-                1e6 * until, solves * n, 1e9 * (all - both) / solves);
-    table.add("interfaces [ns a triangle-step]", 1e9 * (all - both));
-    table.add("interfaces [ns a fan that is apart]", 1e9 * (all - both) / solves);
-}
+/// The measurements; each is printed at once and collected in a table.
+struct Bench {
+    std::string table = "quantity,value\n";
+    double bytes = 0, flops = 0;  // [1/s] of the machine
+
+    void add(const std::string& name, double value) { table += name + formatted(",%.6g\n", value); }
+
+    void ratio(const char* name, double value) {
+        std::printf("ratio  %-50s %.3f\n", (std::string(name) + ":").c_str(), value);
+        add(name, value);
+    }
+
+    Measured measure(double size, double until, int threads) {
+        use_threads(threads);
+        const Stopwatch meshing;
+        Block block(size);
+        const double making = meshing.cpu();
+        const Block::Times times = block.run(until);
+        const Measured measured{
+            .per_core_second = block.work(until) / times.cpu, .wall = times.wall, .hash = hash_of(block.now)};
+        const int n = block.model.mesh.n_triangles();
+        std::printf(
+            "%9d triangles  %d thread%s %7lld steps  %.3g triangle-steps/core-second  wall %.2f s  mesh and model %.2f "
+            "s  fans apart %5zu  hash %016llx\n",
+            n, threads, threads == 1 ? " " : "s", static_cast<long long>(block.now.n_steps), measured.per_core_second,
+            measured.wall, making, block.now.split_fans.size(), static_cast<unsigned long long>(measured.hash));
+        const std::string name = formatted("%d triangles to %.3g us with %d threads", n, 1e6 * until, threads);
+        add(name + ": triangle-steps per core-second", measured.per_core_second);
+        add(name + ": mesh and model [s]", making);
+        return measured;
+    }
+
+    /// A frame (gathered and written) and a figure of the cracks, after some steps.
+    void measure_output(double size, double until) {
+        Block block(size);
+        block.run(until);
+        const TemporaryDirectory directory;
+        VtkSeries series(directory.path);
+        double frame_time = INFINITY, figure_time = INFINITY;
+        for (int trial = 0; trial < n_trials; ++trial) {
+            const Stopwatch writing;
+            const Frame frame = make_frame(block.model, block.now, false);
+            series.write(frame);
+            frame_time = std::min(frame_time, writing.cpu());
+            const Stopwatch drawing;
+            draw_figure({.file = "cracks.png"}, frame, {}, {}, directory.path);
+            figure_time = std::min(figure_time, drawing.cpu());
+        }
+        const int n = block.model.mesh.n_triangles();
+        std::printf("%9d triangles  a frame of fields %.4f s  a figure %.3f s\n", n, frame_time, figure_time);
+        add(formatted("%d triangles: a frame of fields [s]", n), frame_time);
+        add(formatted("%d triangles: a figure [s]", n), figure_time);
+    }
+
+    /// The block at 1 mm with both schemes implicit and ten times the stable step of the explicit bulk, to 40 us.
+    void measure_implicit() {
+        const Scenario scenario =
+            built_in("edge_cracked_block_implicit", {"mesh.size=0.001", "time.end=4e-5", "time.step=\"10 CFL\""});
+        const Model model = build_model(scenario);
+        MoreauJean stepper(model, scenario.time.scheme);
+        StepControl control(plan_steps(scenario, model, scenario.time.end).limits);
+        State now = initial_state(model), next = now;
+        StepReport all;
+        const Stopwatch watch;
+        while (!StepControl::has_reached(now, scenario.time.end) && !control.is_stuck()) {
+            const double h = control.next(now);
+            const StepReport report = stepper.step(now, h, next);
+            all.linear_solves += report.linear_solves, all.factorisations += report.factorisations;
+            if (!control.judge(now, h, report)) std::swap(now, next);
+        }
+        const double seconds = watch.cpu(), steps = static_cast<double>(now.n_steps),
+                     solves = static_cast<double>(all.linear_solves), factors = static_cast<double>(all.factorisations);
+        const auto [unknowns, entries] = stepper.factor_size();
+        std::printf(
+            "implicit bulk and cohesion, 1 mm, to 40 us: %.0f steps, %.3g s each: %.3g solves, %.3g factors a step, "
+            "%.3g ms a solve; factor of %lld unknowns: %lld entries\n",
+            steps, seconds / steps, solves / steps, factors / steps, 1e3 * seconds / solves,
+            static_cast<long long>(unknowns), static_cast<long long>(entries));
+        for (const auto& [name, value] : {std::pair{"steps", steps},
+                                          {"a step [s]", seconds / steps},
+                                          {"linear solves a step", solves / steps},
+                                          {"factorisations a step", factors / steps},
+                                          {"all that a solve takes [ms]", 1e3 * seconds / solves},
+                                          {"unknowns of the factor", static_cast<double>(unknowns)},
+                                          {"entries of the factor", static_cast<double>(entries)}})
+            add(std::string("implicit 1 mm to 40 us: ") + name, value);
+    }
+
+    /// A kernel per triangle-step: [s], bytes to and from memory where no cache holds the body, operations; both
+    /// counted in the source.
+    void kernel(const char* name, double seconds, double n_bytes, double n_flops) {
+        const double by_memory = n_bytes / bytes, by_flops = n_flops / flops, bound = std::max(by_memory, by_flops);
+        std::printf(
+            "  %-28s %6.2f ns  %4.0f bytes  %4.0f flops   at least %5.2f ns by memory, %5.2f ns by flops: %3.0f %% of "
+            "the bound\n",
+            name, 1e9 * seconds, n_bytes, n_flops, 1e9 * by_memory, 1e9 * by_flops, 100 * bound / seconds);
+        add(std::string(name) + " [ns a triangle-step]", 1e9 * seconds);
+        add(std::string(name) + " [part of the bound]", bound / seconds);
+    }
+
+    /// The parts of a step: forces and motion of a block without a crack, before any point is near its strength; the
+    /// additional time of a cracked one is that of the interfaces.
+    void measure_kernels(double size, double until) {
+        use_threads(1);
+        constexpr double quiet = 5e-6;  // [s] the waves of the loads have not met yet
+        Block whole(size, false), cracked(size);
+        const int n = whole.model.mesh.n_triangles();
+        const double both = whole.run(quiet).cpu / whole.work(quiet),
+                     forces = time_of_forces(whole.model, whole.now) / n;
+        const double all = cracked.run(until).cpu / cracked.work(until),
+                     solves = cracked.n_solves / cracked.work(until);
+        std::printf("a triangle-step of %d triangles on one thread; the machine: %.3g bytes/s, %.3g flops/s\n", n,
+                    bytes, flops);
+        add(formatted("%d triangles, kernels of a triangle-step to [us]", n), 1e6 * until);
+        // material 48, nodes 12, half a displacement 8; the forces on the corners stay in the cache
+        kernel("forces, stress criterion", forces, 68, 52);
+        // half of: lists 28, partition 5, velocity and displacement read and written 64, and read before writing 32
+        kernel("motion, ledger", both - forces, 65, 19);
+        kernel("both", both, 133, 71);
+        std::printf(
+            "  %-28s %6.2f ns  mean to %.3g us: tests of candidate fans, %.3g fans apart a step; at most %.0f ns for "
+            "one "
+            "of these\n",
+            "interfaces", 1e9 * (all - both), 1e6 * until, solves * n, 1e9 * (all - both) / solves);
+        add("interfaces [ns a triangle-step]", 1e9 * (all - both));
+        add("interfaces [ns a fan that is apart]", 1e9 * (all - both) / solves);
+    }
+};
 
 }  // namespace
 
 ExitCode bench(const BenchOptions& options) {
-    if (!options.csv.empty()) refuse_existing(options.csv, "choose another name, or take it away first");
+    if (!options.csv.empty()) refuse_existing(options.csv, "choose another name, or remove it first");
     const double until = options.full ? 80e-6 : options.until;
-    Table table;
+    Bench bench;
     std::printf("edge_cracked_block to %.3g s, default step\n", until);
-    const Measured coarse = measure(1e-3, until, 1, table);
-    const Measured block = measure(0.5e-3, until, 1, table);
-    const Measured twice = measure(0.5e-3, until, 2, table);
-    const auto ratio = [&](const std::string& name, double value) {
-        std::printf("ratio  %-50s %.3f\n", (name + ":").c_str(), value);
-        table.add(name, value);
-    };
-    ratio("cost of a triangle-step, 0.5 mm to 1 mm", coarse.per_core_second / block.per_core_second);
-    ratio("wall time, 1 thread to 2", block.wall / twice.wall);
-    ratio("one processor sees what the other wrote after [ns]", 1e9 * handover_time());
+    const Measured coarse = bench.measure(1e-3, until, 1), block = bench.measure(0.5e-3, until, 1),
+                   twice = bench.measure(0.5e-3, until, 2);
+    bench.ratio("cost of a triangle-step, 0.5 mm to 1 mm", coarse.per_core_second / block.per_core_second);
+    bench.ratio("wall time, 1 thread to 2", block.wall / twice.wall);
+    bench.ratio("one processor sees what the other wrote after [ns]", 1e9 * handover_time());
     std::printf("same bits with 1 and 2 threads:                     %s\n", block.hash == twice.hash ? "yes" : "NO");
     if (options.full) {
         constexpr double early = 4e-6;
-        const Measured late = measure(0.25e-3, until, 1, table);
-        ratio("cost of a triangle-step, 0.25 mm to 1 mm", coarse.per_core_second / late.per_core_second);
-        const Measured small = measure(1e-3, early, 1, table), middle = measure(0.5e-3, early, 1, table), large = measure(0.25e-3, early, 1, table);
-        const Measured million = measure(0.0972e-3, 1e-6, 1, table);
-        ratio("cost before the crack runs, 0.5 mm to 1 mm", small.per_core_second / middle.per_core_second);
-        ratio("cost before the crack runs, 0.25 mm to 1 mm", small.per_core_second / large.per_core_second);
-        ratio("cost before the crack runs, 0.1 mm to 1 mm", small.per_core_second / million.per_core_second);
-        measure_output(0.5e-3, 20e-6, table);
-        measure_output(0.0972e-3, 0, table);
-        measure_implicit(table);
+        const Measured late = bench.measure(0.25e-3, until, 1);
+        bench.ratio("cost of a triangle-step, 0.25 mm to 1 mm", coarse.per_core_second / late.per_core_second);
+        const Measured small = bench.measure(1e-3, early, 1), middle = bench.measure(0.5e-3, early, 1),
+                       large = bench.measure(0.25e-3, early, 1), million = bench.measure(0.0972e-3, 1e-6, 1);
+        bench.ratio("cost before the crack runs, 0.5 mm to 1 mm", small.per_core_second / middle.per_core_second);
+        bench.ratio("cost before the crack runs, 0.25 mm to 1 mm", small.per_core_second / large.per_core_second);
+        bench.ratio("cost before the crack runs, 0.1 mm to 1 mm", small.per_core_second / million.per_core_second);
+        bench.measure_output(0.5e-3, 20e-6);
+        bench.measure_output(0.0972e-3, 0);
+        bench.measure_implicit();
     }
-    const Machine machine = measure_machine();
-    table.add("machine [bytes/s]", machine.bytes), table.add("machine [flops/s]", machine.flops);
-    measure_kernels(0.5e-3, until, machine, table);
-    if (options.full) measure_kernels(0.25e-3, 20e-6, machine, table);
-    if (!options.csv.empty()) write_new_file(options.csv, table.text());
+    bench.bytes = memory_rate(), bench.flops = flop_rate();
+    bench.add("machine [bytes/s]", bench.bytes), bench.add("machine [flops/s]", bench.flops);
+    bench.measure_kernels(0.5e-3, until);
+    if (options.full) bench.measure_kernels(0.25e-3, 20e-6);
+    if (!options.csv.empty()) write_new_file(options.csv, bench.table);
     return block.hash == twice.hash ? exit_done : exit_failed;
 }
 

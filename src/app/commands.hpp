@@ -8,30 +8,38 @@
 
 namespace knap {
 
+/// Mesh, wave speeds, resolution, methods, steps, and estimated cost of a scenario.
 ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool time);
 
-/// Meshes only: prints a report, writes `output` (.vtu, .msh or .svg by its ending) where one is given.
+/// Reports on the mesh; writes it to `output` (.vtu, .msh or .svg) where one is given.
 ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& output, bool force);
 
-/// Draws the figures of a finished or interrupted run again, or one that is described by `figure` where it names something to show.
+/// Writes <name>.toml, a scenario to start from.
+ExitCode write_new_scenario(const std::string& name, bool force);
+
+/// Draws a figure of a finished or interrupted run; without a subject (`show`) all figures of its scenario.
 ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figure, const std::filesystem::path& output);
 
 enum class RunFormat { text, json, csv };
-/// What runs were and found: for reading, all of run.json, or a table with a line a run.
+/// Settings and results of runs: for reading, all of run.json, or a table with a line per run.
 ExitCode show_runs(const std::vector<std::filesystem::path>& runs, RunFormat format);
 
-/// Writes a scenario to start from to <name>.toml.
-ExitCode write_new_scenario(const std::string& name, bool force);
-
-/// Solves a stored complementarity problem with one solver, or `all`, and prints how well and how fast.
+/// Solves stored complementarity problems with one solver, or `all`, and prints residuals and times.
 ExitCode solve_stored_lcp(const std::vector<std::filesystem::path>& files, const std::string& solver, bool json);
 
 struct BenchOptions {
-    double until = 20e-6;  // [s] of the edge-cracked block
-    bool full = false;     // all 80 us, and 151 000 and a million triangles too
-    std::filesystem::path csv;  // what was measured, as a table; empty: only printed
+    double until = 20e-6;       // [s] of the edge-cracked block
+    bool full = false;          // 80 us, and 151 000 and a million triangles too
+    std::filesystem::path csv;  // table of the measurements; empty: only printed
 };
-/// Fixed work: triangle-steps per core-second, its ratio over mesh sizes and threads, end-state hashes; the kernels of a step against the machine.
+/// Fixed work: triangle-steps per core-second, ratios over mesh sizes and threads, hashes of the end states, and the
+/// kernels of a step compared with the machine.
 ExitCode bench(const BenchOptions& options);
+
+/// For a file that the user named on the command line. Throws UserError where it exists.
+void refuse_existing(const std::filesystem::path& file,
+                     const std::string& cure = "choose another name, or replace it with --force");
+/// Writes it as a whole. Throws UserError with the reason where it cannot be written.
+void write_new_file(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace knap

@@ -1,6 +1,7 @@
 // knap lcp: solves stored complementarity problems and measures every answer independently of its solver.
 #include "app/commands.hpp"
 #include "base/stopwatch.hpp"
+#include "base/text.hpp"
 #include "lcp/matrix_market.hpp"
 #include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
@@ -19,22 +20,22 @@ using Json = nlohmann::ordered_json;
 
 struct Verdict {
     const LcpSolver* solver;
-    std::string status;
-    double scaled_residual, natural_residual;
-    int iterations;
-    double seconds;                          // of processor time
-    std::optional<int> n_spuriously_broken;  // where the layout is that of a cohesive problem
+    std::string name = std::string(solver->name), status = {};
+    double scaled_residual = 0, natural_residual = 0;
+    int iterations = 0;
+    double seconds = 0;                           // of processor time
+    std::optional<int> n_spuriously_broken = {};  // of a cohesive problem
 
-    bool is_solved() const { return status == name(LcpStatus::solved); }
+    bool is_solved() const { return status == knap::name(LcpStatus::solved); }
 };
 
 Verdict judged(const LcpProblem& problem, const LcpSolver& solver, const std::optional<CohesiveLayout>& layout) {
     const Stopwatch watch;
     const LcpSolution solution = solver.solve(problem, {});
     Verdict verdict{.solver = &solver, .status = std::string(name(solution.status)), .seconds = watch.cpu()};
-    verdict.iterations = solution.iterations;
     verdict.scaled_residual = scaled_residual(problem, solution.z);
     verdict.natural_residual = natural_residual(problem, solution.z);
+    verdict.iterations = solution.iterations;
     if (layout && solution.z.allFinite())
         verdict.n_spuriously_broken = spurious_breaking(problem, solution.z, *layout).n_spurious;
     if (verdict.is_solved() && verdict.scaled_residual > max_scaled_residual) verdict.status = "inaccurate";
@@ -52,44 +53,23 @@ void print_head(const std::string& file, const LcpProblem& problem) {
 /// At once: the next solver may take minutes.
 void print_line(const Verdict& v) {
     const std::string broken = v.n_spuriously_broken ? std::to_string(*v.n_spuriously_broken) : "-";
-    std::printf("%-16s %-17s %15.2e %16.2e %10d %12.3g %18s\n", std::string(v.solver->name).c_str(), v.status.c_str(),
-                v.scaled_residual, v.natural_residual, v.iterations, v.seconds, broken.c_str());
+    std::printf("%-16s %-17s %15.2e %16.2e %10d %12.3g %18s\n", v.name.c_str(), v.status.c_str(), v.scaled_residual,
+                v.natural_residual, v.iterations, v.seconds, broken.c_str());
     std::fflush(stdout);
 }
 
 Json as_json(const std::string& file, const LcpProblem& problem, const std::vector<Verdict>& verdicts) {
     Json all = Json::array();
     for (const Verdict& v : verdicts) {
-        Json one{{"solver", v.solver->name},
-                 {"status", v.status},
-                 {"scaled_residual", v.scaled_residual},  // null where it is not finite
-                 {"natural_residual", v.natural_residual},
-                 {"iterations", v.iterations},
-                 {"cpu_s", v.seconds}};
-        if (v.n_spuriously_broken) one["bonds_spuriously_broken"] = *v.n_spuriously_broken;
-        all.push_back(std::move(one));
+        all.push_back({{"solver", v.name},
+                       {"status", v.status},
+                       {"scaled_residual", v.scaled_residual},  // null where it is not finite
+                       {"natural_residual", v.natural_residual},
+                       {"iterations", v.iterations},
+                       {"cpu_s", v.seconds}});
+        if (v.n_spuriously_broken) all.back()["bonds_spuriously_broken"] = *v.n_spuriously_broken;
     }
-    return Json{{"problem", file},
-                {"unknowns", problem.size()},
-                {"entries", problem.M.nonZeros()},
-                {"solvers", std::move(all)}};
-}
-
-void report_left_out(const std::vector<const LcpSolver*>& left_out, int n) {
-    if (left_out.empty()) return;
-    std::string names;
-    for (const LcpSolver* solver : left_out) names += (names.empty() ? "" : ", ") + std::string(solver->name);
-    std::fprintf(stderr,
-                 "left out: %s, since beyond %d unknowns (this problem has %d) each may take hours; --solver %s runs "
-                 "it all the same\n",
-                 names.c_str(), left_out.front()->max_unknowns, n, std::string(left_out.front()->name).c_str());
-}
-
-void report_not_applicable(const std::vector<Verdict>& verdicts) {
-    for (const Verdict& v : verdicts)
-        if (v.status == name(LcpStatus::not_applicable))
-            std::fprintf(stderr, "not applicable: %s, which needs %s\n", std::string(v.solver->name).c_str(),
-                         std::string(v.solver->requirement).c_str());
+    return {{"problem", file}, {"unknowns", problem.size()}, {"entries", problem.M.nonZeros()}, {"solvers", all}};
 }
 
 }  // namespace
@@ -102,18 +82,28 @@ ExitCode solve_stored_lcp(const std::vector<std::filesystem::path>& files, const
         const std::optional<CohesiveLayout> layout = cohesive_layout(problem);
         if (!json) print_head(file.string(), problem);
         std::vector<Verdict> verdicts;
-        std::vector<const LcpSolver*> left_out;
+        std::vector<std::string> left_out;
+        int max_unknowns = 0;
         for (const LcpSolver& candidate : lcp_solvers()) {
             if (solver != "all" && solver != candidate.name) continue;
             if (solver == "all" && problem.size() > candidate.max_unknowns) {
-                left_out.push_back(&candidate);
+                if (left_out.empty()) max_unknowns = candidate.max_unknowns;
+                left_out.emplace_back(candidate.name);
                 continue;
             }
             verdicts.push_back(judged(problem, candidate, layout));
             if (!json) print_line(verdicts.back());
         }
-        report_left_out(left_out, problem.size());
-        report_not_applicable(verdicts);
+        if (!left_out.empty())
+            std::fprintf(
+                stderr,
+                "left out: %s, since each may take hours beyond %d unknowns (this problem has %d); --solver %s "
+                "runs it all the same\n",
+                joined(left_out).c_str(), max_unknowns, problem.size(), left_out.front().c_str());
+        for (const Verdict& v : verdicts)
+            if (v.status == name(LcpStatus::not_applicable))
+                std::fprintf(stderr, "not applicable: %s, which needs %s\n", v.name.c_str(),
+                             std::string(v.solver->requirement).c_str());
         all_solved = all_solved && std::ranges::any_of(verdicts, &Verdict::is_solved);
         if (json) documents.push_back(as_json(file.string(), problem, verdicts));
     }

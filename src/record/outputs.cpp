@@ -1,16 +1,10 @@
 #include "record/outputs.hpp"
 
-#include "output/vtk_series.hpp"
-#include "analysis/breaks.hpp"
 #include "analysis/fragments.hpp"
-#include "analysis/gates.hpp"
-#include "analysis/crack_history.hpp"
-#include "analysis/energy_ledger.hpp"
-#include "analysis/probes.hpp"
-#include "analysis/reactions.hpp"
-#include "analysis/specimen.hpp"
+#include "base/formatted.hpp"
 #include "figures/ticks.hpp"
-#include "record/run_outputs.hpp"
+#include "output/vtk_series.hpp"
+#include "record/run_record.hpp"
 #include "record/summary.hpp"
 
 #include <algorithm>
@@ -23,49 +17,101 @@ namespace {
 
 template <class Source>
 std::vector<Output> rows_of(std::span<const Measure<Source>> measures) {
-    std::vector<Output> rows;
-    for (const Measure<Source>& measure : measures) rows.push_back({measure.name, measure.unit, measure.doc});
+    return {measures.begin(), measures.end()};
+}
+
+/// The time, then columns after names that the scenario gives.
+template <class... Sources>
+std::vector<Output> rows_after_names(std::span<const Measure<Sources>>... lists) {
+    static std::map<std::string_view, std::string> patterns;  // rows point into it
+    std::vector<Output> rows{{"time", "s", "of the line"}};
+    const auto add = [&](const Output& column) {
+        const std::string& pattern = patterns.emplace(column.name, "*" + std::string(column.name)).first->second;
+        rows.push_back({pattern, column.unit, column.doc});
+    };
+    (std::ranges::for_each(lists, add), ...);
     return rows;
 }
 
-/// Rows behind names that the scenario gives.
-template <class Source>
-void add_named(std::span<const Measure<Source>> columns, std::vector<Output>& rows) {
-    static std::map<std::string_view, std::string> patterns;  // rows point into it
-    for (const Output& column : columns) {
-        const std::string& pattern = patterns.emplace(column.name, "*" + std::string(column.name)).first->second;
-        rows.push_back({pattern, column.unit, column.doc});
-    }
+std::vector<Output> gate_rows() {
+    std::vector<Output> rows;
+    for (const GateRule& rule : gate_rules()) rows.push_back({rule.name, rule.unit, rule.meaning});
+    return rows;
 }
 
 std::vector<OutputTable> all_tables() {
-    const Output time{"time", "s", "of the line"};
-    std::vector<Output> reactions{time}, probes{time};
-    add_named(driver_columns(), reactions);
-    add_named(obstacle_columns(), reactions);
-    add_named(place_columns(), probes);
-    add_named(interface_columns(), probes);
     std::vector<OutputTable> tables{
-        {"summary", "numbers of a run: `summary` of run.json, log.txt, stdout, `knap info`; what [expect], studies and sweeps may name", summary_outputs()},
-        {"energy.csv", "energies and works so far; a line every output.history_every", rows_of(energy_columns())},
+        {"summary",
+         "numbers of a run: `summary` of run.json, log.txt, stdout, `knap info`; [expect], studies and sweeps refer to "
+         "them by name",
+         summary_outputs()},
+        {"energy.csv", "energies and works since the start; a line every output.history_every",
+         rows_of(energy_columns())},
         {"cracks.csv", "cracks; a line at the same times", rows_of(crack_columns())},
-        {"reactions.csv", "what drives the body, at the same times; the name of a load (load0, load1, ... where it has none) or of an obstacle stands before each", reactions},
-        {"probes.csv", "places and interfaces that are watched, at the same times, each after its name", probes},
+        {"reactions.csv",
+         "forces and motions of all that drives the body, at the same times; each column starts with the name of a "
+         "load "
+         "(load0, load1, ... where it has none) or of an obstacle",
+         rows_after_names(driver_columns(), obstacle_columns())},
+        {"probes.csv", "probed places and interfaces, at the same times; each column starts with the name of a probe",
+         rows_after_names(place_columns(), interface_columns())},
         {"breaks.csv", "a line for every interface when it breaks; with output.breaks", rows_of(break_columns())},
         {"stress_strain.csv", "the specimen of a rock test, at the same times", rows_of(stress_strain_columns())},
-        {"arms.csv", "a line for the start of every arm of a crack and for each of its edges, at the end", rows_of(arm_columns())},
-        {"fragments.csv", "a line a piece of the body, at the end, the heaviest first", rows_of(fragment_columns())},
-    };
-    OutputTable& gates = tables.emplace_back(
-        OutputTable{"gates", "what a run is held against: `gates` of run.json, each with value, unit, warning, limit, level, pass, place_m, meaning and cure", {}});
-    for (const GateRule& rule : gate_rules()) gates.rows.push_back({rule.name, rule.unit, rule.meaning});
+        {"arms.csv", "a line for the start of every crack arm and for each of its edges; written at the end",
+         rows_of(arm_columns())},
+        {"fragments.csv", "a line per fragment of the body, the heaviest first; written at the end",
+         rows_of(fragment_columns())},
+        {"gates",
+         "checks of the validity of a run: `gates` of run.json, each with value, unit, warning, limit, level, pass, "
+         "place_m, meaning and cure",
+         gate_rows()}};
     tables.insert(tables.end(), frame_outputs().begin(), frame_outputs().end());
-    for (OutputTable& table : run_outputs()) tables.push_back(std::move(table));
+    tables.push_back(run_json_outputs());
+    tables.push_back({"study.csv",
+                      "a line per run of `knap study`; after these columns each quantity with its unit, its error "
+                      "(relative, or over its scale) and its order of convergence",
+                      {{"line", "", "scheme or variant"},
+                       {"level", "", "divisor of step, mesh size or both"},
+                       {"seed", "", "of the run"},
+                       {"status", "", "of the run"},
+                       {"bulk", "", "scheme of the bulk"},
+                       {"cohesion", "", "scheme of the cohesion"},
+                       {"size", "m", "mesh size"},
+                       {"step", "s", "planned step, the largest"},
+                       {"triangles", "", "number of triangles"},
+                       {"steps", "", "number of steps"},
+                       {"cuts", "", "number of steps that were repeated with a smaller size"},
+                       {"linear_solves", "", "number"},
+                       {"factorisations", "", "number"},
+                       {"cpu", "s", "processor time without output"}}});
+    tables.push_back({"statistics.csv",
+                      "a line per quantity and variant, over the seeds, of `knap study` and `knap sweep`; a sweep has "
+                      "its keys in front",
+                      {{"line", "", "scheme or variant"},
+                       {"level", "", "divisor of step, mesh size or both"},
+                       {"runs", "", "number of runs"},
+                       {"quantity", "", "name"},
+                       {"unit", "", "of the following columns"},
+                       {"happened", "", "number of runs that have a value"},
+                       {"mean", "", "over these runs, in the unit of the line"},
+                       {"deviation", "", "standard deviation of the sample"},
+                       {"smallest", "", "smallest value"},
+                       {"largest", "", "largest value"}}});
+    tables.push_back({"sweep.csv",
+                      "a line per run of `knap sweep`; the varied keys follow its name, each quantity with its unit "
+                      "comes last",
+                      {{"run", "", "name of its directory"},
+                       {"seed", "", "of the run"},
+                       {"status", "", "of the run"},
+                       {"triangles", "", "number of triangles"},
+                       {"steps", "", "number of steps"},
+                       {"cpu", "s", "processor time without output"}}});
     return tables;
 }
 
 bool is_named(const Output& row, std::string_view name) {
-    return row.name.starts_with('*') ? name.size() >= row.name.size() && name.ends_with(row.name.substr(1)) : row.name == name;
+    return row.name.starts_with('*') ? name.size() >= row.name.size() && name.ends_with(row.name.substr(1))
+                                     : row.name == name;
 }
 
 }  // namespace
@@ -84,7 +130,9 @@ const OutputTable& output_table(std::string_view name) {
 const Output* find_output(std::string_view table, std::string_view name) {
     const std::vector<Output>& rows = output_table(table).rows;
     const auto exact = std::ranges::find(rows, name, &Output::name);
-    const auto found = exact != rows.end() ? exact : std::ranges::find_if(rows, [&](const Output& row) { return is_named(row, name); });
+    const auto found = exact != rows.end()
+                           ? exact
+                           : std::ranges::find_if(rows, [&](const Output& row) { return is_named(row, name); });
     return found == rows.end() ? nullptr : &*found;
 }
 
@@ -101,7 +149,13 @@ std::string_view unit_of_column(std::string_view column) {
 
 std::string_view unit_of_slope(std::string_view column) {
     const std::string_view unit = unit_of_column(column);
-    return unit == "J" ? "W" : unit == "m" ? "m/s" : unit == "m/s" ? "m/s2" : unit == "N" ? "N/s" : unit == "Pa" ? "Pa/s" : unit == "s" ? "" : "1/s";
+    return unit == "J"     ? "W"
+           : unit == "m"   ? "m/s"
+           : unit == "m/s" ? "m/s2"
+           : unit == "N"   ? "N/s"
+           : unit == "Pa"  ? "Pa/s"
+           : unit == "s"   ? ""
+                           : "1/s";
 }
 
 std::vector<std::string> header_of(const std::string& table, const std::vector<std::string>& columns) {
@@ -112,28 +166,29 @@ std::vector<std::string> header_of(const std::string& table, const std::vector<s
 
 std::string value_text(double value, std::string_view unit, int digits) {
     if (std::isnan(value)) return "none";
-    char text[64];
-    std::snprintf(text, sizeof text, "%.*g", digits, value + 0.0);
-    return unit.empty() ? text : text + (" " + std::string(unit));
+    return formatted("%.*g", digits, value + 0.0) + (unit.empty() ? "" : " " + std::string(unit));
 }
 
 std::string outputs_markdown() {
     const auto escaped = [](std::string_view text) {
         std::string out;
-        for (const char c : text) out += c == '|' ? std::string("\\|") : c == '*' ? std::string("\\*") : std::string(1, c);
+        for (const char c : text)
+            out += c == '|' ? std::string("\\|") : c == '*' ? std::string("\\*") : std::string(1, c);
         return out;
     };
     std::string text =
         "# What a run writes\n\n"
-        "All of it, from the list in the program (`knap schema --outputs`). Units are SI; a name without a unit is a pure number, a count or a text. A body is "
-        "computed in the plane, with the thickness `domain.thickness` (1 m unless the scenario says otherwise; `thickness_m` of run.json): J, N, N m, kg and kg m/s are "
-        "those of the whole thickness.\n\n"
-        "A table begins with one line of names with units in brackets, as `time [s]`; what never happened, or is not known, is an empty field (in run.json `null`, in "
-        "texts `none`), so that pandas, numpy.genfromtxt and spreadsheets read it as a gap. `*` stands for a name that the scenario gives. "
-        "In a scenario (study, expect, sweep) a column is named without its unit.\n";
+        "This list is written by the program (`knap schema --outputs`). Units are SI; a name without a unit is a pure "
+        "number, a count or a text. A body is computed in the plane with the thickness `domain.thickness` (1 m unless "
+        "the scenario sets it; `thickness_m` of run.json): J, N, N m, kg and kg m/s refer to this thickness.\n\n"
+        "A table starts with one line of names with units in brackets, as `time [s]`. The value of an event that never "
+        "happened, or that is unknown, is an empty field (`null` in run.json, `none` in texts), so that pandas, "
+        "numpy.genfromtxt and spreadsheets read it as missing. `*` stands for a name that the scenario gives. "
+        "A scenario (study, expect, sweep) refers to a column by its name without the unit.\n";
     for (const OutputTable& table : output_tables()) {
         text += "\n## " + table.name + "\n\n" + table.doc + ".\n\n| name | unit | meaning |\n|---|---|---|\n";
-        for (const Output& row : table.rows) text += "| `" + std::string(row.name) + "` | " + std::string(row.unit) + " | " + escaped(row.doc) + " |\n";
+        for (const Output& row : table.rows)
+            text += "| `" + std::string(row.name) + "` | " + std::string(row.unit) + " | " + escaped(row.doc) + " |\n";
     }
     return text;
 }

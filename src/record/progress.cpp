@@ -1,5 +1,7 @@
 #include "record/progress.hpp"
 
+#include "base/formatted.hpp"
+
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -9,44 +11,46 @@
 namespace knap {
 namespace {
 
-std::string formatted(const char* format, double value) {
-    char text[64];
-    std::snprintf(text, sizeof text, format, value);
-    return text;
-}
-
-/// A length or time with the prefix that leaves one to three digits before the point.
+/// A length or time with the unit prefix that leaves one to three digits before the point.
 std::string scaled(double value, const char* unit) {
-    static constexpr std::array<std::pair<double, const char*>, 5> prefixes{{{1, ""}, {1e-3, "m"}, {1e-6, "u"}, {1e-9, "n"}, {1e-12, "p"}}};
+    static constexpr std::array<std::pair<double, const char*>, 5> prefixes{
+        {{1, ""}, {1e-3, "m"}, {1e-6, "u"}, {1e-9, "n"}, {1e-12, "p"}}};
     for (const auto& [scale, prefix] : prefixes)
-        if (std::abs(value) >= scale) return formatted("%.3g ", value / scale) + prefix + unit;
-    return formatted("%.3g ", value) + unit;
+        if (std::abs(value) >= scale) return formatted("%.3g %s%s", value / scale, prefix, unit);
+    return formatted("%.3g %s", value, unit);
 }
 
-/// A line longer than the terminal is wide would wrap, and could not be rewritten.
+/// Cut to the width of the terminal: a line that wraps cannot be rewritten.
 std::string fitted(std::string line, std::FILE* terminal) {
     winsize size{};
-    if (ioctl(fileno(terminal), TIOCGWINSZ, &size) == 0 && size.ws_col > 1 && line.size() >= size.ws_col) line.resize(size.ws_col - 1);
+    if (ioctl(fileno(terminal), TIOCGWINSZ, &size) == 0 && size.ws_col > 1 && line.size() >= size.ws_col)
+        line.resize(size.ws_col - 1);
     return line;
 }
 
 }  // namespace
 
 Progress::Progress(std::FILE* file, const State& start, double end, Index n_triangles)
-    : file_(file), terminal_(file != nullptr && isatty(fileno(file))), start_(start.time), first_step_(start.n_steps), end_(end), n_triangles_(n_triangles) {}
+    : file_(file),
+      terminal_(file != nullptr && isatty(fileno(file))),
+      start_(start.time),
+      first_step_(start.n_steps),
+      end_(end),
+      n_triangles_(n_triangles) {}
 
 std::string Progress::line(const State& now, const Recorder& recorder) const {
     const CrackPattern& cracks = recorder.cracks().pattern();
     const EnergyLedger& ledger = recorder.ledger();
     const double part = now.time / end_, wall = watch_.wall();
-    std::string text = formatted("%3.0f %%", 100 * part) + "  t " + scaled(now.time, "s");
-    if (part < 1 && now.time > start_) text += formatted("  %.0f s left", wall * (end_ - now.time) / (now.time - start_));
+    std::string text = formatted("%3.0f %%  t ", 100 * part) + scaled(now.time, "s");
+    if (part < 1 && now.time > start_)
+        text += formatted("  %.0f s left", wall * (end_ - now.time) / (now.time - start_));
     text += "  main crack " + scaled(cracks.main_length, "m");
-    const double speed = recorder.cracks().tip_speed() / recorder.options().rayleigh_speed;
+    const double speed = recorder.cracks().tip_speed() / recorder.options().context.rayleigh_speed;
     if (std::isfinite(speed)) text += formatted("  v/cR %.2f", speed);
-    text += "  tips " + std::to_string(cracks.tips.size()) + "  branches " + std::to_string(cracks.n_branches);
-    text += formatted("  dE %.0e", ledger.largest_residual() / std::max(ledger.largest_energy(), 1e-300));
-    text += formatted("  %.2e triangle-steps/s", static_cast<double>(now.n_steps - first_step_) * n_triangles_ / std::max(wall, 1e-9));
+    text += formatted("  tips %zu  branches %d  dE %.0e  %.2e triangle-steps/s", cracks.tips.size(), cracks.n_branches,
+                      ledger.largest_residual() / std::max(ledger.largest_energy(), 1e-300),
+                      static_cast<double>(now.n_steps - first_step_) * n_triangles_ / std::max(wall, 1e-9));
     return text;
 }
 
@@ -70,7 +74,7 @@ void Progress::finish(const State& now, const Recorder& recorder) {
     std::fprintf(file_, "\r\033[K%s\n", fitted(line(now, recorder), file_).c_str());
 }
 
-void Progress::say(const std::string& text) const {
+void Progress::print(const std::string& text) const {
     if (terminal_) std::fputs("\r\033[K", file_);
     std::fputs(text.c_str(), stderr);
 }

@@ -1,8 +1,7 @@
 #pragma once
-// One line that says how a run goes: rewritten in place on a terminal, a plain line every 5 % otherwise.
-#include "record/recorder.hpp"
-
+// One line on the progress of a run: rewritten in place on a terminal, a new line every 5 % otherwise.
 #include "base/stopwatch.hpp"
+#include "record/recorder.hpp"
 
 #include <cstdio>
 
@@ -10,14 +9,15 @@ namespace knap {
 
 class Progress {
 public:
-    /// `file`: where the lines go (null: nowhere); `start`: where this process begins, from which rate and time left are counted; `end` [s].
+    /// `file`: destination of the lines (null: none); `start`: first state of this process, from which step rate and
+    /// remaining time are counted; `end` [s].
     Progress(std::FILE* file, const State& start, double end, Index n_triangles);
 
     void after_step(const State& now, const Recorder& recorder);
     void finish(const State& now, const Recorder& recorder);
 
-    /// To stderr, above the line that is rewritten; also where no progress is wanted.
-    void say(const std::string& text) const;
+    /// Prints to stderr, above the line that is rewritten; also without a progress line.
+    void print(const std::string& text) const;
 
 private:
     std::string line(const State& now, const Recorder& recorder) const;

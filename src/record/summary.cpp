@@ -2,59 +2,61 @@
 
 #include "analysis/fragments.hpp"
 #include "analysis/strength.hpp"
+#include "base/formatted.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 namespace knap {
 
 double Summary::operator[](const std::string& name) const {
-    for (const auto& [key, value] : values)
-        if (key == name) return value;
-    return std::nan("");
+    const auto found = std::ranges::find(values, name, &std::pair<std::string, double>::first);
+    return found == values.end() ? std::nan("") : found->second;
 }
 
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-/// The largest force [N] of a load or obstacle over the lines of reactions.csv, and at the end.
-double largest_force(const Recorder& recorder, std::size_t number, const Reaction& at_end) {
-    double largest = at_end.force.norm();
-    for (const std::vector<double>& row : recorder.histories().reactions.rows)
-        largest = std::max(largest, std::hypot(row[1 + 4 * number], row[2 + 4 * number]));
-    return largest;
-}
+/// A load or obstacle that drives the body.
+struct Driver {
+    const Recorder& recorder;
+    std::size_t number;
+    const Reaction& at_end;
 
-/// What a summary is made of.
+    /// [N] Largest force over the lines of reactions.csv and at the end.
+    double largest_force() const {
+        double largest = at_end.force.norm();
+        for (const std::vector<double>& row : recorder.histories().reactions.rows)
+            largest = std::max(largest, std::hypot(row[1 + 4 * number], row[2 + 4 * number]));
+        return largest;
+    }
+};
+
+/// The data from which the numbers are computed.
 struct Facts {
-    Facts(const Model& model, const State& end, const Recorder& recorder, double rayleigh_speed);
-
-    double part(double energy) const { return energy / (ledger.largest_energy() > 0 ? ledger.largest_energy() : 1); }
-    bool overlaps() const { return deformation.overlap().value > 0; }
-    bool has_breaks() const { return !recorder.histories().breaks.columns.empty(); }
-    const SpecimenOptions* specimen() const { return recorder.options().specimen ? &*recorder.options().specimen : nullptr; }
+    Facts(const Model& model, const State& end, const Recorder& recorder);
 
     const Recorder& recorder;
-    const EnergyLedger& ledger;
-    const EnergyRow& energy;
-    const DeformationWatch& deformation;
-    const CrackHistory& cracks;
-    const CrackPattern& pattern;
-    double rayleigh_speed;  // [m/s]
+    const EnergyLedger& ledger = recorder.ledger();
+    const EnergyRow& energy = ledger.row();
+    const DeformationWatch& deformation = recorder.deformation();
+    const Extreme& overlap = deformation.overlap();
+    const CrackHistory& cracks = recorder.cracks();
+    const CrackPattern& pattern = cracks.pattern();
+    double rayleigh_speed = recorder.options().context.rayleigh_speed;  // [m/s]
+    const std::optional<SpecimenOptions>& specimen = recorder.options().specimen;
     Vec2 momentum = Vec2::Zero(), mean_displacement = Vec2::Zero();  // [kg m/s], [m]
-    std::vector<Reaction> reactions;  // at the end
-    std::optional<std::size_t> driver;  // the first load or obstacle that moves, or else the first one
+    std::vector<Reaction> reactions;                                 // at the end
+    std::optional<Driver> driver;  // the first load or obstacle that moves, or else the first one
     History fragments;
     double n_tensile = none, n_shear = none;
     Strength strength;
     MaterialConstants material{none, none};
 };
 
-Facts::Facts(const Model& model, const State& end, const Recorder& of, double speed)
-    : recorder(of), ledger(of.ledger()), energy(ledger.row()), deformation(of.deformation()), cracks(of.cracks()), pattern(cracks.pattern()), rayleigh_speed(speed) {
+Facts::Facts(const Model& model, const State& end, const Recorder& of) : recorder(of) {
     double mass = 0;
     Vec2 moment = Vec2::Zero();
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
@@ -66,125 +68,158 @@ Facts::Facts(const Model& model, const State& end, const Recorder& of, double sp
     fragments = fragment_table(find_fragments(model, end));
     if (!recorder.reactions().empty()) {
         reactions = recorder.reactions().at(end);
-        const auto moves = [](const Reaction& reaction) { return !reaction.displacement.isZero(0); };
-        const std::size_t found = std::find_if(reactions.begin(), reactions.end(), moves) - reactions.begin();
-        driver = found < reactions.size() ? found : 0;
+        const auto moving =
+            std::ranges::find_if(reactions, [](const Reaction& r) { return !r.displacement.isZero(0); });
+        const std::size_t number = moving == reactions.end() ? 0 : moving - reactions.begin();
+        driver.emplace(recorder, number, reactions[number]);
     }
-    if (has_breaks()) {
+    if (!recorder.histories().breaks.columns.empty()) {
         const std::vector<double> shear = recorder.histories().breaks.column("shear");
-        n_shear = static_cast<double>(std::count_if(shear.begin(), shear.end(), is_shear));
+        n_shear = static_cast<double>(std::ranges::count_if(shear, is_shear));
         n_tensile = static_cast<double>(shear.size()) - n_shear;
     }
-    if (!specimen()) return;
-    strength = strength_of(recorder.histories().stress_strain, specimen()->modulus_between);
-    if (specimen()->lateral) material = material_constants(strength, model.plane);
+    if (!specimen) return;
+    strength = strength_of(recorder.histories().stress_strain, specimen->modulus_between);
+    if (specimen->lateral) material = material_constants(strength, model.plane);
 }
 
-using F = Facts;
+using F = const Facts&;
 
-bool always(const F&) { return true; }
-bool with_breaks(const F& f) { return f.has_breaks(); }
-bool of_specimen(const F& f) { return f.specimen() != nullptr; }
-bool with_gauge(const F& f) { return f.specimen() != nullptr && f.specimen()->lateral; }
-bool in_compression(const F& f) { return with_gauge(f) && f.specimen()->test == SpecimenOptions::Test::compression; }
+bool always(F) { return true; }
+bool with_breaks(F f) { return !std::isnan(f.n_shear); }
+bool of_specimen(F f) { return f.specimen.has_value(); }
+bool with_gauge(F f) { return f.specimen && f.specimen->lateral; }
+bool in_compression(F f) { return with_gauge(f) && f.specimen->test == SpecimenOptions::Test::compression; }
 
-double farthest_law_lag(const F& f) {
+double farthest_law_lag(F f) {
     const double last = f.ledger.law_lag(), largest = f.ledger.largest_law_lag();
     return std::abs(last) > std::abs(largest) ? last : largest;
 }
+FirstBranching branching(F f) { return f.cracks.first_branching().value_or(FirstBranching{none, {none, none}}); }
+Vec2 overlap_place(F f) { return f.overlap.value > 0 ? f.overlap.place : Vec2(none, none); }
+double over(double value, double scale) { return scale > 0 ? value / scale : none; }
 
 struct SummaryRow {
     std::string_view name, unit, doc;
-    double (*of)(const F&);         // NaN: never happened
-    bool (*is_there)(const F&) = always;  // whether a run has this number at all
+    double (*of)(F);             // NaN: never happened
+    bool (*exists)(F) = always;  // whether a run has this number at all
 };
 
-constexpr std::array rows{
-    SummaryRow{"energy_residual", "", "largest error of the energy balance over the run, relative to the largest energy",
-               [](const F& f) { return f.part(f.ledger.largest_residual()); }},
-    SummaryRow{"law_lag_at_end", "", "work of the interfaces beyond what their law takes, over the dissipated energy", [](const F& f) { return f.ledger.law_lag(); }},
-    SummaryRow{"largest_law_lag", "",
-               "the same where it was farthest from zero over the run, less than a hundredth of the largest energy counting as that; its size is the gate law_lag",
-               farthest_law_lag},
-    SummaryRow{"crossing_loss", "", "energy lost where slips cross zero, over the dissipated energy", [](const F& f) { return f.ledger.over_dissipated(f.energy.crossing_loss); }},
-    SummaryRow{"external_work", "J", "work of loads and prescribed motions", [](const F& f) { return f.energy.external_work; }},
-    SummaryRow{"dissipated", "J", "energy that broken and damaged interfaces have taken for ever: G_c (1 - beta)^2, at the end", [](const F& f) { return f.energy.dissipated; }},
-    SummaryRow{"recoverable", "J", "energy that damaged interfaces give back when they close: beta sigma_c s, at the end", [](const F& f) { return f.energy.recoverable; }},
-    SummaryRow{"friction_work", "J", "work of friction, never positive", [](const F& f) { return f.energy.friction_work; }},
-    SummaryRow{"impact_work", "J", "work of all impacts, never positive", [](const F& f) { return f.energy.impact_work; }},
-    SummaryRow{"scheme_dissipation", "J", "what theta > 1/2 took away, never negative", [](const F& f) { return f.energy.scheme_dissipation; }},
-    SummaryRow{"kinetic_energy", "J", "at the end", [](const F& f) { return f.energy.kinetic; }},
-    SummaryRow{"strain_energy", "J", "at the end", [](const F& f) { return f.energy.strain; }},
-    SummaryRow{"momentum_x", "kg m/s", "of the whole body at the end", [](const F& f) { return f.momentum.x(); }},
-    SummaryRow{"momentum_y", "kg m/s", "likewise", [](const F& f) { return f.momentum.y(); }},
-    SummaryRow{"mean_displacement_x", "m", "of the centre of mass at the end", [](const F& f) { return f.mean_displacement.x(); }},
-    SummaryRow{"mean_displacement_y", "m", "likewise", [](const F& f) { return f.mean_displacement.y(); }},
-    SummaryRow{"reaction_x", "N", "force on the body, at the end, of the load or obstacle that run.json calls reaction_of: the first that moves",
-               [](const F& f) { return f.driver ? f.reactions[*f.driver].force.x() : none; }},
-    SummaryRow{"reaction_y", "N", "likewise", [](const F& f) { return f.driver ? f.reactions[*f.driver].force.y() : none; }},
-    SummaryRow{"largest_reaction", "N", "its largest size over the run",
-               [](const F& f) { return f.driver ? largest_force(f.recorder, *f.driver, f.reactions[*f.driver]) : none; }},
-    SummaryRow{"broken_length", "m", "length of all broken interfaces", [](const F& f) { return f.pattern.broken_length; }},
-    SummaryRow{"crack_length", "m", "length of all arms of cracks, along edges, without twigs and single broken interfaces", [](const F& f) { return f.pattern.crack_length; }},
-    SummaryRow{"main_length", "m", "length of the main crack, along chords", [](const F& f) { return f.pattern.main_length; }},
-    SummaryRow{"first_growth_time", "s", "first edge of a crack that counts", [](const F& f) { return f.cracks.first_growth_time().value_or(none); }},
-    SummaryRow{"max_tip_speed", "m/s", "largest speed of any crack tip, over half a window of growth or more",
-               [](const F& f) { return f.cracks.max_tip_speed(); }},
-    SummaryRow{"mean_tip_speed", "m/s", "of the tip of the main crack, its mean over the second half of the growth", [](const F& f) { return f.cracks.mean_tip_speed(); }},
-    SummaryRow{"max_tip_speed_over_cR", "", "max_tip_speed over the Rayleigh speed",
-               [](const F& f) { return f.rayleigh_speed > 0 ? f.cracks.max_tip_speed() / f.rayleigh_speed : none; }},
-    SummaryRow{"tips", "", "number of crack tips at the end that have not arrived at a boundary or at another crack",
-               [](const F& f) { return static_cast<double>(f.pattern.tips.size()); }},
-    SummaryRow{"branches", "", "number of branchings at the end", [](const F& f) { return static_cast<double>(f.pattern.n_branches); }},
-    SummaryRow{"first_branch_time", "s", "first branching", [](const F& f) { return f.cracks.first_branching() ? f.cracks.first_branching()->time : none; }},
-    SummaryRow{"first_branch_x", "m", "where it was", [](const F& f) { return f.cracks.first_branching() ? f.cracks.first_branching()->position.x() : none; }},
-    SummaryRow{"first_branch_y", "m", "likewise", [](const F& f) { return f.cracks.first_branching() ? f.cracks.first_branching()->position.y() : none; }},
-    SummaryRow{"fragments", "", "number of pieces at the end", [](const F& f) { return static_cast<double>(f.fragments.rows.size()); }},
-    SummaryRow{"largest_fragment", "", "its part of the mass, at the end", [](const F& f) { return f.fragments.column("mass_part").front(); }},
-    SummaryRow{"median_fragment", "m", "diameter that half of the mass does not exceed (circle of the same area), at the end",
-               [](const F& f) { return diameter_passing(f.fragments, 0.5); }},
-    SummaryRow{"tensile_breaks", "", "number of interfaces that broke more by opening than by sliding; with output.breaks",
-               [](const F& f) { return f.n_tensile; }, with_breaks},
-    SummaryRow{"shear_breaks", "", "number of interfaces that broke more by sliding; with output.breaks",
-               [](const F& f) { return f.n_shear; }, with_breaks},
-    SummaryRow{"peak_stress", "Pa", "largest stress of the specimen: its strength", [](const F& f) { return f.strength.peak_stress; }, of_specimen},
-    SummaryRow{"peak_strain", "", "axial strain there", [](const F& f) { return f.strength.peak_strain; }, of_specimen},
-    SummaryRow{"tangent_modulus", "Pa", "slope of stress over axial strain, in the plane, of a specimen",
-               [](const F& f) { return f.strength.tangent_modulus; }, of_specimen},
-    SummaryRow{"youngs_modulus", "Pa", "of the material of a specimen: in plane strain the tangent modulus times 1 - nu^2, which needs a lateral gauge",
-               [](const F& f) { return f.material.E; }, with_gauge},
-    SummaryRow{"poisson_ratio", "", "of the material of a specimen with a lateral gauge", [](const F& f) { return f.material.nu; }, with_gauge},
-    SummaryRow{"crack_initiation_stress", "Pa", "stress of a specimen with 1 % of the breaks of the peak (Potyondy and Cundall 2004)",
-               [](const F& f) { return f.strength.crack_initiation; }, of_specimen},
-    SummaryRow{"dilatancy_stress", "Pa", "stress from which the crack volumetric strain leaves zero (Martin and Chandler 1994); compression with a lateral gauge",
-               [](const F& f) { return f.strength.dilatancy; }, in_compression},
-    SummaryRow{"crack_damage_stress", "Pa", "stress at which the volumetric strain turns from shrinking to growing (Martin and Chandler 1994); likewise",
-               [](const F& f) { return f.strength.crack_damage; }, in_compression},
-    SummaryRow{"largest_penetration", "m", "largest overlap of two sides in contact over the run",
-               [](const F& f) { return f.ledger.worst().penetration; }},
-    SummaryRow{"largest_speed", "m/s", "largest speed of any corner over the run", [](const F& f) { return f.ledger.worst().largest_speed; }},
-    SummaryRow{"largest_rotation", "deg", "largest rotation of a triangle over the run", [](const F& f) { return f.deformation.rotation().value; }},
-    SummaryRow{"largest_area_change", "", "largest change of the area of a triangle over its area, over the run", [](const F& f) { return f.deformation.area_change().value; }},
-    SummaryRow{"largest_slip", "", "largest slip of a point under pressure over the run, in lengths of its edge; along a straight support none",
-               [](const F& f) { return f.deformation.slip().value; }},
-    SummaryRow{"overlap_area", "m2", "largest area that the deformed body covers twice, looked for at frames and each time the fastest vertex has gone about a tenth of an edge",
-               [](const F& f) { return f.deformation.overlap().value; }},
-    SummaryRow{"overlap_x", "m", "where its largest part is, in the deformed body", [](const F& f) { return f.overlaps() ? f.deformation.overlap().place.x() : none; }},
-    SummaryRow{"overlap_y", "m", "likewise", [](const F& f) { return f.overlaps() ? f.deformation.overlap().place.y() : none; }},
+constexpr SummaryRow rows[]{
+    {"energy_residual", "", "largest error of the energy balance, relative to the largest energy",
+     [](F f) {
+         const double energy = f.ledger.largest_energy();
+         return f.ledger.largest_residual() / (energy > 0 ? energy : 1);
+     }},
+    {"law_lag_at_end", "",
+     "work of the interfaces in excess of what their law dissipates, over the dissipated energy, at the end",
+     [](F f) { return f.ledger.law_lag(); }},
+    {"largest_law_lag", "",
+     "the same where it was farthest from zero over the run; a dissipated energy below a hundredth of the "
+     "largest energy counts as that hundredth; its absolute value is the gate law_lag",
+     farthest_law_lag},
+    {"crossing_loss", "", "energy lost in steps in which a slip changes its sign, over the dissipated energy",
+     [](F f) { return f.ledger.over_dissipated(f.energy.crossing_loss); }},
+    {"external_work", "J", "work of loads and prescribed motions", [](F f) { return f.energy.external_work; }},
+    {"dissipated", "J", "energy dissipated by broken and damaged interfaces, G_c (1 - beta)^2, at the end",
+     [](F f) { return f.energy.dissipated; }},
+    {"recoverable", "J", "energy that damaged interfaces return when they close, beta sigma_c s, at the end",
+     [](F f) { return f.energy.recoverable; }},
+    {"friction_work", "J", "work of friction, never positive", [](F f) { return f.energy.friction_work; }},
+    {"impact_work", "J", "work of all impacts, never positive", [](F f) { return f.energy.impact_work; }},
+    {"scheme_dissipation", "J", "energy dissipated by theta > 1/2, never negative",
+     [](F f) { return f.energy.scheme_dissipation; }},
+    {"kinetic_energy", "J", "at the end", [](F f) { return f.energy.kinetic; }},
+    {"strain_energy", "J", "at the end", [](F f) { return f.energy.strain; }},
+    {"momentum_x", "kg m/s", "of the whole body at the end", [](F f) { return f.momentum.x(); }},
+    {"momentum_y", "kg m/s", "likewise", [](F f) { return f.momentum.y(); }},
+    {"mean_displacement_x", "m", "of the centre of mass at the end", [](F f) { return f.mean_displacement.x(); }},
+    {"mean_displacement_y", "m", "likewise", [](F f) { return f.mean_displacement.y(); }},
+    {"reaction_x", "N",
+     "force on the body, at the end, of the load or obstacle named by reaction_of in run.json: the first one "
+     "that moves",
+     [](F f) { return f.driver ? f.driver->at_end.force.x() : none; }},
+    {"reaction_y", "N", "likewise", [](F f) { return f.driver ? f.driver->at_end.force.y() : none; }},
+    {"largest_reaction", "N", "largest magnitude of this force over the run",
+     [](F f) { return f.driver ? f.driver->largest_force() : none; }},
+    {"broken_length", "m", "length of all broken interfaces", [](F f) { return f.pattern.broken_length; }},
+    {"crack_length", "m", "length of all crack arms along edges, without side twigs and single broken interfaces",
+     [](F f) { return f.pattern.crack_length; }},
+    {"main_length", "m", "length of the main crack along chords", [](F f) { return f.pattern.main_length; }},
+    {"first_growth_time", "s", "first broken edge of a crack that counts",
+     [](F f) { return f.cracks.first_growth_time().value_or(none); }},
+    {"max_tip_speed", "m/s", "largest speed of a crack tip, fitted over half a window of growth or more",
+     [](F f) { return f.cracks.max_tip_speed(); }},
+    {"mean_tip_speed", "m/s", "mean speed of the main tip over the second half of its growth",
+     [](F f) { return f.cracks.mean_tip_speed(); }},
+    {"max_tip_speed_over_cR", "", "max_tip_speed over the Rayleigh speed",
+     [](F f) { return over(f.cracks.max_tip_speed(), f.rayleigh_speed); }},
+    {"tips", "", "number of crack tips at the end that have not reached a boundary or another crack",
+     [](F f) { return static_cast<double>(f.pattern.tips.size()); }},
+    {"branches", "", "number of branchings at the end", [](F f) { return static_cast<double>(f.pattern.n_branches); }},
+    {"first_branch_time", "s", "time of the first branching", [](F f) { return branching(f).time; }},
+    {"first_branch_x", "m", "its place", [](F f) { return branching(f).position.x(); }},
+    {"first_branch_y", "m", "likewise", [](F f) { return branching(f).position.y(); }},
+    {"fragments", "", "number of fragments at the end",
+     [](F f) { return static_cast<double>(f.fragments.rows.size()); }},
+    {"largest_fragment", "", "mass of the largest fragment over that of the body, at the end",
+     [](F f) { return f.fragments.column("mass_part").front(); }},
+    {"median_fragment", "m", "diameter that half of the mass does not exceed (circle of the same area), at the end",
+     [](F f) { return diameter_passing(f.fragments, 0.5); }},
+    {"tensile_breaks", "", "interfaces that broke more by opening than by sliding; with output.breaks",
+     [](F f) { return f.n_tensile; }, with_breaks},
+    {"shear_breaks", "", "interfaces that broke more by sliding; with output.breaks", [](F f) { return f.n_shear; },
+     with_breaks},
+    {"peak_stress", "Pa", "largest stress of the specimen: its strength", [](F f) { return f.strength.peak_stress; },
+     of_specimen},
+    {"peak_strain", "", "axial strain at that stress", [](F f) { return f.strength.peak_strain; }, of_specimen},
+    {"tangent_modulus", "Pa", "slope of stress over axial strain of a specimen, in the plane",
+     [](F f) { return f.strength.tangent_modulus; }, of_specimen},
+    {"youngs_modulus", "Pa",
+     "of the material of a specimen; in plane strain the tangent modulus times 1 - nu^2, which needs a "
+     "lateral gauge",
+     [](F f) { return f.material.E; }, with_gauge},
+    {"poisson_ratio", "", "of the material of a specimen with a lateral gauge", [](F f) { return f.material.nu; },
+     with_gauge},
+    {"crack_initiation_stress", "Pa",
+     "stress at which a specimen has 1 % of the breaks that it has at the peak (Potyondy and Cundall 2004)",
+     [](F f) { return f.strength.crack_initiation; }, of_specimen},
+    {"dilatancy_stress", "Pa",
+     "stress at which the crack volumetric strain departs from zero (Martin and Chandler 1994); compression "
+     "with a lateral gauge",
+     [](F f) { return f.strength.dilatancy; }, in_compression},
+    {"crack_damage_stress", "Pa",
+     "stress at which the volumetric strain turns from contraction to dilation (Martin and Chandler 1994); "
+     "likewise",
+     [](F f) { return f.strength.crack_damage; }, in_compression},
+    {"largest_penetration", "m", "largest overlap of two sides in contact over the run",
+     [](F f) { return f.ledger.worst().penetration; }},
+    {"largest_speed", "m/s", "largest speed of any element node over the run",
+     [](F f) { return f.ledger.worst().largest_speed; }},
+    {"largest_rotation", "deg", "largest rotation of a triangle over the run",
+     [](F f) { return f.deformation.rotation().value; }},
+    {"largest_area_change", "", "largest relative change of the area of a triangle over the run",
+     [](F f) { return f.deformation.area_change().value; }},
+    {"largest_slip", "",
+     "largest slip of a point under pressure over the run, in lengths of its edge; slip along a straight "
+     "support does not count",
+     [](F f) { return f.deformation.slip().value; }},
+    {"overlap_area", "m2",
+     "largest area that the deformed body covers twice; searched at frames and each time the fastest vertex "
+     "has moved about a tenth of an edge",
+     [](F f) { return f.overlap.value; }},
+    {"overlap_x", "m", "place of its largest part in the deformed body", [](F f) { return overlap_place(f).x(); }},
+    {"overlap_y", "m", "likewise", [](F f) { return overlap_place(f).y(); }},
 };
 
 /// Of every load and obstacle that drives, after its name.
-struct Driver {
-    const Recorder& recorder;
-    std::size_t number;
-    const Reaction& at_end;
-};
-constexpr std::array driver_rows{
-    Measure<Driver>{"*_force_x", "N", "force on the body, at the end, of each load that prescribes a motion and each obstacle, by its name",
-                    [](const Driver& d) { return d.at_end.force.x(); }},
-    Measure<Driver>{"*_force_y", "N", "likewise", [](const Driver& d) { return d.at_end.force.y(); }},
-    Measure<Driver>{"*_largest_force", "N", "its largest size over the lines of reactions.csv",
-                    [](const Driver& d) { return largest_force(d.recorder, d.number, d.at_end); }},
+constexpr Measure<Driver> driver_rows[]{
+    {"*_force_x", "N",
+     "force on the body, at the end, of each load that prescribes a motion and of each obstacle, by name",
+     [](const Driver& d) { return d.at_end.force.x(); }},
+    {"*_force_y", "N", "likewise", [](const Driver& d) { return d.at_end.force.y(); }},
+    {"*_largest_force", "N", "its largest magnitude over the lines of reactions.csv",
+     [](const Driver& d) { return d.largest_force(); }},
 };
 
 }  // namespace
@@ -196,16 +231,45 @@ std::vector<Output> summary_outputs() {
     return outputs;
 }
 
-Summary summarise(const Model& model, const State& end, const Recorder& recorder, double rayleigh_speed) {
-    const Facts facts(model, end, recorder, rayleigh_speed);
+Summary summarise(const Model& model, const State& end, const Recorder& recorder) {
+    const Facts facts(model, end, recorder);
     Summary summary;
     for (const SummaryRow& row : rows)
-        if (row.is_there(facts)) summary.values.emplace_back(row.name, row.of(facts));
+        if (row.exists(facts)) summary.values.emplace_back(row.name, row.of(facts));
     const std::vector<std::string> names = recorder.reactions().names();
     for (std::size_t i = 0; i < facts.reactions.size(); ++i)
-        for (const auto& row : driver_rows) summary.values.emplace_back(names[i] + std::string(row.name.substr(1)), row.of({recorder, i, facts.reactions[i]}));
-    if (facts.driver) summary.reaction_of = names[*facts.driver];
+        for (const auto& row : driver_rows)
+            summary.values.emplace_back(names[i] + std::string(row.name.substr(1)),
+                                        row.of({recorder, i, facts.reactions[i]}));
+    if (facts.driver) summary.reaction_of = names[facts.driver->number];
     return summary;
+}
+
+std::vector<ExpectResult> judge_expectations(const std::vector<Expectation>& expectations, const Summary& summary,
+                                             double rayleigh_speed) {
+    std::vector<ExpectResult> results;
+    for (const Expectation& expected : expectations) {
+        const double unit = expected.unit == "cR" ? rayleigh_speed : 1, value = summary[expected.key];
+        const std::string name(expected.unit.empty() ? unit_of("summary", expected.key) : expected.unit),
+            tail = name.empty() ? "" : " " + name;
+        const auto bound = [&](const std::optional<double>& limit, const char* word, auto holds) {
+            if (limit)
+                results.push_back(
+                    {expected.key, formatted("%s %.6g", word, *limit) + tail, value, holds(value, *limit * unit)});
+        };
+        bound(expected.below, "below", std::less());
+        bound(expected.above, "above", std::greater());
+        bound(expected.at_least, "at least", std::greater_equal());
+        bound(expected.at_most, "at most", std::less_equal());
+        if (!expected.value) continue;
+        const double target = *expected.value * unit;
+        const double allowed = expected.relative ? expected.within * std::abs(target) : expected.within * unit;
+        const std::string within =
+            expected.relative ? formatted("%.6g %%", 100 * expected.within) : formatted("%.6g", expected.within) + tail;
+        results.push_back({expected.key, formatted("%.6g", *expected.value) + tail + " within " + within, value,
+                           std::abs(value - target) <= allowed});
+    }
+    return results;
 }
 
 }  // namespace knap

@@ -1,25 +1,44 @@
 #pragma once
-// The numbers that a run comes down to: run.json's `summary`, and what [expect] bounds.
+// The numbers that summarise a run: `summary` of run.json, and what [expect] bounds.
 #include "record/outputs.hpp"
 #include "record/recorder.hpp"
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace knap {
 
-/// Name and value in SI, in a fixed order; NaN for what never happened.
+/// Names and values in SI, in a fixed order; NaN for an event that never happened.
 struct Summary {
     std::vector<std::pair<std::string, double>> values;
-    std::string reaction_of;  // name of the load or obstacle whose force reaction_x and reaction_y are; empty where there is none
+    std::string reaction_of;  // name of the load or obstacle of reaction_x and reaction_y; empty where there is none
     /// NaN for an unknown name.
     double operator[](const std::string& name) const;
 };
 
-Summary summarise(const Model& model, const State& end, const Recorder& recorder, double rayleigh_speed);
+Summary summarise(const Model& model, const State& end, const Recorder& recorder);
 
-/// All numbers that a summary may have, in order; the last ones, "*_force_x", of every load and obstacle that drives.
+/// All numbers that a summary may contain, in order; the last ones, "*_force_x", of every load and obstacle that
+/// drives.
 std::vector<Output> summary_outputs();
+
+/// A bound of [expect] on a number of the summary.
+struct Expectation {
+    std::string key;
+    std::optional<double> below, above, at_least, at_most, value;
+    double within = 0;  // with `value`: allowed deviation, absolute, or relative where `relative`
+    bool relative = false;
+    std::string unit;  // "" = SI; "cR" = multiples of the Rayleigh speed
+};
+
+struct ExpectResult {
+    std::string name, limit;  // "max_tip_speed", "below 0.65 cR"
+    double value;             // SI; NaN: never happened, which fails every bound
+    bool pass;
+};
+std::vector<ExpectResult> judge_expectations(const std::vector<Expectation>& expectations, const Summary& summary,
+                                             double rayleigh_speed);
 
 }  // namespace knap

@@ -13,6 +13,7 @@
 #include "microstructure/scatter.hpp"
 #include "model/loads.hpp"
 #include "model/obstacle.hpp"
+#include "record/summary.hpp"
 #include "scenario/ensemble_options.hpp"
 #include "scenario/toml_tree.hpp"
 #include "stepper/common/scheme_options.hpp"
@@ -68,15 +69,6 @@ struct OutputOptions {
     bool fields = true;            // write .vtu frames
     bool breaks = false;           // write breaks.csv
     double checkpoint_every = 60;  // [s] of wall time between checkpoints
-};
-
-/// A bound on a number of the run's summary (key as in run.json's `summary`).
-struct Expectation {
-    std::string key;
-    std::optional<double> below, above, at_least, at_most, value;
-    double within = 0;  // with `value`: allowed deviation, absolute, or relative if `relative`
-    bool relative = false;
-    std::string unit;  // "" = SI; "cR" = multiples of the Rayleigh speed
 };
 
 /// A mesh that was read from a file.

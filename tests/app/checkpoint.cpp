@@ -18,19 +18,23 @@ using namespace program;
 namespace {
 
 const std::string explicit_block = small_block() + "-s output.breaks=true ";
-const std::string implicit_block = "edge_cracked_block_implicit -q -j 1 -s 'mesh.size=5 mm' -s 'time.end=40 us' -s 'time.step=1 us' -s 'expect={}' -s output.breaks=true ";
+const std::string implicit_block =
+    "edge_cracked_block_implicit -q -j 1 -s 'mesh.size=5 mm' -s 'time.end=40 us' -s 'time.step=1 us' -s 'expect={}' -s "
+    "output.breaks=true ";
 
 ino_t inode(const fs::path& path) {
     struct stat found {};
     return stat(path.c_str(), &found) == 0 ? found.st_ino : 0;
 }
 
-/// Starts `knap run`, waits until it has written a checkpoint of its own and `pause` longer, and sends it `signal`. Its exit status as of wait().
+/// Starts `knap run`, waits until it has written a checkpoint of its own and `pause` longer, and sends it `signal`. Its
+/// exit status as of wait().
 int run_and_stop(const std::string& arguments, const fs::path& run, int signal, std::chrono::microseconds pause) {
     const ino_t before = inode(run / "checkpoint");
     const pid_t child = fork();
     if (child == 0) {
-        const std::string line = "exec '" KNAP_PROGRAM "' run " + arguments + "-o '" + run.string() + "' >/dev/null 2>&1";
+        const std::string line =
+            "exec '" KNAP_PROGRAM "' run " + arguments + "-o '" + run.string() + "' >/dev/null 2>&1";
         execl("/bin/sh", "sh", "-c", line.c_str(), static_cast<char*>(nullptr));
         _exit(127);
     }
@@ -50,7 +54,8 @@ int run_and_stop(const std::string& arguments, const fs::path& run, int signal, 
 /// All that a run found: its histories, fragments and every field frame.
 void check_same_bits(const fs::path& a, const fs::path& b) {
     std::vector<fs::path> files{"energy.csv", "cracks.csv", "arms.csv", "breaks.csv", "fragments.csv", "run.pvd"};
-    for (const auto& entry : fs::directory_iterator(a / "fields")) files.push_back(fs::path("fields") / entry.path().filename());
+    for (const auto& entry : fs::directory_iterator(a / "fields"))
+        files.push_back(fs::path("fields") / entry.path().filename());
     CHECK(files.size() > 10);
     for (const fs::path& file : files) CHECK_MESSAGE(text_of(a / file) == text_of(b / file), file);
     CHECK_FALSE(knap::Checkpoints::exist_in(a));  // of a run that is done
@@ -60,7 +65,8 @@ void check_same_bits(const fs::path& a, const fs::path& b) {
 /// Each file of a frame is whole, whatever became of its run.
 void check_frames(const fs::path& whole, const fs::path& killed) {
     for (const auto& entry : fs::directory_iterator(killed / "fields"))
-        if (entry.path().extension() == ".vtu") CHECK_MESSAGE(text_of(whole / "fields" / entry.path().filename()) == text_of(entry.path()), entry.path());
+        if (entry.path().extension() == ".vtu")
+            CHECK_MESSAGE(text_of(whole / "fields" / entry.path().filename()) == text_of(entry.path()), entry.path());
 }
 
 void kill_twenty_times(const std::string& block, const Folder& folder) {
@@ -69,7 +75,8 @@ void kill_twenty_times(const std::string& block, const Folder& folder) {
     knap::Random random(7, "kills");
     int n_kills = 0;
     for (int i = 0; i < 20; ++i) {
-        const int status = run_and_stop(often, folder.path / "killed", SIGKILL, std::chrono::microseconds(static_cast<int>(random.uniform(0, 10000))));
+        const int status = run_and_stop(often, folder.path / "killed", SIGKILL,
+                                        std::chrono::microseconds(static_cast<int>(random.uniform(0, 10000))));
         if (!WIFSIGNALED(status)) break;
         check_frames(folder.path / "whole", folder.path / "killed");
         ++n_kills;
@@ -105,7 +112,8 @@ TEST_CASE("an interrupted run goes on when it is started again") {
 
     SUBCASE("with the same bits") {
         CHECK(command("run " + block + "-o " + folder.in_shell("run")).code == 0);
-        CHECK(text_of(folder.path / "run/log.txt").find("resumed: goes on from the checkpoint at t = ") != std::string::npos);
+        CHECK(text_of(folder.path / "run/log.txt").find("resumed: continues from the checkpoint at t = ") !=
+              std::string::npos);
         check_same_bits(folder.path / "whole", folder.path / "run");
     }
     SUBCASE("from the older checkpoint where the newest is damaged") {
@@ -115,7 +123,7 @@ TEST_CASE("an interrupted run goes on when it is started again") {
         CHECK(again.code == 0);
         for (const std::string& said : {again.text, text_of(folder.path / "run/log.txt")}) {  // with -q, too
             CHECK(said.find("is not used: its checksum is wrong") != std::string::npos);
-            CHECK(said.find("resumed: goes on from the checkpoint at t = ") != std::string::npos);
+            CHECK(said.find("resumed: continues from the checkpoint at t = ") != std::string::npos);
         }
         check_same_bits(folder.path / "whole", folder.path / "run");
     }
@@ -145,18 +153,23 @@ TEST_CASE("an interrupted run goes on when it is started again") {
         CHECK(other.has("run-exists"));
         CHECK(other.has("holds an unfinished run of another scenario"));
         CHECK(other.has("they differ first: `seed = 4` there, `seed = 3` here"));
-        CHECK(other.has("--force throws it away"));
-        CHECK(command("run " + block + "-s mesh.grading=0.2 -o " + folder.in_shell("run")).has("first in [mesh]: `grading = 0.3` there, `grading = 0.2` here"));
+        CHECK(other.has("--force deletes it"));
+        CHECK(command("run " + block + "-s mesh.grading=0.2 -o " + folder.in_shell("run"))
+                  .has("first in [mesh]: `grading = 0.3` there, `grading = 0.2` here"));
         CHECK(knap::Checkpoints::exist_in(folder.path / "run"));
         // as the message says
-        CHECK(command("run " + folder.in_shell("run/resolved.toml") + " -q -j 1 -o " + folder.in_shell("run")).code == 0);
+        CHECK(command("run " + folder.in_shell("run/resolved.toml") + " -q -j 1 -o " + folder.in_shell("run")).code ==
+              0);
         check_same_bits(folder.path / "whole", folder.path / "run");
     }
     SUBCASE("where its file has another comment") {
         std::ofstream(folder.path / "other.toml") << "# a remark\n" << text_of(folder.path / "run/scenario.toml");
         std::string of_file = block;
-        CHECK(command("run " + of_file.replace(0, of_file.find(' '), folder.in_shell("other.toml")) + "-o " + folder.in_shell("run")).code == 0);
-        CHECK(text_of(folder.path / "run/log.txt").find("resumed: goes on from the checkpoint at t = ") != std::string::npos);
+        CHECK(command("run " + of_file.replace(0, of_file.find(' '), folder.in_shell("other.toml")) + "-o " +
+                      folder.in_shell("run"))
+                  .code == 0);
+        CHECK(text_of(folder.path / "run/log.txt").find("resumed: continues from the checkpoint at t = ") !=
+              std::string::npos);
     }
 }
 
@@ -190,7 +203,8 @@ TEST_CASE("both checkpoints stay where a newer one cannot be written") {
 TEST_CASE("tables that are deleted while a run goes on are whole at its end") {
     const Folder folder("deleted table");
     std::thread vandal([&] {
-        for (int i = 0; i < 60000 && !fs::exists(folder.path / "run/fields/bulk_0001.vtu"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        for (int i = 0; i < 60000 && !fs::exists(folder.path / "run/fields/bulk_0001.vtu"); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
         fs::remove(folder.path / "run/energy.csv");
     });
     CHECK(command("run " + explicit_block + "-o " + folder.in_shell("run")).code == 0);
@@ -205,14 +219,15 @@ TEST_CASE("a run that cannot write goes on when it can") {
     REQUIRE(command("run " + explicit_block + "-o " + folder.in_shell("whole")).code == 0);
     // its fields vanish while it runs
     std::thread vandal([&] {
-        for (int i = 0; i < 60000 && !fs::exists(folder.path / "run/fields/bulk_0002.vtu"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        for (int i = 0; i < 60000 && !fs::exists(folder.path / "run/fields/bulk_0002.vtu"); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
         fs::rename(folder.path / "run/fields", folder.path / "fields");
     });
     const Answer stopped = command("run " + block + "-o " + folder.in_shell("run"));
     vandal.join();
     CAPTURE(stopped.text);
     CHECK(stopped.code == 3);
-    CHECK(stopped.has("the same command goes on"));
+    CHECK(stopped.has("the same command continues"));
     CHECK(text_of(folder.path / "run/run.json").find("\"status\": \"failed\"") != std::string::npos);
     fs::rename(folder.path / "fields", folder.path / "run/fields");
     CHECK(command("run " + block + "-o " + folder.in_shell("run")).code == 0);

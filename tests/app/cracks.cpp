@@ -1,4 +1,5 @@
-// Cracks of whole runs: what cracks.csv and arms.csv say, held against the broken interfaces of breaks.csv, which know nothing of arms.
+// Cracks of whole runs: what cracks.csv and arms.csv say, held against the broken interfaces of breaks.csv, which know
+// nothing of arms.
 #include "analysis/crack_history.hpp"
 #include "output/history_csv.hpp"
 #include "program.hpp"
@@ -18,9 +19,11 @@ namespace {
 class Broken {
 public:
     explicit Broken(const History& breaks) {
-        const std::vector<double> x = breaks.column("x"), y = breaks.column("y"), angle = breaks.column("angle"), length = breaks.column("length");
+        const std::vector<double> x = breaks.column("x"), y = breaks.column("y"), angle = breaks.column("angle"),
+                                  length = breaks.column("length");
         for (std::size_t i = 0; i < x.size(); ++i) {
-            const double a = angle[i] * std::acos(-1.0) / 180, dx = 0.5 * length[i] * std::cos(a), dy = 0.5 * length[i] * std::sin(a);
+            const double a = angle[i] * std::acos(-1.0) / 180, dx = 0.5 * length[i] * std::cos(a),
+                         dy = 0.5 * length[i] * std::sin(a);
             const int p = vertex(x[i] - dx, y[i] - dy), q = vertex(x[i] + dx, y[i] + dy);
             around_[p].emplace_back(q, length[i]), around_[q].emplace_back(p, length[i]);
         }
@@ -62,10 +65,12 @@ double number_in(const std::string& json, const std::string& name) {
     return std::stod(json.substr(at + name.size() + 4));
 }
 
-/// The largest growth of the main length from one line to the next as it is known during a run [m], of a plate of 100 x 40 mm with a pre-crack to its middle.
+/// The largest growth of the main length from one line to the next as it is known during a run [m], of a plate of 100 x
+/// 40 mm with a pre-crack to its middle.
 double largest_live_jump(const fs::path& run) {
     const History breaks = knap::read_csv(run / "breaks.csv");
-    const std::vector<double> x = breaks.column("x"), y = breaks.column("y"), angle = breaks.column("angle"), length = breaks.column("length"), time = breaks.column("time");
+    const std::vector<double> x = breaks.column("x"), y = breaks.column("y"), angle = breaks.column("angle"),
+                              length = breaks.column("length"), time = breaks.column("time");
     Broken numbers(breaks);
     knap::InterfaceGraph graph;
     const auto vertex = [&](double vx, double vy) {
@@ -76,7 +81,8 @@ double largest_live_jump(const fs::path& run) {
         return static_cast<knap::Index>(v);
     };
     for (std::size_t i = 0; i < x.size(); ++i) {
-        const double a = angle[i] * std::acos(-1.0) / 180, dx = 0.5 * length[i] * std::cos(a), dy = 0.5 * length[i] * std::sin(a);
+        const double a = angle[i] * std::acos(-1.0) / 180, dx = 0.5 * length[i] * std::cos(a),
+                     dy = 0.5 * length[i] * std::sin(a);
         graph.ends.push_back({vertex(x[i] - dx, y[i] - dy), vertex(x[i] + dx, y[i] + dy)});
         graph.length.push_back(length[i]);
     }
@@ -97,23 +103,27 @@ double largest_live_jump(const fs::path& run) {
     return largest;
 }
 
-/// Lengths never fall, speeds that are known stay so, and all that broke lies within ten edges of an arm, or is shorter than that.
+/// Lengths never fall, speeds that are known stay so, and all that broke lies within ten edges of an arm, or is shorter
+/// than that.
 void check_cracks(const fs::path& run) {
     const double pruned = 10 * number_in(text_of(run / "run.json"), "mean_edge_m");
     const History cracks = knap::read_csv(run / "cracks.csv"), arms = knap::read_csv(run / "arms.csv");
     for (const char* column : {"main_length", "crack_length", "broken_length", "branches", "n_broken"}) {
         const std::vector<double> values = cracks.column(column);
-        for (std::size_t i = 1; i < values.size(); ++i) CHECK_MESSAGE(values[i] >= values[i - 1], column << " at line " << i);
+        for (std::size_t i = 1; i < values.size(); ++i)
+            CHECK_MESSAGE(values[i] >= values[i - 1], column << " at line " << i);
     }
     const std::vector<double> speed = cracks.column("tip_speed");
     for (std::size_t i = 1; i < speed.size(); ++i) CHECK((std::isnan(speed[i - 1]) || std::isfinite(speed[i])));
     CHECK(std::isfinite(speed.back()));
 
     // each arm grows from its start on, and the last lengths of all are the whole
-    const std::vector<double> number = arms.column("arm"), time = arms.column("time"), length = arms.column("length"), x = arms.column("x"), y = arms.column("y");
+    const std::vector<double> number = arms.column("arm"), time = arms.column("time"), length = arms.column("length"),
+                              x = arms.column("x"), y = arms.column("y");
     double sum = 0;
     for (std::size_t i = 0; i < number.size(); ++i) {
-        const bool first = i == 0 || number[i] != number[i - 1], last = i + 1 == number.size() || number[i + 1] != number[i];
+        const bool first = i == 0 || number[i] != number[i - 1],
+                   last = i + 1 == number.size() || number[i + 1] != number[i];
         if (first) CHECK(length[i] == 0);
         if (!first) CHECK(length[i] > length[i - 1]);
         if (!first) CHECK(time[i] >= time[i - 1]);
@@ -138,7 +148,9 @@ void check_cracks(const fs::path& run) {
 void run_block(int seed, const std::string& options, const Folder& folder) {
     CAPTURE(seed);
     const std::string name = std::to_string(seed);
-    const Answer run = command("run edge_cracked_block -q -j 1 -s output.fields=false -s output.breaks=true -s 'expect={}' -s 'figure=[]' " + options + "-s seed=" + name + " -o " + folder.in_shell(name));
+    const Answer run = command(
+        "run edge_cracked_block -q -j 1 -s output.fields=false -s output.breaks=true -s 'expect={}' -s 'figure=[]' " +
+        options + "-s seed=" + name + " -o " + folder.in_shell(name));
     CAPTURE(run.text);
     REQUIRE(run.code == 0);
     check_cracks(folder.path / name);
@@ -149,7 +161,9 @@ void run_block(int seed, const std::string& options, const Folder& folder) {
 TEST_CASE("the starter plate forks as its picture shows") {
     const Folder folder("starter");
     REQUIRE(command("new " + folder.in_shell("plate.toml")).code == 0);
-    const Answer run = command("run " + folder.in_shell("plate.toml") + " -q -j 1 -s output.fields=false -s output.breaks=true -s 'figure=[]' -s 'expect={ branches = { at_least = 1, at_most = 1 }, tips = { at_least = 2, at_most = 2 } }' -o " +
+    const Answer run = command("run " + folder.in_shell("plate.toml") +
+                               " -q -j 1 -s output.fields=false -s output.breaks=true -s 'figure=[]' -s 'expect={ "
+                               "branches = { at_least = 1, at_most = 1 }, tips = { at_least = 2, at_most = 2 } }' -o " +
                                folder.in_shell("run"));
     CAPTURE(run.text);
     REQUIRE(run.code == 0);
@@ -168,8 +182,11 @@ TEST_CASE("the starter plate forks as its picture shows") {
     // the main tip never goes back, nor does it or its length leap
     const History cracks = knap::read_csv(folder.path / "run/cracks.csv");
     const std::vector<double> tip_x = cracks.column("tip_x"), tip_y = cracks.column("tip_y");
-    for (std::size_t i = 1; i < tip_x.size(); ++i) CHECK_FALSE(std::hypot(tip_x[i] - tip_x[i - 1], tip_y[i] - tip_y[i - 1]) > 6e-3);
-    CHECK(largest_live_jump(folder.path / "run") < 10e-3);  // a loose stretch of less than ten edges that joins; breaks.csv knows no damaged edges that bridge a gap sooner
+    for (std::size_t i = 1; i < tip_x.size(); ++i)
+        CHECK_FALSE(std::hypot(tip_x[i] - tip_x[i - 1], tip_y[i] - tip_y[i - 1]) > 6e-3);
+    CHECK(largest_live_jump(folder.path / "run") <
+          10e-3);  // a loose stretch of less than ten edges that joins; breaks.csv knows no damaged edges that bridge a
+                   // gap sooner
 }
 
 TEST_CASE("coarse blocks: no length falls and no arm of ten edges is lost") {

@@ -10,7 +10,9 @@ namespace {
 const std::string small_bar = "run bar_ramp_wave -q -j 1 -s 'time.end=\"2 us\"' -s expect={} -s figure=[] ";
 
 std::string without(std::string text, const std::string& part) { return text.erase(text.find(part), part.size()); }
-std::string with(std::string text, const std::string& part, const std::string& other) { return text.replace(text.find(part), part.size(), other); }
+std::string with(std::string text, const std::string& part, const std::string& other) {
+    return text.replace(text.find(part), part.size(), other);
+}
 
 }  // namespace
 
@@ -19,7 +21,9 @@ TEST_CASE("a damaged run is refused with its file") {
     const std::string in_shell = folder.in_shell("run");
     const fs::path run = folder.path / "run";
     REQUIRE(command(small_bar + "-o " + in_shell).code == 0);
-    const auto write = [&](const char* file, const std::string& text) { std::ofstream(run / file, std::ios::binary) << text; };
+    const auto write = [&](const char* file, const std::string& text) {
+        std::ofstream(run / file, std::ios::binary) << text;
+    };
     const auto refused = [&](const std::string& arguments, const std::string& file) {
         const Answer answer = command(arguments);
         CAPTURE(answer.text);
@@ -27,17 +31,20 @@ TEST_CASE("a damaged run is refused with its file") {
         CHECK(answer.has("run/" + file));
     };
     const std::string json = text_of(run / "run.json"), energy = text_of(run / "energy.csv");
-    for (const std::string& text : std::vector<std::string>{"", "{}", "[]", "3", "{", "\"\xff\"", with(json, "\"seed\": 1", "\"seed\": -1"), with(json, "\"seed\": 1", "\"seed\": \"\xff\""),
-                                                            with(json, "\"materials\": [", "\"materials\": [3, "), with(json, "\"gates\": [", "\"gates\": [[], "),
-                                                            with(json, "\"summary\": {", "\"summary\": { \"x\": [],"), without(json, "\"pass\": true,"),
-                                                            with(json, "\"scheme\": {", "\"scheme\": 7, \"scheme_was\": {")}) {
+    for (const std::string& text : std::vector<std::string>{
+             "", "{}", "[]", "3", "{", "\"\xff\"", with(json, "\"seed\": 1", "\"seed\": -1"),
+             with(json, "\"seed\": 1", "\"seed\": \"\xff\""), with(json, "\"materials\": [", "\"materials\": [3, "),
+             with(json, "\"gates\": [", "\"gates\": [[], "), with(json, "\"summary\": {", "\"summary\": { \"x\": [],"),
+             without(json, "\"pass\": true,"), with(json, "\"scheme\": {", "\"scheme\": 7, \"scheme_was\": {")}) {
         CAPTURE(text.substr(0, 40));
         write("run.json", text);
-        for (const char* format : {"", "--json ", "--csv "}) refused("info " + std::string(format) + in_shell, "run.json");
+        for (const char* format : {"", "--json ", "--csv "})
+            refused("info " + std::string(format) + in_shell, "run.json");
         refused("render --show energy " + in_shell, "run.json");
     }
     write("run.json", json);
-    for (const std::string& text : {std::string(), with(energy, "time", "tim"), with(energy, "\n0,", "\nnull,"), energy.substr(0, energy.find('\n') + 1), energy.substr(0, energy.size() - 60)}) {
+    for (const std::string& text : {std::string(), with(energy, "time", "tim"), with(energy, "\n0,", "\nnull,"),
+                                    energy.substr(0, energy.find('\n') + 1), energy.substr(0, energy.size() - 60)}) {
         write("energy.csv", text);
         refused("render --show energy " + in_shell, "energy.csv");
     }
@@ -50,7 +57,8 @@ TEST_CASE("a damaged run is refused with its file") {
 
 TEST_CASE("a sweep does a run again whose record is damaged") {
     const Folder folder("damaged_sweep");
-    const std::string sweep = "sweep bar_ramp_wave -s 'time.end=\"1 us\",\"2 us\"' -s expect={} -s figure=[] -j 1 -o " + folder.in_shell("sweep");
+    const std::string sweep = "sweep bar_ramp_wave -s 'time.end=\"1 us\",\"2 us\"' -s expect={} -s figure=[] -j 1 -o " +
+                              folder.in_shell("sweep");
     REQUIRE(command(sweep).code == 0);
     for (const fs::directory_entry& entry : fs::directory_iterator(folder.path / "sweep/runs"))
         if (entry.is_directory()) std::ofstream(entry.path() / "run.json");
@@ -63,8 +71,10 @@ TEST_CASE("a sweep does a run again whose record is damaged") {
 TEST_CASE("paths that cannot be are the user's mistake") {
     const std::string long_name(300, 'a');
     const Folder folder("paths");
-    for (const std::string& arguments : {small_bar + "-o " + folder.in_shell(long_name), "new " + folder.in_shell(long_name), "mesh bar_ramp_wave -o " + folder.in_shell(long_name + ".msh"),
-                                         "info " + folder.in_shell(long_name), "check " + folder.in_shell(long_name), "study bar_ramp_wave -o " + folder.in_shell(long_name)}) {
+    for (const std::string& arguments :
+         {small_bar + "-o " + folder.in_shell(long_name), "new " + folder.in_shell(long_name),
+          "mesh bar_ramp_wave -o " + folder.in_shell(long_name + ".msh"), "info " + folder.in_shell(long_name),
+          "check " + folder.in_shell(long_name), "study bar_ramp_wave -o " + folder.in_shell(long_name)}) {
         const Answer answer = command(arguments);
         CAPTURE(answer.text);
         CHECK(answer.code == 2);
@@ -81,14 +91,16 @@ TEST_CASE("paths that cannot be are the user's mistake") {
 TEST_CASE("what a figure cannot be is said before it is drawn") {
     const Folder folder("no_figure");
     REQUIRE(command(small_bar + "-o " + folder.in_shell("run")).code == 0);
-    for (const char* option : {"--deform nan", "--deform inf", "--range 5 1", "--range 1 1", "--range inf 1", "--box 1 1 0 0", "--at nan"}) {
+    for (const char* option :
+         {"--deform nan", "--deform inf", "--range 5 1", "--range 1 1", "--range inf 1", "--box 1 1 0 0", "--at nan"}) {
         CAPTURE(option);
         const Answer answer = command("render " + folder.in_shell("run") + " --show displacement " + option);
         CHECK(answer.code == 2);
         CHECK(answer.has("error["));
     }
     // nor is there a picture of what the run does not have
-    for (const char* option : {"--show reactions", "--show stress_strain", "--show breaks", "--show cracks --colour mode", "--show probe_velocities", "--show speed --at 1s"}) {
+    for (const char* option : {"--show reactions", "--show stress_strain", "--show breaks",
+                               "--show cracks --colour mode", "--show probe_velocities", "--show speed --at 1s"}) {
         CAPTURE(option);
         const Answer answer = command("render " + folder.in_shell("run") + " " + option);
         CHECK(answer.code == 2);

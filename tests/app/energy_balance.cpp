@@ -1,4 +1,5 @@
-// The lines of the energy figure add up to the work of the loads, in every line of energy.csv, whatever the numbers took.
+// The lines of the energy figure add up to the work of the loads, in every line of energy.csv, whatever the numbers
+// took.
 #include "program.hpp"
 
 #include "figures/curve_figures.hpp"
@@ -19,26 +20,31 @@ struct Balance {
 };
 
 Balance balance_of(const Folder& folder, const std::string& arguments) {
-    const Answer run = command("run " + arguments + " -q -j 1 -s output.fields=false -s 'figure=[]' -s 'expect={}' -o " + folder.in_shell("run"));
+    const Answer run =
+        command("run " + arguments + " -q -j 1 -s output.fields=false -s 'figure=[]' -s 'expect={}' -o " +
+                folder.in_shell("run"));
     CAPTURE(run.text);
     REQUIRE(run.code == 0);
     Balance found{.energy = knap::read_csv(folder.path / "run/energy.csv")};
     const auto column = [&](const char* name) { return found.energy.column(name); };
     const std::vector<double> external = column("external_work");
     std::vector<double> sum(external.size(), 0.0);
-    for (const char* name : {"kinetic", "strain", "dissipated", "recoverable", "law_lag_energy", "crossing_loss_energy", "scheme_dissipation"})
+    for (const char* name : {"kinetic", "strain", "dissipated", "recoverable", "law_lag_energy", "crossing_loss_energy",
+                             "scheme_dissipation"})
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += column(name)[i];
     for (const char* name : {"friction_work", "impact_work", "step_change_work"})
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] -= column(name)[i];
     found.lines = sum.size();
     for (std::size_t i = 0; i < sum.size(); ++i) {
         found.largest = std::max({found.largest, std::abs(external[i]), sum[i]});
-        CHECK(std::abs(column("surface")[i] - column("dissipated")[i] - column("recoverable")[i]) <= 1e-15 * found.largest);
+        CHECK(std::abs(column("surface")[i] - column("dissipated")[i] - column("recoverable")[i]) <=
+              1e-15 * found.largest);
         found.missed = std::max(found.missed, std::abs(sum[i] - sum[0] - external[i]));
     }
     const knap::Chart chart = knap::energy_chart(found.energy);
     REQUIRE(chart.curves[0].label == "sum of all");
-    for (std::size_t i = 0; i < sum.size(); ++i) found.figure_missed = std::max(found.figure_missed, std::abs(chart.curves[0].y[i] - chart.curves[1].y[i]));
+    for (std::size_t i = 0; i < sum.size(); ++i)
+        found.figure_missed = std::max(found.figure_missed, std::abs(chart.curves[0].y[i] - chart.curves[1].y[i]));
     return found;
 }
 
@@ -51,22 +57,28 @@ void check_closes(const Balance& balance) {
 }  // namespace
 
 TEST_CASE("energy balance: a cracked block with friction") {
-    const Balance balance = balance_of(Folder("energy block"), "edge_cracked_block -s 'mesh.size=2 mm' -s 'time.end=60 us' -s interface.default.friction=0.3");
+    const Balance balance =
+        balance_of(Folder("energy block"),
+                   "edge_cracked_block -s 'mesh.size=2 mm' -s 'time.end=60 us' -s interface.default.friction=0.3");
     check_closes(balance);
-    for (const char* name : {"dissipated", "recoverable", "crossing_loss_energy"}) CHECK_MESSAGE(balance.end_of(name) > 0, name);
+    for (const char* name : {"dissipated", "recoverable", "crossing_loss_energy"})
+        CHECK_MESSAGE(balance.end_of(name) > 0, name);
     CHECK(balance.end_of("law_lag_energy") != 0);
     CHECK(balance.end_of("friction_work") < 0);
 }
 
 TEST_CASE("energy balance: a damped implicit bar in steps that change") {
-    const Balance balance = balance_of(Folder("energy bar"), "bar_pulled_apart -s time.bulk=implicit -s time.cohesion=implicit -s time.theta=0.7 -s 'time.step=20 CFL' "
-                                                             "-s 'time.step_cracking=2 CFL' -s 'output.history_every=1 us'");
+    const Balance balance = balance_of(
+        Folder("energy bar"),
+        "bar_pulled_apart -s time.bulk=implicit -s time.cohesion=implicit -s time.theta=0.7 -s 'time.step=20 CFL' "
+        "-s 'time.step_cracking=2 CFL' -s 'output.history_every=1 us'");
     check_closes(balance);
     CHECK(balance.end_of("scheme_dissipation") > 0);
 }
 
 TEST_CASE("energy balance: explicit steps that change at the first softening") {
-    const Balance balance = balance_of(Folder("energy steps"), "bar_pulled_apart -s time.step_cracking='0.3 CFL' -s 'output.history_every=1 us'");
+    const Balance balance = balance_of(
+        Folder("energy steps"), "bar_pulled_apart -s time.step_cracking='0.3 CFL' -s 'output.history_every=1 us'");
     check_closes(balance);
     CHECK(balance.end_of("step_change_work") != 0);
 }

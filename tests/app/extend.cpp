@@ -33,10 +33,12 @@ TEST_CASE("a finished run goes on to a later end and is the run that its resolve
     CAPTURE(longer.text);
     REQUIRE(longer.code == 0);
     CHECK(longer.has("extended: time.end was 2e-05 s, is 3.1e-05 s; kept are time.step = "));
-    CHECK(text_of(run / "log.txt").find("resumed: goes on from the checkpoint at t = ") != std::string::npos);
+    CHECK(text_of(run / "log.txt").find("resumed: continues from the checkpoint at t = ") != std::string::npos);
     CHECK(text_of(run / "run.json").find("\"status\": \"done\"") != std::string::npos);
-    CHECK(text_of(run / "resolved.toml").find("history_every = 5.0000000000000004e-08") != std::string::npos);  // a four hundredth of the first end
-    REQUIRE(command("run " + folder.in_shell("run/resolved.toml") + " -q -j 1 -o " + folder.in_shell("once")).code == 0);
+    CHECK(text_of(run / "resolved.toml").find("history_every = 5.0000000000000004e-08") !=
+          std::string::npos);  // a four hundredth of the first end
+    REQUIRE(command("run " + folder.in_shell("run/resolved.toml") + " -q -j 1 -o " + folder.in_shell("once")).code ==
+            0);
     check_same_output(run, folder.path / "once");
     CHECK(text_of(run / "resolved.toml") == text_of(folder.path / "once/resolved.toml"));
 
@@ -45,15 +47,18 @@ TEST_CASE("a finished run goes on to a later end and is the run that its resolve
     CHECK(command("run " + block + "-s 'time.end=20 us' " + output).has("run-exists"));
     CHECK(command("run " + block + "-s 'time.end=40 us' -s seed=2 " + output).has("run-exists"));
     REQUIRE(command("run " + block + "-s 'time.end=40 us' " + output).code == 0);
-    REQUIRE(command("run " + folder.in_shell("run/resolved.toml") + " -q -j 1 -o " + folder.in_shell("twice")).code == 0);
+    REQUIRE(command("run " + folder.in_shell("run/resolved.toml") + " -q -j 1 -o " + folder.in_shell("twice")).code ==
+            0);
     check_same_output(run, folder.path / "twice");
 }
 
 TEST_CASE("a run with a step of its own is extended to the bits of the run of that length") {
     const Folder folder("extend_step");
     // 0.35 us divides neither end: the last steps of the first run are shorter, and are not in the longer one
-    const std::string implicit = "run edge_cracked_block_implicit -q -j 1 -s 'mesh.size=4 mm' -s 'time.step=0.35 us' -s 'output.every=1 us' -s 'output.history_every=0.5 us' "
-                                 "-s 'expect={}' ";
+    const std::string implicit =
+        "run edge_cracked_block_implicit -q -j 1 -s 'mesh.size=4 mm' -s 'time.step=0.35 us' -s 'output.every=1 us' -s "
+        "'output.history_every=0.5 us' "
+        "-s 'expect={}' ";
     REQUIRE(command(implicit + "-s 'time.end=14.8 us' -o " + folder.in_shell("run")).code == 0);
     const Answer longer = command(implicit + "-s 'time.end=22 us' -o " + folder.in_shell("run"));
     CAPTURE(longer.text);
@@ -68,7 +73,8 @@ TEST_CASE("a run that was stopped may go on to a later end and a damaged one is 
     const std::string output = "-o " + folder.in_shell("run");
     REQUIRE(command("run " + block + "-s 'time.end=20 us' --until 12us " + output).code == 0);
     REQUIRE(command("run " + block + "-s 'time.end=25 us' " + output).code == 0);
-    REQUIRE(command("run " + folder.in_shell("run/resolved.toml") + " -q -j 1 -o " + folder.in_shell("once")).code == 0);
+    REQUIRE(command("run " + folder.in_shell("run/resolved.toml") + " -q -j 1 -o " + folder.in_shell("once")).code ==
+            0);
     check_same_output(run, folder.path / "once");
 
     const std::string resolved = text_of(run / "resolved.toml"), record = text_of(run / "run.json");

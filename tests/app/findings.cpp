@@ -1,4 +1,5 @@
-// What a mesh says of a scenario before it runs: loads that contradict each other, jumps, what lies outside, what makes a run endless.
+// What a mesh says of a scenario before it runs: loads that contradict each other, jumps, what lies outside, what makes
+// a run endless.
 #include "program.hpp"
 
 using namespace program;
@@ -7,13 +8,16 @@ namespace {
 
 /// A plate of 100 mm x 40 mm; `more` comes behind its first tables.
 std::string plate(const Folder& folder, const std::string& more, const std::string& domain = "") {
-    std::ofstream(folder.path / "plate.toml") << rectangle("0.1, 0.04", "0.004", domain) +
-                                                     "[material.rock]\ndensity = 2650\nE = \"40 GPa\"\nnu = 0.2\n"
-                                                     "[interface.default]\nsigma_c = \"5 MPa\"\nG_c = 50\n[time]\nend = \"20 us\"\n" + more;
+    std::ofstream(folder.path / "plate.toml")
+        << rectangle("0.1, 0.04", "0.004", domain) +
+               "[material.rock]\ndensity = 2650\nE = \"40 GPa\"\nnu = 0.2\n"
+               "[interface.default]\nsigma_c = \"5 MPa\"\nG_c = 50\n[time]\nend = \"20 us\"\n" +
+               more;
     return "check " + folder.in_shell("plate.toml") + " ";
 }
 
-const std::string top = "[[load]]\non = \"top\"\ndisplacement = [0, \"1 mm\"]\nramp = \"1 ms\"\n", left = "[[load]]\non = \"left\"\nvelocity = [\"-1 m/s\", \"free\"]\n";
+const std::string top = "[[load]]\non = \"top\"\ndisplacement = [0, \"1 mm\"]\nramp = \"1 ms\"\n",
+                  left = "[[load]]\non = \"left\"\nvelocity = [\"-1 m/s\", \"free\"]\n";
 
 }  // namespace
 
@@ -22,16 +26,21 @@ TEST_CASE("loads that contradict each other are refused with both lines") {
     const Answer corner = command(plate(folder, top + left));
     CAPTURE(corner.text);
     CHECK(corner.code == 2);
-    CHECK(corner.has("error[contradiction]: `load[0]` (line 16) and `load[1]` (line 20) prescribe different motions in x of what they share at (0, 0.04) m: "
-                     "displacement 0 m on `top`, velocity -1 m/s on `left`"));
+    CHECK(
+        corner.has("error[contradiction]: `load[0]` (line 16) and `load[1]` (line 20) prescribe different motions in x "
+                   "of their common nodes at (0, 0.04) m: "
+                   "displacement 0 m on `top`, velocity -1 m/s on `left`"));
     CHECK(corner.has("plate.toml:20:1"));
     CHECK(corner.has("make x of one of them \"free\""));
     CHECK(command("run " + folder.in_shell("plate.toml") + " -q -o " + folder.in_shell("run")).code == 2);
     CHECK_FALSE(fs::exists(folder.path / "run"));
-    CHECK(command("check " + folder.in_shell("plate.toml") + " -s 'load[0].displacement=[\"free\", \"1 mm\"]'").code == 0);
-    const Answer traction = command(plate(folder, top + "[[load]]\nname = \"lid\"\non = \"top\"\ntraction = [0, \"1 MPa\"]\n"));
+    CHECK(command("check " + folder.in_shell("plate.toml") + " -s 'load[0].displacement=[\"free\", \"1 mm\"]'").code ==
+          0);
+    const Answer traction =
+        command(plate(folder, top + "[[load]]\nname = \"lid\"\non = \"top\"\ntraction = [0, \"1 MPa\"]\n"));
     CHECK(traction.code == 2);
-    CHECK(traction.has("`load[0]` (line 16) and `load[1]` `lid` (line 20) give a traction and a motion in y to the same edges"));
+    CHECK(traction.has(
+        "`load[0]` (line 16) and `load[1]` `lid` (line 20) apply a traction and a motion in y to the same edges"));
     CHECK(command(plate(folder, top + "[[load]]\non = \"left\"\ntraction = [0, \"1 MPa\"]\n")).code == 0);
 }
 
@@ -40,45 +49,58 @@ TEST_CASE("a displacement without a ramp is said to be a jump") {
     const Answer jump = command(plate(folder, top) + "-s load[0].ramp=");
     CAPTURE(jump.text);
     CHECK(jump.code == 0);
-    CHECK(jump.has("warning[jump]: `load[0].displacement` jumps by 0.001 m at once at t = 0 s: in a step of 4e-07 s that is a velocity of 2.5e+03 m/s, 0.61 times the speed of waves"));
+    CHECK(
+        jump.has("warning[jump]: `load[0].displacement` jumps by 0.001 m at t = 0 s: in a step of 4e-07 s this "
+                 "is a velocity of 2.5e+03 m/s, 0.61 times the wave speed"));
     CHECK(jump.has("plate.toml:18:16"));
     CHECK(jump.has("ramp = \"0.001 s\""));
     CHECK_FALSE(command(plate(folder, top)).has("warning[jump]"));
     const auto with_table = [&](const std::string& table, const std::string& more = "") {
         return command(plate(folder, top) + "-s load[0].ramp= -s 'load[0].table=" + table + "' " + more);
     };
-    CHECK(with_table("[[0, 0], [1e-5, 0], [1e-5, 1]]").has("jumps by 0.001 m at once at t = 1e-05 s: in a step of 4e-07 s that is a velocity of 2.5e+03 m/s"));
+    CHECK(with_table("[[0, 0], [1e-5, 0], [1e-5, 1]]")
+              .has("jumps by 0.001 m at t = 1e-05 s: in a step of 4e-07 s this is a velocity of 2.5e+03 m/s"));
     CHECK(with_table("[[0, 0], [0, 1]]").has("jumps by 0.001 m"));
-    CHECK(with_table("[[0, 0.5], [1e-5, 1]]").has("jumps by 0.0005 m at once at t = 0 s"));
-    CHECK(with_table("[[0, 0], [1e-5, 0], [1.01e-5, 1]]").has("jumps by 0.001 m at once at t = 1e-05 s"));  // within a step
-    CHECK_FALSE(with_table("[[0, 0], [1e-5, 0], [1.01e-5, 1e-4]]").has("warning[jump]"));                   // so it moves at 1 m/s
-    CHECK_FALSE(with_table("[[0, 0], [5e-5, 0], [5e-5, 1]]").has("warning[jump]"));                         // after the end
-    CHECK(with_table("[[0, 1], [1e-5, 1], [1e-5, 2]]", "-s time.start=equilibrium").has("jumps by 0.001 m at once at t = 1e-05 s"));
+    CHECK(with_table("[[0, 0.5], [1e-5, 1]]").has("jumps by 0.0005 m at t = 0 s"));
+    CHECK(with_table("[[0, 0], [1e-5, 0], [1.01e-5, 1]]").has("jumps by 0.001 m at t = 1e-05 s"));  // within a step
+    CHECK_FALSE(with_table("[[0, 0], [1e-5, 0], [1.01e-5, 1e-4]]").has("warning[jump]"));  // so it moves at 1 m/s
+    CHECK_FALSE(with_table("[[0, 0], [5e-5, 0], [5e-5, 1]]").has("warning[jump]"));        // after the end
+    CHECK(with_table("[[0, 1], [1e-5, 1], [1e-5, 2]]", "-s time.start=equilibrium")
+              .has("jumps by 0.001 m at t = 1e-05 s"));
     CHECK_FALSE(command(plate(folder, top) + "-s load[0].ramp= -s time.start=equilibrium").has("warning[jump]"));
 }
 
 TEST_CASE("what lies outside the body is said with its place") {
     const Folder folder("outside");
-    const std::string domain = "[[domain.region]]\nbox = [1, 1, 2, 2]\nmaterial = \"rock\"\n[[domain.hole]]\ncentre = [\"50 mm\", \"20 mm\"]\nradius = \"8 mm\"\n";
-    const Answer check = command(plate(folder, "[[probe]]\nat = [\"50 mm\", \"20 mm\"]\nname = \"in the hole\"\n[[probe]]\nat = [\"58 mm\", \"20 mm\"]\n"
-                                               "[[figure]]\nfile = \"a.png\"\nbox = [50, 0, 60, 20]\n", domain) + "-s 'mesh.refine=[{ inside = [1, 1, 2, 2], size = 0.001 }]'");
+    const std::string domain =
+        "[[domain.region]]\nbox = [1, 1, 2, 2]\nmaterial = \"rock\"\n[[domain.hole]]\ncentre = [\"50 mm\", \"20 "
+        "mm\"]\nradius = \"8 mm\"\n";
+    const Answer check = command(
+        plate(folder,
+              "[[probe]]\nat = [\"50 mm\", \"20 mm\"]\nname = \"in the hole\"\n[[probe]]\nat = [\"58 mm\", \"20 mm\"]\n"
+              "[[figure]]\nfile = \"a.png\"\nbox = [50, 0, 60, 20]\n",
+              domain) +
+        "-s 'mesh.refine=[{ inside = [1, 1, 2, 2], size = 0.001 }]'");
     CAPTURE(check.text);
     CHECK(check.code == 0);
     CHECK(check.has("probe `in the hole` at (0.05, 0.02) m lies outside the body, 0.0077"));
     CHECK_FALSE(check.has("probe `probe2`"));  // on the curve of the hole
-    CHECK(check.has("`domain.region[0]` covers no triangle of the body: it lies from (1, 1) m to (2, 2) m"));
+    CHECK(check.has("`domain.region[0]` covers no triangle of the body: it extends from (1, 1) m to (2, 2) m"));
     CHECK(check.has("`mesh.refine[0].inside` lies outside the body"));
     CHECK(check.has("`figure[0].box` lies outside the body: from (50, 0) m to (60, 20) m"));
-    CHECK(check.has("the body reaches from (0, 0) m to (0.1, 0.04) m"));
+    CHECK(check.has("the body extends from (0, 0) m to (0.1, 0.04) m"));
 }
 
 TEST_CASE("a run that nobody can mean is said to be one") {
     const Folder folder("endless");
-    const Answer check = command(plate(folder, "[output]\nevery = \"1 us\"\nhistory_every = \"1 us\"\n") + "-s 'time.end=10 h'");
+    const Answer check =
+        command(plate(folder, "[output]\nevery = \"1 us\"\nhistory_every = \"1 us\"\n") + "-s 'time.end=10 h'");
     CAPTURE(check.text);
     CHECK(check.has("warning[too-long]: `time.end` = 36000 s is "));
     // both from one estimate
-    const auto number_after = [&](const std::string& words) { return std::stod(check.text.substr(check.text.find(words) + words.size())); };
+    const auto number_after = [&](const std::string& words) {
+        return std::stod(check.text.substr(check.text.find(words) + words.size()));
+    };
     CHECK(number_after("s: about ") * 86400 == doctest::Approx(number_after("  about ")).epsilon(0.06));
     CHECK(check.has("days of one core"));
     CHECK(check.has("warning[too-many]: `output.every` = 1e-06 s in a run of 36000 s makes 3.6e+10 frames"));
@@ -87,20 +109,27 @@ TEST_CASE("a run that nobody can mean is said to be one") {
 
 TEST_CASE("two lines that cut the stable step are named with their place") {
     const Folder folder("detail");
-    const std::string near = "[[domain.crack]]\npoints = [[\"20 mm\", \"10 mm\"], [\"44 mm\", \"10 mm\"]]\n"
-                             "[[domain.crack]]\npoints = [[\"20 mm\", \"10.22 mm\"], [\"44 mm\", \"10.22 mm\"]]\n";
+    const std::string near =
+        "[[domain.crack]]\npoints = [[\"20 mm\", \"10 mm\"], [\"44 mm\", \"10 mm\"]]\n"
+        "[[domain.crack]]\npoints = [[\"20 mm\", \"10.22 mm\"], [\"44 mm\", \"10.22 mm\"]]\n";
     const Answer check = command(plate(folder, "", near));
     CAPTURE(check.text);
     CHECK(check.has("warning[small-step]: a triangle at (0.0"));
     CHECK(check.has("Next to it: `domain.crack[0]` and `domain.crack[1]`"));
     // each detail by itself, in a mesh of 1 mm: a pair a tenth of an edge apart, a small hole
-    const Answer both = command(plate(folder, "", "[[domain.crack]]\npoints = [[\"20 mm\", \"10 mm\"], [\"44 mm\", \"10 mm\"]]\n"
-                                                  "[[domain.crack]]\npoints = [[\"20 mm\", \"10.101 mm\"], [\"44 mm\", \"10.101 mm\"]]\n"
-                                                  "[[domain.hole]]\ncentre = [\"80 mm\", \"30 mm\"]\nradius = \"0.1 mm\"\n") + "-s 'mesh.size=1 mm'");
+    const Answer both =
+        command(plate(folder, "",
+                      "[[domain.crack]]\npoints = [[\"20 mm\", \"10 mm\"], [\"44 mm\", \"10 mm\"]]\n"
+                      "[[domain.crack]]\npoints = [[\"20 mm\", \"10.101 mm\"], [\"44 mm\", \"10.101 mm\"]]\n"
+                      "[[domain.hole]]\ncentre = [\"80 mm\", \"30 mm\"]\nradius = \"0.1 mm\"\n") +
+                "-s 'mesh.size=1 mm'");
     CAPTURE(both.text);
     CHECK(both.has("Next to it: a detail of `domain.hole[0]`"));
-    CHECK((both.has("Next to it: `domain.crack[0]` and `domain.crack[1]`") || both.has("Next to it: `domain.crack[1]` and `domain.crack[0]`")));
-    CHECK_FALSE(command(plate(folder, "", "[[domain.crack]]\npoints = [[\"20 mm\", \"10 mm\"], [\"44 mm\", \"10 mm\"]]\n")).has("small-step"));
+    CHECK((both.has("Next to it: `domain.crack[0]` and `domain.crack[1]`") ||
+           both.has("Next to it: `domain.crack[1]` and `domain.crack[0]`")));
+    CHECK_FALSE(
+        command(plate(folder, "", "[[domain.crack]]\npoints = [[\"20 mm\", \"10 mm\"], [\"44 mm\", \"10 mm\"]]\n"))
+            .has("small-step"));
 }
 
 TEST_CASE("check and mesh and the log of a run say what was placed") {
@@ -110,7 +139,9 @@ TEST_CASE("check and mesh and the log of a run say what was placed") {
         plate(folder, set);
         CHECK(command(verb + folder.in_shell("plate.toml")).has("inclusions[0]  5 placed, 6.28"));  // 5 pi 16/4000 %
     }
-    CHECK(command("run " + folder.in_shell("plate.toml") + " -q -s 'time.end=1 us' -o " + folder.in_shell("run")).code == 0);
+    CHECK(
+        command("run " + folder.in_shell("plate.toml") + " -q -s 'time.end=1 us' -o " + folder.in_shell("run")).code ==
+        0);
     CHECK(text_of(folder.path / "run/log.txt").find("inclusions[0]  5 placed, 6.28") != std::string::npos);
     const Answer full = command(plate(folder, set) + "-s inclusions[0].number=500");
     CHECK(full.code == 2);

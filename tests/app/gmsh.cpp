@@ -5,7 +5,8 @@ using namespace program;
 
 namespace {
 
-const std::string time_piece = "hopkinson_time_piece -q -j 1 -s 'time.end=1 us' -s 'figure[0].at=1 us' -s 'expect={}' ";  // a time that it reaches
+const std::string time_piece =
+    "hopkinson_time_piece -q -j 1 -s 'time.end=1 us' -s 'figure[0].at=1 us' -s 'expect={}' ";  // a time that it reaches
 
 std::string line_with(const std::string& text, const std::string& word) {
     const std::size_t at = text.find(word);
@@ -56,8 +57,8 @@ TEST_CASE("a mesh that knap wrote takes the place of meshing and gives the same 
     const Answer read = command("mesh " + folder.in_shell("s.toml"));
     CAPTURE(read.text);
     REQUIRE(read.code == 0);
-    for (const char* word :
-         {"triangles", "interfaces", "pre-cracked edges", "area [m2]", "edge length [m]", "smallest angle", "stable step"}) {
+    for (const char* word : {"triangles", "interfaces", "pre-cracked edges", "area [m2]", "edge length [m]",
+                             "smallest angle", "stable step"}) {
         CHECK_FALSE(line_with(made.text, word).empty());
         CHECK(line_with(read.text, word) == line_with(made.text, word));
     }
@@ -67,10 +68,12 @@ TEST_CASE("a mesh that knap wrote takes the place of meshing and gives the same 
 
 TEST_CASE("a mesh with a fault ends with 2 and its line and one that can be mended is") {
     const Folder folder("gmsh faults");
-    std::ofstream(folder.path / "s.toml") << "knap = 1\n[mesh]\nfile = \"m.msh\"\n[material.glass]\ndensity = \"2450 kg/m3\"\nE = \"32 GPa\"\nnu = 0.2\n"
-                                          << "[interface.default]\nbreakable = false\n[time]\nend = \"1 us\"\n";
+    std::ofstream(folder.path / "s.toml")
+        << "knap = 1\n[mesh]\nfile = \"m.msh\"\n[material.glass]\ndensity = \"2450 kg/m3\"\nE = \"32 GPa\"\nnu = 0.2\n"
+        << "[interface.default]\nbreakable = false\n[time]\nend = \"1 us\"\n";
     const auto check = [&](const std::string& elements) {
-        std::ofstream(folder.path / "m.msh") << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0.1 0.9 0\n$EndNodes\n$Elements\n"
+        std::ofstream(folder.path / "m.msh") << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 "
+                                                "1 1 0\n4 0 1 0\n5 0.1 0.9 0\n$EndNodes\n$Elements\n"
                                              << elements << "$EndElements\n";
         return command("check " + folder.in_shell("s.toml"));
     };

@@ -16,7 +16,8 @@ using namespace program;
 TEST_CASE("a full disk ends a run with 3 and says which file") {
     const Folder folder("full disk");
     // no file may grow beyond 200 blocks of 512 or 1024 bytes: the first frame does
-    const std::string run = "'" KNAP_PROGRAM "' run " + small_block() + "-s 'mesh.size=1 mm' -o " + folder.in_shell("run");
+    const std::string run =
+        "'" KNAP_PROGRAM "' run " + small_block() + "-s 'mesh.size=1 mm' -o " + folder.in_shell("run");
     const std::string shell = "-c \"ulimit -f 200; " + run + "\" 2>&1";
     FILE* pipe = popen(("bash " + shell).c_str(), "r");
     REQUIRE(pipe != nullptr);
@@ -37,12 +38,16 @@ TEST_CASE("on a full volume nothing is lost but what had no room") {
     const Folder folder("full volume");
     if (std::system("unshare -rm true 2>/dev/null") != 0) return;  // who may not mount
     // a volume of 300 kB in a name space of its own, later 50 MB
-    const std::string run = "'" KNAP_PROGRAM "' run " + small_block() + "-s output.checkpoint_every=0 -o volume/run 2>&1; echo code $?; ";
-    std::ofstream(folder.path / "script") << "mkdir volume && mount -t tmpfs -o size=300k none volume && " << run << "grep status volume/run/run.json; "
-                                          << "mount -o remount,size=50m volume && " << run << "grep status volume/run/run.json; cp volume/run/energy.csv .";
+    const std::string run =
+        "'" KNAP_PROGRAM "' run " + small_block() + "-s output.checkpoint_every=0 -o volume/run 2>&1; echo code $?; ";
+    std::ofstream(folder.path / "script")
+        << "mkdir volume && mount -t tmpfs -o size=300k none volume && " << run << "grep status volume/run/run.json; "
+        << "mount -o remount,size=50m volume && " << run
+        << "grep status volume/run/run.json; cp volume/run/energy.csv .";
     const Answer answer = command("--version >/dev/null; cd " + folder.in_shell("") + "; unshare -rm sh script");
     CAPTURE(answer.text);
-    const std::size_t full = answer.text.find("No space left on device"), failed = answer.text.find("code 3\n"), done = answer.text.find("code 0\n");
+    const std::size_t full = answer.text.find("No space left on device"), failed = answer.text.find("code 3\n"),
+                      done = answer.text.find("code 0\n");
     CHECK(full < failed);
     CHECK(failed < answer.text.find("\"failed\""));
     CHECK(failed < done);
@@ -58,17 +63,23 @@ TEST_CASE("where nothing may be written that is said and read all the same") {
     fs::create_directory(locked);
     REQUIRE(command(run + "-o " + folder.in_shell("locked/run")).code == 0);
     const auto permit = [&](fs::perms perms) {
-        for (const fs::path& path : {locked / "run/figures", locked / "run/fields", locked / "run", locked}) fs::permissions(path, perms);
+        for (const fs::path& path : {locked / "run/figures", locked / "run/fields", locked / "run", locked})
+            fs::permissions(path, perms);
     };
     permit(fs::perms::owner_read | fs::perms::owner_exec);
     const auto answer_of = [](const std::string& arguments) {
-        return std::async(std::launch::async, [&] {
-            prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, 0, 0, 0);  // root would be let in; of this thread and what it starts
-            return command(arguments);
-        }).get();
+        return std::async(std::launch::async,
+                          [&] {
+                              prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, 0, 0,
+                                    0);  // root would be let in; of this thread and what it starts
+                              return command(arguments);
+                          })
+            .get();
     };
-    for (const std::string& arguments : {run + "-o " + folder.in_shell("locked/new"), "sweep bar_ramp_wave --seeds 1 -o " + folder.in_shell("locked/new"), "new " + folder.in_shell("locked/new"),
-                                         "mesh bar_ramp_wave -o " + folder.in_shell("locked/new.svg"), "render " + folder.in_shell("locked/run")}) {
+    for (const std::string& arguments :
+         {run + "-o " + folder.in_shell("locked/new"),
+          "sweep bar_ramp_wave --seeds 1 -o " + folder.in_shell("locked/new"), "new " + folder.in_shell("locked/new"),
+          "mesh bar_ramp_wave -o " + folder.in_shell("locked/new.svg"), "render " + folder.in_shell("locked/run")}) {
         const Answer answer = answer_of(arguments);
         CAPTURE(answer.text);
         CHECK(answer.code == 2);
@@ -78,7 +89,8 @@ TEST_CASE("where nothing may be written that is said and read all the same") {
     CHECK(again.code == 3);
     CHECK(again.has("run.json: Permission denied; files of the earlier run are still there"));
     CHECK(command("info " + folder.in_shell("locked/run")).code == 0);
-    CHECK(command("render " + folder.in_shell("locked/run") + " --show speed -o " + folder.in_shell("figures")).code == 0);
+    CHECK(command("render " + folder.in_shell("locked/run") + " --show speed -o " + folder.in_shell("figures")).code ==
+          0);
     permit(fs::perms::owner_all);
 }
 
@@ -86,7 +98,8 @@ TEST_CASE("without an environment the results are those of any run") {
     const Folder folder("bare");
     const std::string run = " run bar_ramp_wave -q -j 1 -s 'time.end=\"2 us\"' -s expect={} -o ";
     REQUIRE(command(run + folder.in_shell("usual")).code == 0);
-    REQUIRE(command("--version >/dev/null; env -i '" KNAP_PROGRAM "'" + run + folder.in_shell("bare")).code == 0);  // no display, home, path, language, terminal
+    REQUIRE(command("--version >/dev/null; env -i '" KNAP_PROGRAM "'" + run + folder.in_shell("bare")).code ==
+            0);  // no display, home, path, language, terminal
     for (const char* file : {"energy.csv", "fields/bulk_0001.vtu", "figures/opening.png"}) {
         CHECK_MESSAGE(fs::file_size(folder.path / "bare" / file) > 0, file);
         CHECK_MESSAGE(text_of(folder.path / "usual" / file) == text_of(folder.path / "bare" / file), file);
@@ -104,10 +117,12 @@ TEST_CASE("progress is rewritten on a terminal and comes in lines elsewhere") {
     CHECK(elsewhere.text.find('\033') == std::string::npos);
     if (std::system("command -v script >/dev/null") != 0) return;
     std::ofstream(folder.path / "typed") << "stty cols 60; '" KNAP_PROGRAM "' " << run << "\n";
-    const Answer terminal = command("--version >/dev/null; script -qec \"sh " + folder.in_shell("typed") + "\" /dev/null </dev/null");
+    const Answer terminal =
+        command("--version >/dev/null; script -qec \"sh " + folder.in_shell("typed") + "\" /dev/null </dev/null");
     CAPTURE(terminal.text);
     std::size_t n_lines = 0;
-    for (std::size_t at = terminal.text.find("\r\033[K"); at != std::string::npos; at = terminal.text.find("\r\033[K", at + 1)) {
+    for (std::size_t at = terminal.text.find("\r\033[K"); at != std::string::npos;
+         at = terminal.text.find("\r\033[K", at + 1)) {
         ++n_lines;
         CHECK(terminal.text.find_first_of("\r\n", at + 4) - at - 4 < 60);
     }
@@ -117,11 +132,13 @@ TEST_CASE("progress is rewritten on a terminal and comes in lines elsewhere") {
 TEST_CASE("a run directory that vanishes ends the run with 3") {
     const Folder folder("vanishing");
     std::thread vandal([&] {
-        for (int i = 0; i < 60000 && !fs::exists(folder.path / "run/fields/bulk_0001.vtu"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        for (int i = 0; i < 60000 && !fs::exists(folder.path / "run/fields/bulk_0001.vtu"); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
         std::error_code ignored;
         for (int i = 0; i < 100 && fs::exists(folder.path / "run"); ++i) fs::remove_all(folder.path / "run", ignored);
     });
-    const Answer answer = command("run " + small_block() + "-s 'mesh.size=1 mm' -s 'output.every=1 us' -o " + folder.in_shell("run"));
+    const Answer answer =
+        command("run " + small_block() + "-s 'mesh.size=1 mm' -s 'output.every=1 us' -o " + folder.in_shell("run"));
     vandal.join();
     CAPTURE(answer.text);
     CHECK(answer.code == 3);
@@ -135,7 +152,8 @@ pid_t started(const std::string& arguments, const fs::path& said, const std::str
     const pid_t child = fork();
     REQUIRE(child >= 0);
     if (child == 0) {
-        execl("/bin/sh", "sh", "-c", (before + "exec '" KNAP_PROGRAM "' " + arguments + " >'" + said.string() + "' 2>&1").c_str(), nullptr);
+        execl("/bin/sh", "sh", "-c",
+              (before + "exec '" KNAP_PROGRAM "' " + arguments + " >'" + said.string() + "' 2>&1").c_str(), nullptr);
         _exit(127);
     }
     return child;
@@ -168,7 +186,8 @@ TEST_CASE("SIGTERM and SIGHUP end a run as Ctrl-C does") {
     const fs::path run = folder.path / "run";
     for (const int signal : {SIGTERM, SIGHUP}) {
         CAPTURE(signal);
-        const pid_t child = started("run edge_cracked_block -q -j 1 --force -o " + folder.in_shell("run"), folder.path / "said");
+        const pid_t child =
+            started("run edge_cracked_block -q -j 1 --force -o " + folder.in_shell("run"), folder.path / "said");
         wait_for([&] { return fs::exists(run / "fields/bulk_0001.vtu"); });
         kill(child, signal);
         CHECK(exit_code_of(child) == 130);
@@ -181,8 +200,10 @@ TEST_CASE("a run that is ended while it makes its mesh says so and leaves nothin
     const Folder folder("no mesh");
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         CAPTURE(signal);
-        const pid_t child = started("run edge_cracked_block -j 1 -s mesh.size=0.1mm -o " + folder.in_shell("run"), folder.path / "said");
-        for (int i = 0; i < 1000 && !catches(child, signal); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        const pid_t child = started("run edge_cracked_block -j 1 -s mesh.size=0.1mm -o " + folder.in_shell("run"),
+                                    folder.path / "said");
+        for (int i = 0; i < 1000 && !catches(child, signal); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
         kill(child, signal);
         CHECK(exit_code_of(child) == 130);
         CHECK(text_of(folder.path / "said") == "interrupted\n");
@@ -192,7 +213,8 @@ TEST_CASE("a run that is ended while it makes its mesh says so and leaves nothin
 
 TEST_CASE("a run under nohup outlives its terminal") {
     const Folder folder("nohup");
-    const pid_t child = started("run " + small_block() + "-s figure=[] -o " + folder.in_shell("run"), folder.path / "said", "trap '' HUP; ");
+    const pid_t child = started("run " + small_block() + "-s figure=[] -o " + folder.in_shell("run"),
+                                folder.path / "said", "trap '' HUP; ");
     wait_for([&] { return fs::exists(folder.path / "run/fields/bulk_0001.vtu"); });
     kill(child, SIGHUP);
     CHECK(exit_code_of(child) == 0);
@@ -200,14 +222,16 @@ TEST_CASE("a run under nohup outlives its terminal") {
 
 TEST_CASE("a run goes on when nobody reads what it says") {
     const Folder folder("deaf");
-    command("run edge_cracked_block -j 1 -s 'mesh.size=2 mm' -s 'time.end=40 us' -s 'expect={}' -o " + folder.in_shell("run") + " 2>&1 | head -c 1");
+    command("run edge_cracked_block -j 1 -s 'mesh.size=2 mm' -s 'time.end=40 us' -s 'expect={}' -o " +
+            folder.in_shell("run") + " 2>&1 | head -c 1");
     CHECK(text_of(folder.path / "run/run.json").find("\"status\": \"done\"") != std::string::npos);
 }
 
 TEST_CASE("names of files and folders may have any letters") {
     const Folder folder("Übung größer ☃ 日本");
     fs::copy_file(KNAP_SOURCE_DIR "/scenarios/bar_pulled_apart.toml", folder.path / "stab ä.toml");
-    const Answer answer = command("run " + folder.in_shell("stab ä.toml") + " -q -j 1 -o " + folder.in_shell("läuft ☃"));
+    const Answer answer =
+        command("run " + folder.in_shell("stab ä.toml") + " -q -j 1 -o " + folder.in_shell("läuft ☃"));
     CAPTURE(answer.text);
     CHECK(answer.code == 0);
     for (const char* file : {"figures/energy.png", "fields/bulk_0000.vtu", "run.pvd", "energy.csv"})
@@ -218,10 +242,12 @@ TEST_CASE("a language whose decimal sign is a comma changes no number") {
     const Folder folder("comma");
     const std::string scenario = " run bar_pulled_apart -q -j 1 -o ";
     const auto in_language = [&](const std::string& language) {
-        const std::string run = "LC_ALL=" + language + " '" KNAP_PROGRAM "'" + scenario + folder.in_shell(language) + " > /dev/null 2>&1";
+        const std::string run =
+            "LC_ALL=" + language + " '" KNAP_PROGRAM "'" + scenario + folder.in_shell(language) + " > /dev/null 2>&1";
         REQUIRE(std::system(run.c_str()) == 0);
     };
-    for (const char* language : {"C", "de_DE.UTF-8", "tr_TR.UTF-8"}) in_language(language);  // of which the machine may have only the first
+    for (const char* language : {"C", "de_DE.UTF-8", "tr_TR.UTF-8"})
+        in_language(language);  // of which the machine may have only the first
     for (const char* file : {"energy.csv", "cracks.csv", "resolved.toml", "fields/bulk_0001.vtu"}) {
         CAPTURE(file);
         CHECK(text_of(folder.path / "C" / file) == text_of(folder.path / "de_DE.UTF-8" / file));
@@ -235,7 +261,8 @@ TEST_CASE("what is no scenario is refused in a few lines") {
         std::ofstream(folder.path / name, std::ios::binary) << text;
         return command("check " + folder.in_shell(name));
     };
-    const Answer empty = written("empty.toml", ""), picture = written("picture.toml", std::string("\x89PNG\r\n\x1a\n\0\0\0", 11));
+    const Answer empty = written("empty.toml", ""),
+                 picture = written("picture.toml", std::string("\x89PNG\r\n\x1a\n\0\0\0", 11));
     CHECK(empty.code == 2);
     CHECK(empty.has("has no keys"));
     CHECK(picture.code == 2);

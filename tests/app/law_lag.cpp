@@ -1,4 +1,5 @@
-// Cracks that cost more or less than G_c since the steps are too large: a warning, the end of the run, and what the scenario allows.
+// Cracks that cost more or less than G_c since the steps are too large: a warning, the end of the run, and what the
+// scenario allows.
 #include "program.hpp"
 
 #include <nlohmann/json.hpp>
@@ -10,8 +11,10 @@ using namespace program;
 namespace {
 
 /// A block that a crack runs through in steps of a few crossings of a triangle, damped.
-const std::string coarse = "edge_cracked_block -q -j 1 -s 'mesh.size=4 mm' -s 'time={ end=\"40 us\", bulk=\"implicit\", cohesion=\"implicit\", theta=1, step=\"10 CFL\" }' "
-                           "-s output.fields=false -s 'figure=[]' -s 'expect={}' ";
+const std::string coarse =
+    "edge_cracked_block -q -j 1 -s 'mesh.size=4 mm' -s 'time={ end=\"40 us\", bulk=\"implicit\", "
+    "cohesion=\"implicit\", theta=1, step=\"10 CFL\" }' "
+    "-s output.fields=false -s 'figure=[]' -s 'expect={}' ";
 
 }  // namespace
 
@@ -20,9 +23,12 @@ TEST_CASE("law lag: a crack that is all but free ends the run and is told what t
     const Answer run = command("run " + coarse + "-o " + folder.in_shell("run"));
     CAPTURE(run.text);
     CHECK(run.code == 3);
-    for (const char* words : {"law_lag", "does not cost G_c", "limit 0.2", "time.step_cracking", "limits.law_lag", "warning[law_lag]"}) CHECK_MESSAGE(run.has(words), words);
+    for (const char* words :
+         {"law_lag", "does not cost G_c", "limit 0.2", "time.step_cracking", "limits.law_lag", "warning[law_lag]"})
+        CHECK_MESSAGE(run.has(words), words);
     const std::string json = text_of(folder.path / "run/run.json");
-    for (const char* words : {"\"largest_law_lag\": -", "\"recoverable\": "}) CHECK_MESSAGE(json.find(words) != std::string::npos, words);
+    for (const char* words : {"\"largest_law_lag\": -", "\"recoverable\": "})
+        CHECK_MESSAGE(json.find(words) != std::string::npos, words);
 
     const Answer allowed = command("run " + coarse + "-s limits.law_lag=2 -o " + folder.in_shell("allowed"));
     CAPTURE(allowed.text);
@@ -37,13 +43,15 @@ TEST_CASE("law lag: a crack that is all but free ends the run and is told what t
         const std::string name = gate["name"];
         if (!record["summary"].contains(name) || gate["value"].is_null()) continue;
         CAPTURE(name);
-        CHECK(std::abs(record["summary"][name].get<double>()) == doctest::Approx(gate["value"].get<double>()).epsilon(1e-12));
+        CHECK(std::abs(record["summary"][name].get<double>()) ==
+              doctest::Approx(gate["value"].get<double>()).epsilon(1e-12));
         ++n;
         if (name == "crossing_loss") CHECK(gate["value"].get<double>() > 0);
     }
     CHECK(n >= 3);  // energy_residual, crossing_loss, largest_speed
 
-    const Answer small = command("run " + coarse + "-s time.theta=0.5 -s 'time.step=0.5 CFL' -o " + folder.in_shell("small"));
+    const Answer small =
+        command("run " + coarse + "-s time.theta=0.5 -s 'time.step=0.5 CFL' -o " + folder.in_shell("small"));
     CAPTURE(small.text);
     CHECK(small.code == 0);
     CHECK_FALSE(small.has("VIOLATED"));

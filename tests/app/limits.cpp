@@ -1,4 +1,5 @@
-// A run that leaves what knap computes says so, goes on, and ends where its results would mislead; [limits] moves that end.
+// A run that leaves what knap computes says so, goes on, and ends where its results would mislead; [limits] moves that
+// end.
 #include "program.hpp"
 
 #include <nlohmann/json.hpp>
@@ -30,23 +31,31 @@ const std::string unbreakable = "[interface.default]\nbreakable = false\n";
 
 /// A free bar that turns by some 54 degrees in 4 ms.
 const std::string spin = rectangle("0.04, 0.01", "0.005", "origin = [-0.02, -0.005]\n") + rock + unbreakable +
-                         "[[initial]]\nvelocity = [0, 5]\nbox = [0, -0.005, 0.02, 0.005]\n[[initial]]\nvelocity = [0, -5]\nbox = [-0.02, -0.005, 0, 0.005]\n"
+                         "[[initial]]\nvelocity = [0, 5]\nbox = [0, -0.005, 0.02, 0.005]\n[[initial]]\nvelocity = [0, "
+                         "-5]\nbox = [-0.02, -0.005, 0, 0.005]\n"
                          "[time]\nend = \"4 ms\"\n[output]\nfields = false\n";
 
 /// A soft block with a slot that is squeezed shut.
-const std::string slot = rectangle("0.04, 0.02", "0.0014", "[[domain.hole]]\npoints = [[0.005, 0.0095], [0.035, 0.0095], [0.035, 0.0105], [0.005, 0.0105]]\n") +
-                         "[material.gel]\ndensity = 1000\nE = 1e6\nnu = 0.3\n" + unbreakable +
-                         "[[load]]\non = \"bottom\"\ndisplacement = [0, 0]\n[[load]]\non = \"top\"\nvelocity = [0, -0.5]\nramp = \"1 ms\"\n[time]\nend = \"6 ms\"\n"
-                         "[output]\nfields = false\n";
+const std::string slot =
+    rectangle("0.04, 0.02", "0.0014",
+              "[[domain.hole]]\npoints = [[0.005, 0.0095], [0.035, 0.0095], [0.035, 0.0105], [0.005, 0.0105]]\n") +
+    "[material.gel]\ndensity = 1000\nE = 1e6\nnu = 0.3\n" + unbreakable +
+    "[[load]]\non = \"bottom\"\ndisplacement = [0, 0]\n[[load]]\non = \"top\"\nvelocity = [0, -0.5]\nramp = \"1 "
+    "ms\"\n[time]\nend = \"6 ms\"\n"
+    "[output]\nfields = false\n";
 
 /// The upper half of a cracked block slides over the lower one, pressed.
-const std::string slide = rectangle("0.04, 0.02", "0.0025", "[[domain.crack]]\npoints = [[0, 0.01], [0.04, 0.01]]\n") + rock +
-                          "[interface.default]\nsigma_c = 1e8\nG_c = 100\n[[load]]\non = \"bottom\"\ndisplacement = [0, 0]\n[[load]]\non = \"top\"\ntraction = [0, -1e6]\n"
-                          "[[initial]]\nvelocity = [60, 0]\nbox = [0, 0.01, 0.04, 0.02]\n[time]\nend = \"0.1 ms\"\n[output]\nfields = false\n";
+const std::string slide = rectangle("0.04, 0.02", "0.0025", "[[domain.crack]]\npoints = [[0, 0.01], [0.04, 0.01]]\n") +
+                          rock +
+                          "[interface.default]\nsigma_c = 1e8\nG_c = 100\n[[load]]\non = \"bottom\"\ndisplacement = "
+                          "[0, 0]\n[[load]]\non = \"top\"\ntraction = [0, -1e6]\n"
+                          "[[initial]]\nvelocity = [60, 0]\nbox = [0, 0.01, 0.04, 0.02]\n[time]\nend = \"0.1 "
+                          "ms\"\n[output]\nfields = false\n";
 
 Answer run(const Folder& folder, const std::string& scenario, const std::string& more = "") {
     std::ofstream(folder.path / "scene.toml") << scenario;
-    return command("run " + folder.in_shell("scene.toml") + " -q -j 1 --force -o " + folder.in_shell("run") + " " + more);
+    return command("run " + folder.in_shell("scene.toml") + " -q -j 1 --force -o " + folder.in_shell("run") + " " +
+                   more);
 }
 
 }  // namespace
@@ -78,7 +87,9 @@ TEST_CASE("limits: a bar that turns is warned of from 5 degrees and ends its run
         CHECK(gate_of(warned, "rotation")["level"] == "warning");
         CHECK(gate_of(warned, "rotation")["pass"] == true);
         const auto& said = warned["warnings"];
-        CHECK(std::count_if(said.begin(), said.end(), [](const Json& one) { return one.get<std::string>().find("largest rotation") != std::string::npos; }) == 1);
+        CHECK(std::count_if(said.begin(), said.end(), [](const Json& one) {
+                  return one.get<std::string>().find("largest rotation") != std::string::npos;
+              }) == 1);
     }
     SUBCASE("and of one that would be a hundred times longer") {
         const Answer whole = run(folder, spin, "-s 'time.end=400 ms'");
@@ -135,7 +146,9 @@ TEST_CASE("limits: loads on few light parts stop no run") {
     const Folder folder("light");
     // a point load, whose vertex has all the energy of the first step
     const std::string block = rectangle("0.1, 0.04", "0.002") + rock + unbreakable;
-    const std::string point = "[[load]]\non = { box = [0.0487, 0.0399, 0.0513, 0.0401] }\nforce = [0, -100]\nramp = \"5 us\"\n[time]\nend = \"10 us\"\n[output]\nfields = false\n";
+    const std::string point =
+        "[[load]]\non = { box = [0.0487, 0.0399, 0.0513, 0.0401] }\nforce = [0, -100]\nramp = \"5 us\"\n[time]\nend = "
+        "\"10 us\"\n[output]\nfields = false\n";
     CHECK(run(folder, block + point).code == 0);
     CHECK(gate_of(record_of(folder), "largest_speed")["pass"] == true);
 }
@@ -144,13 +157,15 @@ TEST_CASE("limits: an obstacle that begins a few nanometres in the body is besid
     const Folder folder("touching");
     const auto block = [](const std::string& height) {
         return rectangle("0.04, 0.02", "0.002") + rock + unbreakable +
-               "[[obstacle]]\nshape = \"half plane\"\nat = [0, \"" + height + "\"]\nnormal = [0, 1]\n[[load]]\nacceleration = [0, -9.81]\n"
+               "[[obstacle]]\nshape = \"half plane\"\nat = [0, \"" + height +
+               "\"]\nnormal = [0, 1]\n[[load]]\nacceleration = [0, -9.81]\n"
                "[time]\nend = \"20 us\"\n[output]\nfields = false\n";
     };
     CHECK(run(folder, block("5 nm")).code == 0);
     const Json summary = record_of(folder)["summary"];
     CHECK(summary["largest_penetration"].get<double>() <= 6e-9);
-    CHECK(summary["largest_speed"].get<double>() <= 1e-3);  // 9.81 m/s2 for 20 us, and waves; it is not thrown out, 5 nm in a step
+    CHECK(summary["largest_speed"].get<double>() <=
+          1e-3);  // 9.81 m/s2 for 20 us, and waves; it is not thrown out, 5 nm in a step
     const Answer deep = run(folder, block("5 um"));
     CHECK(deep.code == 2);
     CHECK(deep.has("lies in the body at the start, by 5e-06 m"));
@@ -160,7 +175,9 @@ TEST_CASE("limits: a crack that did not grow and one whose growth is in few line
     const Folder folder("no_speed");
     REQUIRE(run(folder, spin, "-s 'time.end=0.1 ms'").code == 0);
     CHECK(record_of(folder)["summary"]["mean_tip_speed"].is_null());
-    REQUIRE(command("run " + small_block() + "-s 'output.history_every=10 us' --force -o " + folder.in_shell("run")).code == 0);
+    REQUIRE(
+        command("run " + small_block() + "-s 'output.history_every=10 us' --force -o " + folder.in_shell("run")).code ==
+        0);
     CHECK(record_of(folder)["summary"]["mean_tip_speed"].is_null());
     REQUIRE(command("run " + small_block() + "--force -o " + folder.in_shell("run")).code == 0);
     CHECK(record_of(folder)["summary"]["mean_tip_speed"].get<double>() > 100);

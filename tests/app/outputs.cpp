@@ -116,10 +116,12 @@ TEST_CASE("outputs: every column and number and array of a run is in the list an
     for (const fs::path& file : fs::directory_iterator(made))
         if (file.extension() == ".csv") check_header(file, file.filename().string());
     for (const OutputTable& table : output_tables())  // of the tables of a run, all
-        if (table.name.ends_with(".csv") && table.name != "study.csv" && table.name != "sweep.csv" && table.name != "statistics.csv")
+        if (table.name.ends_with(".csv") && table.name != "study.csv" && table.name != "sweep.csv" &&
+            table.name != "statistics.csv")
             CHECK_MESSAGE(fs::exists(made / table.name), table.name);
     for (const fs::path& file : fs::directory_iterator(made))
-        if (file.extension() == ".csv" || file.extension() == ".json" || file.extension() == ".txt") check_no_odd_numbers(file);
+        if (file.extension() == ".csv" || file.extension() == ".json" || file.extension() == ".txt")
+            check_no_odd_numbers(file);
     CHECK(read_csv(made / "breaks.csv").rows.size() > 3);
 
     for (const char* part : {"bulk", "interfaces", "obstacles"})
@@ -129,9 +131,11 @@ TEST_CASE("outputs: every column and number and array of a run is in the list an
     CHECK(arrays_in(made / "fields/interfaces_0001.vtu").size() == output_table("fields/interfaces").rows.size());
 
     const Json record = Json::parse(text_of(made / "run.json"));
-    for (const auto& entry : record.items()) CHECK_MESSAGE(find_output("run.json", entry.key()) != nullptr, entry.key());
+    for (const auto& entry : record.items())
+        CHECK_MESSAGE(find_output("run.json", entry.key()) != nullptr, entry.key());
     const std::set<std::string_view> sometimes{"reason", "output_failed"};
-    for (const Output& row : output_table("run.json").rows) CHECK_MESSAGE((sometimes.contains(row.name) || record.contains(row.name)), std::string(row.name));
+    for (const Output& row : output_table("run.json").rows)
+        CHECK_MESSAGE((sometimes.contains(row.name) || record.contains(row.name)), std::string(row.name));
     for (const auto& [name, value] : record["summary"].items()) {
         CAPTURE(name);
         const Output* row = find_output("summary", name);
@@ -160,7 +164,8 @@ TEST_CASE("outputs: every column and number and array of a run is in the list an
     CHECK(run.has("(of grip)"));
     CHECK(run.has("those of the thickness of 0.005 m"));
     CHECK(std::regex_search(run.text, std::regex("external_work +[0-9.e+-]+ J\n")));
-    CHECK(std::regex_search(command("info " + folder.in_shell("run")).text, std::regex("largest_speed +[0-9.e+-]+ m/s\n")));
+    CHECK(std::regex_search(command("info " + folder.in_shell("run")).text,
+                            std::regex("largest_speed +[0-9.e+-]+ m/s\n")));
     CHECK(command("info --csv " + folder.in_shell("run")).has(",external_work [J],"));
 }
 
@@ -171,7 +176,9 @@ TEST_CASE("outputs: studies name loads and their tables carry units") {
     CAPTURE(study.text);
     CHECK(study.code == 0);
     const std::string table = text_of(folder.path / "s/study.csv");
-    CHECK(table.starts_with("line,level,seed,status,bulk,cohesion,size [m],step [s],triangles,steps,cuts,linear_solves,factorisations,cpu [s],grip_force_y [N],"));
+    CHECK(
+        table.starts_with("line,level,seed,status,bulk,cohesion,size [m],step "
+                          "[s],triangles,steps,cuts,linear_solves,factorisations,cpu [s],grip_force_y [N],"));
     CHECK(table.find(",largest_speed [m/s],") != std::string::npos);
     const Answer unknown = command("check " + folder.in_shell("plate.toml") + " -s 'expect.gripp_force_y={below=1}'");
     CHECK(unknown.code == 2);
@@ -181,5 +188,5 @@ TEST_CASE("outputs: studies name loads and their tables carry units") {
     CHECK(twice.has("duplicate-name"));
     const Answer number = command("check " + folder.in_shell("plate.toml") + " -s 'probe[1].name=largest'");
     CHECK(number.code == 2);
-    CHECK(number.has("`largest_slip` would be a column, and is a number of the summary"));
+    CHECK(number.has("its column `largest_slip` has the name of a summary number"));
 }

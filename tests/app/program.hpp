@@ -40,7 +40,8 @@ inline std::string text_of(const fs::path& path) {
 /// A folder of its own for one test, empty at the start.
 class Folder {
 public:
-    explicit Folder(const std::string& name) : path(fs::path(KNAP_BINARY_DIR) / "app tests" / name) {  // the space is on purpose
+    explicit Folder(const std::string& name)
+        : path(fs::path(KNAP_BINARY_DIR) / "app tests" / name) {  // the space is on purpose
         fs::remove_all(path);
         fs::create_directories(path);
     }
@@ -49,11 +50,14 @@ public:
 };
 
 /// A small block that breaks within a second.
-inline std::string small_block() { return "edge_cracked_block -q -j 1 -s 'mesh.size=2 mm' -s 'time.end=40 us' -s 'expect={}' "; }
+inline std::string small_block() {
+    return "edge_cracked_block -q -j 1 -s 'mesh.size=2 mm' -s 'time.end=40 us' -s 'expect={}' ";
+}
 
 /// The head of a scenario: a rectangle of the sides "a, b" [m], `more` of its [domain], triangles of `size` [m].
 inline std::string rectangle(const std::string& sides, const std::string& size, const std::string& more = "") {
-    return "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [" + sides + "]\n" + more + "[mesh]\nsize = " + size + "\n";
+    return "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [" + sides + "]\n" + more + "[mesh]\nsize = " + size +
+           "\n";
 }
 
 }  // namespace program

@@ -12,24 +12,53 @@ using namespace program;
 
 TEST_CASE("a run directory is complete") {
     const Folder folder("complete");
-    const Answer run = command("run " + small_block() + "-o " + folder.in_shell("run") + " -s 'figure[0].at=[\"20 us\", \"40 us\"]'");
+    const Answer run =
+        command("run " + small_block() + "-o " + folder.in_shell("run") + " -s 'figure[0].at=[\"20 us\", \"40 us\"]'");
     CAPTURE(run.text);
     REQUIRE(run.code == 0);
-    for (const char* file : {"scenario.toml", "resolved.toml", "run.json", "log.txt", "energy.csv", "cracks.csv", "fragments.csv", "run.pvd",
-                             "fields/bulk_0000.vtu", "fields/interfaces_0000.vtu", "figures/cracks_20us.png", "figures/energy.png"})
+    for (const char* file : {"scenario.toml", "resolved.toml", "run.json", "log.txt", "energy.csv", "cracks.csv",
+                             "fragments.csv", "run.pvd", "fields/bulk_0000.vtu", "fields/interfaces_0000.vtu",
+                             "figures/cracks_20us.png", "figures/energy.png"})
         CHECK_MESSAGE(fs::file_size(folder.path / "run" / file) > 0, file);
-    CHECK(text_of(folder.path / "run/scenario.toml").find("Does a crack in a glass plate run") != std::string::npos);  // verbatim
+    CHECK(text_of(folder.path / "run/scenario.toml").find("Does a crack in a glass plate run") !=
+          std::string::npos);  // verbatim
     const std::string json = text_of(folder.path / "run/run.json");
-    for (const char* key : {"\"status\": \"done\"", "version", "git", "command", "seed", "threads", "wall_s", "cpu_s", "peak_memory_bytes", "triangles",
-                            "interfaces", "steps", "triangle_steps_per_core_second", "energy_residual", "external_work", "dissipated", "friction_work",
-                            "impact_work", "broken_length", "first_growth_time", "max_tip_speed", "max_tip_speed_over_cR", "branches",
-                            "first_branch_time", "fragments", "largest_penetration", "largest_speed", "gates", "expect"})
+    for (const char* key : {"\"status\": \"done\"",
+                            "version",
+                            "git",
+                            "command",
+                            "seed",
+                            "threads",
+                            "wall_s",
+                            "cpu_s",
+                            "peak_memory_bytes",
+                            "triangles",
+                            "interfaces",
+                            "steps",
+                            "triangle_steps_per_core_second",
+                            "energy_residual",
+                            "external_work",
+                            "dissipated",
+                            "friction_work",
+                            "impact_work",
+                            "broken_length",
+                            "first_growth_time",
+                            "max_tip_speed",
+                            "max_tip_speed_over_cR",
+                            "branches",
+                            "first_branch_time",
+                            "fragments",
+                            "largest_penetration",
+                            "largest_speed",
+                            "gates",
+                            "expect"})
         CHECK_MESSAGE(json.find(key) != std::string::npos, key);
     CHECK(run.has("gate   energy_residual"));
     CHECK(run.has("figures/energy.png"));
 
     SUBCASE("the resolved scenario runs again to the same numbers") {
-        const Answer again = command("run " + folder.in_shell("run/resolved.toml") + " -q -j 2 -o " + folder.in_shell("again"));
+        const Answer again =
+            command("run " + folder.in_shell("run/resolved.toml") + " -q -j 2 -o " + folder.in_shell("again"));
         CHECK(again.code == 0);
         CHECK(text_of(folder.path / "again/energy.csv") == text_of(folder.path / "run/energy.csv"));
         CHECK(text_of(folder.path / "again/cracks.csv") == text_of(folder.path / "run/cracks.csv"));
@@ -43,7 +72,9 @@ TEST_CASE("a run directory is complete") {
         CHECK(command("run " + small_block() + "--force -o " + folder.in_shell("run")).code == 0);
     }
     SUBCASE("other pictures are drawn from it") {
-        const Answer render = command("render " + folder.in_shell("run") + " --show stress_yy --at 20us --file s.svg --range -1MPa 3MPa --box 40mm 10mm 70mm 30mm");
+        const Answer render =
+            command("render " + folder.in_shell("run") +
+                    " --show stress_yy --at 20us --file s.svg --range -1MPa 3MPa --box 40mm 10mm 70mm 30mm");
         CHECK(render.code == 0);
         CHECK(fs::file_size(folder.path / "run/rendered/s.svg") > 1000);
         CHECK(command("render " + folder.in_shell("run")).code == 0);
@@ -63,7 +94,8 @@ TEST_CASE("a shorter run is the begin of the longer one") {
     const Folder folder("until");
     CHECK(command("run " + small_block() + "-o " + folder.in_shell("long")).code == 0);
     CHECK(command("run " + small_block() + "--until 20us -o " + folder.in_shell("short")).code == 0);
-    const std::string whole = text_of(folder.path / "long/energy.csv"), part = text_of(folder.path / "short/energy.csv");
+    const std::string whole = text_of(folder.path / "long/energy.csv"),
+                      part = text_of(folder.path / "short/energy.csv");
     const std::string head = part.substr(0, part.rfind('\n', part.size() - 2));  // its last line is at its own end
     CHECK(head.size() > 1000);
     CHECK(whole.starts_with(head));
@@ -101,7 +133,8 @@ TEST_CASE("force does not clear what knap did not make") {
 
 TEST_CASE("a run that misses an expectation ends with 4") {
     const Folder folder("expectation");
-    const Answer run = command("run " + small_block() + "-s 'expect={ broken_length = { above = \"1 m\" } }' -o " + folder.in_shell("run"));
+    const Answer run = command("run " + small_block() + "-s 'expect={ broken_length = { above = \"1 m\" } }' -o " +
+                               folder.in_shell("run"));
     CAPTURE(run.text);
     CHECK(run.code == 4);
     CHECK(run.has("FAILED"));
@@ -136,7 +169,8 @@ TEST_CASE("Ctrl-C ends a run with its outputs complete") {
         execl(KNAP_PROGRAM, KNAP_PROGRAM, "run", "edge_cracked_block", "-q", "-j", "1", "-o", run.c_str(), nullptr);
         _exit(127);
     }
-    for (int i = 0; i < 600 && !fs::exists(run / "fields/bulk_0001.vtu"); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    for (int i = 0; i < 600 && !fs::exists(run / "fields/bulk_0001.vtu"); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
     kill(child, SIGINT);
     int status = 0;
     waitpid(child, &status, 0);

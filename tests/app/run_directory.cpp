@@ -14,11 +14,14 @@ const std::string bar = "bar_ramp_wave -q -j 1 -s 'expect={}' -s 'mesh.size=1 mm
 
 /// In a shell, in a directory.
 int run_in(const fs::path& directory, const std::string& output) {
-    return WEXITSTATUS(std::system(("cd '" + directory.string() + "' && '" KNAP_PROGRAM "' run " + bar + "-o " + output + " >/dev/null 2>&1").c_str()));
+    return WEXITSTATUS(std::system(
+        ("cd '" + directory.string() + "' && '" KNAP_PROGRAM "' run " + bar + "-o " + output + " >/dev/null 2>&1")
+            .c_str()));
 }
 
 bool is_done(const fs::path& run) {
-    return text_of(run / "run.json").find("\"status\": \"done\"") != std::string::npos && fs::exists(run / "fields/bulk_0000.vtu") && fs::exists(run / "resolved.toml");
+    return text_of(run / "run.json").find("\"status\": \"done\"") != std::string::npos &&
+           fs::exists(run / "fields/bulk_0000.vtu") && fs::exists(run / "resolved.toml");
 }
 
 void write(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
@@ -54,7 +57,8 @@ TEST_CASE("run directory: it is the one that was named") {
     SUBCASE("prepared by someone, behind a link") {
         fs::create_directory(folder.path / "large disk");
         REQUIRE(chmod((folder.path / "large disk").c_str(), 02750) == 0);
-        struct stat before {}, after {};
+        struct stat before {
+        }, after{};
         REQUIRE(stat((folder.path / "large disk").c_str(), &before) == 0);
         fs::create_directory_symlink("large disk", folder.path / "link");
         CHECK(run_in(folder.path, "link") == 0);
@@ -84,7 +88,9 @@ TEST_CASE("run directory: a start that was killed is started again and nobody el
     const Folder folder("half");
     fs::create_directory(folder.path / "run");
     const std::string run = "run " + bar + "-o " + folder.in_shell("run");
-    SUBCASE("before its run.json") { write(folder.path / "run/log.txt", ""), write(folder.path / "run/run.json.part", "{\"sta"); }
+    SUBCASE("before its run.json") {
+        write(folder.path / "run/log.txt", ""), write(folder.path / "run/run.json.part", "{\"sta");
+    }
     SUBCASE("while it cleared an older run") {
         write(folder.path / "run/run.json", "{\"status\": \"starting\", \"version\": \"0\"}");
         write(folder.path / "run/log.txt", "an older run");
@@ -122,7 +128,9 @@ TEST_CASE("run directory: what runs did not make stays") {
     const Folder folder("notes");
     const fs::path run = folder.path / "run";
     const std::string line = "run " + bar + "-o " + folder.in_shell("run");
-    const auto lies_there = [&] { return text_of(run / "paper/text.tex") == "years" && text_of(run / "notes.txt") == "mine"; };
+    const auto lies_there = [&] {
+        return text_of(run / "paper/text.tex") == "years" && text_of(run / "notes.txt") == "mine";
+    };
     fs::create_directories(run / "paper");
     write(run / "paper/text.tex", "years"), write(run / "notes.txt", "mine");
     SUBCASE("where a run that was killed begins again, and with force") {
@@ -187,7 +195,8 @@ TEST_CASE("run directory: a pipe instead of one of its files is refused and not 
     for (const char* name : {"log.txt", "run.json", "run.json.part", "fields/bulk_0000.vtu"}) refused(name, "");
     fs::remove_all(folder.path / "run");
     REQUIRE(command("run " + bar + "-o " + folder.in_shell("run")).code == 0);
-    for (const char* name : {"log.txt", "run.json", "scenario.toml", "energy.csv", "checkpoint"}) refused(name, " --force");
+    for (const char* name : {"log.txt", "run.json", "scenario.toml", "energy.csv", "checkpoint"})
+        refused(name, " --force");
     CHECK(mkfifo((folder.path / "run/mine").c_str(), 0600) == 0);  // no matter of the run
     CHECK(command("run " + bar + "--force -o " + folder.in_shell("run")).code == 0);
 }

@@ -1,5 +1,5 @@
-// The same scenario gives the same bits: for any number of threads, for Debug and Release (tools/test --debug), and for the
-// program of yesterday unless somebody meant to change what it computes.
+// The same scenario gives the same bits: for any number of threads, for Debug and Release (tools/test --debug), and for
+// the program of yesterday unless somebody meant to change what it computes.
 #include "program.hpp"
 
 #include <boost/crc.hpp>
@@ -21,8 +21,8 @@ const Scene scenes[]{
 };
 
 void run(const Scene& scene, int n_threads, const Folder& folder, const std::string& directory) {
-    const Answer answer = command("run " + std::string(scene.arguments) + " -q -s 'expect={}' -s 'figure=[]' -j " + std::to_string(n_threads) + " -o " +
-                                  folder.in_shell(directory));
+    const Answer answer = command("run " + std::string(scene.arguments) + " -q -s 'expect={}' -s 'figure=[]' -j " +
+                                  std::to_string(n_threads) + " -o " + folder.in_shell(directory));
     CAPTURE(answer.text);
     REQUIRE(answer.code == 0);
 }
@@ -67,7 +67,9 @@ TEST_CASE("the same bits for one and two and four threads") {
 TEST_CASE("binding threads to processors leaves the program all processors") {
     const Folder folder("bound");
     const auto threads = [&](const std::string& directory) {
-        REQUIRE(command("run bar_ramp_wave -q -s 'time.end=1 us' -s 'expect={}' -s 'figure=[]' -o " + folder.in_shell(directory)).code == 0);
+        REQUIRE(command("run bar_ramp_wave -q -s 'time.end=1 us' -s 'expect={}' -s 'figure=[]' -o " +
+                        folder.in_shell(directory))
+                    .code == 0);
         const std::string text = text_of(folder.path / directory / "run.json");
         return text.substr(text.find("\"threads\""), 16);
     };
@@ -83,7 +85,9 @@ TEST_CASE("golden: three scenarios have the bits that they had") {
     for (const Scene& scene : scenes) {
         run(scene, 1, folder, scene.name);
         const std::string hash = hash_of(folder.path / scene.name);
-        const std::string advice = "where the numbers were meant to change, data/golden_hashes.txt gets: " + std::string(scene.name) + " " + hash;
+        const std::string advice =
+            "where the numbers were meant to change, data/golden_hashes.txt gets: " + std::string(scene.name) + " " +
+            hash;
         CHECK_MESSAGE(known.at(scene.name) == hash, advice);
     }
 }

@@ -6,7 +6,9 @@ using namespace program;
 namespace {
 
 /// What a shell says of a line; `knap` stands for the program.
-Answer shell(const std::string& line) { return command("--version >/dev/null; knap() { '" KNAP_PROGRAM "' \"$@\"; }; " + line); }
+Answer shell(const std::string& line) {
+    return command("--version >/dev/null; knap() { '" KNAP_PROGRAM "' \"$@\"; }; " + line);
+}
 
 const std::string small_bar = "run bar_ramp_wave -j 1 -s 'time.end=\"4 us\"' -s expect={} -o ";
 
@@ -33,7 +35,8 @@ TEST_CASE("a reader of the messages who goes away ends nothing") {
     };
     CHECK(codes(small_bar + folder.in_shell("run")) == "code 0\n");
     CHECK(text_of(folder.path / "run/run.json").find("\"status\": \"done\"") != std::string::npos);
-    CHECK(codes("sweep bar_ramp_wave -s 'time.end=\"2 us\",\"4 us\"' -s expect={} -j 1 -o " + folder.in_shell("sweep")) == "code 0\n");
+    CHECK(codes("sweep bar_ramp_wave -s 'time.end=\"2 us\",\"4 us\"' -s expect={} -j 1 -o " +
+                folder.in_shell("sweep")) == "code 0\n");
     CHECK(fs::file_size(folder.path / "sweep/sweep.csv") > 0);
     CHECK(codes("list") == "code 0\n");
 }

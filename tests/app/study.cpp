@@ -246,7 +246,7 @@ TEST_CASE("study: a run that is refused is a line of the table") {
                 folder.in_shell("s"));
     CHECK(study.code == 3);
     CHECK(study.has("refused: time.step"));
-    CHECK(study.has("beyond the stable step"));
+    CHECK(study.has("exceeds the stable step"));
 }
 
 TEST_CASE("study: mistakes are reported before anything runs") {

@@ -197,7 +197,7 @@ TEST_CASE("sweep: SIGTERM and SIGHUP stop the run under way and the same command
     CHECK(WEXITSTATUS(status) == 130);
     REQUIRE(text_of(run / "run.json").find("\"status\": \"interrupted\"") != std::string::npos);
     CHECK(command(sweep).code == 0);
-    CHECK(text_of(run / "log.txt").find("resumed: goes on") != std::string::npos);
+    CHECK(text_of(run / "log.txt").find("resumed: continues") != std::string::npos);
 }
 
 TEST_CASE("sweep: no run outlives a sweep that is killed") {
@@ -215,7 +215,7 @@ TEST_CASE("sweep: no run outlives a sweep that is killed") {
     close(log);
     CHECK(text_of(run / "run.json").find("\"status\": \"interrupted\"") != std::string::npos);
     CHECK(command(sweep).code == 0);
-    CHECK(text_of(run / "log.txt").find("resumed: goes on") != std::string::npos);
+    CHECK(text_of(run / "log.txt").find("resumed: continues") != std::string::npos);
 }
 
 TEST_CASE("sweep: a run whose record is lost is done again and a directory without a run is not touched") {

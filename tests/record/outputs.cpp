@@ -13,7 +13,8 @@
 using namespace knap;
 
 TEST_CASE("outputs: every row has a name of its own in its table and a known unit and a meaning") {
-    const std::set<std::string_view> units{"", "s", "m", "m2", "m/s", "rad", "rad/s", "deg", "N", "N m", "J", "Pa", "kg", "kg m/s", "byte", "1/s"};
+    const std::set<std::string_view> units{"",  "s",   "m", "m2", "m/s", "rad",    "rad/s", "deg",
+                                           "N", "N m", "J", "Pa", "kg",  "kg m/s", "byte",  "1/s"};
     std::set<std::string> tables;
     for (const OutputTable& table : output_tables()) {
         CAPTURE(table.name);
@@ -54,7 +55,8 @@ TEST_CASE("outputs: units by name also where the scenario gave a part of it") {
     CHECK(unit_of_slope("surface") == "W");
     CHECK(unit_of_figure("stress_xy", "opening") == "Pa");
     CHECK(unit_of_figure("cracks", "opening") == "m");
-    CHECK(header_of("probes.csv", {"time", "a_v_x", "a_cohesion"}) == std::vector<std::string>{"time [s]", "a_v_x [m/s]", "a_cohesion"});
+    CHECK(header_of("probes.csv", {"time", "a_v_x", "a_cohesion"}) ==
+          std::vector<std::string>{"time [s]", "a_v_x [m/s]", "a_cohesion"});
     CHECK(name_in_header("a_v_x [m/s]") == "a_v_x");
     CHECK(name_in_header("tips") == "tips");
 }

@@ -19,7 +19,7 @@ TEST_CASE("progress: rate and time left count from where this process began") {
                                     .law_of_pair = {{0}}});
     State restored = initial_state(model);
     restored.time = 0.5, restored.n_steps = 1000;
-    const Recorder recorder(model, restored, {.end = 1, .history_every = 0.1, .materials = {"steel"}});
+    const Recorder recorder(model, restored, {.end = 1, .history_every = 0.1, .context = {.materials = {"steel"}}});
     std::FILE* file = std::tmpfile();
     REQUIRE(file != nullptr);
     Progress progress(file, restored, 1, model.mesh.n_triangles());

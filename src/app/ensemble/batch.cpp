@@ -1,10 +1,8 @@
 // Each run is a process of its own: it has its own processor time and memory, and several run at the same time.
 #include "app/ensemble/ensemble.hpp"
 #include "app/run/checkpoint.hpp"
-#include "app/run/directory_lock.hpp"
-#include "app/run/interrupt.hpp"
+#include "app/run/process.hpp"
 #include "app/run/run_directory.hpp"
-#include "app/run/run_json.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/whole_file.hpp"
@@ -70,7 +68,7 @@ Texts command_of(const std::string& program, const std::string& scenario, const 
 /// read it.
 pid_t start(const std::string& scenario, const EnsembleRun& run, const fs::path& runs, bool force,
             const sigset_t& signals) {
-    Texts words = command_of("knap", scenario, run, runs, force || !Checkpoints::usable_in(runs / run.name));
+    Texts words = command_of("knap", scenario, run, runs, force || !Checkpoints::problem_in(runs / run.name, false).empty());
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);

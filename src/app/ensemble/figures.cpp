@@ -1,10 +1,10 @@
 // Figures of a study: errors over cost and over h, or means with their deviations over h. Of a sweep: a contact sheet.
 #include "app/ensemble/ensemble.hpp"
-#include "app/run/finished_run.hpp"
 #include "base/error.hpp"
 #include "figures/chart.hpp"
 #include "figures/contact_sheet.hpp"
 #include "output/vtk_series.hpp"
+#include "record/run_files.hpp"
 
 #include <algorithm>
 #include <set>

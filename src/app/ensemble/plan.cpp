@@ -1,5 +1,6 @@
 // The runs of a study and of a sweep.
 #include "app/ensemble/ensemble.hpp"
+#include "app/run/continuation.hpp"
 #include "app/run/step_plan.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"

@@ -1,7 +1,7 @@
 // The numbers of a run, from its run.json and its histories.
 #include "app/ensemble/ensemble.hpp"
-#include "app/run/read_run.hpp"
 #include "output/history_csv.hpp"
+#include "record/run_record.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,15 +1,16 @@
 #pragma once
-// Checkpoints: all that a run needs to go on with the same bits as if it had never stopped.
+// Checkpoints: the data from which a run continues with the same bits as if it had never stopped.
 //
 //     <run>/checkpoint            the newest
 //     <run>/checkpoint.previous   the one before; used where the newest is damaged
+//     <run>/checkpoint.end        of a finished run: before the first step that depends on time.end; from it the run
+//                                 continues to a later end
 //
-// One line (format, program, bytes, CRC-32), then the memory of the run. Written by a temporary name and rename, so that a killed run leaves two whole
-// ones. A finished run has another one instead:
-//
-//     <run>/checkpoint.end        before the first step that depends on time.end; from it the run goes on to a later one
+// A file is one line (format, program, bytes, CRC-32) and the memory of the run. It is written under a temporary name
+// and renamed, so a killed run leaves two whole ones.
 #include "base/stopwatch.hpp"
 #include "record/recorder.hpp"
+#include "record/run_record.hpp"
 #include "stepper/step_control.hpp"
 
 #include <filesystem>
@@ -17,14 +18,13 @@
 
 namespace knap {
 
-/// What is kept. The model, the figures' options and the like follow from the scenario.
+/// The contents of a checkpoint. Model, options of figures and the like follow from the scenario.
 struct RunMemory {
     State& now;
     StepControl& control;
     Recorder& recorder;
-    std::int64_t log_size = 0;         // [byte] of log.txt by then
-    double cpu = 0, wall = 0;          // [s] spent so far by all parts of the run
-    double cpu_model = 0, cpu_preload = 0, cpu_steps = 0;  // [s] of it in mesh and model, in the start in equilibrium, in steps
+    std::int64_t log_size = 0;  // [byte] of log.txt at that time
+    TimeSpent spent = {};       // by all parts of the run so far
 };
 
 class Checkpoints {
@@ -33,37 +33,37 @@ public:
     Checkpoints(std::filesystem::path directory, double every) : directory_(std::move(directory)), every_(every) {}
 
     bool due() const { return watch_.wall() >= every_; }
-    /// Throws OutputError where it cannot be written; those before are kept then.
+    /// Throws OutputError where it cannot be written; the earlier ones are kept then.
     void write(RunMemory& memory);
-    /// The newest that is whole, into `memory`; returns what is to be said of it. Throws UserError where none can be used.
+    /// Reads the newest undamaged one into `memory`; returns a warning about damaged ones. Throws UserError where none
+    /// can be used.
     std::string read(RunMemory& memory);
     void remove() const;
-    /// Of a finished run: the newest stays, as checkpoint.end.
+    /// Of a finished run: the newest is kept as checkpoint.end.
     void keep_for_later_end() const;
 
+    static bool exist_in(const std::filesystem::path& directory);
     static bool end_exists_in(const std::filesystem::path& directory);
     /// checkpoint.end becomes the newest again.
     static void reopen_end(const std::filesystem::path& directory);
-    /// Why a run can go on from none of all three with this program; empty where it can.
-    static std::string problem_in(const std::filesystem::path& directory);
-
-    static bool exist_in(const std::filesystem::path& directory);
-    /// Whether a run can go on from one of them with this program.
-    static bool usable_in(const std::filesystem::path& directory);
+    /// The reason why this program can continue from none of them, `also_end` or without checkpoint.end; empty where it
+    /// can.
+    static std::string problem_in(const std::filesystem::path& directory, bool also_end);
 
 private:
     std::filesystem::path directory_;
     double every_;
-    bool newest_is_whole_ = true;  // else the one before is not replaced by it
+    bool newest_is_whole_ = true;  // else it does not replace the previous one
     Stopwatch watch_;
 };
 
-/// All that is in it as bytes, and back into one of the same scenario. Restoring throws SimulationError where the bytes are no memory of a run;
-/// `memory` is half new then. What lies behind a right checksum was written by this program: its numbers are not judged.
+/// A memory as bytes, and back into a memory of the same scenario. Restoring throws SimulationError where the bytes are
+/// not the memory of a run; `memory` is then partly overwritten. The numbers themselves are not checked: a right
+/// checksum shows that this program wrote them.
 std::string bytes_of(RunMemory& memory);
 void restore(const std::string& bytes, RunMemory& memory);
 
-/// The bytes of a checkpoint file round its memory, and back. Unpacking throws SimulationError saying what is wrong with the file.
+/// A checkpoint file from the bytes of a memory, and back. Unpacking throws SimulationError with the fault of the file.
 std::string packed_checkpoint(const std::string& memory);
 std::string unpacked_checkpoint(const std::string& file);
 

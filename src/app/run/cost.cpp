@@ -16,17 +16,18 @@ namespace knap {
 namespace {
 
 // [s] of processor time on the machine of the gallery
-constexpr double kernel_there = 0.8e-3;                          // of the arithmetic in machine_slowness()
+constexpr double kernel_there = 0.8e-3;                          // of the loop in machine_slowness()
 constexpr double of_frame = 1.5e-3, of_frame_triangle = 0.4e-6;  // a frame
 constexpr double of_figure = 0.035, of_figure_triangle = 5e-6;   // a figure; of the body
 constexpr double of_line = 2e-5, of_line_interface = 6e-9;       // a line of the tables
 
-/// [s] of processor time a step takes at the begin, after the first: the least of some batches, since what else the machine does only adds.
+/// [s] Processor time of a step at the start, after the first one: the minimum over some batches, since other load on
+/// the machine only adds.
 double measured_step(const Model& model, MoreauJean& stepper, double step, double at_least_for) {
     State now = initial_state(model), next = now;
     stepper.step(now, step, next);
     const Stopwatch all;
-    double least = std::numeric_limits<double>::infinity();
+    double fastest = std::numeric_limits<double>::infinity();
     for (int batch = 0; batch < 3 || all.cpu() < at_least_for; ++batch) {
         const Stopwatch watch;
         int n = 0;
@@ -34,23 +35,38 @@ double measured_step(const Model& model, MoreauJean& stepper, double step, doubl
             if (stepper.step(now, step, next).rejection == Rejection::none) std::swap(now, next);
             ++n;
         } while (watch.cpu() < at_least_for / 10);
-        least = std::min(least, watch.cpu() / n);
-        if (batch == 0 && least > at_least_for) break;
+        fastest = std::min(fastest, watch.cpu() / n);
+        if (batch == 0 && fastest > at_least_for) break;
     }
-    return least;
+    return fastest;
 }
 
-/// Interfaces that can break, and whether faces that are there or come can rub.
+/// How much slower this machine is than that of the gallery, by a fixed loop of some milliseconds.
+double machine_slowness() {
+    std::array<double, 2048> values{};
+    double fastest = std::numeric_limits<double>::infinity();
+    for (int batch = 0; batch < 5; ++batch) {
+        const Stopwatch watch;
+        for (int repeat = 0; repeat < 200; ++repeat)
+            for (std::size_t i = 0; i < values.size(); ++i)
+                values[i] = std::sqrt(0.5 * values[i] + static_cast<double>(i + repeat));
+        fastest = std::min(fastest, watch.cpu());
+    }
+    return values[7] > 0 ? fastest / kernel_there : 1;
+}
+
+/// Number of breakable interfaces, and whether existing or later crack faces rub.
 struct Faces {
     double n_breakable = 0;
-    bool rub = false, rub_at_start = false;  // pre-cracks and joints do that
+    bool rub = false, rub_at_start = false;  // at the start: pre-cracks and joints
 };
 
 Faces faces_of(const Model& model) {
     Faces faces;
     for (const Interface& interface : model.interfaces) {
         const CohesiveLaw& law = model.laws[interface.law];
-        const bool open = interface.cracked || (law.breakable() && law.sigma_c <= 0), breaks = law.breakable() && !open;  // joints are open, too
+        const bool open = interface.cracked || (law.breakable() && law.sigma_c <= 0),
+                   breaks = law.breakable() && !open;  // joints are open, too
         faces.n_breakable += breaks ? 1 : 0;
         faces.rub = faces.rub || ((breaks || open) && law.friction > 0);
         faces.rub_at_start = faces.rub_at_start || (open && law.friction > 0);
@@ -58,7 +74,8 @@ Faces faces_of(const Model& model) {
     return faces;
 }
 
-/// Part of the body's area in the smaller half of its triangles: about 0.4 where they are alike, near 0 where most of them lie in boxes round one or two tips.
+/// Fraction of the area in the smaller half of the triangles: about 0.4 for a uniform mesh, near 0 where most triangles
+/// lie in boxes around one or two crack tips.
 double area_of_finer_half(const Mesh& mesh) {
     std::vector<double> areas(mesh.n_triangles());
     for (Index t = 0; t < mesh.n_triangles(); ++t) areas[t] = mesh.area(t);
@@ -68,14 +85,17 @@ double area_of_finer_half(const Mesh& mesh) {
     return all > 0 ? std::accumulate(areas.begin(), half, 0.0) / all : 0;
 }
 
-/// What steps took on the mean over the first ones, in the gallery. Explicit, where all can break: 1.4 to 3.2 times without friction; with it 2 to 8 times, since
-/// broken faces rub on, but 1.1 where joints rub from the start. Implicit, in solves of the whole body: 1.1 to 5 for a line that can break, 5.5 for
-/// 7 000 interfaces in 3 000 steps, 114 for 56 000 in 61; 9 for a long front of slip with friction. Where most triangles lie in small boxes a crack passes
-/// through them, a line of as many interfaces as the root of their number: explicit 1, implicit 4.4 for 5 000 interfaces in 900 steps.
+/// Ratio of the mean to the first steps, fitted to the gallery. Explicit, all interfaces breakable: 1.4 to 3.2 without
+/// friction; with friction 2 to 8, since broken faces go on rubbing, but 1.1 where joints rub from the start. Implicit,
+/// in solves of the whole body: 1.1 to 5 for a breakable line, 5.5 for 7 000 interfaces in 3 000 steps, 114 for 56 000
+/// in 61; 9 for a long slip front with friction. Where most triangles lie in small boxes a crack passes through them,
+/// a line of as many interfaces as the square root of their number: explicit 1, implicit 4.4 for 5 000 interfaces in
+/// 900 steps.
 double mean_over_first(const Scenario& scenario, const Model& model, double n_steps) {
     const Faces faces = faces_of(model);
     const bool breaks_everywhere = faces.n_breakable >= 0.1 * static_cast<double>(model.interfaces.size());
-    const double all_over = breaks_everywhere ? std::min(1.0, 5 * area_of_finer_half(model.mesh)) : 0;  // 1: anywhere, 0: along lines
+    const double all_over =
+        breaks_everywhere ? std::min(1.0, 5 * area_of_finer_half(model.mesh)) : 0;  // 1: everywhere, 0: along lines
     if (scenario.time.scheme.bulk == BulkScheme::implicit_theta) {
         if (!breaks_everywhere) return faces.rub ? 9 : 2.4;
         const double n_breaking = all_over * faces.n_breakable + (1 - all_over) * std::sqrt(faces.n_breakable);
@@ -87,24 +107,14 @@ double mean_over_first(const Scenario& scenario, const Model& model, double n_st
 
 }  // namespace
 
-double machine_slowness() {
-    std::array<double, 2048> values{};
-    double least = std::numeric_limits<double>::infinity();
-    for (int batch = 0; batch < 5; ++batch) {
-        const Stopwatch watch;
-        for (int repeat = 0; repeat < 200; ++repeat)
-            for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::sqrt(0.5 * values[i] + static_cast<double>(i + repeat));
-        least = std::min(least, watch.cpu());
-    }
-    return values[7] > 0 ? least / kernel_there : 1;
-}
-
-Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan& plan, double model_seconds, double measure_for) {
+Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan& plan, double model_seconds,
+                   double measure_for) {
     const bool implicit = scenario.time.scheme.bulk == BulkScheme::implicit_theta;
-    const double triangles = model.mesh.n_triangles(), drawn = triangles * (model.mesh.order == 2 ? 6 : 1), slowness = machine_slowness();
+    const double triangles = model.mesh.n_triangles(), drawn = triangles * (model.mesh.order == 2 ? 6 : 1),
+                 slowness = machine_slowness();
     Cost cost{.model = model_seconds};
 
-    // from the first loss of cohesion on steps may be smaller: in the gallery that is early
+    // steps may be smaller after the first loss of cohesion, which is early in the gallery
     const double largest = static_cast<double>(plan.n_steps);
     cost.n_steps = std::max(largest, std::ceil(scenario.time.end / plan.limits.cracking));
     MoreauJean stepper(model, scenario.time.scheme);
@@ -112,7 +122,8 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
     cost.mean_over_first = mean_over_first(scenario, model, cost.n_steps);
     cost.steps = cost.n_steps * cost.first_step * cost.mean_over_first;
 
-    if (scenario.output.fields) cost.n_frames = std::min(std::ceil(scenario.time.end / scenario.output.every), largest) + 1;
+    if (scenario.output.fields)
+        cost.n_frames = std::min(std::ceil(scenario.time.end / scenario.output.every), largest) + 1;
     cost.frames = slowness * cost.n_frames * (of_frame + of_frame_triangle * drawn);
     double n_body = 0, n_curves = 0;
     for (const FigureOptions& figure : scenario.figures)

@@ -1,12 +1,12 @@
 #pragma once
-// What a run will take, before it runs: processor time, memory, disk.
+// Estimate of the processor time, memory and disk space of a run.
 //
-//     mesh and model   measured: they have just been made
-//     step             measured: a few are made, on this machine, of this body
-//     mean step        times what steps took on the mean over the first ones in the scenarios of the gallery: cracks and rubbing faces come later
-//     output           frames and figures by their number and the triangles, constants of the gallery times the speed of this machine
+//     mesh and model   measured
+//     step             measured: a few steps of this body on this machine
+//     mean step        that, times the ratio of mean to first steps in the gallery: cracks and rubbing faces come later
+//     output           numbers of frames, figures and triangles, times constants of the gallery and the machine's speed
 //
-// Within a factor of 2 for the scenarios of the gallery; what breaks into rubble early, or never breaks, may be beyond that.
+// Within a factor of 2 for the scenarios of the gallery; beyond that for bodies that fragment early or never break.
 #include "app/run/step_plan.hpp"
 #include "model/model.hpp"
 #include "scenario/scenario.hpp"
@@ -14,8 +14,8 @@
 namespace knap {
 
 struct Cost {
-    double model = 0, steps = 0, frames = 0, figures = 0, lines = 0;  // [s] of processor time
-    double first_step = 0;  // [s] of processor time a step takes at the begin
+    double model = 0, steps = 0, frames = 0, figures = 0, lines = 0;  // [s] processor time
+    double first_step = 0;                                            // [s] processor time of a step at the start
     double mean_over_first = 1;
     double n_steps = 0;
     double n_frames = 0;
@@ -23,10 +23,8 @@ struct Cost {
     double total() const { return model + steps + frames + figures + lines; }
 };
 
-/// `model_seconds`: processor time that mesh and model took; `measure_for` [s] of processor time for the first steps.
-Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan& plan, double model_seconds, double measure_for);
-
-/// How much slower than the machine of the gallery this one is: by a fixed piece of arithmetic that takes some milliseconds.
-double machine_slowness();
+/// `model_seconds`: processor time of mesh and model; `measure_for` [s]: minimum processor time of the measured steps.
+Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan& plan, double model_seconds,
+                   double measure_for);
 
 }  // namespace knap

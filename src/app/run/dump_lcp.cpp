@@ -1,6 +1,7 @@
 #include "app/run/dump_lcp.hpp"
 
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "base/union_find.hpp"
 #include "lcp/matrix_market.hpp"
 #include "stepper/implicit/corner_partition.hpp"
@@ -8,16 +9,16 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 #include <sstream>
 
 namespace knap {
 namespace {
 
-constexpr double most_entries = 2e7;  // of a stored matrix: about half a gigabyte of text
+constexpr double max_entries = 2e7;  // of a stored matrix: about half a gigabyte of text
 
-/// An upper bound of the entries of the matrix: rows of points couple where a part of the body that nothing can part has both.
-double entries_at_most(const Model& model, const SchemeOptions& scheme) {
+/// Upper bound of the number of entries: rows of points are coupled where both belong to one part of the body that
+/// cannot break.
+double upper_bound_of_entries(const Model& model, const SchemeOptions& scheme) {
     UnionFind parts(model.mesh.triangles.size());
     bool friction = false, gamma = false;
     for (const FanPoint& point : model.fan_points) {
@@ -26,13 +27,13 @@ double entries_at_most(const Model& model, const SchemeOptions& scheme) {
         friction = friction || model.laws[point.law].friction > 0;
         gamma = gamma || model.laws[point.law].gamma > 0;
     }
-    const double rows = (scheme.cohesion == CohesionScheme::implicit_beta ? 3 : 1) + (friction ? 3 : 0) + (gamma ? 3 : 0);
+    const double rows =
+        (scheme.cohesion == CohesionScheme::implicit_beta ? 3 : 1) + (friction ? 3 : 0) + (gamma ? 3 : 0);
     std::vector<double> n_points(model.mesh.triangles.size(), 0);
-    for (const FanPoint& point : model.fan_points) {
-        if (unbreakable(model, point)) continue;
+    for (const FanPoint& point : model.fan_points)
         for (const Index corner : {point.before, point.after})
-            if (corner != rigid_support) n_points[parts.find(model.mesh.triangle_of(corner))] += 1;
-    }
+            if (!unbreakable(model, point) && corner != rigid_support)
+                n_points[parts.find(model.mesh.triangle_of(corner))] += 1;
     double entries = 0;
     for (const double n : n_points) entries += rows * n * rows * n;
     return entries;
@@ -54,7 +55,8 @@ StepSelection StepSelection::parse(const std::string& text) {
             numbers.push_back(number);
         }
         if (!good || numbers.empty() || numbers.size() > 3 || numbers.front() > numbers.back())
-            throw UserError("bad-value", "`" + text + "` are no numbers of steps", "as in 10 or 10,20 or 10:20 or 10:5:40 (from 10 every fifth up to 40)");
+            throw UserError("bad-value", "`" + text + "` does not select steps",
+                            "examples: 10 or 10,20 or 10:20 or 10:5:40 (from 10 every fifth up to 40)");
         selection.ranges_.push_back({numbers.front(), numbers.size() == 3 ? numbers[1] : 1, numbers.back()});
     }
     return selection;
@@ -70,11 +72,14 @@ std::string StepSelection::outside(std::int64_t first, std::int64_t last) const 
     std::string text;
     for (const auto& [from, stride, limit] : ranges_) {
         const auto number = [&](std::int64_t k) { return from + k * stride; };
-        const auto n_until = [&](std::int64_t step) { return step < from ? 0 : (std::min(step, limit) - from) / stride + 1; };
+        const auto n_until = [&](std::int64_t step) {
+            return step < from ? 0 : (std::min(step, limit) - from) / stride + 1;
+        };
         const auto add = [&](std::int64_t begin, std::int64_t end) {
             if (begin >= end) return;
             text += (text.empty() ? "" : ",") + std::to_string(number(begin));
-            if (begin + 1 < end) text += (stride > 1 ? ":" + std::to_string(stride) : "") + ":" + std::to_string(number(end - 1));
+            if (begin + 1 < end)
+                text += (stride > 1 ? ":" + std::to_string(stride) : "") + ":" + std::to_string(number(end - 1));
         };
         add(0, n_until(first - 1));
         add(n_until(last), n_until(limit));
@@ -84,18 +89,21 @@ std::string StepSelection::outside(std::int64_t first, std::int64_t last) const 
 
 void check_dump(const Model& model, const SchemeOptions& scheme) {
     if (scheme.bulk != BulkScheme::implicit_theta)
-        throw UserError("exclusive-keys", "--dump-lcp stores the complementarity problem of the implicit bulk", "set time.bulk = \"implicit\"");
-    const double entries = entries_at_most(model, scheme);
-    if (entries <= most_entries) return;
-    char text[160];
-    std::snprintf(text, sizeof text, "the complementarity problem of a step could have %.2g entries, more than the %.2g that are stored", entries, most_entries);
-    throw UserError("too-large", text, "use a coarser mesh (mesh.size), or fewer interfaces that can break in one piece of the body");
+        throw UserError("exclusive-keys", "--dump-lcp stores the complementarity problem of the implicit bulk",
+                        "set time.bulk = \"implicit\"");
+    const double entries = upper_bound_of_entries(model, scheme);
+    if (entries > max_entries)
+        throw UserError(
+            "too-large",
+            formatted("the complementarity problem of a step could have %.2g entries; at most %.2g are stored", entries,
+                      max_entries),
+            "use a coarser mesh (mesh.size), or fewer interfaces that can break in one piece of the body");
 }
 
-std::string dump_lcp(const Model& model, const State& begin, double h, const SchemeOptions& scheme, const std::filesystem::path& directory) {
-    char name[32];
-    std::snprintf(name, sizeof name, "step_%06lld", static_cast<long long>(begin.n_steps + 1));
-    const LcpProblem problem = StepLcp(model, begin, h, scheme).problem();
+std::string dump_lcp(const Model& model, const State& start, double h, const SchemeOptions& scheme,
+                     const std::filesystem::path& directory) {
+    const std::string name = formatted("step_%06lld", static_cast<long long>(start.n_steps + 1));
+    const LcpProblem problem = StepLcp(model, start, h, scheme).problem();
     std::error_code error;
     std::filesystem::create_directories(directory, error);
     try {
@@ -103,10 +111,8 @@ std::string dump_lcp(const Model& model, const State& begin, double h, const Sch
     } catch (const UserError& failure) {
         throw SimulationError(failure.what());
     }
-    char line[160];
-    std::snprintf(line, sizeof line, "lcp: %s: %d unknowns, %lld entries, h = %.6g s from t = %.9g s\n", name, problem.size(),
-                  static_cast<long long>(problem.M.nonZeros()), h, begin.time);
-    return line;
+    return formatted("lcp: %s: %d unknowns, %lld entries, h = %.6g s from t = %.9g s\n", name.c_str(), problem.size(),
+                     static_cast<long long>(problem.M.nonZeros()), h, start.time);
 }
 
 }  // namespace knap

@@ -4,7 +4,12 @@
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <set>
 #include <sstream>
 
@@ -14,53 +19,66 @@ namespace fs = std::filesystem;
 
 namespace {
 
+std::error_code last_error() { return {errno, std::generic_category()}; }
+
 UserError cannot(const std::string& what, const fs::path& path, const std::error_code& error) {
     return UserError("cannot-write", "cannot " + what + " `" + path.string() + "`: " + error.message());
 }
 
-/// Nothing, or what is left of a start that was killed before its run.json was there; on a volume of its own the system has a directory, too.
-bool is_vacant(const fs::path& directory) {
-    std::error_code none;
-    const std::uintmax_t said = fs::file_size(directory / "log.txt", none);
-    return holds_only(directory, {"log.txt", "run.json.part", "lost+found"}) && (none || said == 0);
+/// Locks an open file until it is closed. Where another process has locked it, closes it and throws UserError.
+void lock_or_refuse(int file, const fs::path& directory) {
+    if (flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;  // other errors: no locks there
+    close(file);
+    throw UserError("run-busy", "another process is running in `" + directory.string() + "`",
+                    "wait for it, or choose another directory with --output");
 }
 
-/// What runs make, whichever; figures and frames are in directories of their own.
+/// Empty, or the remains of a start that was killed before its run.json existed; a volume has a lost+found.
+bool is_vacant(const fs::path& directory) {
+    std::error_code none;
+    const std::uintmax_t log_size = fs::file_size(directory / "log.txt", none);
+    return holds_only(directory, {"log.txt", "run.json.part", "lost+found"}) && (none || log_size == 0);
+}
+
+/// Whether a run of any kind writes a file or directory of this name.
 bool is_made_by_runs(fs::path name) {
     if (name.extension() == ".part") name = name.stem();
-    static const std::set<fs::path> names{"run.json",   "log.txt",       "scenario.toml", "resolved.toml",     "mesh.msh", "energy.csv", "cracks.csv", "reactions.csv",
-                                          "probes.csv", "breaks.csv",    "fragments.csv", "arms.csv", "stress_strain.csv", "run.pvd",  "fields",     "figures",    "lcp",
-                                          "checkpoint", "checkpoint.previous", "checkpoint.end"};
+    static const std::set<fs::path> names{"run.json",      "log.txt",    "scenario.toml",       "resolved.toml",
+                                          "mesh.msh",      "energy.csv", "cracks.csv",          "arms.csv",
+                                          "reactions.csv", "probes.csv", "breaks.csv",          "fragments.csv",
+                                          "run.pvd",       "fields",     "stress_strain.csv",   "figures",
+                                          "lcp",           "checkpoint", "checkpoint.previous", "checkpoint.end"};
     return names.contains(name);
 }
 
 /// Throws UserError where a run would wait for the reader of a pipe, or write into a device.
-void refuse_what_is_no_file(const fs::path& directory) {
+void refuse_special_files(const fs::path& directory) {
     std::error_code error;
     for (auto at = fs::recursive_directory_iterator(directory, error); !error && at != end(at); at.increment(error)) {
         if (at.depth() == 0 && !is_made_by_runs(at->path().filename())) at.disable_recursion_pending();
         else if (fs::is_other(at->status(error)))
-            throw UserError("not-a-file", "`" + at->path().string() + "` is a pipe, socket or device, and a run writes a file of this name",
-                            "remove it, or choose another directory with --output");
+            throw UserError(
+                "not-a-file",
+                "`" + at->path().string() + "` is a pipe, socket or device, and a run writes a file of this name",
+                "remove it, or choose another directory with --output");
     }
 }
 
-/// Whether a run stands there that began with this scenario, however that was written: what it resolves to counts, and the files that it reads.
+/// Whether a run in the directory started with this scenario, whatever its text: its resolved form and the files that
+/// it reads count.
 bool began_with(const fs::path& directory, const FirstFiles& files) {
-    return std::all_of(files.begin(), files.end(), [&](const auto& file) { return file.first == "scenario.toml" || is_file_of(directory / file.first, file.second); });
+    return std::ranges::all_of(files, [&](const auto& file) {
+        return file.first == "scenario.toml" || is_file_of(directory / file.first, file.second);
+    });
 }
 
-/// What this program resolves of this scenario, to the byte: that was written by a run, whatever else of it was lost.
-bool is_resolved_as(const fs::path& directory, const FirstFiles& files) {
-    return std::any_of(files.begin(), files.end(), [&](const auto& file) { return file.first == "resolved.toml" && is_file_of(directory / file.first, file.second); });
+/// The text of the resolved scenario among the first files; null where there is none.
+const std::string* resolved_in(const FirstFiles& files) {
+    const auto found = std::ranges::find(files, "resolved.toml", &FirstFiles::value_type::first);
+    return found == files.end() ? nullptr : &found->second;
 }
 
-/// Whether the same command would go on with the run that stands there, or begin it again.
-bool is_unfinished(const fs::path& directory, const EarlierRecord& record) {
-    return Checkpoints::exist_in(directory) || record.status == "running" || record.output_failed;
-}
-
-/// Where two resolved scenarios, which have a key a line, part from each other; empty where they do not.
+/// The first line in which two resolved scenarios differ (a key per line); empty where none does.
 std::string first_difference(const std::string& there, const std::string& here) {
     std::istringstream old_lines(there), new_lines(here);
     std::string table, was, is;
@@ -73,33 +91,43 @@ std::string first_difference(const std::string& there, const std::string& here) 
 }
 
 UserError unfinished_run_of_another(const fs::path& directory, const FirstFiles& files) {
-    const auto resolved = std::find_if(files.begin(), files.end(), [](const auto& file) { return file.first == "resolved.toml"; });
+    const std::string *resolved = resolved_in(files),
+                      run = "`" + directory.string() + "` holds an unfinished run of another scenario, nothing was run",
+                      other = "choose another directory with --output";
     const fs::path old = directory / "resolved.toml";
-    const std::string run = "`" + directory.string() + "` holds an unfinished run of another scenario, nothing was run", other = "choose another directory with --output";
     std::error_code none;
-    if (resolved == files.end() || !fs::is_regular_file(old, none)) return UserError("run-exists", run, other + "; --force throws the unfinished run away");
-    return UserError("run-exists", run + first_difference(read_whole_file(old), resolved->second),
-                     other + "; `knap run " + old.string() + " -o " + directory.string() + "` goes on with the unfinished run, --force throws it away");
+    if (resolved == nullptr || !fs::is_regular_file(old, none))
+        return UserError("run-exists", run, other + "; --force deletes the unfinished run");
+    return UserError("run-exists", run + first_difference(read_whole_file(old), *resolved),
+                     other + "; `knap run " + old.string() + " -o " + directory.string() +
+                         "` continues the unfinished run, --force deletes it");
 }
 
-/// Whether this run goes on there; else it begins. Throws UserError where it may do neither.
-bool goes_on(const fs::path& directory, const FirstFiles& files, bool force, const std::optional<FirstFiles>& shorter) {
-    refuse_what_is_no_file(directory);
+/// Whether this run continues one in the directory; else it starts. Throws UserError where it may do neither.
+bool continues_in(const fs::path& directory, const FirstFiles& files, bool force,
+                  const std::optional<FirstFiles>& shorter) {
+    refuse_special_files(directory);
     const EarlierRecord record = earlier_record(directory);
     if (never_began(directory, record)) return false;
-    const bool is_run = record.is_of_a_run || is_resolved_as(directory, files);
+    const std::string* resolved = resolved_in(files);  // written by a run, whatever else of it is lost
+    const bool is_run =
+        record.is_of_a_run || (resolved != nullptr && is_file_of(directory / "resolved.toml", *resolved));
     if (force && !is_run)
-        throw UserError("not-a-run", "`" + directory.string() + "` was not made by knap (it has no run.json of a run), so --force does not clear it",
+        throw UserError("not-a-run",
+                        "`" + directory.string() +
+                            "` was not made by knap (it has no run.json of a run), so --force does not clear it",
                         "choose another directory with --output, or delete this one by hand");
     if (force) return false;
-    if (record.is_of_a_run && shorter && began_with(directory, *shorter) && (Checkpoints::exist_in(directory) || Checkpoints::end_exists_in(directory))) return true;
-    if (is_run && is_unfinished(directory, record)) {
+    const bool checkpoint = Checkpoints::exist_in(directory), end = Checkpoints::end_exists_in(directory);
+    if (record.is_of_a_run && shorter && began_with(directory, *shorter) && (checkpoint || end)) return true;
+    if (is_run && (checkpoint || record.status == "running" || record.output_failed)) {
         if (!began_with(directory, files)) throw unfinished_run_of_another(directory, files);
-        return Checkpoints::exist_in(directory);
+        return checkpoint;
     }
     throw UserError("run-exists", "`" + directory.string() + "` exists already, nothing was run",
-                    std::string("choose another directory with --output") + (is_run ? ", or replace the old run with --force" : "") +
-                        (Checkpoints::end_exists_in(directory) ? "; the same scenario with a later time.end goes on with it" : ""));
+                    std::string("choose another directory with --output") +
+                        (is_run ? ", or replace the old run with --force" : "") +
+                        (end ? "; the same scenario with a later time.end continues it" : ""));
 }
 
 void write_record(const fs::path& directory, RunRecord record, const std::string& status) {
@@ -107,7 +135,7 @@ void write_record(const fs::path& directory, RunRecord record, const std::string
     write_whole_file(directory / "run.json", run_json(record));
 }
 
-/// While all of an earlier run is still there, so that nothing is lost where they cannot be written.
+/// While the files of an earlier run still exist, so that nothing is lost where the new ones cannot be written.
 void write_first(const fs::path& directory, const FirstFiles& files, const RunRecord& record) {
     const bool vacant = is_vacant(directory);
     try {
@@ -115,12 +143,14 @@ void write_first(const fs::path& directory, const FirstFiles& files, const RunRe
         for (const auto& [name, text] : files) write_whole_file(directory / name, text);
     } catch (const OutputError& error) {
         if (vacant) throw;
-        throw OutputError(std::string(error.what()) + "; files of the earlier run are still there. When that is mended, or if it is room that is wanted and you delete `" +
-                          directory.string() + "` by hand, the same command starts this one");
+        throw OutputError(
+            std::string(error.what()) +
+            "; files of the earlier run are still there. Once this is repaired, or once you have deleted `" +
+            directory.string() + "` by hand to free space, the same command starts the run");
     }
 }
 
-/// What an earlier run made, but for its record, its log and the files that this one began with.
+/// Removes what an earlier run made, except its record, its log and the files with which this one started.
 void clear(const fs::path& directory, const FirstFiles& kept) {
     std::set<fs::path> names{"run.json", "log.txt"};
     for (const auto& file : kept) names.insert(file.first);
@@ -134,7 +164,42 @@ void clear(const fs::path& directory, const FirstFiles& kept) {
 
 }  // namespace
 
-bool never_began(const fs::path& directory, const EarlierRecord& record) { return is_vacant(directory) || (record.is_of_a_run && record.status == "starting"); }
+DirectoryLock::DirectoryLock(const fs::path& directory)
+    : file_(open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    if (file_ < 0) throw cannot("look into", directory, last_error());
+    lock_or_refuse(file_, directory);
+}
+
+DirectoryLock::~DirectoryLock() { close(file_); }
+
+RunLog::RunLog(fs::path path)
+    : path_(std::move(path)), file_(open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
+    if (file_ < 0) throw cannot("write", path_, last_error());
+    lock_or_refuse(file_, path_.parent_path());
+    size_ = lseek(file_, 0, SEEK_END);
+}
+
+RunLog::~RunLog() { close(file_); }
+
+void RunLog::add(const std::string& text) {
+    for (std::size_t done = 0; done < text.size();) {
+        const ssize_t n = ::write(file_, text.data() + done, text.size() - done);
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) throw OutputError("cannot write " + path_.string() + ": " + last_error().message());
+        done += static_cast<std::size_t>(n);
+    }
+    size_ += static_cast<std::int64_t>(text.size());
+}
+
+void RunLog::truncate(std::int64_t size) {
+    size_ = std::min(size, size_);
+    if (ftruncate(file_, size_) != 0)
+        throw OutputError("cannot write " + path_.string() + ": " + last_error().message());
+}
+
+bool never_began(const fs::path& directory, const EarlierRecord& record) {
+    return is_vacant(directory) || (record.is_of_a_run && record.status == "starting");
+}
 
 bool is_file_of(const fs::path& path, const std::string& text) {
     std::error_code none;
@@ -146,7 +211,8 @@ bool holds_only(const fs::path& directory, const std::vector<std::string>& names
     const fs::file_status status = fs::status(directory, error);
     if (status.type() == fs::file_type::not_found) {
         if (fs::is_symlink(fs::symlink_status(directory, error)))
-            throw UserError("dangling-link", "`" + directory.string() + "` is a link to what is not there",
+            throw UserError("dangling-link",
+                            "`" + directory.string() + "` is a link to a directory that does not exist",
                             "make the directory that it leads to, or choose another one with --output");
         return true;
     }
@@ -155,20 +221,21 @@ bool holds_only(const fs::path& directory, const std::vector<std::string>& names
     fs::directory_iterator entries(directory, error);
     if (error) throw cannot("look into", directory, error);
     return std::all_of(begin(entries), end(entries), [&](const fs::directory_entry& entry) {
-        return std::find(names.begin(), names.end(), entry.path().filename()) != names.end();
+        return std::ranges::find(names, entry.path().filename().string()) != names.end();
     });
 }
 
-RunDirectory::RunDirectory(const fs::path& directory, const FirstFiles& files, const RunRecord& record, bool force, const std::optional<FirstFiles>& shorter) {
-    goes_on(directory, files, force, shorter);
+RunDirectory::RunDirectory(const fs::path& directory, const FirstFiles& files, const RunRecord& record, bool force,
+                           const std::optional<FirstFiles>& shorter) {
+    continues_in(directory, files, force, shorter);
     std::error_code error;
     if (fs::create_directories(directory, error); error) throw cannot("make", directory, error);
     log_.emplace(directory / "log.txt");
-    resumes_ = goes_on(directory, files, force, shorter);
+    resumes_ = continues_in(directory, files, force, shorter);
     if (!resumes_) {
         write_first(directory, files, record);
         clear(directory, files);
-        log_->cut_to(0);
+        log_->truncate(0);
     }
     for (const char* part : {"fields", "figures"})
         if (fs::create_directories(directory / part, error); error) throw cannot("make", directory / part, error);

@@ -1,15 +1,15 @@
 #pragma once
-// The directory of a run: taken before anything is computed, never overwritten unless told to, complete and movable afterwards.
+// The directory of a run: reserved before anything is computed, never overwritten without --force, complete and movable
+// afterwards.
 //
-//     look       what is there?            a refusal touches nothing
-//     lock       log.txt                   from here on no other process is in it
-//     look       another may have been faster
-//     begin      run.json "starting", the first files, the rest of an earlier run away, run.json "running"
+//     look       what is there?            a refusal changes nothing
+//     lock       log.txt                   from here on no other process uses the directory
+//     look       again, under the lock
+//     start      run.json "starting", the first files, remove the rest of an earlier run, run.json "running"
 //
-// The directory stays the one that the user named: a mount point, behind a link, with its owner and mode. Killed at any moment it is as good as empty,
-// or its run.json says what it is, and the same command goes on.
-#include "app/run/run_json.hpp"
-#include "app/run/run_log.hpp"
+// The directory that the user named keeps its identity: mount point, link target, owner and mode. A run that is killed
+// at any moment leaves it either as good as empty or with a run.json of its state, and the same command continues.
+#include "record/run_record.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -19,15 +19,49 @@
 
 namespace knap {
 
-/// Name and text of the files that a run begins with, beside its run.json.
+/// A directory reserved for this process; leaves no trace in it. The system releases the lock when the process ends.
+class DirectoryLock {
+public:
+    /// Throws UserError where another process has it, or it cannot be opened.
+    explicit DirectoryLock(const std::filesystem::path& directory);
+    ~DirectoryLock();
+    DirectoryLock(const DirectoryLock&) = delete;
+    DirectoryLock& operator=(const DirectoryLock&) = delete;
+
+private:
+    int file_;
+};
+
+/// log.txt of a run; every line is on disk at once. Its holder is the only process that writes into the directory.
+class RunLog {
+public:
+    /// Throws UserError where another process has this run, or the file cannot be opened.
+    explicit RunLog(std::filesystem::path path);
+    ~RunLog();
+    RunLog(const RunLog&) = delete;
+    RunLog& operator=(const RunLog&) = delete;
+
+    /// Throws OutputError.
+    void add(const std::string& text);
+    std::int64_t size() const { return size_; }  // [byte]
+    void truncate(std::int64_t size);            // [byte]
+
+private:
+    std::filesystem::path path_;
+    int file_;
+    std::int64_t size_ = 0;
+};
+
+/// Names and texts of the files with which a run starts, besides its run.json.
 using FirstFiles = std::vector<std::pair<std::string, std::string>>;
 
 class RunDirectory {
 public:
-    /// Takes the directory for a run that begins with these files. The same run that did not come to its end goes on, or begins again where it has no
-    /// checkpoint yet. Anything else that is there is refused (UserError) unless `force`, and even then it must be an earlier run (it has a run.json, or
-    /// the same resolved.toml), and none under way. What is cleared are files and directories of the names that runs give; whatever else lies there stays.
-    /// `shorter`: what a run with an earlier end began with that this one may go on with; its files are then replaced by these.
+    /// Reserves the directory for a run that starts with these files. The same run that was not completed continues, or
+    /// starts again where it has no checkpoint yet. Anything else in the directory is refused (UserError) unless
+    /// `force`, and even then it must be an earlier run (with a run.json, or the same resolved.toml) that is not under
+    /// way. Only files and directories with the names that runs use are removed. `shorter`: first files of a run with
+    /// an earlier end that this one may continue; they are then replaced by `files`.
     RunDirectory(const std::filesystem::path& directory, const FirstFiles& files, const RunRecord& record, bool force,
                  const std::optional<FirstFiles>& shorter = std::nullopt);
 
@@ -39,13 +73,14 @@ private:
     bool resumes_ = false;
 };
 
-/// Whether a run took this directory, or was about to, and was stopped before its first files were there: any run may begin in it.
+/// Whether a run reserved this directory, or was about to, and was stopped before its first files existed: any run may
+/// start in it.
 bool never_began(const std::filesystem::path& directory, const EarlierRecord& record);
 
 /// Whether there is a file of exactly these bytes.
 bool is_file_of(const std::filesystem::path& path, const std::string& text);
 
-/// Whether there is nothing in a directory but files of these names, or no directory at all. Throws UserError where that cannot be seen.
+/// Whether a directory contains only files of these names, or does not exist. Throws UserError where it cannot be read.
 bool holds_only(const std::filesystem::path& directory, const std::vector<std::string>& names);
 
 }  // namespace knap

@@ -1,7 +1,7 @@
 #pragma once
-// What a run says to people: in log.txt, on the screen at its end, and as the reason of a failure.
+// Texts of a run for people: in log.txt, on the screen at its end, and as the reason of a failure.
 #include "app/run/dump_lcp.hpp"
-#include "app/run/run_json.hpp"
+#include "record/run_record.hpp"
 #include "stepper/step_control.hpp"
 
 #include <filesystem>
@@ -9,28 +9,25 @@
 
 namespace knap {
 
-/// A line of the log.
+/// A cutback, as a line of the log.
 std::string cutback_text(const Cutback& cut, const Vec2& where);
 
-/// Why a run cannot go on after a step that asks for a smaller one than allowed: what, where, when, and what to change.
+/// Why a run cannot continue with any step allowed, where, when, and what to change. `smallest` [s].
 std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest);
 
-/// That a run goes on from a checkpoint.
-std::string resumed_text(const State& now);
-
-/// That files which a run wrote are gone; empty where none is.
+/// Warning about files of this run that no longer exist; empty where all exist.
 std::string missing_text(const std::vector<std::string>& files);
 
-/// That steps whose problems were asked for are not among those that a command took, all after `before`; empty where none is.
-std::string not_dumped_text(const StepSelection& asked, std::int64_t before, std::int64_t now);
+/// Warning about steps that --dump-lcp selected but this command, from step `before` to `now`, did not take; or empty.
+std::string not_dumped_text(const StepSelection& selected, std::int64_t before, std::int64_t now);
 
-/// That a gate warns, as a line of the log: what, where, when, and what to change.
+/// Warning of a gate, as a line of the log: value, place, time, and what to change.
 std::string warning_text(const Gate& gate, const State& now);
 
-/// Why a run was stopped by gates, all that are violated, and where to look.
+/// Which gates stopped a run, and what to change. `fastest` [m]: where the body moves fastest.
 std::string violated_text(const Gates& gates, const State& now, const Vec2& fastest);
 
-/// What a run found.
+/// The results of a run.
 std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory);
 
 }  // namespace knap

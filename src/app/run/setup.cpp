@@ -1,11 +1,10 @@
 #include "app/run/setup.hpp"
 
-#include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "microstructure/grain_mesh.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 
@@ -13,7 +12,7 @@ namespace knap {
 
 namespace {
 
-/// Grains in the materials that have some; every rock with random numbers of its own.
+/// Grains in the materials that have them; every rock has its own random numbers.
 void put_rocks(const Scenario& scenario, Mesh& mesh) {
     const Box box = bounding_box(mesh.vertices);
     for (const GrainedRock& rock : scenario.rocks) {
@@ -54,11 +53,14 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_e
     const double edge = finest_edge(scenario, mean_edge);
     const auto judge_law = [&](const std::string& where, const NamedLaw& law, double modulus, double wave_speed) {
         if (!law.law.breakable() || law.law.sigma_c <= 0) return;
-        const double length = modulus * law.law.G_c / (law.law.sigma_c * law.law.sigma_c), zone = 9 * std::numbers::pi / 32 * length;
+        const double length = modulus * law.law.G_c / (law.law.sigma_c * law.law.sigma_c),
+                     zone = 9 * std::numbers::pi / 32 * length;
         found.push_back({where, law.name, length, zone, zone / edge, wave_speed});
     };
     const auto modulus = [&](const NamedMaterial& material) { return material.elastic.plane_modulus(scenario.plane); };
-    const auto speed = [&](const NamedMaterial& material) { return material.elastic.dilatational_speed(scenario.plane); };
+    const auto speed = [&](const NamedMaterial& material) {
+        return material.elastic.dilatational_speed(scenario.plane);
+    };
     for (std::size_t a = 0; a < scenario.materials.size(); ++a)
         for (std::size_t b = a; b < scenario.materials.size(); ++b) {
             const NamedMaterial &one = scenario.materials[a], &other = scenario.materials[b];
@@ -67,21 +69,20 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_e
         }
     for (std::size_t f = 0; f < scenario.supports.size(); ++f) {
         if (!scenario.supports[f].glued) continue;
-        double least = std::numeric_limits<double>::infinity(), fastest = 0;  // which of the materials stands on it, only the mesh knows
-        for (const NamedMaterial& material : scenario.materials) least = std::min(least, modulus(material)), fastest = std::max(fastest, speed(material));
-        judge_law("support " + std::to_string(f + 1), scenario.laws[scenario.supports[f].law], 2 * least, fastest);
+        double softest = std::numeric_limits<double>::infinity(),
+               fastest = 0;  // only the mesh knows which one is there
+        for (const NamedMaterial& material : scenario.materials)
+            softest = std::min(softest, modulus(material)), fastest = std::max(fastest, speed(material));
+        judge_law("support " + std::to_string(f + 1), scenario.laws[scenario.supports[f].law], 2 * softest, fastest);
     }
     return found;
-}
-
-double assumption_1_step(const Resolution& resolution, double edge, double theta) {
-    return 0.43 / theta * std::sqrt(resolution.cohesive_length / edge) * edge / resolution.wave_speed;
 }
 
 double mean_edge(const Mesh& mesh) {
     double sum = 0;
     for (const InteriorEdge& edge : mesh.interior_edges)
-        sum += (mesh.corner(edge.triangle[0], edge.side[0]) - mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3)).norm();
+        sum += (mesh.corner(edge.triangle[0], edge.side[0]) - mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3))
+                   .norm();
     return mesh.interior_edges.empty() ? 0 : sum / static_cast<double>(mesh.interior_edges.size());
 }
 
@@ -90,24 +91,16 @@ double finest_edge(const Scenario& scenario, double mean_edge) {
     return mean_edge / scenario.order;
 }
 
-std::vector<std::string> material_names(const Scenario& scenario) {
-    std::vector<std::string> names;
-    for (const NamedMaterial& material : scenario.materials) names.push_back(material.name);
-    return names;
-}
-
 std::string random_sets_text(const Scenario& scenario) {
     std::string text;
-    for (const RandomSet& set : scenario.random_sets) {
-        char line[160];
-        std::snprintf(line, sizeof line, "  %-14s %d placed", set.path.c_str(), set.n);
-        text += line;
-        if (set.fraction > 0) std::snprintf(line, sizeof line, ", %.4g %% of the area of the body", 100 * set.fraction), text += line;
-        text += "\n";
-    }
+    for (const RandomSet& set : scenario.random_sets)
+        text += formatted("  %-14s %d placed", set.path.c_str(), set.n) +
+                (set.fraction > 0 ? formatted(", %.4g %% of the area of the body\n", 100 * set.fraction) : "\n");
     return text;
 }
 
-double rayleigh_speed(const Scenario& scenario) { return scenario.materials.front().elastic.rayleigh_speed(scenario.plane); }
+double rayleigh_speed(const Scenario& scenario) {
+    return scenario.materials.front().elastic.rayleigh_speed(scenario.plane);
+}
 
 }  // namespace knap

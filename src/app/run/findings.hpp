@@ -1,0 +1,29 @@
+#pragma once
+// A scenario compared with its mesh before a run: errors and warnings at the lines of the keys concerned.
+#include "app/run/cost.hpp"
+#include "model/model.hpp"
+#include "scenario/read_scenario.hpp"
+
+#include <vector>
+
+namespace knap {
+
+/// Throws UserError: a shape that cannot be meshed, a selection of nothing, loads that contradict each other.
+Model model_of(const ReadResult& read);
+
+/// Throws UserError: a step that the mesh does not allow.
+StepPlan plan_of(const ReadResult& read, const Model& model, double until);
+
+/// Throws UserError: a specimen that the loads do not test, `start = "equilibrium"` of a body without support.
+void check_model(const ReadResult& read, const Model& model);
+
+/// Warnings: probes, regions and boxes outside the body.
+std::vector<Diagnostic> findings_of_places(const ReadResult& read, const Model& model);
+
+/// Those, and warnings on the resolution of the process zone, jumps of prescribed displacements, details that reduce
+/// the stable step, and implausible numbers of steps, frames, lines and pictures. Without `cost` it is estimated where
+/// a run may be long.
+std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& model, const StepPlan& plan,
+                                          const Cost* cost = nullptr);
+
+}  // namespace knap

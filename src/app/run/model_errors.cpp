@@ -1,0 +1,182 @@
+// Errors of a scenario that only its mesh shows.
+#include "app/run/findings.hpp"
+#include "app/run/setup.hpp"
+#include "base/formatted.hpp"
+#include "base/union_find.hpp"
+#include "mesh/polygon.hpp"
+#include "model/contradictions.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+namespace {
+
+std::string place_text(const Vec2& x) { return formatted("(%.6g, %.6g) m", x.x(), x.y()); }
+/// An error at a key.
+Diagnostic finding(const ReadResult& read, const std::string& key, const char* code, std::string message,
+                   std::string note) {
+    return read.at(key, {.code = code, .message = std::move(message), .note = std::move(note)});
+}
+
+// ---- contradicting loads
+
+/// "`load[0]` (line 16)", "`load[1]` `upper edge` (line 20)"
+std::string named(const ReadResult& read, std::size_t load) {
+    const std::string path = item("load", load), &name = read.scenario.loads[load].name;
+    const int line = read.at(path, {}).line;
+    return "`" + path + "`" + (name == "load" + std::to_string(load) ? "" : " `" + name + "`") +
+           (line > 0 ? formatted(" (line %d)", line) : "");
+}
+
+std::string motion_text(const Load& load, int k) {
+    const bool velocity = load.kind == Load::Kind::velocity;
+    return (velocity ? "velocity " : "displacement ") +
+           formatted("%.6g %s on ", *load.value[k], velocity ? "m/s" : "m") +
+           (load.on.boundary.empty() ? "its box" : "`" + load.on.boundary + "`");
+}
+
+Diagnostic described(const ReadResult& read, const Contradiction& c) {
+    const auto& loads = read.scenario.loads;
+    const auto [a, b] = c.load;
+    const std::string both = named(read, a) + " and " + named(read, b), k = c.component == 0 ? "x" : "y";
+    const char* const selection = "on = { boundary = \"...\", box = [...] }";
+    if (c.kind == Contradiction::Kind::motions)
+        return finding(read, item("load", b), "contradiction",
+                       both + " prescribe different motions in " + k + " of their common nodes at " +
+                           place_text(c.where) + ": " + motion_text(loads[a], c.component) + ", " +
+                           motion_text(loads[b], c.component),
+                       "make " + k +
+                           " of one of them \"free\", prescribe the same motion in both, or end one of them "
+                           "before that place: " +
+                           selection);
+    const bool traction = c.kind == Contradiction::Kind::traction;
+    return finding(read, item("load", b), "contradiction",
+                   both + " apply " + (traction ? "a traction" : "a force") + " and a motion in " + k +
+                       " to the same " + (traction ? "edges" : "nodes") + ", first at " + place_text(c.where) +
+                       ": the prescribed motion would carry all of it",
+                   "remove one of them, make " + k + " of the motion \"free\", or separate them: " + selection);
+}
+
+// ---- bodies without support
+
+/// Bodies: triangles connected by interfaces, cracked or not, since contact may hold a cracked one.
+std::vector<Index> bodies_of(const Model& model) {
+    UnionFind bodies(model.mesh.triangles.size());
+    for (const InteriorEdge& edge : model.mesh.interior_edges) bodies.join(edge.triangle[0], edge.triangle[1]);
+    std::vector<Index> body(model.mesh.n_triangles());
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t) body[t] = bodies.find(t);
+    return body;
+}
+
+/// Loads on a body at t = 0 and the rigid motions that its supports prevent, in (x, y, rotation about `centre` times
+/// `length`).
+struct Balance {
+    Vec2 centre;
+    double length;                                   // [m]
+    Eigen::Vector3d load = Eigen::Vector3d::Zero();  // [N]
+    double size = 0;                                 // [N] sum of the magnitudes of the forces
+    Eigen::Matrix3d held = Eigen::Matrix3d::Zero();  // sum of d d' over the prevented motions d
+
+    Eigen::Vector3d direction(int k, const Vec2& x) const {
+        const Vec2 arm = (x - centre) / length;
+        return k == 0 ? Eigen::Vector3d(1, 0, -arm.y()) : Eigen::Vector3d(0, 1, arm.x());
+    }
+    /// The part of the load that no support carries.
+    Eigen::Vector3d unheld() const {
+        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> modes(held);
+        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+        for (int i = 0; i < 3; ++i)
+            if (modes.eigenvalues()[i] <= 1e-9 * std::max(1.0, modes.eigenvalues()[2]))
+                sum += modes.eigenvectors().col(i).dot(load) * modes.eigenvectors().col(i);
+        return sum;
+    }
+};
+
+Balance balance_of(const Model& model, const std::vector<Index>& body, Index which) {
+    const Mesh& mesh = model.mesh;
+    std::vector<Vec2> corners;
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        for (Index k = 0; k < 3 && body[t] == which; ++k) corners.push_back(mesh.corner(t, k));
+    const Box box = bounding_box(corners);
+    Balance balance{.centre = 0.5 * (box.low + box.high), .length = 0.5 * (box.high - box.low).norm()};
+    for (const CornerLoad& at : model.corner_loads) {
+        if (body[mesh.triangle_of(at.corner)] != which) continue;
+        const Vec2 force = model.histories[at.history](0) * at.force;
+        for (int k = 0; k < 2; ++k) balance.load += force[k] * balance.direction(k, mesh.corner(at.corner));
+        balance.size += force.norm();
+    }
+    for (Index c = 0; c < mesh.n_corners(); ++c) {
+        const Index motion = model.prescribed_of_corner[c];
+        if (motion < 0 || body[mesh.triangle_of(c)] != which) continue;
+        for (int k = 0; k < 2; ++k) {
+            if (!model.prescribed[motion].component[k]) continue;
+            const Eigen::Vector3d direction = balance.direction(k, mesh.corner(c));
+            balance.held += direction * direction.transpose();
+        }
+    }
+    return balance;
+}
+
+void refuse_unheld_body(const ReadResult& read, const Model& model) {
+    if (!read.scenario.time.start_in_equilibrium || !model.obstacles.empty()) return;  // obstacles may hold it
+    const std::vector<Index> body = bodies_of(model);
+    std::vector<char> supported(body.size(), 0);
+    for (const Interface& interface : model.interfaces)
+        if (interface.triangle[0] == rigid_support) supported[body[interface.triangle[1]]] = 1;
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
+        if (body[t] != t || supported[t]) continue;
+        const Balance balance = balance_of(model, body, t);
+        const Eigen::Vector3d unheld = balance.unheld();
+        if (unheld.norm() > 1e-6 * balance.size)
+            throw UserError({finding(
+                read, "time.start", "not-held",
+                formatted(
+                    "`time.start` requests equilibrium, but nothing holds the body around (%.6g, %.6g) m: a force "
+                    "of (%.3g, %.3g) N and a moment of %.3g N m of the loads at t = 0 would move it away",
+                    balance.centre.x(), balance.centre.y(), unheld.x(), unheld.y(), unheld.z() * balance.length),
+                "hold it (a load with displacement = [0, 0], a [[support]]), balance the loads, let them start with a "
+                "ramp, or use start = \"rest\"")});
+    }
+}
+
+}  // namespace
+
+Model model_of(const ReadResult& read) {
+    try {
+        Model model = build_model(read.scenario);
+        std::vector<Diagnostic> found;
+        for (const Contradiction& c : find_contradictions(model, read.scenario.loads))
+            found.push_back(described(read, c));
+        if (!found.empty()) throw UserError(std::move(found));
+        return model;
+    } catch (const ShapeError& error) {
+        throw UserError({read.at_shape(error)});
+    } catch (const EmptySelection& error) {
+        const char* const lists[] = {"load", "support", "initial"};  // in the order of EmptySelection::List
+        throw UserError({read.at(
+            item(lists[error.list], error.number) + (error.list == EmptySelection::initial_velocities ? ".box" : ".on"),
+            error.diagnostics.front())});
+    }
+}
+
+StepPlan plan_of(const ReadResult& read, const Model& model, double until) {
+    try {
+        return plan_steps(read.scenario, model, until);
+    } catch (const BadStep& error) {
+        throw UserError({read.at(error.key, error.diagnostics.front())});
+    }
+}
+
+void check_model(const ReadResult& read, const Model& model) {
+    if (read.scenario.specimen) try {
+            Specimen(model, Reactions(model), *read.scenario.specimen);
+        } catch (const UserError& error) {
+            throw UserError({read.at("specimen", error.diagnostics.front())});
+        }
+    refuse_unheld_body(read, model);
+}
+
+}  // namespace knap

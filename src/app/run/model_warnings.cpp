@@ -1,0 +1,325 @@
+// Warnings about a scenario on its mesh.
+#include "app/run/findings.hpp"
+
+#include "app/run/setup.hpp"
+#include "base/formatted.hpp"
+#include "mesh/polygon.hpp"
+#include "mesh/size_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace knap {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+std::string place_text(const Vec2& x) { return formatted("(%.6g, %.6g) m", x.x(), x.y()); }
+std::string extent_text(const Box& box) { return "from " + place_text(box.low) + " to " + place_text(box.high); }
+
+// ---- jumps of prescribed displacements
+
+struct Jump {
+    double size = 0, time = 0;  // [m], [s]
+    void include(double other, double when) {
+        if (other > size) size = other, time = when;
+    }
+};
+
+/// The largest jump of a history times a value [m] before the end: from zero at t = 0, unless the run starts in
+/// equilibrium; between two values at one time; and within less than a step where it is faster than `fast` [m/s].
+Jump largest_jump(const TimeFunction& history, double value, const TimeOptions& time, double step, double fast) {
+    Jump jump;
+    if (!time.start_in_equilibrium) jump.include(std::abs(value * history(0)), 0);
+    for (std::size_t i = 0; i + 1 < history.time.size(); ++i) {
+        const double from = history.time[i], duration = history.time[i + 1] - from;
+        if (from < 0 || from >= time.end || duration >= step) continue;
+        const double moved =
+            std::abs(value * ((duration > 0 ? history(from + step) : history.value[i + 1]) - history.value[i]));
+        if (duration == 0 || moved > fast * step) jump.include(moved, from);
+    }
+    return jump;
+}
+
+// ---- places
+
+bool in_triangle(const Mesh& mesh, Index t, const Vec2& x) {
+    for (Index k = 0; k < 3; ++k) {
+        const Vec2 a = mesh.corner(t, k), b = mesh.corner(t, (k + 1) % 3);
+        if (cross(b - a, x - a) < -1e-9 * (b - a).squaredNorm()) return false;
+    }
+    return true;
+}
+
+bool in_mesh(const Mesh& mesh, const Vec2& x) {
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        if (in_triangle(mesh, t, x)) return true;
+    return false;
+}
+
+// ---- details that reduce the stable step
+
+constexpr std::size_t max_details = 5;  // that are named
+
+/// A step far below the usual one. The worst triangle of a good mesh has a third of it; two lines a tenth of an edge
+/// apart give less than this in every mesh.
+constexpr double far_below = 1. / 7;
+
+/// [s] The stable step of the median triangle, in passages of a wave through the mesh size at its place, times the
+/// shortest of these passages.
+double usual_step(const Model& model, const SizeField& size, const std::vector<double>& stable) {
+    std::vector<double> in_passages;
+    double shortest = infinity;
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
+        const double speed = model.materials[model.mesh.region[t]].dilatational_speed(model.plane),
+                     passage = size(model.mesh.centroid(t)) / speed;
+        shortest = std::min(shortest, passage);
+        in_passages.push_back(stable[t] / passage);
+    }
+    const auto middle = in_passages.begin() + static_cast<std::ptrdiff_t>(in_passages.size() / 2);
+    std::ranges::nth_element(in_passages, middle);
+    return *middle * shortest;
+}
+
+double distance_to_line(const std::vector<Vec2>& line, bool closed, const Vec2& x) {
+    double smallest = infinity;
+    for (std::size_t i = 0; i + (closed ? 0 : 1) < line.size(); ++i)
+        smallest = std::min(smallest, distance_to_segment(line[i], line[(i + 1) % line.size()], x));
+    return smallest;
+}
+
+/// Paths of the parts of the shape within `reach` of a place, nearest first.
+std::vector<std::string> parts_near(const Scenario& scenario, const Vec2& x, double reach) {
+    std::vector<std::pair<double, std::string>> parts;
+    const auto add = [&](const std::string& path, const std::vector<Vec2>& line, bool closed) {
+        if (const double d = distance_to_line(line, closed, x); d < reach) parts.emplace_back(d, path);
+    };
+    const auto add_all = [&](RandomSet::Part part, const char* list, const auto& lines, bool closed) {
+        for (std::size_t i = 0; i < lines.size(); ++i) {
+            const auto set = std::ranges::find_if(scenario.random_sets, [&](const RandomSet& s) {
+                return s.part == part && i >= s.first && i < s.first + static_cast<std::size_t>(s.n);
+            });
+            add(set == scenario.random_sets.end() ? item(list, i) : set->path, lines[i].points, closed);
+        }
+    };
+    add("domain", scenario.shape.outer.points, true);
+    add_all(RandomSet::Part::holes, "domain.hole", scenario.shape.holes, true);
+    add_all(RandomSet::Part::cracks, "domain.crack", scenario.shape.cracks, false);
+    add_all(RandomSet::Part::regions, "domain.region", scenario.shape.regions, true);
+    std::ranges::stable_sort(parts, {}, &std::pair<double, std::string>::first);
+    std::vector<std::string> paths;
+    for (auto& [distance, path] : parts) paths.push_back(std::move(path));
+    return paths;
+}
+
+/// "`joints[0]` and `domain.hole[0]`", "two parts of `joints[0]`"
+std::string culprits(const std::vector<std::string>& parts) {
+    if (parts.empty()) return "the mesh";
+    if (parts.size() == 1) return "a detail of `" + parts[0] + "`";
+    if (parts[0] == parts[1]) return "two parts of `" + parts[0] + "`";
+    const auto [first, second] = std::minmax(parts[0], parts[1]);  // one name, whichever is nearer
+    return "`" + first + "` and `" + second + "`";
+}
+
+// ---- numbers
+
+constexpr double surely_short = 1e9;    // triangle-steps
+constexpr double longest = 5 * 86400.;  // [s] of one core
+constexpr double max_frames = 1e4, max_lines = 1e6, max_pictures = 1e3;
+constexpr double frame_bytes = 85;  // per triangle
+
+/// The warnings on one scenario and its mesh.
+class Warnings {
+public:
+    Warnings(const ReadResult& read, const Model& model) : read_(read), scenario_(read.scenario), model_(model) {}
+
+    void on_resolution() {
+        for (const Resolution& r : judge_resolution(scenario_, mean_edge(mesh_)))
+            if (r.n_edges < 5)
+                add(scenario_.given ? "mesh.file" : "mesh.size", "resolution",
+                    formatted("the process zone of `%s` (%.3g m for a crack at rest) is covered by %.1f edges; crack "
+                              "speed and branching will depend on the mesh",
+                              r.material.c_str(), r.process_zone, r.n_edges),
+                    formatted(
+                        "help: use a size of at most %.2g m where cracks run, or accept the dependence on the mesh",
+                        r.process_zone / 5));
+    }
+
+    void on_jumps(double step) {
+        double wave = 0;
+        for (const Elastic& material : model_.materials)
+            wave = std::max(wave, material.dilatational_speed(model_.plane));
+        const double fast = 0.1 * wave;  // beyond what a solid withstands
+        const auto check = [&](const std::string& path, const Jump& jump) {
+            if (jump.size > 0)
+                add(path + ".displacement", "jump",
+                    formatted("`%s.displacement` jumps by %.3g m at t = %.3g s: in a step of %.3g s this is a velocity "
+                              "of %.3g m/s, %.2g times the wave speed",
+                              path.c_str(), jump.size, jump.time, step, jump.size / step, jump.size / step / wave),
+                    formatted(
+                        "ramp = \"%.2g s\" would move it at 1 m/s; or use a table that starts at 0; or time.start = "
+                        "\"equilibrium\" for a displacement that exists before t = 0",
+                        jump.size));
+        };
+        for (std::size_t i = 0; i < scenario_.loads.size(); ++i) {
+            const Load& load = scenario_.loads[i];
+            if (load.kind != Load::Kind::displacement) continue;
+            const Vec2 value(load.value[0].value_or(0), load.value[1].value_or(0));
+            check(item("load", i), largest_jump(load.history, value.norm(), scenario_.time, step, fast));
+        }
+        for (std::size_t i = 0; i < scenario_.obstacles.size(); ++i) {
+            Jump jump;
+            for (const Drive& drive : scenario_.obstacles[i].drive) {
+                if (drive.kind != Drive::Kind::displacement) continue;
+                const Jump other = largest_jump(drive.history, drive.value, scenario_.time, step, fast);
+                jump.include(other.size, other.time);
+            }
+            check(item("obstacle", i), jump);
+        }
+    }
+
+    void on_places() {
+        for (std::size_t i = 0; i < scenario_.probes.size(); ++i) check_probe(i);
+        const std::size_t n = std::min(read_.values.count("domain.region"), scenario_.shape.regions.size());
+        for (std::size_t i = 0; i < n; ++i) check_region(i);
+        for (const auto& [list, key] : {std::pair{"mesh.refine", ".inside"}, {"map", ".box"}, {"figure", ".box"}})
+            for (std::size_t i = 0; i < read_.values.count(list); ++i) check_box(item(list, i) + key);
+    }
+
+    /// Each detail once, by its slowest triangle.
+    void on_details(const std::vector<double>& stable) {
+        if (scenario_.given) return;
+        const SizeField size(scenario_.mesh, 1);
+        const double usual = usual_step(model_, size, stable);
+        std::vector<Index> slow;
+        for (Index t = 0; t < mesh_.n_triangles(); ++t)
+            if (stable[t] < far_below * usual) slow.push_back(t);
+        std::ranges::stable_sort(slow, {}, [&](Index t) { return stable[t]; });
+        std::vector<std::string> named;
+        for (const Index t : slow) {
+            const Vec2 a = mesh_.corner(t, 0), b = mesh_.corner(t, 1), c = mesh_.corner(t, 2), x = (a + b + c) / 3;
+            const std::vector<std::string> parts = parts_near(scenario_, x, 2 * size(x));
+            const std::string who = culprits(parts);
+            if (std::ranges::find(named, who) != named.end()) continue;
+            named.push_back(who);
+            if (named.size() > max_details) return;
+            add(parts.empty() ? "mesh.size" : parts[0], "small-step",
+                formatted(
+                    "a triangle at (%.6g, %.6g) m has an edge of %.3g m where the mesh size is %.3g m; its stable "
+                    "step of %.3g s is %.3g times smaller than the %.3g s of that size, and all triangles use the "
+                    "smallest one. Next to it: %s",
+                    x.x(), x.y(), std::min({(b - a).norm(), (c - b).norm(), (a - c).norm()}), size(x), stable[t],
+                    usual / stable[t], usual, who.c_str()),
+                "move one of them, let them meet, or remove the detail; another seed places random traces elsewhere; "
+                "bulk = \"implicit\" allows larger steps");
+        }
+    }
+
+    void on_numbers(const StepPlan& plan, const Cost* cost) {
+        const double end = scenario_.time.end, n_steps = static_cast<double>(plan.n_steps),
+                     triangles = mesh_.n_triangles();
+        const double seconds = cost != nullptr ? cost->total()
+                               : n_steps * triangles > surely_short
+                                   ? estimate_cost(scenario_, model_, plan, 0, 0.05).total()
+                                   : 0;
+        if (seconds > longest)
+            add("time.end", "too-long",
+                formatted("`time.end` = %.6g s is %.3g steps of %.3g s: about %.2g days of one core", end, n_steps,
+                          plan.limits.largest, seconds / 86400),
+                "use a smaller time.end (waves cross a body in micro- to milliseconds), larger triangles, or bulk = "
+                "\"implicit\"");
+        const auto check = [&](const char* key, double every, double max, const char* what, double bytes) {
+            const double n = every > 0 ? std::min(end / every, n_steps) : 0;
+            if (n > max)
+                add(key, "too-many",
+                    formatted("`%s` = %.6g s in a run of %.6g s makes %.3g %s, some %.2g GB", key, every, end, n, what,
+                              1e-9 * n * bytes),
+                    formatted("%s of %.1g s makes a thousand", key, end / 1000));
+        };
+        check("output.every", scenario_.output.fields ? scenario_.output.every : 0, max_frames, "frames",
+              frame_bytes * triangles);
+        check("output.history_every", scenario_.output.history_every, max_lines, "lines in each table", 500);
+        for (std::size_t i = 0; i < scenario_.figures.size(); ++i)
+            if (const auto n = static_cast<double>(scenario_.figures[i].at.size()); n > max_pictures)
+                add(item("figure", i) + ".at", "too-many", formatted("`figure[%zu]` draws %.6g pictures", i, n),
+                    "use fewer times, or frames (output.every) and `knap render` for those of interest");
+    }
+
+    std::vector<Diagnostic> found;
+
+private:
+    void add(const std::string& key, const char* code, std::string message, std::string note) {
+        found.push_back(read_.at(key, {.severity = Diagnostic::Severity::warning,
+                                       .code = code,
+                                       .message = std::move(message),
+                                       .note = std::move(note)}));
+    }
+
+    void check_probe(std::size_t i) {
+        const ProbeOptions& probe = scenario_.probes[i];
+        if (in_mesh(mesh_, probe.at)) return;
+        double nearest = infinity, edge_length = 0;
+        for (const BoundaryEdge& edge : mesh_.boundary_edges) {
+            const Vec2 a = mesh_.corner(edge.triangle, edge.side), b = mesh_.corner(edge.triangle, (edge.side + 1) % 3);
+            const double distance = distance_to_segment(a, b, probe.at);
+            if (distance < nearest) nearest = distance, edge_length = (b - a).norm();
+        }
+        if (nearest <= 0.1 * edge_length) return;  // on a curve that the mesh follows by straight edges
+        add(item("probe", i) + ".at", "outside",
+            "probe `" + probe.name + "` at " + place_text(probe.at) + " lies outside the body, " +
+                formatted("%.6g m", nearest) + " from its boundary: the nearest " +
+                (probe.interface ? "interface" : "vertex") + " is used",
+            "the body extends " + extent_text(box_));
+    }
+
+    void check_region(std::size_t i) {
+        const std::vector<Vec2>& points = scenario_.shape.regions[i].points;
+        const Box box = bounding_box(points);
+        for (Index t = 0; t < mesh_.n_triangles(); ++t)
+            if (const Vec2 middle = mesh_.centroid(t); box.contains(middle) && contains(points, middle)) return;
+        const std::string path = item("domain.region", i);
+        add(path, "outside", "`" + path + "` covers no triangle of the body: it extends " + extent_text(box),
+            "the body extends " + extent_text(box_) + "; a region must be at least as large as a triangle");
+    }
+
+    void check_box(const std::string& key) {
+        const std::optional<Box> box = read_.values.get<Box>(key);
+        if (!box) return;
+        const bool meets =
+            (box->low.array() <= box_.high.array()).all() && (box->high.array() >= box_.low.array()).all();
+        if (meets &&
+            (std::ranges::any_of(mesh_.vertices, [&](const Vec2& x) { return box->contains(x); }) ||
+             in_mesh(mesh_, 0.5 * (box->low + box->high)) || in_mesh(mesh_, box->low) || in_mesh(mesh_, box->high)))
+            return;
+        add(key, "outside", "`" + key + "` lies outside the body: " + extent_text(*box),
+            "the body extends " + extent_text(box_) + "; coordinates without a unit are in metres");
+    }
+
+    const ReadResult& read_;
+    const Scenario& scenario_;
+    const Model& model_;
+    const Mesh& mesh_ = model_.mesh;
+    const Box box_ = bounding_box(mesh_.vertices);
+};
+
+}  // namespace
+
+std::vector<Diagnostic> findings_of_places(const ReadResult& read, const Model& model) {
+    Warnings warnings(read, model);
+    warnings.on_places();
+    return std::move(warnings.found);
+}
+
+std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& model, const StepPlan& plan,
+                                          const Cost* cost) {
+    Warnings warnings(read, model);
+    warnings.on_resolution();
+    warnings.on_jumps(plan.limits.largest);
+    warnings.on_places();
+    warnings.on_details(plan.stable_of_triangle);
+    warnings.on_numbers(plan, cost);
+    return std::move(warnings.found);
+}
+
+}  // namespace knap

@@ -1,0 +1,70 @@
+#include "app/run/process.hpp"
+
+#include "app/run/run.hpp"
+
+#include <omp.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <string_view>
+
+namespace knap {
+namespace {
+
+std::atomic<int> noted = 0;  // any thread may receive the signal
+static_assert(std::atomic<int>::is_always_lock_free);
+
+void end_at_once(int) {
+    constexpr std::string_view line = "interrupted\n";
+    [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, line.data(), line.size());  // signal-safe
+    _exit(exit_interrupted);
+}
+
+void note(int signal) {
+    noted = 1;
+    if (signal == SIGINT) std::signal(SIGINT, SIG_DFL);
+}
+
+void handle_by(void (*handler)(int)) {
+    std::signal(SIGINT, handler);
+    std::signal(SIGTERM, handler);
+    if (!ignores_hangup()) std::signal(SIGHUP, handler);
+}
+
+}  // namespace
+
+int use_threads(int n_requested) {
+    const int n = n_requested > 0 ? n_requested : omp_get_num_procs();
+    omp_set_num_threads(n);
+    return n;
+}
+
+void let_waiting_threads_sleep(char** argv) {
+    setenv("VTK_SMP_BACKEND_IN_USE", "Sequential", 0);
+    // binding too: a thread bound to a processor when this program starts leaves the second start no other
+    for (const char* set_by_user :
+         {"OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "OMP_PROC_BIND", "OMP_PLACES", "GOMP_CPU_AFFINITY"})
+        if (std::getenv(set_by_user) != nullptr) return;
+    setenv("GOMP_SPINCOUNT", "1000", 0);
+    execv("/proc/self/exe", argv);  // returns only where it fails, which costs speed alone
+}
+
+void end_when_interrupted() { handle_by(end_at_once); }
+
+InterruptGuard::InterruptGuard() {
+    noted = 0;
+    handle_by(note);
+}
+
+InterruptGuard::~InterruptGuard() { handle_by(end_at_once); }
+
+bool InterruptGuard::interrupted() { return noted != 0; }
+
+bool ignores_hangup() {
+    struct sigaction now {};
+    return sigaction(SIGHUP, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+}
+
+}  // namespace knap

@@ -1,0 +1,31 @@
+#pragma once
+// This process: its threads, and the signals that end it. Ctrl-C, SIGTERM and SIGHUP (a lost terminal or connection)
+// end the program with exit code 130. An ignored SIGHUP, as under nohup, stays ignored.
+
+namespace knap {
+
+/// Sets the number of OpenMP threads of all loops, 0 = one per processor, and returns it.
+int use_threads(int n_requested);
+
+/// Makes waiting OpenMP threads sleep after some 25 microseconds, and keeps VTK from starting threads of its own. The
+/// OpenMP runtime reads this from the environment before main, so the program executes itself once more, unless the
+/// user has set a policy. Without it a run on a busy machine is ten times slower: threads spin while the thread that
+/// they wait for has no processor.
+void let_waiting_threads_sleep(char** argv);
+
+/// From now on each of these signals ends the program at once with a message.
+void end_when_interrupted();
+
+/// During its life the signals are only recorded: a run ends after the current step, or gives up a step of the implicit
+/// bulk, with its outputs complete. A second Ctrl-C kills as usual. SIGTERM and SIGHUP may repeat: a scheduler sends
+/// them to a sweep and to its runs, and the sweep passes them to its runs as well.
+class InterruptGuard {
+public:
+    InterruptGuard();
+    ~InterruptGuard();
+    static bool interrupted();
+};
+
+bool ignores_hangup();
+
+}  // namespace knap

@@ -1,0 +1,152 @@
+// knap render and knap info: finished runs.
+#include "app/commands.hpp"
+#include "base/error.hpp"
+#include "base/formatted.hpp"
+#include "base/text.hpp"
+#include "figures/canvas.hpp"
+#include "figures/ticks.hpp"
+#include "output/vtk_series.hpp"
+#include "record/outputs.hpp"
+#include "record/run_files.hpp"
+#include "record/run_record.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace knap {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The frames nearest to the times of a figure. Throws UserError for a time outside of the run.
+std::vector<std::size_t> frames_for(const FigureOptions& figure, const FinishedRun& run) {
+    const std::vector<double>& times = run.frame_times;
+    if (times.empty())
+        throw UserError("no-frames",
+                        "`" + run.directory.string() + "` has no field frames, so no `" + figure.show + "`",
+                        "run with output.fields = true");
+    std::vector<std::size_t> frames;
+    for (const double time : figure.at.empty() ? std::vector{times.back()} : figure.at) {
+        const double slack = 1e-6 * times.back();
+        if (!(time >= times.front() - slack && time <= times.back() + slack))
+            throw UserError("no-frames", "`" + run.directory.string() + "` has no frame at " + time_text(time),
+                            "it has " + std::to_string(times.size()) + " from " + time_text(times.front()) + " to " +
+                                time_text(times.back()));
+        const std::size_t k = nearest_frame(times, time);
+        if (std::abs(times[k] - time) > slack)
+            std::fprintf(stderr, "note: no frame at %.6g s; the nearest is at %.6g s\n", time, times[k]);
+        if (std::ranges::find(frames, k) == frames.end()) frames.push_back(k);
+    }
+    return frames;
+}
+
+/// Removes the times of a figure of the scenario that an interrupted run did not reach; without any it is drawn at the
+/// last one.
+void keep_reached(FigureOptions& figure, const FinishedRun& run) {
+    if (run.frame_times.empty()) return;
+    const double end = run.frame_times.back();
+    if (std::erase_if(figure.at, [&](double time) { return time > end * (1 + 1e-6); }) > 0 && shows_body(figure.show))
+        std::fprintf(stderr, "note: `%s` is drawn without its times after %s, where the run ends\n",
+                     figure.file.c_str(), time_text(end).c_str());
+}
+
+std::vector<std::filesystem::path> draw(const FigureOptions& figure, const FinishedRun& run,
+                                        const std::filesystem::path& directory) {
+    if (!shows_body(figure.show)) return {draw_figure(figure, Frame{}, run.histories, run.context, directory).file};
+    const std::vector<std::size_t> frames = frames_for(figure, run);
+    FigureOptions drawn = figure;  // the file names carry the times of the frames, not the requested ones
+    drawn.at.clear();
+    if (figure.at.size() > 1)
+        for (const std::size_t k : frames) drawn.at.push_back(run.frame_times[k]);
+    if (drawn.at.size() == 1) drawn.at.push_back(drawn.at.front());
+    return draw_sequence(drawn, run.directory, frames, run.histories, run.context, directory);
+}
+
+/// The unit of a number of the summary; records of old versions do not contain it.
+std::string unit_in(const Json& record, const std::string& name) {
+    const Json units = record.value("summary_units", Json::object());
+    return units.value(name, std::string(unit_of("summary", name)));
+}
+
+std::string number_text(const Json& value, const std::string& unit) {
+    return value_text(value.is_null() ? NAN : value.get<double>(), unit);
+}
+
+/// A line per run, every number of the summary a column; an empty field for what never happened.
+void print_table(const Json& all) {
+    if (all.empty()) return;
+    std::vector<std::string> header{"run", "name", "status", "seed", "triangles", "steps", "cpu [s]"};
+    for (const auto& [name, value] : all[0]["summary"].items())
+        header.push_back(with_unit(name, unit_in(all[0], name)));
+    std::printf("%s\n", joined(header, ",").c_str());
+    for (const Json& record : all) {
+        std::vector<std::string> line;
+        for (const char* key : {"directory", "name", "status"}) line.push_back(record[key].get<std::string>());
+        for (const char* key : {"seed", "triangles", "steps", "cpu_s"}) line.push_back(record[key].dump());
+        for (const auto& [name, value] : all[0]["summary"].items()) {
+            const Json number = record["summary"].value(name, Json(nullptr));
+            line.push_back(number.is_null() ? std::string() : number.dump());
+        }
+        std::printf("%s\n", joined(line, ",").c_str());
+    }
+}
+
+void print_text(const Json& record) {
+    const auto text = [](const Json& of, const char* key) { return of[key].get<std::string>(); };
+    std::printf("%s: %s, %s, version %s, seed %s\n", text(record, "directory").c_str(), text(record, "name").c_str(),
+                text(record, "status").c_str(), text(record, "version").c_str(), record["seed"].dump().c_str());
+    std::printf("  %d triangles, %lld steps, %.1f s of processor time\n", record["triangles"].get<int>(),
+                record["steps"].get<long long>(), record["cpu_s"].get<double>());
+    for (const auto& [name, value] : record["summary"].items())
+        std::printf("  %-24s %s\n", name.c_str(), number_text(value, unit_in(record, name)).c_str());
+    for (const Json& gate : record["gates"])
+        if (!gate["pass"])
+            std::printf("  gate %s VIOLATED: %s\n", text(gate, "name").c_str(),
+                        number_text(gate["value"], gate.value("unit", "")).c_str());
+    for (const Json& result : record["expect"])
+        std::printf("  expect %s %s: %s, %s\n", text(result, "name").c_str(), text(result, "limit").c_str(),
+                    number_text(result["value"], result.value("unit", "")).c_str(), result["pass"] ? "ok" : "FAILED");
+}
+
+}  // namespace
+
+ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figure,
+                    const std::filesystem::path& output) {
+    const FinishedRun finished = read_finished_run(run);
+    std::vector<FigureOptions> figures{figure};
+    if (figure.show.empty()) figures = read_scenario(run / "resolved.toml").scenario.figures;
+    for (const FigureOptions& one : figures) check_figure(one, finished.histories);
+    const std::filesystem::path directory = output.empty() ? run / "rendered" : output;
+    const bool made = std::filesystem::create_directories(directory);
+    if (figure.show.empty())
+        for (FigureOptions& one : figures) keep_reached(one, finished);
+    try {
+        for (const FigureOptions& one : figures)
+            for (const auto& path : draw(one, finished, directory)) std::printf("figure:  %s\n", path.string().c_str());
+    } catch (...) {
+        std::error_code not_empty;
+        if (made) std::filesystem::remove(directory, not_empty);  // where nothing was drawn
+        throw;
+    }
+    return exit_done;
+}
+
+ExitCode show_runs(const std::vector<std::filesystem::path>& runs, RunFormat format) {
+    Json all = Json::array();
+    for (const auto& run : runs) {
+        all.push_back(read_run_json(run));
+        all.back()["directory"] = run.string();
+    }
+    if (format == RunFormat::csv) print_table(all);
+    else if (format == RunFormat::json)
+        std::printf("%s\n",
+                    (runs.size() == 1 ? all[0] : all).dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+    else
+        for (const Json& record : all) print_text(record);
+    return exit_done;
+}
+
+}  // namespace knap

@@ -1,0 +1,217 @@
+// knap check, knap mesh, knap new: a scenario before it is run.
+#include "app/commands.hpp"
+#include "app/run/cost.hpp"
+#include "app/run/findings.hpp"
+#include "app/run/setup.hpp"
+#include "base/error.hpp"
+#include "base/stopwatch.hpp"
+#include "base/whole_file.hpp"
+#include "element/triangle_matrices.hpp"
+#include "mesh/mesh_file.hpp"
+#include "microstructure/grain_mesh.hpp"
+#include "scenario/write_scenario.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+namespace knap {
+namespace {
+
+void print_mesh(const MeshReport& mesh) {
+    std::printf("mesh\n  triangles %d, vertices %d, interfaces %d, pre-cracked edges %d\n", mesh.n_triangles,
+                mesh.n_vertices, mesh.n_interior_edges, mesh.n_cracked_edges);
+    std::printf("  edge lengths %.3g / %.3g / %.3g mm (smallest, mean, largest)\n", 1e3 * mesh.smallest_edge,
+                1e3 * mesh.mean_edge, 1e3 * mesh.largest_edge);
+    std::printf("  angles: smallest %.1f, 1 %% of the triangles below %.1f, largest %.1f degree\n", mesh.smallest_angle,
+                mesh.smallest_angle_percentiles[0], mesh.largest_angle);
+    if (mesh.n_paths > 0)
+        std::printf(
+            "  paths along edges are %.1f %% longer than straight lines (%.1f %% far from their ends), spread over "
+            "directions %.1f %%\n",
+            100 * mesh.mean_path_excess, 100 * mesh.far_path_excess, 100 * mesh.path_excess_spread);
+}
+
+void print_materials(const Scenario& scenario) {
+    std::printf("wave speeds\n");
+    for (const NamedMaterial& m : scenario.materials)
+        std::printf("  %-12s c_d %.1f, c_s %.1f, c_R %.1f m/s\n", m.name.c_str(),
+                    m.elastic.dilatational_speed(scenario.plane), m.elastic.shear_speed(),
+                    m.elastic.rayleigh_speed(scenario.plane));
+}
+
+/// [s] Step of an implicit cohesion up to which Assumption 1 certainly holds on a mesh of breakable edges of length
+/// `edge` [m]: h <= (0.43/theta) sqrt(l_coh/l) l/c. It may hold for larger steps.
+double assumption_1_step(const Resolution& resolution, double edge, double theta) {
+    return 0.43 / theta * std::sqrt(resolution.cohesive_length / edge) * edge / resolution.wave_speed;
+}
+
+/// `step`: [s] that in which cohesion may decrease.
+void print_resolution(const Scenario& scenario, double mean_edge, double step) {
+    const std::vector<Resolution> found = judge_resolution(scenario, mean_edge);
+    std::printf("interfaces\n");
+    for (const Resolution& r : found)
+        std::printf("  %-12s law %s: process zone %.3g mm (at rest), %.1f edges; cohesive length %.3g mm\n",
+                    r.material.c_str(), r.law.c_str(), 1e3 * r.process_zone, r.n_edges, 1e3 * r.cohesive_length);
+    const SchemeOptions& scheme = scenario.time.scheme;
+    for (const Resolution& r : found) {
+        const double limit = assumption_1_step(r, finest_edge(scenario, mean_edge), scheme.theta);
+        const char* what = scheme.cohesion == CohesionScheme::explicit_beta
+                               ? "of an implicit cohesion; explicit beta has no such limit"
+                           : limit >= step ? "holds for every step"
+                           : scheme.respect_assumption_1
+                               ? "may not hold where cohesion decreases: such steps are repeated with a smaller size"
+                               : "may not hold where cohesion decreases: one of several solutions is used";
+        std::printf("  %-12s Assumption 1 margin %.2f: certainly holds up to h = %.3g s; %s\n", r.material.c_str(),
+                    limit / step, limit, what);
+    }
+}
+
+void print_methods(const Scenario& scenario, const Model& model) {
+    bool friction = false, restitution = false, breakable = false, shear = false;
+    for (const Interface& i : model.interfaces) {
+        const CohesiveLaw& law = model.laws[i.law];
+        breakable = breakable || (law.breakable() && !i.cracked);
+        if (!law.breakable() && !i.cracked) continue;
+        friction = friction || law.friction > 0;
+        restitution = restitution || law.restitution > 0;
+        shear = shear || law.gamma > 0;
+    }
+    std::printf(
+        "physics\n  cohesion %s, tangential cohesion %s, friction %s, impact %s, supports %s, driven boundaries %s\n",
+        breakable ? "yes" : "no (elastic)", breakable && shear ? "yes" : "no", friction ? "yes" : "no",
+        restitution ? "with restitution" : "plastic", scenario.supports.empty() ? "no" : "yes",
+        model.prescribed.empty() ? "no" : "yes");
+    const SchemeOptions& scheme = scenario.time.scheme;
+    const char* beta = scheme.cohesion == CohesionScheme::implicit_beta ? "implicit beta" : "explicit beta";
+    if (scheme.bulk == BulkScheme::implicit_theta)
+        std::printf(
+            "  scheme: implicit bulk (theta %g, %s mass%s), %s; all interfaces together: method of multipliers, sparse "
+            "factorisations\n",
+            scheme.theta, name_of(scheme.mass), scenario.time.start_in_equilibrium ? ", from equilibrium" : "", beta);
+    else std::printf("  scheme: explicit lumped bulk, %s; one exact problem per vertex that may open\n", beta);
+}
+
+void print_run(const Scenario& scenario, const Model& model, const StepPlan& plan, const Cost& cost,
+               bool long_measured) {
+    std::printf("run\n  stable step %.4g s, h = %.4g s (%.3g CFL), %lld steps, %.3g triangle-steps\n", plan.stable_step,
+                plan.limits.largest, plan.limits.largest / plan.stable_step, static_cast<long long>(plan.n_steps),
+                static_cast<double>(plan.n_steps) * model.mesh.n_triangles());
+    if (plan.limits.cracking < plan.limits.largest)
+        std::printf("  after the first loss of cohesion h = %.4g s (%.3g CFL): up to %.0f steps\n",
+                    plan.limits.cracking, plan.limits.cracking / plan.stable_step,
+                    std::ceil(scenario.time.end / plan.limits.cracking));
+    std::printf("  about %.3g s of one core: mesh and model %.2g, steps %.2g, frames %.2g, figures %.2g, tables %.2g\n",
+                cost.total(), cost.model, cost.steps, cost.frames, cost.figures, cost.lines);
+    std::printf(
+        "  a step takes %.2g s now (measured%s), %.1f times that on average, as in the gallery; within a factor of 2 "
+        "there, more for a body that fragments\n",
+        cost.first_step, long_measured ? "" : ", briefly; --time measures longer", cost.mean_over_first);
+    std::printf("  %.0f MB of memory, %.0f MB of disk space for %.0f frames\n", cost.memory, cost.disk, cost.n_frames);
+}
+
+void print_warnings(const std::vector<Diagnostic>& warnings) {
+    for (const Diagnostic& warning : warnings) std::fputs(format(warning).c_str(), stderr);
+}
+
+void print_grains(const Scenario& scenario, const Mesh& mesh) {
+    const GrainReport grains = judge_grains(mesh);
+    std::printf("%-28s %d, of them %d whole\n", "grains", grains.n_grains, grains.n_whole);
+    std::printf("%-28s %.4g, spread %.3f\n", "mean grain diameter [m]", grains.mean_diameter, grains.spread);
+    std::printf("%-28s %.2f at %.0f degree\n", "mean grain elongation", grains.elongation,
+                grains.direction * 180 / std::numbers::pi);
+    std::printf("%-28s %d\n", "fewest triangles in a grain", grains.min_triangles);
+    std::vector<double> area(scenario.materials.size(), 0);
+    double total = 0;
+    for (Index t = 0; t < mesh.n_triangles(); ++t) area[mesh.region[t]] += mesh.area(t), total += mesh.area(t);
+    for (std::size_t i = 0; i < area.size(); ++i)
+        std::printf("%-28s %.2f %%\n", ("area of " + scenario.materials[i].name).c_str(), 100 * area[i] / total);
+}
+
+}  // namespace
+
+ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool time) {
+    const Scenario& scenario = read.scenario;
+    const Stopwatch watch;
+    const Model model = model_of(read);
+    const double model_seconds = watch.cpu();
+    check_model(read, model);
+    const StepPlan plan = plan_of(read, model, scenario.time.end);
+    if (full) std::fputs(full_listing(read).c_str(), stdout);
+    std::printf("%s: %s\n", scenario.name.c_str(), scenario.title.c_str());
+    print_mesh(judge(model.mesh));
+    std::fputs(random_sets_text(scenario).c_str(), stdout);
+    print_materials(scenario);
+    print_resolution(scenario, mean_edge(model.mesh), plan.limits.cracking);
+    print_methods(scenario, model);
+    const Cost cost = estimate_cost(scenario, model, plan, model_seconds, time ? 0.5 : 0.05);
+    print_run(scenario, model, plan, cost, time);
+    const std::vector<Diagnostic> found = findings_of_model(read, model, plan, &cost);
+    print_warnings(read.warnings), print_warnings(found);
+    return strict && !(read.warnings.empty() && found.empty()) ? exit_bad_input : exit_done;
+}
+
+ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& output, bool force) {
+    const Model model = model_of(read);
+    const MeshReport report = judge(model.mesh);
+    print_warnings(read.warnings), print_warnings(findings_of_places(read, model));
+    std::printf("%-28s %d\n%-28s %d\n%-28s %d\n%-28s %d\n", "triangles", report.n_triangles, "vertices",
+                report.n_vertices, "interfaces", report.n_interior_edges, "pre-cracked edges", report.n_cracked_edges);
+    std::printf("%-28s %.6g\n", "area [m2]", report.area);
+    std::printf("%-28s %.4g %.4g %.4g\n", "edge length [m]", report.smallest_edge, report.mean_edge,
+                report.largest_edge);
+    std::printf("%-28s %.2f (1 %% below %.2f, 10 %% %.2f, 50 %% %.2f)\n", "smallest angle [degree]",
+                report.smallest_angle, report.smallest_angle_percentiles[0], report.smallest_angle_percentiles[1],
+                report.smallest_angle_percentiles[2]);
+    std::printf("%-28s %.2f\n", "largest angle [degree]", report.largest_angle);
+    std::printf("%-28s %.4g\n", "stable step [s]",
+                std::ranges::min(stable_steps(model.mesh, model.materials, model.plane)));
+    for (const Resolution& r : judge_resolution(read.scenario, mean_edge(model.mesh)))
+        std::printf("%-28s %.1f (%s, %.3g m)\n", "edges per process zone", r.n_edges, r.material.c_str(),
+                    r.process_zone);
+    if (report.n_paths > 0) {
+        std::printf("%-28s %.4f, spread over directions %.4f; without the ends of the paths %.4f\n", "path excess",
+                    report.mean_path_excess, report.path_excess_spread, report.far_path_excess);
+        for (int i = 0; i < MeshReport::n_directions; ++i)
+            std::printf("  %5.1f degree  %.4f\n", 180.0 * i / MeshReport::n_directions, report.path_excess[i]);
+    }
+    std::fputs(random_sets_text(read.scenario).c_str(), stdout);
+    if (!model.mesh.grain.empty()) print_grains(read.scenario, model.mesh);
+    if (output.empty()) return exit_done;
+    const std::string ending = output.extension().string();
+    if (ending != ".msh" && ending != ".vtu" && ending != ".svg")
+        throw UserError("mesh-format", "`" + ending + "` is not a mesh format", "known: .msh, .vtu, .svg");
+    if (!force) refuse_existing(output);
+    write_new_file(output, mesh_as_text(model.mesh, ending, read.scenario.material_names()));
+    std::printf("mesh:    %s\n", output.string().c_str());
+    return exit_done;
+}
+
+ExitCode write_new_scenario(const std::string& name, bool force) {
+    const std::filesystem::path file = name.ends_with(".toml") ? name : name + ".toml";
+    if (!force) refuse_existing(file);
+    const std::string text = new_scenario(file.stem().string());
+    read_scenario_text(text, file.string());  // refuses a name that a scenario cannot have
+    write_new_file(file, text);
+    std::printf("wrote %s; next: knap check %s, knap run %s\n", file.string().c_str(), file.string().c_str(),
+                file.string().c_str());
+    return exit_done;
+}
+
+void refuse_existing(const std::filesystem::path& file, const std::string& cure) {
+    std::error_code none;
+    if (std::filesystem::is_character_file(file, none)) return;  // /dev/stdout
+    if (std::filesystem::exists(file, none))
+        throw UserError("file-exists", "`" + file.string() + "` exists already", cure);
+}
+
+void write_new_file(const std::filesystem::path& file, const std::string& text) {
+    try {
+        write_whole_file(file, text);
+    } catch (const OutputError& error) {
+        throw UserError("cannot-write", error.what(), "choose another place");
+    }
+}
+
+}  // namespace knap

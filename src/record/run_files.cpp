@@ -1,0 +1,56 @@
+#include "record/run_files.hpp"
+
+#include "base/error.hpp"
+#include "figures/canvas.hpp"
+#include "output/history_csv.hpp"
+#include "output/vtk_series.hpp"
+#include "record/run_record.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace knap {
+
+FinishedRun read_finished_run(const std::filesystem::path& run) {
+    const nlohmann::ordered_json record = read_run_json(run);
+    const auto read_if_there = [&](const char* name) {
+        return std::filesystem::exists(run / name) ? read_csv(run / name) : History{};
+    };
+    const auto read_lines = [&](const char* name) {
+        History history = read_csv(run / name);
+        if (history.rows.empty())
+            throw UserError("damaged-file", "`" + (run / name).string() + "` has no line of numbers");
+        return history;
+    };
+    const std::string title = record["title"];
+    return {.directory = run,
+            .histories = {.energy = read_lines("energy.csv"),
+                          .cracks = read_lines("cracks.csv"),
+                          .reactions = read_if_there("reactions.csv"),
+                          .probes = read_if_there("probes.csv"),
+                          .breaks = read_if_there("breaks.csv"),
+                          .stress_strain = read_if_there("stress_strain.csv"),
+                          .fragments = read_if_there("fragments.csv")},
+            .context = {.title = title.empty() ? record["name"].get<std::string>() : title,
+                        .rayleigh_speed = record["rayleigh_speed_m_per_s"],
+                        .materials = record["materials"]},
+            .frame_times = std::filesystem::exists(run / "run.pvd") ? frame_times(run) : std::vector<double>{}};
+}
+
+FigureScale scale_of(const FigureOptions& options, const std::filesystem::path& run,
+                     const std::vector<std::size_t>& frames, const Histories& histories, const FigureContext& context) {
+    FigureScale all;
+    for (const std::size_t k : frames) all = joined(all, scale_of(options, read_frame(run, k), histories, context));
+    return all;
+}
+
+std::vector<std::filesystem::path> draw_sequence(const FigureOptions& options, const std::filesystem::path& run,
+                                                 const std::vector<std::size_t>& frames, const Histories& histories,
+                                                 const FigureContext& context, const std::filesystem::path& directory) {
+    const FigureScale common = scale_of(options, run, frames, histories, context);
+    std::vector<std::filesystem::path> drawn;
+    for (const std::size_t k : frames)
+        drawn.push_back(draw_figure(options, read_frame(run, k), histories, context, directory, &common).file);
+    return drawn;
+}
+
+}  // namespace knap

@@ -1,0 +1,261 @@
+#include "record/run_record.hpp"
+
+#include "base/error.hpp"
+#include "record/outputs.hpp"
+#include "record/version.hpp"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+
+namespace knap {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using R = const RunRecord&;
+
+Json number(double value) { return std::isfinite(value) ? Json(value + 0.0) : Json(nullptr); }  // no minus zero
+const Json absent = Json(Json::value_t::discarded);                                             // is left out
+
+std::string host() {
+    char name[256] = {};
+    return gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
+
+/// [byte] Largest resident memory of this process so far.
+std::int64_t peak_memory() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::int64_t>(usage.ru_maxrss) * 1024;
+}
+
+Json gate_json(const Gate& gate) {
+    Json json{{"name", gate.name},           {"value", number(gate.value)}, {"unit", gate.unit},
+              {"limit", number(gate.limit)}, {"pass", gate.pass()},         {"level", name_of(gate.level)}};
+    if (gate.warning < gate.limit) json["warning"] = number(gate.warning);
+    if (gate.place) json["place_m"] = {number(gate.place->x()), number(gate.place->y())};
+    json["meaning"] = gate.meaning;
+    if (gate.level != GateLevel::ok) json["cure"] = gate.cure;
+    return json;
+}
+
+Json expect_json(const ExpectResult& result) {
+    return {{"name", result.name},
+            {"value", number(result.value)},
+            {"limit", result.limit},
+            {"unit", unit_of("summary", result.name)},
+            {"pass", result.pass}};
+}
+
+template <class List, class Function>
+Json list_of(const List& list, Function&& item) {
+    Json all = Json::array();
+    for (const auto& one : list) all.push_back(item(one));
+    return all;
+}
+
+// ---- tests of what is read
+
+bool is_text(const Json& value) { return value.is_string(); }
+bool is_count(const Json& value) { return value.is_number_unsigned(); }
+bool is_number(const Json& value) { return value.is_number(); }
+bool is_result(const Json& value) { return value.is_number() || value.is_null(); }  // null: never happened
+bool are_texts(const Json& value) { return value.is_array() && std::all_of(value.begin(), value.end(), is_text); }
+bool are_results(const Json& value) { return value.is_object() && std::all_of(value.begin(), value.end(), is_result); }
+
+template <auto is_limit>
+bool are_judged(const Json& value) {
+    return value.is_array() && std::all_of(value.begin(), value.end(), [](const Json& one) {
+               return one.is_object() && one.contains("name") && is_text(one["name"]) && one.contains("value") &&
+                      is_result(one["value"]) && one.contains("limit") && is_limit(one["limit"]) &&
+                      one.contains("pass") && one["pass"].is_boolean();
+           });
+}
+bool is_scheme(const Json& value) {
+    return value.is_object() && is_text(value.value("bulk", Json())) && is_text(value.value("cohesion", Json()));
+}
+bool are_parts(const Json& value) { return value.is_object() && is_number(value.value("output", Json())); }
+
+/// A member of run.json: how it is written, and what the commands require of it when they read it.
+struct Member {
+    const char *name, *unit, *doc;
+    std::function<Json(R)> write;
+    bool (*test)(const Json&) = nullptr;  // null: no command reads it
+};
+
+const std::vector<Member>& members() {
+    static const std::vector<Member> all{
+        {"status", "", "starting, running, done, failed or interrupted", &RunRecord::status, is_text},
+        {"reason", "", "of a failure", [](R r) { return r.reason.empty() ? absent : Json(r.reason); }},
+        {"output_failed", "", "true where a file could not be written: the same command goes on",
+         [](R r) { return r.output_failed ? Json(true) : absent; }},
+        {"name", "", "of the scenario", &RunRecord::name, is_text},
+        {"title", "", "of the scenario", &RunRecord::title, is_text},
+        {"version", "", "of the program", [](R) { return version(); }, is_text},
+        {"git", "", "hash of the source and whether it was changed",
+         [](R) {
+             return Json{{"hash", git_hash()}, {"dirty", git_dirty()}};
+         }},
+        {"compiler", "", "that built the program", [](R) { return compiler(); }},
+        {"libraries", "", "versions",
+         [](R) {
+             Json json;
+             for (const auto& [name, number] : libraries()) json[name] = number;
+             return json;
+         }},
+        {"host", "", "name of the machine", [](R) { return host(); }},
+        {"command", "", "words of the command line", &RunRecord::command},
+        {"seed", "", "of all random numbers", &RunRecord::seed, is_count},
+        {"threads", "", "number of threads", &RunRecord::threads},
+        {"wall_s", "s", "wall-clock time of all commands that had a part in the run", [](R r) { return r.spent.wall; }},
+        {"cpu_s", "s", "processor time of all threads", [](R r) { return r.spent.cpu; }, is_number},
+        {"cpu_parts_s", "s", "its parts, whose sum it is: mesh_and_model, preload, steps, output, other",
+         [](R r) {
+             return Json{{"mesh_and_model", r.spent.model},
+                         {"preload", r.spent.preload},
+                         {"steps", r.spent.steps},
+                         {"output", r.output.cpu},
+                         {"other", r.cpu_other()}};
+         },
+         are_parts},
+        {"cpu_output_parts_s", "s", "parts of the output: frames, figures, other",
+         [](R r) {
+             return Json{{"frames", r.output.frames},
+                         {"figures", r.output.figures},
+                         {"other", r.output.cpu - r.output.frames - r.output.figures}};
+         }},
+        {"frame_wait_s", "s", "wall-clock time for which steps waited for the thread that writes frames",
+         [](R r) { return r.output.waited_for_frames; }},
+        {"peak_memory_bytes", "byte", "largest resident memory", [](R) { return peak_memory(); }},
+        {"triangles", "", "number of triangles", &RunRecord::triangles, is_count},
+        {"interfaces", "", "number of interfaces", &RunRecord::interfaces},
+        {"thickness_m", "m", "of the body; all energies and forces are those of this thickness", &RunRecord::thickness},
+        {"steps", "", "number of accepted steps", &RunRecord::steps, is_count},
+        {"step_s", "s", "planned step, the largest", &RunRecord::step, is_result},
+        {"smallest_step_s", "s", "smallest accepted step", &RunRecord::smallest_step},
+        {"largest_step_s", "s", "largest accepted step", &RunRecord::largest_step},
+        {"cuts", "", "numbers of steps that were repeated with a smaller size, by reason",
+         [](R r) {
+             Json json;
+             for (const CutbackReason reason : cutback_reasons)
+                 json[std::string(name_of(reason))] = r.n_cutbacks[static_cast<std::size_t>(reason)];
+             return json;
+         },
+         are_results},
+        {"scheme", "", "of bulk and cohesion, theta, mass, assumption_1",
+         [](R r) {
+             return Json{{"bulk", r.scheme.bulk == BulkScheme::explicit_lumped ? "explicit" : "implicit"},
+                         {"cohesion", r.scheme.cohesion == CohesionScheme::explicit_beta ? "explicit" : "implicit"},
+                         {"theta", r.scheme.theta},
+                         {"mass", name_of(r.scheme.mass)},
+                         {"assumption_1", r.scheme.respect_assumption_1 ? "respect" : "ignore"}};
+         },
+         is_scheme},
+        {"linear_solves", "", "number, of the implicit bulk", [](R r) { return r.counts.linear_solves; }, is_number},
+        {"factorisations", "", "number, of the implicit bulk", [](R r) { return r.counts.factorisations; }, is_number},
+        {"factor", "", "unknowns and entries of the last factor",
+         [](R r) {
+             return Json{{"unknowns", r.factor.unknowns}, {"entries", r.factor.entries}};
+         }},
+        {"time_s", "s", "simulated time that was reached", &RunRecord::time},
+        {"mean_edge_m", "m", "mean length of an interface", &RunRecord::mean_edge},
+        {"rayleigh_speed_m_per_s", "m/s", "c_R of the first material", &RunRecord::rayleigh_speed, is_number},
+        {"materials", "", "names, by region", &RunRecord::materials, are_texts},
+        {"triangle_steps_per_core_second", "1/s", "triangles times steps over cpu_parts_s.steps",
+         [](R r) {
+             return number(r.spent.steps > 0 ? static_cast<double>(r.steps) * r.triangles / r.spent.steps : NAN);
+         }},
+        {"fan_problems", "",
+         "numbers of the problems of vertices: solved, linear_solves, fallbacks, bond_checks, released",
+         [](R r) {
+             return Json{{"solved", r.counts.fan_solves},
+                         {"linear_solves", r.counts.fan_iterations},
+                         {"fallbacks", r.counts.fan_fallbacks},
+                         {"bond_checks", r.counts.bond_checks},
+                         {"released", r.counts.released}};
+         }},
+        {"summary", "", "numbers by name, see above; null: never happened",
+         [](R r) {
+             Json json = Json::object();
+             for (const auto& [name, value] : r.summary.values) json[name] = number(value);
+             return json;
+         },
+         are_results},
+        {"summary_units", "", "their units by name",
+         [](R r) {
+             Json json = Json::object();
+             for (const auto& [name, value] : r.summary.values) json[name] = unit_of("summary", name);
+             return json;
+         }},
+        {"reaction_of", "", "name of the load or obstacle of reaction_x, reaction_y and largest_reaction",
+         [](R r) { return r.summary.reaction_of.empty() ? absent : Json(r.summary.reaction_of); }},
+        {"gates", "", "list, see above", [](R r) { return list_of(r.gates, gate_json); }, are_judged<is_result>},
+        {"expect", "", "list of the bounds of [expect]: name, value, limit, unit, pass",
+         [](R r) { return list_of(r.expect, expect_json); }, are_judged<is_text>},
+        {"figures", "", "files",
+         [](R r) {
+             return list_of(r.figures, [](const auto& figure) { return "figures/" + figure.filename().string(); });
+         }},
+        {"warnings", "", "texts", &RunRecord::warnings}};
+    return all;
+}
+
+}  // namespace
+
+OutputTable run_json_outputs() {
+    OutputTable table{"run.json", "further members of this file", {}};
+    for (const Member& member : members()) table.rows.push_back({member.name, member.unit, member.doc});
+    return table;
+}
+
+std::string run_json(const RunRecord& record) {
+    Json json;
+    for (const Member& member : members())
+        if (Json value = member.write(record); !value.is_discarded()) json[member.name] = std::move(value);
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Json read_run_json(const std::filesystem::path& run) {
+    std::ifstream file(run / "run.json");
+    if (!file) throw UserError("no-run", "`" + run.string() + "` is not a run directory: it has no readable run.json");
+    const auto damaged = [&](const std::string& why) {
+        return UserError("bad-run", "`" + (run / "run.json").string() + "` " + why,
+                         "repeat the run, with --force in the same directory");
+    };
+    Json record;
+    try {
+        record = Json::parse(file);
+    } catch (const Json::exception& error) {
+        throw damaged(std::string("cannot be read: ") + error.what());
+    }
+    for (const Member& member : members()) {
+        if (member.test == nullptr) continue;
+        if (!record.is_object() || !record.contains(member.name))
+            throw damaged(std::string("is not the record of a run: it has no ") + member.name);
+        if (!member.test(record[member.name]))
+            throw damaged(std::string("is damaged: ") + member.name + " is " +
+                          record[member.name].dump(-1, ' ', true, Json::error_handler_t::replace));
+    }
+    return record;
+}
+
+EarlierRecord earlier_record(const std::filesystem::path& directory) {
+    std::error_code none;
+    if (!std::filesystem::is_regular_file(directory / "run.json", none)) return {};
+    std::ifstream file(directory / "run.json");
+    const Json json = Json::parse(file, nullptr, false);
+    if (json.is_discarded()) return {.is_of_a_run = true};
+    const auto member = [&](const char* key) { return json.is_object() && json.contains(key) ? json[key] : Json(); };
+    const Json status = member("status");
+    return {.is_of_a_run = !status.is_null() && !member("version").is_null(),
+            .status = status.is_string() ? status.get<std::string>() : "",
+            .output_failed = member("output_failed") == true};
+}
+
+}  // namespace knap
