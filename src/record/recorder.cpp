@@ -268,7 +268,8 @@ void Recorder::draw_due(const State& now, bool at_end) {
         if (due && !waits_for_the_end(figure)) {
             const Timed timed(*this, &OutputTime::figures);
             if (!frame) frame = make_frame(model_, now, false);
-            drawn_.push_back(draw_figure(figure, *frame, histories_, options_.context, options_.directory / "figures").file);
+            drawn_.push_back(
+                draw_figure(figure, *frame, histories_, options_.context, options_.directory / "figures").file);
         }
         while (is_due(i, now)) ++next_at_[i];
     }
