@@ -35,7 +35,7 @@ TEST_CASE("law lag: a crack that is all but free ends the run and is told what t
     CHECK(allowed.code == 0);
     CHECK(allowed.has("warning[law_lag]"));
     CHECK(allowed.has("warning[scheme_dissipation_part]"));  // at the end: theta = 1
-    CHECK(allowed.has("theta nearer 1/2"));
+    CHECK(allowed.has("a theta nearer to 0.5"));
     // a number of the summary that has the name of a gate is that of the gate
     const auto record = nlohmann::json::parse(text_of(folder.path / "allowed/run.json"));
     int n = 0;
