@@ -3,8 +3,7 @@
 //
 //     while the body is intact    the largest step
 //     cohesion falls              in a step above the cracking step: it is repeated with the cracking step, which is
-//     the
-//                                 largest one from then on
+//                                 the largest one from then on
 //     the step is rejected        it is repeated with half the size; under Assumption 1 with the cracking step at most
 //     ten steps without cutback   1.5 times the size, up to the largest (Collins-Craft, Bourrier, Acary, CMAME 400
 //                                 (2022) 115545)

@@ -68,7 +68,8 @@ Texts command_of(const std::string& program, const std::string& scenario, const 
 /// read it.
 pid_t start(const std::string& scenario, const EnsembleRun& run, const fs::path& runs, bool force,
             const sigset_t& signals) {
-    Texts words = command_of("knap", scenario, run, runs, force || !Checkpoints::problem_in(runs / run.name, false).empty());
+    Texts words =
+        command_of("knap", scenario, run, runs, force || !Checkpoints::problem_in(runs / run.name, false).empty());
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);

@@ -1,8 +1,7 @@
 #pragma once
 // The motion of rigid obstacles over a step: what is prescribed, and the free components from
 //
-//     M (V+ - V) = k F + Q(W),     W = theta V+ + (1 - theta) V,     Q: wrench of the impulses of the body at the rates
-//     W
+//     M (V+ - V) = k F + Q(W),     W = theta V+ + (1 - theta) V,     Q: wrench of the impulses of the body at W
 //
 // The explicit bulk has theta = 1 and k = (previous h + h)/2, the implicit bulk k = h. The body is solved exactly for
 // given rates, so Q is piecewise linear: Newton's method on the few free components, with a slope by differences.

@@ -2,8 +2,8 @@
 // The bulk in an implicit step (implicit_scheme.hpp): the impulse that each element node needs from the interfaces at a
 // given rate w of the nodes,
 //
-//     r(w) = theta M (v+ - v) + theta h K (u + theta h w) - theta h F_theta,     theta (v+ - v) = w - v where w is
-//     free,
+//     r(w) = theta M (v+ - v) + theta h K (u + theta h w) - theta h F_theta
+//     theta (v+ - v) = w - v   where w is free,
 //
 // its derivative M_hat = M + theta^2 h^2 K, and the energies of the step.
 #include "element/elastic_forces.hpp"

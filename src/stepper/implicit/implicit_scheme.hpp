@@ -12,8 +12,8 @@
 //     beta_theta = theta beta+ + (1 - theta) beta      (implicit beta; explicit beta: beta_theta = beta)
 //
 // The contact bound c, with V = rate at the start of the step, and e = 0 where cohesion is left:
-//     touching, up to rounding:   c = -(1 - theta (1 + e)) max(-V_N, 0)          Newton's law v_N+ = -e v_N-, or w_N >=
-//     0 apart, e = 0:               c = min(-u_N/h, -(1 - theta) max(-V_N, 0))     lands on the wall or stops at it
+//     touching, up to rounding:   c = -(1 - theta (1 + e)) max(-V_N, 0)          Newton's law v_N+ = -e v_N-
+//     apart, e = 0:               c = min(-u_N/h, -(1 - theta) max(-V_N, 0))     lands on the wall or stops at it
 //     apart, e > 0:               no contact in this step: it must touch first
 // The work of an impulse is P . w; since c <= 0 and friction opposes w_T, every single contact and friction work is
 // <= 0. A corner near a rigid obstacle has one point more, on a support that moves; ObstacleMotion finds the rates of
