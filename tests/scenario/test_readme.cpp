@@ -24,7 +24,7 @@ const std::pair<const char*, const char*> context[] = {
     {"[interface.default]", "sigma_c = \"8 MPa\"\nG_c = 20\n"},
     {"[[obstacle]]",
      "name = \"upper platen\"\nshape = \"half plane\"\nat = [0, 0.05]\nnormal = [0, -1]\nvelocity = [0, -0.01]\n"},
-    {"[[probe]]", "name = \"west end\"\nat = [0, 0.02]\n[[probe]]\nname = \"east end\"\nat = [0.1, 0.02]\n"},
+    {"[[probe]]", "name = \"lower gauge\"\nat = [0, 0.02]\n[[probe]]\nname = \"upper gauge\"\nat = [0.1, 0.02]\n"},
     {"[time]", "end = \"20 us\"\n"},
 };
 
