@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace knap {
 namespace {
@@ -32,11 +33,18 @@ double power_of_two(double x) {
 
 Eigen::VectorXd factors(const LcpMatrix& M) {
     const Eigen::VectorXd diagonal = M.diagonal();
-    Eigen::VectorXd factor = diagonal.unaryExpr([](double d) { return d != 0 ? 1 / std::sqrt(std::abs(d)) : 1.0; });
+    Eigen::VectorXd factor = diagonal.unaryExpr([](double d) { return d != 0 ? 1 / std::sqrt(std::abs(d)) : 0.0; });
     bool changed = (diagonal.array() == 0).any();
-    LcpMatrix of_bounds;  // the entries of rows and columns without a diagonal entry
-    if (changed) of_bounds = M;
+    LcpMatrix of_bounds = M;  // the entries of rows and columns without a diagonal entry
     of_bounds.prune([&](int row, int column, double) { return diagonal[row] == 0 || diagonal[column] == 0; });
+    // these rows start from their couplings to the others, so that other units give the same scaled problem
+    Eigen::VectorXd coupling = Eigen::VectorXd::Zero(M.rows());
+    for (int i = 0; i < of_bounds.outerSize(); ++i)
+        for (LcpMatrix::InnerIterator entry(of_bounds, i); entry; ++entry)
+            for (const auto& [row, other] : {std::pair<int, int>(i, entry.col()), std::pair<int, int>(entry.col(), i)})
+                coupling[row] = std::max(coupling[row], std::abs(entry.value()) * factor[other]);
+    for (int i = 0; i < M.rows(); ++i)
+        if (diagonal[i] == 0) factor[i] = coupling[i] > 0 ? 1 / coupling[i] : 1;
     for (int sweep = 0; changed && sweep < max_sweeps; ++sweep) {
         const Eigen::VectorXd largest = largest_entries(of_bounds, factor);
         changed = false;
