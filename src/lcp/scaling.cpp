@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <utility>
 
 namespace knap {
 namespace {
@@ -37,14 +36,21 @@ Eigen::VectorXd factors(const LcpMatrix& M) {
     bool changed = (diagonal.array() == 0).any();
     LcpMatrix of_bounds = M;  // the entries of rows and columns without a diagonal entry
     of_bounds.prune([&](int row, int column, double) { return diagonal[row] == 0 || diagonal[column] == 0; });
-    // these rows start from their couplings to the others, so that other units give the same scaled problem
-    Eigen::VectorXd coupling = Eigen::VectorXd::Zero(M.rows());
-    for (int i = 0; i < of_bounds.outerSize(); ++i)
-        for (LcpMatrix::InnerIterator entry(of_bounds, i); entry; ++entry)
-            for (const auto& [row, other] : {std::pair<int, int>(i, entry.col()), std::pair<int, int>(entry.col(), i)})
-                coupling[row] = std::max(coupling[row], std::abs(entry.value()) * factor[other]);
-    for (int i = 0; i < M.rows(); ++i)
-        if (diagonal[i] == 0) factor[i] = coupling[i] > 0 ? 1 / coupling[i] : 1;
+    // these rows start from their couplings to rows of known factor, so that other units give the same scaled problem
+    for (bool found = changed; found;) {
+        Eigen::VectorXd coupling = Eigen::VectorXd::Zero(M.rows());
+        for (int i = 0; i < of_bounds.outerSize(); ++i)
+            for (LcpMatrix::InnerIterator entry(of_bounds, i); entry; ++entry) {
+                const auto j = entry.col();
+                coupling[i] = std::max(coupling[i], std::abs(entry.value()) * factor[j]);
+                coupling[j] = std::max(coupling[j], std::abs(entry.value()) * factor[i]);
+            }
+        found = false;
+        for (int i = 0; i < M.rows(); ++i)
+            if (factor[i] == 0 && coupling[i] > 0) factor[i] = 1 / coupling[i], found = true;
+    }
+    for (double& f : factor)
+        if (f == 0) f = 1;
     for (int sweep = 0; changed && sweep < max_sweeps; ++sweep) {
         const Eigen::VectorXd largest = largest_entries(of_bounds, factor);
         changed = false;
