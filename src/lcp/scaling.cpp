@@ -30,14 +30,12 @@ double power_of_two(double x) {
     return std::ldexp(1.0, mantissa < std::numbers::sqrt2 / 2 ? exponent - 1 : exponent);
 }
 
-Eigen::VectorXd factors(const LcpMatrix& M) {
-    const Eigen::VectorXd diagonal = M.diagonal();
-    Eigen::VectorXd factor = diagonal.unaryExpr([](double d) { return d != 0 ? 1 / std::sqrt(std::abs(d)) : 0.0; });
-    bool changed = (diagonal.array() == 0).any();
-    LcpMatrix of_bounds = M;  // the entries of rows and columns without a diagonal entry
+/// The factors of rows without a diagonal entry, which are 0 at first: they start from their couplings to rows of known
+/// factor, so that other units give the same scaled problem, and are balanced with their largest entries.
+void scale_bounds(const LcpMatrix& M, const Eigen::VectorXd& diagonal, Eigen::VectorXd& factor) {
+    LcpMatrix of_bounds = M;  // their entries, in rows and columns
     of_bounds.prune([&](int row, int column, double) { return diagonal[row] == 0 || diagonal[column] == 0; });
-    // these rows start from their couplings to rows of known factor, so that other units give the same scaled problem
-    for (bool found = changed; found;) {
+    for (bool changed = true; changed;) {
         Eigen::VectorXd coupling = Eigen::VectorXd::Zero(M.rows());
         for (int i = 0; i < of_bounds.outerSize(); ++i)
             for (LcpMatrix::InnerIterator entry(of_bounds, i); entry; ++entry) {
@@ -45,12 +43,13 @@ Eigen::VectorXd factors(const LcpMatrix& M) {
                 coupling[i] = std::max(coupling[i], std::abs(entry.value()) * factor[j]);
                 coupling[j] = std::max(coupling[j], std::abs(entry.value()) * factor[i]);
             }
-        found = false;
+        changed = false;
         for (int i = 0; i < M.rows(); ++i)
-            if (factor[i] == 0 && coupling[i] > 0) factor[i] = 1 / coupling[i], found = true;
+            if (factor[i] == 0 && coupling[i] > 0) factor[i] = 1 / coupling[i], changed = true;
     }
     for (double& f : factor)
         if (f == 0) f = 1;
+    bool changed = true;
     for (int sweep = 0; changed && sweep < max_sweeps; ++sweep) {
         const Eigen::VectorXd largest = largest_entries(of_bounds, factor);
         changed = false;
@@ -60,6 +59,12 @@ Eigen::VectorXd factors(const LcpMatrix& M) {
             changed = true;
         }
     }
+}
+
+Eigen::VectorXd factors(const LcpMatrix& M) {
+    const Eigen::VectorXd diagonal = M.diagonal();
+    Eigen::VectorXd factor = diagonal.unaryExpr([](double d) { return d != 0 ? 1 / std::sqrt(std::abs(d)) : 0.0; });
+    if ((diagonal.array() == 0).any()) scale_bounds(M, diagonal, factor);
     const Eigen::VectorXd largest = largest_entries(M, factor);
     for (int i = 0; i < M.rows(); ++i)
         if (largest[i] > near_one) factor[i] /= std::sqrt(largest[i]);
