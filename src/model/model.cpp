@@ -237,6 +237,8 @@ Model make_model(ModelInput input) {
     set_initial_velocities(input.initial_velocities, model);
     start_as_driven(model);
     model.obstacles = std::move(input.obstacles);
+    model.large_rotation = input.large_rotation;
+    model.contact_of_pair = std::move(input.contact_of_pair);
     weigh_obstacles(input.loads, model);
     check_obstacles(model);
     return model;

@@ -81,6 +81,12 @@ struct PrescribedMotion {
     }
 };
 
+/// Contact between free faces of the body, between two materials.
+struct ContactLaw {
+    double friction = 0;     // [-] Coulomb's mu
+    double restitution = 0;  // [-] Newton's coefficient
+};
+
 struct ModelInput {
     Mesh mesh;
     PlaneModel plane = PlaneModel::strain;
@@ -96,6 +102,8 @@ struct ModelInput {
     std::vector<Support> supports;
     std::vector<InitialVelocity> initial_velocities;
     std::vector<Obstacle> obstacles;
+    bool large_rotation = false;                           // as in Model
+    std::vector<std::vector<ContactLaw>> contact_of_pair;  // as in Model
 };
 
 struct Model {
@@ -120,6 +128,9 @@ struct Model {
     std::vector<Index> prescribed_of_corner;  // per corner: into `prescribed`, or -1
     std::vector<Vec2> initial_velocity;       // [m/s] per corner; equal where corners move as one
     std::vector<Obstacle> obstacles;
+    bool large_rotation = false;  // Green's strain and turned fans; else all rotations are small
+    std::vector<std::vector<ContactLaw>> contact_of_pair;  // [material][material], symmetric; empty: faces that are no
+                                                           // neighbours pass through each other
 
     Index points_per_interface() const { return mesh.order + 1; }
     Index n_points() const { return points_per_interface() * static_cast<Index>(interfaces.size()); }

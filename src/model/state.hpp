@@ -2,6 +2,7 @@
 // All that changes during a run, and all that a restart needs.
 #include "model/model.hpp"
 
+#include <cstdint>
 #include <vector>
 
 namespace knap {
@@ -14,6 +15,17 @@ struct PointState {
     template <class Archive>
     void serialize(Archive& archive) {
         archive(cohesion, traction);
+    }
+};
+
+/// A contact between a boundary vertex and a boundary edge that carried an impulse in the last step.
+struct FaceContactState {
+    Index vertex, edge;          // corners: the start of the boundary edge that leaves the vertex, that of the edge
+    double contact, tangential;  // [N s] impulses along the normal and along the edge, on the vertex
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(vertex, edge, contact, tangential);
     }
 };
 
@@ -34,6 +46,11 @@ struct State {
     std::vector<Index> split_rank;      // per fan: its place in split_fans, or -1
     std::vector<Vec2> reaction;         // [N] per prescribed motion, mean over the last step; 0 in free components
     std::vector<ObstacleState> obstacles;
+    double elastic_energy = 0;  // [J] with large rotations: at the start of the last step
+    double elastic_work = 0;    // [J] with large rotations: elastic forces times the displacements of the last step
+    std::vector<std::uint8_t> retired;            // [0/1] per point: its sides meet as free faces from now on; empty
+                                                  // where Model::contact_of_pair is
+    std::vector<FaceContactState> face_contacts;  // of the last step, in the order of (vertex, edge)
 
     /// [m] Zero for the support.
     Vec2 displacement_of(Index corner) const {
@@ -48,7 +65,7 @@ struct State {
     template <class Archive>
     void serialize(Archive& archive) {
         archive(time, last_step, n_steps, displacement, velocity, rate, node_of_corner, split_fans, first_point, points,
-                split_rank, reaction, obstacles);
+                split_rank, reaction, obstacles, elastic_energy, elastic_work, retired, face_contacts);
     }
 };
 
