@@ -1,0 +1,255 @@
+#include "stepper/contact/face_contacts.hpp"
+
+#include "base/parallel.hpp"
+
+#include <cmath>
+
+namespace knap {
+namespace {
+
+constexpr double touching = 1e-3;        // [-] of an edge: gaps and penetrations that count as rounding of the geometry
+constexpr double reach_in_steps = 4;     // distances covered in a step at the speeds of its start
+constexpr double deep_in_steps = 2;      // likewise, for a penetration without a history
+constexpr double beyond_end = 0.25;      // [-] of an edge
+constexpr double reflex_turn = -0.02;    // sine of a turn to the right that still counts as flat
+constexpr double flat_turn = 0.2;        // sine of a turn of a flat vertex
+constexpr double cone = 0.26;            // sine of 15 degrees
+constexpr double opposite = -0.9;        // product of the normals of two contacts between the same faces
+constexpr double beside_end = 0.05;      // [-] of an edge: there a vertex and the end of the edge are twins
+constexpr double largest_motion = 0.05;  // [-] of an edge, in a step
+constexpr double deepest = 0.1;          // [-] of an edge
+constexpr double margin_share = 0.2;     // [-] of the mean edge: how far the boundary moves between two searches, x 2.5
+constexpr double reach_margin = 1.5, motion_margin = 2.5;  // NearbyEdges
+constexpr double extrapolated = 2.5;  // relative speed of a vertex and a point of the prolonged edge, per largest speed
+
+Vec2 outward(const Vec2& tangent) { return -turned_left(tangent); }
+Vec2 tangent_of(const EdgePlace& edge) { return (edge.x_b - edge.x_a).normalized(); }
+
+/// A polyline that turns right by more than a flat one; `in_body` decides where it turns back.
+bool is_reflex(const Vec2& t_in, const Vec2& t_out, bool in_body) {
+    const double turn = cross(t_in, t_out);
+    if (t_in.dot(t_out) < 0 && std::abs(turn) < flat_turn) return in_body;
+    return turn < reflex_turn;
+}
+
+/// Along the bisector of a convex or flat corner from the first edge to the second: n_2 - n_1, and t_1 + t_2, which has
+/// the same direction and stays definite where the corner is flat.
+Vec2 across_corner(const Vec2& t_1, const Vec2& t_2) { return t_1 + t_2 + outward(t_2 - t_1); }
+
+/// Keeps the one that is further beyond its limit.
+void refuse(const ContactRefusal& now, std::optional<ContactRefusal>& worst) {
+    const auto excess = [](const ContactRefusal& refusal) {
+        return refusal.value / (refusal.reason == ContactRefusal::Reason::speed ? largest_motion : deepest);
+    };
+    if (!worst || excess(now) > excess(*worst)) worst = now;
+}
+
+}  // namespace
+
+FaceContacts::FaceContacts(const Model& model) : model_(model), boundary_(model) {}
+
+FaceContacts::Motion& FaceContacts::Motion::operator+=(const Motion& other) {
+    distance = std::max(distance, other.distance);
+    squared_speed = std::max(squared_speed, other.squared_speed);
+    longest = std::max(longest, other.longest);
+    length += other.length;
+    return *this;
+}
+
+void FaceContacts::find(const State& begin, double h) {
+    contacts_.clear(), found_.clear(), refusal_.reset();
+    if (boundary_.update(begin.retired)) complete_ = false;
+    if (boundary_.edges().empty() || !place_edges(begin, h)) return;
+    if (blocks_.size() < nearby_.n_blocks()) blocks_.resize(nearby_.n_blocks());
+    for_blocks(static_cast<std::ptrdiff_t>(nearby_.n_blocks()), [&](std::ptrdiff_t b) {
+        Block& block = blocks_[b];
+        block.found.clear(), block.refusal.reset();
+        const auto pairs = nearby_.of_block(b);
+        for (std::size_t k = 0; k < pairs.size();) {
+            const Index i = pairs[k].vertex;
+            const Vertex at = vertex(i);
+            for (; k < pairs.size() && pairs[k].vertex == i; ++k)
+                if (!at.reflex) examine(pairs[k], at, begin, h, block);
+        }
+    });
+    for (std::size_t b = 0; b < nearby_.n_blocks(); ++b) {
+        found_.insert(found_.end(), blocks_[b].found.begin(), blocks_[b].found.end());
+        if (blocks_[b].refusal) refuse(*blocks_[b].refusal, refusal_);
+    }
+    prune();
+}
+
+/// Positions and velocities of the ends of all free edges, and the search for nearby ones where they have moved too
+/// far. False, and a refusal, where a speed leaves nothing to find.
+bool FaceContacts::place_edges(const State& begin, double h) {
+    constexpr std::size_t block = 1024;
+    const auto edges = boundary_.edges();
+    places_.resize(edges.size());
+    const auto place = [&](Index c) -> Vec2 {
+        return model_.mesh.vertices[model_.mesh.triangles[c / 3][c % 3]] + begin.displacement_of(c);
+    };
+    const Motion motion =
+        sum_over_blocks(edges.size(), block, partial_, [&](std::size_t first, std::size_t last, Motion& own) {
+            for (std::size_t e = first; e < last; ++e) {
+                const Index a = edges[e].start, b = edges[e].end;
+                EdgePlace& at = places_[e] = {.x_a = place(a),
+                                              .x_b = place(b),
+                                              .v_a = begin.velocity[begin.node_of_corner[a]],
+                                              .v_b = begin.velocity[begin.node_of_corner[b]]};
+                const double length = (at.x_b - at.x_a).norm();
+                own += {.distance = complete_ ? nearby_.moved(e, at) : 0,
+                        .squared_speed = std::max(at.v_a.squaredNorm(), at.v_b.squaredNorm()),
+                        .longest = length,
+                        .length = length};
+            }
+        });
+    const double speed = std::sqrt(motion.squared_speed);
+    const double reach = touching * motion.longest + reach_in_steps * h * extrapolated * speed;
+    if (reach > motion.longest) {
+        for (const EdgePlace& edge : places_)
+            if (edge.v_a.squaredNorm() == motion.squared_speed || edge.v_b.squaredNorm() == motion.squared_speed)
+                refuse({ContactRefusal::Reason::speed, h * speed / motion.longest, edge.x_a}, refusal_);
+        return false;
+    }
+    if (!complete_ || reach_margin * reach + motion_margin * motion.distance > nearby_.margin())
+        nearby_.find(edges, places_,
+                     margin_share * motion.length / static_cast<double>(edges.size()) + reach_margin * reach);
+    complete_ = true;
+    return true;
+}
+
+FaceContacts::Vertex FaceContacts::vertex(Index i) const {
+    const FreeEdge& leaving = boundary_.edges()[i];
+    const EdgePlace &in = places_[leaving.entering], &out = places_[i];
+    const Vec2 t_in = tangent_of(in), t_out = tangent_of(out);
+    return {.x = 0.5 * (in.x_b + out.x_a),
+            .v = 0.5 * (in.v_b + out.v_a),
+            .t_in = t_in,
+            .t_out = t_out,
+            .reflex = is_reflex(t_in, t_out, leaving.reflex_piece),
+            .flat = t_in.dot(t_out) > 0 && std::abs(cross(t_in, t_out)) < flat_turn};
+}
+
+void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State& begin, double h, Block& block) const {
+    const FreeEdge &edge = boundary_.edges()[pair.edge], &leaving = boundary_.edges()[pair.vertex];
+    const EdgePlace& place = places_[pair.edge];
+    const double length = (place.x_b - place.x_a).norm();
+    const Vec2 t = (place.x_b - place.x_a) / length, n = outward(t), from_a = at.x - place.x_a;
+    const double gap = n.dot(from_a), share = t.dot(from_a) / length;
+    const Vec2 v = at.v - (1 - share) * place.v_a - share * place.v_b;
+    const double travel = h * v.norm(), reach = touching * length + reach_in_steps * travel;
+    const double beyond = std::min(reach / length, beyond_end);
+    if (gap > reach || gap < -edge.depth || share < -beyond || share > 1 + beyond) return;
+    // both parts point out of a convex vertex; the first is definite where it is sharp, the second where it is flat
+    const Vec2 out_of_vertex = at.t_in - at.t_out + outward(at.t_in + at.t_out);
+    if (n.dot(at.t_in) > cone || n.dot(at.t_out) < -cone || n.dot(out_of_vertex) > cone * out_of_vertex.norm()) return;
+    if (!belongs_to(pair.edge, at, gap, share, h)) return;
+    const double gap_at_end = gap + h * n.dot(v);
+    if (travel > largest_motion * length && gap_at_end < touching * length)
+        refuse({ContactRefusal::Reason::speed, travel / length, at.x}, block.refusal);
+    const bool is_deep = gap < -(touching * length + deep_in_steps * travel);
+    const FaceContactState* before = known(begin, pair.vertex, pair.edge);
+    if (is_deep && !before && !known(begin, pair.vertex, edge.prev) && !known(begin, pair.vertex, edge.next)) return;
+    if (gap < -deepest * length) refuse({ContactRefusal::Reason::depth, -gap / length, at.x}, block.refusal);
+    block.found.push_back({.contact = {.vertex = {boundary_.edges()[leaving.entering].end, leaving.start},
+                                       .edge = {edge.start, edge.end},
+                                       .normal = n,
+                                       .length = length,
+                                       .share = share,
+                                       .gap = gap,
+                                       .contact = before ? before->contact : 0,
+                                       .tangential = before ? before->tangential : 0},
+                           .vertex = pair.vertex,
+                           .edge = pair.edge,
+                           .gap_at_end = gap_at_end,
+                           .flat = at.flat,
+                           .kept = true});
+}
+
+/// Rule 4.
+bool FaceContacts::belongs_to(Index e, const Vertex& at, double gap, double share, double h) const {
+    const auto edges = boundary_.edges();
+    for (const bool at_end : {false, true}) {
+        const Index first = at_end ? e : edges[e].prev, second = at_end ? edges[e].next : e;
+        const Vec2 t_1 = tangent_of(places_[first]), t_2 = tangent_of(places_[second]);
+        if (!is_reflex(t_1, t_2, edges[first].reflex_wedge)) {
+            if (second_is_nearer(places_[first], places_[second], at, h) == at_end) return false;
+            continue;
+        }
+        const Vec2 from_corner = at.x - 0.5 * (places_[first].x_b + places_[second].x_a);
+        const bool beyond = at_end ? share > 1 : share < 0,
+                   beside_other = at_end ? t_2.dot(from_corner) > 0 : t_1.dot(from_corner) < 0;
+        if (beyond && beside_other && gap < 0) return false;
+    }
+    return true;
+}
+
+/// At a convex or flat corner between two edges.
+bool FaceContacts::second_is_nearer(const EdgePlace& first, const EdgePlace& second, const Vertex& at, double h) {
+    const Vec2 t_1 = tangent_of(first), t_2 = tangent_of(second), across = across_corner(t_1, t_2);
+    const Vec2 from_corner = at.x - 0.5 * (first.x_b + second.x_a), v = at.v - 0.5 * (first.v_b + second.v_a);
+    const bool now = across.dot(from_corner) > 0, then = across.dot(from_corner + h * v) > 0;
+    if (now == then) return now;
+    const double gap = outward(then ? t_2 : t_1).dot(from_corner);
+    const EdgePlace& winner = then ? second : first;
+    return gap > -touching * (winner.x_b - winner.x_a).norm() ? then : now;
+}
+
+/// The contact of the step before; null where there was none.
+const FaceContactState* FaceContacts::known(const State& begin, Index vertex, Index edge) const {
+    const std::array<Index, 2> key{boundary_.edges()[vertex].start, boundary_.edges()[edge].start};
+    const auto key_of = [](const FaceContactState& contact) { return std::array{contact.vertex, contact.edge}; };
+    const auto at = std::ranges::lower_bound(begin.face_contacts, key, {}, key_of);
+    return at != begin.face_contacts.end() && key_of(*at) == key ? &*at : nullptr;
+}
+
+std::span<FaceContacts::Found> FaceContacts::of_vertex(Index i) {
+    const auto range = std::ranges::equal_range(found_, i, {}, &Found::vertex);
+    return {range.begin(), range.end()};
+}
+
+bool FaceContacts::ends_in(Index edge, Index vertex) const {
+    return boundary_.edges()[edge].piece_start == vertex || boundary_.edges()[edge].piece_end == vertex;
+}
+
+void FaceContacts::prune() {
+    for (Found& at : found_) prune_corners(at);
+    for (Found& at : found_) {
+        const FreeEdge& edge = boundary_.edges()[at.edge];
+        const auto meets = [&](Index i) {
+            return i >= 0 && std::ranges::any_of(of_vertex(i), [&](const Found& other) {
+                       return other.kept && ends_in(other.edge, at.vertex) &&
+                              other.contact.normal.dot(at.contact.normal) < opposite;
+                   });
+        };
+        if (at.kept && at.flat && meets(edge.piece_start) && meets(edge.piece_end)) at.kept = false;
+    }
+    for (const Found& at : found_)
+        if (at.kept) contacts_.push_back(at.contact);
+}
+
+/// Vertex against the vertex at an end of its edge.
+void FaceContacts::prune_corners(Found& at) {
+    const FreeEdge& edge = boundary_.edges()[at.edge];
+    for (const Index j : {edge.piece_start, edge.piece_end}) {
+        if (j < 0) continue;
+        for (Found& other : of_vertex(j)) {
+            if (!at.kept || !other.kept || !ends_in(other.edge, at.vertex)) continue;
+            if (at.contact.normal.dot(other.contact.normal) < opposite) {
+                const double share = j == edge.piece_start ? at.contact.share : 1 - at.contact.share;
+                if (std::abs(share) > beside_end) continue;
+                Found &stays = at.contact.gap <= other.contact.gap ? at : other, &goes = &stays == &at ? other : at;
+                goes.kept = false;
+                stays.contact.contact += goes.contact.contact;
+                stays.contact.tangential += goes.contact.tangential;
+            } else {
+                const Found& then = at.gap_at_end >= other.gap_at_end ? at : other;
+                const Found& now = at.contact.gap >= other.contact.gap ? at : other;
+                const Found& stays = then.contact.gap > -touching * then.contact.length ? then : now;
+                (&stays == &at ? other : at).kept = false;
+            }
+        }
+    }
+}
+
+}  // namespace knap

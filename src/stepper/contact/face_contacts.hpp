@@ -1,0 +1,114 @@
+#pragma once
+// Which vertex of the free boundary touches which free edge in a step, at the positions of its start.
+//
+// Edge a -> b of length L, material to the left, tangent t, outward normal n; vertex i at x with velocity v_i:
+//
+//     g = n.(x - x_a)              s = t.(x - x_a)/L                                   s is not clipped
+//     V_N = n.(v_i - (1-s) v_a - s v_b) = dg/dt      V_T = t.(v_i - (1-s) v_a - s v_b) + (g/L) n.(v_b - v_a)
+//     i: P = p_N n + p_T t         a: -(1-s) P - Q         b: -s P + Q                 Q = (g/L) p_T n
+//
+// These are the rates of invariants of position, so every pair of impulses has zero resultant and zero moment.
+#include "stepper/contact/nearby_edges.hpp"
+
+#include <optional>
+
+namespace knap {
+
+/// A boundary vertex near a boundary edge, at the positions of the start of the step.
+struct FaceContact {
+    std::array<Index, 2> vertex;  // corners at the vertex: the end of the boundary edge that enters it, the start of
+                                  // the one that leaves it (equal where one triangle has both)
+    std::array<Index, 2> edge;    // corners a, b at the ends of the edge; its triangle lies to the left of a -> b
+    Vec2 normal;                  // outward of the edge's triangle; tangent t = (b - a)/L = turned_left(normal)
+    double length, share, gap;    // [m] L, [-] s (not clipped to [0, 1]), [m] g
+    double contact, tangential;   // [N s] impulses of the step before (0 if new), with twins merged: the start of the
+                                  // iteration
+};
+
+/// A contact whose step must be smaller.
+struct ContactRefusal {
+    enum class Reason { speed, depth };
+    Reason reason;
+    double value;  // [-] relative displacement in the step, or penetration, per length of the edge
+    Vec2 place;    // [m]
+};
+
+/// A pair is a contact if all of this holds:
+///
+/// 1 near      g <= reach = 1e-3 L + 4 h |v_rel|, and beyond an end of the edge by at most min(reach, L/4)
+/// 2 convex    the vertex is no reflex one
+/// 3 cones     -n lies within the outward normals of the vertex, widened by 15 degrees on both sides
+/// 4 corners   of two edges with a convex corner the one with the larger gap, also beyond its end; of two edges with a
+///             reflex corner both, unless the point lies behind the prolonged edge and beside the other one
+/// 5 deep      deeper than 1e-3 L + 2 h |v_rel| only where the pair, or the vertex with the next or previous edge,
+///             was a contact in the step before: a vertex beside a thin piece does not touch it from behind
+/// 6 depth     at most 0.35 of the altitude of the triangle; the step before should have been refused
+///
+/// At a convex corner the gaps of the end of the step count, predicted with the present velocities, unless the winner
+/// has a penetration already: a vertex that slides on flush faces, a rounding error deep, passes the seam.
+///
+/// Redundant contacts are pruned, since solvers cycle on them. Twins: of (i on an edge that ends at j) and (j on an
+/// edge that ends at i), side by side and with opposite normals, the one with the smaller gap stays; with other normals
+/// they are planes that may separate two corners, and the one with the larger gap stays, as in 4. In between: a flat
+/// vertex i on a-b is dropped where a and b are in contact with the two edges at i: the four have one constraint too
+/// many.
+class FaceContacts {
+public:
+    explicit FaceContacts(const Model& model);
+
+    /// Reads positions and velocities, State::retired and State::face_contacts.
+    void find(const State& begin, double h);
+    /// In the order of (vertex, edge).
+    std::span<const FaceContact> all() const { return contacts_; }
+    /// Where the step moves a contact by more than 0.05 L, or where one is deeper than 0.1 L: the worst place.
+    const std::optional<ContactRefusal>& refusal() const { return refusal_; }
+    const FreeBoundary& boundary() const { return boundary_; }
+
+private:
+    /// A contact with what pruning reads.
+    struct Found {
+        FaceContact contact;
+        Index vertex, edge;  // places in FreeBoundary::edges()
+        double gap_at_end;   // [m] predicted with the present velocities
+        bool flat;           // the boundary hardly turns at the vertex
+        bool kept;
+    };
+    struct Block {
+        std::vector<Found> found;
+        std::optional<ContactRefusal> refusal;
+    };
+    /// What all pairs of a vertex share.
+    struct Vertex {
+        Vec2 x, v, t_in, t_out;
+        bool reflex, flat;
+    };
+    /// Largest displacement of an end of an edge since the search, squared speed and length of an edge; sum of lengths.
+    struct Motion {
+        double distance = 0, squared_speed = 0, longest = 0, length = 0;
+        Motion& operator+=(const Motion& other);
+    };
+
+    bool place_edges(const State& begin, double h);
+    Vertex vertex(Index i) const;
+    void examine(const NearbyEdge& pair, const Vertex& at, const State& begin, double h, Block& block) const;
+    bool belongs_to(Index e, const Vertex& at, double gap, double share, double h) const;
+    static bool second_is_nearer(const EdgePlace& first, const EdgePlace& second, const Vertex& at, double h);
+    const FaceContactState* known(const State& begin, Index vertex, Index edge) const;
+    void prune();
+    void prune_corners(Found& at);
+    std::span<Found> of_vertex(Index i);
+    bool ends_in(Index edge, Index vertex) const;
+
+    const Model& model_;
+    FreeBoundary boundary_;
+    NearbyEdges nearby_;
+    bool complete_ = false;          // nearby_ knows all edges
+    std::vector<EdgePlace> places_;  // per free edge
+    std::vector<Motion> partial_;
+    std::vector<Block> blocks_;
+    std::vector<Found> found_;
+    std::vector<FaceContact> contacts_;
+    std::optional<ContactRefusal> refusal_;
+};
+
+}  // namespace knap

@@ -1,0 +1,137 @@
+#include "stepper/contact/free_boundary.hpp"
+
+#include "base/room.hpp"
+
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+namespace knap {
+namespace {
+
+constexpr double deepest = 0.35;  // [-] of the altitude of a triangle: the step before should have been refused
+
+/// [rad] The angle of a triangle at one of its corners.
+double angle_at(const Mesh& mesh, Index c) {
+    const Index t = c / 3, k = c % 3;
+    const Vec2 out = mesh.side_vector(t, k), in = -mesh.side_vector(t, (k + 2) % 3);
+    return std::atan2(cross(out, in), out.dot(in));
+}
+
+}  // namespace
+
+FreeBoundary::FreeBoundary(const Model& model) : model_(model) {
+    if (model.contact_of_pair.empty()) return;
+    retired_.assign(model.n_points(), 0);
+    const Mesh& mesh = model.mesh;
+    assert(mesh.order == 1);
+    const std::size_t n = mesh.n_corners();
+    twin_.assign(n, -1), point_.assign(n, -1), prev_.assign(n, -1), piece_.assign(n, -1), last_.assign(n, -1);
+    reflex_wedge_.assign(n, 0), reflex_piece_.assign(n, 0), place_.assign(n, -1);
+    const auto half_edge = [&](Index triangle, Index vertex) {
+        Index k = 0;
+        while (mesh.triangles[triangle][k] != vertex) ++k;
+        return 3 * triangle + k;
+    };
+    for (std::size_t i = 0; i < model.interfaces.size(); ++i) {
+        const auto& triangle = model.interfaces[i].triangle;
+        const auto& vertex = model.interfaces[i].vertex;
+        const Index point = 2 * static_cast<Index>(i);
+        if (triangle[0] == rigid_support) {
+            point_[half_edge(triangle[1], vertex[0])] = point;
+            continue;
+        }
+        const Index h = half_edge(triangle[0], vertex[0]), other = half_edge(triangle[1], vertex[1]);
+        twin_[h] = other, twin_[other] = h;
+        point_[h] = point, point_[other] = point + 1;
+    }
+    make_room(n, edges_);
+    for (const Fan& fan : model.fans)
+        if (!fan.closed) link(fan);
+    list();
+}
+
+bool FreeBoundary::update(std::span<const std::uint8_t> retired) {
+    if (retired.empty() || std::equal(retired.begin(), retired.end(), retired_.begin())) return false;
+    std::vector<Index> touched;
+    for (std::size_t p = 0; p < retired.size(); ++p) {
+        if (retired[p] == retired_[p]) continue;
+        retired_[p] = retired[p];
+        const Interface& edge = model_.interfaces[p / 2];
+        if (edge.triangle[0] == rigid_support) continue;
+        for (const std::size_t end : {p, p ^ 1})
+            touched.push_back(model_.fan_of_corner[model_.fan_points[model_.fan_point_of[end]].corner()]);
+    }
+    std::ranges::sort(touched);
+    const auto repeated = std::ranges::unique(touched);
+    for (auto f = touched.begin(); f != repeated.begin(); ++f) link(model_.fans[*f]);
+    list();
+    return true;
+}
+
+/// Finds the wedges and the contact pieces of a fan.
+void FreeBoundary::link(const Fan& fan) {
+    const auto corners = model_.corners(fan);
+    const Index n = fan.n_corners;
+    const auto cuts = [&](Index c) { return twin_[c] < 0 || retired_at_start(c); };
+    // a piece starts with a corner whose leaving edge cuts the fan, a wedge with one whose leaving edge is free; an
+    // open fan starts with its outer edge, a closed one is read from a cut, or else from a free edge
+    Index first = 0;
+    while (first < n && !cuts(corners[first])) ++first;
+    const bool has_cut = first < n;
+    if (!has_cut) {
+        first = 0;
+        while (first < n && !is_free(corners[first])) ++first;
+        if (first == n) return;  // nothing is free here
+    }
+    const auto at = [&](Index i) { return corners[(first + i) % n]; };
+    Index piece = -1, wedge = -1;
+    double piece_angle = 0, wedge_angle = 0;
+    for (Index i = 0; i < n; ++i) {
+        const Index c = at(i);
+        if (is_free(c)) wedge = c, wedge_angle = 0;
+        if (cuts(c)) piece = c, piece_angle = 0;
+        const double angle = angle_at(model_.mesh, c);
+        wedge_angle += angle, piece_angle += angle;
+        piece_[c] = has_cut ? piece : -1;
+        const bool end = i + 1 == n;
+        if (end || is_free(at(i + 1))) {
+            prev_[wedge] = previous_in_triangle(c);
+            reflex_wedge_[wedge] = wedge_angle > std::numbers::pi;
+        }
+        if (has_cut && (end || cuts(at(i + 1))))
+            last_[piece] = c, reflex_piece_[piece] = piece_angle > std::numbers::pi;
+    }
+}
+
+/// Lists the free edges in the order of their numbers.
+void FreeBoundary::list() {
+    const Mesh& mesh = model_.mesh;
+    edges_.clear();
+    for (Index h = 0; h < mesh.n_corners(); ++h) {
+        if (!is_free(h)) continue;
+        place_[h] = static_cast<Index>(edges_.size());
+        const Index t = h / 3, b = next_in_triangle(h), first = piece_[h];
+        edges_.push_back({.start = h,
+                          .end = b,
+                          .prev = prev_[h],
+                          .next = -1,
+                          .piece_start = first,
+                          .piece_end = piece_[b],
+                          .entering = first == h ? previous_in_triangle(last_[h]) : -1,
+                          .on_support = twin_[h] < 0 && point_[h] >= 0,
+                          .reflex_wedge = false,
+                          .reflex_piece = reflex_piece_[h] != 0,
+                          .depth = deepest * 2 * mesh.area(t) / mesh.side_vector(t, h % 3).norm()});
+    }
+    for (std::size_t e = 0; e < edges_.size(); ++e) {
+        FreeEdge& edge = edges_[e];
+        edge.prev = place_[edge.prev];
+        edges_[edge.prev].next = static_cast<Index>(e);
+        edges_[edge.prev].reflex_wedge = reflex_wedge_[edge.start] != 0;
+        for (Index* piece : {&edge.piece_start, &edge.piece_end, &edge.entering})
+            if (*piece >= 0) *piece = place_[*piece];
+    }
+}
+
+}  // namespace knap

@@ -1,0 +1,53 @@
+#pragma once
+// Which free edges are near which vertices of the free boundary: a cell grid, and a list that stays complete while the
+// boundary moves a little.
+#include "stepper/contact/free_boundary.hpp"
+
+namespace knap {
+
+/// The ends of a free edge as they are now.
+struct EdgePlace {
+    Vec2 x_a, x_b;  // [m]
+    Vec2 v_a, v_b;  // [m/s]
+};
+
+/// Places in FreeBoundary::edges(): the edge that leaves a vertex, and an edge near it.
+struct NearbyEdge {
+    Index vertex, edge;
+};
+
+/// A pair (vertex, edge) with gap g and the point of the vertex beside s of the edge is near if g <= reach, if the
+/// penetration is at most FreeEdge::depth, and if the point lies beyond an end of the edge by at most
+/// min(reach, 0.25 L). The list contains every near pair of a reach as long as all ends of edges have moved by at most
+/// (margin - 1.5 reach)/2.5 since it was made (the distance between a vertex and an
+/// edge changes by at most 2 moves, the gap of a point beside the prolonged edge by at most 2.5).
+class NearbyEdges {
+public:
+    static constexpr std::size_t block = 256;  // vertices
+
+    void find(std::span<const FreeEdge> edges, std::span<const EdgePlace> places, double margin);
+    /// The pairs of the vertices of block b, in the order of (vertex, edge).
+    std::span<const NearbyEdge> of_block(std::size_t b) const { return pairs_[b]; }
+    std::size_t n_blocks() const { return n_blocks_; }
+    double margin() const { return margin_; }
+    /// [m] The largest distance that an end of an edge has moved since the list was made.
+    double moved(std::size_t edge, const EdgePlace& place) const;
+
+private:
+    struct Entry {
+        std::int32_t x, y;  // cell
+        Index edge;
+    };
+    std::array<std::int32_t, 2> cell(const Vec2& x) const;
+    std::size_t bucket(std::int32_t x, std::int32_t y) const;
+    void fill_grid(std::span<const FreeEdge> edges, std::span<const EdgePlace> places);
+
+    double margin_ = -1, cell_size_ = 1;
+    std::size_t n_blocks_ = 0;
+    std::vector<std::array<Vec2, 2>> ends_;       // per edge, when the list was made
+    std::vector<Index> bucket_end_;               // of a hash table of cells, into entries_
+    std::vector<Entry> entries_;                  // within a bucket in the order of the edges
+    std::vector<std::vector<NearbyEdge>> pairs_;  // per block
+};
+
+}  // namespace knap
