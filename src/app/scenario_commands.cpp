@@ -140,6 +140,7 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     const StepPlan plan = plan_of(read, model, scenario.time.end);
     if (full) std::fputs(full_listing(read).c_str(), stdout);
     std::printf("%s: %s\n", scenario.name.c_str(), scenario.title.c_str());
+    if (scenario.bodies.size() > 1) std::printf("bodies %zu\n", scenario.bodies.size());
     print_mesh(judge(model.mesh));
     std::fputs(random_sets_text(scenario).c_str(), stdout);
     print_materials(scenario);
@@ -156,6 +157,7 @@ ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& outp
     const Model model = model_of(read);
     const MeshReport report = judge(model.mesh);
     print_warnings(read.warnings), print_warnings(findings_of_places(read, model));
+    if (read.scenario.bodies.size() > 1) std::printf("%-28s %zu\n", "bodies", read.scenario.bodies.size());
     std::printf("%-28s %d\n%-28s %d\n%-28s %d\n%-28s %d\n", "triangles", report.n_triangles, "vertices",
                 report.n_vertices, "interfaces", report.n_interior_edges, "pre-cracked edges", report.n_cracked_edges);
     std::printf("%-28s %.6g\n", "area [m2]", report.area);

@@ -72,6 +72,21 @@ std::vector<Index> order_along_curve(Mesh& mesh) {
     return number;
 }
 
+void append(Mesh& mesh, const Mesh& body) {
+    const Index n_triangles = mesh.n_triangles(), n_vertices = mesh.n_vertices(),
+                n_boundaries = static_cast<Index>(mesh.boundary_names.size());
+    const auto add = [](auto& all, const auto& more) { all.insert(all.end(), more.begin(), more.end()); };
+    add(mesh.vertices, body.vertices), add(mesh.triangles, body.triangles), add(mesh.region, body.region);
+    add(mesh.interior_edges, body.interior_edges), add(mesh.boundary_edges, body.boundary_edges);
+    add(mesh.boundary_names, body.boundary_names);
+    for (auto t = mesh.triangles.begin() + n_triangles; t != mesh.triangles.end(); ++t)
+        for (Index& vertex : *t) vertex += n_vertices;
+    for (auto e = mesh.interior_edges.end() - std::ssize(body.interior_edges); e != mesh.interior_edges.end(); ++e)
+        for (Index& triangle : e->triangle) triangle += n_triangles;
+    for (auto e = mesh.boundary_edges.end() - std::ssize(body.boundary_edges); e != mesh.boundary_edges.end(); ++e)
+        e->triangle += n_triangles, e->boundary += n_boundaries;
+}
+
 Grouped<Index> vertex_stars(const Mesh& mesh) {
     return {mesh.vertices.size(), [&](const auto& visit) {
                 for (Index t = 0; t < mesh.n_triangles(); ++t)

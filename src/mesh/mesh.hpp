@@ -23,8 +23,15 @@ struct BoundaryEdge {
     Index boundary;  // index into boundary_names
 };
 
+/// Consecutive triangles with a name: a body of a scene, or several bodies.
+struct MeshPart {
+    std::string name;
+    Index first_triangle, n_triangles;
+};
+
 /// A triangle owns its corners (element nodes): of order 1 its three vertices 0, 1, 2; of order 2 also 3 + k, the
-/// middle of edge k, and 6, its centre. Corner k of triangle t has the number corners_per_triangle() t + k.
+/// middle of edge k, and 6, its centre. Corner k of triangle t has the number corners_per_triangle() t + k. Bodies have
+/// no vertices in common, also where they touch.
 struct Mesh {
     Index order = 1;                              // of the displacement on a triangle: 1 or 2
     std::vector<Vec2> vertices;                   // [m]
@@ -34,6 +41,7 @@ struct Mesh {
     std::vector<InteriorEdge> interior_edges;
     std::vector<BoundaryEdge> boundary_edges;
     std::vector<std::string> boundary_names;
+    std::vector<MeshPart> parts;  // bodies first, then groups of them; empty: one body without a name
 
     Index n_triangles() const { return static_cast<Index>(triangles.size()); }
     Index n_vertices() const { return static_cast<Index>(vertices.size()); }
@@ -74,6 +82,9 @@ void find_edges(Mesh& mesh);
 /// afterwards. Vertices without a triangle are dropped. Returns the new number of every old vertex, -1 for a dropped
 /// one.
 std::vector<Index> order_along_curve(Mesh& mesh);
+
+/// Adds the triangles, edges and boundaries of another body behind those of `mesh`. Neither has grains.
+void append(Mesh& mesh, const Mesh& body);
 
 /// One key for the edge between two vertices, in either direction.
 inline std::uint64_t edge_key(std::array<Index, 2> ends) {

@@ -330,19 +330,6 @@ std::string GraphSegment::part_name() const {
     return ring > 0 ? concatenated("holes[", ring - 1, "]") : "outer";
 }
 
-bool Shape::contains(const Vec2& p) const {
-    const auto covers = [&](const Ring& ring) { return knap::contains(ring.points, p); };
-    return covers(outer) && std::none_of(holes.begin(), holes.end(), covers);
-}
-
-double Shape::area() const {
-    double sum = std::abs(signed_area(outer.points));
-    for (const Ring& hole : holes) sum -= std::abs(signed_area(hole.points));
-    return sum;
-}
-
-double Shape::tolerance() const { return 1e-6 * bounding_box(outer.points).diagonal(); }
-
 void check_shape(const Shape& shape) {
     check_points("outer", shape.outer.points, true, 0);
     const double tolerance = shape.tolerance();

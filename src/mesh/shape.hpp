@@ -3,6 +3,7 @@
 #include "base/text.hpp"
 #include "mesh/polygon.hpp"
 
+#include <optional>
 #include <stdexcept>
 
 namespace knap {
@@ -19,7 +20,7 @@ struct Crack {
     Index joint = -1;          // number of the joint set whose law acts; -1 = no cohesion
 };
 
-/// A part of the domain with a material of its own. Later regions cover earlier ones; outside all regions the tag is 0.
+/// A part of the body with a material of its own. Later regions cover earlier ones.
 struct Region {
     std::vector<Vec2> points;  // [m], closed polygon
     Index tag = 0;             // material index
@@ -30,6 +31,7 @@ struct Shape {
     std::vector<Ring> holes;
     std::vector<Crack> cracks;
     std::vector<Region> regions;
+    Index tag = 0;  // material index outside all regions
     std::vector<std::string> boundary_names;
 
     /// True in the outer ring and in no hole.
@@ -37,6 +39,17 @@ struct Shape {
     double area() const;       // [m2] of the outer ring without the holes
     double tolerance() const;  // [m] points nearer than this are the same point: 1e-6 of the diagonal
 };
+
+/// Turns a shape about a point by an angle [rad].
+void turn(Shape& shape, const Vec2& about, double angle);
+
+struct ShapeOverlap {
+    double depth;  // [m] of a point of one shape below the border of the other
+    Vec2 place;    // [m] that point
+};
+/// Where two shapes lie in each other by more than `tolerance` [m]; shapes that touch do not. The deepest of a few
+/// places: the depth is at least half of the largest one along a straight side within a convex shape.
+std::optional<ShapeOverlap> overlap(const Shape& a, const Shape& b, double tolerance);
 
 /// A shape that cannot be meshed. `part` names the offender as in Shape: "outer", "holes[0]", "cracks[1]",
 /// "regions[0]", "size".

@@ -228,9 +228,9 @@ void label_edges(Mesh& mesh, const std::vector<GraphSegment>& on_lines, const Sh
     }
 }
 
-void tag_regions(Mesh& mesh, const std::vector<Region>& regions) {
-    mesh.region.assign(mesh.triangles.size(), 0);
-    for (const Region& region : regions) {
+void tag_regions(Mesh& mesh, const Shape& shape) {
+    mesh.region.assign(mesh.triangles.size(), shape.tag);
+    for (const Region& region : shape.regions) {
         const Box box = bounding_box(region.points);
         for (Index t = 0; t < mesh.n_triangles(); ++t) {
             const Vec2 centroid = mesh.centroid(t);
@@ -268,7 +268,7 @@ Mesh triangulate(const Shape& shape, const MeshOptions& options) {
     relax_worst(mesh, fixed, size, QualityTarget(options.min_angle + 2));
     const std::vector<Index> number = order_along_curve(mesh);
     for (GraphSegment& edge : on_lines) edge.from = number[edge.from], edge.to = number[edge.to];
-    tag_regions(mesh, shape.regions);
+    tag_regions(mesh, shape);
     find_edges(mesh);
     label_edges(mesh, on_lines, shape);
     check_area(mesh, shape);

@@ -35,10 +35,11 @@ struct PrescribedRate {
 PrescribedRate prescribed_rate(bool is_displacement, double value, const TimeFunction& history, double displacement,
                                const StepTimes& step);
 
-/// A named boundary, everything inside a box, the part of a boundary inside a box, or everything.
+/// A named boundary, everything inside a box, a body or a group of bodies, what they have in common, or everything.
 struct Selection {
     std::string boundary;  // empty: not by name
     std::optional<Box> box;
+    std::string body;  // of Mesh::parts; empty: all
 };
 
 struct Load {
@@ -75,8 +76,9 @@ struct Support {
 };
 
 struct InitialVelocity {
-    Selection on;  // triangles whose centroid lies inside the box; everywhere without one
-    Vec2 value;    // [m/s]
+    Selection on;     // triangles of the body whose centroid lies inside the box
+    Vec2 value;       // [m/s]
+    double spin = 0;  // [rad/s] about the centre of mass of these triangles, counterclockwise
 };
 
 }  // namespace knap

@@ -19,6 +19,7 @@ Selected not_empty(Selected selected, const std::string& what, const Selection& 
     if (!selected.empty()) return selected;
     std::string place = on.box ? "a box" : "everything";
     if (!on.boundary.empty()) place = "boundary `" + on.boundary + "`" + (on.box ? " inside a box" : "");
+    if (!on.body.empty()) place += " of body `" + on.body + "`";
     throw EmptySelection(list, number, what + " on " + place + " selects nothing of the mesh");
 }
 
@@ -151,21 +152,43 @@ std::vector<Index> parts_that_move_as_one(const Model& model, const Fan& fan) {
     return part;
 }
 
+/// Of some triangles.
+Vec2 centre_of_mass(const Model& model, const std::vector<Index>& triangles) {
+    const Vec2 origin = model.mesh.centroid(triangles.front());  // a distant one would cost digits
+    Vec2 moment = Vec2::Zero();
+    double mass = 0;
+    for (const Index t : triangles) {
+        moment += model.triangle_mass(t) * (model.mesh.centroid(t) - origin);
+        mass += model.triangle_mass(t);
+    }
+    return origin + moment / mass;
+}
+
+/// The velocity v + omega x (x - x_c) that the scenario gives to each corner.
+std::vector<Vec2> given_velocities(const std::vector<InitialVelocity>& given, const Model& model) {
+    std::vector<Vec2> of_corner(model.mesh.n_corners(), Vec2::Zero());
+    for (std::size_t i = 0; i < given.size(); ++i) {
+        const auto& [on, value, spin] = given[i];
+        const std::vector<Index> triangles = not_empty(selected_triangles(model.mesh, on), "an initial velocity", on,
+                                                       EmptySelection::initial_velocities, i);
+        const Vec2 centre = spin != 0 ? centre_of_mass(model, triangles) : Vec2(Vec2::Zero());
+        const Index n = model.mesh.corners_per_triangle();
+        for (const Index t : triangles)
+            for (Index c = n * t; c < n * (t + 1); ++c)
+                of_corner[c] = spin != 0 ? Vec2(value + spin * turned_left(model.mesh.corner(c) - centre)) : value;
+    }
+    return of_corner;
+}
+
 /// Corners that move as one start with the mass-weighted mean of their velocities, which keeps the momentum; the first
 /// step would otherwise join them with a loss of energy that no term of the balance covers. On the support they are at
 /// rest.
 void set_initial_velocities(const std::vector<InitialVelocity>& given, Model& model) {
-    std::vector<Vec2> of_triangle(model.mesh.n_triangles(), Vec2::Zero());
-    for (std::size_t i = 0; i < given.size(); ++i) {
-        Selection on = given[i].on;
-        for (const Index t : not_empty(selected_triangles(model.mesh, on), "an initial velocity", on,
-                                       EmptySelection::initial_velocities, i))
-            of_triangle[t] = given[i].value;
-    }
+    const std::vector<Vec2> of_corner = given_velocities(given, model);
     model.initial_velocity.assign(model.mesh.n_corners(), Vec2::Zero());
     for (const Fan& fan : model.fans) {
         const auto corners = model.corners(fan);
-        const auto given_at = [&](Index i) -> const Vec2& { return of_triangle[model.mesh.triangle_of(corners[i])]; };
+        const auto given_at = [&](Index i) -> const Vec2& { return of_corner[corners[i]]; };
         const std::vector<Index> part = parts_that_move_as_one(model, fan);
         for (Index first = 0; first < fan.n_corners; ++first) {
             Vec2 momentum = Vec2::Zero();
@@ -198,7 +221,7 @@ void start_as_driven(Model& model) {
 void weigh_obstacles(const std::vector<Load>& loads, Model& model) {
     for (Obstacle& obstacle : model.obstacles)
         for (const Load& load : loads)
-            if (load.kind == Load::Kind::acceleration && !load.on.box)
+            if (load.kind == Load::Kind::acceleration && !load.on.box && load.on.body.empty())
                 obstacle.forces.push_back(
                     {.value = obstacle.mass * Vec3(load.vector().x(), load.vector().y(), 0), .history = load.history});
 }

@@ -1,11 +1,29 @@
 #include "model/selections.hpp"
 
+#include <algorithm>
+
 namespace knap {
+namespace {
+
+/// The triangles of the body of a selection; all triangles where it names none.
+MeshPart body_of(const Mesh& mesh, const Selection& on) {
+    if (on.body.empty()) return {"", 0, mesh.n_triangles()};
+    const auto found = std::ranges::find(mesh.parts, on.body, &MeshPart::name);
+    return found == mesh.parts.end() ? MeshPart{} : *found;
+}
+
+bool contains(const MeshPart& part, Index triangle) {
+    return triangle >= part.first_triangle && triangle < part.first_triangle + part.n_triangles;
+}
+
+}  // namespace
 
 std::vector<std::size_t> selected_edges(const Mesh& mesh, const Selection& on) {
     std::vector<std::size_t> found;
+    const MeshPart body = body_of(mesh, on);
     for (std::size_t i = 0; i < mesh.boundary_edges.size(); ++i) {
         const auto& [triangle, side, boundary] = mesh.boundary_edges[i];
+        if (!contains(body, triangle)) continue;
         const Vec2 middle = 0.5 * (mesh.corner(triangle, side) + mesh.corner(triangle, (side + 1) % 3));
         const bool named = on.boundary.empty() || mesh.boundary_names[boundary] == on.boundary;
         if (named && (!on.box || on.box->contains(middle))) found.push_back(i);
@@ -16,7 +34,10 @@ std::vector<std::size_t> selected_edges(const Mesh& mesh, const Selection& on) {
 std::vector<char> selected_corners(const Mesh& mesh, const Selection& on) {
     std::vector<char> selected(mesh.n_corners(), 0);
     if (on.boundary.empty()) {
-        for (Index c = 0; c < mesh.n_corners(); ++c) selected[c] = !on.box || on.box->contains(mesh.corner(c));
+        const MeshPart body = body_of(mesh, on);
+        const Index n = mesh.corners_per_triangle(), first = n * body.first_triangle;
+        for (Index c = first; c < first + n * body.n_triangles; ++c)
+            selected[c] = !on.box || on.box->contains(mesh.corner(c));
         return selected;
     }
     for (const std::size_t i : selected_edges(mesh, on)) {
@@ -30,7 +51,8 @@ std::vector<char> selected_corners(const Mesh& mesh, const Selection& on) {
 
 std::vector<Index> selected_triangles(const Mesh& mesh, const Selection& on) {
     std::vector<Index> selected;
-    for (Index t = 0; t < mesh.n_triangles(); ++t)
+    const MeshPart body = body_of(mesh, on);
+    for (Index t = body.first_triangle; t < body.first_triangle + body.n_triangles; ++t)
         if (!on.box || on.box->contains(mesh.centroid(t))) selected.push_back(t);
     return selected;
 }

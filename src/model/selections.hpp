@@ -7,13 +7,13 @@
 
 namespace knap {
 
-/// Indices of the boundary edges of the boundary (or all) whose middle is in the box.
+/// Indices of the boundary edges of the boundary (or all) of the body whose middle is in the box.
 std::vector<std::size_t> selected_edges(const Mesh& mesh, const Selection& on);
 
-/// Per corner: it belongs to a selected edge, or (without a boundary name) lies in the box.
+/// Per corner: it belongs to a selected edge, or (without a boundary name) to the body and lies in the box.
 std::vector<char> selected_corners(const Mesh& mesh, const Selection& on);
 
-/// Triangles whose centroid is in the box.
+/// Triangles of the body whose centroid is in the box.
 std::vector<Index> selected_triangles(const Mesh& mesh, const Selection& on);
 
 /// Per corner, the effect of a prescribed motion: the selected corners and, round each vertex, those bonded to them.

@@ -22,6 +22,51 @@ void add_arcs(KeyTable& t, const std::string& table, std::string_view doc, std::
     t.in(table);
 }
 
+/// Outline of a body: of `table`, whose keys follow.
+void add_outline(KeyTable& t, const std::string& table) {
+    t.number("size", "m", "width and height").pair().above(0).required().only_with("shape", {"rectangle"});
+    t.number("origin", "m", "lower left corner").pair().otherwise("[0, 0]").only_with("shape", {"rectangle"});
+    t.number("points", "m", "corners in order, without repeating the first one")
+        .points().required().only_with("shape", {"polygon"});
+    t.text("sides", "boundary names of the sides, in the order of the points; sides may share a name")
+        .list().a_name().computed("side1, side2, ...").only_with("shape", {"polygon"});
+    add_arcs(t, table, "sides of the polygon that are circular arcs; they keep their boundary names", {"polygon"});
+    t.number("centre", "m", "centre of the disc").pair().otherwise("[0, 0]").only_with("shape", {"disc"});
+    t.number("radius", "m", "radius of the disc, meshed as a polygon with sides of the local mesh size")
+        .above(0).required().only_with("shape", {"disc"});
+}
+
+/// Holes, cracks and regions of a body: lists of `table`.
+void add_parts(KeyTable& t, const std::string& table) {
+    t.list(table + ".hole[]", "a hole, given by points, or by centre and radius");
+    t.number("points", "m", "corners in order").points();
+    add_arcs(t, table + ".hole[]", "sides between the points that are circular arcs");
+    t.number("centre", "m", "centre of a round hole").pair();
+    t.number("radius", "m", "radius of a round hole, meshed as a polygon with at least twelve sides").above(0);
+    t.text("name", "boundary name of its edge").a_name().computed("hole1, hole2, ...");
+    t.list(table + ".crack[]", "a closed initial crack without cohesion; contact and friction follow the interface law "
+        "of the materials on its sides");
+    t.number("points", "m", "polyline of the crack").points().required();
+    t.list(table + ".region[]", "a part of another material, given by points, by centre and radius, or by a box; later "
+        "regions overwrite earlier ones");
+    t.number("points", "m", "corners in order").points();
+    add_arcs(t, table + ".region[]", "sides between the points that are circular arcs");
+    t.number("centre", "m", "centre of a disc").pair();
+    t.number("radius", "m", "radius of a disc").above(0);
+    t.number("box", "m", "lower left and upper right corner").box();
+    t.text("material", "name of a material").required();
+}
+
+/// What bodies have besides their shape.
+void add_matter_and_motion(KeyTable& t) {
+    t.text("material", "name of a material").computed("the first material");
+    t.number("mesh_size", "m", "requested mean edge length of its mesh").above(0).computed("mesh.size");
+    t.number("velocity", "m/s", "initial velocity, x and y; entries of [[initial]] overwrite it")
+        .pair().to(&InitialVelocity::value);
+    t.number("spin", "deg/s", "initial angular velocity about the centre of mass, counterclockwise")
+        .to(&InitialVelocity::spin, radians);
+}
+
 void add_contact(KeyTable& t) {
     t.number("friction", "", "Coulomb friction coefficient").at_least(0).otherwise("0").to(&CohesiveLaw::friction);
     t.number("restitution", "", "Newton's coefficient of restitution: 0 plastic, 1 elastic impact")
@@ -44,40 +89,26 @@ void add_keys_of_body(KeyTable& t) {
     t.integer("seed", "seed of all random numbers: mesh, grains, inclusions, joints, strength")
         .at_least(0).otherwise("1").to(&Scenario::seed);
 
-    t.table("domain", "the body; with mesh.file only model and thickness");
-    t.word("shape", {"rectangle", "polygon", "disc"}, "outline of the body, required without mesh.file; a rectangle "
-        "has the boundaries left, right, bottom, top, a disc the boundary rim");
-    t.number("size", "m", "width and height").pair().above(0).required().only_with("shape", {"rectangle"});
-    t.number("origin", "m", "lower left corner").pair().otherwise("[0, 0]").only_with("shape", {"rectangle"});
-    t.number("points", "m", "corners in order, without repeating the first one")
-        .points().required().only_with("shape", {"polygon"});
-    t.text("sides", "boundary names of the sides, in the order of the points; sides may share a name")
-        .list().a_name().computed("side1, side2, ...").only_with("shape", {"polygon"});
-    add_arcs(t, "domain", "sides of the polygon that are circular arcs; they keep their boundary names", {"polygon"});
-    t.number("centre", "m", "centre of the disc").pair().otherwise("[0, 0]").only_with("shape", {"disc"});
-    t.number("radius", "m", "radius of the disc, meshed as a polygon with sides of the local mesh size")
-        .above(0).required().only_with("shape", {"disc"});
+    t.table("domain", "the body, and what all bodies have in common; with mesh.file or [[body]] only the latter");
+    t.word("shape", {"rectangle", "polygon", "disc"}, "outline of the body, required without mesh.file and [[body]]; a "
+        "rectangle has the boundaries left, right, bottom, top, a disc the boundary rim");
+    add_outline(t, "domain");
     t.word("model", {"plane strain", "plane stress"}, "assumption on the out-of-plane direction")
         .otherwise("plane strain").to(&Scenario::plane, {PlaneModel::strain, PlaneModel::stress});
     t.number("thickness", "m", "out-of-plane thickness; forces and energies are those of this thickness")
         .above(0).otherwise("1").to(&Scenario::thickness);
-    t.list("domain.hole[]", "a hole, given by points, or by centre and radius");
-    t.number("points", "m", "corners in order").points();
-    add_arcs(t, "domain.hole[]", "sides between the points that are circular arcs");
-    t.number("centre", "m", "centre of a round hole").pair();
-    t.number("radius", "m", "radius of a round hole, meshed as a polygon with at least twelve sides").above(0);
-    t.text("name", "boundary name of its edge").a_name().computed("hole1, hole2, ...");
-    t.list("domain.crack[]", "a closed initial crack without cohesion; contact and friction follow the interface law "
-        "of the materials on its sides");
-    t.number("points", "m", "polyline of the crack").points().required();
-    t.list("domain.region[]", "a part of another material, given by points, by centre and radius, or by a box; later "
-        "regions overwrite earlier ones");
-    t.number("points", "m", "corners in order").points();
-    add_arcs(t, "domain.region[]", "sides between the points that are circular arcs");
-    t.number("centre", "m", "centre of a disc").pair();
-    t.number("radius", "m", "radius of a disc").above(0);
-    t.number("box", "m", "lower left and upper right corner").box();
-    t.text("material", "name of a material").required();
+    add_parts(t, "domain");
+
+    t.list("body[]", "a body of a scene of several bodies, in place of the shape of [domain]. Bodies may touch, they "
+        "are not joined, and each has a mesh of its own. Boundaries are named NAME.left, NAME.rim, ...; "
+        "on = { body = \"NAME\" } selects the body");
+    t.text("name", "name of the body").a_name().computed("body1, body2, ...");
+    t.word("shape", {"rectangle", "polygon", "disc"}, "outline, with the keys and boundaries of [domain]").required();
+    add_outline(t, "body[]");
+    t.number("angle", "deg", "angle by which it is turned, with holes, cracks and regions: about the origin of a "
+        "rectangle, the first point of a polygon, the centre of a disc").otherwise("0");
+    add_matter_and_motion(t);
+    add_parts(t, "body[]");
 
     t.table("mesh", "the triangle mesh").required();
     t.number("size", "m", "requested mean edge length; required without mesh.file").above(0).to(&MeshOptions::size);
@@ -125,6 +156,7 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.number("direction", "deg", "angle of the long axis to x; without it random")
         .to(&InclusionOptions::direction, radians);
     t.text("material", "name of a material; without it pores");
+    t.text("body", "name of the body; required where there are several");
     t.text("name", "boundary name of the edges of pores").a_name().computed("pores");
 
     t.list("joints[]", "a joint set: closed cracks, or interfaces with a law of their own; with thickness and material "
@@ -141,6 +173,7 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.text("interface", "name of the interface law of the joints; without it they are cracked from the start");
     t.number("thickness", "m", "thickness of veins, at least half of mesh.size").above(0).to(&JointOptions::thickness);
     t.text("material", "material of veins");
+    t.text("body", "name of the body; required where there are several");
 
     t.list("map[]", "a picture whose colours are materials; a triangle takes the material that covers most of it");
     t.text("file", "PNG picture, relative to the scenario file").required();
@@ -217,10 +250,11 @@ void add_keys_of_loads(KeyTable& t) {
         "constant");
     t.text("name", "name of the load in reactions.csv, in the summary, in specimen.force, [expect] and [study]; "
         "letters, digits, blanks, _ and -").a_name().computed("load0, load1, ...").to(&Load::name);
-    t.table("load[].on", "place: a boundary, a box, or the part of a boundary inside a box; body_force and "
-        "acceleration without it act on the whole body").or_text("boundary");
+    t.table("load[].on", "place: a boundary, a box, a body, or what they have in common; body_force and "
+        "acceleration without it act on all bodies").or_text("boundary");
     t.text("boundary", "name of a boundary").to(&Selection::boundary);
     t.number("box", "m", "lower left and upper right corner").box().to(&Selection::box);
+    t.text("body", "name of a body, or of a group of bodies").to(&Selection::body);
     t.in("load[]");
     t.number("traction", "Pa", "force per area on the boundary, x and y").pair();
     t.number("pressure", "Pa", "normal force per area on the boundary, towards the body; the normal is that of the "
@@ -257,9 +291,12 @@ void add_keys_of_loads(KeyTable& t) {
     add_history(t, "rise time: the factor of prescribed motion and force grows linearly from 0 to 1 and stays 1");
 
     t.list("initial[]", "an initial velocity; later entries overwrite earlier ones");
-    t.number("velocity", "m/s", "velocity, x and y").pair().required().to(&InitialVelocity::value);
-    t.number("box", "m", "box of the centroids of the triangles that have it; without it the whole body")
+    t.number("velocity", "m/s", "velocity, x and y; velocity, spin or both").pair().to(&InitialVelocity::value);
+    t.number("spin", "deg/s", "angular velocity about the centre of mass of the selected triangles, counterclockwise")
+        .to(&InitialVelocity::spin, radians);
+    t.number("box", "m", "box of the centroids of the triangles that have it; without it all")
         .box().to(&Selection::box);
+    t.text("body", "name of a body, or of a group of bodies; without it all").to(&Selection::body);
 }
 // clang-format on
 

@@ -80,14 +80,22 @@ TimeFunction read_history(const Table& table) {
     return history;
 }
 
+void check_body(const Table& table, const Selection& on) {
+    if (!on.body.empty()) table.reading().find(table.path("body"), "body", on.body, table.scenario().body_names());
+}
+
 Selection read_selection(const Table& table) {
     Selection on;
     table.fill(on);
+    check_body(table, on);
     const Scenario& scenario = table.scenario();
-    const std::vector<std::string>& known = scenario.shape.boundary_names;
+    const std::vector<std::string> known = scenario.boundary_names(), bodies = scenario.body_names();
     const bool shape_is_known = !known.empty() || scenario.given;  // otherwise the shape has an error
-    if (!on.boundary.empty() && shape_is_known)
-        table.reading().find(table.path("boundary"), "boundary", on.boundary, known);
+    if (on.boundary.empty() || !shape_is_known) return on;
+    if (std::ranges::count(bodies, on.boundary) > 0)
+        table.error("unknown-name", "boundary", "= \"" + on.boundary + "\" is a body, not a boundary",
+                    "on = { body = \"" + on.boundary + "\" }, or one of its boundaries, as \"NAME.left\"");
+    else table.reading().find(table.path("boundary"), "boundary", on.boundary, known);
     return on;
 }
 
@@ -111,10 +119,10 @@ void check_where(const Table& load, const KindOfLoad& kind) {
     if (kind.in_volume && on.given("boundary"))
         load.error("exclusive-keys", "on", std::string("names a boundary, but ") + kind.key + " acts in the body",
                    "on = { box = [...] }, or no `on` for the whole body");
-    if (!kind.in_volume && !on.given("boundary") && !on.given("box"))
+    if (!kind.in_volume && !on.given("boundary") && !on.given("box") && !on.given("body"))
         load.error(
             "missing-key", "on", "names neither a boundary nor a box",
-            "on = \"BOUNDARY\", { box = [...] } or both; boundaries: " + joined(load.scenario().shape.boundary_names));
+            "on = \"BOUNDARY\", { box = [...] } or both; boundaries: " + first_of(load.scenario().boundary_names()));
 }
 
 void read_load(const Table& table) {
@@ -252,6 +260,9 @@ void read_loads(Reading& reading) {
         InitialVelocity initial{.on = {}, .value = Vec2::Zero()};
         table.fill(initial);
         table.fill(initial.on);
+        check_body(table, initial.on);
+        if (!table.given("velocity") && !table.given("spin"))
+            table.error("missing-key", "", "has neither velocity nor spin", "velocity = [x, y], spin, or both");
         reading.scenario.initial_velocities.push_back(initial);
     }
     for (const Table& table : reading.list("obstacle")) read_obstacle(table);

@@ -15,33 +15,50 @@ namespace {
 constexpr double min_size = 1.5;         // [mesh size] grains and inclusions of fewer triangles would have no shape
 constexpr int max_colour_distance = 80;  // of a pixel from its colour, in the RGB cube of side 255
 
-/// Random sets change a shape; with a mesh file or without a valid body there is none.
-bool has_body(const Table& set) {
+/// Random sets change a shape: that of the body they name, or of the only one. Null with a mesh file and without such a
+/// body.
+Body* body_of(const Table& set) {
+    std::vector<Body>& bodies = set.scenario().bodies;
     if (set.reading().table("mesh").given("file")) {
         set.error("exclusive-keys", "", "has no meaning with mesh.file",
                   "the file defines the body; grains and maps are allowed");
-        return false;
+        return nullptr;
     }
-    return set.scenario().shape.outer.points.size() >= 3 && set.scenario().mesh.size > 0 &&
-           !set.reading().findings.has_errors();
+    std::vector<std::string> names;
+    for (const Body& body : bodies) names.push_back(body.name);
+    if (!set.given("body") && bodies.size() > 1)
+        set.error("missing-key", "body", "is missing", "the name of a body: " + first_of(names));
+    if (!set.given("body")) return bodies.size() == 1 ? &bodies.front() : nullptr;
+    const auto found = set.reading().find(set.path("body"), "body", set.text("body"), names);
+    return found ? &bodies[*found] : nullptr;
 }
 
-/// An error if a length is below `factor` times mesh.size; `factor_text` names the factor: "half of ".
-void check_length(const Table& table, const char* key, double factor, const char* factor_text, const char* cure = "") {
+/// Without a mistake so far.
+bool is_valid(const Table& set, const Body& body) {
+    return body.shape.outer.points.size() >= 3 && body.mesh.size > 0 && !set.reading().findings.has_errors();
+}
+
+/// An error if a length is below `factor` times the mesh size; `factor_text` names the factor: "half of ".
+void check_length(const Table& table, double mesh_size, const char* key, double factor, const char* factor_text,
+                  const char* cure = "") {
     const std::optional<double> length = table.number(key);
-    if (length && *length < factor * table.scenario().mesh.size)
+    if (length && *length < factor * mesh_size)
         table.error("out-of-range", key, std::string("is below ") + factor_text + "mesh.size", cure);
 }
 
 /// Calls `place`, which adds inclusions or joints to a part of the shape; reports its failure at `key`.
 template <class Place>
-void place_set(const Table& table, RandomSet::Part part, const std::string& key, const std::string& cure, Place place) {
-    const Shape& shape = table.scenario().shape;
+void place_set(const Table& table, const Body& body, RandomSet::Part part, const std::string& key,
+               const std::string& cure, Place place) {
+    const Shape& shape = body.shape;
     const auto size = [&] {
         if (part == RandomSet::Part::regions) return shape.regions.size();
         return part == RandomSet::Part::holes ? shape.holes.size() : shape.cracks.size();
     };
-    RandomSet set{.path = table.path(), .part = part, .first = size()};
+    RandomSet set{.path = table.path(),
+                  .body = static_cast<std::size_t>(&body - table.scenario().bodies.data()),
+                  .part = part,
+                  .first = size()};
     try {
         set.fraction = place();
     } catch (const ShapeError& error) {
@@ -52,31 +69,36 @@ void place_set(const Table& table, RandomSet::Part part, const std::string& key,
 }
 
 void read_inclusions(const Table& table, std::size_t number) {
-    Scenario& scenario = table.scenario();
-    Shape& shape = scenario.shape;
-    const double size = scenario.mesh.size;
+    Body* const body = body_of(table);
+    const MeshOptions& mesh = body ? body->mesh : table.scenario().mesh;
+    const double size = mesh.size;
     const auto amount = table.one_of({"fraction", "number"}, true);
     if (size > 0) table.compute("distance", Node::of_number(0.5 * size));
     const bool pores = !table.given("material");
     if (pores) table.compute("name", Node::of_text("pores"));
-    InclusionOptions options{.tag = table.material("material"), .mesh = scenario.mesh};
+    InclusionOptions options{.tag = table.material("material"), .mesh = mesh};
     table.fill(options);
     if (!pores && table.given("name"))
         table.error("exclusive-keys", "name", "belongs to pores, which have no material");
-    check_length(table, "size", min_size, "1.5 times ", "larger inclusions or a finer mesh");
-    check_length(table, "distance", 0.2, "a fifth of ");
-    if (!amount || !has_body(table)) return;
-    if (pores) options.boundary = boundary_index(shape, table.has("name") ? table.text("name") : "pores");
+    check_length(table, size, "size", min_size, "1.5 times ", "larger inclusions or a finer mesh");
+    check_length(table, size, "distance", 0.2, "a fifth of ");
+    if (!amount || !body || !is_valid(table, *body)) return;
+    if (pores)
+        options.boundary = boundary_index(body->shape, (body->name.empty() ? "" : body->name + ".") +
+                                                           (table.has("name") ? table.text("name") : "pores"));
     const std::string cure =
         "a smaller " + *amount + ", or a smaller distance" + (options.number > 0 ? ", or smaller inclusions" : "");
-    place_set(table, pores ? RandomSet::Part::holes : RandomSet::Part::regions, *amount, cure, [&] {
-        return place_inclusions(shape, options, scenario.seed, "inclusions " + std::to_string(number)).fraction;
+    place_set(table, *body, pores ? RandomSet::Part::holes : RandomSet::Part::regions, *amount, cure, [&] {
+        return place_inclusions(body->shape, options, table.scenario().seed, "inclusions " + std::to_string(number))
+            .fraction;
     });
 }
 
 void read_joints(const Table& table, std::size_t number) {
     Scenario& scenario = table.scenario();
-    JointOptions options{.tag = table.material("material"), .nearest = 0.2 * scenario.mesh.size};
+    Body* const body = body_of(table);
+    const double size = body ? body->mesh.size : scenario.mesh.size;
+    JointOptions options{.tag = table.material("material"), .nearest = 0.2 * size};
     table.fill(options);
     const bool crosses = options.persistence == 1, has_law = table.given("interface");
     if (table.has("persistence") && crosses == table.given("length"))
@@ -85,17 +107,17 @@ void read_joints(const Table& table, std::size_t number) {
     if (table.given("thickness") != table.given("material"))
         table.error("missing-key", "", ": thickness and material belong together", "they make veins");
     if (has_law) table.one_of({"interface", "thickness"}, false);
-    check_length(table, "spacing", 1, "");
-    check_length(table, "thickness", 0.5, "half of ");
-    if (!has_body(table)) return;
+    check_length(table, size, "spacing", 1, "");
+    check_length(table, size, "thickness", 0.5, "half of ");
+    if (!body || !is_valid(table, *body)) return;
     if (has_law) {
         options.joint = static_cast<Index>(scenario.law_of_joint.size());
         scenario.law_of_joint.push_back(-1);  // set by read_laws
     }
     int n_left_out = 0;
-    place_set(table, options.tag ? RandomSet::Part::regions : RandomSet::Part::cracks, "spacing",
+    place_set(table, *body, options.tag ? RandomSet::Part::regions : RandomSet::Part::cracks, "spacing",
               "a larger spacing or length, or a smaller body", [&] {
-                  n_left_out = place_joints(scenario.shape, options, scenario.seed, "joints " + std::to_string(number));
+                  n_left_out = place_joints(body->shape, options, scenario.seed, "joints " + std::to_string(number));
                   return 0.;
               });
     if (n_left_out > 0)
@@ -156,9 +178,12 @@ void read_map(const Table& table, std::size_t number) {
     std::string problem;
     const std::optional<Picture> picture = read_png(*bytes, problem);
     if (!picture) return table.error("bad-file", "file", problem);
-    const std::vector<Vec2>& body = scenario.given ? scenario.given->mesh.vertices : scenario.shape.outer.points;
-    if (body.empty()) return;
-    const Box box = table.get<Box>("box").value_or(bounding_box(body));
+    std::vector<Vec2> points;  // of the bodies
+    if (scenario.given) points = scenario.given->mesh.vertices;
+    for (const Body& body : scenario.bodies)
+        points.insert(points.end(), body.shape.outer.points.begin(), body.shape.outer.points.end());
+    if (points.empty()) return;
+    const Box box = table.get<Box>("box").value_or(bounding_box(points));
     MaterialMap map{.low = box.low, .high = box.high, .width = picture->width, .height = picture->height};
     for (std::size_t pixel = 0; pixel < picture->rgb.size() / 3; ++pixel)
         map.material.push_back(material_of_pixel(colours, &picture->rgb[3 * pixel]));
@@ -197,7 +222,8 @@ void read_grains(const Table& table) {
     }
     if (sum > 1 + 1e-9)
         table.error("out-of-range", "mineral[0].fraction", "and the other fractions sum to more than 1");
-    check_length(table, "size", min_size, "1.5 times ", "a grain needs a few triangles: larger grains or a finer mesh");
+    check_length(table, scenario.mesh.size, "size", min_size, "1.5 times ",
+                 "a grain needs a few triangles: larger grains or a finer mesh");
     scenario.rocks.push_back(std::move(rock));
 }
 

@@ -107,7 +107,7 @@ void read_figure(const Table& table, std::set<std::string>& files) {
 /// All possible ends of a gauge.
 std::vector<NamedEnd> gauge_ends(const Reading& reading) {
     std::vector<NamedEnd> found;
-    for (const std::string& boundary : reading.scenario.shape.boundary_names)
+    for (const std::string& boundary : reading.scenario.boundary_names())
         found.emplace_back(boundary, GaugeEnd{.boundary = boundary});
     for (const ProbeOptions& probe : reading.scenario.probes)
         if (!probe.interface) found.emplace_back(probe.name, GaugeEnd{.kind = GaugeEnd::Kind::place, .at = probe.at});
@@ -204,6 +204,9 @@ void read_specimen(Reading& reading) {
     if (driver) check_other_end(table, specimen);
     if (!(specimen.modulus_between[0] < specimen.modulus_between[1]))
         table.error("out-of-range", "modulus_between", "does not ascend");
+    for (const char* key : {"height", "width"})
+        if (reading.scenario.bodies.size() > 1 && !table.given(key))
+            table.error("missing-key", key, "is missing: there are several bodies", "the size of the specimen");
     reading.scenario.specimen = specimen;
 }
 

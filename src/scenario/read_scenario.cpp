@@ -62,13 +62,15 @@ std::string text_of_file(const std::filesystem::path& file) {
     }
 }
 
-/// "holes[1]" of a Shape -> "domain.hole[1]" of the scenario.
+/// "holes[1]" of a Shape -> "domain.hole[1]" of the scenario, "body[2].holes[1]" -> "body[2].hole[1]".
 std::string path_of_part(const std::string& part) {
-    if (part == "size") return "mesh.size";
-    for (const auto& [list, key] :
-         {std::pair{"holes", "domain.hole"}, {"cracks", "domain.crack"}, {"regions", "domain.region"}})
-        if (part.starts_with(list)) return key + part.substr(std::string_view(list).size());
-    return "domain";
+    const std::size_t dot = part.find('.');
+    const bool of_domain = dot == std::string::npos;
+    const std::string table = of_domain ? "domain" : part.substr(0, dot), own = of_domain ? part : part.substr(dot + 1);
+    if (own == "size") return of_domain ? "mesh.size" : table + ".mesh_size";
+    for (const auto& [list, key] : {std::pair{"holes", ".hole"}, {"cracks", ".crack"}, {"regions", ".region"}})
+        if (own.starts_with(list)) return table + key + own.substr(std::string_view(list).size());
+    return table;
 }
 
 /// The built-in scenario that a name means: itself, or the shortest name with this beginning if all others with it

@@ -28,6 +28,14 @@ Index boundary_index(Shape& shape, const std::string& name) {
     return static_cast<Index>(found);
 }
 
+std::string first_of(std::vector<std::string> names) {
+    constexpr std::size_t max = 24;
+    const std::size_t n = names.size();
+    if (n <= max) return joined(names);
+    names.resize(max);
+    return joined(names) + ", ... (" + std::to_string(n) + ")";
+}
+
 Table Reading::table(const std::string& path) {
     static Node absent{.origin = Origin::constant_default};
     const Node* node = values.find(path);
@@ -49,7 +57,7 @@ std::optional<Index> Reading::find(const std::string& path, const std::string& w
     const auto found = std::ranges::find(known, name);
     if (found != known.end()) return static_cast<Index>(found - known.begin());
     findings.error("unknown-name", "there is no " + what + " `" + name + "`", values.place_of(path),
-                   known.empty() ? "there is none" : "known: " + joined(known), did_you_mean(name, known));
+                   known.empty() ? "there is none" : "known: " + first_of(known), did_you_mean(name, known));
     return std::nullopt;
 }
 

@@ -118,12 +118,21 @@ private:
     Node& node_;
 };
 
+/// "a, b, c"; of many names the first ones, and their number.
+std::string first_of(std::vector<std::string> names);
+
 /// Index of a boundary's name in a shape, to which a new name is added.
 Index boundary_index(Shape& shape, const std::string& name);
 
+/// The outline, holes, cracks and regions of [domain] or a [[body]]. Names of boundaries begin with `prefix`; curves
+/// become polygons with sides of the size of `mesh`.
+void read_shape(const Table& table, const MeshOptions& mesh, const std::string& prefix, Shape& shape);
+/// The body of mesh.file.
+void read_mesh_file(Reading& reading);
+
 // The blocks, in the order in which they are read.
 void read_materials(Reading& reading);       // before shape and laws
-void read_body(Reading& reading);            // [domain] and [mesh]: before everything that names a boundary
+void read_body(Reading& reading);            // [domain], [mesh], [[body]]: before everything that names a boundary
 void read_microstructure(Reading& reading);  // inclusions and joints, which change the shape; maps; grains
 void read_supports(Reading& reading);        // before laws: a law may have the name that a support uses
 void read_laws(Reading& reading);

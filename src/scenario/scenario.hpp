@@ -33,6 +33,21 @@ struct NamedLaw {
     Scatter scatter;
 };
 
+/// A body that is meshed by itself.
+struct Body {
+    std::string name;  // empty: the body of [domain], the only one; else its boundaries are NAME.left, ...
+    std::string path;  // of the table that defines it: "domain", "body[2]"
+    Shape shape;
+    MeshOptions mesh;            // with a size and a seed of its own
+    bool own_mesh_size = false;  // mesh_size of the body is given
+};
+
+/// Consecutive bodies that one [[bodies]] makes.
+struct BodyGroup {
+    std::string name;
+    std::size_t first, n;  // of Scenario::bodies
+};
+
 /// Grains that replace one material.
 struct GrainedRock {
     GrainOptions grains;
@@ -85,7 +100,8 @@ struct NamedFile {
 
 /// The inclusions or joints placed for one [[inclusions]] or [[joints]]: a part of one of the lists of the shape.
 struct RandomSet {
-    std::string path;  // "inclusions[0]"
+    std::string path;      // "inclusions[0]"
+    std::size_t body = 0;  // of Scenario::bodies
     enum class Part { regions, holes, cracks } part;
     std::size_t first = 0;
     int n = 0;
@@ -95,12 +111,13 @@ struct RandomSet {
 struct Scenario {
     std::string name, title;
     std::uint64_t seed = 1;
-    Shape shape;                            // with a mesh file: only its boundary names
-    std::shared_ptr<const MeshFile> given;  // null: the shape is meshed
+    std::vector<Body> bodies;  // none with a mesh file
+    std::vector<BodyGroup> groups;
+    std::shared_ptr<const MeshFile> given;  // null: the bodies are meshed
     PlaneModel plane = PlaneModel::strain;
     double thickness = 1;  // [m]
-    MeshOptions mesh;
-    Index order = 1;  // of the displacement on a triangle
+    MeshOptions mesh;      // of bodies that have no size of their own
+    Index order = 1;       // of the displacement on a triangle
     std::vector<NamedMaterial> materials;
     std::vector<NamedLaw> laws;
     std::vector<std::vector<Index>> law_of_pair;
@@ -112,7 +129,7 @@ struct Scenario {
     std::vector<NamedFile> files;  // copied to the run directory
     std::vector<Load> loads;
     std::vector<Support> supports;
-    std::vector<InitialVelocity> initial_velocities;
+    std::vector<InitialVelocity> initial_velocities;  // those of the bodies, then [[initial]]
     std::vector<Obstacle> obstacles;
     TimeOptions time;
     OutputOptions output;
@@ -124,6 +141,21 @@ struct Scenario {
     StudyOptions study;
     SweepOptions sweep;
 
+    std::vector<std::string> boundary_names() const {
+        std::vector<std::string> names;
+        if (given) names = given->mesh.boundary_names, std::erase(names, "");
+        for (const Body& body : bodies)
+            names.insert(names.end(), body.shape.boundary_names.begin(), body.shape.boundary_names.end());
+        return names;
+    }
+    /// Of bodies and groups of them.
+    std::vector<std::string> body_names() const {
+        std::vector<std::string> names;
+        for (const Body& body : bodies)
+            if (!body.name.empty()) names.push_back(body.name);
+        for (const BodyGroup& group : groups) names.push_back(group.name);
+        return names;
+    }
     std::vector<std::string> material_names() const {
         std::vector<std::string> names;
         for (const NamedMaterial& material : materials) names.push_back(material.name);

@@ -237,6 +237,65 @@ const std::string mesh_file =
                      "/tests/mesh/data/block_41_ascii.msh\"\n"
                      "unit = \"1 mm\"\ncracks = [\"crack\"]\n[material.steel]\ndensity = 8000\nE = 190e9\nnu = 0.3\n");
 
+const std::string scene = samples::changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n", R"([[body]]
+shape = "rectangle"
+size = ["100 mm", "40 mm"]
+origin = ["1 mm", "2 mm"]
+angle = "10 deg"
+material = "glass"
+mesh_size = "2 mm"
+velocity = ["1 m/s", "2 m/s"]
+spin = "90 deg/s"
+[[body.hole]]
+points = [["11 mm", "12 mm"], ["13 mm", "12 mm"], ["13 mm", "14 mm"]]
+arcs = [{ side = 2, through = ["13.5 mm", "13 mm"] }]
+name = "window"
+[[body.hole]]
+centre = ["20 mm", "20 mm"]
+radius = "4 mm"
+[[body.crack]]
+points = [["30 mm", "20 mm"], ["40 mm", "20 mm"]]
+[[body.region]]
+box = ["50 mm", "10 mm", "60 mm", "30 mm"]
+material = "steel"
+[[body.region]]
+centre = ["70 mm", "20 mm"]
+radius = "5 mm"
+material = "steel"
+[[body.region]]
+points = [["80 mm", "30 mm"], ["90 mm", "30 mm"], ["85 mm", "35 mm"]]
+arcs = [{ side = 1, through = ["85 mm", "28 mm"] }]
+material = "steel"
+[[body]]
+name = "cap"
+shape = "polygon"
+points = [["200 mm", 0], ["210 mm", 0], ["210 mm", "10 mm"], ["200 mm", "10 mm"]]
+sides = ["floor", "wall", "lid", "wall"]
+arcs = [{ side = 3, through = ["205 mm", "12 mm"] }]
+[[body]]
+shape = "disc"
+centre = ["150 mm", "50 mm"]
+radius = "10 mm"
+[[load]]
+on = { body = "cap" }
+acceleration = [0, "-9.81 m/s2"]
+[[initial]]
+body = "cap"
+spin = "45 deg/s"
+[[inclusions]]
+size = "3 mm"
+number = 1
+body = "cap"
+[[joints]]
+direction = "60 deg"
+spacing = "20 mm"
+body = "body3"
+[material.steel]
+density = 8000
+E = 190e9
+nu = 0.3
+)");
+
 const std::string schemes = samples::least + "[study]\nschemes = [\"explicit/explicit\", \"implicit/implicit\"]\n";
 
 const std::string implicit = samples::least + R"(bulk = "implicit"
@@ -501,6 +560,44 @@ const Case cases[] = {
     {polygon, "domain.sides", "[\"floor\", \"wall\", \"lid\", \"wall\"]"},
     {disc, "domain.centre", "[0.001, 0.002]"},
     {disc, "domain.radius", "0.01"},
+    {scene, "body[0].shape", "\"rectangle\""},
+    {scene, "body[0].name", "\"body1\""},
+    {scene, "body[0].size", "[0.1, 0.04]"},
+    {scene, "body[0].origin", "[0.001, 0.002]"},
+    {scene, "body[0].angle", "10"},
+    {scene, "body[0].material", "\"glass\""},
+    {scene, "body[0].mesh_size", "0.002"},
+    {scene, "body[0].velocity", "[1, 2]"},
+    {scene, "body[0].spin", "90"},
+    {scene, "body[0].hole[0].points", "[[0.011, 0.012], [0.013, 0.012], [0.013, 0.014]]"},
+    {scene, "body[0].hole[0].arcs[0].side", "2"},
+    {scene, "body[0].hole[0].arcs[0].through", "[0.0135, 0.013]"},
+    {scene, "body[0].hole[0].name", "\"window\""},
+    {scene, "body[0].hole[1].centre", "[0.02, 0.02]"},
+    {scene, "body[0].hole[1].radius", "0.004"},
+    {scene, "body[0].crack[0].points", "[[0.03, 0.02], [0.04, 0.02]]"},
+    {scene, "body[0].region[0].box", "[0.05, 0.01, 0.06, 0.03]"},
+    {scene, "body[0].region[0].material", "\"steel\""},
+    {scene, "body[0].region[1].centre", "[0.07, 0.02]"},
+    {scene, "body[0].region[1].radius", "0.005"},
+    {scene, "body[0].region[2].points", "[[0.08, 0.03], [0.09, 0.03], [0.085, 0.035]]"},
+    {scene, "body[0].region[2].arcs[0].side", "1"},
+    {scene, "body[0].region[2].arcs[0].through", "[0.085, 0.028]"},
+    {scene, "body[1].name", "\"cap\""},
+    {scene, "body[1].points", "[[0.2, 0], [0.21, 0], [0.21, 0.01], [0.2, 0.01]]"},
+    {scene, "body[1].sides", "[\"floor\", \"wall\", \"lid\", \"wall\"]"},
+    {scene, "body[1].arcs[0].side", "3"},
+    {scene, "body[1].arcs[0].through", "[0.205, 0.012]"},
+    {scene, "body[1].mesh_size", "0.001"},
+    {scene, "body[1].material", "\"steel\""},
+    {scene, "body[2].name", "\"body3\""},
+    {scene, "body[2].centre", "[0.15, 0.05]"},
+    {scene, "body[2].radius", "0.01"},
+    {scene, "load[0].on.body", "\"cap\""},
+    {scene, "initial[0].body", "\"cap\""},
+    {scene, "initial[0].spin", "45"},
+    {scene, "inclusions[0].body", "\"cap\""},
+    {scene, "joints[0].body", "\"body3\""},
     {mesh_file, "mesh.file", "\"" KNAP_SOURCE_DIR "/tests/mesh/data/block_41_ascii.msh\""},
     {mesh_file, "mesh.unit", "0.001"},
     {mesh_file, "mesh.cracks", "[\"crack\"]"},
@@ -584,19 +681,19 @@ TEST_CASE("scenario: the structs hold the values of the file") {
     CHECK(s.mesh.seed == 7);
     CHECK(s.plane == PlaneModel::stress);
     CHECK(s.thickness == 2e-3);
-    REQUIRE(s.shape.outer.points.size() == 4);
-    CHECK(s.shape.outer.points[2] == Vec2(-0.05 + 0.1, 0.001 + 0.04));
-    CHECK(s.shape.boundary_names == std::vector<std::string>{"bottom", "right", "top", "left", "window", "hole2"});
-    CHECK(s.shape.outer.boundary == std::vector<Index>{0, 1, 2, 3});
-    REQUIRE(s.shape.holes.size() == 2);
-    CHECK(s.shape.holes[0].boundary == std::vector<Index>(s.shape.holes[0].points.size(), 4));
-    CHECK(s.shape.holes[0].points.size() == 3 + 4);  // an arc of 2.32 mm in sides of 0.5 mm
-    CHECK(s.shape.holes[1].points.size() == 13);     // 2 pi 2 mm / 1 mm
-    REQUIRE(s.shape.regions.size() == 3);
+    REQUIRE(s.bodies.at(0).shape.outer.points.size() == 4);
+    CHECK(s.bodies.at(0).shape.outer.points[2] == Vec2(-0.05 + 0.1, 0.001 + 0.04));
+    CHECK(s.boundary_names() == std::vector<std::string>{"bottom", "right", "top", "left", "window", "hole2"});
+    CHECK(s.bodies.at(0).shape.outer.boundary == std::vector<Index>{0, 1, 2, 3});
+    REQUIRE(s.bodies.at(0).shape.holes.size() == 2);
+    CHECK(s.bodies.at(0).shape.holes[0].boundary == std::vector<Index>(s.bodies.at(0).shape.holes[0].points.size(), 4));
+    CHECK(s.bodies.at(0).shape.holes[0].points.size() == 3 + 4);  // an arc of 2.32 mm in sides of 0.5 mm
+    CHECK(s.bodies.at(0).shape.holes[1].points.size() == 13);     // 2 pi 2 mm / 1 mm
+    REQUIRE(s.bodies.at(0).shape.regions.size() == 3);
     REQUIRE(s.materials.size() == 2);
     CHECK(s.materials[0].name == "steel");  // the order of the file, not of the alphabet
-    CHECK(s.shape.regions[0].tag == 0);
-    CHECK(s.shape.regions[2].tag == 1);
+    CHECK(s.bodies.at(0).shape.regions[0].tag == 0);
+    CHECK(s.bodies.at(0).shape.regions[2].tag == 1);
     CHECK(s.mesh.refine.at(0).size == 0.5e-3);
     REQUIRE(s.laws.size() == 4);
     CHECK(s.law_of_pair == std::vector<std::vector<Index>>{{0, 1}, {1, 2}});
@@ -708,18 +805,19 @@ TEST_CASE("scenario: defaults") {
 
 TEST_CASE("scenario: polygon and disc") {
     const Scenario p = samples::read(polygon).scenario;
-    CHECK(p.shape.boundary_names == std::vector<std::string>{"floor", "wall", "lid"});
-    std::vector<Index> in_order = p.shape.outer.boundary;
+    CHECK(p.boundary_names() == std::vector<std::string>{"floor", "wall", "lid"});
+    std::vector<Index> in_order = p.bodies.at(0).shape.outer.boundary;
     in_order.erase(std::unique(in_order.begin(), in_order.end()), in_order.end());
     CHECK(in_order == std::vector<Index>{0, 1, 2, 1});
-    CHECK(p.shape.outer.points.size() == 4 + 11);  // a lid of 11.03 mm
+    CHECK(p.bodies.at(0).shape.outer.points.size() == 4 + 11);  // a lid of 11.03 mm
     const std::string unnamed = samples::changed("sides = [\"floor\", \"wall\", \"lid\", \"wall\"]\n", "", polygon);
-    CHECK(samples::read(unnamed).scenario.shape.boundary_names ==
+    CHECK(samples::read(unnamed).scenario.boundary_names() ==
           std::vector<std::string>{"side1", "side2", "side3", "side4"});
     const Scenario d = samples::read(disc).scenario;
-    CHECK(d.shape.outer.points.size() == 63);  // 2 pi 10 mm / 1 mm
-    CHECK(d.shape.boundary_names == std::vector<std::string>{"rim"});
-    for (const Vec2& point : d.shape.outer.points) CHECK((point - Vec2(1e-3, 2e-3)).norm() == tests::relative(10e-3));
+    CHECK(d.bodies.at(0).shape.outer.points.size() == 63);  // 2 pi 10 mm / 1 mm
+    CHECK(d.boundary_names() == std::vector<std::string>{"rim"});
+    for (const Vec2& point : d.bodies.at(0).shape.outer.points)
+        CHECK((point - Vec2(1e-3, 2e-3)).norm() == tests::relative(10e-3));
 }
 
 TEST_CASE("scenario: a history from a csv file is part of the resolved scenario") {

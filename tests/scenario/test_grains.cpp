@@ -105,12 +105,12 @@ TEST_CASE("inclusions and joints: read and refused") {
     };
     {
         const Scenario s = samples::read(inclusions("")).scenario;  // pores
-        CHECK(s.shape.holes.size() > 50);
-        CHECK(s.shape.boundary_names.back() == "pores");
+        CHECK(s.bodies.at(0).shape.holes.size() > 50);
+        CHECK(s.boundary_names().back() == "pores");
         const Scenario t = samples::read(inclusions("material = \"quartz\"\ncorners = 5\n")).scenario;
-        CHECK(t.shape.regions.size() == s.shape.holes.size());
-        CHECK(t.shape.regions.front().tag == 1);
-        CHECK(t.shape.regions.front().points.size() == 5);
+        CHECK(t.bodies.at(0).shape.regions.size() == s.bodies.at(0).shape.holes.size());
+        CHECK(t.bodies.at(0).shape.regions.front().tag == 1);
+        CHECK(t.bodies.at(0).shape.regions.front().points.size() == 5);
     }
     CHECK(reports(changed("fraction = 0.2", "fraction = 0.58", inclusions("")), "geometry", "finds no room"));
     CHECK(reports(changed("4 mm", "1 mm", inclusions("")), "out-of-range", "1.5 times"));
@@ -122,15 +122,15 @@ TEST_CASE("inclusions and joints: read and refused") {
     };
     {
         const Scenario s = samples::read(joints("")).scenario;
-        CHECK(s.shape.cracks.size() > 8);
-        CHECK(s.shape.cracks.front().joint == -1);
+        CHECK(s.bodies.at(0).shape.cracks.size() > 8);
+        CHECK(s.bodies.at(0).shape.cracks.front().joint == -1);
         const Scenario t =
             samples::read(joints("interface = \"weak\"\n[interface.weak]\nsigma_c = 1e6\nG_c = 1\n")).scenario;
-        CHECK(t.shape.cracks.front().joint == 0);
+        CHECK(t.bodies.at(0).shape.cracks.front().joint == 0);
         CHECK(t.laws[t.law_of_joint.at(0)].name == "weak");
         const Scenario u = samples::read(joints("thickness = \"1 mm\"\nmaterial = \"quartz\"\n")).scenario;
-        CHECK(u.shape.cracks.empty());
-        CHECK(u.shape.regions.size() > 8);
+        CHECK(u.bodies.at(0).shape.cracks.empty());
+        CHECK(u.bodies.at(0).shape.regions.size() > 8);
     }
     CHECK(reports(joints("persistence = 0.5\n"), "missing-key", "length"));
     CHECK(reports(joints("thickness = \"1 mm\"\n"), "missing-key", "veins"));

@@ -83,7 +83,7 @@ TEST_CASE("mesh file: surfaces are materials and curves boundaries and cracks in
                 (mesh.corner(edge.triangle[0], edge.side[0]) - mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3))
                     .norm();
     CHECK(cracked == doctest::Approx(5e-3).epsilon(1e-9));
-    CHECK(s.shape.boundary_names == std::vector<std::string>{"left side", "Rand unten ü", "right", "hole"});
+    CHECK(s.boundary_names() == std::vector<std::string>{"left side", "Rand unten ü", "right", "hole"});
     CHECK(s.plane == PlaneModel::strain);
     CHECK(s.files.front().bytes.size() == std::filesystem::file_size(data / "block_41_binary.msh"));
 

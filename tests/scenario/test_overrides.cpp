@@ -23,7 +23,7 @@ TEST_CASE("set: values as TOML or bare") {
     CHECK(read(least, {"title="}).scenario.title == "");
     CHECK(read(least, {"seed=3"}).scenario.seed == 3);
     CHECK(read(least, {"output.fields=false"}).scenario.output.fields == false);
-    CHECK(read(least, {"domain.size=[\"1 m\", 2]"}).scenario.shape.outer.points.at(2) == Vec2(1, 2));
+    CHECK(read(least, {"domain.size=[\"1 m\", 2]"}).scenario.bodies.at(0).shape.outer.points.at(2) == Vec2(1, 2));
     CHECK(read(least, {"interface.default.breakable=false"}).scenario.laws.at(0).law.breakable() == false);
     CHECK(read(least, {"time.step=auto"}).scenario.time.step.value == 0);
 }

@@ -68,8 +68,8 @@ std::string completed(std::string text) {
     };
     add("[time]", "\nend *=", "end = \"20 us\"\n");
     add("[mesh]", "\n(size|file) *=", "size = \"1 mm\"\n");
-    const bool has_body =
-        text.find("[domain]\n") != std::string::npos || std::regex_search(text, std::regex("\\[mesh\\]\n(.*\n)*file"));
+    const bool has_body = text.find("[domain]\n") != std::string::npos || text.find("[[bod") != std::string::npos ||
+                          std::regex_search(text, std::regex("\\[mesh\\]\n(.*\n)*file"));
     for (const auto& [header, keys] : context) {
         const bool is_body = std::string(header) == "[domain]";
         if (is_body ? has_body : header[1] != '[' && text.find(std::string(header) + "\n") != std::string::npos)

@@ -156,9 +156,11 @@ Model model_of(const ReadResult& read) {
         throw UserError({read.at_shape(error)});
     } catch (const EmptySelection& error) {
         const char* const lists[] = {"load", "support", "initial"};  // in the order of EmptySelection::List
-        throw UserError({read.at(
-            item(lists[error.list], error.number) + (error.list == EmptySelection::initial_velocities ? ".box" : ".on"),
-            error.diagnostics.front())});
+        const bool initial = error.list == EmptySelection::initial_velocities;
+        const std::size_t n_of_bodies =  // they come first
+            initial ? read.scenario.initial_velocities.size() - read.values.count("initial") : 0;
+        throw UserError({read.at(item(lists[error.list], error.number - n_of_bodies) + (initial ? ".box" : ".on"),
+                                 error.diagnostics.front())});
     }
 }
 

@@ -67,13 +67,14 @@ constexpr std::size_t max_details = 5;  // that are named
 constexpr double far_below = 1. / 7;
 
 /// [s] The stable step of the median triangle, in passages of a wave through the mesh size at its place, times the
-/// shortest of these passages.
-double usual_step(const Model& model, const SizeField& size, const std::vector<double>& stable) {
+/// shortest of these passages. `size(t)` [m] is the mesh size at a triangle.
+template <class Size>
+double usual_step(const Model& model, const Size& size, const std::vector<double>& stable) {
     std::vector<double> in_passages;
     double shortest = infinity;
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
         const double speed = model.materials[model.mesh.region[t]].dilatational_speed(model.plane),
-                     passage = size(model.mesh.centroid(t)) / speed;
+                     passage = size(t) / speed;
         shortest = std::min(shortest, passage);
         in_passages.push_back(stable[t] / passage);
     }
@@ -95,18 +96,21 @@ std::vector<std::string> parts_near(const Scenario& scenario, const Vec2& x, dou
     const auto add = [&](const std::string& path, const std::vector<Vec2>& line, bool closed) {
         if (const double d = distance_to_line(line, closed, x); d < reach) parts.emplace_back(d, path);
     };
-    const auto add_all = [&](RandomSet::Part part, const char* list, const auto& lines, bool closed) {
-        for (std::size_t i = 0; i < lines.size(); ++i) {
-            const auto set = std::ranges::find_if(scenario.random_sets, [&](const RandomSet& s) {
-                return s.part == part && i >= s.first && i < s.first + static_cast<std::size_t>(s.n);
-            });
-            add(set == scenario.random_sets.end() ? item(list, i) : set->path, lines[i].points, closed);
-        }
-    };
-    add("domain", scenario.shape.outer.points, true);
-    add_all(RandomSet::Part::holes, "domain.hole", scenario.shape.holes, true);
-    add_all(RandomSet::Part::cracks, "domain.crack", scenario.shape.cracks, false);
-    add_all(RandomSet::Part::regions, "domain.region", scenario.shape.regions, true);
+    for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
+        const Body& body = scenario.bodies[b];
+        const auto add_all = [&](RandomSet::Part part, const std::string& list, const auto& lines, bool closed) {
+            for (std::size_t i = 0; i < lines.size(); ++i) {
+                const auto set = std::ranges::find_if(scenario.random_sets, [&](const RandomSet& s) {
+                    return s.body == b && s.part == part && i >= s.first && i < s.first + static_cast<std::size_t>(s.n);
+                });
+                add(set == scenario.random_sets.end() ? item(body.path + list, i) : set->path, lines[i].points, closed);
+            }
+        };
+        add(body.path, body.shape.outer.points, true);
+        add_all(RandomSet::Part::holes, ".hole", body.shape.holes, true);
+        add_all(RandomSet::Part::cracks, ".crack", body.shape.cracks, false);
+        add_all(RandomSet::Part::regions, ".region", body.shape.regions, true);
+    }
     std::ranges::stable_sort(parts, {}, &std::pair<double, std::string>::first);
     std::vector<std::string> paths;
     for (auto& [distance, path] : parts) paths.push_back(std::move(path));
@@ -181,8 +185,11 @@ public:
 
     void on_places() {
         for (std::size_t i = 0; i < scenario_.probes.size(); ++i) check_probe(i);
-        const std::size_t n = std::min(read_.values.count("domain.region"), scenario_.shape.regions.size());
-        for (std::size_t i = 0; i < n; ++i) check_region(i);
+        for (const Body& body : scenario_.bodies) {
+            const std::string list = body.path + ".region";
+            const std::size_t n = std::min(read_.values.count(list), body.shape.regions.size());
+            for (std::size_t i = 0; i < n; ++i) check_region(item(list, i), body.shape.regions[i]);
+        }
         for (const auto& [list, key] : {std::pair{"mesh.refine", ".inside"}, {"map", ".box"}, {"figure", ".box"}})
             for (std::size_t i = 0; i < read_.values.count(list); ++i) check_box(item(list, i) + key);
     }
@@ -190,7 +197,7 @@ public:
     /// Each detail once, by its slowest triangle.
     void on_details(const std::vector<double>& stable) {
         if (scenario_.given) return;
-        const SizeField size(scenario_.mesh, 1);
+        const auto size = [&](Index t) { return SizeField(body_of(t).mesh, 1)(mesh_.centroid(t)); };
         const double usual = usual_step(model_, size, stable);
         std::vector<Index> slow;
         for (Index t = 0; t < mesh_.n_triangles(); ++t)
@@ -199,7 +206,7 @@ public:
         std::vector<std::string> named;
         for (const Index t : slow) {
             const Vec2 a = mesh_.corner(t, 0), b = mesh_.corner(t, 1), c = mesh_.corner(t, 2), x = (a + b + c) / 3;
-            const std::vector<std::string> parts = parts_near(scenario_, x, 2 * size(x));
+            const std::vector<std::string> parts = parts_near(scenario_, x, 2 * size(t));
             const std::string who = culprits(parts);
             if (std::ranges::find(named, who) != named.end()) continue;
             named.push_back(who);
@@ -209,7 +216,7 @@ public:
                     "a triangle at (%.6g, %.6g) m has an edge of %.3g m where the mesh size is %.3g m; its stable "
                     "step of %.3g s is %.3g times smaller than the %.3g s of that size, and all triangles use the "
                     "smallest one. Next to it: %s",
-                    x.x(), x.y(), std::min({(b - a).norm(), (c - b).norm(), (a - c).norm()}), size(x), stable[t],
+                    x.x(), x.y(), std::min({(b - a).norm(), (c - b).norm(), (a - c).norm()}), size(t), stable[t],
                     usual / stable[t], usual, who.c_str()),
                 "move one of them, let them meet, or remove the detail; another seed places random traces elsewhere; "
                 "bulk = \"implicit\" allows larger steps");
@@ -258,6 +265,15 @@ private:
 
     void check_probe(std::size_t i) {
         const ProbeOptions& probe = scenario_.probes[i];
+        std::vector<std::string> bodies;
+        for (Index t = 0; t < mesh_.n_triangles() && !mesh_.parts.empty(); ++t)
+            if (in_triangle(mesh_, t, probe.at) && (bodies.empty() || bodies.back() != body_of(t).name))
+                bodies.push_back(body_of(t).name);
+        if (bodies.size() > 1 && !probe.interface)
+            add(item("probe", i) + ".at", "ambiguous",
+                "probe `" + probe.name + "` at " + place_text(probe.at) + " lies on bodies " + joined(bodies, " and ") +
+                    ": the mean of their motions is written",
+                "move it into one of them");
         if (in_mesh(mesh_, probe.at)) return;
         double nearest = infinity, edge_length = 0;
         for (const BoundaryEdge& edge : mesh_.boundary_edges) {
@@ -273,12 +289,17 @@ private:
             "the body extends " + extent_text(box_));
     }
 
-    void check_region(std::size_t i) {
-        const std::vector<Vec2>& points = scenario_.shape.regions[i].points;
+    const Body& body_of(Index triangle) const {
+        const auto part = std::ranges::find_if(
+            mesh_.parts, [&](const MeshPart& p) { return triangle < p.first_triangle + p.n_triangles; });
+        return scenario_.bodies[mesh_.parts.empty() ? 0 : part - mesh_.parts.begin()];
+    }
+
+    void check_region(const std::string& path, const Region& region) {
+        const std::vector<Vec2>& points = region.points;
         const Box box = bounding_box(points);
         for (Index t = 0; t < mesh_.n_triangles(); ++t)
             if (const Vec2 middle = mesh_.centroid(t); box.contains(middle) && contains(points, middle)) return;
-        const std::string path = item("domain.region", i);
         add(path, "outside", "`" + path + "` covers no triangle of the body: it extends " + extent_text(box),
             "the body extends " + extent_text(box_) + "; a region must be at least as large as a triangle");
     }

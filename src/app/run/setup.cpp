@@ -22,11 +22,39 @@ void put_rocks(const Scenario& scenario, Mesh& mesh) {
     }
 }
 
+/// A part of the shape of a body, as ReadResult::at_shape finds it: "holes[0]", "body[2].holes[0]".
+Mesh mesh_of(const Body& body) {
+    try {
+        return triangulate(body.shape, body.mesh);
+    } catch (const ShapeError& error) {
+        if (body.name.empty()) throw;
+        throw ShapeError(body.path + "." + error.part, "(body `", body.name, "`) ", error.what());
+    }
+}
+
+/// The bodies one after the other.
+Mesh mesh_of(const Scenario& scenario) {
+    if (scenario.given) return scenario.given->mesh;
+    if (scenario.bodies.front().name.empty()) return mesh_of(scenario.bodies.front());
+    Mesh mesh;
+    for (const Body& body : scenario.bodies) {
+        const Index first = mesh.n_triangles();
+        append(mesh, mesh_of(body));
+        mesh.parts.push_back({body.name, first, mesh.n_triangles() - first});
+    }
+    for (const BodyGroup& group : scenario.groups) {
+        const MeshPart &first = mesh.parts[group.first], &last = mesh.parts[group.first + group.n - 1];
+        mesh.parts.push_back(
+            {group.name, first.first_triangle, last.first_triangle + last.n_triangles - first.first_triangle});
+    }
+    return mesh;
+}
+
 }  // namespace
 
 Model build_model(const Scenario& scenario) {
     ModelInput input;
-    input.mesh = scenario.given ? scenario.given->mesh : triangulate(scenario.shape, scenario.mesh);
+    input.mesh = mesh_of(scenario);
     input.mesh.order = scenario.order;
     for (const MaterialMap& map : scenario.maps) paint(map, input.mesh);
     if (!scenario.rocks.empty()) put_rocks(scenario, input.mesh);
@@ -88,6 +116,8 @@ double mean_edge(const Mesh& mesh) {
 
 double finest_edge(const Scenario& scenario, double mean_edge) {
     for (const RefineBox& box : scenario.mesh.refine) mean_edge = std::min(mean_edge, box.size);
+    for (const Body& body : scenario.bodies)
+        if (body.own_mesh_size) mean_edge = std::min(mean_edge, body.mesh.size);
     return mean_edge / scenario.order;
 }
 

@@ -1,0 +1,92 @@
+// mesh.file: physical surfaces are materials, physical curves boundaries and cracks.
+#include "mesh/gmsh.hpp"
+#include "scenario/reading.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace knap {
+namespace {
+
+std::optional<GmshMesh> parse_mesh(const Table& table, const std::string& bytes) {
+    Findings& findings = table.reading().findings;
+    try {
+        GmshMesh read = read_gmsh(bytes, (table.reading().files.directory / table.text("file")).string());
+        for (const std::string& warning : read.warnings) table.warning("mesh", "file", ": " + warning);
+        return read;
+    } catch (const UserError& error) {
+        for (const Diagnostic& d : error.diagnostics) findings.add(d);
+        return std::nullopt;
+    }
+}
+
+/// The material of each physical surface.
+std::vector<Index> materials_of_groups(const Table& table, const std::vector<GmshGroup>& groups) {
+    const std::vector<std::string> materials = table.scenario().material_names();
+    std::vector<Index> of_group;
+    for (const GmshGroup& group : groups) {
+        const auto found = std::ranges::find(materials, group.name);
+        of_group.push_back(found == materials.end() ? 0 : static_cast<Index>(found - materials.begin()));
+        if (found != materials.end() || materials.empty() || (!group.named && materials.size() == 1)) continue;
+        if (group.name.empty())
+            table.error("unknown-name", "file",
+                        "has " + std::to_string(group.n) +
+                            " triangles in no physical surface, so that their material is unknown",
+                        "give each surface a physical group, with one of the names " + joined(materials) +
+                            " (Mesh.SaveAll leaves groups out of format 2.2)");
+        else
+            table.error("unknown-name", "file", "has the physical surface `" + group.name + "`, which is no material",
+                        "materials: " + joined(materials), did_you_mean(group.name, materials));
+    }
+    return of_group;
+}
+
+void mark_cracks(const Table& table, GmshMesh& read) {
+    std::vector<std::string> known;
+    for (const GmshGroup& group : read.inner_groups) known.push_back(group.name);
+    for (const Node& name : table.items("cracks")) {
+        const auto group = std::ranges::find(known, name.text) - known.begin();
+        const bool on_boundary = std::ranges::count(read.mesh.boundary_names, name.text) > 0;
+        if (group == std::ssize(known))
+            table.reading().findings.error("unknown-name",
+                                           "there is no physical curve `" + name.text + "` inside the body", name,
+                                           on_boundary     ? "it lies on the boundary"
+                                           : known.empty() ? "there is none"
+                                                           : "known: " + joined(known),
+                                           did_you_mean(name.text, known));
+        for (const InnerLine& line : read.inner_lines)
+            if (line.group == group) read.mesh.interior_edges[line.edge].cracked = true;
+    }
+}
+
+/// A drawing in millimetres would become a mountain.
+void warn_of_metres(const Table& table, const Mesh& mesh) {
+    if (mesh.vertices.empty()) return;
+    const Box box = bounding_box(mesh.vertices);
+    char size[80];
+    std::snprintf(size, sizeof size, "%.6g m x %.6g m", box.high.x() - box.low.x(), box.high.y() - box.low.y());
+    table.warning("no-unit", "file", std::string("is read in metres, without `mesh.unit`: the body is ") + size,
+                  "unit = \"1 m\" in [mesh] if that is right, else the length of one unit, as \"1 mm\"");
+}
+
+}  // namespace
+
+void read_mesh_file(Reading& reading) {
+    const Table table = reading.table("mesh");
+    if (!table.has("file")) return;
+    std::optional<std::string> bytes = table.bytes_of("file");
+    if (!bytes) return;
+    std::optional<GmshMesh> read = parse_mesh(table, *bytes);
+    if (!read) return;
+    const std::vector<Index> material = materials_of_groups(table, read->surface_groups);
+    mark_cracks(table, *read);
+    Mesh& mesh = read->mesh;
+    const double unit = table.number("unit").value_or(1);
+    for (Vec2& x : mesh.vertices) x *= unit;
+    if (!table.given("unit")) warn_of_metres(table, mesh);
+    for (Index& region : mesh.region) region = material[region];
+    reading.scenario.files.push_back({table.path("file"), "mesh.msh", std::move(*bytes)});
+    reading.scenario.given = std::make_shared<const MeshFile>(MeshFile{std::move(mesh)});
+}
+
+}  // namespace knap

@@ -1,0 +1,109 @@
+// Several bodies in a scenario: places, names, motions, and what contradicts them.
+#include "samples.hpp"
+
+#include "support/relative.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <numbers>
+
+using namespace knap;
+using knap::tests::relative;
+using samples::changed;
+using samples::mistakes;
+
+namespace {
+
+/// The least with `blocks` in place of [domain].
+std::string scene(const std::string& blocks) {
+    return changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n", blocks);
+}
+
+std::string block(const std::string& name, double x, double y, const std::string& more = "") {
+    return "[[body]]\nname = \"" + name + "\"\nshape = \"rectangle\"\nsize = [0.1, 0.04]\norigin = [" + shortest(x) +
+           ", " + shortest(y) + "]\n" + more;
+}
+
+bool reports(const std::string& text, const std::string& code, const std::string& words, int line = 0) {
+    const std::vector<Diagnostic> found = mistakes(text);
+    std::string all;
+    for (const Diagnostic& d : found) all += format(d);
+    CAPTURE(all);
+    const bool is_there = std::ranges::any_of(found, [&](const Diagnostic& d) {
+        return d.code == code && (d.message + d.hint + d.note).find(words) != std::string::npos && d.line > 0 &&
+               (line == 0 || d.line == line);
+    });
+    CHECK(is_there);
+    CHECK(found.size() == 1);
+    return is_there;
+}
+
+}  // namespace
+
+TEST_CASE("bodies: shapes and names and motions") {
+    const std::string text =
+        scene(block("a", 0, 0) + block("b", 0, 0.04, "velocity = [1, 2]\nspin = 180\nmesh_size = 0.002\n") +
+              "[[body]]\nshape = \"disc\"\ncentre = [0.3, 0]\nradius = 0.02\n");
+    const Scenario s = samples::read(text + "[[initial]]\nbody = \"a\"\nspin = 90\n").scenario;
+    REQUIRE(s.bodies.size() == 3);
+    CHECK(s.body_names() == std::vector<std::string>{"a", "b", "body3"});
+    CHECK(s.boundary_names() == std::vector<std::string>{"a.bottom", "a.right", "a.top", "a.left", "b.bottom",
+                                                         "b.right", "b.top", "b.left", "body3.rim"});
+    CHECK(s.bodies[1].shape.outer.points[0] == Vec2(0, 0.04));
+    CHECK(s.bodies[0].mesh.size == 0.001);
+    CHECK(s.bodies[1].mesh.size == 0.002);
+    REQUIRE(s.initial_velocities.size() == 2);
+    CHECK(s.initial_velocities[0].on.body == "b");
+    CHECK(s.initial_velocities[0].value == Vec2(1, 2));
+    CHECK(s.initial_velocities[0].spin == relative(std::numbers::pi, 1e-15));
+    CHECK(s.initial_velocities[1].on.body == "a");
+    CHECK(s.initial_velocities[1].spin == relative(std::numbers::pi / 2, 1e-15));
+}
+
+TEST_CASE("bodies: the mesh of a body depends on its name and the seed alone") {
+    const auto seeds = [](const std::string& text) {
+        std::vector<std::uint64_t> found;
+        for (const Body& body : samples::read(text).scenario.bodies) found.push_back(body.mesh.seed);
+        return found;
+    };
+    const auto two = seeds(scene(block("a", 0, 0) + block("b", 0, 0.04)));
+    const auto three = seeds(scene(block("new", 0, 0.1) + block("a", 0, 0) + block("b", 0, 0.04)));
+    CHECK(two[0] != two[1]);
+    CHECK(three[1] == two[0]);
+    CHECK(three[2] == two[1]);
+    CHECK(seeds("seed = 2\n" + scene(block("a", 0, 0)))[0] != two[0]);
+}
+
+TEST_CASE("bodies: the point about which a body turns") {
+    const Scenario s =
+        samples::read(scene(block("a", 0.01, 0.02, "angle = 90\n") +
+                            "[[body]]\nshape = \"polygon\"\npoints = [[1, 0], [1.1, 0], [1, 0.1]]\nangle = -90\n" +
+                            "[[body]]\nshape = \"disc\"\ncentre = [2, 0]\nradius = 0.1\nangle = 90\n"
+                            "[[body.hole]]\ncentre = [2.05, 0]\nradius = 0.01\n"))
+            .scenario;
+    CHECK((s.bodies[0].shape.outer.points[2] - Vec2(0.01 - 0.04, 0.02 + 0.1)).norm() < 1e-15);
+    CHECK((s.bodies[1].shape.outer.points[1] - Vec2(1, -0.1)).norm() < 1e-15);
+    CHECK((bounding_box(s.bodies[2].shape.holes[0].points).middle() - Vec2(2, 0.05)).norm() < 1e-3);
+}
+
+TEST_CASE("bodies: what cannot be") {
+    const std::string two = block("a", 0, 0) + block("b", 0, 0.04);
+    CHECK(mistakes(scene(two)).empty());
+    reports(scene(block("a", 0, 0) + block("b", 0, 0.03)), "overlap", "in body `a` by 0.01 m at (0.05, 0.04) m", 7);
+    reports(scene(two + block("a", 0, 0.2)), "duplicate-name", "name of another body", 13);
+    reports(scene("[domain]\ncentre = [0, 0]\n" + two), "exclusive-keys", "`domain.centre` has no meaning", 3);
+    reports(scene("[domain]\n[[domain.hole]]\ncentre = [0, 0]\nradius = 1\n" + two), "exclusive-keys", "`domain.hole`");
+    reports(scene(two) + "[[load]]\non = \"left\"\ntraction = [1, 0]\n", "unknown-name", "did you mean `a.left`?");
+    reports(scene(two) + "[[load]]\non = \"a\"\ntraction = [1, 0]\n", "unknown-name", "on = { body = \"a\" }");
+    reports(scene(two) + "[[load]]\non = { body = \"c\" }\nacceleration = [1, 0]\n", "unknown-name", "known: a, b");
+    reports(scene(two) + "[[initial]]\nbody = \"c\"\nspin = 1\n", "unknown-name", "there is no body `c`");
+    reports(scene(two) + "[[initial]]\nbody = \"a\"\n", "missing-key", "neither velocity nor spin");
+    reports(scene(two) + "[[joints]]\ndirection = 0\nspacing = 0.01\n", "missing-key", "the name of a body: a, b");
+    reports(scene(two + "material = \"glas\"\n"), "unknown-name", "did you mean `glass`?");
+    reports(scene("[[body]]\nsize = [1, 1]\n"), "missing-key", "`body[0].shape` is missing");
+    reports(scene(two) +
+                "[[load]]\non = \"a.top\"\nvelocity = [0, 1]\n[specimen]\ntest = \"tension\"\nforce = "
+                "\"load0\"\nheight = 0.04\n",
+            "missing-key", "there are several bodies");
+}
