@@ -1,7 +1,8 @@
 #pragma once
 // Symmetric equilibration, and the residual that judges every answer. D M D and q / unit have entries of order one.
 // With z = unit D z' and w = unit D^-1 w' the scaled problem is the same complementarity problem, and a semidefinite M
-// stays semidefinite. The factors are powers of two, which cause no rounding.
+// stays semidefinite. The factors are powers of two, which cause no rounding. Where z_i w_i has the same unit in all
+// rows (an energy in the problems of knap), other units give the same scaled problem, bit by bit.
 //     rows with a diagonal entry     |D M D| = 1 there
 //     rows without one (bounds)      the largest coupling is 1 (Ruiz, RAL-TR-2001-034)
 // The diagonal is scaled first because the sizes of the entries alone leave a common factor (x, 1/x) to an impulse and

@@ -169,10 +169,11 @@ void StepLcp::add_cohesion() {
         const auto landing = std::ranges::lower_bound(landing_, p);
         if (landing != landing_.end() && *landing == p) {
             const int o = opening_ + static_cast<int>(landing - landing_.begin());
+            const double stiffness = S * strength / law.material->delta_c();  // [N/m]
             coupling_.emplace_back(beta, o, theta * strength);
-            coupling_.emplace_back(o, o, 1);
-            rows_of_rate_.emplace_back(o, 2 * p, -h);
-            constant_[o] = -law.u_N;
+            coupling_.emplace_back(o, o, stiffness);
+            rows_of_rate_.emplace_back(o, 2 * p, -stiffness * h);
+            constant_[o] = -stiffness * law.u_N;
         } else {
             rows_of_rate_.emplace_back(beta, 2 * p, theta * strength * h);
             constant_[beta] += theta * strength * law.u_N;

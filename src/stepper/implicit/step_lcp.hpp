@@ -17,7 +17,10 @@
 //     zeta                  mu p_N - p_T+ - p_T-
 //     S r_T+, S r_T-        chi + u_T+, chi - u_T+
 //     chi                   S gamma sigma_c beta_theta - r_T+ - r_T-
-//     o                     o - u_N+                                              so o = max(u_N+, 0)
+//     o                     S sigma_c/delta_c (o - u_N+)                          so o = max(u_N+, 0)
+//
+// Every row times its unknown is an energy [J]: only then does the scaling of lcp/scaling.hpp give the same bits in all
+// units of length, mass and time.
 //
 // Only the rows that a scene needs are there: p_T, zeta with friction; r_T, chi with gamma > 0; A, beta+, o with
 // implicit beta. Points without cohesion have p_N, p_T, zeta alone. o is needed where a cohesive point can end the step
