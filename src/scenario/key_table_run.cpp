@@ -41,6 +41,9 @@ void add_keys_of_run(KeyTable& t) {
         "integral, or one quadrature point at the centroid; the last two with the implicit bulk only")
         .otherwise("lumped").to(&SchemeOptions::mass,
                                 {MassMatrix::lumped, MassMatrix::consistent, MassMatrix::one_point});
+    t.number("damping", "Hz", "mass-proportional damping alpha, in 1/s: forces -alpha m v on the body and on free "
+        "obstacles; vibrations decay as exp(-alpha t/2), rigid motions as exp(-alpha t); explicit bulk only")
+        .at_least(0).otherwise("0").to(&SchemeOptions::damping);
     t.word("start", {"rest", "equilibrium"}, "initial state: undeformed, or in static equilibrium with the loads at "
         "t = 0").otherwise("rest").to(&TimeOptions::start_in_equilibrium, {false, true});
     t.word("assumption_1", {"respect", "ignore"}, "steps of the implicit cohesion that may have several solutions "

@@ -46,6 +46,9 @@ void read_time(const Table& table, TimeOptions& time) {
     table.fill(time.scheme);
     const bool explicit_bulk = scheme.bulk == BulkScheme::explicit_lumped;
     if (!explicit_bulk || scheme.cohesion == CohesionScheme::implicit_beta) check_theta(table);
+    if (!explicit_bulk && scheme.damping > 0)
+        table.error("exclusive-keys", "damping", "belongs to the explicit bulk",
+                    "remove it, with theta > 0.5 if the scheme is to damp, or bulk = \"explicit\"");
     if (scheme.mass == MassMatrix::one_point) check_one_point_mass(table);
     if (table.has("bulk") && explicit_bulk && scheme.mass != MassMatrix::lumped)
         table.error("exclusive-keys", "mass", "that is not lumped needs the implicit bulk",

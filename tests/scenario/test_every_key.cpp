@@ -139,6 +139,7 @@ box = [0, 0, 1, 1]
 [time]
 end = "80 us"
 step = "1 ns"
+damping = "3 kHz"
 safety = 0.5
 theta = 0.75
 [output]
@@ -483,6 +484,7 @@ const Case cases[] = {
     {implicit, "time.start", "\"equilibrium\""},
     {implicit, "time.assumption_1", "\"ignore\""},
     {rectangle, "time.step", "1e-09"},
+    {rectangle, "time.damping", "3000"},
     {rectangle, "time.safety", "0.5"},
     {rectangle, "time.theta", "0.75"},
     {rectangle, "output.every", "1e-06"},
@@ -728,6 +730,7 @@ TEST_CASE("scenario: the structs hold the values of the file") {
     CHECK(s.loads[7].stress == std::array<double, 3>{-2e6, -1e6, 3e3});
     CHECK(s.initial_velocities.at(0).value == Vec2(1, 2));
     CHECK(s.time.step == StepLength{1e-9});
+    CHECK(s.time.scheme.damping == 3000);
     CHECK(s.time.scheme.bulk == BulkScheme::explicit_lumped);
     CHECK_FALSE(s.output.fields);
     CHECK(s.figures.at(1).at == std::vector<double>{20e-6, 40e-6});

@@ -247,6 +247,8 @@ const Case cases[] = {
      "exclusive-keys", 5, 1, 4, "belongs to shape"},
     {"consistent mass without implicit bulk", with("mass = \"consistent\"\n"), "exclusive-keys", 16, 1, 4,
      "needs the implicit bulk"},
+    {"damping of the implicit bulk", with("bulk = \"implicit\"\ndamping = \"1 kHz\"\n"), "exclusive-keys", 17, 1, 7,
+     "belongs to the explicit bulk"},
     {"one-point mass where every edge may break", with("bulk = \"implicit\"\nmass = \"one point\"\n"), "exclusive-keys",
      17, 1, 4, "does not break inside"},
     {"a stress of two", with(load + "stress = [0, 1]\n"), "wrong-type", 18, 10, 6, "three values [a, b, c]"},

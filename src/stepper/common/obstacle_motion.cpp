@@ -17,13 +17,13 @@ constexpr int few = 12;              // components that are solved on the stack
 
 }  // namespace
 
-void ObstacleMotion::begin_explicit(const State& begin, double kick_time, double drift_time) {
-    theta_scheme_ = false, theta_ = 1, kick_time_ = kick_time, drift_time_ = drift_time;
+void ObstacleMotion::begin_explicit(const State& begin, double kick_time, double drift_time, double damping) {
+    theta_scheme_ = false, theta_ = 1, kick_time_ = kick_time, drift_time_ = drift_time, damping_ = damping;
     begin_step(begin, {.begin = begin.time, .h = drift_time, .central_differences = true});
 }
 
 void ObstacleMotion::begin_theta(const State& begin, double h, double theta) {
-    theta_scheme_ = true, theta_ = theta, kick_time_ = drift_time_ = h;
+    theta_scheme_ = true, theta_ = theta, kick_time_ = drift_time_ = h, damping_ = 0;
     begin_step(begin, {.begin = begin.time, .h = h, .theta = theta});
 }
 
@@ -38,7 +38,9 @@ void ObstacleMotion::begin_step(const State& begin, const StepTimes& times) {
         for (int k = 0; k < 3; ++k) {
             const Drive& drive = obstacle.drive[k];
             if (obstacle.is_free(k)) {
-                rate_[o][k] = state.velocity[k] + theta_ * kick_time_ / obstacle.inertia_of(k) * force_[o][k];
+                const double mass = (1 + damping_) * obstacle.inertia_of(k);
+                rate_[o][k] =
+                    (1 - damping_) / (1 + damping_) * state.velocity[k] + theta_ * kick_time_ / mass * force_[o][k];
             } else {
                 const PrescribedRate given = prescribed_rate(drive.kind == Drive::Kind::displacement, drive.value,
                                                              drive.history, state.moved[k], times);
@@ -63,12 +65,15 @@ void ObstacleMotion::finish(const State& begin, const std::vector<Vec3>& wrench,
                 state.velocity[k] = (rate[k] - (1 - theta_) * before[k]) / theta_;
             } else {  // next to small masses the impulse is
                 rate[k] = state.velocity[k] =
-                    before[k] + (kick_time_ * force_[o][k] + wrench[o][k]) / obstacle.inertia_of(k);
+                    (1 - damping_) / (1 + damping_) * before[k] +
+                    (kick_time_ * force_[o][k] + wrench[o][k]) / ((1 + damping_) * obstacle.inertia_of(k));
             }
             const double change = state.velocity[k] - before[k],
                          work_rate = theta_scheme_ ? rate[k] : 0.5 * (before[k] + state.velocity[k]);
             if (obstacle.is_free(k)) report.external_work += kick_time_ * force_[o][k] * work_rate;
             else report.external_work -= wrench[o][k] * work_rate;
+            if (obstacle.is_free(k))
+                report.damping_work -= 2 * damping_ * obstacle.inertia_of(k) * work_rate * work_rate;
             if (obstacle.is_free(k) && theta_scheme_)
                 report.scheme_dissipation += (theta_ - 0.5) * obstacle.inertia_of(k) * change * change;
         }
@@ -83,7 +88,8 @@ double ObstacleMotion::solve(const State& begin, const std::vector<std::uint8_t>
     free_.clear();
     for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o)
         for (int k = 0; k < 3 && touched[o]; ++k)
-            if (model_.obstacles[o].is_free(k)) free_.push_back({o, k, model_.obstacles[o].inertia_of(k)});
+            if (model_.obstacles[o].is_free(k))
+                free_.push_back({o, k, (1 + damping_) * model_.obstacles[o].inertia_of(k)});
     if (free_.empty()) return 0;
     return free_.size() <= few ? find_rates<few>(begin, tolerance, response)
                                : find_rates<Eigen::Dynamic>(begin, tolerance, response);

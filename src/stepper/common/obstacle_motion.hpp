@@ -3,7 +3,8 @@
 //
 //     M (V+ - V) = k F + Q(W),     W = theta V+ + (1 - theta) V,     Q: wrench of the impulses of the body at W
 //
-// The explicit bulk has theta = 1 and k = (previous h + h)/2, the implicit bulk k = h. The body is solved exactly for
+// The explicit bulk has theta = 1 and k = (previous h + h)/2, and its damping alpha adds -k alpha M (V + V+)/2 to the
+// right; the implicit bulk has k = h. The body is solved exactly for
 // given rates, so Q is piecewise linear: Newton's method on the few free components, with a slope by differences.
 #include "model/state.hpp"
 #include "stepper/common/step_report.hpp"
@@ -17,8 +18,8 @@ class ObstacleMotion {
 public:
     explicit ObstacleMotion(const Model& model) : model_(model) {}
 
-    /// Set the rates without contacts; final in prescribed components. All times in s.
-    void begin_explicit(const State& begin, double kick_time, double drift_time);
+    /// Set the rates without contacts; final in prescribed components. All times in s; `damping` [-]: k alpha/2.
+    void begin_explicit(const State& begin, double kick_time, double drift_time, double damping);
     void begin_theta(const State& begin, double h, double theta);
 
     /// [N s, N s, N m s] of the contacts on each obstacle at rate().
@@ -38,7 +39,7 @@ private:
     struct Component {
         Index obstacle;
         int k;
-        double mass;  // [kg] or [kg m2]
+        double mass;  // [kg] or [kg m2], times 1 + damping
     };
     void begin_step(const State& begin, const StepTimes& times);
     template <int max_components>
@@ -46,7 +47,7 @@ private:
 
     const Model& model_;
     bool theta_scheme_ = false;
-    double kick_time_ = 0, drift_time_ = 0, theta_ = 1;
+    double kick_time_ = 0, drift_time_ = 0, theta_ = 1, damping_ = 0;
     std::vector<Vec3> rate_, end_velocity_;       // end_velocity_: of prescribed components
     std::vector<Vec3> force_;                     // [N, N, N m]
     std::vector<Component> free_;                 // that something may touch

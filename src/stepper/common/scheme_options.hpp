@@ -13,6 +13,7 @@ struct SchemeOptions {
     CohesionScheme cohesion = CohesionScheme::explicit_beta;
     double theta = 0.5;                    // [-] in [1/2, 1/(1 + e)], of the implicit bulk and of the implicit cohesion
     MassMatrix mass = MassMatrix::lumped;  // of the implicit bulk
+    double damping = 0;                    // [1/s] alpha of the forces -alpha M v, of the explicit bulk
     bool respect_assumption_1 = true;      // reject steps with several solutions; false: continue with one of them
 };
 

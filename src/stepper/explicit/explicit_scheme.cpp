@@ -18,6 +18,7 @@ constexpr std::size_t soon = 4;  // fans ahead, to prefetch
 
 ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
     : model_(model),
+      damping_(options.damping),
       forces_(model.mesh, model.materials, model.plane, model.thickness),
       stable_step_(std::ranges::min(stable_steps(model.mesh, model.materials, model.plane))),
       blocks_(make_blocks(model)),
@@ -45,10 +46,11 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
                             .drift_time = h,
                             .kick_time = 0.5 * (begin.last_step + h),
                             .mass = mass_,
-                            .corner_force = corner_force_};
+                            .corner_force = corner_force_,
+                            .damping = 0.25 * (begin.last_step + h) * damping_};
     copy_partition(model_, begin, end);
     for (std::size_t i = 0; i < amplitude_.size(); ++i) amplitude_[i] = model_.histories[i](begin.time);
-    // bonded fans: v+ = v + k/m sum (F - K u); split fans: M (v+ - v) = k (F - K u) + H' P, each by itself
+    // bonded fans: v+ = v + k/m sum (F - K u); split fans: M (v+ - v) = k (F - K u) + H' P, each by itself; damped
     StepReport report = sweep_blocks(step);
     obstacles_.begin(step);
     split_at_contacts(begin);
@@ -85,6 +87,7 @@ void ExplicitScheme::sweep_inner(const MeshBlock& block, const ExplicitStep& ste
                                  StepReport& report) {
     const State& begin = step.begin;
     NodeMotion motion(step);
+    const double response = step.mobility * step.kick_time;  // [s]
     Vec2* kept = &corner_force_[model_.mesh.corners_per_triangle() * block.first];
     const Vec2* on_corner = work.force.data();
     const MeshBlock::Corner* last = block.inner_corners.data();
@@ -113,7 +116,8 @@ void ExplicitScheme::sweep_inner(const MeshBlock& block, const ExplicitStep& ste
             keep();
             continue;
         }
-        motion.move(fan.fan, fan.fan, fan.mass, force, begin.velocity[fan.fan] + step.kick_time / fan.mass * force);
+        motion.move(fan.fan, fan.fan, fan.mass, force,
+                    step.decay * begin.velocity[fan.fan] + response / fan.mass * force);
     }
     motion.add_to(report);
 }
@@ -153,7 +157,7 @@ StepReport ExplicitScheme::sweep_bordering(const ExplicitStep& step) {
             const InscribedCircle* circle = &block.bordering_circles[corner - block.bordering_corners.data()];
             const auto force_on = [&](Index c) -> const Vec2& { return corner_force_[corner[c]]; };
             if (fan_is_candidate_[f] && !is_bonded(fan, circle, force_on, force, work, report)) continue;
-            Vec2 velocity = begin.velocity[f] + step.kick_time / fan.mass * force;
+            Vec2 velocity = step.decay * begin.velocity[f] + step.mobility * step.kick_time / fan.mass * force;
             const PrescribedMotion* motion = model_.motion_of(*corner);
             if (motion) {
                 const Vec2 given = step.prescribed_velocity(model_, *motion, begin.displacement[f]);
@@ -192,7 +196,7 @@ bool ExplicitScheme::is_bonded(const MeshBlock::BlockFan& of, const InscribedCir
 void ExplicitScheme::account_drive(Index fan, const PrescribedMotion& motion, const Vec2& force,
                                    const ExplicitStep& step, StepReport& report) const {
     const Vec2 before = step.begin.velocity[fan], after = step.end.velocity[fan];
-    const Vec2 impulse = model_.fans[fan].mass * (after - before) - step.kick_time * force;
+    const Vec2 impulse = step.impulse(model_.fans[fan].mass, before, after) - step.kick_time * force;
     Vec2& reaction = step.end.reaction[&motion - model_.prescribed.data()];
     for (int k = 0; k < 2; ++k) {
         if (!motion.component[k]) continue;

@@ -40,6 +40,7 @@ private:
     bool fans_are_independent() const { return model_.obstacles.empty(); }  // no contact that several fans share
 
     const Model& model_;
+    double damping_;  // [1/s]
     ElasticForces forces_;
     double stable_step_;  // [s] of the worst free triangle
     std::vector<MeshBlock> blocks_;

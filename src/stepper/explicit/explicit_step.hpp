@@ -2,7 +2,12 @@
 // One step of the explicit scheme, and the motion of a node over it (central differences: velocities live at the middle
 // of the steps):
 //
-//     M (v+ - v) = k (F - K u) + H' P,     u+ = u + h v+,     k = (previous h + h)/2
+//     M (v+ - v) = k (F - K u - alpha M (v + v+)/2) + H' P,     u+ = u + h v+,     k = (previous h + h)/2
+//
+// Damping alpha [1/s] acts at the mean velocity: it is of second order, leaves the stable step as it is, and changes
+// no reaction of a fan that moves as one. With d = k alpha/2,
+//
+//     v+ = decay v + mobility M^-1 (k (F - K u) + H' P),     decay = (1 - d)/(1 + d),     mobility = 1/(1 + d)
 #include "model/state.hpp"
 #include "stepper/common/step_report.hpp"
 
@@ -16,7 +21,10 @@ struct ExplicitStep {
     double drift_time, kick_time;     // [s] h, k
     const std::vector<double>& mass;  // [kg] per corner, in the order of Model::fan_corners
     const std::vector<Vec2>&
-        corner_force;  // [N] F - K u per corner, where more than the block of its triangle reads it
+        corner_force;    // [N] F - K u per corner, where more than the block of its triangle reads it
+    double damping = 0;  // [-] d
+    double decay = (1 - damping) / (1 + damping);  // [-]
+    double mobility = 1 / (1 + damping);           // [-]
 
     /// [m/s] v+ in the prescribed components, zero in the others; `displacement` [m] u.
     Vec2 prescribed_velocity(const Model& model, const PrescribedMotion& motion, const Vec2& displacement) const {
@@ -26,6 +34,10 @@ struct ExplicitStep {
             if (motion.component[k]) velocity[k] = motion.rate(k, model.histories, displacement[k], times).rate;
         return velocity;
     }
+    /// [N s] That takes a mass from `before` to `after` [m/s], against the damping.
+    Vec2 impulse(double mass, const Vec2& before, const Vec2& after) const {
+        return mass * ((1 + damping) * after - (1 - damping) * before);
+    }
     /// [s] Times a change of velocity and a force: the work of a change of the step size in the leapfrog energy.
     double change_time() const { return 0.25 * (drift_time - begin.last_step); }
 };
@@ -34,7 +46,11 @@ struct ExplicitStep {
 class NodeMotion {
 public:
     explicit NodeMotion(const ExplicitStep& step)
-        : begin_(step.begin), end_(step.end), h_(step.drift_time), change_time_(step.change_time()) {}
+        : begin_(step.begin),
+          end_(step.end),
+          h_(step.drift_time),
+          change_time_(step.change_time()),
+          damping_(step.damping) {}
 
     /// To the end velocity v+ [m/s]; `force` [N] F - K u.
     [[gnu::always_inline]] void move(Index from, Index to, double mass, const Vec2& force, const Vec2& velocity) {
@@ -43,6 +59,7 @@ public:
         kinetic_ += 0.5 * mass * speed2;
         strain_ -= 0.5 * force.dot(u);
         step_change_work_ -= change_time_ * force.dot(velocity - begin_.velocity[from]);
+        if (damping_ != 0) damping_work_ -= 0.5 * damping_ * mass * (begin_.velocity[from] + velocity).squaredNorm();
         largest_speed2_ = std::max(largest_speed2_, speed2);
         end_.velocity[to] = velocity;
         end_.displacement[to] = u;
@@ -51,14 +68,15 @@ public:
         report.kinetic += kinetic_;
         report.strain += strain_;
         report.step_change_work += step_change_work_;
+        report.damping_work += damping_work_;
         report.largest_speed = std::max(report.largest_speed, largest_speed2_);
     }
 
 private:
     const State& begin_;
     State& end_;
-    double h_, change_time_;
-    double kinetic_ = 0, strain_ = 0, step_change_work_ = 0, largest_speed2_ = 0;
+    double h_, change_time_, damping_;
+    double kinetic_ = 0, strain_ = 0, step_change_work_ = 0, damping_work_ = 0, largest_speed2_ = 0;
 };
 
 }  // namespace knap

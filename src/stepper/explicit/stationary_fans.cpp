@@ -73,14 +73,16 @@ bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step
     required.resize(fan.n_corners), impulse.resize(fan.n_points);
     velocity.assign(work.n_parts, Vec2::Zero()), work.mass.assign(work.n_parts, 0);
     for (Index i = 0; i < fan.n_corners; ++i) {
-        const double inverse_mass = 1 / mass[i], m = 1 / inverse_mass;
-        required[i] = begin.velocity[work.node[i]] + step.kick_time * inverse_mass * step.corner_force[corners[i]];
+        const double inverse_mass = step.mobility / mass[i], m = 1 / inverse_mass;
+        required[i] =
+            step.decay * begin.velocity[work.node[i]] + step.kick_time * inverse_mass * step.corner_force[corners[i]];
         velocity[work.part[i]] += m * required[i];  // the momentum, until it is divided
         work.mass[work.part[i]] += m;
     }
     for (Index p = 0; p < work.n_parts; ++p)
         if (work.mass[p] > 0) velocity[p] *= 1 / work.mass[p];
-    for (Index i = 0; i < fan.n_corners; ++i) required[i] = (velocity[work.part[i]] - required[i]) / (1 / mass[i]);
+    for (Index i = 0; i < fan.n_corners; ++i)
+        required[i] = (velocity[work.part[i]] - required[i]) / (step.mobility / mass[i]);
 
     // P_after = P_before - m_i (V - v_i_free)
     const auto strength = [&](Index j) {  // [N s]

@@ -15,7 +15,7 @@ constexpr int fast_sweeps = 10, max_sweeps = 500;
 }  // namespace
 
 void VertexObstacles::begin(const ExplicitStep& step) {
-    now_.motion.begin_explicit(step.begin, step.kick_time, step.drift_time);
+    now_.motion.begin_explicit(step.begin, step.kick_time, step.drift_time, step.damping);
     now_.contacts.find(step.begin, step.drift_time, now_.motion.rate(), step.corner_force);
     now_.impulse.assign(now_.contacts.all().size(), Vec2::Zero());
 }
@@ -74,8 +74,8 @@ void VertexObstacles::solve_edges(const ExplicitStep& step, VertexSolver::Worksp
     edge_links_.resize(contacts.size());
     edges_.clear();
     for (const ObstacleContact& e : contacts)
-        edges_.push_back({.mobility = (1 - e.share) * (1 - e.share) / model_.fans[e.fan].mass +
-                                      e.share * e.share / model_.fans[e.fan_beside].mass});
+        edges_.push_back({.mobility = step.mobility * ((1 - e.share) * (1 - e.share) / model_.fans[e.fan].mass +
+                                                       e.share * e.share / model_.fans[e.fan_beside].mass)});
     double change = 1, largest = 0;
     for (int sweep = 0; sweep < max_sweeps && change > edge_tolerance * largest && !contacts.empty(); ++sweep) {
         change = 0;

@@ -77,9 +77,10 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, FanProblem& probl
     problem.links.clear();
     for (Index i = 0; i < fan.n_corners; ++i) {
         const Index corner = corners[i], node = begin.node_of_corner[corner];
-        const double inverse_mass = 1 / step.mass[fan.first_corner + i];
+        const double inverse_mass = step.mobility / step.mass[fan.first_corner + i];
         FanBody body{.velocity = begin.velocity[node],
-                     .free_velocity = begin.velocity[node] + step.kick_time * inverse_mass * step.corner_force[corner],
+                     .free_velocity =
+                         step.decay * begin.velocity[node] + step.kick_time * inverse_mass * step.corner_force[corner],
                      .inverse_mass = Vec2::Constant(inverse_mass),
                      .end_velocity = Vec2::Zero()};
         if (!obstacles_.contacts.on_edges().empty())
@@ -224,9 +225,8 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
         motion.move(step.begin.node_of_corner[corner], end.node_of_corner[corner], mass, force, after);
         motion.add_to(report);
         if (!model_.motion_of(corner)) continue;
-        const Vec2 on_edges = obstacles_.edge_impulse_on(corner);
-        for (int k = 0; k < 2; ++k)
-            drive(i, k, mass * (after[k] - before[k]) - step.kick_time * force[k] - on_edges[k]);
+        const Vec2 needed = step.impulse(mass, before, after), on_edges = obstacles_.edge_impulse_on(corner);
+        for (int k = 0; k < 2; ++k) drive(i, k, needed[k] - step.kick_time * force[k] - on_edges[k]);
     }
 
     const double rate_error = (rounding + solution.residual) * speed_scale(problem);  // [m/s]
