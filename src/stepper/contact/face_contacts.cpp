@@ -15,6 +15,7 @@ constexpr double reflex_turn = -0.02;    // sine of a turn to the right that sti
 constexpr double flat_turn = 0.2;        // sine of a turn of a flat vertex
 constexpr double cone = 0.26;            // sine of 15 degrees
 constexpr double opposite = -0.9;        // product of the normals of two contacts between the same faces
+constexpr double parallel = 0.97;        // likewise for two edges that are one face
 constexpr double beside_end = 0.05;      // [-] of an edge: there a vertex and the end of the edge are twins
 constexpr double largest_motion = 0.05;  // [-] of an edge, in a step
 constexpr double deepest = 0.1;          // [-] of an edge
@@ -67,7 +68,7 @@ void FaceContacts::find(const State& begin, double h) {
         const auto pairs = nearby_.of_block(b);
         for (std::size_t k = 0; k < pairs.size();) {
             const Index i = pairs[k].vertex;
-            const Vertex at = vertex(i);
+            const Vertex at = vertex(i, begin);
             for (; k < pairs.size() && pairs[k].vertex == i; ++k)
                 if (!at.reflex) examine(pairs[k], at, begin, h, block);
         }
@@ -118,16 +119,32 @@ bool FaceContacts::place_edges(const State& begin, double h) {
     return true;
 }
 
-FaceContacts::Vertex FaceContacts::vertex(Index i) const {
+FaceContacts::Vertex FaceContacts::vertex(Index i, const State& begin) const {
     const FreeEdge& leaving = boundary_.edges()[i];
     const EdgePlace &in = places_[leaving.entering], &out = places_[i];
-    const Vec2 t_in = tangent_of(in), t_out = tangent_of(out);
+    const double l_in = (in.x_b - in.x_a).norm(), l_out = (out.x_b - out.x_a).norm();
+    const Vec2 t_in = (in.x_b - in.x_a) / l_in, t_out = (out.x_b - out.x_a) / l_out;
+    const auto before = std::ranges::equal_range(begin.face_contacts, leaving.start, {}, &FaceContactState::vertex);
     return {.x = 0.5 * (in.x_b + out.x_a),
             .v = 0.5 * (in.v_b + out.v_a),
             .t_in = t_in,
             .t_out = t_out,
+            .l_in = l_in,
+            .l_out = l_out,
+            .before = {before.begin(), before.end()},
             .reflex = is_reflex(t_in, t_out, leaving.reflex_piece),
             .flat = t_in.dot(t_out) > 0 && std::abs(cross(t_in, t_out)) < flat_turn};
+}
+
+/// Rule 3.
+bool FaceContacts::Vertex::accepts(const Vec2& n) const {
+    // both parts point out of a convex vertex; the first is definite where it is sharp, the second where it is flat
+    const Vec2 out = t_in - t_out + outward(t_in + t_out);
+    return n.dot(t_in) <= cone && n.dot(t_out) >= -cone && n.dot(out) <= cone * out.norm();
+}
+
+double FaceContacts::Vertex::overhang(const Vec2& n) const {
+    return std::max({0.0, n.dot(t_in) * l_in, -n.dot(t_out) * l_out});
 }
 
 void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State& begin, double h, Block& block) const {
@@ -140,16 +157,14 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     const double travel = h * v.norm(), reach = touching * length + reach_in_steps * travel;
     const double beyond = std::min(reach / length, beyond_end);
     if (gap > reach || gap < -edge.depth || share < -beyond || share > 1 + beyond) return;
-    // both parts point out of a convex vertex; the first is definite where it is sharp, the second where it is flat
-    const Vec2 out_of_vertex = at.t_in - at.t_out + outward(at.t_in + at.t_out);
-    if (n.dot(at.t_in) > cone || n.dot(at.t_out) < -cone || n.dot(out_of_vertex) > cone * out_of_vertex.norm()) return;
-    if (!belongs_to(pair.edge, at, gap, share, h)) return;
+    if (!at.accepts(n)) return;
+    if (!belongs_to(pair.edge, at, gap, share, begin, h)) return;
     const double gap_at_end = gap + h * n.dot(v);
     if (travel > largest_motion * length && gap_at_end < touching * length)
         refuse({ContactRefusal::Reason::speed, travel / length, at.x}, block.refusal);
     const bool is_deep = gap < -(touching * length + deep_in_steps * travel);
     const FaceContactState* before = known(begin, pair.vertex, pair.edge);
-    if (is_deep && !before && !known(begin, pair.vertex, edge.prev) && !known(begin, pair.vertex, edge.next)) return;
+    if (is_deep && !before && !was_beside(begin, pair)) return;
     if (gap < -deepest * length) refuse({ContactRefusal::Reason::depth, -gap / length, at.x}, block.refusal);
     block.found.push_back({.contact = {.vertex = {boundary_.edges()[leaving.entering].end, leaving.start},
                                        .edge = {edge.start, edge.end},
@@ -162,21 +177,24 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
                            .vertex = pair.vertex,
                            .edge = pair.edge,
                            .gap_at_end = gap_at_end,
+                           .overhang = at.overhang(n),
                            .flat = at.flat,
                            .kept = true});
 }
 
 /// Rule 4.
-bool FaceContacts::belongs_to(Index e, const Vertex& at, double gap, double share, double h) const {
+bool FaceContacts::belongs_to(Index e, const Vertex& at, double gap, double share, const State& begin, double h) const {
     const auto edges = boundary_.edges();
     for (const bool at_end : {false, true}) {
         const Index first = at_end ? e : edges[e].prev, second = at_end ? edges[e].next : e;
         const Vec2 t_1 = tangent_of(places_[first]), t_2 = tangent_of(places_[second]);
+        const Vec2 from_corner = at.x - 0.5 * (places_[first].x_b + places_[second].x_a);
         if (!is_reflex(t_1, t_2, edges[first].reflex_wedge)) {
-            if (second_is_nearer(places_[first], places_[second], at, h) == at_end) return false;
+            if (second_is_nearer(places_[first], places_[second], at, h) != at_end) continue;
+            if (at.accepts(outward(at_end ? t_2 : t_1))) return false;
+            if (meets_nearer(at_end ? edges[e].piece_end : edges[e].piece_start, at, gap, begin)) return false;
             continue;
         }
-        const Vec2 from_corner = at.x - 0.5 * (places_[first].x_b + places_[second].x_a);
         const bool beyond = at_end ? share > 1 : share < 0,
                    beside_other = at_end ? t_2.dot(from_corner) > 0 : t_1.dot(from_corner) < 0;
         if (beyond && beside_other && gap < 0) return false;
@@ -184,15 +202,44 @@ bool FaceContacts::belongs_to(Index e, const Vertex& at, double gap, double shar
     return true;
 }
 
-/// At a convex or flat corner between two edges.
-bool FaceContacts::second_is_nearer(const EdgePlace& first, const EdgePlace& second, const Vertex& at, double h) {
-    const Vec2 t_1 = tangent_of(first), t_2 = tangent_of(second), across = across_corner(t_1, t_2);
+/// The vertex j of the other side has a larger gap than `gap` to an edge at this vertex, and its cone accepts it.
+bool FaceContacts::meets_nearer(Index j, const Vertex& at, double gap, const State& begin) const {
+    if (j < 0) return true;
+    const Vertex other = vertex(j, begin);
+    return !other.reflex && std::ranges::any_of(std::array{at.t_in, at.t_out}, [&](const Vec2& t) {
+        return other.accepts(outward(t)) && outward(t).dot(other.x - at.x) - other.overhang(outward(t)) > gap;
+    });
+}
+
+/// At a convex or flat corner between two edges. Where the vertex is not deeper than a rounding error in either, it
+/// goes on along the face on which it slides, or passes the corner on the side that it approaches less: so flush faces
+/// have no seams. Else the edge with the larger gap is nearer.
+bool FaceContacts::second_is_nearer(const EdgePlace& first, const EdgePlace& second, const Vertex& at, double h) const {
+    const Vec2 t_1 = tangent_of(first), t_2 = tangent_of(second), n_1 = outward(t_1), n_2 = outward(t_2);
+    const Vec2 across = across_corner(t_1, t_2);
     const Vec2 from_corner = at.x - 0.5 * (first.x_b + second.x_a), v = at.v - 0.5 * (first.v_b + second.v_a);
-    const bool now = across.dot(from_corner) > 0, then = across.dot(from_corner + h * v) > 0;
-    if (now == then) return now;
-    const double gap = outward(then ? t_2 : t_1).dot(from_corner);
-    const EdgePlace& winner = then ? second : first;
-    return gap > -touching * (winner.x_b - winner.x_a).norm() ? then : now;
+    const double gap_1 = n_1.dot(from_corner), gap_2 = n_2.dot(from_corner), rate_1 = n_1.dot(v), rate_2 = n_2.dot(v);
+    const double rounding_1 = touching * (first.x_b - first.x_a).norm(),
+                 rounding_2 = touching * (second.x_b - second.x_a).norm();
+    if (n_1.dot(n_2) > parallel || gap_1 < -rounding_1 || gap_2 < -rounding_2) return across.dot(from_corner) > 0;
+    const auto slides_on = [&](const Vec2& n, double gap, double rate, double rounding) {
+        return gap < rounding && h * rate > -std::max(cone * h * v.norm(), touching * rounding) && was_on_face(at, n);
+    };
+    const bool slides_on_1 = slides_on(n_1, gap_1, rate_1, rounding_1),
+               slides_on_2 = slides_on(n_2, gap_2, rate_2, rounding_2);
+    if (slides_on_1 != slides_on_2) return slides_on_2;
+    if (gap_1 + h * rate_1 < -rounding_1 || gap_2 + h * rate_2 < -rounding_2)
+        return across.dot(from_corner + h * v) > 0;
+    if (gap_1 + h * rate_1 < 0 && gap_2 + h * rate_2 < 0) return rate_2 > rate_1;
+    return across.dot(from_corner + h * v) > 0;
+}
+
+/// The vertex was in contact with an edge of nearly this normal in the step before.
+bool FaceContacts::was_on_face(const Vertex& at, const Vec2& normal) const {
+    return std::ranges::any_of(at.before, [&](const FaceContactState& contact) {
+        const Index e = boundary_.place_of(contact.edge);
+        return e >= 0 && outward(tangent_of(places_[e])).dot(normal) > parallel;
+    });
 }
 
 /// The contact of the step before; null where there was none.
@@ -201,6 +248,17 @@ const FaceContactState* FaceContacts::known(const State& begin, Index vertex, In
     const auto key_of = [](const FaceContactState& contact) { return std::array{contact.vertex, contact.edge}; };
     const auto at = std::ranges::lower_bound(begin.face_contacts, key, {}, key_of);
     return at != begin.face_contacts.end() && key_of(*at) == key ? &*at : nullptr;
+}
+
+/// The vertex was in contact with a neighbour of the edge, or an end of the edge with an edge at the vertex.
+bool FaceContacts::was_beside(const State& begin, const NearbyEdge& pair) const {
+    const auto [i, e] = pair;
+    const FreeEdge& edge = boundary_.edges()[e];
+    const auto end_met_vertex = [&](Index j) {
+        return j >= 0 && (known(begin, j, i) || known(begin, j, boundary_.edges()[i].entering));
+    };
+    return known(begin, i, edge.prev) || known(begin, i, edge.next) || end_met_vertex(edge.piece_start) ||
+           end_met_vertex(edge.piece_end);
 }
 
 std::span<FaceContacts::Found> FaceContacts::of_vertex(Index i) {
@@ -219,7 +277,8 @@ void FaceContacts::prune() {
         const auto meets = [&](Index i) {
             return i >= 0 && std::ranges::any_of(of_vertex(i), [&](const Found& other) {
                        return other.kept && ends_in(other.edge, at.vertex) &&
-                              other.contact.normal.dot(at.contact.normal) < opposite;
+                              other.contact.normal.dot(at.contact.normal) < opposite &&
+                              other.contact.gap < at.contact.gap + touching * at.contact.length;
                    });
         };
         if (at.kept && at.flat && meets(edge.piece_start) && meets(edge.piece_end)) at.kept = false;
@@ -243,8 +302,9 @@ void FaceContacts::prune_corners(Found& at) {
                 stays.contact.contact += goes.contact.contact;
                 stays.contact.tangential += goes.contact.tangential;
             } else {
-                const Found& then = at.gap_at_end >= other.gap_at_end ? at : other;
-                const Found& now = at.contact.gap >= other.contact.gap ? at : other;
+                const double less = at.overhang - other.overhang;
+                const Found& then = at.gap_at_end - other.gap_at_end >= less ? at : other;
+                const Found& now = at.contact.gap - other.contact.gap >= less ? at : other;
                 const Found& stays = then.contact.gap > -touching * then.contact.length ? then : now;
                 (&stays == &at ? other : at).kept = false;
             }

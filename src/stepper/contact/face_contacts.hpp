@@ -40,18 +40,20 @@ struct ContactRefusal {
 /// 3 cones     -n lies within the outward normals of the vertex, widened by 15 degrees on both sides
 /// 4 corners   of two edges with a convex corner the one with the larger gap, also beyond its end; of two edges with a
 ///             reflex corner both, unless the point lies behind the prolonged edge and beside the other one
-/// 5 deep      deeper than 1e-3 L + 2 h |v_rel| only where the pair, or the vertex with the next or previous edge,
-///             was a contact in the step before: a vertex beside a thin piece does not touch it from behind
+/// 5 deep      deeper than 1e-3 L + 2 h |v_rel| only where the pair, the vertex with a neighbour of the edge, or an end
+///             of the edge with an edge at the vertex was a contact in the step before: a vertex beside a thin piece
+///             does not touch it from behind
 /// 6 depth     at most 0.35 of the altitude of the triangle; the step before should have been refused
 ///
-/// At a convex corner the gaps of the end of the step count, predicted with the present velocities, unless the winner
-/// has a penetration already: a vertex that slides on flush faces, a rounding error deep, passes the seam.
+/// At a corner, an edge outside the cones of the vertex takes no contact away from its neighbour: there the plane that
+/// the other side offers decides, end of the edge against edge at the vertex. A vertex that slides on flush faces, a
+/// rounding error (1e-3 L) deep, passes the seam.
 ///
 /// Redundant contacts are pruned, since solvers cycle on them. Twins: of (i on an edge that ends at j) and (j on an
 /// edge that ends at i), side by side and with opposite normals, the one with the smaller gap stays; with other normals
 /// they are planes that may separate two corners, and the one with the larger gap stays, as in 4. In between: a flat
-/// vertex i on a-b is dropped where a and b are in contact with the two edges at i: the four have one constraint too
-/// many.
+/// vertex i on a-b is dropped where a and b are in contact with the two edges at i, as near: the four have one
+/// constraint too many.
 class FaceContacts {
 public:
     explicit FaceContacts(const Model& model);
@@ -70,6 +72,7 @@ private:
         FaceContact contact;
         Index vertex, edge;  // places in FreeBoundary::edges()
         double gap_at_end;   // [m] predicted with the present velocities
+        double overhang;     // [m] of the vertex against the normal
         bool flat;           // the boundary hardly turns at the vertex
         bool kept;
     };
@@ -80,7 +83,13 @@ private:
     /// What all pairs of a vertex share.
     struct Vertex {
         Vec2 x, v, t_in, t_out;
+        double l_in, l_out;  // [m] of the edges that enter and leave it
+        std::span<const FaceContactState> before;
         bool reflex, flat;
+
+        bool accepts(const Vec2& normal) const;
+        /// [m] How much further than the vertex its edges reach against the normal.
+        double overhang(const Vec2& normal) const;
     };
     /// Largest displacement of an end of an edge since the search, squared speed and length of an edge; sum of lengths.
     struct Motion {
@@ -89,10 +98,13 @@ private:
     };
 
     bool place_edges(const State& begin, double h);
-    Vertex vertex(Index i) const;
+    Vertex vertex(Index i, const State& begin) const;
     void examine(const NearbyEdge& pair, const Vertex& at, const State& begin, double h, Block& block) const;
-    bool belongs_to(Index e, const Vertex& at, double gap, double share, double h) const;
-    static bool second_is_nearer(const EdgePlace& first, const EdgePlace& second, const Vertex& at, double h);
+    bool belongs_to(Index e, const Vertex& at, double gap, double share, const State& begin, double h) const;
+    bool second_is_nearer(const EdgePlace& first, const EdgePlace& second, const Vertex& at, double h) const;
+    bool was_on_face(const Vertex& at, const Vec2& normal) const;
+    bool meets_nearer(Index j, const Vertex& at, double gap, const State& begin) const;
+    bool was_beside(const State& begin, const NearbyEdge& pair) const;
     const FaceContactState* known(const State& begin, Index vertex, Index edge) const;
     void prune();
     void prune_corners(Found& at);

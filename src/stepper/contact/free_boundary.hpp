@@ -39,6 +39,8 @@ public:
     bool update(std::span<const std::uint8_t> retired);
     /// In the order of their numbers.
     std::span<const FreeEdge> edges() const { return edges_; }
+    /// Of the edge with this number in edges(); -1 where it is not free.
+    Index place_of(Index start) const { return is_free(start) ? place_[start] : -1; }
 
 private:
     static Index next_in_triangle(Index h) { return h % 3 == 2 ? h - 2 : h + 1; }
