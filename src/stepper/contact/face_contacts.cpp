@@ -24,7 +24,6 @@ constexpr double reach_margin = 1.5, motion_margin = 2.5;  // NearbyEdges
 constexpr double extrapolated = 2.5;  // relative speed of a vertex and a point of the prolonged edge, per largest speed
 
 Vec2 outward(const Vec2& tangent) { return -turned_left(tangent); }
-Vec2 tangent_of(const EdgePlace& edge) { return (edge.x_b - edge.x_a).normalized(); }
 
 /// A polyline that turns right by more than a flat one; `in_body` decides where it turns back.
 bool is_reflex(const Vec2& t_in, const Vec2& t_out, bool in_body) {
@@ -47,20 +46,29 @@ void refuse(const ContactRefusal& now, std::optional<ContactRefusal>& worst) {
 
 }  // namespace
 
-FaceContacts::FaceContacts(const Model& model) : model_(model), boundary_(model) {}
+FaceContacts::FaceContacts(const Model& model) : model_(model), boundary_(model) { read_boundary(); }
 
 FaceContacts::Motion& FaceContacts::Motion::operator+=(const Motion& other) {
-    distance = std::max(distance, other.distance);
+    squared_move = std::max(squared_move, other.squared_move);
     squared_speed = std::max(squared_speed, other.squared_speed);
-    longest = std::max(longest, other.longest);
-    length += other.length;
     return *this;
+}
+
+void FaceContacts::read_boundary() {
+    const Mesh& mesh = model_.mesh;
+    reference_.clear(), longest_ = 0, mean_ = 0;
+    for (const Index c : boundary_.corners()) reference_.push_back(mesh.vertices[mesh.triangles[c / 3][c % 3]]);
+    for (const FreeEdge& edge : boundary_.edges()) {
+        const double length = mesh.side_vector(edge.start / 3, edge.start % 3).norm();
+        longest_ = std::max(longest_, length), mean_ += length / static_cast<double>(boundary_.edges().size());
+    }
+    complete_ = false;
 }
 
 void FaceContacts::find(const State& begin, double h) {
     contacts_.clear(), found_.clear(), refusal_.reset();
-    if (boundary_.update(begin.retired)) complete_ = false;
-    if (boundary_.edges().empty() || !place_edges(begin, h)) return;
+    if (boundary_.update(begin.retired)) read_boundary();
+    if (boundary_.edges().empty() || !place_corners(begin, h)) return;
     if (blocks_.size() < nearby_.n_blocks()) blocks_.resize(nearby_.n_blocks());
     for_blocks(static_cast<std::ptrdiff_t>(nearby_.n_blocks()), [&](std::ptrdiff_t b) {
         Block& block = blocks_[b];
@@ -68,9 +76,12 @@ void FaceContacts::find(const State& begin, double h) {
         const auto pairs = nearby_.of_block(b);
         for (std::size_t k = 0; k < pairs.size();) {
             const Index i = pairs[k].vertex;
-            const Vertex at = vertex(i, begin);
-            for (; k < pairs.size() && pairs[k].vertex == i; ++k)
-                if (!at.reflex) examine(pairs[k], at, begin, h, block);
+            std::optional<Vertex> at;
+            for (; k < pairs.size() && pairs[k].vertex == i; ++k) {
+                if (!may_touch(pairs[k])) continue;
+                if (!at) at = vertex(i, begin);
+                if (!at->reflex) examine(pairs[k], *at, begin, h, block);
+            }
         }
     });
     for (std::size_t b = 0; b < nearby_.n_blocks(); ++b) {
@@ -82,53 +93,83 @@ void FaceContacts::find(const State& begin, double h) {
 
 /// Positions and velocities of the ends of all free edges, and the search for nearby ones where they have moved too
 /// far. False, and a refusal, where a speed leaves nothing to find.
-bool FaceContacts::place_edges(const State& begin, double h) {
+bool FaceContacts::place_corners(const State& begin, double h) {
     constexpr std::size_t block = 1024;
-    const auto edges = boundary_.edges();
-    places_.resize(edges.size());
-    const auto place = [&](Index c) -> Vec2 {
-        return model_.mesh.vertices[model_.mesh.triangles[c / 3][c % 3]] + begin.displacement_of(c);
-    };
+    const auto numbers = boundary_.corners();
+    corners_.resize(numbers.size());
     const Motion motion =
-        sum_over_blocks(edges.size(), block, partial_, [&](std::size_t first, std::size_t last, Motion& own) {
-            for (std::size_t e = first; e < last; ++e) {
-                const Index a = edges[e].start, b = edges[e].end;
-                EdgePlace& at = places_[e] = {.x_a = place(a),
-                                              .x_b = place(b),
-                                              .v_a = begin.velocity[begin.node_of_corner[a]],
-                                              .v_b = begin.velocity[begin.node_of_corner[b]]};
-                const double length = (at.x_b - at.x_a).norm();
-                own += {.distance = complete_ ? nearby_.moved(e, at) : 0,
-                        .squared_speed = std::max(at.v_a.squaredNorm(), at.v_b.squaredNorm()),
-                        .longest = length,
-                        .length = length};
+        sum_over_blocks(numbers.size(), block, partial_, [&](std::size_t first, std::size_t last, Motion& own) {
+            for (std::size_t c = first; c < last; ++c) {
+                const Index node = begin.node_of_corner[numbers[c]];
+                const CornerMotion& at =
+                    corners_[c] = {.x = reference_[c] + begin.displacement[node], .v = begin.velocity[node]};
+                own += {.squared_move = complete_ ? nearby_.squared_move(c, at.x) : 0,
+                        .squared_speed = at.v.squaredNorm()};
             }
         });
     const double speed = std::sqrt(motion.squared_speed);
-    const double reach = touching * motion.longest + reach_in_steps * h * extrapolated * speed;
-    if (reach > motion.longest) {
-        for (const EdgePlace& edge : places_)
-            if (edge.v_a.squaredNorm() == motion.squared_speed || edge.v_b.squaredNorm() == motion.squared_speed)
-                refuse({ContactRefusal::Reason::speed, h * speed / motion.longest, edge.x_a}, refusal_);
+    reach_ = touching * longest_ + reach_in_steps * h * extrapolated * speed;
+    if (!(reach_ <= longest_)) {
+        for (const CornerMotion& corner : corners_)
+            if (corner.v.squaredNorm() == motion.squared_speed)
+                refuse({ContactRefusal::Reason::speed, h * speed / longest_, corner.x}, refusal_);
         return false;
     }
-    if (!complete_ || reach_margin * reach + motion_margin * motion.distance > nearby_.margin())
-        nearby_.find(edges, places_,
-                     margin_share * motion.length / static_cast<double>(edges.size()) + reach_margin * reach);
-    complete_ = true;
+    if (!complete_ || reach_margin * reach_ + motion_margin * std::sqrt(motion.squared_move) > nearby_.margin()) {
+        nearby_.find(boundary_.edges(), corners_, margin_share * mean_ + reach_margin * reach_);
+        list_used_edges();
+        complete_ = true;
+    }
+    sides_.resize(boundary_.edges().size());
+    for (const Index e : used_) {
+        const CornerMotion &a = corners_[e], &b = corners_[boundary_.edges()[e].end_place];
+        const double length = (b.x - a.x).norm();
+        sides_[e] = {.tangent = (b.x - a.x) / length, .length = length};
+    }
     return true;
+}
+
+/// Edges whose direction the narrow phase reads: those of a pair and of its vertex, their neighbours, and those at the
+/// vertices at the ends of the edge.
+void FaceContacts::list_used_edges() {
+    const auto edges = boundary_.edges();
+    is_used_.assign(edges.size(), 0), used_.clear();
+    const auto use = [&](Index e) {
+        if (e >= 0 && !is_used_[e]) is_used_[e] = 1, used_.push_back(e);
+    };
+    const auto use_at = [&](Index piece) {
+        if (piece >= 0) use(piece), use(edges[piece].entering);
+    };
+    for (std::size_t b = 0; b < nearby_.n_blocks(); ++b)
+        for (const auto& [i, e] : nearby_.of_block(b)) {
+            use_at(i), use(e), use(edges[e].prev), use(edges[e].next);
+            use_at(edges[e].piece_start), use_at(edges[e].piece_end);
+        }
+}
+
+/// Rule 1 with the reach of the fastest corner.
+bool FaceContacts::may_touch(const NearbyEdge& pair) const {
+    const auto [i, e] = pair;
+    const FreeEdge& edge = boundary_.edges()[e];
+    const auto& [t, length] = sides_[e];
+    const Vec2 from_a = 0.5 * (end_of(boundary_.edges()[i].entering).x + corners_[i].x) - corners_[e].x;
+    const double gap = cross(from_a, t), along = t.dot(from_a), beyond = std::min(reach_, beyond_end * length);
+    return gap <= reach_ && gap >= -edge.depth && along >= -beyond && along <= length + beyond;
 }
 
 FaceContacts::Vertex FaceContacts::vertex(Index i, const State& begin) const {
     const FreeEdge& leaving = boundary_.edges()[i];
-    const EdgePlace &in = places_[leaving.entering], &out = places_[i];
-    const double l_in = (in.x_b - in.x_a).norm(), l_out = (out.x_b - out.x_a).norm();
-    const Vec2 t_in = (in.x_b - in.x_a) / l_in, t_out = (out.x_b - out.x_a) / l_out;
+    const CornerMotion &in = end_of(leaving.entering), &out = corners_[i];
+    const auto& [t_in, l_in] = sides_[leaving.entering];
+    const auto& [t_out, l_out] = sides_[i];
     const auto before = std::ranges::equal_range(begin.face_contacts, leaving.start, {}, &FaceContactState::vertex);
-    return {.x = 0.5 * (in.x_b + out.x_a),
-            .v = 0.5 * (in.v_b + out.v_a),
+    // both parts point out of a convex vertex; the first is definite where it is sharp, the second where it is flat
+    const Vec2 outside = t_in - t_out + outward(t_in + t_out);
+    return {.x = 0.5 * (in.x + out.x),
+            .v = 0.5 * (in.v + out.v),
             .t_in = t_in,
             .t_out = t_out,
+            .outside = outside.normalized(),
             .l_in = l_in,
             .l_out = l_out,
             .before = {before.begin(), before.end()},
@@ -138,9 +179,7 @@ FaceContacts::Vertex FaceContacts::vertex(Index i, const State& begin) const {
 
 /// Rule 3.
 bool FaceContacts::Vertex::accepts(const Vec2& n) const {
-    // both parts point out of a convex vertex; the first is definite where it is sharp, the second where it is flat
-    const Vec2 out = t_in - t_out + outward(t_in + t_out);
-    return n.dot(t_in) <= cone && n.dot(t_out) >= -cone && n.dot(out) <= cone * out.norm();
+    return n.dot(t_in) <= cone && n.dot(t_out) >= -cone && n.dot(outside) <= cone;
 }
 
 double FaceContacts::Vertex::overhang(const Vec2& n) const {
@@ -149,11 +188,11 @@ double FaceContacts::Vertex::overhang(const Vec2& n) const {
 
 void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State& begin, double h, Block& block) const {
     const FreeEdge &edge = boundary_.edges()[pair.edge], &leaving = boundary_.edges()[pair.vertex];
-    const EdgePlace& place = places_[pair.edge];
-    const double length = (place.x_b - place.x_a).norm();
-    const Vec2 t = (place.x_b - place.x_a) / length, n = outward(t), from_a = at.x - place.x_a;
+    const CornerMotion &a = corners_[pair.edge], &b = end_of(pair.edge);
+    const auto& [t, length] = sides_[pair.edge];
+    const Vec2 n = outward(t), from_a = at.x - a.x;
     const double gap = n.dot(from_a), share = t.dot(from_a) / length;
-    const Vec2 v = at.v - (1 - share) * place.v_a - share * place.v_b;
+    const Vec2 v = at.v - (1 - share) * a.v - share * b.v;
     const double travel = h * v.norm(), reach = touching * length + reach_in_steps * travel;
     const double beyond = std::min(reach / length, beyond_end);
     if (gap > reach || gap < -edge.depth || share < -beyond || share > 1 + beyond) return;
@@ -163,9 +202,10 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     if (travel > largest_motion * length && gap_at_end < touching * length)
         refuse({ContactRefusal::Reason::speed, travel / length, at.x}, block.refusal);
     const bool is_deep = gap < -(touching * length + deep_in_steps * travel);
-    const FaceContactState* before = known(begin, pair.vertex, pair.edge);
-    if (is_deep && !before && !was_beside(begin, pair)) return;
+    const FaceContactState* before = known(at.before, pair.edge);
+    if (is_deep && !before && !was_beside(begin, pair, at)) return;
     if (gap < -deepest * length) refuse({ContactRefusal::Reason::depth, -gap / length, at.x}, block.refusal);
+    if (!before) before = slid_from(pair.edge, at);
     block.found.push_back({.contact = {.vertex = {boundary_.edges()[leaving.entering].end, leaving.start},
                                        .edge = {edge.start, edge.end},
                                        .normal = n,
@@ -187,10 +227,10 @@ bool FaceContacts::belongs_to(Index e, const Vertex& at, double gap, double shar
     const auto edges = boundary_.edges();
     for (const bool at_end : {false, true}) {
         const Index first = at_end ? e : edges[e].prev, second = at_end ? edges[e].next : e;
-        const Vec2 t_1 = tangent_of(places_[first]), t_2 = tangent_of(places_[second]);
-        const Vec2 from_corner = at.x - 0.5 * (places_[first].x_b + places_[second].x_a);
+        const Vec2 &t_1 = sides_[first].tangent, &t_2 = sides_[second].tangent;
+        const Vec2 from_corner = at.x - 0.5 * (end_of(first).x + corners_[second].x);
         if (!is_reflex(t_1, t_2, edges[first].reflex_wedge)) {
-            if (second_is_nearer(places_[first], places_[second], at, h) != at_end) continue;
+            if (second_is_nearer(first, second, at, h) != at_end) continue;
             if (at.accepts(outward(at_end ? t_2 : t_1))) return false;
             if (meets_nearer(at_end ? edges[e].piece_end : edges[e].piece_start, at, gap, begin)) return false;
             continue;
@@ -214,13 +254,14 @@ bool FaceContacts::meets_nearer(Index j, const Vertex& at, double gap, const Sta
 /// At a convex or flat corner between two edges. Where the vertex is not deeper than a rounding error in either, it
 /// goes on along the face on which it slides, or passes the corner on the side that it approaches less: so flush faces
 /// have no seams. Else the edge with the larger gap is nearer.
-bool FaceContacts::second_is_nearer(const EdgePlace& first, const EdgePlace& second, const Vertex& at, double h) const {
-    const Vec2 t_1 = tangent_of(first), t_2 = tangent_of(second), n_1 = outward(t_1), n_2 = outward(t_2);
+bool FaceContacts::second_is_nearer(Index first, Index second, const Vertex& at, double h) const {
+    const Vec2 &t_1 = sides_[first].tangent, &t_2 = sides_[second].tangent;
+    const Vec2 n_1 = outward(t_1), n_2 = outward(t_2);
     const Vec2 across = across_corner(t_1, t_2);
-    const Vec2 from_corner = at.x - 0.5 * (first.x_b + second.x_a), v = at.v - 0.5 * (first.v_b + second.v_a);
+    const CornerMotion &a = end_of(first), &b = corners_[second];
+    const Vec2 from_corner = at.x - 0.5 * (a.x + b.x), v = at.v - 0.5 * (a.v + b.v);
     const double gap_1 = n_1.dot(from_corner), gap_2 = n_2.dot(from_corner), rate_1 = n_1.dot(v), rate_2 = n_2.dot(v);
-    const double rounding_1 = touching * (first.x_b - first.x_a).norm(),
-                 rounding_2 = touching * (second.x_b - second.x_a).norm();
+    const double rounding_1 = touching * sides_[first].length, rounding_2 = touching * sides_[second].length;
     if (n_1.dot(n_2) > parallel || gap_1 < -rounding_1 || gap_2 < -rounding_2) return across.dot(from_corner) > 0;
     const auto slides_on = [&](const Vec2& n, double gap, double rate, double rounding) {
         return gap < rounding && h * rate > -std::max(cone * h * v.norm(), touching * rounding) && was_on_face(at, n);
@@ -238,32 +279,46 @@ bool FaceContacts::second_is_nearer(const EdgePlace& first, const EdgePlace& sec
 bool FaceContacts::was_on_face(const Vertex& at, const Vec2& normal) const {
     return std::ranges::any_of(at.before, [&](const FaceContactState& contact) {
         const Index e = boundary_.place_of(contact.edge);
-        return e >= 0 && outward(tangent_of(places_[e])).dot(normal) > parallel;
+        return e >= 0 && outward((end_of(e).x - corners_[e].x).normalized()).dot(normal) > parallel;
     });
 }
 
-/// The contact of the step before; null where there was none.
-const FaceContactState* FaceContacts::known(const State& begin, Index vertex, Index edge) const {
-    const std::array<Index, 2> key{boundary_.edges()[vertex].start, boundary_.edges()[edge].start};
-    const auto key_of = [](const FaceContactState& contact) { return std::array{contact.vertex, contact.edge}; };
-    const auto at = std::ranges::lower_bound(begin.face_contacts, key, {}, key_of);
-    return at != begin.face_contacts.end() && key_of(*at) == key ? &*at : nullptr;
+/// The contact of the step before with an edge; null where there was none.
+const FaceContactState* FaceContacts::known(std::span<const FaceContactState> of_vertex, Index edge) const {
+    const auto at = std::ranges::find(of_vertex, boundary_.edges()[edge].start, &FaceContactState::edge);
+    return at == of_vertex.end() ? nullptr : &*at;
+}
+
+/// The contact of the step before with a neighbour of the edge that is the same face; null where there was none.
+const FaceContactState* FaceContacts::slid_from(Index e, const Vertex& at) const {
+    if (at.before.empty()) return nullptr;
+    for (const Index other : {boundary_.edges()[e].prev, boundary_.edges()[e].next})
+        if (const auto* before = known(at.before, other);
+            before && sides_[other].tangent.dot(sides_[e].tangent) > parallel)
+            return before;
+    return nullptr;
 }
 
 /// The vertex was in contact with a neighbour of the edge, or an end of the edge with an edge at the vertex.
-bool FaceContacts::was_beside(const State& begin, const NearbyEdge& pair) const {
-    const auto [i, e] = pair;
-    const FreeEdge& edge = boundary_.edges()[e];
+bool FaceContacts::was_beside(const State& begin, const NearbyEdge& pair, const Vertex& at) const {
+    const auto edges = boundary_.edges();
+    const FreeEdge& edge = edges[pair.edge];
     const auto end_met_vertex = [&](Index j) {
-        return j >= 0 && (known(begin, j, i) || known(begin, j, boundary_.edges()[i].entering));
+        if (j < 0 || edges[j].entering < 0) return false;
+        const auto before =
+            std::ranges::equal_range(begin.face_contacts, edges[j].start, {}, &FaceContactState::vertex);
+        return known(before, pair.vertex) || known(before, edges[pair.vertex].entering);
     };
-    return known(begin, i, edge.prev) || known(begin, i, edge.next) || end_met_vertex(edge.piece_start) ||
+    return known(at.before, edge.prev) || known(at.before, edge.next) || end_met_vertex(edge.piece_start) ||
            end_met_vertex(edge.piece_end);
 }
 
+/// The contacts of a vertex in found_: first_found_ holds numbers of any earlier step where there is none.
 std::span<FaceContacts::Found> FaceContacts::of_vertex(Index i) {
-    const auto range = std::ranges::equal_range(found_, i, {}, &Found::vertex);
-    return {range.begin(), range.end()};
+    const std::size_t first = first_found_[i];
+    std::size_t end = first;
+    while (end < found_.size() && found_[end].vertex == i) ++end;
+    return end == first ? std::span<Found>() : std::span(found_.data() + first, end - first);
 }
 
 bool FaceContacts::ends_in(Index edge, Index vertex) const {
@@ -271,6 +326,8 @@ bool FaceContacts::ends_in(Index edge, Index vertex) const {
 }
 
 void FaceContacts::prune() {
+    first_found_.resize(boundary_.edges().size());
+    for (std::size_t k = found_.size(); k-- > 0;) first_found_[found_[k].vertex] = k;
     for (Found& at : found_) prune_corners(at);
     for (Found& at : found_) {
         const FreeEdge& edge = boundary_.edges()[at.edge];

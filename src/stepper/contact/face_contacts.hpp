@@ -83,6 +83,7 @@ private:
     /// What all pairs of a vertex share.
     struct Vertex {
         Vec2 x, v, t_in, t_out;
+        Vec2 outside;        // unit vector out of the body
         double l_in, l_out;  // [m] of the edges that enter and leave it
         std::span<const FaceContactState> before;
         bool reflex, flat;
@@ -91,21 +92,30 @@ private:
         /// [m] How much further than the vertex its edges reach against the normal.
         double overhang(const Vec2& normal) const;
     };
-    /// Largest displacement of an end of an edge since the search, squared speed and length of an edge; sum of lengths.
+    struct Side {
+        Vec2 tangent;
+        double length;
+    };
+    /// Largest of all corners: move since the search, speed.
     struct Motion {
-        double distance = 0, squared_speed = 0, longest = 0, length = 0;
+        double squared_move = 0, squared_speed = 0;
         Motion& operator+=(const Motion& other);
     };
 
-    bool place_edges(const State& begin, double h);
+    void read_boundary();
+    bool place_corners(const State& begin, double h);
+    void list_used_edges();
+    const CornerMotion& end_of(Index edge) const { return corners_[boundary_.edges()[edge].end_place]; }
+    bool may_touch(const NearbyEdge& pair) const;
     Vertex vertex(Index i, const State& begin) const;
     void examine(const NearbyEdge& pair, const Vertex& at, const State& begin, double h, Block& block) const;
     bool belongs_to(Index e, const Vertex& at, double gap, double share, const State& begin, double h) const;
-    bool second_is_nearer(const EdgePlace& first, const EdgePlace& second, const Vertex& at, double h) const;
+    bool second_is_nearer(Index first, Index second, const Vertex& at, double h) const;
     bool was_on_face(const Vertex& at, const Vec2& normal) const;
     bool meets_nearer(Index j, const Vertex& at, double gap, const State& begin) const;
-    bool was_beside(const State& begin, const NearbyEdge& pair) const;
-    const FaceContactState* known(const State& begin, Index vertex, Index edge) const;
+    bool was_beside(const State& begin, const NearbyEdge& pair, const Vertex& at) const;
+    const FaceContactState* known(std::span<const FaceContactState> of_vertex, Index edge) const;
+    const FaceContactState* slid_from(Index edge, const Vertex& at) const;
     void prune();
     void prune_corners(Found& at);
     std::span<Found> of_vertex(Index i);
@@ -113,12 +123,19 @@ private:
 
     const Model& model_;
     FreeBoundary boundary_;
+    std::vector<Vec2> reference_;        // [m] undeformed, of FreeBoundary::corners()
+    double longest_ = 0, mean_ = 0;      // [m] lengths of free edges, undeformed
+    std::vector<CornerMotion> corners_;  // as they are now
+    double reach_ = 0;                   // [m] no contact has a larger gap
     NearbyEdges nearby_;
-    bool complete_ = false;          // nearby_ knows all edges
-    std::vector<EdgePlace> places_;  // per free edge
+    bool complete_ = false;              // nearby_ knows all edges
+    std::vector<std::uint8_t> is_used_;  // per edge: in used_
+    std::vector<Index> used_;            // edges near others
+    std::vector<Side> sides_;            // per edge; of those in used_
     std::vector<Motion> partial_;
     std::vector<Block> blocks_;
     std::vector<Found> found_;
+    std::vector<std::size_t> first_found_;  // per vertex
     std::vector<FaceContact> contacts_;
     std::optional<ContactRefusal> refusal_;
 };

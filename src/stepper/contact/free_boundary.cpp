@@ -45,7 +45,7 @@ FreeBoundary::FreeBoundary(const Model& model) : model_(model) {
         twin_[h] = other, twin_[other] = h;
         point_[h] = point, point_[other] = point + 1;
     }
-    make_room(n, edges_);
+    make_room(n, edges_, corners_);
     for (const Fan& fan : model.fans)
         if (!fan.closed) link(fan);
     list();
@@ -107,7 +107,7 @@ void FreeBoundary::link(const Fan& fan) {
 /// Lists the free edges in the order of their numbers.
 void FreeBoundary::list() {
     const Mesh& mesh = model_.mesh;
-    edges_.clear();
+    edges_.clear(), corners_.clear();
     for (Index h = 0; h < mesh.n_corners(); ++h) {
         if (!is_free(h)) continue;
         place_[h] = static_cast<Index>(edges_.size());
@@ -119,13 +119,21 @@ void FreeBoundary::list() {
                           .piece_start = first,
                           .piece_end = piece_[b],
                           .entering = first == h ? previous_in_triangle(last_[h]) : -1,
+                          .end_place = -1,
                           .on_support = twin_[h] < 0 && point_[h] >= 0,
                           .reflex_wedge = false,
                           .reflex_piece = reflex_piece_[h] != 0,
                           .depth = deepest * 2 * mesh.area(t) / mesh.side_vector(t, h % 3).norm()});
     }
+    for (const FreeEdge& edge : edges_) corners_.push_back(edge.start);
     for (std::size_t e = 0; e < edges_.size(); ++e) {
         FreeEdge& edge = edges_[e];
+        if (is_free(edge.end)) {
+            edge.end_place = place_[edge.end];
+        } else {
+            edge.end_place = static_cast<Index>(corners_.size());
+            corners_.push_back(edge.end);
+        }
         edge.prev = place_[edge.prev];
         edges_[edge.prev].next = static_cast<Index>(e);
         edges_[edge.prev].reflex_wedge = reflex_wedge_[edge.start] != 0;

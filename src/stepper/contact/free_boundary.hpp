@@ -24,6 +24,7 @@ struct FreeEdge {
     Index piece_end;    // at b
     Index entering;     // place of the edge that enters the piece which this edge leaves; -1: this edge leaves
                         // no piece, or the piece touches nothing
+    Index end_place;    // place of the corner b in FreeBoundary::corners(); that of a is the place of the edge
     bool on_support;
     bool reflex_wedge;  // at b, in the undeformed body: more than 180 degrees of material
     bool reflex_piece;  // at a
@@ -39,6 +40,8 @@ public:
     bool update(std::span<const std::uint8_t> retired);
     /// In the order of their numbers.
     std::span<const FreeEdge> edges() const { return edges_; }
+    /// The corners at the ends of the edges: their start corners, then the other end corners.
+    std::span<const Index> corners() const { return corners_; }
     /// Of the edge with this number in edges(); -1 where it is not free.
     Index place_of(Index start) const { return is_free(start) ? place_[start] : -1; }
 
@@ -61,6 +64,7 @@ private:
     std::vector<std::uint8_t> reflex_wedge_, reflex_piece_;  // per edge that leaves a wedge, a piece
     std::vector<Index> place_;                               // of a free edge in edges_
     std::vector<FreeEdge> edges_;
+    std::vector<Index> corners_;
 };
 
 }  // namespace knap

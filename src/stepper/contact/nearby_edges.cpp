@@ -39,20 +39,20 @@ std::size_t NearbyEdges::bucket(std::int32_t x, std::int32_t y) const {
     return (key ^ (key >> 32)) & (bucket_end_.size() - 2);
 }
 
-void NearbyEdges::fill_grid(std::span<const FreeEdge> edges, std::span<const EdgePlace> places) {
+void NearbyEdges::fill_grid(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners) {
     double sum = 0, longest = 0;
-    for (const EdgePlace& place : places) {
-        const double length = (place.x_b - place.x_a).norm();
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+        const double length = (corners[edges[e].end_place].x - corners[e].x).norm();
         sum += length, longest = std::max(longest, length);
     }
-    cell_size_ = std::max(2 * sum / static_cast<double>(places.size()), longest / cells_per_longest) + margin_;
+    cell_size_ = std::max(2 * sum / static_cast<double>(edges.size()), longest / cells_per_longest) + margin_;
     bucket_end_.assign(std::bit_ceil(2 * edges.size()) + 1, 0);
     const auto for_entries = [&](const auto& visit) {
         for (std::size_t e = 0; e < edges.size(); ++e) {
             if (edges[e].on_support) continue;
             const Vec2 room = Vec2::Constant(edges[e].depth + margin_);
-            const Vec2 low = places[e].x_a.cwiseMin(places[e].x_b) - room,
-                       high = places[e].x_a.cwiseMax(places[e].x_b) + room;
+            const Vec2 &a = corners[e].x, &b = corners[edges[e].end_place].x;
+            const Vec2 low = a.cwiseMin(b) - room, high = a.cwiseMax(b) + room;
             if (!(low.allFinite() && high.allFinite())) continue;
             for_cells(cell(low), cell(high), [&](std::int32_t x, std::int32_t y) {
                 visit(Entry{x, y, static_cast<Index>(e)});
@@ -65,39 +65,34 @@ void NearbyEdges::fill_grid(std::span<const FreeEdge> edges, std::span<const Edg
     for_entries([&](const Entry& entry) { entries_[bucket_end_[bucket(entry.x, entry.y)]++] = entry; });
 }
 
-void NearbyEdges::find(std::span<const FreeEdge> edges, std::span<const EdgePlace> places, double margin) {
+void NearbyEdges::find(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners, double margin) {
     margin_ = margin;
     n_blocks_ = (edges.size() + block - 1) / block;
     if (pairs_.size() < n_blocks_) pairs_.resize(n_blocks_);
-    ends_.resize(edges.size());
-    for (std::size_t e = 0; e < edges.size(); ++e) ends_[e] = {places[e].x_a, places[e].x_b};
-    if (edges.empty()) return;
-    fill_grid(edges, places);
+    x_.resize(corners.size());
+    for (std::size_t c = 0; c < corners.size(); ++c) x_[c] = corners[c].x;
+    fill_grid(edges, corners);
     for_blocks(static_cast<std::ptrdiff_t>(n_blocks_), [&](std::ptrdiff_t b) {
         std::vector<NearbyEdge>& pairs = pairs_[b];
         pairs.clear();
         for (std::size_t i = b * block; i < std::min(edges.size(), (b + 1) * block); ++i) {
             if (edges[i].entering < 0 || (edges[i].on_support && edges[edges[i].entering].on_support)) continue;
-            const Vec2 x = 0.5 * (places[edges[i].entering].x_b + places[i].x_a);
+            const Vec2 x = 0.5 * (corners[edges[edges[i].entering].end_place].x + corners[i].x);
             const auto [cell_x, cell_y] = cell(x);
             const std::size_t at = bucket(cell_x, cell_y);
             for (Index k = at == 0 ? 0 : bucket_end_[at - 1]; k < bucket_end_[at]; ++k) {
                 const auto& [entry_x, entry_y, e] = entries_[k];
                 if (entry_x != cell_x || entry_y != cell_y) continue;
                 if (edges[e].piece_start == Index(i) || edges[e].piece_end == Index(i)) continue;
-                const Vec2 along = places[e].x_b - places[e].x_a, from_a = x - places[e].x_a;
+                const Vec2& a = corners[e].x;
+                const Vec2 along = corners[edges[e].end_place].x - a, from_a = x - a;
                 const double length = along.norm();
                 if (!(length > 0) || cross(from_a, along) > margin * length) continue;
-                if (distance_to_segment(x, places[e].x_a, along, length) <= edges[e].depth + margin)
+                if (distance_to_segment(x, a, along, length) <= edges[e].depth + margin)
                     pairs.push_back({static_cast<Index>(i), e});
             }
         }
     });
-}
-
-double NearbyEdges::moved(std::size_t edge, const EdgePlace& place) const {
-    const auto& [a, b] = ends_[edge];
-    return std::sqrt(std::max((place.x_a - a).squaredNorm(), (place.x_b - b).squaredNorm()));
 }
 
 }  // namespace knap

@@ -5,10 +5,10 @@
 
 namespace knap {
 
-/// The ends of a free edge as they are now.
-struct EdgePlace {
-    Vec2 x_a, x_b;  // [m]
-    Vec2 v_a, v_b;  // [m/s]
+/// A corner of FreeBoundary::corners() as it is now.
+struct CornerMotion {
+    Vec2 x;  // [m]
+    Vec2 v;  // [m/s]
 };
 
 /// Places in FreeBoundary::edges(): the edge that leaves a vertex, and an edge near it.
@@ -25,13 +25,13 @@ class NearbyEdges {
 public:
     static constexpr std::size_t block = 256;  // vertices
 
-    void find(std::span<const FreeEdge> edges, std::span<const EdgePlace> places, double margin);
+    void find(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners, double margin);
     /// The pairs of the vertices of block b, in the order of (vertex, edge).
     std::span<const NearbyEdge> of_block(std::size_t b) const { return pairs_[b]; }
     std::size_t n_blocks() const { return n_blocks_; }
     double margin() const { return margin_; }
-    /// [m] The largest distance that an end of an edge has moved since the list was made.
-    double moved(std::size_t edge, const EdgePlace& place) const;
+    /// [m2] The square of the distance of a corner from its place when the list was made.
+    double squared_move(std::size_t corner, const Vec2& x) const { return (x - x_[corner]).squaredNorm(); }
 
 private:
     struct Entry {
@@ -40,11 +40,11 @@ private:
     };
     std::array<std::int32_t, 2> cell(const Vec2& x) const;
     std::size_t bucket(std::int32_t x, std::int32_t y) const;
-    void fill_grid(std::span<const FreeEdge> edges, std::span<const EdgePlace> places);
+    void fill_grid(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners);
 
     double margin_ = -1, cell_size_ = 1;
     std::size_t n_blocks_ = 0;
-    std::vector<std::array<Vec2, 2>> ends_;       // per edge, when the list was made
+    std::vector<Vec2> x_;                         // [m] per corner, when the list was made
     std::vector<Index> bucket_end_;               // of a hash table of cells, into entries_
     std::vector<Entry> entries_;                  // within a bucket in the order of the edges
     std::vector<std::vector<NearbyEdge>> pairs_;  // per block
