@@ -36,6 +36,11 @@ bool is_reflex(const Vec2& t_in, const Vec2& t_out, bool in_body) {
 /// the same direction and stays definite where the corner is flat.
 Vec2 across_corner(const Vec2& t_1, const Vec2& t_2) { return t_1 + t_2 + outward(t_2 - t_1); }
 
+/// [m] How far beyond an end of an edge a point may lie. A point deep in a reflex corner is beside neither edge.
+double largest_overrun(double gap, double reach, double length, double depth) {
+    return std::min(reach + std::max(0., std::min(-gap, depth + gap)), beyond_end * length);
+}
+
 /// Keeps the one that is further beyond its limit.
 void refuse(const ContactRefusal& now, std::optional<ContactRefusal>& worst) {
     const auto excess = [](const ContactRefusal& refusal) {
@@ -153,7 +158,8 @@ bool FaceContacts::may_touch(const NearbyEdge& pair) const {
     const FreeEdge& edge = boundary_.edges()[e];
     const auto& [t, length] = sides_[e];
     const Vec2 from_a = 0.5 * (end_of(boundary_.edges()[i].entering).x + corners_[i].x) - corners_[e].x;
-    const double gap = cross(from_a, t), along = t.dot(from_a), beyond = std::min(reach_, beyond_end * length);
+    const double gap = cross(from_a, t), along = t.dot(from_a),
+                 beyond = largest_overrun(gap, reach_, length, edge.depth);
     return gap <= reach_ && gap >= -edge.depth && along >= -beyond && along <= length + beyond;
 }
 
@@ -194,7 +200,7 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     const double gap = n.dot(from_a), share = t.dot(from_a) / length;
     const Vec2 v = at.v - (1 - share) * a.v - share * b.v;
     const double travel = h * v.norm(), reach = touching * length + reach_in_steps * travel;
-    const double beyond = std::min(reach / length, beyond_end);
+    const double beyond = largest_overrun(gap, reach, length, edge.depth) / length;
     if (gap > reach || gap < -edge.depth || share < -beyond || share > 1 + beyond) return;
     if (!at.accepts(n)) return;
     if (!belongs_to(pair.edge, at, gap, share, begin, h)) return;
@@ -269,9 +275,9 @@ bool FaceContacts::second_is_nearer(Index first, Index second, const Vertex& at,
     const bool slides_on_1 = slides_on(n_1, gap_1, rate_1, rounding_1),
                slides_on_2 = slides_on(n_2, gap_2, rate_2, rounding_2);
     if (slides_on_1 != slides_on_2) return slides_on_2;
-    if (gap_1 + h * rate_1 < -rounding_1 || gap_2 + h * rate_2 < -rounding_2)
-        return across.dot(from_corner + h * v) > 0;
-    if (gap_1 + h * rate_1 < 0 && gap_2 + h * rate_2 < 0) return rate_2 > rate_1;
+    const double then_1 = gap_1 + h * rate_1, then_2 = gap_2 + h * rate_2;
+    const bool both_rounding = std::max(then_1, then_2) < 0 && then_1 > -rounding_1 && then_2 > -rounding_2;
+    if (both_rounding && std::abs(rate_2 - rate_1) > cone * v.norm()) return rate_2 > rate_1;
     return across.dot(from_corner + h * v) > 0;
 }
 

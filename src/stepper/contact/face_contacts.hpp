@@ -35,7 +35,7 @@ struct ContactRefusal {
 
 /// A pair is a contact if all of this holds:
 ///
-/// 1 near      g <= reach = 1e-3 L + 4 h |v_rel|, and beyond an end of the edge by at most min(reach, L/4)
+/// 1 near      g <= reach = 1e-3 L + 4 h |v_rel|, and beyond an end of the edge by at most min(reach + max(-g, 0), L/4)
 /// 2 convex    the vertex is no reflex one
 /// 3 cones     -n lies within the outward normals of the vertex, widened by 15 degrees on both sides
 /// 4 corners   of two edges with a convex corner the one with the larger gap, also beyond its end; of two edges with a
