@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <ranges>
 
 namespace knap {
 
@@ -133,6 +135,60 @@ History fragment_table(const Fragments& fragments) {
         table.rows.push_back(values_of(fragment_columns(), FragmentLine{p, f, f.mass / mass, passing}));
     }
     return table;
+}
+
+std::span<const Measure<FragmentMoment>> fragment_moment_columns() {
+    using M = FragmentMoment;
+    static constexpr auto least = [](const M& m, auto of) {
+        return std::ranges::min(m.fragments.pieces | std::views::transform(of));
+    };
+    static constexpr auto sum = [](const M& m, auto of) {
+        double total = 0;
+        for (const Fragment& piece : m.fragments.pieces) total += std::invoke(of, piece);
+        return total;
+    };
+    using F = Fragment;
+    static constexpr Measure<M> columns[] = {
+        {"time", "s", "time", [](const M& m) { return m.time; }},
+        {"fragments", "", "number of fragments; bodies that are whole count as one each",
+         [](const M& m) { return double(m.fragments.pieces.size()); }},
+        {"largest_fragment", "", "mass of the heaviest fragment over that of all",
+         [](const M& m) { return m.fragments.pieces.front().mass / sum(m, [](const F& f) { return f.mass; }); }},
+        {"median_fragment", "m", "diameter up to which fragments have half of the mass",
+         [](const M& m) { return diameter_passing(m.table, 0.5); }},
+        {"from_x", "m", "smallest x of the centres of mass of fragments",
+         [](const M& m) { return least(m, [](const F& f) { return f.centre.x(); }); }},
+        {"to_x", "m", "largest x of the centres of mass of fragments: the run-out",
+         [](const M& m) { return -least(m, [](const F& f) { return -f.centre.x(); }); }},
+        {"from_y", "m", "smallest y of the centres of mass of fragments",
+         [](const M& m) { return least(m, [](const F& f) { return f.centre.y(); }); }},
+        {"to_y", "m", "largest y of the centres of mass of fragments",
+         [](const M& m) { return -least(m, [](const F& f) { return -f.centre.y(); }); }},
+        {"largest_speed", "m/s", "largest speed of a centre of mass",
+         [](const M& m) { return -least(m, [](const F& f) { return -f.velocity.norm(); }); }},
+        {"translation", "J", "kinetic energy of the centres of mass",
+         [](const M& m) { return sum(m, &F::energy_of_translation); }},
+        {"rotation", "J", "kinetic energy of the spins", [](const M& m) { return sum(m, &F::energy_of_rotation); }}};
+    return columns;
+}
+
+std::vector<Output> fragment_path_columns() {
+    std::vector<Output> columns{
+        {"time", "s", "time"},
+        {"label", "", "lowest triangle of the fragment: where it breaks, the part with this triangle keeps the label"}};
+    columns.insert(columns.end(), fragment_columns().begin(), fragment_columns().end());
+    return columns;
+}
+
+std::vector<std::vector<double>> fragment_path_lines(double time, const Fragments& fragments, const History& table) {
+    constexpr std::size_t max_lines = 1000;  // of one time
+    std::vector<std::vector<double>> lines;
+    for (std::size_t p = 0; p < std::min(fragments.pieces.size(), max_lines); ++p) {
+        std::vector<double>& line = lines.emplace_back();
+        line = {time, static_cast<double>(fragments.pieces[p].first_triangle)};
+        line.insert(line.end(), table.rows[p].begin(), table.rows[p].end());
+    }
+    return lines;
 }
 
 double diameter_passing(const History& table, double part) {

@@ -36,6 +36,10 @@ struct Fragment {
 
     double diameter() const;                                           // [m] of the circle of the same area
     double spin() const { return angular_momentum / spread.trace(); }  // [rad/s]
+    double energy_of_translation() const { return 0.5 * mass * velocity.squaredNorm(); }  // [J]
+    double energy_of_rotation() const {                                                   // [J]
+        return angular_momentum == 0 ? 0 : 0.5 * angular_momentum * spin();
+    }
     double elongation() const;  // [-] longest over shortest axis of the ellipse with the same moments
     double angle() const;       // [deg] of the longest axis to the x axis, 0 to 180
 };
@@ -61,6 +65,19 @@ std::span<const Measure<FragmentLine>> fragment_columns();
 
 /// fragments.csv: one line per fragment, the heaviest first.
 History fragment_table(const Fragments& fragments);
+
+/// One line of fragment_history.csv.
+struct FragmentMoment {
+    double time;  // [s]
+    const Fragments& fragments;
+    const History& table;  // of these fragments
+};
+std::span<const Measure<FragmentMoment>> fragment_moment_columns();
+
+/// fragment_paths.csv at one time: the lines of a fragment table behind `time` and `label`, of the heaviest fragments.
+/// The label is the lowest triangle of a fragment: the part that has it keeps the label when a fragment breaks.
+std::vector<Output> fragment_path_columns();
+std::vector<std::vector<double>> fragment_path_lines(double time, const Fragments& fragments, const History& table);
 
 /// Smallest diameter [m] of a fragment such that fragments up to it have this part of the mass.
 double diameter_passing(const History& fragment_table, double part);

@@ -37,14 +37,21 @@ std::vector<double> areas(const GrainOptions& options, double total, Random& ran
     return areas;
 }
 
-PowerDiagram grown(const GrainOptions& options, const Eigen::Matrix2d& to_round, const Box& body, std::uint64_t seed) {
-    constexpr int n_moves = 100, n_last = 20;  // the last moves correct areas only
+/// The image of a box in the plane where grains are round, and a margin.
+Box round_box(const GrainOptions& options, const Eigen::Matrix2d& to_round, const Box& body) {
     std::vector<Vec2> corners = body.corners();
     for (Vec2& p : corners) p = to_round * p;
     Box box = bounding_box(corners);
     const double margin = 1.5 * options.size * (1 + options.spread);
     box.low.array() -= margin, box.high.array() += margin;
-    Random random(seed, "grains");
+    return box;
+}
+
+}  // namespace
+
+PowerDiagram round_cells(const GrainOptions& options, const Box& box, std::uint64_t seed, std::string_view stream) {
+    constexpr int n_moves = 100, n_last = 20;  // the last moves correct areas only
+    Random random(seed, stream);
     const Vec2 extent = box.extent();
     const std::vector<double> requested = areas(options, extent.x() * extent.y(), random);
     std::vector<Vec2> sites(requested.size());
@@ -65,8 +72,6 @@ PowerDiagram grown(const GrainOptions& options, const Eigen::Matrix2d& to_round,
     }
     return {std::move(sites), std::move(weights), box};
 }
-
-}  // namespace
 
 PowerDiagram::PowerDiagram(std::vector<Vec2> sites, std::vector<double> weights, const Box& box)
     : sites_(std::move(sites)), weights_(std::move(weights)), box_(box) {
@@ -134,7 +139,8 @@ std::vector<Vec2> PowerDiagram::cell(Index i) const {
 }
 
 Grains::Grains(const GrainOptions& options, const Box& box, std::uint64_t seed)
-    : to_round_(to_round(options)), diagram_(grown(options, to_round_, box, seed)) {}
+    : to_round_(to_round(options)),
+      diagram_(round_cells(options, round_box(options, to_round_, box), seed, "grains")) {}
 
 Grains::Border Grains::border(Index a, Index b) const {
     // |y - p_a|^2 - w_a = |y - p_b|^2 - w_b with y = A x:  (p_b - p_a).A x = (|p_b|^2 - |p_a|^2 + w_a - w_b)/2

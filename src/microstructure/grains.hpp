@@ -7,6 +7,9 @@
 #include "base/grouped.hpp"
 #include "mesh/polygon.hpp"
 
+#include <cstdint>
+#include <string_view>
+
 namespace knap {
 
 /// Power diagram (Laguerre's Voronoi diagram): the plane divided among sites with weights,
@@ -49,6 +52,9 @@ struct GrainOptions {
     double elongation = 1;  // [-] length over width
     double direction = 0;   // [rad] of the length, from x
 };
+
+/// Cells that fill a box, with the diameters of the options, not elongated.
+PowerDiagram round_cells(const GrainOptions& options, const Box& box, std::uint64_t seed, std::string_view stream);
 
 class Grains {
 public:

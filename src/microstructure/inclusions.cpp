@@ -28,6 +28,23 @@ std::vector<double> diameters(const InclusionOptions& options, double area, Rand
     return found;
 }
 
+/// Counterclockwise, without points on its sides (A. M. Andrew 1979).
+std::vector<Vec2> convex_hull(std::vector<Vec2> points) {
+    std::ranges::sort(points, {}, [](const Vec2& p) { return std::pair(p.x(), p.y()); });
+    std::vector<Vec2> hull;
+    for (int half = 0; half < 2; ++half) {
+        const std::size_t first = hull.size();
+        for (const Vec2& p : points) {
+            while (hull.size() >= first + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0)
+                hull.pop_back();
+            hull.push_back(p);
+        }
+        hull.pop_back();  // the first point of the other half
+        std::ranges::reverse(points);
+    }
+    return hull;
+}
+
 /// The outline of one inclusion of area pi d^2/4 around the origin; of a disc (ellipse) a polygon with sides of the
 /// local mesh size.
 class Form {
@@ -38,6 +55,7 @@ public:
             const double shift = random.uniform(-0.3, 0.3), radius = random.uniform(0.85, 1.15);
             outline_.push_back(radius * direction_of(turn_ + 2 * pi * (i + shift) / options.corners));
         }
+        if (options.convex && options.corners > 0) outline_ = convex_hull(std::move(outline_));
         along_ = direction_of(options.direction ? *options.direction : random.uniform(0, pi));
         if (options.corners > 0) scale();
     }

@@ -17,6 +17,7 @@ struct InclusionOptions {
     int number = 0;                   // of inclusions; 0 = as many as the fraction requires
     double distance = 0;              // [m] smallest distance between them, and from borders and cracks
     int corners = 0;                  // of random polygons; 0 = discs
+    bool convex = false;              // polygons are replaced by their convex hull
     double elongation = 1;            // [-] length over width
     std::optional<double> direction;  // [rad] of the length; none = random
     std::optional<Index> tag;         // material; none = pores

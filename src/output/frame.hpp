@@ -33,6 +33,7 @@ struct Frame {
     std::vector<Eigen::Vector3d> stress;  // [Pa] per triangle: xx, yy, xy
     std::vector<std::int32_t> region;     // per triangle
     std::vector<std::int32_t> grain;      // per triangle, -1: in none; empty where the body has no grains
+    std::vector<std::int32_t> fragment;   // per triangle, 0 the heaviest; empty where it is not known
 
     // interfaces: interface i owns the points 2i, 2i+1 (its two ends); one of second order is drawn as two halves
     std::vector<std::array<Index, 2>> side_a;  // per interface: the corner of side A at each end, -1: support

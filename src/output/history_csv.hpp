@@ -24,9 +24,11 @@ struct History {
 
 /// All tables of a run, by the names of their files. A table that a run does not have is empty.
 struct Histories {
-    History energy, cracks, reactions, probes, breaks, stress_strain, fragments;
+    History energy, cracks, reactions, probes, breaks, stress_strain, fragments, fragment_history, fragment_paths;
 
-    void serialize(auto& archive) { archive(energy, cracks, reactions, probes, breaks, stress_strain, fragments); }
+    void serialize(auto& archive) {
+        archive(energy, cracks, reactions, probes, breaks, stress_strain, fragments, fragment_history, fragment_paths);
+    }
 };
 
 /// "time [s]" -> "time"

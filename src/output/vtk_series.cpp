@@ -150,7 +150,10 @@ const std::vector<Part>& parts() {
           stored<Int, 1, &F::region>(cells, "region", "",
                                      "number of the material of a triangle, in the order of `materials` of run.json"),
           stored<Int, 1, &F::grain>(cells, "grain", "", "number of the grain, -1: none; only where there are grains",
-                                    true)}},
+                                    true),
+          stored<Int, 1, &F::fragment>(
+              cells, "fragment", "", "number of the fragment at this time, as in fragment_paths.csv; the heaviest is 0",
+              true)}},
         {"interfaces",
          "arrays of fields/interfaces_NNNN.vtu: interfaces that are damaged, broken, pre-cracked or on a support, each "
          "with two points",

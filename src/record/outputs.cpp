@@ -61,6 +61,11 @@ std::vector<OutputTable> all_tables() {
          rows_of(arm_columns())},
         {"fragments.csv", "a line per fragment of the body, the heaviest first; written at the end",
          rows_of(fragment_columns())},
+        {"fragment_history.csv",
+         "numbers of all fragments together; a line at the start, every output.every, and at the end",
+         rows_of(fragment_moment_columns())},
+        {"fragment_paths.csv", "the columns of fragments.csv of the thousand heaviest fragments, at the same times",
+         fragment_path_columns()},
         {"gates",
          "checks of the validity of a run: `gates` of run.json, each with value, unit, warning, limit, level, pass, "
          "place_m, meaning and cure",

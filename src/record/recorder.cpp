@@ -84,6 +84,11 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
             names_of<SpecimenMoment>(stress_strain_columns(*options_.specimen)),
             [this](const State&) { return specimen_->line(breaks_->n_tensile(), breaks_->n_shear()); });
     }
+    add("fragment_history.csv", histories_.fragment_history, names_of(fragment_moment_columns()), nullptr);
+    fragment_sheets_ = sheets_.size() - 1;
+    std::vector<std::string> path_columns;
+    for (const Output& column : fragment_path_columns()) path_columns.emplace_back(column.name);
+    add("fragment_paths.csv", histories_.fragment_paths, std::move(path_columns), nullptr);
     if (options_.breaks || options_.specimen) {
         breaks_.emplace(model, start);
         add("breaks.csv", histories_.breaks, names_of(break_columns()), nullptr);
@@ -92,7 +97,9 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
     if (options_.resumes) return;
     open_files();
     write_lines(start);
+    write_fragments(start);
     next_history_ = start.time + options_.history_every;
+    next_fragments_ = options_.fragments_every > 0 ? start.time + options_.fragments_every : never;
     const bool fields = writer_ && options_.frame_every > 0;
     if (fields) write_frame(start);
     next_frame_ = fields ? start.time + options_.frame_every : never;
@@ -104,7 +111,13 @@ void Recorder::open_files() {
     for (Sheet& sheet : sheets_) open(sheet);
     if (options_.frame_every <= 0 && std::ranges::none_of(options_.figures, waits_for_the_end)) return;
     series_.emplace(options_.directory, frame_times_);
-    writer_.emplace([this](const State& then) { series_->write(make_frame(model_, then, false)); });
+    writer_.emplace([this](const State& then) {
+        Frame frame = make_frame(model_, then, false);
+        const std::vector<Index> of_triangle = find_fragments(model_, then).piece_of_triangle;
+        const std::size_t n_drawn = frame.region.size() / of_triangle.size();  // pieces of a triangle of second order
+        for (const Index fragment : of_triangle) frame.fragment.insert(frame.fragment.end(), n_drawn, fragment);
+        series_->write(frame);
+    });
 }
 
 void Recorder::after_step(const State& now, const StepReport& report) {
@@ -122,6 +135,10 @@ void Recorder::after_step(const State& now, const StepReport& report) {
         write_lines(now);
         next_history_ = options_.history_every * (std::floor(reached / options_.history_every) + 1);
     }
+    if (reached >= next_fragments_) {
+        write_fragments(now);
+        next_fragments_ = options_.fragments_every * (std::floor(reached / options_.fragments_every) + 1);
+    }
     bool frame = reached >= next_frame_;
     for (std::size_t i = 0; i < options_.figures.size() && writer_; ++i)
         frame = frame || (is_due(i, now) && waits_for_the_end(options_.figures[i]));
@@ -137,6 +154,8 @@ void Recorder::finish(const State& now, bool failed) {
     }
     gates_.judge(ledger_, deformation_, true);
     if (last_line_ < now.time) write_lines(now);
+    if (histories_.fragment_history.rows.empty() || histories_.fragment_history.rows.back()[0] < now.time)
+        write_fragments(now);
     if (writer_ && (options_.frame_every > 0 || failed) && frame_times_.back() < now.time) write_frame(now);
     {
         const Timed timed(*this);
@@ -196,6 +215,16 @@ void Recorder::write_lines(const State& now) {
     cracks_.snapshot(now.time, interface_status(model_, now));
     for (Sheet& sheet : sheets_)
         if (sheet.line) add_line(sheet, sheet.line(now));
+}
+
+void Recorder::write_fragments(const State& now) {
+    const Timed timed(*this);
+    const Fragments fragments = find_fragments(model_, now);
+    const History table = fragment_table(fragments);
+    add_line(sheets_[fragment_sheets_],
+             values_of(fragment_moment_columns(), FragmentMoment{now.time, fragments, table}));
+    for (std::vector<double>& line : fragment_path_lines(now.time, fragments, table))
+        add_line(sheets_[fragment_sheets_ + 1], std::move(line));
 }
 
 /// The arms as they are known at the end: an arm counts once it is long, but it grew from its first edge on, and so did

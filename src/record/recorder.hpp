@@ -25,6 +25,7 @@ struct RecorderOptions {
     double end = 0;                   // [s]
     double frame_every = 0;           // [s] 0 = no frames except those of figures that are drawn at the end
     double history_every = 0;         // [s]
+    double fragments_every = 0;       // [s] between lines of fragment_history.csv; 0 = only start and end
     MassMatrix mass = MassMatrix::lumped;
     CrackOptions cracks;
     double critical_opening = 0;  // [m] the largest delta_c of the breakable laws
@@ -85,7 +86,7 @@ public:
     template <class Archive>
     void serialize(Archive& archive) {
         archive(ledger_, deformation_, look_, search_, gates_, cracks_, histories_, next_frame_, next_history_,
-                last_line_, frame_times_, next_at_, drawn_, time_);
+                next_fragments_, last_line_, frame_times_, next_at_, drawn_, time_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
     }
@@ -114,6 +115,7 @@ private:
     void write_lines(const State& now);
     void write_table(const char* file, const History& history) const;
     void write_arms();
+    void write_fragments(const State& now);
     void write_frame(const State& now);
     void count_frame_time();
     bool is_due(std::size_t figure, const State& now) const;
@@ -133,12 +135,13 @@ private:
     std::optional<Specimen> specimen_;
     Histories histories_;
     std::vector<Sheet> sheets_;
+    std::size_t fragment_sheets_ = 0;  // the first of two
     std::optional<VtkSeries> series_;
-    double next_frame_ = 0, next_history_ = 0;  // [s]
-    Watch look_, search_;                       // of the deformation, and for overlaps
-    double last_line_ = -1;                     // [s] time of the last line
-    std::vector<double> frame_times_;           // [s]
-    std::vector<std::size_t> next_at_;          // per figure: number of its next time
+    double next_frame_ = 0, next_history_ = 0, next_fragments_ = 0;  // [s]
+    Watch look_, search_;                                            // of the deformation, and for overlaps
+    double last_line_ = -1;                                          // [s] time of the last line
+    std::vector<double> frame_times_;                                // [s]
+    std::vector<std::size_t> next_at_;                               // per figure: number of its next time
     std::vector<std::filesystem::path> drawn_;
     OutputTime time_;
     double counted_ = 0;                 // [s] processor time of the frame writer that time_ contains

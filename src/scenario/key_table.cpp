@@ -2,7 +2,7 @@
 // `.to(&Struct::member)` is all that reads it. Other values are read, and checked against each other, in read_*.cpp.
 #include "scenario/key_table.hpp"
 
-#include "microstructure/inclusions.hpp"
+#include "microstructure/body_patterns.hpp"
 #include "scenario/scenario.hpp"
 
 #include <numbers>
@@ -109,6 +109,46 @@ void add_keys_of_body(KeyTable& t) {
         "rectangle, the first point of a polygon, the centre of a disc").otherwise("0");
     add_matter_and_motion(t);
     add_parts(t, "body[]");
+
+    t.list("bodies[]", "many bodies in a pattern, named NAME1, NAME2, ...; NAME is the group of all, for "
+        "on = { body = \"NAME\" }. Boundaries of blocks are left, right, bottom, top, of polygons and stones rim");
+    t.text("name", "name of the group").a_name().computed("its pattern");
+    t.word("pattern", {"wall", "voronoi", "heap"}, "wall: rows of blocks in bond, from the bottom left; voronoi: "
+        "polygons that fill a box (power diagram; its cells have the requested sizes); heap: convex polygons or discs "
+        "at random places in a box that do not touch, the largest first").required();
+    t.integer("columns", "number of blocks in a row")
+        .at_least(1).at_most(10000).required().only_with("pattern", {"wall"});
+    t.integer("rows", "number of rows").at_least(1).at_most(10000).required().only_with("pattern", {"wall"});
+    t.number("block", "m", "width and height of a block")
+        .pair().above(0).required().only_with("pattern", {"wall"}).to(&WallOptions::block);
+    t.number("bond", "", "shift of every second row over block and gap, with shorter blocks at its ends; 0: stacked "
+        "columns").at_least(0).below(1).otherwise("0.5").only_with("pattern", {"wall"}).to(&WallOptions::bond);
+    t.number("origin", "m", "lower left corner of the wall")
+        .pair().otherwise("[0, 0]").only_with("pattern", {"wall"}).to(&WallOptions::origin);
+    t.number("gap", "m", "distance between neighbours; 0: they touch")
+        .at_least(0).otherwise("0").only_with("pattern", {"wall", "voronoi"}).to(&WallOptions::gap);
+    t.number("box", "m", "box of the pattern: lower left and upper right corner")
+        .box().required().only_with("pattern", {"voronoi", "heap"});
+    t.number("size", "m", "mean diameter (of the circle of equal area), at least 1.5 times mesh_size")
+        .above(0).required().only_with("pattern", {"voronoi", "heap"}).to(&InclusionOptions::size);
+    t.number("spread", "", "standard deviation of the lognormal distribution of diameters over their mean")
+        .at_least(0).at_most(0.6).otherwise("0.25").only_with("pattern", {"voronoi", "heap"})
+        .to(&InclusionOptions::spread);
+    t.integer("number", "number of stones; either number or fraction")
+        .at_least(1).at_most(5000).only_with("pattern", {"heap"}).to(&InclusionOptions::number);
+    t.number("fraction", "", "area fraction of the stones in the box; random placement fails above about 0.5; either "
+        "number or fraction").above(0).at_most(0.6).only_with("pattern", {"heap"}).to(&InclusionOptions::fraction);
+    t.number("distance", "m", "minimum distance between stones, and to the border of the box")
+        .above(0).computed("mesh_size/10").only_with("pattern", {"heap"}).to(&InclusionOptions::distance);
+    t.integer("corners", "number of corners of a stone, fewer where its convex hull has fewer; 0: discs")
+        .at_least(0).at_most(12).otherwise("7").only_with("pattern", {"heap"}).to(&InclusionOptions::corners);
+    t.number("elongation", "", "length over width of a stone")
+        .at_least(1).at_most(5).otherwise("1").only_with("pattern", {"heap"}).to(&InclusionOptions::elongation);
+    t.number("direction", "deg", "angle of the long axis to x; without it random")
+        .only_with("pattern", {"heap"}).to(&InclusionOptions::direction, radians);
+    t.number("angle", "deg", "angle by which the pattern is turned about its origin or the lower left corner of its "
+        "box").otherwise("0");
+    add_matter_and_motion(t);
 
     t.table("mesh", "the triangle mesh").required();
     t.number("size", "m", "requested mean edge length; required without mesh.file").above(0).to(&MeshOptions::size);

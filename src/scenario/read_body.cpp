@@ -1,9 +1,11 @@
 // [domain], [[body]] and [mesh]: the bodies of a scene, their places and sizes.
 #include "base/formatted.hpp"
 #include "base/random.hpp"
+#include "microstructure/body_patterns.hpp"
 #include "scenario/reading.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 
 namespace knap {
@@ -11,6 +13,8 @@ namespace {
 
 /// Bodies may lie in each other by this part of the mesh size, as bodies in contact may (stepper/contact).
 constexpr double allowed_overlap = 1e-3;
+constexpr int max_bodies = 5000;  // of one pattern
+constexpr double degree = std::numbers::pi / 180;
 
 void check_shape_is_given(const Table& domain, const Table& mesh) {
     if (!domain.given("shape") && (!domain.given() || domain.has("")))
@@ -38,24 +42,37 @@ void check_nothing_else(Reading& reading) {
         else
             reading.table("mesh").error("exclusive-keys", key, "has no meaning with mesh.file",
                                         "the file defines the body and its mesh");
-    for (const Table& table : reading.list("body"))
-        table.error("exclusive-keys", "", "has no meaning with mesh.file",
-                    "a file may have several bodies: parts that share no nodes");
+    for (const char* list : {"body", "bodies"})
+        for (const Table& table : reading.list(list))
+            table.error("exclusive-keys", "", "has no meaning with mesh.file",
+                        "a file may have several bodies: parts that share no nodes");
 }
 
 // ---- [[body]]
 
+void check_is_new(const Table& table, const std::string& name) {
+    const auto has_name = [&](const auto& other) { return other.name == name; };
+    if (std::ranges::any_of(table.scenario().bodies, has_name) ||
+        std::ranges::any_of(table.scenario().groups, has_name))
+        table.error("duplicate-name", "name", ": `" + name + "` is the name of another body");
+}
+
+/// Computes the defaults of mesh size and material; returns the mesh options with the size.
+MeshOptions compute_matter(const Table& table) {
+    const Scenario& scenario = table.scenario();
+    MeshOptions mesh = scenario.mesh;
+    if (mesh.size > 0) table.compute("mesh_size", Node::of_number(mesh.size));
+    if (!scenario.materials.empty()) table.compute("material", Node::of_text(scenario.materials.front().name));
+    mesh.size = table.number("mesh_size").value_or(0);
+    return mesh;
+}
+
 /// Adds a body without a shape. Its mesh depends on the seed and its name only, not on the other bodies.
 Body& add_body(const Table& table, const std::string& name) {
     Scenario& scenario = table.scenario();
-    const std::vector<std::string> used = scenario.body_names();
-    if (std::ranges::find(used, name) != used.end())
-        table.error("duplicate-name", "name", ": `" + name + "` is the name of another body");
-    if (scenario.mesh.size > 0) table.compute("mesh_size", Node::of_number(scenario.mesh.size));
-    if (!scenario.materials.empty()) table.compute("material", Node::of_text(scenario.materials.front().name));
-    Body& body = scenario.bodies.emplace_back(Body{.name = name, .path = table.path(), .mesh = scenario.mesh});
+    check_is_new(table, name);
+    Body& body = scenario.bodies.emplace_back(Body{.name = name, .path = table.path(), .mesh = compute_matter(table)});
     body.shape.tag = table.material("material").value_or(0);
-    body.mesh.size = table.number("mesh_size").value_or(0);
     body.mesh.seed = Random(scenario.seed, "body " + name).bits();
     body.own_mesh_size = table.given("mesh_size");
     InitialVelocity initial{.on = {.body = name}, .value = Vec2::Zero()};
@@ -74,7 +91,80 @@ void read_one_body(const Table& table) {
     if (degrees == 0 || shape.outer.points.empty()) return;
     const bool round = table.text("shape") == "disc";
     turn(shape, round ? table.get<Vec2>("centre").value_or(Vec2::Zero()) : Vec2(shape.outer.points.front()),
-         degrees * std::numbers::pi / 180);
+         degrees * degree);
+}
+
+// ---- [[bodies]]
+
+/// None, and an error, where the pattern is not possible.
+Outlines read_wall(const Table& table, double mesh_size) {
+    WallOptions options;
+    table.fill(options);
+    options.columns = static_cast<int>(table.get<std::int64_t>("columns").value_or(0));
+    options.rows = static_cast<int>(table.get<std::int64_t>("rows").value_or(0));
+    const double step = options.block.x() + options.gap;
+    const double shorter = std::min(options.bond, 1 - options.bond) * step - options.gap;
+    if (options.bond > 0 && shorter < 0.5 * mesh_size)
+        table.error("out-of-range", "bond",
+                    formatted("leaves blocks of %.3g m at the ends of every second row", shorter),
+                    "at least half of mesh_size: another bond, a smaller gap, or bond = 0");
+    if (static_cast<double>(options.columns) * options.rows > max_bodies)
+        table.error("out-of-range", "rows", formatted("makes more than %d bodies", max_bodies));
+    return table.reading().findings.has_errors() ? Outlines{} : wall(options);
+}
+
+/// Cells or stones in a box.
+Outlines read_box(const Table& table, const std::string& stream, const MeshOptions& mesh) {
+    const auto box = table.get<Box>("box");
+    const bool stones = table.text("pattern") == "heap";
+    InclusionOptions options{.mesh = mesh};
+    table.fill(options);
+    if (options.size < 1.5 * mesh.size)
+        table.error("out-of-range", "size", "is below 1.5 times the mesh size", "larger bodies or a finer mesh");
+    const auto amount = stones ? table.one_of({"number", "fraction"}, true) : std::nullopt;
+    if (options.corners == 1 || options.corners == 2)
+        table.error("out-of-range", "corners", "must be 0 for discs, or at least 3");
+    if (!box || !(options.size > 0) || table.reading().findings.has_errors()) return {};
+    const Vec2 extent = box->extent();
+    if (extent.x() * extent.y() > max_bodies * options.size * options.size) {
+        table.error("out-of-range", "size", formatted("makes more than %d bodies in this box", max_bodies));
+        return {};
+    }
+    if (!stones)
+        return cells_of_box({.size = options.size, .spread = options.spread}, *box, table.number("gap").value_or(0),
+                            0.25 * mesh.size, table.scenario().seed, stream);
+    try {
+        return heap(options, *box, table.scenario().seed, stream);
+    } catch (const ShapeError& error) {
+        table.error("geometry", amount.value_or("fraction"), std::string("cannot be met: ") + error.what(),
+                    "a larger box, fewer or smaller stones");
+    }
+    return {};
+}
+
+void read_pattern(const Table& table) {
+    Scenario& scenario = table.scenario();
+    table.compute("name", Node::of_text(table.text("pattern")));
+    const std::string name = table.text("name");
+    check_is_new(table, name);
+    const MeshOptions mesh = compute_matter(table);
+    if (mesh.size > 0) table.compute("distance", Node::of_number(0.1 * mesh.size));
+    const bool blocks = table.text("pattern") == "wall";
+    if (!table.has("pattern") || !(mesh.size > 0)) return;
+    const Outlines outlines = blocks ? read_wall(table, mesh.size) : read_box(table, "bodies " + name, mesh);
+    if (outlines.empty()) return;
+    const Vec2 origin = blocks ? table.get<Vec2>("origin").value_or(Vec2::Zero()) : table.get<Box>("box")->low;
+    const BodyGroup group{name, scenario.bodies.size(), outlines.size()};
+    for (const std::vector<Vec2>& points : outlines) {
+        const std::string own = name + std::to_string(scenario.bodies.size() - group.first + 1);
+        Shape& shape = add_body(table, own).shape;
+        shape.outer.points = points;
+        for (std::size_t side = 0; side < points.size(); ++side)
+            shape.outer.boundary.push_back(boundary_index(
+                shape, own + (blocks ? std::array{".bottom", ".right", ".top", ".left"}[side] : ".rim")));
+        turn(shape, origin, table.number("angle").value_or(0) * degree);
+    }
+    scenario.groups.push_back(group);
 }
 
 /// Bodies do not lie in each other.
@@ -107,6 +197,7 @@ void check_places(Reading& reading) {
 void read_bodies(Reading& reading) {
     exclude_shape_of_domain(reading, "[[body]]", "every body has a shape of its own; [domain] has what is common");
     for (const Table& table : reading.list("body")) read_one_body(table);
+    for (const Table& table : reading.list("bodies")) read_pattern(table);
     check_places(reading);
 }
 
@@ -124,7 +215,7 @@ void read_body(Reading& reading) {
         if (const auto box = refine.get<Box>("inside"); box && refine.has("size"))
             scenario.mesh.refine.push_back({box->low, box->high, *refine.number("size")});
     if (mesh.given("file")) return check_nothing_else(reading), read_mesh_file(reading);
-    if (!reading.list("body").empty()) return read_bodies(reading);
+    if (!reading.list("body").empty() || !reading.list("bodies").empty()) return read_bodies(reading);
     check_shape_is_given(domain, mesh);
     Body& body = scenario.bodies.emplace_back(Body{.path = "domain", .mesh = scenario.mesh});
     read_shape(domain, body.mesh, "", body.shape);

@@ -136,9 +136,9 @@ void read_body(Reading& reading);            // [domain], [mesh], [[body]]: befo
 void read_microstructure(Reading& reading);  // inclusions and joints, which change the shape; maps; grains
 void read_supports(Reading& reading);        // before laws: a law may have the name that a support uses
 void read_laws(Reading& reading);
-void read_loads(Reading& reading);  // loads, initial velocities, obstacles
-void read_run(Reading& reading);    // time, output, probes, specimen, figures, limits, expectations
-void read_study(Reading& reading);  // after everything that a study may name: probes, loads, expectations
+void read_loads(Reading& reading);    // loads, initial velocities, obstacles
+void read_run(Reading& reading);      // time, output, probes, specimen, figures, limits, expectations
+void read_study(Reading& reading);    // after everything that a study may name: probes, loads, expectations
 void read_sweep(Reading& reading);
 void warn_of_implausible(Reading& reading);  // values that are likely mistakes
 

@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -115,4 +116,36 @@ TEST_CASE("fragments: of a model each triangle has its own mass") {
     CHECK(fragments.pieces[0].mass == Approx(4));  // (3 x 2 + 1 x 2) x .5
     CHECK((fragments.pieces[0].velocity - Vec2(2, 0)).norm() < 1e-12);
     CHECK(fragments.pieces[0].centre.x() == Approx((3.0 * 1 + 1.0 * 3) / 4));
+}
+
+TEST_CASE("fragments: history and paths") {
+    // fragments of 4 and 2 kg, and the light one spins: two triangles with opposite velocities across its axis
+    std::vector<TriangleContent> triangles{triangle(1, {0, 3}, {5, 1}), triangle(4, {3, 0}, {-2, 7}),
+                                           triangle(1, {0, -3}, {3, 1})};
+    const std::vector<std::array<Index, 2>> joined{{0, 2}};
+    const Fragments f = find_fragments(triangles, joined);
+    const History table = fragment_table(f);
+    const std::vector<double> line = values_of(fragment_moment_columns(), FragmentMoment{0.5, f, table});
+    const auto value = [&](std::string_view name) {
+        const auto columns = fragment_moment_columns();
+        return line[std::ranges::find(columns, name, &Output::name) - columns.begin()];
+    };
+    CHECK(value("time") == 0.5);
+    CHECK(value("fragments") == 2);
+    CHECK(value("largest_fragment") == Approx(2. / 3));
+    CHECK(value("from_x") == -2);
+    CHECK(value("to_x") == 4);
+    CHECK(value("from_y") == 1);
+    CHECK(value("to_y") == 7);
+    CHECK(value("largest_speed") == 3);
+    CHECK(value("translation") == Approx(0.5 * 4 * 9));
+    CHECK(value("rotation") == Approx(0.5 * 2 * 9));  // two points of 1 kg at 3 m/s
+    CHECK(value("median_fragment") == Approx(f.pieces[0].diameter()));
+    const auto lines = fragment_path_lines(0.5, f, table);
+    REQUIRE(lines.size() == 2);
+    CHECK(lines[0].size() == fragment_path_columns().size());
+    CHECK(lines[0][0] == 0.5);
+    CHECK(lines[0][1] == 1);  // its lowest triangle
+    CHECK(lines[1][1] == 0);
+    CHECK(std::vector<double>(lines[1].begin() + 2, lines[1].end()) == table.rows[1]);
 }

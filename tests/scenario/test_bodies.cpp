@@ -107,3 +107,51 @@ TEST_CASE("bodies: what cannot be") {
                 "\"load0\"\nheight = 0.04\n",
             "missing-key", "there are several bodies");
 }
+
+TEST_CASE("bodies: a wall is a group of numbered blocks") {
+    const std::string text = scene(block("ground", -1, -0.04) +
+                                   "[[bodies]]\npattern = \"wall\"\ncolumns = 2\nrows = 2\nblock = [0.02, 0.01]\n"
+                                   "velocity = [1, 0]\nspin = 3\nangle = 90\n" +
+                                   "[[bodies]]\nname = \"rubble\"\npattern = \"heap\"\nbox = [1, 0, 1.1, 0.1]\n"
+                                   "size = 0.02\nnumber = 5\ncorners = 0\nmesh_size = 0.004\n");
+    const Scenario s = samples::read(text).scenario;
+    REQUIRE(s.bodies.size() == 1 + 5 + 5);
+    CHECK(s.bodies[1].name == "wall1");
+    CHECK(s.bodies[5].name == "wall5");
+    CHECK(s.bodies[6].name == "rubble1");
+    CHECK(s.bodies[6].mesh.size == 0.004);
+    REQUIRE(s.groups.size() == 2);
+    CHECK((s.groups[0].name == "wall" && s.groups[0].first == 1 && s.groups[0].n == 5));
+    CHECK(s.bodies[3].shape.boundary_names ==
+          std::vector<std::string>{"wall3.bottom", "wall3.right", "wall3.top", "wall3.left"});
+    CHECK(s.bodies[7].shape.boundary_names == std::vector<std::string>{"rubble2.rim"});
+    CHECK((s.bodies[1].shape.outer.points[2] - Vec2(-0.01, 0.02)).norm() < 1e-15);  // turned about its origin
+    CHECK(s.initial_velocities.size() == 5);
+    CHECK(mistakes(text + "[[load]]\non = { body = \"wall\" }\nacceleration = [0, -9.81]\n").empty());
+    // seeds: stones by the name of the group, meshes by the names of the bodies
+    const Scenario t = samples::read("seed = 5\n" + text).scenario;
+    CHECK(t.bodies[1].shape.outer.points == s.bodies[1].shape.outer.points);
+    CHECK(t.bodies[6].shape.outer.points != s.bodies[6].shape.outer.points);
+    CHECK(t.bodies[1].mesh.seed != s.bodies[1].mesh.seed);
+}
+
+TEST_CASE("bodies: patterns that cannot be") {
+    const auto wall = [](const std::string& more) {
+        return scene("[[bodies]]\npattern = \"wall\"\ncolumns = 2\nrows = 2\nblock = [0.02, 0.01]\n" + more);
+    };
+    const auto heap = [](const std::string& more) {
+        return scene("[[bodies]]\npattern = \"heap\"\nbox = [0, 0, 0.1, 0.1]\nsize = 0.02\n" + more);
+    };
+    CHECK(mistakes(wall("")).empty());
+    reports(wall("bond = 0.02\n"), "out-of-range", "leaves blocks of 0.0004 m", 7);
+    reports(wall("fraction = 0.2\n"), "exclusive-keys", "belongs to pattern = \"heap\"");
+    reports(wall("[[body]]\nname = \"wall3\"\nshape = \"disc\"\nradius = 0.01\ncentre = [1, 1]\n"), "duplicate-name",
+            "`wall3` is the name of another body");
+    reports(wall("[[body]]\nshape = \"disc\"\nradius = 0.01\n"), "overlap", "(body `wall1`) lies in body `body1`");
+    reports(heap(""), "missing-key", "has none of number, fraction");
+    reports(heap("number = 100\n"), "geometry", "finds no room", 6);
+    reports(heap("number = 2\ncorners = 2\n"), "out-of-range", "at least 3");
+    reports(changed("size = 0.02", "size = 0.001", heap("number = 2\n")), "out-of-range", "1.5 times the mesh size");
+    reports(scene("[[bodies]]\npattern = \"voronoi\"\nbox = [0, 0, 100, 100]\nsize = 0.02\n"), "out-of-range",
+            "more than 5000 bodies");
+}

@@ -297,6 +297,46 @@ E = 190e9
 nu = 0.3
 )");
 
+const std::string patterns = samples::changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n", R"([[bodies]]
+name = "dam"
+pattern = "wall"
+columns = 3
+rows = 2
+block = ["20 mm", "10 mm"]
+bond = 0.25
+gap = "1 mm"
+origin = ["5 mm", "6 mm"]
+angle = "10 deg"
+material = "steel"
+mesh_size = "2 mm"
+velocity = [0, "2 m/s"]
+spin = "30 deg/s"
+[[bodies]]
+pattern = "voronoi"
+box = ["200 mm", 0, "260 mm", "40 mm"]
+size = "20 mm"
+spread = 0.1
+[[bodies]]
+pattern = "heap"
+box = ["300 mm", 0, "400 mm", "100 mm"]
+size = "20 mm"
+fraction = 0.2
+distance = "2 mm"
+corners = 5
+elongation = 1.5
+direction = "20 deg"
+[[bodies]]
+name = "sand"
+pattern = "heap"
+box = ["500 mm", 0, "600 mm", "100 mm"]
+size = "20 mm"
+number = 3
+[material.steel]
+density = 8000
+E = 190e9
+nu = 0.3
+)");
+
 const std::string schemes = samples::least + "[study]\nschemes = [\"explicit/explicit\", \"implicit/implicit\"]\n";
 
 const std::string implicit = samples::least + R"(bulk = "implicit"
@@ -600,6 +640,30 @@ const Case cases[] = {
     {scene, "initial[0].spin", "45"},
     {scene, "inclusions[0].body", "\"cap\""},
     {scene, "joints[0].body", "\"body3\""},
+    {patterns, "bodies[0].name", "\"dam\""},
+    {patterns, "bodies[0].pattern", "\"wall\""},
+    {patterns, "bodies[0].columns", "3"},
+    {patterns, "bodies[0].rows", "2"},
+    {patterns, "bodies[0].block", "[0.02, 0.01]"},
+    {patterns, "bodies[0].bond", "0.25"},
+    {patterns, "bodies[0].gap", "0.001"},
+    {patterns, "bodies[0].origin", "[0.005, 0.006]"},
+    {patterns, "bodies[0].angle", "10"},
+    {patterns, "bodies[0].material", "\"steel\""},
+    {patterns, "bodies[0].mesh_size", "0.002"},
+    {patterns, "bodies[0].velocity", "[0, 2]"},
+    {patterns, "bodies[0].spin", "30"},
+    {patterns, "bodies[1].name", "\"voronoi\""},
+    {patterns, "bodies[1].box", "[0.2, 0, 0.26, 0.04]"},
+    {patterns, "bodies[1].size", "0.02"},
+    {patterns, "bodies[1].spread", "0.1"},
+    {patterns, "bodies[2].fraction", "0.2"},
+    {patterns, "bodies[2].distance", "0.002"},
+    {patterns, "bodies[2].corners", "5"},
+    {patterns, "bodies[2].elongation", "1.5"},
+    {patterns, "bodies[2].direction", "20"},
+    {patterns, "bodies[3].number", "3"},
+    {patterns, "bodies[3].distance", "1e-04"},
     {mesh_file, "mesh.file", "\"" KNAP_SOURCE_DIR "/tests/mesh/data/block_41_ascii.msh\""},
     {mesh_file, "mesh.unit", "0.001"},
     {mesh_file, "mesh.cracks", "[\"crack\"]"},

@@ -45,6 +45,7 @@ RecorderOptions recorder_options(const RunSetup& setup, bool resumes) {
             .end = scenario.time.end,
             .frame_every = scenario.output.fields ? scenario.output.every : 0,
             .history_every = scenario.output.history_every,
+            .fragments_every = scenario.output.every,
             .mass = scenario.time.scheme.mass,
             .cracks = crack_options(diagonal(model.mesh.vertices), process_zone, fastest, model.mesh.order),
             .critical_opening = critical_opening,

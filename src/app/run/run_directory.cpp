@@ -43,11 +43,28 @@ bool is_vacant(const fs::path& directory) {
 /// Whether a run of any kind writes a file or directory of this name.
 bool is_made_by_runs(fs::path name) {
     if (name.extension() == ".part") name = name.stem();
-    static const std::set<fs::path> names{"run.json",      "log.txt",    "scenario.toml",       "resolved.toml",
-                                          "mesh.msh",      "energy.csv", "cracks.csv",          "arms.csv",
-                                          "reactions.csv", "probes.csv", "breaks.csv",          "fragments.csv",
-                                          "run.pvd",       "fields",     "stress_strain.csv",   "figures",
-                                          "lcp",           "checkpoint", "checkpoint.previous", "checkpoint.end"};
+    static const std::set<fs::path> names{"run.json",
+                                          "log.txt",
+                                          "scenario.toml",
+                                          "resolved.toml",
+                                          "mesh.msh",
+                                          "energy.csv",
+                                          "cracks.csv",
+                                          "arms.csv",
+                                          "reactions.csv",
+                                          "probes.csv",
+                                          "breaks.csv",
+                                          "fragments.csv",
+                                          "fragment_history.csv",
+                                          "fragment_paths.csv",
+                                          "run.pvd",
+                                          "fields",
+                                          "stress_strain.csv",
+                                          "figures",
+                                          "lcp",
+                                          "checkpoint",
+                                          "checkpoint.previous",
+                                          "checkpoint.end"};
     return names.contains(name);
 }
 

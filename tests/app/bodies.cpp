@@ -1,0 +1,97 @@
+// A run of three bodies: frames, tables and a figure know them apart.
+#include "program.hpp"
+
+#include "output/history_csv.hpp"
+#include "output/vtk_series.hpp"
+#include "support/relative.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <set>
+
+using namespace knap;
+using namespace program;
+
+namespace {
+
+const std::string scene = R"(knap = 1
+[[body]]
+name = "plate"
+shape = "rectangle"
+size = ["100 mm", "20 mm"]
+[[body]]
+name = "boulder"
+shape = "disc"
+centre = ["30 mm", "41 mm"]
+radius = "20 mm"
+velocity = ["1 m/s", "-10 m/s"]
+spin = "1000 deg/s"
+[[body]]
+name = "block"
+shape = "rectangle"
+origin = ["60 mm", "20 mm"]
+size = ["30 mm", "20 mm"]
+[mesh]
+size = "5 mm"
+[material.rock]
+density = 2400
+E = "30 GPa"
+nu = 0.2
+[interface.default]
+sigma_c = "3 MPa"
+G_c = 50
+[time]
+end = "2 us"
+[output]
+every = "1 us"
+[[figure]]
+file = "a.png"
+show = "speed"
+)";
+
+}  // namespace
+
+TEST_CASE("bodies: three in one run") {
+    const Folder folder("bodies");
+    std::ofstream(folder.path / "three.toml") << scene;
+    const Answer run = command("run -q -j 1 " + folder.in_shell("three.toml") + " -o " + folder.in_shell("run"));
+    CAPTURE(run.text);
+    REQUIRE(run.code == 0);
+    const fs::path out = folder.path / "run";
+    CHECK(fs::file_size(out / "figures" / "a.png") > 1000);
+    const History last = read_csv(out / "fragments.csv");
+    REQUIRE(last.rows.size() == 3);
+    CHECK(last.column("area")[0] == tests::relative(2e-3, 1e-12));
+    CHECK(last.column("velocity_y")[1] == tests::relative(-10, 1e-9));
+    CHECK(last.column("spin")[1] == tests::relative(1000 * std::numbers::pi / 180, 1e-4));
+    CHECK(last.column("area")[2] == tests::relative(6e-4, 1e-12));
+    const History history = read_csv(out / "fragment_history.csv"), paths = read_csv(out / "fragment_paths.csv");
+    CHECK(history.column("fragments") == std::vector<double>{3, 3, 3});
+    CHECK(history.column("time")[1] == tests::relative(1e-6, 1e-9));
+    CHECK(history.column("to_x")[0] == tests::relative(0.075, 1e-12));
+    REQUIRE(paths.rows.size() == 9);
+    const std::vector<double> label = paths.column("label");
+    CHECK(std::set<double>(label.begin(), label.end()).size() == 3);
+    CHECK(paths.column("centre_x")[7] > paths.column("centre_x")[1]);  // the boulder moves
+    // the last lines are those of fragments.csv
+    CHECK(std::vector<double>(paths.rows[8].begin() + 2, paths.rows[8].end()) == last.rows[2]);
+    const Frame frame = read_frame(out, frame_times(out).size() - 1);
+    REQUIRE(frame.fragment.size() == frame.region.size());
+    for (const int fragment : {0, 1, 2})
+        CHECK(std::ranges::count(frame.fragment, fragment) == last.column("triangles")[fragment]);
+}
+
+TEST_CASE("bodies: mesh and check") {
+    const Folder folder("bodies_check");
+    std::ofstream(folder.path / "three.toml") << scene;
+    const Answer mesh = command("mesh " + folder.in_shell("three.toml") + " -o " + folder.in_shell("m.svg"));
+    CHECK(mesh.code == 0);
+    CHECK(mesh.has("bodies                       3"));
+    CHECK(command("check " + folder.in_shell("three.toml")).has("bodies 3"));
+    std::ofstream(folder.path / "thin.toml") << scene +
+                                                    "[[body]]\nname = \"thin\"\nshape = \"rectangle\"\norigin = "
+                                                    "[1, 1]\nsize = [\"10 mm\", \"0.01 mm\"]\n";
+    const Answer thin = command("check " + folder.in_shell("thin.toml"));
+    CHECK(thin.code == 2);
+    CHECK(thin.has("(body `thin`)"));
+}
