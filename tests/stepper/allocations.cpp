@@ -2,12 +2,14 @@
 #include "base/arena.hpp"
 #include "stepper/implicit/theta_matrix.hpp"
 #include "support/obstacles.hpp"
+#include "support/pieces.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
+#include <numbers>
 
 using namespace knap;
 using namespace knap::tests;
@@ -245,6 +247,28 @@ TEST_CASE("solving with a factor allocates nothing") {
     matrix.solve(b, x);
     const long before = n_allocations;
     matrix.solve(b, x);
+    CHECK(n_allocations == before);
+}
+
+TEST_CASE("the detection of contacts lives on the memory of its first searches") {
+    // two rows of blocks that move to and fro past each other, with searches for nearby edges on the way
+    std::vector<Mesh> bodies;
+    for (int i = 0; i < 10; ++i) {
+        bodies.push_back(bar_mesh(4, 4, 1, 1));
+        for (Vec2& x : bodies.back().vertices) x += Vec2(i / 2 * 1.001, i % 2);
+    }
+    Pieces scene(bodies);
+    FaceContacts contacts(scene.model);
+    const auto period = [&] {
+        for (int i = 0; i < 200; ++i) {
+            for (Index b = 1; b < 10; b += 2) scene.put(b, {0.3 * std::sin(i * std::numbers::pi / 100), 0});
+            contacts.find(scene.state, 1e-3);
+            CHECK(contacts.all().size() > 10);
+        }
+    };
+    period();
+    const long before = n_allocations;
+    period();
     CHECK(n_allocations == before);
 }
 

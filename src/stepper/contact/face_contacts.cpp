@@ -41,12 +41,12 @@ double largest_overrun(double gap, double reach, double length, double depth) {
     return std::min(reach + std::max(0., std::min(-gap, depth + gap)), beyond_end * length);
 }
 
-/// Keeps the one that is further beyond its limit.
+/// Keeps the largest; a speed before any depth.
 void refuse(const ContactRefusal& now, std::optional<ContactRefusal>& worst) {
-    const auto excess = [](const ContactRefusal& refusal) {
-        return refusal.value / (refusal.reason == ContactRefusal::Reason::speed ? largest_motion : deepest);
+    const auto rank = [](const ContactRefusal& refusal) {
+        return std::pair(refusal.reason == ContactRefusal::Reason::speed, refusal.value);
     };
-    if (!worst || excess(now) > excess(*worst)) worst = now;
+    if (!worst || rank(now) > rank(*worst)) worst = now;
 }
 
 }  // namespace
@@ -305,18 +305,21 @@ const FaceContactState* FaceContacts::slid_from(Index e, const Vertex& at) const
     return nullptr;
 }
 
-/// The vertex was in contact with a neighbour of the edge, or an end of the edge with an edge at the vertex.
+/// The vertex was in contact with a neighbour of the edge, or an end of the edge with an edge at the vertex; or the
+/// vertex is where an end of the edge was in the undeformed body: their fan kept them apart until its point retired.
 bool FaceContacts::was_beside(const State& begin, const NearbyEdge& pair, const Vertex& at) const {
     const auto edges = boundary_.edges();
-    const FreeEdge& edge = edges[pair.edge];
+    const FreeEdge &edge = edges[pair.edge], &leaving = edges[pair.vertex];
+    const Index fan = model_.fan_of_corner[leaving.start];
     const auto end_met_vertex = [&](Index j) {
         if (j < 0 || edges[j].entering < 0) return false;
         const auto before =
             std::ranges::equal_range(begin.face_contacts, edges[j].start, {}, &FaceContactState::vertex);
-        return known(before, pair.vertex) || known(before, edges[pair.vertex].entering);
+        return known(before, pair.vertex) || known(before, leaving.entering);
     };
     return known(at.before, edge.prev) || known(at.before, edge.next) || end_met_vertex(edge.piece_start) ||
-           end_met_vertex(edge.piece_end);
+           end_met_vertex(edge.piece_end) || model_.fan_of_corner[edge.start] == fan ||
+           model_.fan_of_corner[edge.end] == fan;
 }
 
 /// The contacts of a vertex in found_: first_found_ holds numbers of any earlier step where there is none.

@@ -41,8 +41,8 @@ struct ContactRefusal {
 /// 4 corners   of two edges with a convex corner the one with the larger gap, also beyond its end; of two edges with a
 ///             reflex corner both, unless the point lies behind the prolonged edge and beside the other one
 /// 5 deep      deeper than 1e-3 L + 2 h |v_rel| only where the pair, the vertex with a neighbour of the edge, or an end
-///             of the edge with an edge at the vertex was a contact in the step before: a vertex beside a thin piece
-///             does not touch it from behind
+///             of the edge with an edge at the vertex was a contact in the step before, or where both were neighbours
+///             in the undeformed body: a vertex beside a thin piece does not touch it from behind
 /// 6 depth     at most 0.35 of the altitude of the triangle; the step before should have been refused
 ///
 /// At a corner, an edge outside the cones of the vertex takes no contact away from its neighbour: there the plane that
@@ -62,7 +62,7 @@ public:
     void find(const State& begin, double h);
     /// In the order of (vertex, edge).
     std::span<const FaceContact> all() const { return contacts_; }
-    /// Where the step moves a contact by more than 0.05 L, or where one is deeper than 0.1 L: the worst place.
+    /// Where the step moves a contact by more than 0.05 L, or else where one is deeper than 0.1 L: the worst place.
     const std::optional<ContactRefusal>& refusal() const { return refusal_; }
     const FreeBoundary& boundary() const { return boundary_; }
 

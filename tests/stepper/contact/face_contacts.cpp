@@ -4,6 +4,7 @@
 #include "base/random.hpp"
 
 #include <doctest/doctest.h>
+#include <omp.h>
 
 #include <map>
 #include <numbers>
@@ -271,6 +272,19 @@ TEST_CASE("steps that move a contact too far or find it too deep are refused wit
     REQUIRE(contacts.refusal());
     CHECK(contacts.refusal()->reason == ContactRefusal::Reason::depth);
     CHECK(contacts.refusal()->value == doctest::Approx(0.12));
+}
+
+TEST_CASE("any number of threads finds the same contacts") {
+    const int before = omp_get_max_threads();
+    const Pieces scene = random_rubble(7, 30, 30);
+    omp_set_num_threads(1);
+    const auto one = scene.contacts(h);
+    CHECK(one.size() > 300);
+    for (const int n_threads : {2, 3, 4}) {
+        omp_set_num_threads(n_threads);
+        CHECK(equal(scene.contacts(h), one));
+    }
+    omp_set_num_threads(before);
 }
 
 TEST_CASE("the contacts turn and move with the whole scene") {

@@ -1,0 +1,134 @@
+// Contacts between the faces of cracks, beside the points that are still live.
+#include "stepper/contact/retirement.hpp"
+#include "support/pieces.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <numbers>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+constexpr double h = 1e-3;
+
+/// Splits every fan; points between triangles of different parts lose their cohesion.
+void crack(Pieces& scene, const std::vector<int>& part) {
+    scene.body.assign(part.begin(), part.end());
+    for (Index f = 0; f < Index(scene.model.fans.size()); ++f) {
+        split(scene.model, f, scene.state);
+        PointState* state = scene.state.points.data() + scene.state.first_point.back();
+        for (const FanPoint& point : scene.model.points(scene.model.fans[f]))
+            (state++)->cohesion = part[point.before / 3] == part[point.after / 3];
+    }
+}
+
+/// n teeth of width 1 and height 2 x slope between two bars; part 1 is the upper one.
+Pieces zigzag(int n_cells, double slope) {
+    Mesh mesh = bar_mesh(n_cells, 2, n_cells / 2., 1);
+    for (int i = 0; i <= n_cells; ++i) mesh.vertices[n_cells + 1 + i].y() += (i % 2 == 0 ? -0.25 : 0.25) * slope;
+    Pieces scene({mesh});
+    std::vector<int> part(mesh.triangles.size(), 0);
+    std::fill(part.begin() + 2 * n_cells, part.end(), 1);
+    crack(scene, part);
+    return scene;
+}
+
+}  // namespace
+
+TEST_CASE("a zigzag crack slides over to free faces between a slip of 0.04 and 0.06 of an edge") {
+    const double slope = 0.3, edge = 0.5 * std::sqrt(1 + slope * slope);
+    for (const double slip : {0.04, 0.06, 0.2}) {
+        CAPTURE(slip);
+        Pieces scene = zigzag(8, slope);
+        scene.put(1, slip * edge * Vec2(1, slope) / std::sqrt(1 + slope * slope));
+        retire_points(scene.model, scene.state);
+        const auto contacts = scene.contacts(h);
+        if (slip < 0.05) {
+            CHECK(std::ranges::count(scene.state.retired, 1) == 0);
+            CHECK(contacts.empty());
+            continue;
+        }
+        CHECK(std::ranges::count(scene.state.retired, 1) == 2 * 8);
+        // the peaks of the lower part on the rising flanks of the upper one, and the upper part's on the lower flanks;
+        // the end of the upper bar overhangs
+        int n_rising = 0;
+        for (const FaceContact& contact : contacts) {
+            CHECK(scene.body_of(contact.vertex[0]) != scene.body_of(contact.edge[0]));
+            if (std::abs(contact.gap) < 1e-12) {
+                ++n_rising;
+                CHECK(std::abs(contact.normal.x() / contact.normal.y()) == doctest::Approx(slope));
+                CHECK(contact.normal.x() * contact.normal.y() < 0);
+            } else {
+                CHECK(contact.gap > 0);
+            }
+        }
+        CHECK(n_rising == 8);
+    }
+}
+
+TEST_CASE("pieces of a triple junction touch their neighbours and the live point keeps its own") {
+    // six triangles round a vertex, three parts of 120 degrees; edge i is before triangle i
+    std::vector<Vec2> outline;
+    for (int i = 0; i < 6; ++i) outline.push_back(turned({1, 0}, i * std::numbers::pi / 3));
+    const auto junction = [&](const std::array<Vec2, 3>& shift) {
+        Pieces scene({star_mesh(outline)});
+        crack(scene, {0, 0, 1, 1, 2, 2});
+        for (Index part = 0; part < 3; ++part) scene.put(part, shift[part]);
+        retire_points(scene.model, scene.state);
+        return scene;
+    };
+    const Vec2 out = turned({1, 0}, std::numbers::pi / 3);  // of part 0, along its axis
+    {                                                       // all three apart
+        const Pieces scene = junction(
+            {0.1 * out, 0.1 * turned(out, 2 * std::numbers::pi / 3), 0.1 * turned(out, -2 * std::numbers::pi / 3)});
+        CHECK(std::ranges::count(scene.state.retired, 1) == 6);
+        CHECK(scene.contacts(h).empty());
+    }
+    {  // part 0 slides along its face towards part 2: it opens from part 1, and the tip at the centre lies on the face
+        const Vec2 along(-0.06, 0);
+        const Pieces scene = junction({-along, Vec2::Zero(), Vec2::Zero()});
+        CHECK(std::ranges::count(scene.state.retired, 1) == 4);  // between 1 and 2 the points are live
+        const auto contacts = scene.contacts(h);
+        REQUIRE(contacts.size() == 2);
+        for (const FaceContact& contact : contacts) {
+            CHECK(std::abs(contact.gap) < 1e-12);
+            CHECK(std::abs(contact.normal.x()) < 1e-12);
+            CHECK(scene.body_of(contact.vertex[0]) + scene.body_of(contact.edge[0]) == 2);  // parts 0 and 2
+        }
+    }
+    {  // part 0 pressed into the notch between the others: its tip touches both
+        Pieces scene = junction({0.1 * out, Vec2::Zero(), Vec2::Zero()});
+        CHECK(std::ranges::count(scene.state.retired, 1) == 4);
+        scene.put(0, -1e-4 * out);
+        std::array<int, 3> n_of_tip{};
+        for (const FaceContact& contact : scene.contacts(h)) {
+            CHECK(contact.gap == doctest::Approx(-1e-4 * std::sqrt(0.75)));
+            if (scene.model.mesh.corner(contact.vertex[0]).norm() < 1e-12) ++n_of_tip[scene.body_of(contact.edge[0])];
+        }
+        CHECK(n_of_tip == std::array{0, 1, 1});
+    }
+}
+
+TEST_CASE("a live crack end inside the body is no contact vertex and its two sides touch behind it") {
+    // the crack between triangles 0 and 5 opens at the rim only
+    std::vector<Vec2> outline;
+    for (int i = 0; i < 6; ++i) outline.push_back(turned({1, 0}, i * std::numbers::pi / 3));
+    Pieces scene({star_mesh(outline)});
+    crack(scene, {0, 0, 0, 0, 0, 1});
+    for (std::size_t i = 0; i < scene.model.interfaces.size(); ++i) {
+        const Interface& interface = scene.model.interfaces[i];
+        for (Index place = 0; place < 2; ++place)
+            if (interface.vertex[place] == 0 && interface.vertex[1 - place] == 6)
+                scene.state.retired[2 * i + place] = 1;
+    }
+    const auto contacts = scene.contacts(h);  // the two rim corners lie on each other: twins
+    REQUIRE(contacts.size() <= 1);
+    FaceContacts found(scene.model);
+    found.find(scene.state, h);
+    for (const FreeEdge& edge : found.boundary().edges())
+        if (scene.model.mesh.corner(edge.start).norm() < 1e-12) CHECK(edge.entering == -1);
+    CHECK(found.boundary().edges().size() == 8);
+}
