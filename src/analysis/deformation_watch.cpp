@@ -33,6 +33,13 @@ Gradient displacement_gradient(const Mesh& mesh, const State& state, Index t) {
             .yy = inverse * (u_b.y() * a.x() - u_a.y() * b.x())};
 }
 
+/// The larger principal value of |E|, E = 1/2 (H + H' + H' H).
+double largest_strain(const Gradient& g) {
+    const double xx = g.xx + 0.5 * (g.xx * g.xx + g.yx * g.yx), yy = g.yy + 0.5 * (g.xy * g.xy + g.yy * g.yy),
+                 xy = 0.5 * (g.xy + g.yx + g.xx * g.xy + g.yx * g.yy);
+    return std::abs(0.5 * (xx + yy)) + std::hypot(0.5 * (xx - yy), xy);
+}
+
 bool on_support(const Interface& interface) {
     return interface.triangle[0] == rigid_support || interface.triangle[1] == rigid_support;
 }
@@ -47,7 +54,7 @@ DeformationWatch::DeformationWatch(const Model& model) : model_(model) {
         for (Index k = 0; k < 3; ++k)
             lowest = std::min(lowest, 2 * area / (model.mesh.corner(t, (k + 1) % 3) - model.mesh.corner(t, k)).norm());
     }
-    look_path_ = degree * lowest;
+    look_path_ = (model.large_rotation ? 0.1 : degree) * lowest;
     triangle_area_ = body_area_ / std::max<Index>(1, model.mesh.n_triangles());
 
     std::map<Index, std::vector<Index>> at_vertex;  // interfaces on supports
@@ -82,6 +89,7 @@ void DeformationWatch::look_at(const State& state) {
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const Gradient g = displacement_gradient(mesh, state, t);
         const double sine = std::abs(g.yx - g.xy), cosine = 2 + g.xx + g.yy;
+        if (model_.large_rotation) strain_.add(largest_strain(g), mesh.centroid(t));
         if (!(sine <= tangent * cosine)) {
             rotation_.add(std::atan2(sine, cosine) / degree, mesh.centroid(t));
             tangent = largest_tangent();
@@ -90,15 +98,13 @@ void DeformationWatch::look_at(const State& state) {
         if (!(area <= area_change_.value)) area_change_.add(area, mesh.centroid(t));
     }
 
-    const auto displacement = [&](Index corner) -> Vec2 {
-        return corner == rigid_support ? Vec2(Vec2::Zero()) : state.displacement[state.node_of_corner[corner]];
-    };
     for (std::size_t s = 0; s < state.split_fans.size(); ++s) {
         const Fan& fan = model_.fans[state.split_fans[s]];
+        const FanFrame frame = fan_frame(model_, state, fan);
         for (Index k = 0; k < fan.n_points; ++k) {
             if (!(state.points[state.first_point[s] + k].traction.x() > 0)) continue;
             const FanPoint& at = model_.fan_points[fan.first_point + k];
-            double slip = turned_left(at.normal).dot(displacement(at.after) - displacement(at.before));
+            double slip = state.opening_of(at, frame).y();
             const Index interface = model_.interface_of(at.point);
             if (on_support(model_.interfaces[interface]))
                 slip = std::max(0.0, std::abs(slip) - straight_length(interface, slip > 0, std::abs(slip)));

@@ -1,6 +1,7 @@
 #pragma once
-// Checks the assumptions of the kinematics: small rotations, small strains, small slips between faces in contact, and
-// contact only between initial neighbours. The recorder calls it when the body has moved far enough, not at every step.
+// Checks the assumptions of the kinematics: small rotations (unless they may be large), small strains, small slips
+// between faces in contact, and contact only between initial neighbours. The recorder calls it when the body has moved
+// far enough, not at every step.
 #include "model/state.hpp"
 
 #include <map>
@@ -23,19 +24,21 @@ class DeformationWatch {
 public:
     explicit DeformationWatch(const Model& model);
 
-    /// Rotation, change of area, slip: some ten nanoseconds per triangle.
+    /// Rotation, or strain if rotations are large, change of area, slip: some ten nanoseconds per triangle.
     void look_at(const State& state);
     /// Overlap: as expensive as some steps.
     void look_for_overlap(const State& state);
 
     /// [m] No vertex may move farther between two calls of look_at: a relative motion of two vertices by as much turns
-    /// no triangle by more than 2 degrees.
+    /// no triangle by more than 2 degrees; with large rotations it strains none by more than 20 %.
     double look_path() const { return look_path_; }
     /// [m] The same between two calls of look_for_overlap: a tenth of an edge.
     double search_path() const;
 
-    const Extreme& rotation() const { return rotation_; }        // [deg] R of F = R U, of a triangle
-    const Extreme& area_change() const { return area_change_; }  // [-] |det F - 1| of a triangle
+    const Extreme& rotation() const { return rotation_; }          // [deg] R of F = R U, of a triangle
+    const Extreme& strain() const { return strain_; }              // [-] largest principal value of |E| of a triangle
+    const Extreme& area_change() const { return area_change_; }    // [-] |det F - 1| of a triangle
+    bool large_rotation() const { return model_.large_rotation; }  // strain is watched
     const Extreme& slip() const { return slip_; }        // [-] of a point under pressure, over the length of its edge
     const Extreme& overlap() const { return overlap_; }  // [m2] area covered twice; place in the deformed body
     double triangle_area() const { return triangle_area_; }  // [m2] mean; where smaller, that of overlapping triangles
@@ -45,7 +48,7 @@ public:
         return corner < 0 ? std::nullopt : std::optional(model_.mesh.corner(corner));
     }
 
-    void serialize(auto& archive) { archive(rotation_, area_change_, slip_, overlap_, triangle_area_); }
+    void serialize(auto& archive) { archive(rotation_, strain_, area_change_, slip_, overlap_, triangle_area_); }
 
 private:
     double straight_length(Index interface, int direction, double slip) const;
@@ -56,7 +59,7 @@ private:
 
     const Model& model_;
     double triangle_area_ = 0, body_area_ = 0, look_path_ = 0;
-    Extreme rotation_, area_change_, slip_, overlap_;
+    Extreme rotation_, strain_, area_change_, slip_, overlap_;
 };
 
 }  // namespace knap

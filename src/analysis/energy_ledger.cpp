@@ -4,17 +4,19 @@
 #include "element/triangle_matrices.hpp"
 
 #include <cmath>
+#include <vector>
 
 namespace knap {
 namespace {
 
-/// 1/2 u' K u [J]
+/// 1/2 u' K u, with large rotations U [J]
 double strain_energy(const Model& model, const State& state) {
-    const ElasticForces elastic(model.mesh, model.materials, model.plane, model.thickness);
+    const ElasticForces elastic(model.mesh, model.materials, model.plane, model.thickness, model.large_rotation);
     std::vector<Vec2> force(model.mesh.n_corners());
     std::vector<std::uint8_t> unused;
-    elastic.evaluate(state.displacement, state.node_of_corner, force, unused);
-    double energy = 0;
+    double energy =
+        elastic.evaluate(0, model.mesh.n_triangles(), state.displacement, state.node_of_corner, force.data(), unused);
+    if (model.large_rotation) return energy;
     for (Index c = 0; c < model.mesh.n_corners(); ++c)
         energy -= 0.5 * force[c].dot(state.displacement[state.node_of_corner[c]]);
     return energy;
@@ -64,10 +66,14 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.friction_work += report.friction_work;
     row_.impact_work += report.impact_work;
     row_.step_change_work += report.step_change_work;
+    row_.rotation_work += report.rotation_work;
+    row_.damping_work += report.damping_work;
+    row_.radiated_work += report.radiated_work;
     row_.scheme_dissipation += report.scheme_dissipation;
     row_.crossing_loss += report.crossing_loss;
     const double work = row_.external_work - row_.cohesive_work + row_.friction_work + row_.impact_work +
-                        row_.step_change_work - row_.scheme_dissipation;
+                        row_.step_change_work + row_.rotation_work + row_.damping_work + row_.radiated_work -
+                        row_.scheme_dissipation;
     row_.residual = row_.kinetic + row_.strain - start_energy_ - work;
     row_.law_lag = row_.cohesive_work - row_.crossing_loss - row_.surface();
     largest_energy_ =
@@ -75,6 +81,7 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     largest_recoverable_ = std::max(largest_recoverable_, row_.recoverable);
     // comparisons with NaN are false: NaN counts as the largest value
     if (!(std::abs(row_.residual) <= largest_residual_)) largest_residual_ = std::abs(row_.residual);
+    largest_rotation_work_ = std::max(largest_rotation_work_, std::abs(row_.rotation_work));
     const bool explicit_bulk = end.rate.empty();
     const double lag = row_.law_lag + (explicit_bulk ? 0.5 * (row_.surface() - surface_before) : 0);
     law_lag_ = over_dissipated(lag);
@@ -92,7 +99,9 @@ std::span<const Measure<EnergyRow>> energy_columns() {
         {"time", "s", "end of the step", [](const R& r) { return r.time; }},
         {"kinetic", "J", "kinetic energy; with the explicit bulk at the middle of the step",
          [](const R& r) { return r.kinetic; }},
-        {"strain", "J", "elastic energy; with the explicit bulk 1/2 u_n' K u_{n+1}",
+        {"strain", "J",
+         "elastic energy; with the explicit bulk 1/2 u_n' K u_{n+1}, with large rotations U_n - 1/2 f_n . (u_{n+1} - "
+         "u_n)",
          [](const R& r) { return r.strain; }},
         {"surface", "J", "energy Psi of broken and damaged interfaces: dissipated + recoverable",
          [](const R& r) { return r.surface(); }},
@@ -117,7 +126,27 @@ std::span<const Measure<EnergyRow>> energy_columns() {
          [](const R& r) { return r.scheme_dissipation; }},
         {"step_change_work", "J", "change of the leapfrog energy by changes of the step so far",
          [](const R& r) { return r.step_change_work; }},
+        {"rotation_work", "J",
+         "defect of the elastic energy in the leapfrog energy so far, of second order in the step; with large "
+         "rotations "
+         "only",
+         [](const R& r) { return r.rotation_work; }},
+        {"damping_work", "J", "work of mass-proportional damping so far, never positive; where there is damping",
+         [](const R& r) { return r.damping_work; }},
+        {"radiated_work", "J", "work of absorbing boundaries so far, never positive; where there are some",
+         [](const R& r) { return r.radiated_work; }},
         {"step", "s", "size of the last step", [](const R& r) { return r.step; }}};
+    return columns;
+}
+
+std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works) {
+    const auto all = energy_columns();
+    std::vector<Measure<EnergyRow>> columns(all.begin(), all.end());
+    std::erase_if(columns, [&](const Output& column) {
+        return (column.name == "rotation_work" && !works.rotation) ||
+               (column.name == "damping_work" && !works.damping) ||
+               (column.name == "radiated_work" && !works.radiation);
+    });
     return columns;
 }
 

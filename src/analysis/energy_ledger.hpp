@@ -2,7 +2,12 @@
 // The energy balance of a run.
 //
 //     residual        kinetic + strain - (both at the start) - (external - cohesive + friction + impact + step change
-//                     works - scheme dissipation): zero to rounding, the energy identity of the discrete scheme
+//                     + rotation + damping + radiated works - scheme dissipation): zero to rounding, the energy
+//                     identity of the discrete scheme
+//     rotation work   large rotations: the trapezoidal defect of the elastic energy U, which is not quadratic,
+//                     tau = U_n - U_n-1 + 1/2 (f_n-1 + f_n) . (u_n - u_n-1),  f = -grad U; O(h^3) a step. Its sum stays
+//                     bounded (central differences are symplectic) and is of second order in h; zero where rotations
+//                     are small, or a strained body turns rigidly
 //     surface energy  Psi = dissipated + recoverable = sum over points of S (G_c f(beta) + beta sigma_c s)
 //     crossing loss   part of the cohesive work that is stored nowhere: where a slip crosses zero within a step, the
 //                     implicit sign of the tangential cohesion takes some of its kinetic energy (slip-reversal loss);
@@ -11,8 +16,8 @@
 //                     belong to different times (staggering error of beta); it decreases with the step
 //
 // With the explicit bulk, kinetic and strain energy are those of the leapfrog: 1/2 v' M v at the middle of the step and
-// 1/2 u_n' K u_{n+1}; with the implicit bulk, those at the end of the step. Energy present at the start, of motion or
-// of a preload, is no work.
+// 1/2 u_n' K u_{n+1}, with large rotations U_n - 1/2 f_n . (u_{n+1} - u_n); with the implicit bulk, those at the end of
+// the step. Energy present at the start, of motion or of a preload, is no work.
 #include "model/state.hpp"
 #include "output/outputs.hpp"
 #include "stepper/common/scheme_options.hpp"
@@ -28,6 +33,7 @@ struct EnergyRow {
     double kinetic = 0, strain = 0;
     double dissipated = 0, recoverable = 0;  // by the interfaces; closing them gives the recoverable energy back
     double external_work = 0, cohesive_work = 0, friction_work = 0, impact_work = 0, step_change_work = 0;
+    double rotation_work = 0, damping_work = 0, radiated_work = 0;
     double scheme_dissipation = 0;  // by theta > 1/2
     double residual = 0, crossing_loss = 0, law_lag = 0;
 
@@ -35,10 +41,17 @@ struct EnergyRow {
 
     void serialize(auto& archive) {
         archive(time, step, kinetic, strain, dissipated, recoverable, external_work, cohesive_work, friction_work,
-                impact_work, step_change_work, scheme_dissipation, residual, crossing_loss, law_lag);
+                impact_work, step_change_work, rotation_work, damping_work, radiated_work, scheme_dissipation, residual,
+                crossing_loss, law_lag);
     }
 };
 std::span<const Measure<EnergyRow>> energy_columns();
+
+/// Works that only some scenes have; energy.csv of the others has no columns for them.
+struct RareWorks {
+    bool rotation = false, damping = false, radiation = false;
+};
+std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works);
 
 class EnergyLedger {
 public:
@@ -52,7 +65,8 @@ public:
     const EnergyRow& row() const { return row_; }
     const StepReport& worst() const { return worst_; }  // maxima and counts over all steps
     double largest_energy() const { return largest_energy_; }
-    double largest_residual() const { return largest_residual_; }  // [J] over all steps
+    double largest_residual() const { return largest_residual_; }            // [J] over all steps
+    double largest_rotation_work() const { return largest_rotation_work_; }  // [J] likewise, of the cumulated work
     /// [J] Scale of losses: the dissipated energy, or the largest recoverable one where that is more, since points that
     /// start to soften have dissipated next to nothing; at least `min_part` of the largest energy, and a millionth of
     /// the fracture energy of the weakest point: less is rounding.
@@ -75,13 +89,14 @@ public:
     double smallest_mass() const { return smallest_mass_; }  // [kg] of a corner
 
     void serialize(auto& archive) {
-        archive(start_energy_, largest_energy_, largest_recoverable_, largest_residual_, law_lag_, largest_law_lag_,
-                supplied_, n_steps_, row_, worst_);
+        archive(start_energy_, largest_energy_, largest_recoverable_, largest_residual_, largest_rotation_work_,
+                law_lag_, largest_law_lag_, supplied_, n_steps_, row_, worst_);
     }
 
 private:
-    double start_energy_, largest_energy_, largest_recoverable_ = 0, largest_residual_ = 0, law_lag_ = 0,
-                                           largest_law_lag_ = 0, supplied_, smallest_mass_, weakest_point_;
+    double start_energy_, largest_energy_, largest_recoverable_ = 0, largest_residual_ = 0, largest_rotation_work_ = 0,
+                                           law_lag_ = 0, largest_law_lag_ = 0, supplied_, smallest_mass_,
+                                           weakest_point_;
     std::int64_t n_steps_ = 0;
     EnergyRow row_;
     StepReport worst_;

@@ -30,14 +30,18 @@ Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<c
         piece.velocity += content.momentum;  // divided by the mass below
         piece.centre += content.mass * content.centroid;
         piece.kinetic_energy += content.kinetic_energy;
+        piece.start += content.mass * content.start;
     }
-    for (Fragment& piece : found.pieces) piece.velocity /= piece.mass, piece.centre /= piece.mass;
+    for (Fragment& piece : found.pieces)
+        piece.velocity /= piece.mass, piece.centre /= piece.mass, piece.start /= piece.mass;
     for (std::size_t t = 0; t < triangles.size(); ++t) {  // moments about the centre of mass (Steiner)
         const TriangleContent& content = triangles[t];
         Fragment& piece = found.pieces[found.piece_of_triangle[t]];
         const Vec2 arm = content.centroid - piece.centre;
         piece.spread += content.spread + content.mass * arm * arm.transpose();
         piece.angular_momentum += content.spin + cross(arm, content.momentum);
+        const Vec2 from = content.start - piece.start;
+        piece.turn += content.turn + content.mass * Vec2(from.dot(arm), cross(from, arm));
     }
 
     std::ranges::stable_sort(found.pieces, std::greater<>(), &Fragment::mass);
@@ -63,12 +67,15 @@ Fragments find_fragments(const Model& model, const State& state) {
         for (Index k = 0; k < n; ++k) {
             content.momentum += mass[k] * velocity(k);
             content.centroid += mass[k] / content.mass * place(k);
+            content.start += mass[k] / content.mass * model.mesh.corner(t, k);
             content.kinetic_energy += 0.5 * mass[k] * velocity(k).squaredNorm();
         }
         for (Index k = 0; k < n; ++k) {
             const Vec2 arm = place(k) - content.centroid;
             content.spread += mass[k] * arm * arm.transpose();
             content.spin += mass[k] * cross(arm, velocity(k));
+            const Vec2 from = model.mesh.corner(t, k) - content.start;
+            content.turn += mass[k] * Vec2(from.dot(arm), cross(from, arm));
         }
     }
     const std::vector<InterfaceStatus> status = interface_status(model, state);
@@ -78,8 +85,12 @@ Fragments find_fragments(const Model& model, const State& state) {
         const bool unbroken = status[i] == InterfaceStatus::intact || status[i] == InterfaceStatus::damaged;
         if (unbroken && a != rigid_support && b != rigid_support) joined.push_back({a, b});
     }
-    return find_fragments(triangles, joined);
+    Fragments found = find_fragments(triangles, joined);
+    found.turn = model.large_rotation;
+    return found;
 }
+
+double Fragment::rotation() const { return std::atan2(turn.y(), turn.x()) * 180 / std::numbers::pi; }
 
 double Fragment::diameter() const { return std::sqrt(4 * area / std::numbers::pi); }
 
@@ -116,12 +127,16 @@ std::span<const Measure<FragmentLine>> fragment_columns() {
          [](const L& l) { return l.fragment.angle(); }},
         {"spin", "rad/s", "angular momentum about the centre of mass over the moment of inertia",
          [](const L& l) { return l.fragment.spin(); }},
-        {"kinetic_energy", "J", "kinetic energy", [](const L& l) { return l.fragment.kinetic_energy; }}};
+        {"kinetic_energy", "J", "kinetic energy", [](const L& l) { return l.fragment.kinetic_energy; }},
+        {"rotation", "deg", "angle by which the fragment has turned, -180 to 180; with large rotations only",
+         [](const L& l) { return l.fragment.rotation(); }}};
     return columns;
 }
 
 History fragment_table(const Fragments& fragments) {
-    History table{.columns = names_of(fragment_columns()), .rows = {}};
+    std::span<const Measure<FragmentLine>> columns = fragment_columns();
+    if (!fragments.turn) columns = columns.first(columns.size() - 1);  // without `rotation`
+    History table{.columns = names_of(columns), .rows = {}};
     std::vector<std::pair<double, double>> sizes;  // diameter, mass
     double mass = 0;
     for (const Fragment& f : fragments.pieces) sizes.emplace_back(f.diameter(), f.mass), mass += f.mass;
@@ -132,7 +147,7 @@ History fragment_table(const Fragments& fragments) {
         const Fragment& f = fragments.pieces[p];
         const auto larger = std::ranges::upper_bound(sizes, f.diameter(), {}, &std::pair<double, double>::first);
         const double passing = up_to[static_cast<std::size_t>(larger - sizes.begin())] / up_to.back();
-        table.rows.push_back(values_of(fragment_columns(), FragmentLine{p, f, f.mass / mass, passing}));
+        table.rows.push_back(values_of(columns, FragmentLine{p, f, f.mass / mass, passing}));
     }
     return table;
 }

@@ -21,6 +21,8 @@ struct TriangleContent {
     Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();  // [kg m2] sum of m x x' about the centroid
     double spin = 0;                                   // [kg m2/s] angular momentum about the centroid
     double kinetic_energy = 0;                         // [J]
+    Vec2 start = Vec2::Zero();                         // [m] centroid of the undeformed triangle
+    Vec2 turn = Vec2::Zero();  // [kg m2] sum of m (X . x, X x x), X and x the arms from both centroids
 };
 
 struct Fragment {
@@ -33,7 +35,11 @@ struct Fragment {
     Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();  // [kg m2] sum of m x x' about the centre
     double angular_momentum = 0;                       // [kg m2/s] about the centre
     double kinetic_energy = 0;                         // [J]
+    Vec2 start = Vec2::Zero();                         // [m] centre of mass in the undeformed body
+    Vec2 turn = Vec2::Zero();                          // [kg m2] sum of m (X . x, X x x) about both centres
 
+    /// [deg] -180 to 180: of the polar decomposition R U of the sum of m x (x) X, at any size of the rotation.
+    double rotation() const;
     double diameter() const;                                           // [m] of the circle of the same area
     double spin() const { return angular_momentum / spread.trace(); }  // [rad/s]
     double energy_of_translation() const { return 0.5 * mass * velocity.squaredNorm(); }  // [J]
@@ -47,6 +53,7 @@ struct Fragment {
 struct Fragments {
     std::vector<Fragment> pieces;          // the heaviest first, then by first triangle
     std::vector<Index> piece_of_triangle;  // into `pieces`
+    bool turn = false;                     // far: large rotations
 };
 
 /// `joined`: pairs of triangles with an unbroken interface between them.

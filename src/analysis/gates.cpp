@@ -21,6 +21,10 @@ constexpr double max_injected = 1e-12;
 // linear strain has an error of about 2 %.
 constexpr double area_warning = 0.05, area_limit = 1. / 3;
 
+// Green's strain with a linear law (large rotations): at 5 % its terms of second order are some 10 % of the stress. In
+// compression a triangle softens from 42 % on, and none must come near to losing its area.
+constexpr double strain_warning = 0.05, area_limit_of_green = 0.7;
+
 constexpr std::string_view step_or_load =
     "Usual cause: a step above the stable one, or a load with a wrong unit. Try a smaller time.step.";
 constexpr std::string_view at_rounding =
@@ -60,6 +64,8 @@ GateValue of_deformation(const GateView& run) {
     const Extreme& found = (run.deformation->*extreme)();
     return {.value = found.value, .place = found.value == 0 ? std::nullopt : std::optional(found.place)};
 }
+
+bool turns_freely(const GateView& run) { return run.deformation != nullptr && run.deformation->large_rotation(); }
 
 const GateRule rules[] = {
     {{"energy_residual", "", "error of the discrete energy balance over the largest energy of the run", step_or_load},
@@ -136,21 +142,46 @@ const GateRule rules[] = {
       "Try a time.step_cracking nearer to time.step."},
      {0.05, none, fixed},
      [](const GateView& run) { return over_dissipated(run, run.ledger.row().step_change_work); }},
+    {{"rotation_work_part", "",
+      "largest defect of the elastic energy by large rotations (rotation_work) over the largest energy; it decreases "
+      "with the square of the step",
+      "Try a smaller time.step or time.safety, or a slower motion."},
+     {none, 1e-3, allowed},
+     [](const GateView& run) { return GateValue{run.ledger.largest_rotation_work() / energy_scale(run.ledger)}; }},
     {{"rotation", "deg",
       "largest rotation of a triangle; knap assumes small rotations, and a body that turns by an angle a grows by tan "
       "a "
       "squared",
-      "End the run earlier if its question is answered by then. If only fragments turn that no longer matter, allow "
-      "it: "
-      "[limits] rotation = \"none\" and area_change = \"none\"."},
+      "Set domain.rotation = \"large\", where nothing else excludes it (explicit bulk, mesh.order = 1, start at rest), "
+      "or end the run earlier if its question is answered by then. If only fragments turn that no longer matter, allow "
+      "it: [limits] rotation = \"none\" and area_change = \"none\"."},
      {5, 30, allowed},
-     of_deformation<&DeformationWatch::rotation>},
+     [](const GateView& run) {
+         GateValue found = of_deformation<&DeformationWatch::rotation>(run);
+         found.judged = found.judged && !turns_freely(run);
+         return found;
+     }},
+    {{"strain", "",
+      "largest principal strain of a triangle with large rotations; the elastic law is that of small strains",
+      "Usual cause: loads beyond the strength of an elastic body, an impact that is too fast, or single triangles that "
+      "are crushed. Check the units of loads and E."},
+     {strain_warning, none, allowed},
+     [](const GateView& run) {
+         GateValue found = of_deformation<&DeformationWatch::strain>(run);
+         found.judged = found.judged && turns_freely(run);
+         return found;
+     }},
     {{"area_change", "",
-      "largest change of the area of a triangle over its area; knap assumes small strains and rotations",
+      "largest change of the area of a triangle over its area; knap assumes small strains, and small rotations unless "
+      "domain.rotation = \"large\"",
       "Usual cause: a body that turns (see rotation), or loads beyond the strength of an elastic body. Check the units "
       "of loads and E; [limits] area_change sets another limit."},
      {area_warning, area_limit, allowed},
-     of_deformation<&DeformationWatch::area_change>},
+     [](const GateView& run) {
+         GateValue found = of_deformation<&DeformationWatch::area_change>(run);
+         if (turns_freely(run)) found.warning = found.limit = area_limit_of_green;  // `strain` warns
+         return found;
+     }},
     {{"slip", "",
       "largest slip of a point under pressure over the length of its edge; contact is computed with the initial "
       "neighbour, which is no longer opposite",

@@ -113,7 +113,8 @@ double handover_time() {
 /// The block, its steps, and the time that they take.
 class Block {
 public:
-    explicit Block(double size, bool cracked = true) : scenario_(scenario_of(size, cracked)) {}
+    explicit Block(double size, bool cracked = true, bool large_rotation = false)
+        : scenario_(scenario_of(size, cracked, large_rotation)) {}
     struct Times {
         double cpu, wall;  // [s]
     };
@@ -142,9 +143,10 @@ public:
     double n_solves = 0;  // of vertices that have split, in the last run
 
 private:
-    static Scenario scenario_of(double size, bool cracked) {
+    static Scenario scenario_of(double size, bool cracked, bool large_rotation) {
         std::vector<std::string> overrides{formatted("mesh.size=%.9g", size)};
         if (!cracked) overrides.emplace_back("domain.crack=[]");
+        if (large_rotation) overrides.emplace_back("domain.rotation=large");
         return built_in("edge_cracked_block", overrides);
     }
     std::int64_t steps_to(double time) const { return static_cast<std::int64_t>(std::ceil(time / step_ * (1 - 1e-9))); }
@@ -156,7 +158,7 @@ private:
 
 /// [s] Processor time of the forces of all triangles, block by block as in a step; the best of many trials.
 double time_of_forces(const Model& model, const State& state) {
-    ElasticForces forces(model.mesh, model.materials, model.plane, model.thickness);
+    ElasticForces forces(model.mesh, model.materials, model.plane, model.thickness, model.large_rotation);
     const std::vector<MeshBlock> blocks = make_blocks(model);
     std::vector<Vec2> force(model.mesh.corners_per_triangle() * blocks.front().last);
     std::vector<std::uint8_t> candidate(model.fans.size(), 0);
@@ -290,10 +292,12 @@ struct Bench {
     void measure_kernels(double size, double until) {
         use_threads(1);
         constexpr double quiet = 5e-6;  // [s] the waves of the loads have not met yet
-        Block whole(size, false), cracked(size);
+        Block whole(size, false), cracked(size), turning(size, false, true);
         const int n = whole.model.mesh.n_triangles();
         const double both = whole.run(quiet).cpu / whole.work(quiet),
                      forces = time_of_forces(whole.model, whole.now) / n;
+        const double turning_both = turning.run(quiet).cpu / turning.work(quiet),
+                     turning_forces = time_of_forces(turning.model, turning.now) / n;
         const double all = cracked.run(until).cpu / cracked.work(until),
                      solves = cracked.n_solves / cracked.work(until);
         std::printf("a triangle-step of %d triangles on one thread; the machine: %.3g bytes/s, %.3g flops/s\n", n,
@@ -311,6 +315,8 @@ struct Bench {
             "interfaces", 1e9 * (all - both), 1e6 * until, solves * n, 1e9 * (all - both) / solves);
         add("interfaces [ns a triangle-step]", 1e9 * (all - both));
         add("interfaces [ns a fan that is apart]", 1e9 * (all - both) / solves);
+        ratio("forces, large rotations to small ones", turning_forces / forces);
+        ratio("forces and motion, large rotations to small ones", turning_both / both);
     }
 };
 

@@ -15,15 +15,26 @@ struct LameConstants {
     double lambda, twice_shear;
 };
 
-/// Constant strain: strain = sum_k sym(grad l_k (x) u_k), sigma = D strain, f_k = -V sigma grad l_k, sum_k f_k = 0.
-class LinearTriangles {
+/// Which strain a triangle has, from H = grad u = sum_k u_k (x) grad l_k; F = I + H.
+///     small  strain = sym H,                       sigma = D strain,         f_k = -V sigma grad l_k
+///     green  E = 1/2 (H + H' + H' H),   S = D E,   P = F S,                  f_k = -V P grad l_k = -dU/du_k
+/// green (St. Venant-Kirchhoff): a turned body has the turned forces, and where nothing turns it is linear elasticity
+/// plus terms of second order in H. It is meant for small strains: compression softens from 42 % on. H instead of F:
+/// small strains do not cancel.
+enum class StrainMeasure { small, green };
+
+/// Constant strain in a triangle; sum_k f_k = 0.
+template <StrainMeasure measure>
+class ConstantStrainTriangles {
 public:
-    LinearTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness);
-    /// Compares |sigma|_F^2 with the threshold.
+    ConstantStrainTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
+                            double thickness);
+    /// Compares |sigma|_F^2 with the threshold; with Green's strain |P|_F^2, since |f_k| <= V |P|_F |grad l_k| at any
+    /// strain.
     void set_stress_criterion(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner);
-    void evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
-                  const std::vector<Index>& node_of_corner, Vec2* force,
-                  std::vector<std::uint8_t>& fan_is_candidate) const;
+    double evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
+                    const std::vector<Index>& node_of_corner, Vec2* force,
+                    std::vector<std::uint8_t>& fan_is_candidate) const;
 
 private:
     struct Triangle {
@@ -38,6 +49,8 @@ private:
     std::vector<double> threshold_of_fan_;
     std::vector<Index> fan_of_corner_;
 };
+using LinearTriangles = ConstantStrainTriangles<StrainMeasure::small>;
+using TurningTriangles = ConstantStrainTriangles<StrainMeasure::green>;
 
 /// Order 2: three stresses at the middles of the edges and the stiffness R of the bubble (shape_functions.hpp).
 class QuadraticTriangles {
@@ -45,9 +58,9 @@ public:
     QuadraticTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness);
     /// Compares the force on each corner with the largest force of a uniform stress at the threshold.
     void set_stress_criterion(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner);
-    void evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
-                  const std::vector<Index>& node_of_corner, Vec2* force,
-                  std::vector<std::uint8_t>& fan_is_candidate) const;
+    double evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
+                    const std::vector<Index>& node_of_corner, Vec2* force,
+                    std::vector<std::uint8_t>& fan_is_candidate) const;
 
 private:
     struct Triangle {
@@ -64,20 +77,23 @@ private:
 
 class ElasticForces {
 public:
-    ElasticForces(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness);
+    /// Large rotations: Green's strain, of order 1 only.
+    ElasticForces(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness,
+                  bool large_rotation = false);
 
     /// Fans need no further test while the forces on their corners do not exceed those that stresses with
     /// |sigma|_F^2 <= threshold cause. [Pa^2] per fan.
     void set_stress_criterion(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner);
 
     /// Of the triangles from `first` to before `last`: force [N] on their corners. Sets fan_is_candidate [0/1], per
-    /// fan, where the stress criterion is exceeded; several threads may do so at once.
-    void evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
-                  const std::vector<Index>& node_of_corner, Vec2* force,
-                  std::vector<std::uint8_t>& fan_is_candidate) const {
-        std::visit(
+    /// fan, where the stress criterion is exceeded; several threads may do so at once. Returns the elastic energy U
+    /// [J] with large rotations, else zero: there it is 1/2 u' K u.
+    double evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
+                    const std::vector<Index>& node_of_corner, Vec2* force,
+                    std::vector<std::uint8_t>& fan_is_candidate) const {
+        return std::visit(
             [&](const auto& triangles) {
-                triangles.evaluate(first, last, displacement, node_of_corner, force, fan_is_candidate);
+                return triangles.evaluate(first, last, displacement, node_of_corner, force, fan_is_candidate);
             },
             triangles_);
     }
@@ -86,7 +102,7 @@ public:
                   std::vector<Vec2>& corner_force, std::vector<std::uint8_t>& fan_is_candidate) const;
 
 private:
-    std::variant<LinearTriangles, QuadraticTriangles> triangles_;
+    std::variant<LinearTriangles, TurningTriangles, QuadraticTriangles> triangles_;
     Index n_triangles_, corners_per_triangle_;
 };
 

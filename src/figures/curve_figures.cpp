@@ -90,8 +90,8 @@ Curve staircase(const std::string& label, const Column& x, const Column& rise, c
 }  // namespace
 
 Chart energy_chart(const History& energy) {
-    // Solid: physical terms, dashed: errors of the numerical scheme. Together with the energy at the start the external
-    // work equals their sum, to rounding.
+    // Solid and dotted: physical terms, dashed: errors of the numerical scheme. Together with the energy at the start the
+    // external work equals their sum, to rounding.
     struct Term {
         const char *label, *column;
         double sign;
@@ -106,10 +106,13 @@ Chart energy_chart(const History& energy) {
                            Term{"recoverable", "recoverable", 1, green, 0, false},
                            Term{"lost in friction", "friction_work", -1, purple, 0, false},
                            Term{"lost in impact", "impact_work", -1, sky, 0, false},
+                           Term{"damped", "damping_work", -1, green, 2, false},
+                           Term{"radiated", "radiated_work", -1, purple, 2, false},
                            Term{"law lag", "law_lag_energy", 1, vermilion, 1, false},
                            Term{"crossing loss", "crossing_loss_energy", 1, purple, 1, false},
                            Term{"damped by the scheme", "scheme_dissipation", 1, green, 1, false},
-                           Term{"lost in changes of step", "step_change_work", -1, blue, 1, false}};
+                           Term{"lost in changes of step", "step_change_work", -1, blue, 1, false},
+                           Term{"defect of rotation", "rotation_work", -1, orange, 1, false}};
     const Column time = energy.column("time");
     const auto column = [&](const char* name, double sign) {
         return energy.has(name) ? scaled(energy.column(name), sign) : Column(time.size(), 0.);

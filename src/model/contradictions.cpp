@@ -81,7 +81,8 @@ private:
         for (const std::size_t e : selected_edges(mesh_, load.on)) {
             const auto& [triangle, side, boundary] = mesh_.boundary_edges[e];
             const Vec2 along = mesh_.side_vector(triangle, side);
-            const Vec2 traction = is_stress ? load.stress_times(-turned_left(along.normalized())) : load.vector();
+            const Vec2 traction =
+                is_stress ? stress_times(load.stress, -turned_left(along.normalized())) : load.vector();
             for (int k = 0; k < 2; ++k)
                 if (driver_of_edge_[e][k] != none && std::abs(traction[k]) > 1e-9 * size)
                     report(Contradiction::Kind::traction, driver_of_edge_[e][k], number, k,

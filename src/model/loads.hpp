@@ -42,11 +42,16 @@ struct Selection {
     std::string body;  // of Mesh::parts; empty: all
 };
 
+/// [Pa] Traction of the stress (xx, yy, xy) on an edge with this normal; or its force, with the normal times an area.
+inline Vec2 stress_times(const std::array<double, 3>& stress, const Vec2& normal) {
+    return {stress[0] * normal.x() + stress[2] * normal.y(), stress[2] * normal.x() + stress[1] * normal.y()};
+}
+
 struct Load {
     enum class Kind {
-        traction,      // [Pa] on boundary edges
-        stress,        // [Pa] on boundary edges: the traction of this stress there
-        force,         // [N] shared equally by boundary vertices (or all vertices in a box)
+        traction,  // [Pa] on boundary edges
+        stress,  // [Pa] on boundary edges: the traction of this stress there, with large rotations on the present edge
+        force,   // [N] shared equally by boundary vertices (or all vertices in a box)
         velocity,      // [m/s] of boundary vertices (or of all vertices in a box)
         displacement,  // [m] likewise
         body_force,    // [N/m3]
@@ -60,10 +65,6 @@ struct Load {
     TimeFunction history;                        // multiplies the value
 
     bool drives() const { return kind == Kind::velocity || kind == Kind::displacement; }
-    /// Of the stress on an edge, times its normal.
-    Vec2 stress_times(const Vec2& normal) const {
-        return {stress[0] * normal.x() + stress[2] * normal.y(), stress[2] * normal.x() + stress[1] * normal.y()};
-    }
     Vec2 vector() const { return {value[0].value_or(0), value[1].value_or(0)}; }
 };
 

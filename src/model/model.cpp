@@ -62,12 +62,17 @@ private:
             const auto& [triangle, side, boundary] = mesh_.boundary_edges[i];
             const Vec2 along = mesh_.side_vector(triangle, side);  // the body lies to its left
             const Vec2 force = is_traction ? Vec2(load.vector() * (along.norm() * model_.thickness))
-                                           : Vec2(model_.thickness * load.stress_times(-turned_left(along)));
+                                           : Vec2(model_.thickness * stress_times(load.stress, -turned_left(along)));
             const Index first = mesh_.corners_per_triangle() * triangle;
             const double end = mesh_.order == 1 ? 1. / 2 : 1. / 6;
             add_corner_load(first + side, end * force);
             add_corner_load(first + (side + 1) % 3, end * force);
             if (mesh_.order == 2) add_corner_load(first + 3 + side, 4. / 6 * force);
+            if (is_traction || !model_.large_rotation) continue;
+            const Index face = static_cast<Index>(model_.face_stresses.size());
+            model_.face_stresses.push_back({.corner = {first + side, first + (side + 1) % 3}, .stress = load.stress});
+            for (std::size_t i = model_.corner_loads.size() - 2; i < model_.corner_loads.size(); ++i)
+                model_.corner_loads[i].face_stress = face;
         }
     }
 
@@ -254,13 +259,15 @@ Model make_model(ModelInput input) {
         model.corner_mass.push_back(corner_share(model.mesh.order, model.mesh.place_in_triangle(c),
                                                  model.triangle_mass(model.mesh.triangle_of(c))));
     make_interfaces_and_fans(input, supports_of(model.mesh, input.supports), model);
+    model.large_rotation = input.large_rotation;
+    if (model.large_rotation && model.mesh.order == 2)
+        throw UserError("large-rotation", "large rotations need triangles of first order");
     LoadMaker loads(model);
     for (const Load& load : input.loads) loads.add(load);
     std::ranges::stable_sort(model.corner_loads, {}, &CornerLoad::corner);
     set_initial_velocities(input.initial_velocities, model);
     start_as_driven(model);
     model.obstacles = std::move(input.obstacles);
-    model.large_rotation = input.large_rotation;
     model.contact_of_pair = std::move(input.contact_of_pair);
     weigh_obstacles(input.loads, model);
     check_obstacles(model);

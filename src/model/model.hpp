@@ -62,8 +62,15 @@ struct Fan {
 /// Constant force on a corner times a history.
 struct CornerLoad {
     Index corner;
-    Index history;  // into Model::histories
-    Vec2 force;     // [N]
+    Index history;           // into Model::histories
+    Vec2 force;              // [N]
+    Index face_stress = -1;  // into Model::face_stresses, with large rotations, where the force follows the face
+};
+
+/// A stress around the body, on one boundary edge: both its corners have half of the traction on the present edge.
+struct FaceStress {
+    std::array<Index, 2> corner;   // the ends of the edge, the body to the left
+    std::array<double, 3> stress;  // [Pa] xx, yy, xy
 };
 
 /// Prescribed motion of a corner in x, y or both. All corners of a bonded fan have the same.
@@ -124,6 +131,7 @@ struct Model {
     std::vector<TimeFunction> histories;  // of the loads, in their order
     std::vector<std::string> load_names;
     std::vector<CornerLoad> corner_loads;  // in the order of the corners
+    std::vector<FaceStress> face_stresses;
     std::vector<PrescribedMotion> prescribed;
     std::vector<Index> prescribed_of_corner;  // per corner: into `prescribed`, or -1
     std::vector<Vec2> initial_velocity;       // [m/s] per corner; equal where corners move as one

@@ -3,6 +3,8 @@
 #include "base/room.hpp"
 #include "element/shape_functions.hpp"
 
+#include <Eigen/LU>
+
 #include <cmath>
 
 namespace knap {
@@ -53,10 +55,38 @@ const PointState* state_of(const Model& model, const State& state, Index point) 
     return &state.points[state.first_point[rank] + in_fans - model.fans[fan].first_point];
 }
 
+FanFrame frame_at(const Model& model, const State& state, const FanPoint& point) {
+    return fan_frame(model, state, model.fans[model.fan_of_corner[point.corner()]]);
+}
+
 }  // namespace
 
+// In 2D, R turns by the angle atan2(F_yx - F_xy, F_xx + F_yy). With the edges e_1, e_2 from vertex 0 of a triangle and
+// the differences a, b of displacement along them, H = (a (x) -turned(e_2) + b (x) turned(e_1))/(2 A), so that
+//     2 A (H_yx - H_xy) = a . e_2 - b . e_1,     2 A (H_xx + H_yy) = a x e_2 + e_1 x b,     2 A = e_1 x e_2.
+FanFrame fan_frame(const Model& model, const State& state, const Fan& fan) {
+    if (!model.large_rotation || fan.n_points == 0) return {};
+    const auto points = model.points(fan);
+    if (points.front().on_support() || points.back().on_support()) return {};
+    const Mesh& mesh = model.mesh;
+    double cosine = 0, sine = 0;
+    for (const Index corner : model.corners(fan)) {
+        const Index t = mesh.triangle_of(corner), first = 3 * t;
+        const Vec2 e1 = mesh.side_vector(t, 0), e2 = -mesh.side_vector(t, 2),
+                   &u = state.displacement[state.node_of_corner[first]],
+                   a = state.displacement[state.node_of_corner[first + 1]] - u,
+                   b = state.displacement[state.node_of_corner[first + 2]] - u;
+        const double density = model.materials[mesh.region[t]].density;  // times 2 A: the mass
+        sine += density * (a.dot(e2) - b.dot(e1));
+        cosine += density * (2 * cross(e1, e2) + cross(a, e2) + cross(e1, b));
+    }
+    const double size = std::hypot(cosine, sine);
+    return size > 0 ? FanFrame{cosine / size, sine / size} : FanFrame{};
+}
+
 Vec2 opening(const Model& model, const State& state, Index point) {
-    return state.opening_of(model.fan_points[model.fan_point_of[point]]);
+    const FanPoint& at = model.fan_points[model.fan_point_of[point]];
+    return state.opening_of(at, frame_at(model, state, at));
 }
 
 double touching_gap(const Model& model, const State& state, const FanPoint& point) {
@@ -107,7 +137,15 @@ Eigen::Vector3d stress(const Model& model, const State& state, Index t, const Ei
             for (Index c = 0; c < 7; ++c) add(1 - 2 * at[k], weight[c], state.displacement_of(7 * t + c));
         }
     }
-    return model.materials[mesh.region[t]].stiffness(model.plane) * strain;
+    const Eigen::Matrix3d D = model.materials[mesh.region[t]].stiffness(model.plane);
+    if (!model.large_rotation) return D * strain;
+    Eigen::Matrix2d H = Eigen::Matrix2d::Zero();
+    for (Index k = 0; k < 3; ++k) H += state.displacement_of(3 * t + k) * g[k].transpose();
+    const Eigen::Matrix2d F = Eigen::Matrix2d::Identity() + H, quadratic = 0.5 * H.transpose() * H;
+    const Eigen::Vector3d s = D * (strain + Eigen::Vector3d(quadratic(0, 0), quadratic(1, 1), 2 * quadratic(0, 1)));
+    const Eigen::Matrix2d S = (Eigen::Matrix2d() << s[0], s[2], s[2], s[1]).finished(),
+                          cauchy = F * S * F.transpose() / F.determinant();
+    return {cauchy(0, 0), cauchy(1, 1), cauchy(0, 1)};
 }
 
 Vec2 traction(const Model& model, const State& state, Index point) {
@@ -116,7 +154,7 @@ Vec2 traction(const Model& model, const State& state, Index point) {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (const Index corner : {at.before, at.after})
         mean += 0.5 * stress(model, state, model.mesh.triangle_of(corner), coordinates(model.mesh, corner));
-    return traction(mean, model.interfaces[model.interface_of(point)].normal);
+    return traction(mean, frame_at(model, state, at).turned(model.interfaces[model.interface_of(point)].normal));
 }
 
 Vec2 traction(const Eigen::Vector3d& stress, const Vec2& n) {

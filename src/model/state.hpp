@@ -18,6 +18,14 @@ struct PointState {
     }
 };
 
+/// How far the triangles round a vertex have turned, for the normals of its points.
+struct FanFrame {
+    double cosine = 1, sine = 0;
+
+    Vec2 turned(const Vec2& a) const { return sine == 0 ? a : Vec2(cosine * a + sine * turned_left(a)); }
+    Vec2 turned_back(const Vec2& a) const { return sine == 0 ? a : Vec2(cosine * a - sine * turned_left(a)); }
+};
+
 /// A contact between a boundary vertex and a boundary edge that carried an impulse in the last step.
 struct FaceContactState {
     Index vertex, edge;          // corners: the start of the boundary edge that leaves the vertex, that of the edge
@@ -56,10 +64,12 @@ struct State {
     Vec2 displacement_of(Index corner) const {
         return corner == rigid_support ? Vec2::Zero() : displacement[node_of_corner[corner]];
     }
-    /// [m] (u_N, u_T) of a point in its own frame.
-    Vec2 opening_of(const FanPoint& point) const {
+    /// [m] (u_N, u_T) of a point in its own frame; `frame`: of its fan. Both sides start in the same place, so the
+    /// jump of displacements is that of positions.
+    Vec2 opening_of(const FanPoint& point, const FanFrame& frame) const {
         const Vec2 jump = displacement_of(point.after) - displacement_of(point.before);
-        return {point.gap + point.normal.dot(jump), turned_left(point.normal).dot(jump)};
+        const Vec2 normal = frame.turned(point.normal);
+        return {point.gap + normal.dot(jump), turned_left(normal).dot(jump)};
     }
 
     template <class Archive>
@@ -73,6 +83,10 @@ State initial_state(const Model& model);
 
 /// Gives every corner of `fan` a node of its own and every point a PointState.
 void split(const Model& model, Index fan, State& state);
+
+/// Large rotations: R of the polar decomposition of the sum of m F over the corners of the fan (F = R U of their
+/// triangles, m their masses). The identity if rotations are small, and on a support, which does not turn.
+FanFrame fan_frame(const Model& model, const State& state, const Fan& fan);
 
 /// [m] (u_N, u_T) of a point in the frame of its interface (A to B), where it has the same components.
 Vec2 opening(const Model& model, const State& state, Index point);
@@ -89,7 +103,7 @@ Vec2 traction(const Eigen::Vector3d& stress, const Vec2& normal);
 Vec2 place_of_largest_speed(const Model& model, const State& state);
 /// [-] Barycentric coordinates of a corner in its triangle.
 Eigen::Vector3d coordinates(const Mesh& mesh, Index corner);
-/// [Pa] Mean stress (xx, yy, xy) of a triangle.
+/// [Pa] Mean stress (xx, yy, xy) of a triangle; with large rotations Cauchy's, in the present configuration.
 Eigen::Vector3d stress(const Model& model, const State& state, Index triangle);
 /// [Pa] At barycentric coordinates; of order 2 the linear part of the field, without the rest of the bubble.
 Eigen::Vector3d stress(const Model& model, const State& state, Index triangle, const Eigen::Vector3d& at);

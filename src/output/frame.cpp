@@ -76,7 +76,8 @@ bool in_bonded_fan(const Model& model, const State& state, Index point) {
     return state.split_rank[model.fan_of_corner[at.after == rigid_support ? at.before : at.after]] < 0;
 }
 
-/// In a bonded fan nothing is open, and for order 1 the traction is that of the stresses that the frame already has.
+/// In a bonded fan nothing is open, and for order 1 the traction is that of the stresses that the frame already has,
+/// unless the normal has turned.
 void add_point(const Model& model, const State& state, Index point, Frame& frame) {
     const FanPoint& at = model.fan_points[model.fan_point_of[point]];
     const Interface& interface = model.interfaces[model.interface_of(point)];
@@ -91,7 +92,7 @@ void add_point(const Model& model, const State& state, Index point, Frame& frame
                            : beta == 1       ? PointStatus::intact
                            : beta > 0        ? PointStatus::damaged
                                              : PointStatus::broken);
-    if (bonded && model.mesh.order == 1) {
+    if (bonded && model.mesh.order == 1 && !model.large_rotation) {
         const auto [a, b] = interface.triangle;
         frame.traction.push_back(traction(0.5 * (frame.stress[a] + frame.stress[b]), interface.normal));
     } else {

@@ -67,8 +67,9 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
         history.columns = std::move(columns);
         sheets_.push_back({file, &history, line, {}});
     };
-    add("energy.csv", histories_.energy, names_of(energy_columns()),
-        [this](const State&) { return values_of(energy_columns(), ledger_.row()); });
+    const std::vector<Measure<EnergyRow>> energies = energy_columns(options_.works);
+    add("energy.csv", histories_.energy, names_of<EnergyRow>(energies),
+        [this, energies](const State&) { return values_of<EnergyRow>(energies, ledger_.row()); });
     add("cracks.csv", histories_.cracks, names_of(crack_columns()), [this](const State& now) {
         return values_of(crack_columns(), CrackMoment{now.time, cracks_, options_.context.rayleigh_speed});
     });

@@ -27,6 +27,7 @@ struct RecorderOptions {
     double history_every = 0;         // [s]
     double fragments_every = 0;       // [s] between lines of fragment_history.csv; 0 = only start and end
     MassMatrix mass = MassMatrix::lumped;
+    RareWorks works;
     CrackOptions cracks;
     double critical_opening = 0;  // [m] the largest delta_c of the breakable laws
     std::vector<AllowedLimit> allowed_limits;

@@ -198,6 +198,8 @@ constexpr SummaryRow rows[]{
      [](F f) { return f.ledger.worst().largest_speed; }},
     {"largest_rotation", "deg", "largest rotation of a triangle over the run",
      [](F f) { return f.deformation.rotation().value; }},
+    {"largest_strain", "", "largest principal strain of a triangle over the run; with large rotations only",
+     [](F f) { return f.deformation.large_rotation() ? f.deformation.strain().value : none; }},
     {"largest_area_change", "", "largest relative change of the area of a triangle over the run",
      [](F f) { return f.deformation.area_change().value; }},
     {"largest_slip", "",

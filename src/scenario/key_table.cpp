@@ -95,6 +95,10 @@ void add_keys_of_body(KeyTable& t) {
     add_outline(t, "domain");
     t.word("model", {"plane strain", "plane stress"}, "assumption on the out-of-plane direction")
         .otherwise("plane strain").to(&Scenario::plane, {PlaneModel::strain, PlaneModel::stress});
+    t.word("rotation", {"small", "large"}, "assumption on rotations: small (linear strain), or large (Green's strain, "
+        "strains still small): fragments turn as far as they like, and pressure and stress loads follow their faces; "
+        "large with the explicit bulk, a start at rest and mesh.order = 1")
+        .otherwise("small").to(&Scenario::large_rotation, {false, true});
     t.number("thickness", "m", "out-of-plane thickness; forces and energies are those of this thickness")
         .above(0).otherwise("1").to(&Scenario::thickness);
     add_parts(t, "domain");
@@ -297,10 +301,10 @@ void add_keys_of_loads(KeyTable& t) {
     t.text("body", "name of a body, or of a group of bodies").to(&Selection::body);
     t.in("load[]");
     t.number("traction", "Pa", "force per area on the boundary, x and y").pair();
-    t.number("pressure", "Pa", "normal force per area on the boundary, towards the body; the normal is that of the "
-        "undeformed body");
+    t.number("pressure", "Pa", "normal force per area on the boundary, towards the body; the face is that of the "
+        "undeformed body, with domain.rotation = \"large\" the present one");
     t.number("stress", "Pa", "stress [xx, yy, xy] around the body (in situ stress), applied to the boundary as its "
-        "traction; tension is positive").triple();
+        "traction, with domain.rotation = \"large\" that of the present face; tension is positive").triple();
     t.number("force", "N", "total force, x and y, shared equally by the vertices on the boundary or in the box").pair();
     t.number("velocity", "m/s", "prescribed velocity, x and y").pair().or_word("free");
     t.number("displacement", "m", "prescribed displacement, x and y").pair().or_word("free");

@@ -119,10 +119,15 @@ void add_keys_of_run(KeyTable& t) {
         .above(0).or_word("none").computed("the critical opening, or a thousandth of the body");
     t.number("law_lag", "", "maximum difference between the work of the interfaces and the energy of their law, over "
         "the dissipated energy").above(0).or_word("none").otherwise("0.2");
-    t.number("rotation", "deg", "maximum rotation of a triangle")
+    t.number("rotation", "deg", "maximum rotation of a triangle, without domain.rotation = \"large\"")
         .above(0).or_word("none").computed("30 deg, warning from 5 deg");
-    t.number("area_change", "", "maximum relative change of the area of a triangle; a rotation by a changes it by "
-        "tan^2 a").above(0).or_word("none").computed("1/3, warning from 5 %");
+    t.number("strain", "", "maximum principal strain of a triangle, with domain.rotation = \"large\"")
+        .above(0).or_word("none").computed("none, warning from 5 %");
+    t.number("area_change", "", "maximum relative change of the area of a triangle; without domain.rotation = "
+        "\"large\" a rotation by a changes it by tan^2 a")
+        .above(0).or_word("none").computed("1/3, warning from 5 %; 0.7 with domain.rotation = \"large\"");
+    t.number("rotation_work_part", "", "maximum defect of the elastic energy by large rotations over the largest "
+        "energy").above(0).or_word("none").otherwise("0.001");
     t.number("slip", "", "maximum slip of a point under pressure over the length of its edge; not of sliding along "
         "straight supports and obstacles").above(0).or_word("none").computed("1, warning from 0.5");
     t.number("overlap", "m2", "maximum area that the deformed body covers twice").above(0).or_word("none")

@@ -19,7 +19,7 @@ StudyQuantity of_summary(const std::string& name) {
 
 /// Columns of the histories that the run will have.
 std::vector<std::string> history_columns(const Scenario& scenario) {
-    std::vector<std::string> names = names_of(energy_columns()), loads, obstacles;
+    std::vector<std::string> names = names_of<EnergyRow>(energy_columns(scenario.works())), loads, obstacles;
     const auto add = [&](const std::vector<std::string>& more) { names.insert(names.end(), more.begin(), more.end()); };
     for (const Load& load : scenario.loads)
         if (load.drives()) loads.push_back(load.name);

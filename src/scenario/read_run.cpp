@@ -40,6 +40,20 @@ void check_theta(const Table& time) {
         check("obstacle `" + obstacle.name + "`", obstacle.contact.restitution);
 }
 
+/// Both implicit schemes are linear in the displacement.
+void check_large_rotation(const Table& domain) {
+    const Scenario& scenario = domain.scenario();
+    const auto error = [&](const std::string& text, const std::string& cure) {
+        domain.error("exclusive-keys", "rotation", "= \"large\" " + text, cure + ", or rotation = \"small\"");
+    };
+    if (scenario.order == 2) error("is for triangles of first order", "mesh.order = 1");
+    if (scenario.time.scheme.bulk == BulkScheme::implicit_theta)
+        error("needs the explicit bulk", "time.bulk = \"explicit\"");
+    if (scenario.time.start_in_equilibrium)
+        error("needs a start at rest: the equilibrium is that of small rotations",
+              "time.start = \"rest\" with loads that rise by a ramp");
+}
+
 void read_time(const Table& table, TimeOptions& time) {
     const SchemeOptions& scheme = time.scheme;
     table.fill(time);
@@ -250,6 +264,7 @@ void read_expectation(const Table& table) {
 void read_run(Reading& reading) {
     Scenario& scenario = reading.scenario;
     read_time(reading.table("time"), scenario.time);
+    if (scenario.large_rotation) check_large_rotation(reading.table("domain"));
     const Table output = reading.table("output");
     if (const double end = scenario.time.end; end > 0) {
         output.compute("every", Node::of_number(end / 40));

@@ -1,5 +1,6 @@
 #pragma once
 // A scenario: the options structs of the lower floors. SI throughout.
+#include "analysis/energy_ledger.hpp"
 #include "analysis/gates.hpp"
 #include "analysis/probes.hpp"
 #include "analysis/specimen.hpp"
@@ -115,6 +116,7 @@ struct Scenario {
     std::vector<BodyGroup> groups;
     std::shared_ptr<const MeshFile> given;  // null: the bodies are meshed
     PlaneModel plane = PlaneModel::strain;
+    bool large_rotation = false;
     double thickness = 1;  // [m]
     MeshOptions mesh;      // of bodies that have no size of their own
     Index order = 1;       // of the displacement on a triangle
@@ -156,6 +158,7 @@ struct Scenario {
         for (const BodyGroup& group : groups) names.push_back(group.name);
         return names;
     }
+    RareWorks works() const { return {.rotation = large_rotation, .damping = time.scheme.damping > 0}; }
     std::vector<std::string> material_names() const {
         std::vector<std::string> names;
         for (const NamedMaterial& material : materials) names.push_back(material.name);

@@ -12,9 +12,15 @@
 namespace knap {
 namespace {
 
+/// The implicit scheme and its equilibrium are linear in the displacement.
+void need_small_rotations(const Model& model) {
+    if (model.large_rotation) throw UserError("large-rotation", "large rotations need the explicit bulk from rest");
+}
+
 std::unique_ptr<StepScheme> make_scheme(const Model& model, const SchemeOptions& options) {
-    if (options.bulk == BulkScheme::implicit_theta) return std::make_unique<ImplicitScheme>(model, options);
-    return std::make_unique<ExplicitScheme>(model, options);
+    if (options.bulk == BulkScheme::explicit_lumped) return std::make_unique<ExplicitScheme>(model, options);
+    need_small_rotations(model);
+    return std::make_unique<ImplicitScheme>(model, options);
 }
 
 // Start in equilibrium: implicit steps with theta = 1, each from rest at the displacement of the previous one,
@@ -131,6 +137,7 @@ void MoreauJean::start_in_equilibrium(State& start) const {
         fail("no equilibrium under the loads at t = %.6g s: %s, at (%.6g, %.6g) m", start.time, reason, where.x(),
              where.y());
     };
+    need_small_rotations(model_);
     const Model still = frozen(model_, start.time);
     // nothing may soften, so Assumption 1 does not matter
     ImplicitScheme scheme(

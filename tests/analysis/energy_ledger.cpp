@@ -90,9 +90,12 @@ TEST_CASE("figures: the energy figure closes with the energy of the start and al
                       "law_lag_energy",
                       "crossing_loss_energy",
                       "scheme_dissipation",
-                      "step_change_work"};
-    energy.rows = {{0, 2, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0},
-                   {1, 2, 2, 1, 0.75, 0.25, 4, -0.5, -0.25, -0.5, 0.125, 1.25, -0.375}};
+                      "step_change_work",
+                      "rotation_work",
+                      "damping_work",
+                      "radiated_work"};
+    energy.rows = {{0, 2, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0},
+                   {1, 2, 2, 1, 0.75, 0.25, 4, -0.5, -0.25, -0.5, 0.125, 0.75, -0.375, 0.25, -0.5, -0.25}};
     const Chart chart = energy_chart(energy);
     const auto curve = [](const Chart& drawn, const std::string& label) -> const Curve* {
         for (const Curve& c : drawn.curves)
@@ -106,11 +109,11 @@ TEST_CASE("figures: the energy figure closes with the energy of the start and al
     double drawn = 0;
     for (std::size_t i = 2; i < chart.curves.size(); ++i) drawn += chart.curves[i].y[1];
     CHECK(drawn == 7);
-    for (const char* label :
-         {"dissipated", "recoverable", "law lag", "crossing loss", "damped by the scheme", "lost in changes of step"})
+    for (const char* label : {"dissipated", "recoverable", "law lag", "crossing loss", "damped by the scheme",
+                              "lost in changes of step", "defect of rotation", "damped", "radiated"})
         CHECK_MESSAGE(curve(chart, label), label);
 
-    energy.rows = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, {1, 2, 2, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0}};
+    energy.rows = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, {1, 2, 2, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0}};
     const Chart plain = energy_chart(energy);
     CHECK(plain.curves.size() == 5);
     for (const char* label :

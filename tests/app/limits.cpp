@@ -115,6 +115,43 @@ TEST_CASE("limits: a bar that turns is warned of from 5 degrees and ends its run
     }
 }
 
+TEST_CASE("limits: with large rotations the bar turns as far as it likes") {
+    const Folder folder("spin large");
+    const std::string large =
+        spin.substr(0, spin.find("[mesh]")) + "rotation = \"large\"\n" + spin.substr(spin.find("[mesh]"));
+    const Answer turned = run(folder, large, "-s 'time.end=40 ms'");
+    CHECK(turned.code == 0);
+    CHECK_FALSE(turned.has("warning["));
+    const Json record = record_of(folder);
+    CHECK(gate_of(record, "rotation")["value"].is_null());
+    CHECK(gate_of(record, "strain")["value"].get<double>() > 0);
+    CHECK(gate_of(record, "strain")["value"].get<double>() < 0.01);
+    CHECK(gate_of(record, "rotation_work_part")["value"].get<double>() < 1e-3);
+    CHECK(record["summary"]["largest_rotation"].get<double>() > 90);
+    CHECK(text_of(folder.path / "run/energy.csv").find(",rotation_work [J],") != std::string::npos);
+    CHECK(text_of(folder.path / "run/fragments.csv").find(",rotation [deg]") != std::string::npos);
+
+    SUBCASE("but not to strains that are not small") {
+        const Answer fast =
+            run(folder, large,
+                "-s 'initial=[{velocity = [2000, 0], box = [-0.02, -0.005, 0, 0.005]}]' -s 'time.end=0.1 ms'");
+        CHECK(fast.code == 3);
+        CHECK(fast.has("warning[strain]"));
+        CHECK(fast.has("gate area_change violated"));
+    }
+    SUBCASE("which the check of the small ones foresees") {
+        std::ofstream(folder.path / "scene.toml") << spin;
+        const Answer checked = command("check " + folder.in_shell("scene.toml"));
+        CHECK(checked.code == 0);
+        CHECK(checked.has("warning[rotation]"));
+        CHECK(checked.has("domain.rotation"));
+    }
+    SUBCASE("nor where nothing can turn") {
+        for (const char* other : {"mesh.order=2", "time.bulk=implicit", "time.start=equilibrium"})
+            CHECK(run(folder, large, std::string("-s ") + other).code == 2);
+    }
+}
+
 TEST_CASE("limits: the two sides of a slot that go through each other are found") {
     const Folder folder("slot");
     const Answer shut = run(folder, slot, "-s limits.area_change=none");

@@ -1,5 +1,6 @@
 #include "element/elastic_forces.hpp"
 #include "base/random.hpp"
+#include "element/shape_functions.hpp"
 #include "element/triangle_matrices.hpp"
 #include "support/meshes.hpp"
 #include "support/relative.hpp"
@@ -22,8 +23,11 @@ constexpr double thickness = 0.7;
 /// Free triangles: corner c is node c, and no fan is ever candidate.
 class FreeTriangles {
 public:
-    explicit FreeTriangles(const Mesh& mesh, PlaneModel plane)
-        : mesh_(mesh), forces_(mesh, {rock}, plane, thickness), node_(mesh.n_corners()), candidate_(1, 0) {
+    explicit FreeTriangles(const Mesh& mesh, PlaneModel plane, bool large_rotation = false)
+        : mesh_(mesh),
+          forces_(mesh, {rock}, plane, thickness, large_rotation),
+          node_(mesh.n_corners()),
+          candidate_(1, 0) {
         for (Index c = 0; c < mesh.n_corners(); ++c) node_[c] = c;
     }
 
@@ -31,6 +35,11 @@ public:
         std::vector<Vec2> f(mesh_.n_corners());
         forces_.evaluate(u, node_, f, candidate_);
         return f;
+    }
+    /// [J] With large rotations.
+    double energy(const std::vector<Vec2>& u) {
+        std::vector<Vec2> f(mesh_.n_corners());
+        return forces_.evaluate(0, mesh_.n_triangles(), u, node_, f.data(), candidate_);
     }
 
 private:
@@ -162,5 +171,102 @@ TEST_CASE("the stress criterion marks the fans of triangles with much stress and
     for (Index v = 0; v < mesh.n_vertices(); ++v) {
         const auto& corners = mesh.triangles[2];
         CHECK(static_cast<bool>(candidate[v]) == (std::find(corners.begin(), corners.end(), v) != corners.end()));
+    }
+}
+
+// ---- large rotations
+
+namespace {
+
+Vec2 turned(const Vec2& a, double angle) { return std::cos(angle) * a + std::sin(angle) * turned_left(a); }
+
+std::vector<Vec2> random_displacements(const Mesh& mesh, double size) {
+    Random random(5, "u");
+    std::vector<Vec2> u(mesh.n_corners());
+    for (Vec2& v : u) v = size * Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
+    return u;
+}
+
+}  // namespace
+
+TEST_CASE("large rotations: a body that only turns has no stress") {
+    const Mesh mesh = skew_mesh();
+    FreeTriangles body(mesh, PlaneModel::strain, true);
+    for (const double angle : {1e-8, 0.3, 1.6, 3.1, -2.0}) {
+        const std::vector<Vec2> u =
+            displacement(mesh, [&](const Vec2& x) -> Vec2 { return turned(x, angle) - x + Vec2(3, -1); });
+        for (const Vec2& f : body.force(u)) CHECK(f.norm() <= 1e-14 * rock.E * thickness);  // edges of about 1 m
+        CHECK(body.energy(u) <= 1e-28 * rock.E);
+    }
+}
+
+TEST_CASE("large rotations: a strained body that turns has the turned forces and the same energy") {
+    const Mesh mesh = skew_mesh();
+    for (const PlaneModel plane : {PlaneModel::strain, PlaneModel::stress}) {
+        FreeTriangles body(mesh, plane, true);
+        const std::vector<Vec2> u = random_displacements(mesh, 0.03), f = body.force(u);
+        double largest = 0;
+        for (const Vec2& of_corner : f) largest = std::max(largest, of_corner.norm());
+        for (const double angle : {0.5, 2.0, -3.0}) {
+            std::vector<Vec2> moved(u.size());
+            for (Index c = 0; c < mesh.n_corners(); ++c)
+                moved[c] = turned(mesh.corner(c) + u[c], angle) - mesh.corner(c) + Vec2(1, 2);
+            const std::vector<Vec2> found = body.force(moved);
+            for (Index c = 0; c < mesh.n_corners(); ++c)
+                CHECK((found[c] - turned(f[c], angle)).norm() <= 1e-13 * largest);
+            CHECK(body.energy(moved) == relative(body.energy(u), 1e-13));
+        }
+        for (Index t = 0; t < mesh.n_triangles(); ++t) {  // equilibrium about the present places
+            Vec2 sum = Vec2::Zero();
+            double moment = 0;
+            for (Index k = 0; k < 3; ++k)
+                sum += f[3 * t + k], moment += cross(mesh.corner(t, k) + u[3 * t + k], f[3 * t + k]);
+            CHECK(sum.norm() <= 1e-14 * largest);
+            CHECK(std::abs(moment) <= 1e-14 * largest);
+        }
+    }
+}
+
+TEST_CASE("large rotations: the forces are minus the derivative of the energy and small strains are linear") {
+    const Mesh mesh = skew_mesh();
+    FreeTriangles body(mesh, PlaneModel::strain, true), linear(mesh, PlaneModel::strain);
+    const std::vector<Vec2> u = random_displacements(mesh, 0.1), f = body.force(u);
+    for (Index c = 0; c < mesh.n_corners(); ++c)
+        for (int k = 0; k < 2; ++k) {
+            std::vector<Vec2> up = u, down = u;
+            up[c][k] += 1e-4, down[c][k] -= 1e-4;
+            CHECK(f[c][k] == doctest::Approx(-(body.energy(up) - body.energy(down)) / 2e-4).scale(1).epsilon(1e-6));
+        }
+    for (const double size : {1e-3, 1e-6, 1e-9}) {
+        const std::vector<Vec2> small = random_displacements(mesh, size), found = body.force(small),
+                                expected = linear.force(small);
+        for (Index c = 0; c < mesh.n_corners(); ++c)
+            CHECK((found[c] - expected[c]).norm() <= 100 * size * size * rock.E * thickness);
+    }
+}
+
+TEST_CASE("large rotations: the stress criterion bounds the forces at any strain") {
+    const Mesh mesh = bar_mesh(3, 3, 3, 3);
+    ElasticForces forces(mesh, {rock}, PlaneModel::strain, thickness, true);
+    std::vector<Index> fan_of_corner(mesh.n_corners(), 0), node;
+    for (Index c = 0; c < mesh.n_corners(); ++c) node.push_back(c);
+    for (const double size : {0.01, 0.1, 0.4}) {
+        const std::vector<Vec2> u = random_displacements(mesh, size);
+        std::vector<Vec2> f(mesh.n_corners());
+        std::vector<std::uint8_t> candidate(1, 0);
+        for (Index t = 0; t < mesh.n_triangles(); ++t) {
+            const auto evaluate = [&](double threshold) {
+                forces.set_stress_criterion({threshold * threshold}, fan_of_corner);
+                candidate[0] = 0;
+                forces.evaluate(t, t + 1, u, node, f.data(), candidate);
+                return candidate[0] != 0;
+            };
+            evaluate(1);
+            double needed = 0;  // [Pa] the stress whose bound on the forces they reach
+            const auto g = shape_gradients(mesh, t);
+            for (Index k = 0; k < 3; ++k)
+                needed = std::max(needed, f[k].norm() / force_of_unit_stress(g, mesh.area(t) * thickness, 1, k));
+            CHECK(evaluate(needed * (1 - 1e-6)));
+        }
     }
 }

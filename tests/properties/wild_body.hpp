@@ -8,17 +8,18 @@
 namespace knap::tests {
 
 struct WildBody {
-    RandomBody body;         // its step is that of the implicit bulk, its velocities are per vertex
-    double safety;           // [-] step over the stable one, of the explicit bulk
-    double scatter;          // [m/s] of the corners of fans that are in pieces at the start
-    double cracking;         // [-] step once cohesion falls, over the largest
-    bool from_equilibrium;   // starts at rest under its loads
-    int n_steps;             // of the largest step
+    RandomBody body;        // its step is that of the implicit bulk, its velocities are per vertex
+    double safety;          // [-] step over the stable one, of the explicit bulk
+    double scatter;         // [m/s] of the corners of fans that are in pieces at the start
+    double cracking;        // [-] step once cohesion falls, over the largest
+    bool from_equilibrium;  // starts at rest under its loads
+    int n_steps;            // of the largest step
 };
 
 class WildBodies {
 public:
-    explicit WildBodies(std::uint64_t seed) : seed_(seed), random_(seed, "wild"), pressing_(seed, "press") {}
+    explicit WildBodies(std::uint64_t seed)
+        : seed_(seed), random_(seed, "wild"), pressing_(seed, "press"), turning_(seed, "turn") {}
 
     WildBody body() {
         WildBody made{.body = RandomBodies(seed_, {.units = false, .most_cells = 4}).body()};
@@ -29,7 +30,9 @@ public:
         choose_scheme(made);
         reverse_loads(made);
         press(made);
-        in_units(made.body, std::pow(10, random_.uniform(-9, 6)), std::pow(10, random_.uniform(-12, 9)), std::pow(10, random_.uniform(-9, 6)));
+        turn(made);
+        in_units(made.body, std::pow(10, random_.uniform(-9, 6)), std::pow(10, random_.uniform(-12, 9)),
+                 std::pow(10, random_.uniform(-9, 6)));
         return made;
     }
 
@@ -109,7 +112,8 @@ private:
         draw_contact(input.laws[0]);
         input.loads.clear();
         input.supports.clear();
-        const double pressure = std::min(0.1 * input.materials[0].E, std::pow(10, pressing_.uniform(-1, 0.5)));  // the strength is 1
+        const double pressure =
+            std::min(0.1 * input.materials[0].E, std::pow(10, pressing_.uniform(-1, 0.5)));  // the strength is 1
         Obstacle floor = platen({0, 0}, {0, 1});
         draw_contact(floor.contact);
         input.obstacles.push_back(floor);
@@ -121,8 +125,21 @@ private:
         made.n_steps = 200 + static_cast<int>(pressing_.uniform(0, 400));
     }
 
+    /// Large rotations, and often a spin: its speed at a corner is up to twice the others. A stream of its own, too.
+    void turn(WildBody& made) {
+        if (made.body.scheme.bulk != BulkScheme::explicit_lumped || turning_.uniform() > 0.25) return;
+        made.body.input.large_rotation = true;
+        const std::vector<Vec2>& vertices = made.body.input.mesh.vertices;
+        double fastest = 0, size = 0;
+        for (const Vec2& v : made.body.velocity) fastest = std::max(fastest, v.norm());
+        for (const Vec2& x : vertices) size = std::max(size, x.norm());
+        const double spin = 2 * turning_.uniform(-1, 1) * fastest / size;
+        for (std::size_t i = 0; i < vertices.size(); ++i) made.body.velocity[i] += spin * turned_left(vertices[i]);
+        made.n_steps *= turning_.uniform() < 0.2 ? 10 : 1;
+    }
+
     std::uint64_t seed_;
-    Random random_, pressing_;
+    Random random_, pressing_, turning_;
 };
 
 }  // namespace knap::tests

@@ -175,6 +175,8 @@ penetration = "2 um"
 law_lag = 0.3
 rotation = "60 deg"
 area_change = "50 %"
+strain = "8 %"
+rotation_work_part = 2e-3
 slip = "none"
 overlap = "3 mm2"
 [expect]
@@ -425,6 +427,8 @@ rgb = "#C01020"
 material = "glass"
 )";
 
+const std::string turning = samples::changed("[mesh]", "rotation = \"large\"\n[mesh]");
+
 struct Case {
     const std::string& text;
     const char* path;
@@ -441,6 +445,7 @@ const Case cases[] = {
     {rectangle, "domain.origin", "[-0.05, 0.001]"},
     {rectangle, "domain.model", "\"plane stress\""},
     {rectangle, "domain.thickness", "0.002"},
+    {turning, "domain.rotation", "\"large\""},
     {rectangle, "domain.hole[0].points", "[[0.001, 0.002], [0.003, 0.002], [0.003, 0.004]]"},
     {rectangle, "domain.hole[0].name", "\"window\""},
     {rectangle, "domain.hole[0].arcs[0].side", "2"},
@@ -559,6 +564,8 @@ const Case cases[] = {
     {rectangle, "limits.law_lag", "0.3"},
     {rectangle, "limits.rotation", "60"},
     {rectangle, "limits.area_change", "0.5"},
+    {rectangle, "limits.strain", "0.08"},
+    {rectangle, "limits.rotation_work_part", "0.002"},
     {rectangle, "limits.slip", "\"none\""},
     {rectangle, "limits.overlap", "3e-06"},
     {rectangle, "figure[0].over", "\"time\""},
@@ -851,6 +858,7 @@ TEST_CASE("scenario: defaults") {
     CHECK(s.name == "sample");
     CHECK(s.seed == 1);
     CHECK(s.plane == PlaneModel::strain);
+    CHECK_FALSE(s.large_rotation);
     CHECK(s.thickness == 1);
     CHECK(s.mesh.min_angle == 20);
     CHECK(s.order == 1);

@@ -3,12 +3,14 @@
 
 #include "app/run/setup.hpp"
 #include "base/formatted.hpp"
+#include "base/union_find.hpp"
 #include "mesh/polygon.hpp"
 #include "mesh/size_field.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace knap {
 namespace {
@@ -183,6 +185,48 @@ public:
         }
     }
 
+    /// A free body that starts with a spin turns in the end by the spin times the time, whatever happens inside.
+    void on_rotation() {
+        const auto& limits = scenario_.allowed_limits;
+        if (scenario_.large_rotation || scenario_.initial_velocities.empty()) return;
+        if (std::ranges::count(limits, "rotation", &AllowedLimit::gate) > 0) return;
+        UnionFind bodies(mesh_.triangles.size());
+        for (const InteriorEdge& edge : mesh_.interior_edges) bodies.join(edge.triangle[0], edge.triangle[1]);
+        struct Motion {
+            double mass = 0, inertia = 0, momentum = 0;  // [kg, kg m2, kg m2/s], the last two about the centre
+            Vec2 centre = Vec2::Zero(), velocity = Vec2::Zero();
+            bool held = false;
+        };
+        std::vector<Motion> motion(mesh_.triangles.size());  // in that of the first triangle
+        const auto of = [&](Index corner) -> Motion& { return motion[bodies.find(mesh_.triangle_of(corner))]; };
+        for (Index c = 0; c < mesh_.n_corners(); ++c) {
+            Motion& body = of(c);
+            body.mass += model_.corner_mass[c];
+            body.centre += model_.corner_mass[c] * mesh_.corner(c);
+            body.velocity += model_.corner_mass[c] * model_.initial_velocity[c];
+            body.held = body.held || model_.motion_of(c) != nullptr;
+        }
+        for (const FanPoint& point : model_.fan_points)
+            if (point.on_support()) of(point.corner()).held = true;
+        for (Index c = 0; c < mesh_.n_corners(); ++c) {
+            Motion& body = of(c);
+            const Vec2 arm = mesh_.corner(c) - body.centre / body.mass;
+            body.inertia += model_.corner_mass[c] * arm.squaredNorm();
+            body.momentum += model_.corner_mass[c] * cross(arm, model_.initial_velocity[c] - body.velocity / body.mass);
+        }
+        constexpr double degree = std::numbers::pi / 180, from = 5;  // [deg] where the gate warns
+        for (const Motion& body : motion) {
+            if (!(body.mass > 0) || body.held) continue;
+            const double spin = body.momentum / body.inertia / degree, angle = std::abs(spin) * scenario_.time.end;
+            if (angle < from) continue;
+            return add(item("initial", scenario_.initial_velocities.size() - 1), "rotation",
+                       formatted("a free body starts with a spin of %.3g deg/s and turns by %.3g degrees until "
+                                 "`time.end`; small rotations are those below %.3g degrees",
+                                 spin, angle, from),
+                       "help: domain.rotation = \"large\" (explicit bulk, mesh.order = 1)");
+        }
+    }
+
     void on_places() {
         for (std::size_t i = 0; i < scenario_.probes.size(); ++i) check_probe(i);
         for (const Body& body : scenario_.bodies) {
@@ -337,6 +381,7 @@ std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& m
     Warnings warnings(read, model);
     warnings.on_resolution();
     warnings.on_jumps(plan.limits.largest);
+    warnings.on_rotation();
     warnings.on_places();
     warnings.on_details(plan.stable_of_triangle);
     warnings.on_numbers(plan, cost);

@@ -47,6 +47,7 @@ RecorderOptions recorder_options(const RunSetup& setup, bool resumes) {
             .history_every = scenario.output.history_every,
             .fragments_every = scenario.output.every,
             .mass = scenario.time.scheme.mass,
+            .works = scenario.works(),
             .cracks = crack_options(diagonal(model.mesh.vertices), process_zone, fastest, model.mesh.order),
             .critical_opening = critical_opening,
             .allowed_limits = scenario.allowed_limits,

@@ -59,6 +59,7 @@ Model build_model(const Scenario& scenario) {
     for (const MaterialMap& map : scenario.maps) paint(map, input.mesh);
     if (!scenario.rocks.empty()) put_rocks(scenario, input.mesh);
     input.plane = scenario.plane;
+    input.large_rotation = scenario.large_rotation;
     input.thickness = scenario.thickness;
     for (const NamedMaterial& material : scenario.materials) input.materials.push_back(material.elastic);
     for (const NamedLaw& law : scenario.laws) {

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 namespace knap {
 namespace {
@@ -19,7 +20,7 @@ constexpr std::size_t soon = 4;  // fans ahead, to prefetch
 ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
     : model_(model),
       damping_(options.damping),
-      forces_(model.mesh, model.materials, model.plane, model.thickness),
+      forces_(model.mesh, model.materials, model.plane, model.thickness, model.large_rotation),
       stable_step_(std::ranges::min(stable_steps(model.mesh, model.materials, model.plane))),
       blocks_(make_blocks(model)),
       obstacle_step_(model),
@@ -27,6 +28,7 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
       obstacles_(model, solver_, obstacle_step_),
       amplitude_(model.histories.size()),
       corner_force_(model.mesh.n_corners()),
+      elastic_energy_(blocks_.size()),
       fan_is_candidate_(model.fans.size(), 0),
       splits_(model.fans.size(), 0),
       workspaces_(omp_get_max_threads(), Workspace(model)) {
@@ -47,7 +49,8 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
                             .kick_time = 0.5 * (begin.last_step + h),
                             .mass = mass_,
                             .corner_force = corner_force_,
-                            .damping = 0.25 * (begin.last_step + h) * damping_};
+                            .damping = 0.25 * (begin.last_step + h) * damping_,
+                            .large_rotation = model_.large_rotation};
     copy_partition(model_, begin, end);
     for (std::size_t i = 0; i < amplitude_.size(); ++i) amplitude_[i] = model_.histories[i](begin.time);
     // bonded fans: v+ = v + k/m sum (F - K u); split fans: M (v+ - v) = k (F - K u) + H' P, each by itself; damped
@@ -61,6 +64,7 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
     report += advance_split(step);
     obstacles_.finish(step, report);
     report += account_loads(step);
+    if (model_.large_rotation) account_rotation(step, report);
     if (report.released > 0) order_split_fans(model_, end, unordered_);
     report.largest_speed = std::sqrt(report.largest_speed);  // squared until here
     return report;
@@ -71,13 +75,13 @@ StepReport ExplicitScheme::sweep_blocks(const ExplicitStep& step) {
     return sum_over_blocks(blocks_.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
         const MeshBlock& block = blocks_[b];
         Workspace& work = workspaces_[omp_get_thread_num()];
-        forces_.evaluate(block.first, block.last, step.begin.displacement, step.begin.node_of_corner, work.force.data(),
-                         fan_is_candidate_);
+        elastic_energy_[b] = forces_.evaluate(block.first, block.last, step.begin.displacement,
+                                              step.begin.node_of_corner, work.force.data(), fan_is_candidate_);
         Vec2* kept = &corner_force_[model_.mesh.corners_per_triangle() * block.first];
         for (const MeshBlock::Corner c : block.kept) kept[c] = work.force[c];
         for (Index i = block.first_load; i < block.last_load; ++i) {
             const CornerLoad& load = model_.corner_loads[i];
-            corner_force_[load.corner] += amplitude_[load.history] * load.force;
+            corner_force_[load.corner] += force_of(load, step.begin);
         }
         sweep_inner(block, step, work, report);
     });
@@ -112,7 +116,7 @@ void ExplicitScheme::sweep_inner(const MeshBlock& block, const ExplicitStep& ste
         Vec2 force = Vec2::Zero();
         for (const MeshBlock::Corner* c = corner; c < last; ++c) force += on_corner[*c];
         const auto force_on = [&](Index c) -> const Vec2& { return on_corner[corner[c]]; };
-        if (fan_is_candidate_[fan.fan] && !is_bonded(fan, circle, force_on, force, work, report)) {
+        if (fan_is_candidate_[fan.fan] && !is_bonded(fan, circle, force_on, force, begin, work, report)) {
             keep();
             continue;
         }
@@ -156,7 +160,7 @@ StepReport ExplicitScheme::sweep_bordering(const ExplicitStep& step) {
             for (const Index* c = corner; c < next; ++c) force += corner_force_[*c];
             const InscribedCircle* circle = &block.bordering_circles[corner - block.bordering_corners.data()];
             const auto force_on = [&](Index c) -> const Vec2& { return corner_force_[corner[c]]; };
-            if (fan_is_candidate_[f] && !is_bonded(fan, circle, force_on, force, work, report)) continue;
+            if (fan_is_candidate_[f] && !is_bonded(fan, circle, force_on, force, begin, work, report)) continue;
             Vec2 velocity = step.decay * begin.velocity[f] + step.mobility * step.kick_time / fan.mass * force;
             const PrescribedMotion* motion = model_.motion_of(*corner);
             if (motion) {
@@ -175,7 +179,7 @@ StepReport ExplicitScheme::sweep_bordering(const ExplicitStep& step) {
 /// fan.
 template <class Force>
 bool ExplicitScheme::is_bonded(const MeshBlock::BlockFan& of, const InscribedCircle* circle, const Force& force_on,
-                               const Vec2& force, Workspace& work, StepReport& report) {
+                               const Vec2& force, const State& begin, Workspace& work, StepReport& report) {
     fan_is_candidate_[of.fan] = 0;
     if (within_inscribed_circles(circle, of.n_corners, force_on, force)) return true;
     const Fan& fan = model_.fans[of.fan];
@@ -186,6 +190,10 @@ bool ExplicitScheme::is_bonded(const MeshBlock::BlockFan& of, const InscribedCir
         work.required[i] = mass_[fan.first_corner + i] * acceleration - force_on(i);
         for (int k = 0; k < 2 && motion; ++k)
             if (motion->component[k]) work.required[i][k] = 0;  // the drive of each corner supplies it
+    }
+    if (model_.large_rotation) {  // the strengths are those of the normals at the start
+        const FanFrame frame = fan_frame(model_, begin, fan);
+        for (Vec2& required : work.required) required = frame.turned_back(required);
     }
     ++report.bond_checks;
     const bool bonded = work.bond_check.is_bonded(of.fan, work.required, 1);
@@ -236,13 +244,40 @@ StepReport ExplicitScheme::account_loads(const ExplicitStep& step) {
     return sum_over_blocks(blocks_.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
         for (Index i = blocks_[b].first_load; i < blocks_[b].last_load; ++i) {
             const CornerLoad& load = model_.corner_loads[i];
-            const Vec2 force = amplitude_[load.history] * load.force;
+            const Vec2 force = force_of(load, begin);
             const Index from = begin.node_of_corner[load.corner], to = end.node_of_corner[load.corner];
             report.external_work += step.kick_time * force.dot(0.5 * (begin.velocity[from] + end.velocity[to]));
-            report.strain += 0.5 * force.dot(end.displacement[to]);
+            if (model_.large_rotation) {
+                report.strain += 0.5 * step.drift_time * force.dot(end.velocity[to]);
+                report.rotation_work -= 0.5 * begin.last_step * force.dot(begin.velocity[from]);
+            } else {
+                report.strain += 0.5 * force.dot(end.displacement[to]);
+            }
             report.step_change_work += step.change_time() * force.dot(end.velocity[to] - begin.velocity[from]);
         }
     });
+}
+
+/// U_n and the terms of the step before complete the energies of NodeMotion. The first step has none before.
+void ExplicitScheme::account_rotation(const ExplicitStep& step, StepReport& report) const {
+    const double energy = std::accumulate(elastic_energy_.begin(), elastic_energy_.end(), 0.0);
+    step.end.elastic_energy = energy;
+    step.end.elastic_work = -2 * report.strain;  // f_n . Delta_n+1/2
+    report.strain += energy;
+    report.rotation_work += energy - step.begin.elastic_energy + 0.5 * step.begin.elastic_work;
+    if (step.begin.last_step == 0) report.rotation_work = 0;
+}
+
+/// [N] At the start of the step. A stress on a face has the traction sigma n of the present edge: with large rotations
+/// -t/2 sigma turned(e + u_b - u_a) on both ends a and b of the edge e, of which the first part is load.force.
+Vec2 ExplicitScheme::force_of(const CornerLoad& load, const State& begin) const {
+    Vec2 force = load.force;
+    if (load.face_stress >= 0) {
+        const auto& [ends, stress] = model_.face_stresses[load.face_stress];
+        const Vec2 moved = begin.displacement_of(ends[1]) - begin.displacement_of(ends[0]);
+        force -= 0.5 * model_.thickness * stress_times(stress, turned_left(moved));
+    }
+    return amplitude_[load.history] * force;
 }
 
 }  // namespace knap

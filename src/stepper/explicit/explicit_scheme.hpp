@@ -31,12 +31,14 @@ private:
     StepReport sweep_bordering(const ExplicitStep& step);
     template <class Force>
     bool is_bonded(const MeshBlock::BlockFan& fan, const InscribedCircle* circle, const Force& force_on,
-                   const Vec2& force, Workspace& work, StepReport& report);
+                   const Vec2& force, const State& begin, Workspace& work, StepReport& report);
     void account_drive(Index fan, const PrescribedMotion& motion, const Vec2& force, const ExplicitStep& step,
                        StepReport& report) const;
     void release(const ExplicitStep& step, StepReport& report);
     StepReport advance_split(const ExplicitStep& step);
     StepReport account_loads(const ExplicitStep& step);
+    void account_rotation(const ExplicitStep& step, StepReport& report) const;
+    Vec2 force_of(const CornerLoad& load, const State& begin) const;
     bool fans_are_independent() const { return model_.obstacles.empty(); }  // no contact that several fans share
 
     const Model& model_;
@@ -50,6 +52,7 @@ private:
     std::vector<double> mass_;                    // [kg] per corner, in the order of Model::fan_corners
     std::vector<double> amplitude_;               // of every history, at the start of the step
     std::vector<Vec2> corner_force_;              // [N] per corner, see ExplicitStep
+    std::vector<double> elastic_energy_;          // [J] per block, with large rotations
     std::vector<std::uint8_t> fan_is_candidate_;  // per fan: it exceeds the stress criterion
     std::vector<std::uint8_t> splits_;            // per fan, in this step
     std::vector<Workspace> workspaces_;           // one per thread

@@ -25,6 +25,7 @@ struct ExplicitStep {
     double damping = 0;  // [-] d
     double decay = (1 - damping) / (1 + damping);  // [-]
     double mobility = 1 / (1 + damping);           // [-]
+    bool large_rotation = false;                   // K u are the forces -f = grad U of Green's strain
 
     /// [m/s] v+ in the prescribed components, zero in the others; `displacement` [m] u.
     Vec2 prescribed_velocity(const Model& model, const PrescribedMotion& motion, const Vec2& displacement) const {
@@ -42,7 +43,13 @@ struct ExplicitStep {
     double change_time() const { return 0.25 * (drift_time - begin.last_step); }
 };
 
-/// Moves nodes and sums up their energies, in registers. The largest speed of the report is squared here.
+/// Moves nodes and sums up their energies, in registers. The largest speed of the report is squared here. With large
+/// rotations U is not quadratic, and the energy of the leapfrog and its defect are
+///
+///     E_n+1/2 = 1/2 v' M v + U_n - 1/2 f_n . Delta_n+1/2,     f = -grad U,     Delta = h v
+///     rotation work = U_n - U_n-1 + 1/2 (f_n-1 + f_n) . Delta_n-1/2
+///
+/// of which the terms with f_n are summed here (without rotations E is the same, and the defect is zero).
 class NodeMotion {
 public:
     explicit NodeMotion(const ExplicitStep& step)
@@ -50,14 +57,20 @@ public:
           end_(step.end),
           h_(step.drift_time),
           change_time_(step.change_time()),
-          damping_(step.damping) {}
+          damping_(step.damping),
+          large_rotation_(step.large_rotation) {}
 
     /// To the end velocity v+ [m/s]; `force` [N] F - K u.
     [[gnu::always_inline]] void move(Index from, Index to, double mass, const Vec2& force, const Vec2& velocity) {
         const Vec2 u = begin_.displacement[from] + h_ * velocity;
         const double speed2 = velocity.squaredNorm();
         kinetic_ += 0.5 * mass * speed2;
-        strain_ -= 0.5 * force.dot(u);
+        if (large_rotation_) {
+            strain_ -= 0.5 * h_ * force.dot(velocity);
+            rotation_work_ += 0.5 * begin_.last_step * force.dot(begin_.velocity[from]);
+        } else {
+            strain_ -= 0.5 * force.dot(u);
+        }
         step_change_work_ -= change_time_ * force.dot(velocity - begin_.velocity[from]);
         if (damping_ != 0) damping_work_ -= 0.5 * damping_ * mass * (begin_.velocity[from] + velocity).squaredNorm();
         largest_speed2_ = std::max(largest_speed2_, speed2);
@@ -69,6 +82,7 @@ public:
         report.strain += strain_;
         report.step_change_work += step_change_work_;
         report.damping_work += damping_work_;
+        report.rotation_work += rotation_work_;
         report.largest_speed = std::max(report.largest_speed, largest_speed2_);
     }
 
@@ -76,7 +90,8 @@ private:
     const State& begin_;
     State& end_;
     double h_, change_time_, damping_;
-    double kinetic_ = 0, strain_ = 0, step_change_work_ = 0, damping_work_ = 0, largest_speed2_ = 0;
+    bool large_rotation_;
+    double kinetic_ = 0, strain_ = 0, step_change_work_ = 0, damping_work_ = 0, rotation_work_ = 0, largest_speed2_ = 0;
 };
 
 }  // namespace knap

@@ -21,11 +21,13 @@ bool find_parts(const Model& model, const Fan& fan, const PointState* state, con
     const auto corners = model.corners(fan);
     const auto points = model.points(fan);
     work.node.resize(fan.n_corners), work.part.resize(fan.n_corners);
-    work.is_open.resize(fan.n_points), work.bound.resize(fan.n_points);
+    work.is_open.resize(fan.n_points), work.bound.resize(fan.n_points), work.normal.resize(fan.n_points);
     for (Index i = 0; i < fan.n_corners; ++i) {
         if (model.motion_of(corners[i])) return false;
         work.node[i] = begin.node_of_corner[corners[i]];
     }
+    const FanFrame frame = fan_frame(model, begin, fan);
+    for (Index j = 0; j < fan.n_points; ++j) work.normal[j] = frame.turned(points[j].normal);
     work.first_open = -1;
     work.part[0] = 0;
     Index part = 0;
@@ -38,7 +40,8 @@ bool find_parts(const Model& model, const Fan& fan, const PointState* state, con
         const Vec2 v = begin.velocity[work.node[at.after]] - begin.velocity[work.node[at.before]];
         const bool held = law.breakable() && law.sigma_c > 0 && !points[j].cracked && state[j].cohesion > 0 &&
                           law.gamma > 0 && u.isZero(0) && v.isZero(0);
-        const double u_N = points[j].normal.dot(u), v_N = points[j].normal.dot(v);
+        const Vec2& normal = work.normal[j];
+        const double u_N = normal.dot(u), v_N = normal.dot(v);
         const bool open = state[j].cohesion == 0 && law.restitution == 0 &&
                           u_N > rounding * u_after.cwiseAbs().maxCoeff() && u_N + step.drift_time * v_N > 0;
         if (!held && !open) return false;
@@ -105,12 +108,11 @@ bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step
         if (work.is_open[j]) {
             const Sides at(fan, j);
             const Vec2 rate = velocity[work.part[at.after]] - velocity[work.part[at.before]];
-            if (points[j].normal.dot(rate) < work.bound[j]) return false;
+            if (work.normal[j].dot(rate) < work.bound[j]) return false;
         } else {
             impulse[j] += self_stress;
             const CohesiveLaw& law = model.laws[points[j].law];
-            if (StrengthPolygon::at_rest(law, points[j].normal, strength(j)).smallest_slack(impulse[j]) < 0)
-                return false;
+            if (StrengthPolygon::at_rest(law, work.normal[j], strength(j)).smallest_slack(impulse[j]) < 0) return false;
         }
     }
 
@@ -127,11 +129,11 @@ bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step
         account_rest(points[j], model.laws[points[j].law], state.cohesion, report);
         if (work.is_open[j]) {
             const Vec2 jump = end.displacement_of(points[j].after) - end.displacement_of(points[j].before);
-            report.penetration = std::max(report.penetration, -points[j].normal.dot(jump));
+            report.penetration = std::max(report.penetration, -work.normal[j].dot(jump));
         } else {
-            const double C = strength(j), contact = std::max(0.0, points[j].normal.dot(impulse[j]) + C);
+            const double C = strength(j), contact = std::max(0.0, work.normal[j].dot(impulse[j]) + C);
             state.traction =
-                Vec2(contact - C, turned_left(points[j].normal).dot(impulse[j])) / (step.kick_time * points[j].area);
+                Vec2(contact - C, turned_left(work.normal[j]).dot(impulse[j])) / (step.kick_time * points[j].area);
         }
     }
     return true;

@@ -97,15 +97,16 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, FanProblem& probl
     const auto body = [&](Index corner, Index i) {
         return corner == rigid_support ? rigid_support : (i + fan.n_corners) % fan.n_corners;
     };
+    const FanFrame frame = fan_frame(model_, begin, fan);
     for (Index i = 0; i < fan.n_points; ++i) {
         const FanPoint& point = points[i];
         const CohesiveLaw& law = model_.laws[point.law];
-        const Vec2 u = begin.opening_of(point);
+        const Vec2 u = begin.opening_of(point, frame);
         const bool sticks = unbreakable(model_, point);
         const double beta = sticks || point.cracked ? 0 : cohesion_before(model_, f, i, begin);
         problem.links.push_back({.before = body(point.before, shift + i - 1),
                                  .after = body(point.after, shift + i),
-                                 .normal = point.normal,
+                                 .normal = frame.turned(point.normal),
                                  .u_N = u.x(),
                                  .u_T = u.y(),
                                  .cohesive = beta > 0 ? step.kick_time * law.sigma_c * point.area * beta : 0,
