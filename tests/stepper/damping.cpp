@@ -32,7 +32,7 @@ public:
         const double energy = r.kinetic + r.strain;
         damping_ += r.damping_work, radiated_ += r.radiated_work;
         work_ += r.external_work - r.cohesive_work + r.impact_work + r.friction_work + r.step_change_work +
-                 r.damping_work + r.radiated_work;
+                 r.rotation_work + r.damping_work + r.radiated_work;
         largest_ = std::max({largest_, energy, std::abs(r.external_work), -damping_, std::abs(r.cohesive_work)});
         error_ = std::max(error_, std::abs(energy - start_ - work_));
         CHECK(r.damping_work <= 0);
