@@ -18,6 +18,7 @@ State initial_state(const Model& model) {
     state.split_rank.assign(n_fans, -1);
     state.reaction.assign(model.prescribed.size(), Vec2::Zero());
     for (const Obstacle& obstacle : model.obstacles) state.obstacles.push_back(initial_state(obstacle));
+    if (!model.contact_of_pair.empty()) state.retired.assign(model.n_points(), 0);
     for (std::size_t f = 0; f < n_fans; ++f)
         if (model.fans[f].split_at_start) split(model, static_cast<Index>(f), state);
     for (Index c = 0; c < model.mesh.n_corners(); ++c)  // equal at all corners of a node

@@ -72,6 +72,8 @@ struct State {
         return {point.gap + normal.dot(jump), turned_left(normal).dot(jump)};
     }
 
+    bool has_retired(Index point) const { return !retired.empty() && retired[point]; }
+
     template <class Archive>
     void serialize(Archive& archive) {
         archive(time, last_step, n_steps, displacement, velocity, rate, node_of_corner, split_fans, first_point, points,

@@ -13,7 +13,9 @@ namespace knap {
 namespace {
 
 constexpr std::size_t split_fans_in_a_block = 8;
-constexpr std::size_t soon = 4;  // fans ahead, to prefetch
+constexpr std::size_t soon = 4;           // fans ahead, to prefetch
+constexpr int max_rounds = 200;           // of contacts between faces and with obstacles
+constexpr double contacts_agree = 1e-12;  // [-] of the largest impulse
 
 }  // namespace
 
@@ -32,6 +34,11 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
       fan_is_candidate_(model.fans.size(), 0),
       splits_(model.fans.size(), 0),
       workspaces_(omp_get_max_threads(), Workspace(model)) {
+    if (!model.contact_of_pair.empty()) {
+        corner_impulse_.assign(model.mesh.n_corners(), Vec2::Zero());
+        contacts_.emplace(model, solver_, corner_impulse_);
+        contact_work_.assign(omp_get_max_threads(), VertexContacts::Workspace(model));
+    }
     forces_.set_stress_criterion(stress_thresholds(model), model.fan_of_corner);
     for (const Index corner : model.fan_corners) mass_.push_back(model.corner_mass[corner]);
     for (Workspace& work : workspaces_) {
@@ -50,19 +57,27 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
                             .mass = mass_,
                             .corner_force = corner_force_,
                             .damping = 0.25 * (begin.last_step + h) * damping_,
-                            .large_rotation = model_.large_rotation};
+                            .large_rotation = model_.large_rotation,
+                            .corner_impulse = corner_impulse_};
     copy_partition(model_, begin, end);
     for (std::size_t i = 0; i < amplitude_.size(); ++i) amplitude_[i] = model_.histories[i](begin.time);
     // bonded fans: v+ = v + k/m sum (F - K u); split fans: M (v+ - v) = k (F - K u) + H' P, each by itself; damped
-    StepReport report = sweep_blocks(step);
+    StepReport report;
+    if (contacts_) {
+        contacts_->begin(step, report);
+        for (const Index f : contacts_->fans()) fan_is_candidate_[f] = 1;
+    }
+    report += sweep_blocks(step);
     obstacles_.begin(step);
     split_at_contacts(begin);
     report += sweep_bordering(step);
-    // fans that no admissible reactions hold, and contacts that couple several fans
+    // contacts that couple several fans, and fans that no admissible reactions hold
+    solve_contacts(step, report);
     release(step, report);
-    obstacles_.solve(step, workspaces_.front().split, report);
+    if (contacts_) advance_bonded_contacts(step, report);
     report += advance_split(step);
     obstacles_.finish(step, report);
+    if (contacts_) contacts_->finish(step, report);
     report += account_loads(step);
     if (model_.large_rotation) account_rotation(step, report);
     if (report.released > 0) order_split_fans(model_, end, unordered_);
@@ -161,15 +176,7 @@ StepReport ExplicitScheme::sweep_bordering(const ExplicitStep& step) {
             const InscribedCircle* circle = &block.bordering_circles[corner - block.bordering_corners.data()];
             const auto force_on = [&](Index c) -> const Vec2& { return corner_force_[corner[c]]; };
             if (fan_is_candidate_[f] && !is_bonded(fan, circle, force_on, force, begin, work, report)) continue;
-            Vec2 velocity = step.decay * begin.velocity[f] + step.mobility * step.kick_time / fan.mass * force;
-            const PrescribedMotion* motion = model_.motion_of(*corner);
-            if (motion) {
-                const Vec2 given = step.prescribed_velocity(model_, *motion, begin.displacement[f]);
-                for (int k = 0; k < 2; ++k)
-                    if (motion->component[k]) velocity[k] = given[k];
-            }
-            nodes.move(f, f, fan.mass, force, velocity);
-            if (motion) account_drive(f, *motion, force, step, report);
+            move_bonded(*corner, force, Vec2::Zero(), step, nodes, report);
         }
         nodes.add_to(report);
     });
@@ -181,6 +188,7 @@ template <class Force>
 bool ExplicitScheme::is_bonded(const MeshBlock::BlockFan& of, const InscribedCircle* circle, const Force& force_on,
                                const Vec2& force, const State& begin, Workspace& work, StepReport& report) {
     fan_is_candidate_[of.fan] = 0;
+    if (contacts_ && contacts_->touches(of.fan)) return false;  // their impulses decide
     if (within_inscribed_circles(circle, of.n_corners, force_on, force)) return true;
     const Fan& fan = model_.fans[of.fan];
     const PrescribedMotion* motion = model_.motion_of(model_.corners(fan)[0]);
@@ -201,10 +209,27 @@ bool ExplicitScheme::is_bonded(const MeshBlock::BlockFan& of, const InscribedCir
     return bonded;
 }
 
-void ExplicitScheme::account_drive(Index fan, const PrescribedMotion& motion, const Vec2& force,
+/// Moves the node of a bonded fan, which has `corner`, under a force [N] and the impulse [N s] of contacts.
+void ExplicitScheme::move_bonded(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step,
+                                 NodeMotion& nodes, StepReport& report) const {
+    const Index f = model_.fan_of_corner[corner];
+    const double mass = model_.fans[f].mass;
+    Vec2 velocity = step.decay * step.begin.velocity[f] + step.mobility * step.kick_time / mass * force;
+    if (!contact.isZero(0)) velocity += step.mobility / mass * contact;
+    const PrescribedMotion* motion = model_.motion_of(corner);
+    if (motion) {
+        const Vec2 given = step.prescribed_velocity(model_, *motion, step.begin.displacement[f]);
+        for (int k = 0; k < 2; ++k)
+            if (motion->component[k]) velocity[k] = given[k];
+    }
+    nodes.move(f, f, mass, force, velocity);
+    if (motion) account_drive(f, *motion, force, contact, step, report);
+}
+
+void ExplicitScheme::account_drive(Index fan, const PrescribedMotion& motion, const Vec2& force, const Vec2& contact,
                                    const ExplicitStep& step, StepReport& report) const {
     const Vec2 before = step.begin.velocity[fan], after = step.end.velocity[fan];
-    const Vec2 impulse = step.impulse(model_.fans[fan].mass, before, after) - step.kick_time * force;
+    const Vec2 impulse = step.impulse(model_.fans[fan].mass, before, after) - step.kick_time * force - contact;
     Vec2& reaction = step.end.reaction[&motion - model_.prescribed.data()];
     for (int k = 0; k < 2; ++k) {
         if (!motion.component[k]) continue;
@@ -223,6 +248,40 @@ void ExplicitScheme::release(const ExplicitStep& step, StepReport& report) {
         split(model_, f, step.end);
         ++report.released;
     }
+}
+
+/// Contacts between free faces and with obstacles act on each other through the fans that have both: one after the other
+/// until the impulses agree.
+void ExplicitScheme::solve_contacts(const ExplicitStep& step, StepReport& report) {
+    VertexSolver::Workspace& work = workspaces_.front().split;
+    if (!contacts_ || contacts_->size() == 0) return obstacles_.solve(step, work, report);
+    if (!obstacles_.couple_fans()) {
+        contacts_->solve(step, splits_, contact_work_, report);
+        return obstacles_.solve(step, work, report);
+    }
+    StepReport last;
+    double change = 1;
+    for (int round = 0; round < max_rounds && change > contacts_agree; ++round) {
+        last = {};
+        contacts_->solve(step, splits_, contact_work_, last);
+        change = contacts_->change_of_impulses();
+        obstacles_.solve(step, work, last);
+    }
+    if (change > max_residual) last.reject(Rejection::not_converged, contacts_->place_of_first(step.begin));
+    report += last;
+}
+
+/// The motion of the bonded fans with contacts that stay bonded.
+void ExplicitScheme::advance_bonded_contacts(const ExplicitStep& step, StepReport& report) {
+    NodeMotion nodes(step);
+    for (const Index f : contacts_->fans()) {
+        if (step.end.split_rank[f] >= 0) continue;
+        const auto corners = model_.corners(model_.fans[f]);
+        Vec2 force = Vec2::Zero(), impulse = Vec2::Zero();
+        for (const Index c : corners) force += corner_force_[c], impulse += corner_impulse_[c];
+        move_bonded(corners[0], force, impulse, step, nodes, report);
+    }
+    nodes.add_to(report);
 }
 
 /// The fans that split in this step, and all split fans if there are obstacles.

@@ -5,7 +5,10 @@
 #include "stepper/common/bond_check.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/explicit/mesh_blocks.hpp"
+#include "stepper/explicit/vertex_contacts.hpp"
 #include "stepper/explicit/vertex_obstacles.hpp"
+
+#include <optional>
 
 namespace knap {
 
@@ -32,14 +35,19 @@ private:
     template <class Force>
     bool is_bonded(const MeshBlock::BlockFan& fan, const InscribedCircle* circle, const Force& force_on,
                    const Vec2& force, const State& begin, Workspace& work, StepReport& report);
-    void account_drive(Index fan, const PrescribedMotion& motion, const Vec2& force, const ExplicitStep& step,
-                       StepReport& report) const;
+    void move_bonded(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step, NodeMotion& nodes,
+                     StepReport& report) const;
+    void account_drive(Index fan, const PrescribedMotion& motion, const Vec2& force, const Vec2& contact,
+                       const ExplicitStep& step, StepReport& report) const;
+    void solve_contacts(const ExplicitStep& step, StepReport& report);
+    void advance_bonded_contacts(const ExplicitStep& step, StepReport& report);
     void release(const ExplicitStep& step, StepReport& report);
     StepReport advance_split(const ExplicitStep& step);
     StepReport account_loads(const ExplicitStep& step);
     void account_rotation(const ExplicitStep& step, StepReport& report) const;
     Vec2 force_of(const CornerLoad& load, const State& begin) const;
-    bool fans_are_independent() const { return model_.obstacles.empty(); }  // no contact that several fans share
+    /// No contact acts on several fans.
+    bool fans_are_independent() const { return model_.obstacles.empty() && !contacts_; }
 
     const Model& model_;
     double damping_;  // [1/s]
@@ -49,13 +57,16 @@ private:
     ObstacleStep obstacle_step_;
     VertexSolver solver_;
     VertexObstacles obstacles_;
-    std::vector<double> mass_;                    // [kg] per corner, in the order of Model::fan_corners
-    std::vector<double> amplitude_;               // of every history, at the start of the step
-    std::vector<Vec2> corner_force_;              // [N] per corner, see ExplicitStep
-    std::vector<double> elastic_energy_;          // [J] per block, with large rotations
-    std::vector<std::uint8_t> fan_is_candidate_;  // per fan: it exceeds the stress criterion
-    std::vector<std::uint8_t> splits_;            // per fan, in this step
-    std::vector<Workspace> workspaces_;           // one per thread
+    std::optional<VertexContacts> contacts_;               // between free faces
+    std::vector<VertexContacts::Workspace> contact_work_;  // one per thread
+    std::vector<double> mass_;                             // [kg] per corner, in the order of Model::fan_corners
+    std::vector<double> amplitude_;                        // of every history, at the start of the step
+    std::vector<Vec2> corner_force_;                       // [N] per corner, see ExplicitStep
+    std::vector<Vec2> corner_impulse_;                     // [N s] likewise
+    std::vector<double> elastic_energy_;                   // [J] per block, with large rotations
+    std::vector<std::uint8_t> fan_is_candidate_;           // per fan: it exceeds the stress criterion
+    std::vector<std::uint8_t> splits_;                     // per fan, in this step
+    std::vector<Workspace> workspaces_;                    // one per thread
     std::vector<StepReport> partial_;
     State unordered_;
 };

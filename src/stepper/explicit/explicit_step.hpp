@@ -27,6 +27,8 @@ struct ExplicitStep {
     double mobility = 1 / (1 + damping);           // [-]
     bool large_rotation = false;                   // K u are the forces -f = grad U of Green's strain
 
+    const std::vector<Vec2>& corner_impulse;  // [N s] per corner, of contacts between free faces; empty: there are none
+
     /// [m/s] v+ in the prescribed components, zero in the others; `displacement` [m] u.
     Vec2 prescribed_velocity(const Model& model, const PrescribedMotion& motion, const Vec2& displacement) const {
         const StepTimes times{.begin = begin.time, .h = drift_time, .central_differences = true};

@@ -3,6 +3,8 @@
 #include "interface/self_stress.hpp"
 #include "stepper/common/point_work.hpp"
 
+#include <limits>
+
 namespace knap {
 namespace {
 
@@ -13,6 +15,11 @@ struct Sides {
     Sides(const Fan& fan, Index j) : after(fan.closed ? j : j + 1), before(after > 0 ? after - 1 : fan.n_corners - 1) {}
     Index after, before;
 };
+
+/// [N s]
+double strength(const Model& model, const FanPoint& point, const PointState& before, const ExplicitStep& step) {
+    return step.kick_time * model.laws[point.law].sigma_c * point.area * before.cohesion;
+}
 
 /// Finds the corners that move as one. False: some point is neither held nor freely open, or a corner is driven.
 bool find_parts(const Model& model, const Fan& fan, const PointState* state, const ExplicitStep& step,
@@ -44,11 +51,12 @@ bool find_parts(const Model& model, const Fan& fan, const PointState* state, con
         const double u_N = normal.dot(u), v_N = normal.dot(v);
         const bool open = state[j].cohesion == 0 && law.restitution == 0 &&
                           u_N > rounding * u_after.cwiseAbs().maxCoeff() && u_N + step.drift_time * v_N > 0;
-        if (!held && !open) return false;
-        work.is_open[j] = open;
-        work.bound[j] = -std::max(u_N / step.drift_time, v_N);
-        if (open && work.first_open < 0) work.first_open = j;
-        if (open && at.after > 0) ++part;
+        const bool retired = begin.has_retired(points[j].point);
+        if (!held && !open && !retired) return false;
+        work.is_open[j] = open || retired;
+        work.bound[j] = retired ? -std::numeric_limits<double>::infinity() : -std::max(u_N / step.drift_time, v_N);
+        if (work.is_open[j] && work.first_open < 0) work.first_open = j;
+        if (work.is_open[j] && at.after > 0) ++part;
         work.part[at.after] = part;
     }
     if (fan.closed && !work.is_open[0])  // the last part continues in the first
@@ -59,10 +67,8 @@ bool find_parts(const Model& model, const Fan& fan, const PointState* state, con
 
 }  // namespace
 
-bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step, StationaryWorkspace& work,
-                        StepReport& report) {
+bool is_stationary(const Model& model, Index rank, const ExplicitStep& step, StationaryWorkspace& work) {
     const State& begin = step.begin;
-    State& end = step.end;
     if (rank >= static_cast<Index>(begin.split_fans.size())) return false;  // split in this step
     const Fan& fan = model.fans[begin.split_fans[rank]];
     const PointState* before = begin.points.data() + begin.first_point[rank];
@@ -79,6 +85,7 @@ bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step
         const double inverse_mass = step.mobility / mass[i], m = 1 / inverse_mass;
         required[i] =
             step.decay * begin.velocity[work.node[i]] + step.kick_time * inverse_mass * step.corner_force[corners[i]];
+        if (!step.corner_impulse.empty()) required[i] += inverse_mass * step.corner_impulse[corners[i]];
         velocity[work.part[i]] += m * required[i];  // the momentum, until it is divided
         work.mass[work.part[i]] += m;
     }
@@ -88,9 +95,6 @@ bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step
         required[i] = (velocity[work.part[i]] - required[i]) / (step.mobility / mass[i]);
 
     // P_after = P_before - m_i (V - v_i_free)
-    const auto strength = [&](Index j) {  // [N s]
-        return step.kick_time * model.laws[points[j].law].sigma_c * points[j].area * before[j].cohesion;
-    };
     const bool all_round = fan.closed && work.first_open < 0;
     const Index start = fan.closed ? std::max(work.first_open, 0) : 0;
     LeastNormSelfStress least;
@@ -100,7 +104,7 @@ bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step
         if (!fan.closed) P -= required[j];
         if (work.is_open[j]) P = Vec2::Zero();
         impulse[j] = P;
-        if (all_round) least.add(1 / strength(j), P);
+        if (all_round) least.add(1 / strength(model, points[j], before[j], step), P);
         if (fan.closed) P -= required[j];
     }
     const Vec2 self_stress = least.c();
@@ -112,15 +116,28 @@ bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step
         } else {
             impulse[j] += self_stress;
             const CohesiveLaw& law = model.laws[points[j].law];
-            if (StrengthPolygon::at_rest(law, work.normal[j], strength(j)).smallest_slack(impulse[j]) < 0) return false;
+            if (StrengthPolygon::at_rest(law, work.normal[j], strength(model, points[j], before[j], step))
+                    .smallest_slack(impulse[j]) < 0)
+                return false;
         }
     }
+    return true;
+}
 
+bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step, StationaryWorkspace& work,
+                        StepReport& report) {
+    if (!is_stationary(model, rank, step, work)) return false;
+    State& end = step.end;
+    const Fan& fan = model.fans[end.split_fans[rank]];
+    const auto corners = model.corners(fan);
+    const auto points = model.points(fan);
+    const double* mass = &step.mass[fan.first_corner];
+    const PointState* before = step.begin.points.data() + step.begin.first_point[rank];
     ++report.fan_solves, ++report.fan_iterations;
     for (Index i = 0; i < fan.n_corners; ++i) {
         NodeMotion motion(step);
         motion.move(work.node[i], end.node_of_corner[corners[i]], mass[i], step.corner_force[corners[i]],
-                    velocity[work.part[i]]);
+                    work.velocity[work.part[i]]);
         motion.add_to(report);
     }
     for (Index j = 0; j < fan.n_points; ++j) {
@@ -128,12 +145,15 @@ bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step
         state = {.cohesion = before[j].cohesion, .traction = Vec2::Zero()};
         account_rest(points[j], model.laws[points[j].law], state.cohesion, report);
         if (work.is_open[j]) {
+            if (step.begin.has_retired(points[j].point)) continue;
             const Vec2 jump = end.displacement_of(points[j].after) - end.displacement_of(points[j].before);
             report.penetration = std::max(report.penetration, -work.normal[j].dot(jump));
         } else {
-            const double C = strength(j), contact = std::max(0.0, work.normal[j].dot(impulse[j]) + C);
+            const Vec2& P = work.impulse[j];
+            const double C = strength(model, points[j], before[j], step),
+                         contact = std::max(0.0, work.normal[j].dot(P) + C);
             state.traction =
-                Vec2(contact - C, turned_left(work.normal[j]).dot(impulse[j])) / (step.kick_time * points[j].area);
+                Vec2(contact - C, turned_left(work.normal[j]).dot(P)) / (step.kick_time * points[j].area);
         }
     }
     return true;

@@ -27,6 +27,9 @@ struct StationaryWorkspace {
     std::vector<Vec2> required, impulse;  // [N s] per corner, per point
 };
 
+/// Whether a split fan is stationary in this step, under these impulses; then `work` has its motion.
+bool is_stationary(const Model& model, Index rank, const ExplicitStep& step, StationaryWorkspace& work);
+
 /// Advances a split fan without contacts with obstacles; explicit beta only. False: the fan is not stationary, or these
 /// impulses are not admissible, or an open point closes; then nothing is written.
 bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step, StationaryWorkspace& work,

@@ -12,6 +12,8 @@ public:
 
     /// Motion of the obstacles without the body, and the contacts that may close.
     void begin(const ExplicitStep& step);
+    /// Contacts of the step act on several fans, by the motion of a free obstacle or on an edge.
+    bool couple_fans() { return now_.contacts.find_free(touched_) || !now_.contacts.on_edges().empty(); }
     /// End velocities of free obstacles and impulses of contacts on edges.
     void solve(const ExplicitStep& step, VertexSolver::Workspace& work, StepReport& report);
     /// The obstacles at the end of the step, their energies and works, and those of the contacts on edges.

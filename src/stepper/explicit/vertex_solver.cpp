@@ -30,6 +30,11 @@ double restitution_under(const FanProblem& problem, const FanLink& link, double 
     return rests ? 0 : link.restitution;
 }
 
+/// [m] An opening that no step closes.
+double far(const Model& model, const FanPoint& point) {
+    return model.interfaces[model.interface_of(point.point)].length;
+}
+
 /// [m/s] Size of the terms of which the velocities of a fan are sums: impulses that hold a body together cancel.
 double speed_scale(const FanProblem& problem) {
     double speed = 0, mobility = 0, impulse = 0;
@@ -85,6 +90,7 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, FanProblem& probl
                      .end_velocity = Vec2::Zero()};
         if (!obstacles_.contacts.on_edges().empty())
             body.free_velocity += inverse_mass * obstacles_.edge_impulse_on(corner);
+        if (!step.corner_impulse.empty()) body.free_velocity += inverse_mass * step.corner_impulse[corner];
         if (const PrescribedMotion* motion = model_.motion_of(corner)) {
             const Vec2 given = step.prescribed_velocity(model_, *motion, begin.displacement[node]);
             for (int k = 0; k < 2; ++k)
@@ -101,7 +107,8 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, FanProblem& probl
     for (Index i = 0; i < fan.n_points; ++i) {
         const FanPoint& point = points[i];
         const CohesiveLaw& law = model_.laws[point.law];
-        const Vec2 u = begin.opening_of(point, frame);
+        const bool retired = begin.has_retired(point.point);  // its sides meet as free faces, elsewhere
+        const Vec2 u = retired ? Vec2(far(model_, point), 0) : begin.opening_of(point, frame);
         const bool sticks = unbreakable(model_, point);
         const double beta = sticks || point.cracked ? 0 : cohesion_before(model_, f, i, begin);
         problem.links.push_back({.before = body(point.before, shift + i - 1),
@@ -112,7 +119,7 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, FanProblem& probl
                                  .cohesive = beta > 0 ? step.kick_time * law.sigma_c * point.area * beta : 0,
                                  .gamma = law.gamma,
                                  .friction = law.friction,
-                                 .restitution = law.restitution_at(beta),
+                                 .restitution = retired ? 0 : law.restitution_at(beta),
                                  .unbreakable = sticks});
         FanLink& link = problem.links.back();
         if (link.restitution == 0 || begin.split_rank[f] < 0) continue;
@@ -195,8 +202,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
     State& end = step.end;
     const Index f = end.split_fans[rank];
     const Fan& fan = model_.fans[f];
-    const bool meets_obstacles = !obstacles_.contacts.on_edges().empty() || !obstacles_.contacts.of_fan(f).empty();
-    if (options_.cohesion == CohesionScheme::explicit_beta && !meets_obstacles &&
+    if (options_.cohesion == CohesionScheme::explicit_beta && !meets_obstacles(f) &&
         advance_stationary(model_, rank, step, work.stationary, report))
         return;
     const FanSolution solution = solve(f, step, work);
@@ -226,8 +232,10 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
         motion.move(step.begin.node_of_corner[corner], end.node_of_corner[corner], mass, force, after);
         motion.add_to(report);
         if (!model_.motion_of(corner)) continue;
-        const Vec2 needed = step.impulse(mass, before, after), on_edges = obstacles_.edge_impulse_on(corner);
-        for (int k = 0; k < 2; ++k) drive(i, k, needed[k] - step.kick_time * force[k] - on_edges[k]);
+        Vec2 shared = obstacles_.edge_impulse_on(corner);
+        if (!step.corner_impulse.empty()) shared += step.corner_impulse[corner];
+        const Vec2 needed = step.impulse(mass, before, after);
+        for (int k = 0; k < 2; ++k) drive(i, k, needed[k] - step.kick_time * force[k] - shared[k]);
     }
 
     const double rate_error = (rounding + solution.residual) * speed_scale(problem);  // [m/s]
@@ -250,6 +258,10 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
             state.traction = Vec2(link.contact - link.cohesive, link.tangential) / (step.kick_time * point.area);
             if (link.unbreakable) {
                 state.cohesion = 1;
+                continue;
+            }
+            if (step.begin.has_retired(point.point)) {
+                account_rest(point, law, state.cohesion = 0, report);
                 continue;
             }
             report.cohesive_work += link.cohesive * mean_N - (link.tangential - link.friction_part) * mean_T;

@@ -44,6 +44,10 @@ public:
     /// obstacles in contact, the links its points and then these contacts.
     FanSolution solve(Index fan, const ExplicitStep& step, Workspace& work) const;
 
+    bool meets_obstacles(Index fan) const {
+        return !obstacles_.contacts.on_edges().empty() || !obstacles_.contacts.of_fan(fan).empty();
+    }
+
     /// Moves a split fan to the end of the step: velocities, displacements, cohesion, tractions, works.
     void advance(Index rank, const ExplicitStep& step, Workspace& work, StepReport& report) const;
 

@@ -1,0 +1,275 @@
+#include "stepper/contact/contact_cluster.hpp"
+
+#include "lcp/solvers.hpp"
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+namespace {
+
+constexpr int first_sweeps = 12, last_sweeps = 200;
+constexpr double exact = 1e-13;          // [-] of the speeds: a residual at rounding
+constexpr double good_enough = 1e-11;    // [-] of the speeds: not worth Lemke's pivots
+constexpr double too_strong = 20;        // impulses of the last step that would cause larger rates are dropped
+constexpr std::size_t max_active = 96;   // contacts of a dense active set
+constexpr std::size_t max_pivoted = 24;  // contacts of a tableau
+
+/// The link of a contact in its own frame: N and T are x and y.
+const FanLink link_in_frame{.before = 0,
+                            .after = 1,
+                            .normal = Vec2(1, 0),
+                            .u_N = 0,
+                            .u_T = 0,
+                            .cohesive = 0,
+                            .gamma = 0,
+                            .friction = 0,
+                            .restitution = 0,
+                            .unbreakable = false};
+
+/// P_T with which V_T = free + mobility P_T obeys -P_T in p S(V_T), S the staircase: S is monotone, so there is one.
+double lawful_friction(const Staircase& staircase, double p, double free, double mobility) {
+    if (p <= 0 || staircase.kinks().empty()) return 0;
+    if (mobility <= 0) return -staircase.piece(staircase.state_of(free, 0)).contact_offset * p;
+    for (int state = 0; state < staircase.n_states(); ++state) {
+        const StaircasePiece piece = staircase.piece(state);
+        const double least = -(piece.contact_offset + piece.contact_jump) * p,
+                     most = -(piece.contact_offset - piece.contact_jump) * p;
+        if (!piece.stick) {
+            const double rate = free + mobility * most;
+            if (rate <= piece.high) return rate >= piece.low ? most : std::max(most, (piece.low - free) / mobility);
+        } else {
+            const double needed = (piece.kink - free) / mobility;
+            if (needed >= least) return std::min(needed, most);
+        }
+    }
+    return 0;
+}
+
+}  // namespace
+
+InterfaceLaw contact_law(double gap, const Vec2& before, double friction, double restitution, double h, double deep,
+                         double tolerance) {
+    const double touching = tolerance * h;
+    InterfaceLaw law{.contact = contact_bound_explicit(gap, before.x(), restitution, h, touching)};
+    if (-gap > deep && before.x() < 0)
+        law.contact.rate = std::max(law.contact.rate, std::min(-0.5 * before.x(), (-gap - deep) / h));
+    law.closed.add({.rate = 0, .cohesive = 0, .friction = 0.5 * friction}, tolerance);
+    law.closed.add({.rate = -before.y(), .cohesive = 0, .friction = 0.5 * friction}, tolerance);
+    return law;
+}
+
+/// The impulse that the law gives contact i if the others keep theirs: normal first, then friction.
+Vec2 ContactCluster::lawful_impulse(std::size_t i) const {
+    const ClusterContact& c = contacts[i];
+    if (!c.law.contact.may_touch || mobility(i, 0) <= 0) return Vec2::Zero();
+    const double p = std::max(0.0, c.impulse.x() - (c.velocity.x() - c.law.contact.rate) / mobility(i, 0));
+    const double slip = c.velocity.y() + W(2 * i + 1, 2 * i) * (p - c.impulse.x());
+    return {p, lawful_friction(c.law.closed, p, slip - mobility(i, 1) * c.impulse.y(), mobility(i, 1))};
+}
+
+double ContactCluster::residual() const {
+    double largest = 0;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        const Vec2 change = lawful_impulse(i) - contacts[i].impulse;
+        largest = std::max({largest, std::abs(change.x()) * mobility(i, 0), std::abs(change.y()) * mobility(i, 1)});
+    }
+    return largest;
+}
+
+/// One sweep of Gauss-Seidel; returns the largest change of a rate [m/s] by the impulse of its own contact.
+double ContactCluster::sweep() {
+    double largest = 0;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        const Vec2 change = lawful_impulse(i) - contacts[i].impulse;
+        if (change.isZero(0)) continue;
+        largest = std::max({largest, std::abs(change.x()) * mobility(i, 0), std::abs(change.y()) * mobility(i, 1)});
+        contacts[i].impulse += change;
+        for (std::size_t j = 0; j < contacts.size(); ++j) contacts[j].velocity += W.block<2, 2>(2 * j, 2 * i) * change;
+    }
+    return largest;
+}
+
+/// V = V_free + W P, without the rounding of many sweeps.
+void ContactCluster::find_velocities() {
+    for (std::size_t j = 0; j < contacts.size(); ++j) {
+        contacts[j].velocity = contacts[j].free;
+        for (std::size_t i = 0; i < contacts.size(); ++i)
+            contacts[j].velocity += W.block<2, 2>(2 * j, 2 * i) * contacts[i].impulse;
+    }
+}
+
+double ContactCluster::solve(double speed, double rounding) {
+    const double tolerance = exact * speed + rounding;
+    double strongest = 0;
+    for (std::size_t i = 0; i < contacts.size(); ++i)
+        strongest = std::max(
+            {strongest, mobility(i, 0) * contacts[i].impulse.x(), mobility(i, 1) * std::abs(contacts[i].impulse.y())});
+    if (strongest > too_strong * speed)
+        for (ClusterContact& c : contacts) c.impulse.setZero();
+    find_velocities();
+    for (int k = 0; k < first_sweeps; ++k)
+        if (sweep() <= tolerance) break;
+    find_velocities();
+    double best = residual();
+    if (best <= tolerance) return best;
+    best_ = contacts;
+    const auto try_other = [&](bool found) {
+        if (!found) return;
+        const double now = residual();
+        if (now < best) best = now, best_ = contacts;
+    };
+    if (contacts.size() <= max_active) try_other(settle_states(speed, tolerance));
+    if (best > good_enough * speed + rounding) {
+        contacts = best_;
+        for (int k = 0; k < last_sweeps; ++k)
+            if (sweep() <= tolerance) break;
+        find_velocities();
+        try_other(true);
+        if (contacts.size() <= max_active && best > tolerance) try_other(settle_states(speed, tolerance));
+    }
+    if (best > good_enough * speed + rounding && contacts.size() <= max_pivoted && solve_by_lemke(speed)) {
+        try_other(true);
+        try_other(settle_states(speed, tolerance));
+    }
+    contacts = best_;
+    return best;
+}
+
+/// The active set: in given states the problem is linear; the worst violation of a law changes its state.
+bool ContactCluster::settle_states(double speed, double tolerance) {
+    double mobility_sum = 0;
+    for (std::size_t i = 0; i < contacts.size(); ++i) mobility_sum = std::max(mobility_sum, mobility(i, 0));
+    const double impulse = speed / mobility_sum;
+    const FanScales scales{.impulse = impulse,
+                           .speed = speed,
+                           .impulse_tolerance = tolerance / mobility_sum,
+                           .speed_tolerance = tolerance,
+                           .rest = tolerance};
+    fit_states(scales);
+    for (std::size_t attempt = 0; attempt < contacts.size() + 4; ++attempt) {
+        if (!solve_states(states_)) return false;
+        StateChange worst;
+        std::size_t at = 0;
+        for (std::size_t i = 0; i < contacts.size(); ++i) {
+            const StateChange change =
+                change_of(states_[i], link_in_frame, contacts[i].velocity, contacts[i].impulse, scales);
+            if (change.violation > worst.violation) worst = change, at = i;
+        }
+        if (worst.violation == 0) return true;
+        states_[at].set(worst.closed, worst.tangential_state);
+    }
+    return false;
+}
+
+void ContactCluster::fit_states(const FanScales& scales) {
+    states_.resize(contacts.size());
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        states_[i] = {};
+        states_[i].law = contacts[i].law;
+        states_[i].fit(link_in_frame, contacts[i].velocity, contacts[i].impulse, scales);
+    }
+}
+
+/// Impulses and velocities in given states: V_N = b where closed, V_T = kink where it sticks, P_T = -offset p where it
+/// slides; of least norm where contacts are redundant.
+bool ContactCluster::solve_states(const std::vector<LinkState>& states) {
+    unknown_.clear();
+    for (std::size_t i = 0; i < states.size(); ++i) {
+        if (!states[i].closed) continue;
+        unknown_.push_back(2 * static_cast<Eigen::Index>(i));
+        if (states[i].tangential.stick) unknown_.push_back(2 * static_cast<Eigen::Index>(i) + 1);
+    }
+    const auto n = static_cast<Eigen::Index>(unknown_.size());
+    A_.resize(n, n), rhs_.resize(n);
+    for (Eigen::Index r = 0; r < n; ++r) {
+        const Eigen::Index row = unknown_[r];
+        const ClusterContact& c = contacts[row / 2];
+        rhs_[r] = row % 2 == 0 ? c.law.contact.rate - c.free.x() : states[row / 2].tangential.kink - c.free.y();
+        for (Eigen::Index k = 0; k < n; ++k) {
+            const Eigen::Index column = unknown_[k];
+            A_(r, k) = W(row, column);
+            const StaircasePiece& slide = states[column / 2].tangential;
+            if (column % 2 == 0 && !slide.stick) A_(r, k) -= slide.contact_offset * W(row, column + 1);
+        }
+    }
+    if (n > 0) {
+        const Eigen::PartialPivLU<Eigen::MatrixXd> factor(A_);
+        p_ = factor.solve(rhs_);
+        p_ += factor.solve(rhs_ - A_ * p_);
+        const double scale = rhs_.cwiseAbs().maxCoeff();
+        if (!p_.allFinite() || (A_ * p_ - rhs_).cwiseAbs().maxCoeff() > 1e-12 * scale || factor.rcond() < 1e-12)
+            p_ = A_.completeOrthogonalDecomposition().solve(rhs_);
+        if (!p_.allFinite()) return false;
+    }
+    for (ClusterContact& c : contacts) c.impulse.setZero();
+    for (Eigen::Index r = 0; r < n; ++r) {
+        Vec2& impulse = contacts[unknown_[r] / 2].impulse;
+        impulse[unknown_[r] % 2] = p_[r];
+        const StaircasePiece& piece = states[unknown_[r] / 2].tangential;
+        if (unknown_[r] % 2 == 0 && !piece.stick) impulse.y() = -piece.contact_offset * p_[r];
+    }
+    find_velocities();
+    return true;
+}
+
+/// Every term mu/2 sgn(V_T - k) of the friction is a law of its own with P_T = sum (a - c) (interface/fan_lcp.hpp):
+///     0 <= a  perp  V_T - k + y >= 0,   0 <= c  perp  -(V_T - k) + y >= 0,   0 <= y  perp  w p - a - c >= 0
+bool ContactCluster::solve_by_lemke(double speed) {
+    struct Row {
+        std::size_t contact;
+        int direction;  // 0: N, 1: T
+        double sign;    // of the impulse; 0: the slack y
+        double rate;    // b of a contact, k of a sign
+        double friction;
+        int first;  // of the three rows of its sign
+        double unit;
+    };
+    std::vector<Row> rows;
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        const InterfaceLaw& law = contacts[i].law;
+        const double sum = mobility(i, 0) + mobility(i, 1);
+        if (!law.contact.may_touch || sum <= 0) continue;
+        const double unit = std::sqrt(2 / sum);
+        rows.push_back({i, 0, 1, law.contact.rate, 0, -1, unit});
+        for (const Staircase::Kink& kink : law.closed.kinks()) {
+            const int first = static_cast<int>(rows.size());
+            for (const double sign : {1., -1., 0.}) rows.push_back({i, 1, sign, kink.rate, kink.friction, first, unit});
+        }
+    }
+    const auto n = static_cast<Eigen::Index>(rows.size());
+    double unit = 0;
+    for (const Row& row : rows) unit = std::max(unit, row.unit);
+    const double scale = speed * unit;
+    Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n, n);
+    Eigen::VectorXd q = Eigen::VectorXd::Zero(n), z(n);
+    for (Eigen::Index r = 0; r < n; ++r) {
+        const Row& row = rows[r];
+        for (Eigen::Index s = 0; s < n; ++s) {
+            const Row& column = rows[s];
+            const bool same = row.first >= 0 && row.first == column.first;
+            if (row.sign == 0) {
+                if (column.contact != row.contact) continue;
+                if (column.direction == 0) M(r, s) = row.friction;
+                else if (same && column.sign != 0) M(r, s) = -1;
+            } else if (column.sign == 0) {
+                if (same) M(r, s) = 1;
+            } else {
+                M(r, s) = row.unit * column.unit * row.sign * column.sign *
+                          W(2 * row.contact + row.direction, 2 * column.contact + column.direction);
+            }
+        }
+        if (row.sign != 0) q[r] = row.sign * row.unit * (contacts[row.contact].free[row.direction] - row.rate) / scale;
+    }
+    if (n == 0 || !solve_lcp_by_lemke(M, q, z)) return false;
+    for (ClusterContact& c : contacts) c.impulse.setZero();
+    for (Eigen::Index r = 0; r < n; ++r)
+        contacts[rows[r].contact].impulse[rows[r].direction] += rows[r].sign * rows[r].unit * scale * z[r];
+    find_velocities();
+    return true;
+}
+
+}  // namespace knap

@@ -1,0 +1,63 @@
+#pragma once
+// The nonsmooth problem of a cluster of contacts that share nodes of the body, in one step of the explicit bulk:
+//
+//     V = V_free + W P,     V = (V_N, V_T), P = (p, P_T) of every contact,     W: Delassus operator
+//     0 <= p  perp  V_N - b >= 0,     -P_T in mu p 1/2 [ sgn(V_T) + sgn(V_T + V_T-) ]
+//
+// b <= |V_N-| makes the work p (V_N + V_N-)/2 of every contact non-positive, and V = -V- satisfies every bound: without
+// friction each step has a solution, whatever the geometry.
+//
+// Gauss-Seidel sweeps solve one contact after the other in closed form; where they are slow, an active set over the
+// states of the contacts (interface/link_state.hpp) starts from their result; Lemke's pivots where that cycles. The
+// impulses of redundant contacts are not unique; the velocities are.
+#include "interface/link_state.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace knap {
+
+struct ClusterContact {
+    InterfaceLaw law;
+    Vec2 free = Vec2::Zero();      // [m/s] V_free
+    Vec2 impulse = Vec2::Zero();   // [N s] P: the start of the iteration, and the result
+    Vec2 velocity = Vec2::Zero();  // [m/s] result: V
+};
+
+/// The law of a contact with the gap g [m] and the rate `before` V- [m/s] at the start of a step of h [s]. `deep` [m]:
+/// a deeper penetration is reduced by a rebound with up to half of the approach. `tolerance` [m/s]: nearer kinks of the
+/// friction are merged.
+InterfaceLaw contact_law(double gap, const Vec2& before, double friction, double restitution, double h, double deep,
+                         double tolerance);
+
+class ContactCluster {
+public:
+    std::vector<ClusterContact> contacts;
+    Eigen::MatrixXd W;  // [1/kg], of (N, T) of contact after contact
+
+    /// Solves the problem and returns its residual [m/s], the largest error of a rate. `speed` [m/s] is the scale of the
+    /// rates, `rounding` [m/s] their absolute error.
+    double solve(double speed, double rounding);
+    /// [m/s] of the impulses, if the rates were `velocity` of each contact.
+    double residual() const;
+
+private:
+    Vec2 lawful_impulse(std::size_t i) const;
+    double sweep();
+    void find_velocities();
+    bool settle_states(double speed, double tolerance);
+    bool solve_states(const std::vector<LinkState>& states);
+    bool solve_by_lemke(double speed);
+    void fit_states(const FanScales& scales);
+
+    double mobility(std::size_t i, int k) const { return W(2 * i + k, 2 * i + k); }
+
+    std::vector<LinkState> states_;
+    std::vector<Eigen::Index> unknown_;  // rows of W
+    Eigen::MatrixXd A_;
+    Eigen::VectorXd rhs_, p_, V_;
+    std::vector<ClusterContact> best_;
+};
+
+}  // namespace knap

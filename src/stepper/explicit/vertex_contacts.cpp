@@ -1,0 +1,365 @@
+#include "stepper/explicit/vertex_contacts.hpp"
+
+#include "base/parallel.hpp"
+#include "base/union_find.hpp"
+#include "stepper/common/point_work.hpp"
+#include "stepper/contact/retirement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace knap {
+namespace {
+
+constexpr double deep = 1e-3;        // [-] of the edge: a deeper penetration is reduced by a rebound
+constexpr double merged = 1e-12;     // [-] of the speeds: nearer kinks of the friction are one
+constexpr double difference = 1e-6;  // [-] of the momenta, for the slope of a soft fan
+constexpr double agreed = 1e-12;     // [-] of the speeds, between contacts and fans
+constexpr double unsolved = 1e-8;    // [-] of the speeds: the step is rejected
+constexpr double rounding = 1e-15;   // [-] of the positions
+constexpr int max_rounds = 20;       // of Newton's method
+
+}  // namespace
+
+Index VertexContacts::slot_of(Index fan) {
+    if (slot_of_fan_[fan] >= 0) return slot_of_fan_[fan];
+    const auto slot = static_cast<Index>(fans_.size());
+    fans_.push_back(fan);
+    if (touched_.size() < fans_.size()) touched_.emplace_back();
+    touched_[slot].fan = fan;
+    touched_[slot].is_soft = false;
+    touched_[slot].corners.clear();
+    return slot_of_fan_[fan] = slot;
+}
+
+void VertexContacts::add_terms(Index contact) {
+    const FaceContact& c = contacts_.all()[contact];
+    const Vec2 n = c.normal, t = turned_left(n), turn = c.gap / c.length * n;
+    const auto add = [&](Index corner, const Vec2& along_N, const Vec2& along_T) {
+        const Index slot = slot_of(model_.fan_of_corner[corner]);
+        std::vector<Index>& corners = touched_[slot].corners;
+        const auto place = static_cast<Index>(std::ranges::find(corners, corner) - corners.begin());
+        if (place == std::ssize(corners)) corners.push_back(corner);
+        terms_.push_back({contact, slot, place, along_N, along_T});
+    };
+    for (const Index corner : c.vertex) add(corner, 0.5 * n, 0.5 * t);
+    add(c.edge[0], -(1 - c.share) * n, -(1 - c.share) * t - turn);
+    add(c.edge[1], -c.share * n, -c.share * t + turn);
+}
+
+void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
+    slot_of_fan_.resize(model_.fans.size(), -1);
+    for (const Index f : fans_) {
+        slot_of_fan_[f] = -1;
+        for (const Index corner : model_.corners(model_.fans[f])) corner_impulse_[corner].setZero();
+    }
+    fans_.clear(), terms_.clear();
+    contacts_.find(step.begin, step.drift_time);
+    if (const auto refused = contacts_.refusal()) report.reject(Rejection::not_converged, refused->place);
+    const auto n = static_cast<Index>(contacts_.all().size());
+    impulse_.resize(n), before_.resize(n), residual_.assign(n, 0);
+    for (Index i = 0; i < n; ++i) {
+        add_terms(i);
+        impulse_[i] = Vec2(contacts_.all()[i].contact, contacts_.all()[i].tangential);
+        before_[i] = rate(i, step.begin);
+    }
+    find_clusters();
+}
+
+/// [m/s] (V_N, V_T) of a contact.
+Vec2 VertexContacts::rate(Index contact, const State& state) const {
+    Vec2 V = Vec2::Zero();
+    for (const Term& term : terms_of(contact)) {
+        const Vec2& v = state.velocity[state.node_of_corner[touched_[term.slot].corners[term.place]]];
+        V += Vec2(term.along_N.dot(v), term.along_T.dot(v));
+    }
+    return V;
+}
+
+/// Contacts that share a fan, in the order of their first contact; the contacts of a cluster in their order.
+void VertexContacts::find_clusters() {
+    const std::size_t n = contacts_.all().size();
+    UnionFind joined(fans_.size());
+    for (std::size_t i = 0; i < n; ++i)
+        for (const Term& term : terms_of(i)) joined.join(terms_of(i)[0].slot, term.slot);
+    clusters_.clear();
+    std::vector<Index>& cluster_of = cluster_of_slot_;  // of the representatives
+    cluster_of.assign(fans_.size(), -1);
+    const auto cluster = [&](Index slot) {
+        Index& found = cluster_of[joined.find(slot)];
+        if (found < 0) found = static_cast<Index>(clusters_.size()), clusters_.emplace_back();
+        return found;
+    };
+    for (std::size_t i = 0; i < n; ++i) clusters_[cluster(terms_of(i)[0].slot)].contacts.push_back(i);
+    for (std::size_t s = 0; s < fans_.size(); ++s) clusters_[cluster(s)].slots.push_back(s);
+}
+
+ContactLaw VertexContacts::law_between(const FaceContact& contact) const {
+    const auto material = [&](Index corner) { return model_.mesh.region[model_.mesh.triangle_of(corner)]; };
+    return model_.contact_of_pair[material(contact.vertex[1])][material(contact.edge[0])];
+}
+
+/// The parts of a fan move as rigid bodies: corners that points hold together which have not moved.
+void VertexContacts::respond_as_parts(TouchedFan& touched, const ExplicitStep& step) const {
+    const Fan& fan = model_.fans[touched.fan];
+    const State& begin = step.begin;
+    const auto corners = model_.corners(fan);
+    const Index rank = begin.split_rank[touched.fan];
+    std::vector<Index>& part = touched.part;
+    part.assign(corners.size(), 0);
+    if (rank >= 0) {
+        std::iota(part.begin(), part.end(), 0);
+        const auto place = [&](Index corner) { return std::ranges::find(corners, corner) - corners.begin(); };
+        for (Index j = 0; j < fan.n_points; ++j) {
+            const FanPoint& point = model_.points(fan)[j];
+            if (point.on_support()) {
+                touched.is_soft = true;
+                continue;
+            }
+            const Index before = begin.node_of_corner[point.before], after = begin.node_of_corner[point.after];
+            const bool together = begin.displacement[before] == begin.displacement[after] &&
+                                  begin.velocity[before] == begin.velocity[after];
+            const bool held = unbreakable(model_, point) || begin.points[begin.first_point[rank] + j].cohesion > 0;
+            if (held && together) std::ranges::replace(part, part[place(point.after)], part[place(point.before)]);
+        }
+    }
+    const auto n = static_cast<Eigen::Index>(touched.corners.size());
+    touched.free.assign(n, Vec2::Zero());
+    touched.R.setZero(2 * n, 2 * n);
+    for (Eigen::Index c = 0; c < n; ++c) {
+        const Index own = part[std::ranges::find(corners, touched.corners[c]) - corners.begin()];
+        double mass = 0;
+        Vec2 momentum = Vec2::Zero();
+        for (Index i = 0; i < fan.n_corners; ++i) {
+            if (part[i] != own) continue;
+            const double m = step.mass[fan.first_corner + i];
+            mass += m;
+            momentum +=
+                m * begin.velocity[begin.node_of_corner[corners[i]]] + step.kick_time * step.corner_force[corners[i]];
+        }
+        touched.free[c] = momentum / mass;
+        Vec2 mobility = Vec2::Constant(1 / mass);
+        if (const PrescribedMotion* motion = model_.motion_of(touched.corners[c])) {
+            const Index node = begin.node_of_corner[touched.corners[c]];
+            const Vec2 given = step.prescribed_velocity(model_, *motion, begin.displacement[node]);
+            for (int k = 0; k < 2; ++k)
+                if (motion->component[k]) touched.free[c][k] = given[k], mobility[k] = 0;
+            touched.is_soft = touched.is_soft || rank >= 0;
+        }
+        for (Eigen::Index d = 0; d < n; ++d)
+            if (part[std::ranges::find(corners, touched.corners[d]) - corners.begin()] == own)
+                touched.R.block<2, 2>(2 * c, 2 * d) = mobility.asDiagonal();
+    }
+}
+
+/// Whether the impulses on its corners leave the parts of a fan as they are.
+bool VertexContacts::keeps_its_parts(const TouchedFan& touched, const ExplicitStep& step, Workspace& work,
+                                     StepReport& report) const {
+    const Fan& fan = model_.fans[touched.fan];
+    const auto corners = model_.corners(fan);
+    if (const Index rank = step.begin.split_rank[touched.fan]; rank >= 0)
+        return is_stationary(model_, rank, step, work.split.stationary);
+    Vec2 force = Vec2::Zero();
+    for (const Index c : corners) force += step.corner_force[c] + corner_impulse_[c] / step.kick_time;
+    const PrescribedMotion* motion = model_.motion_of(corners[0]);
+    work.required.resize(fan.n_corners);
+    for (Index i = 0; i < fan.n_corners; ++i) {
+        const Index c = corners[i];
+        work.required[i] = step.mass[fan.first_corner + i] / fan.mass * force - step.corner_force[c] -
+                           corner_impulse_[c] / step.kick_time;
+        for (int k = 0; k < 2 && motion; ++k)
+            if (motion->component[k]) work.required[i][k] = 0;  // the drive of each corner supplies it
+    }
+    ++report.bond_checks;
+    return work.bond_check.is_bonded(touched.fan, work.required, 1);
+}
+
+/// End velocities of the touched corners from the interface laws of the fan; with their slope by differences.
+void VertexContacts::respond_softly(TouchedFan& touched, const ExplicitStep& step, Workspace& work, bool with_slope) {
+    const Fan& fan = model_.fans[touched.fan];
+    const auto corners = model_.corners(fan);
+    const auto n = static_cast<Eigen::Index>(touched.corners.size());
+    const auto respond = [&](std::vector<Vec2>& velocity) {
+        solver_.solve(touched.fan, step, work.split);
+        velocity.resize(n);
+        for (Eigen::Index c = 0; c < n; ++c)
+            velocity[c] = work.split.problem.bodies[std::ranges::find(corners, touched.corners[c]) - corners.begin()]
+                              .end_velocity;
+    };
+    respond(touched.velocity);
+    if (!with_slope) return;
+    double speed = 0;
+    for (const FanBody& body : work.split.problem.bodies)
+        speed = std::max({speed, body.free_velocity.norm(), body.velocity.norm(), body.end_velocity.norm()});
+    if (speed == 0) speed = 1;
+    touched.R.setZero(2 * n, 2 * n);
+    for (Eigen::Index c = 0; c < n; ++c) {
+        const Index corner = touched.corners[c];
+        const double impulse = difference * speed * model_.corner_mass[corner];
+        for (int k = 0; k < 2; ++k) {
+            const Vec2 kept = corner_impulse_[corner];
+            corner_impulse_[corner][k] += impulse;
+            respond(work.velocity);
+            corner_impulse_[corner] = kept;
+            for (Eigen::Index d = 0; d < n; ++d)
+                touched.R.block<2, 1>(2 * d, 2 * c + k) = (work.velocity[d] - touched.velocity[d]) / impulse;
+        }
+    }
+    touched.R = (0.5 * (touched.R + touched.R.transpose())).eval();
+    for (Eigen::Index c = 0; c < n; ++c) {
+        touched.free[c] = touched.velocity[c];
+        for (Eigen::Index d = 0; d < n; ++d)
+            touched.free[c] -= touched.R.block<2, 2>(2 * c, 2 * d) * corner_impulse_[touched.corners[d]];
+    }
+}
+
+/// Spreads the impulses of a cluster over the corners.
+void VertexContacts::spread(const Cluster& cluster) {
+    for (const Index s : cluster.slots)
+        for (const Index corner : touched_[s].corners) corner_impulse_[corner].setZero();
+    for (const Index i : cluster.contacts)
+        for (const Term& term : terms_of(i))
+            corner_impulse_[touched_[term.slot].corners[term.place]] +=
+                impulse_[i].x() * term.along_N + impulse_[i].y() * term.along_T;
+}
+
+void VertexContacts::assemble(const Cluster& cluster, ContactCluster& problem) const {
+    const auto n = static_cast<Eigen::Index>(cluster.contacts.size());
+    problem.contacts.resize(n);
+    problem.W.setZero(2 * n, 2 * n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        ClusterContact& c = problem.contacts[i];
+        c.free.setZero();
+        c.impulse = impulse_[cluster.contacts[i]];
+        for (const Term& term : terms_of(cluster.contacts[i])) {
+            const TouchedFan& touched = touched_[term.slot];
+            const Vec2& v = touched.free[term.place];
+            c.free += Vec2(term.along_N.dot(v), term.along_T.dot(v));
+            for (Eigen::Index j = 0; j < n; ++j)
+                for (const Term& other : terms_of(cluster.contacts[j])) {
+                    if (other.slot != term.slot) continue;
+                    const Eigen::Matrix2d R = touched.R.block<2, 2>(2 * term.place, 2 * other.place);
+                    Eigen::Matrix2d along, of_other;
+                    along << term.along_N, term.along_T;
+                    of_other << other.along_N, other.along_T;
+                    problem.W.block<2, 2>(2 * i, 2 * j) += along.transpose() * R * of_other;
+                }
+        }
+    }
+}
+
+void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
+                                   Workspace& work, StepReport& report) {
+    ContactCluster& problem = work.cluster;
+    spread(cluster);
+    for (const Index s : cluster.slots) {
+        TouchedFan& touched = touched_[s];
+        respond_as_parts(touched, step);
+        if (touched.is_soft || solver_.meets_obstacles(touched.fan)) {
+            touched.is_soft = true;
+            respond_softly(touched, step, work, true);
+        }
+    }
+    assemble(cluster, problem);
+    double speed = 0, error = 0;
+    for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
+        const FaceContact& c = contacts_.all()[cluster.contacts[i]];
+        speed = std::max({speed, before_[cluster.contacts[i]].norm(), problem.contacts[i].free.norm()});
+        const Vec2 place = model_.mesh.corner(c.edge[0]) + step.begin.displacement_of(c.edge[0]);
+        error = std::max(error, rounding * (place.norm() + c.length) / step.drift_time);
+    }
+    for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
+        const FaceContact& c = contacts_.all()[cluster.contacts[i]];
+        const ContactLaw law = law_between(c);
+        problem.contacts[i].law = contact_law(c.gap, before_[cluster.contacts[i]], law.friction, law.restitution,
+                                              step.drift_time, deep * c.length, merged * speed + error);
+    }
+    double residual = 0;
+    for (int round = 0; round < max_rounds; ++round) {
+        residual = problem.solve(speed, error);
+        for (std::size_t i = 0; i < cluster.contacts.size(); ++i)
+            impulse_[cluster.contacts[i]] = problem.contacts[i].impulse;
+        spread(cluster);
+        bool has_soft = false, new_soft = false;
+        for (const Index s : cluster.slots) {
+            TouchedFan& touched = touched_[s];
+            if (!touched.is_soft && (splits[touched.fan] || !keeps_its_parts(touched, step, work, report))) {
+                touched.is_soft = new_soft = true;
+                splits[touched.fan] = step.begin.split_rank[touched.fan] < 0;
+            }
+            if (touched.is_soft) respond_softly(touched, step, work, false);
+            has_soft = has_soft || touched.is_soft;
+        }
+        if (!has_soft) break;
+        // the rates that contacts really have
+        for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
+            Vec2& V = problem.contacts[i].velocity;
+            V.setZero();
+            for (const Term& term : terms_of(cluster.contacts[i])) {
+                const Vec2 v = velocity_of(touched_[term.slot], term.place);
+                V += Vec2(term.along_N.dot(v), term.along_T.dot(v));
+            }
+        }
+        residual = problem.residual();
+        if (residual <= agreed * speed + error) break;
+        for (const Index s : cluster.slots)
+            if (touched_[s].is_soft) respond_softly(touched_[s], step, work, true);
+        assemble(cluster, problem);
+    }
+    for (const Index i : cluster.contacts) residual_[i] = residual + error;
+    ++report.fan_solves;
+    if (speed > 0 && residual > unsolved * speed + error) {
+        const Index corner = contacts_.all()[cluster.contacts.front()].vertex[1];
+        report.reject(Rejection::not_converged, model_.mesh.corner(corner) + step.begin.displacement_of(corner));
+    }
+}
+
+/// [m/s] Of a touched corner under the present impulses.
+Vec2 VertexContacts::velocity_of(const TouchedFan& touched, Index place) const {
+    if (touched.is_soft) return touched.velocity[place];
+    Vec2 v = touched.free[place];
+    for (std::size_t d = 0; d < touched.corners.size(); ++d)
+        v += touched.R.block<2, 2>(2 * place, 2 * static_cast<Eigen::Index>(d)) * corner_impulse_[touched.corners[d]];
+    return v;
+}
+
+void VertexContacts::solve(const ExplicitStep& step, std::vector<std::uint8_t>& splits,
+                           std::vector<Workspace>& workspaces, StepReport& report) {
+    last_impulse_ = impulse_;
+    report += sum_over_blocks(clusters_.size(), 1, partial_, [&](std::size_t k, std::size_t, StepReport& own) {
+        solve_cluster(clusters_[k], step, splits, workspaces[omp_get_thread_num()], own);
+    });
+    double largest = 0;
+    change_ = 0;
+    for (std::size_t i = 0; i < impulse_.size(); ++i) {
+        largest = std::max(largest, impulse_[i].norm());
+        change_ = std::max(change_, (impulse_[i] - last_impulse_[i]).norm());
+    }
+    if (largest > 0) change_ /= largest;
+}
+
+Vec2 VertexContacts::place_of_first(const State& state) const {
+    const Index corner = contacts_.all().front().vertex[1];
+    return model_.mesh.corner(corner) + state.displacement_of(corner);
+}
+
+void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
+    const auto contacts = contacts_.all();
+    step.end.face_contacts.clear();
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        const FaceContact& c = contacts[i];
+        const Vec2 after = rate(i, step.end), mean = 0.5 * (before_[i] + after), P = impulse_[i];
+        account_contact({.contact = P.x(),
+                         .friction = P.y(),
+                         .rate_N = mean.x(),
+                         .rate_T = mean.y(),
+                         .rate_error = residual_[i] + 1e-14 * (before_[i].norm() + after.norm()),
+                         .opening = c.gap + step.drift_time * after.x()},
+                        report);
+        step.end.face_contacts.push_back({c.vertex[1], c.edge[0], P.x(), P.y()});
+    }
+    retire_points(model_, step.end);
+}
+
+}  // namespace knap

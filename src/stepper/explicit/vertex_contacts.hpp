@@ -1,0 +1,103 @@
+#pragma once
+// Free faces of the body that meet, next to the explicit bulk. A contact between a boundary vertex and a boundary edge
+// acts on up to four corners; its impulses P have no resultant force and no resultant moment:
+//
+//     V_N = n . (v_i - (1 - s) v_a - s v_b),                    the rate of the gap g
+//     V_T = t . (v_i - (1 - s) v_a - s v_b) + (g/L) n . (v_b - v_a),      slip past the material point
+//
+// v_i is the mean of the two corners at the vertex. Contacts that share a fan form a cluster (contact_cluster.hpp). Its
+// Delassus operator needs the response of the fans to impulses on their corners: a fan whose parts stay as they are
+// answers with the masses of its parts; any other fan is solved with its interface laws (vertex_solver.hpp) and
+// linearised by differences, and the cluster is solved again until contacts and fans agree (Newton's method: the
+// response of a fan is piecewise linear).
+#include "stepper/common/bond_check.hpp"
+#include "stepper/contact/contact_cluster.hpp"
+#include "stepper/contact/face_contacts.hpp"
+#include "stepper/explicit/vertex_solver.hpp"
+
+#include <span>
+
+namespace knap {
+
+class VertexContacts {
+public:
+    VertexContacts(const Model& model, const VertexSolver& solver, std::vector<Vec2>& corner_impulse)
+        : model_(model), solver_(solver), corner_impulse_(corner_impulse), contacts_(model) {}
+
+    /// Finds the contacts of the step. The fans of fans() have no end velocity before solve().
+    void begin(const ExplicitStep& step, StepReport& report);
+    std::span<const Index> fans() const { return fans_; }
+    bool touches(Index fan) const { return !slot_of_fan_.empty() && slot_of_fan_[fan] >= 0; }
+    std::size_t size() const { return contacts_.all().size(); }
+
+    struct Workspace {
+        explicit Workspace(const Model& model) : bond_check(model) {}
+        BondCheck bond_check;
+        VertexSolver::Workspace split;
+        ContactCluster cluster;
+        std::vector<Vec2> required, velocity;  // [N] per corner of a fan; [m/s] per touched corner
+    };
+    /// Finds the impulses of all contacts and adds them to corner_impulse [N s]; sets `splits` [0/1] of bonded fans that
+    /// do not hold them.
+    void solve(const ExplicitStep& step, std::vector<std::uint8_t>& splits, std::vector<Workspace>& workspaces,
+               StepReport& report);
+    /// [-] By the last call of solve, of the largest impulse.
+    double change_of_impulses() const { return change_; }
+    Vec2 place_of_first(const State& state) const;  // [m]
+    /// Works of the contacts; stores their impulses in the end state, and retires points.
+    void finish(const ExplicitStep& step, StepReport& report);
+
+private:
+    /// A contact acts on a corner: V = sum of (along_N . v, along_T . v), four terms a contact.
+    struct Term {
+        Index contact, slot, place;  // place: of the corner in the touched corners of its fan
+        Vec2 along_N, along_T;
+    };
+    /// The response of a fan to impulses P on its touched corners: v = free + R P.
+    struct TouchedFan {
+        Index fan;
+        bool is_soft = false;        // solved with its interface laws
+        std::vector<Index> corners;  // touched
+        std::vector<Index> part;     // per corner of the fan
+        std::vector<Vec2> free;      // [m/s]
+        Eigen::MatrixXd R;           // [1/kg]
+        std::vector<Vec2> velocity;  // [m/s] of a soft fan under the present impulses
+    };
+    struct Cluster {
+        std::vector<Index> contacts, slots;
+    };
+
+    Index slot_of(Index fan);
+    void add_terms(Index contact);
+    void find_clusters();
+    void solve_cluster(const Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
+                       Workspace& work, StepReport& report);
+    void respond_as_parts(TouchedFan& touched, const ExplicitStep& step) const;
+    void respond_softly(TouchedFan& touched, const ExplicitStep& step, Workspace& work, bool with_slope);
+    bool keeps_its_parts(const TouchedFan& touched, const ExplicitStep& step, Workspace& work,
+                         StepReport& report) const;
+    void spread(const Cluster& cluster);
+    void assemble(const Cluster& cluster, ContactCluster& problem) const;
+    Vec2 rate(Index contact, const State& state) const;
+    Vec2 velocity_of(const TouchedFan& touched, Index place) const;
+    std::span<const Term> terms_of(Index contact) const { return {&terms_[4 * contact], 4}; }
+    ContactLaw law_between(const FaceContact& contact) const;
+
+    const Model& model_;
+    const VertexSolver& solver_;
+    std::vector<Vec2>& corner_impulse_;
+    FaceContacts contacts_;
+    std::vector<Index> fans_;             // touched
+    std::vector<TouchedFan> touched_;     // in their order; memory of more
+    std::vector<Index> slot_of_fan_;      // per fan: into fans_, or -1
+    std::vector<Index> cluster_of_slot_;  // of representatives
+    std::vector<Term> terms_;
+    std::vector<Cluster> clusters_;
+    std::vector<Vec2> impulse_, before_;  // [N s], [m/s] per contact: (N, T)
+    double change_ = 0;
+    std::vector<Vec2> last_impulse_;
+    std::vector<double> residual_;  // [m/s] per contact: of its cluster
+    std::vector<StepReport> partial_;
+};
+
+}  // namespace knap
