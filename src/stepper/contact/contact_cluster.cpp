@@ -62,52 +62,76 @@ InterfaceLaw contact_law(double gap, const Vec2& before, double friction, double
     return law;
 }
 
+void ContactCluster::couple(Index of, Index on, const Eigen::Matrix2d& W) {
+    ClusterContact& c = contacts[of];
+    if (c.first_coupling == c.last_coupling) c.first_coupling = c.last_coupling = static_cast<Index>(couplings.size());
+    for (Index k = c.first_coupling; k < c.last_coupling; ++k)
+        if (couplings[k].on == on) {
+            couplings[k].W += W;
+            return;
+        }
+    couplings.push_back({of, on, W});
+    ++c.last_coupling;
+}
+
 /// The impulse that the law gives contact i if the others keep theirs: normal first, then friction.
-Vec2 ContactCluster::lawful_impulse(std::size_t i) const {
+Vec2 ContactCluster::lawful_impulse(Index i) const {
     const ClusterContact& c = contacts[i];
-    if (!c.law.contact.may_touch || mobility(i, 0) <= 0) return Vec2::Zero();
-    const double p = std::max(0.0, c.impulse.x() - (c.velocity.x() - c.law.contact.rate) / mobility(i, 0));
-    const double slip = c.velocity.y() + W(2 * i + 1, 2 * i) * (p - c.impulse.x());
-    return {p, lawful_friction(c.law.closed, p, slip - mobility(i, 1) * c.impulse.y(), mobility(i, 1))};
+    const Eigen::Matrix2d& own = own_[i];
+    if (!c.law.contact.may_touch || own(0, 0) <= 0) return Vec2::Zero();
+    const double p = std::max(0.0, c.impulse.x() - (c.velocity.x() - c.law.contact.rate) / own(0, 0));
+    const double slip = c.velocity.y() + own(1, 0) * (p - c.impulse.x());
+    return {p, lawful_friction(c.law.closed, p, slip - own(1, 1) * c.impulse.y(), own(1, 1))};
+}
+
+/// [m/s] The change of its own rates by an impulse.
+double ContactCluster::error(Index i, const Vec2& change) const {
+    return std::max(std::abs(change.x()) * own_[i](0, 0), std::abs(change.y()) * own_[i](1, 1));
 }
 
 double ContactCluster::residual() const {
     double largest = 0;
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-        const Vec2 change = lawful_impulse(i) - contacts[i].impulse;
-        largest = std::max({largest, std::abs(change.x()) * mobility(i, 0), std::abs(change.y()) * mobility(i, 1)});
-    }
+    for (Index i = 0; i < size(); ++i) largest = std::max(largest, error(i, lawful_impulse(i) - contacts[i].impulse));
     return largest;
+}
+
+void ContactCluster::apply(Index i, const Vec2& impulse) {
+    for (Index k = contacts[i].first_coupling; k < contacts[i].last_coupling; ++k)
+        contacts[couplings[k].on].velocity += couplings[k].W * impulse;
 }
 
 /// One sweep of Gauss-Seidel; returns the largest change of a rate [m/s] by the impulse of its own contact.
 double ContactCluster::sweep() {
     double largest = 0;
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
+    for (Index i = 0; i < size(); ++i) {
         const Vec2 change = lawful_impulse(i) - contacts[i].impulse;
         if (change.isZero(0)) continue;
-        largest = std::max({largest, std::abs(change.x()) * mobility(i, 0), std::abs(change.y()) * mobility(i, 1)});
+        largest = std::max(largest, error(i, change));
         contacts[i].impulse += change;
-        for (std::size_t j = 0; j < contacts.size(); ++j) contacts[j].velocity += W.block<2, 2>(2 * j, 2 * i) * change;
+        apply(i, change);
     }
     return largest;
 }
 
 /// V = V_free + W P, without the rounding of many sweeps.
 void ContactCluster::find_velocities() {
-    for (std::size_t j = 0; j < contacts.size(); ++j) {
-        contacts[j].velocity = contacts[j].free;
-        for (std::size_t i = 0; i < contacts.size(); ++i)
-            contacts[j].velocity += W.block<2, 2>(2 * j, 2 * i) * contacts[i].impulse;
-    }
+    for (ClusterContact& c : contacts) c.velocity = c.free;
+    for (Index i = 0; i < size(); ++i)
+        if (!contacts[i].impulse.isZero(0)) apply(i, contacts[i].impulse);
+}
+
+void ContactCluster::fill_matrix() {
+    W_.setZero(2 * size(), 2 * size());
+    for (const ContactCoupling& c : couplings) W_.block<2, 2>(2 * c.on, 2 * c.of) = c.W;
 }
 
 double ContactCluster::solve(double speed, double rounding) {
     const double tolerance = exact * speed + rounding;
+    own_.assign(contacts.size(), Eigen::Matrix2d::Zero());
+    for (const ContactCoupling& c : couplings)
+        if (c.of == c.on) own_[c.of] = c.W;
     double strongest = 0;
-    for (std::size_t i = 0; i < contacts.size(); ++i)
-        strongest = std::max(
-            {strongest, mobility(i, 0) * contacts[i].impulse.x(), mobility(i, 1) * std::abs(contacts[i].impulse.y())});
+    for (Index i = 0; i < size(); ++i) strongest = std::max(strongest, error(i, contacts[i].impulse));
     if (strongest > too_strong * speed)
         for (ClusterContact& c : contacts) c.impulse.setZero();
     find_velocities();
@@ -122,7 +146,7 @@ double ContactCluster::solve(double speed, double rounding) {
         const double now = residual();
         if (now < best) best = now, best_ = contacts;
     };
-    if (contacts.size() <= max_active) try_other(settle_states(speed, tolerance));
+    if (contacts.size() <= max_active) fill_matrix(), try_other(settle_states(speed, tolerance));
     if (best > good_enough * speed + rounding) {
         contacts = best_;
         for (int k = 0; k < last_sweeps; ++k)
@@ -141,17 +165,17 @@ double ContactCluster::solve(double speed, double rounding) {
 
 /// The active set: in given states the problem is linear; the worst violation of a law changes its state.
 bool ContactCluster::settle_states(double speed, double tolerance) {
-    double mobility_sum = 0;
-    for (std::size_t i = 0; i < contacts.size(); ++i) mobility_sum = std::max(mobility_sum, mobility(i, 0));
-    const double impulse = speed / mobility_sum;
-    const FanScales scales{.impulse = impulse,
+    double mobility = 0;
+    for (const Eigen::Matrix2d& own : own_) mobility = std::max(mobility, own(0, 0));
+    if (mobility == 0) return false;
+    const FanScales scales{.impulse = speed / mobility,
                            .speed = speed,
-                           .impulse_tolerance = tolerance / mobility_sum,
+                           .impulse_tolerance = tolerance / mobility,
                            .speed_tolerance = tolerance,
                            .rest = tolerance};
     fit_states(scales);
     for (std::size_t attempt = 0; attempt < contacts.size() + 4; ++attempt) {
-        if (!solve_states(states_)) return false;
+        if (!solve_states()) return false;
         StateChange worst;
         std::size_t at = 0;
         for (std::size_t i = 0; i < contacts.size(); ++i) {
@@ -176,7 +200,8 @@ void ContactCluster::fit_states(const FanScales& scales) {
 
 /// Impulses and velocities in given states: V_N = b where closed, V_T = kink where it sticks, P_T = -offset p where it
 /// slides; of least norm where contacts are redundant.
-bool ContactCluster::solve_states(const std::vector<LinkState>& states) {
+bool ContactCluster::solve_states() {
+    const std::vector<LinkState>& states = states_;
     unknown_.clear();
     for (std::size_t i = 0; i < states.size(); ++i) {
         if (!states[i].closed) continue;
@@ -191,9 +216,9 @@ bool ContactCluster::solve_states(const std::vector<LinkState>& states) {
         rhs_[r] = row % 2 == 0 ? c.law.contact.rate - c.free.x() : states[row / 2].tangential.kink - c.free.y();
         for (Eigen::Index k = 0; k < n; ++k) {
             const Eigen::Index column = unknown_[k];
-            A_(r, k) = W(row, column);
+            A_(r, k) = W_(row, column);
             const StaircasePiece& slide = states[column / 2].tangential;
-            if (column % 2 == 0 && !slide.stick) A_(r, k) -= slide.contact_offset * W(row, column + 1);
+            if (column % 2 == 0 && !slide.stick) A_(r, k) -= slide.contact_offset * W_(row, column + 1);
         }
     }
     if (n > 0) {
@@ -231,7 +256,7 @@ bool ContactCluster::solve_by_lemke(double speed) {
     std::vector<Row> rows;
     for (std::size_t i = 0; i < contacts.size(); ++i) {
         const InterfaceLaw& law = contacts[i].law;
-        const double sum = mobility(i, 0) + mobility(i, 1);
+        const double sum = own_[i].trace();
         if (!law.contact.may_touch || sum <= 0) continue;
         const double unit = std::sqrt(2 / sum);
         rows.push_back({i, 0, 1, law.contact.rate, 0, -1, unit});
@@ -259,7 +284,7 @@ bool ContactCluster::solve_by_lemke(double speed) {
                 if (same) M(r, s) = 1;
             } else {
                 M(r, s) = row.unit * column.unit * row.sign * column.sign *
-                          W(2 * row.contact + row.direction, 2 * column.contact + column.direction);
+                          W_(2 * row.contact + row.direction, 2 * column.contact + column.direction);
             }
         }
         if (row.sign != 0) q[r] = row.sign * row.unit * (contacts[row.contact].free[row.direction] - row.rate) / scale;

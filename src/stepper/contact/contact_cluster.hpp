@@ -23,6 +23,13 @@ struct ClusterContact {
     Vec2 free = Vec2::Zero();      // [m/s] V_free
     Vec2 impulse = Vec2::Zero();   // [N s] P: the start of the iteration, and the result
     Vec2 velocity = Vec2::Zero();  // [m/s] result: V
+    Index first_coupling = 0, last_coupling = 0;
+};
+
+/// The block of W by which an impulse of a contact changes the rates of another one, or its own.
+struct ContactCoupling {
+    Index of, on;
+    Eigen::Matrix2d W;  // [1/kg]
 };
 
 /// The law of a contact with the gap g [m] and the rate `before` V- [m/s] at the start of a step of h [s]. `deep` [m]:
@@ -34,7 +41,10 @@ InterfaceLaw contact_law(double gap, const Vec2& before, double friction, double
 class ContactCluster {
 public:
     std::vector<ClusterContact> contacts;
-    Eigen::MatrixXd W;  // [1/kg], of (N, T) of contact after contact
+    std::vector<ContactCoupling> couplings;  // of one contact after the other
+
+    /// Adds to the block of contact `of` on another one; one contact after the other.
+    void couple(Index of, Index on, const Eigen::Matrix2d& W);
 
     /// Solves the problem and returns its residual [m/s], the largest error of a rate. `speed` [m/s] is the scale of the
     /// rates, `rounding` [m/s] their absolute error.
@@ -43,20 +53,25 @@ public:
     double residual() const;
 
 private:
-    Vec2 lawful_impulse(std::size_t i) const;
+    Vec2 lawful_impulse(Index i) const;
+    double error(Index i, const Vec2& change) const;
+    void apply(Index i, const Vec2& impulse);
     double sweep();
     void find_velocities();
     bool settle_states(double speed, double tolerance);
-    bool solve_states(const std::vector<LinkState>& states);
+    bool solve_states();
     bool solve_by_lemke(double speed);
     void fit_states(const FanScales& scales);
+    void fill_matrix();
 
-    double mobility(std::size_t i, int k) const { return W(2 * i + k, 2 * i + k); }
+    Index size() const { return static_cast<Index>(contacts.size()); }
 
+    std::vector<Eigen::Matrix2d> own_;  // [1/kg] per contact: its own block
+    Eigen::MatrixXd W_;                 // all blocks, where the problem is small
     std::vector<LinkState> states_;
     std::vector<Eigen::Index> unknown_;  // rows of W
     Eigen::MatrixXd A_;
-    Eigen::VectorXd rhs_, p_, V_;
+    Eigen::VectorXd rhs_, p_;
     std::vector<ClusterContact> best_;
 };
 

@@ -30,6 +30,7 @@ Index VertexContacts::slot_of(Index fan) {
     touched_[slot].fan = fan;
     touched_[slot].is_soft = false;
     touched_[slot].corners.clear();
+    touched_[slot].terms.clear();
     return slot_of_fan_[fan] = slot;
 }
 
@@ -41,6 +42,7 @@ void VertexContacts::add_terms(Index contact) {
         std::vector<Index>& corners = touched_[slot].corners;
         const auto place = static_cast<Index>(std::ranges::find(corners, corner) - corners.begin());
         if (place == std::ssize(corners)) corners.push_back(corner);
+        touched_[slot].terms.push_back(static_cast<Index>(terms_.size()));
         terms_.push_back({contact, slot, place, along_N, along_T});
     };
     for (const Index corner : c.vertex) add(corner, 0.5 * n, 0.5 * t);
@@ -91,7 +93,12 @@ void VertexContacts::find_clusters() {
         if (found < 0) found = static_cast<Index>(clusters_.size()), clusters_.emplace_back();
         return found;
     };
-    for (std::size_t i = 0; i < n; ++i) clusters_[cluster(terms_of(i)[0].slot)].contacts.push_back(i);
+    place_in_cluster_.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        std::vector<Index>& contacts = clusters_[cluster(terms_of(i)[0].slot)].contacts;
+        place_in_cluster_[i] = static_cast<Index>(contacts.size());
+        contacts.push_back(static_cast<Index>(i));
+    }
     for (std::size_t s = 0; s < fans_.size(); ++s) clusters_[cluster(s)].slots.push_back(s);
 }
 
@@ -224,27 +231,29 @@ void VertexContacts::spread(const Cluster& cluster) {
                 impulse_[i].x() * term.along_N + impulse_[i].y() * term.along_T;
 }
 
+/// W = sum over the fans of along' R along, and V_free likewise.
 void VertexContacts::assemble(const Cluster& cluster, ContactCluster& problem) const {
-    const auto n = static_cast<Eigen::Index>(cluster.contacts.size());
-    problem.contacts.resize(n);
-    problem.W.setZero(2 * n, 2 * n);
-    for (Eigen::Index i = 0; i < n; ++i) {
+    for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
         ClusterContact& c = problem.contacts[i];
         c.free.setZero();
         c.impulse = impulse_[cluster.contacts[i]];
+        c.first_coupling = c.last_coupling = 0;
+    }
+    problem.couplings.clear();
+    for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
         for (const Term& term : terms_of(cluster.contacts[i])) {
             const TouchedFan& touched = touched_[term.slot];
             const Vec2& v = touched.free[term.place];
-            c.free += Vec2(term.along_N.dot(v), term.along_T.dot(v));
-            for (Eigen::Index j = 0; j < n; ++j)
-                for (const Term& other : terms_of(cluster.contacts[j])) {
-                    if (other.slot != term.slot) continue;
-                    const Eigen::Matrix2d R = touched.R.block<2, 2>(2 * term.place, 2 * other.place);
-                    Eigen::Matrix2d along, of_other;
-                    along << term.along_N, term.along_T;
-                    of_other << other.along_N, other.along_T;
-                    problem.W.block<2, 2>(2 * i, 2 * j) += along.transpose() * R * of_other;
-                }
+            problem.contacts[i].free += Vec2(term.along_N.dot(v), term.along_T.dot(v));
+            for (const Index k : touched.terms) {
+                const Term& other = terms_[k];
+                const Eigen::Matrix2d R = touched.R.block<2, 2>(2 * other.place, 2 * term.place);
+                Eigen::Matrix2d along, of_other;
+                along << term.along_N, term.along_T;
+                of_other << other.along_N, other.along_T;
+                problem.couple(static_cast<Index>(i), place_in_cluster_[other.contact],
+                               of_other.transpose() * R * along);
+            }
         }
     }
 }
@@ -261,6 +270,7 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
             respond_softly(touched, step, work, true);
         }
     }
+    problem.contacts.resize(cluster.contacts.size());
     assemble(cluster, problem);
     double speed = 0, error = 0;
     for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {

@@ -58,6 +58,7 @@ private:
         Index fan;
         bool is_soft = false;        // solved with its interface laws
         std::vector<Index> corners;  // touched
+        std::vector<Index> terms;    // on them
         std::vector<Index> part;     // per corner of the fan
         std::vector<Vec2> free;      // [m/s]
         Eigen::MatrixXd R;           // [1/kg]
@@ -87,10 +88,11 @@ private:
     const VertexSolver& solver_;
     std::vector<Vec2>& corner_impulse_;
     FaceContacts contacts_;
-    std::vector<Index> fans_;             // touched
-    std::vector<TouchedFan> touched_;     // in their order; memory of more
-    std::vector<Index> slot_of_fan_;      // per fan: into fans_, or -1
-    std::vector<Index> cluster_of_slot_;  // of representatives
+    std::vector<Index> fans_;              // touched
+    std::vector<TouchedFan> touched_;      // in their order; memory of more
+    std::vector<Index> slot_of_fan_;       // per fan: into fans_, or -1
+    std::vector<Index> cluster_of_slot_;   // of representatives
+    std::vector<Index> place_in_cluster_;  // per contact
     std::vector<Term> terms_;
     std::vector<Cluster> clusters_;
     std::vector<Vec2> impulse_, before_;  // [N s], [m/s] per contact: (N, T)

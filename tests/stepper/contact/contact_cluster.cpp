@@ -37,8 +37,11 @@ struct RandomCluster {
                 J.block<1, 2>(2 * i + 1, 2 * at) += weight * t.transpose();
             }
         }
-        cluster.W = J * inverse_mass.asDiagonal() * J.transpose();
+        const Eigen::MatrixXd W = J * inverse_mass.asDiagonal() * J.transpose();
         cluster.contacts.resize(n_contacts);
+        for (int i = 0; i < n_contacts; ++i)
+            for (int j = 0; j < n_contacts; ++j)
+                if (!W.block<2, 2>(2 * j, 2 * i).isZero(0)) cluster.couple(i, j, W.block<2, 2>(2 * j, 2 * i));
         for (int i = 0; i < n_contacts; ++i) {
             const Vec2 V = (J * before).segment<2>(2 * i);
             velocity_before.push_back(V);
