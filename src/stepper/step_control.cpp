@@ -13,6 +13,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, cutback_reas
     {"softening", "cohesion begins to fall"},
     {"release", "a fan comes apart"},
     {"assumption_1", "Assumption 1 does not hold, so the step has several solutions"},
+    {"contact_speed", "faces that meet move by more than a twentieth of an edge"},
     {"not_converged", "the interface problem was not solved to its tolerance"},
 }};
 
@@ -42,6 +43,7 @@ double StepControl::next(const State& begin) const {
 
 std::optional<CutbackReason> StepControl::reason_against(double h, const StepReport& report) const {
     if (report.rejection == Rejection::assumption_1) return CutbackReason::assumption_1;
+    if (report.rejection == Rejection::contact_speed) return CutbackReason::contact_speed;
     if (report.rejection == Rejection::not_converged) return CutbackReason::not_converged;
     if (h <= limits_.cracking * (1 + 1e-12)) return std::nullopt;
     if (report.softened > 0) return CutbackReason::softening;

@@ -26,9 +26,10 @@ struct StepLimits {
     double end;       // of the simulated time
 };
 
-enum class CutbackReason { softening, release, assumption_1, not_converged };
+enum class CutbackReason { softening, release, assumption_1, contact_speed, not_converged };
 inline constexpr std::array cutback_reasons{CutbackReason::softening, CutbackReason::release,
-                                            CutbackReason::assumption_1, CutbackReason::not_converged};
+                                            CutbackReason::assumption_1, CutbackReason::contact_speed,
+                                            CutbackReason::not_converged};
 std::string_view name_of(CutbackReason reason);   // "assumption_1", as in run.json
 std::string_view describe(CutbackReason reason);  // "Assumption 1 does not hold"
 

@@ -15,6 +15,7 @@ constexpr double max_residual = 1e-10;
 enum class Rejection {
     none,
     assumption_1,   // softening outweighs inertia and stiffness: the step has several solutions; a smaller one has one
+    contact_speed,  // faces that meet move too far in the step
     not_converged,  // the solver of the interfaces did not reach its tolerance
 };
 
@@ -43,6 +44,8 @@ struct StepReport {
     double worst_friction_work = 0;
     double residual = 0;              // [-] largest residual of the interface laws, scaled
     double penetration = 0;           // [m] largest
+    double contact_residual = 0;      // [-] largest of contacts between free faces, over their speeds
+    double contact_depth = 0;         // [-] largest penetration of a free face over the length of its edge
     double largest_speed = 0;         // [m/s]
     double largest_beta_growth = 0;   // [-] must be 0
     double largest_drop = 0;          // [J] S G_c (fall of beta)^2 of one point: about the error of the step there
@@ -50,6 +53,7 @@ struct StepReport {
     std::int64_t fan_solves = 0;      // nonlinear problems of split fans
     std::int64_t fan_iterations = 0;  // linear systems solved for them
     std::int64_t fan_fallbacks = 0;   // of them not solved by the active set
+    std::int64_t face_contacts = 0;   // between free faces
     std::int64_t bond_checks = 0;     // bonded fans tested by BondCheck
     std::int64_t released = 0;        // fans that split
     std::int64_t softened = 0;        // points that lost cohesion
@@ -68,10 +72,11 @@ struct StepReport {
                        &R::external_work, &R::cohesive_work,    &R::crossing_loss,      &R::impact_work,
                        &R::friction_work, &R::step_change_work, &R::scheme_dissipation, &R::rotation_work,
                        &R::damping_work,  &R::radiated_work,    &R::fan_solves,         &R::fan_iterations,
-                       &R::fan_fallbacks, &R::bond_checks,      &R::released,           &R::softened,
-                       &R::linear_solves, &R::factorisations};
-        constexpr auto maxima = std::tuple{&R::worst_impact_work, &R::worst_friction_work, &R::residual,
-                                           &R::penetration,       &R::largest_speed,       &R::largest_beta_growth};
+                       &R::fan_fallbacks, &R::face_contacts,    &R::bond_checks,        &R::released,
+                       &R::softened,      &R::linear_solves,    &R::factorisations};
+        constexpr auto maxima =
+            std::tuple{&R::worst_impact_work, &R::worst_friction_work, &R::residual,      &R::penetration,
+                       &R::contact_residual,  &R::contact_depth,       &R::largest_speed, &R::largest_beta_growth};
         std::apply([&](auto... member) { (visit(member, Combine::sum), ...); }, sums);
         std::apply([&](auto... member) { (visit(member, Combine::maximum), ...); }, maxima);
     }

@@ -58,7 +58,10 @@ void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
     }
     fans_.clear(), terms_.clear();
     contacts_.find(step.begin, step.drift_time);
-    if (const auto refused = contacts_.refusal()) report.reject(Rejection::not_converged, refused->place);
+    if (const auto& refusal = contacts_.refusal()) {
+        if (refusal->reason == ContactRefusal::Reason::speed) report.reject(Rejection::contact_speed, refusal->place);
+        else report.contact_depth = std::max(report.contact_depth, refusal->value);
+    }
     const auto n = static_cast<Index>(contacts_.all().size());
     impulse_.resize(n), before_.resize(n), residual_.assign(n, 0);
     for (Index i = 0; i < n; ++i) {
@@ -318,7 +321,7 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
         assemble(cluster, problem);
     }
     for (const Index i : cluster.contacts) residual_[i] = residual + error;
-    ++report.fan_solves;
+    if (speed > 0) report.contact_residual = std::max(report.contact_residual, residual / speed);
     if (speed > 0 && residual > unsolved * speed + error) {
         const Index corner = contacts_.all()[cluster.contacts.front()].vertex[1];
         report.reject(Rejection::not_converged, model_.mesh.corner(corner) + step.begin.displacement_of(corner));
@@ -365,10 +368,12 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
                          .rate_N = mean.x(),
                          .rate_T = mean.y(),
                          .rate_error = residual_[i] + 1e-14 * (before_[i].norm() + after.norm()),
-                         .opening = c.gap + step.drift_time * after.x()},
+                         .opening = 0},  // contact_depth has it
                         report);
+        report.contact_depth = std::max(report.contact_depth, -(c.gap + step.drift_time * after.x()) / c.length);
         step.end.face_contacts.push_back({c.vertex[1], c.edge[0], P.x(), P.y()});
     }
+    report.face_contacts = static_cast<std::int64_t>(contacts.size());
     retire_points(model_, step.end);
 }
 
