@@ -100,11 +100,10 @@ void DeformationWatch::look_at(const State& state) {
 
     for (std::size_t s = 0; s < state.split_fans.size(); ++s) {
         const Fan& fan = model_.fans[state.split_fans[s]];
-        const FanFrame frame = fan_frame(model_, state, fan);
         for (Index k = 0; k < fan.n_points; ++k) {
             if (!(state.points[state.first_point[s] + k].traction.x() > 0)) continue;
             const FanPoint& at = model_.fan_points[fan.first_point + k];
-            double slip = state.opening_of(at, frame).y();
+            double slip = state.opening_of(at, point_frame(model_, state, at)).y();
             const Index interface = model_.interface_of(at.point);
             if (on_support(model_.interfaces[interface]))
                 slip = std::max(0.0, std::abs(slip) - straight_length(interface, slip > 0, std::abs(slip)));

@@ -56,22 +56,13 @@ const PointState* state_of(const Model& model, const State& state, Index point) 
     return &state.points[state.first_point[rank] + in_fans - model.fans[fan].first_point];
 }
 
-FanFrame frame_at(const Model& model, const State& state, const FanPoint& point) {
-    return fan_frame(model, state, model.fans[model.fan_of_corner[point.corner()]]);
-}
-
-}  // namespace
-
 // In 2D, R turns by the angle atan2(F_yx - F_xy, F_xx + F_yy). With the edges e_1, e_2 from vertex 0 of a triangle and
 // the differences a, b of displacement along them, H = (a (x) -turned(e_2) + b (x) turned(e_1))/(2 A), so that
 //     2 A (H_yx - H_xy) = a . e_2 - b . e_1,     2 A (H_xx + H_yy) = a x e_2 + e_1 x b,     2 A = e_1 x e_2.
-FanFrame fan_frame(const Model& model, const State& state, const Fan& fan) {
-    if (!model.large_rotation || fan.n_points == 0) return {};
-    const auto points = model.points(fan);
-    if (points.front().on_support() || points.back().on_support()) return {};
+FanFrame frame_of(const Model& model, const State& state, std::span<const Index> corners) {
     const Mesh& mesh = model.mesh;
     double cosine = 0, sine = 0;
-    for (const Index corner : model.corners(fan)) {
+    for (const Index corner : corners) {
         const Index t = mesh.triangle_of(corner), first = 3 * t;
         const Vec2 e1 = mesh.side_vector(t, 0), e2 = -mesh.side_vector(t, 2),
                    &u = state.displacement[state.node_of_corner[first]],
@@ -85,9 +76,24 @@ FanFrame fan_frame(const Model& model, const State& state, const Fan& fan) {
     return size > 0 ? FanFrame{cosine / size, sine / size} : FanFrame{};
 }
 
+}  // namespace
+
+FanFrame fan_frame(const Model& model, const State& state, const Fan& fan) {
+    if (!model.large_rotation || fan.n_points == 0) return {};
+    const auto points = model.points(fan);
+    if (points.front().on_support() || points.back().on_support()) return {};
+    return frame_of(model, state, model.corners(fan));
+}
+
+FanFrame point_frame(const Model& model, const State& state, const FanPoint& point) {
+    if (!model.large_rotation || point.on_support()) return {};
+    const std::array<Index, 2> corners{point.before, point.after};
+    return frame_of(model, state, corners);
+}
+
 Vec2 opening(const Model& model, const State& state, Index point) {
     const FanPoint& at = model.fan_points[model.fan_point_of[point]];
-    return state.opening_of(at, frame_at(model, state, at));
+    return state.opening_of(at, point_frame(model, state, at));
 }
 
 double touching_gap(const Model& model, const State& state, const FanPoint& point) {
@@ -155,7 +161,7 @@ Vec2 traction(const Model& model, const State& state, Index point) {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (const Index corner : {at.before, at.after})
         mean += 0.5 * stress(model, state, model.mesh.triangle_of(corner), coordinates(model.mesh, corner));
-    return traction(mean, frame_at(model, state, at).turned(model.interfaces[model.interface_of(point)].normal));
+    return traction(mean, point_frame(model, state, at).turned(model.interfaces[model.interface_of(point)].normal));
 }
 
 Vec2 traction(const Eigen::Vector3d& stress, const Vec2& n) {

@@ -64,7 +64,7 @@ struct State {
     Vec2 displacement_of(Index corner) const {
         return corner == rigid_support ? Vec2::Zero() : displacement[node_of_corner[corner]];
     }
-    /// [m] (u_N, u_T) of a point in its own frame; `frame`: of its fan. Both sides start in the same place, so the
+    /// [m] (u_N, u_T) of a point in its own frame (point_frame). Both sides start in the same place, so the
     /// jump of displacements is that of positions.
     Vec2 opening_of(const FanPoint& point, const FanFrame& frame) const {
         const Vec2 jump = displacement_of(point.after) - displacement_of(point.before);
@@ -89,6 +89,8 @@ void split(const Model& model, Index fan, State& state);
 /// Large rotations: R of the polar decomposition of the sum of m F over the corners of the fan (F = R U of their
 /// triangles, m their masses). The identity if rotations are small, and on a support, which does not turn.
 FanFrame fan_frame(const Model& model, const State& state, const Fan& fan);
+/// Likewise of the two triangles beside a point: of a split fan whose parts turn by themselves.
+FanFrame point_frame(const Model& model, const State& state, const FanPoint& point);
 
 /// [m] (u_N, u_T) of a point in the frame of its interface (A to B), where it has the same components.
 Vec2 opening(const Model& model, const State& state, Index point);

@@ -33,8 +33,8 @@ bool find_parts(const Model& model, const Fan& fan, const PointState* state, con
         if (model.motion_of(corners[i])) return false;
         work.node[i] = begin.node_of_corner[corners[i]];
     }
-    const FanFrame frame = fan_frame(model, begin, fan);
-    for (Index j = 0; j < fan.n_points; ++j) work.normal[j] = frame.turned(points[j].normal);
+    for (Index j = 0; j < fan.n_points; ++j)
+        work.normal[j] = point_frame(model, begin, points[j]).turned(points[j].normal);
     work.first_open = -1;
     work.part[0] = 0;
     Index part = 0;
@@ -152,8 +152,7 @@ bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step
             const Vec2& P = work.impulse[j];
             const double C = strength(model, points[j], before[j], step),
                          contact = std::max(0.0, work.normal[j].dot(P) + C);
-            state.traction =
-                Vec2(contact - C, turned_left(work.normal[j]).dot(P)) / (step.kick_time * points[j].area);
+            state.traction = Vec2(contact - C, turned_left(work.normal[j]).dot(P)) / (step.kick_time * points[j].area);
         }
     }
     return true;

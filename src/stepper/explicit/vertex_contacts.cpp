@@ -181,6 +181,8 @@ bool VertexContacts::keeps_its_parts(const TouchedFan& touched, const ExplicitSt
         for (int k = 0; k < 2 && motion; ++k)
             if (motion->component[k]) work.required[i][k] = 0;  // the drive of each corner supplies it
     }
+    const FanFrame frame = fan_frame(model_, step.begin, fan);
+    for (Vec2& required : work.required) required = frame.turned_back(required);
     ++report.bond_checks;
     return work.bond_check.is_bonded(touched.fan, work.required, 1);
 }
