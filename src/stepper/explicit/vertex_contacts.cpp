@@ -145,11 +145,11 @@ void VertexContacts::respond_as_parts(TouchedFan& touched, const ExplicitStep& s
             if (part[i] != own) continue;
             const double m = step.mass[fan.first_corner + i];
             mass += m;
-            momentum +=
-                m * begin.velocity[begin.node_of_corner[corners[i]]] + step.kick_time * step.corner_force[corners[i]];
+            momentum += step.decay * m * begin.velocity[begin.node_of_corner[corners[i]]] +
+                        step.mobility * step.kick_time * step.corner_force[corners[i]];
         }
         touched.free[c] = momentum / mass;
-        Vec2 mobility = Vec2::Constant(1 / mass);
+        Vec2 mobility = Vec2::Constant(step.mobility / mass);
         if (const PrescribedMotion* motion = model_.motion_of(touched.corners[c])) {
             const Index node = begin.node_of_corner[touched.corners[c]];
             const Vec2 given = step.prescribed_velocity(model_, *motion, begin.displacement[node]);
