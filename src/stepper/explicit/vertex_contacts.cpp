@@ -12,13 +12,13 @@
 namespace knap {
 namespace {
 
-constexpr double deep = 1e-3;        // [-] of the edge: a deeper penetration is reduced by a rebound
-constexpr double merged = 1e-12;     // [-] of the speeds: nearer kinks of the friction are one
-constexpr double difference = 1e-6;  // [-] of the momenta, for the slope of a soft fan
-constexpr double agreed = 1e-12;     // [-] of the speeds, between contacts and fans
-constexpr double unsolved = 1e-8;    // [-] of the speeds: the step is rejected
-constexpr double rounding = 1e-15;   // [-] of the positions
-constexpr int max_rounds = 20;       // of Newton's method
+constexpr double deep = 1e-3;                       // [-] of the edge: a deeper penetration is reduced by a rebound
+constexpr double merged = 1e-12;                    // [-] of the speeds: nearer kinks of the friction are one
+constexpr double difference = 1e-6;                 // [-] of the momenta, for the slope of a soft fan
+constexpr double agreed = 1e-12;                    // [-] of the speeds, between contacts and fans
+constexpr double unsolved = 1e-8;                   // [-] of the speeds: the step is rejected
+constexpr double rounding = 1e-15;                  // [-] of the positions
+constexpr int newton_rounds = 8, max_rounds = 300;  // of contacts and fans
 
 }  // namespace
 
@@ -187,25 +187,14 @@ bool VertexContacts::keeps_its_parts(const TouchedFan& touched, const ExplicitSt
     return work.bond_check.is_bonded(touched.fan, work.required, 1);
 }
 
-/// End velocities of the touched corners from the interface laws of the fan; with their slope by differences.
-void VertexContacts::respond_softly(TouchedFan& touched, const ExplicitStep& step, Workspace& work, bool with_slope) {
-    const Fan& fan = model_.fans[touched.fan];
-    const auto corners = model_.corners(fan);
+/// [1/kg] R by differences; `respond` finds the velocities of the touched corners.
+template <class Respond>
+void VertexContacts::find_slope(TouchedFan& touched, Workspace& work, const Respond& respond) {
     const auto n = static_cast<Eigen::Index>(touched.corners.size());
-    const auto respond = [&](std::vector<Vec2>& velocity) {
-        solver_.solve(touched.fan, step, work.split);
-        velocity.resize(n);
-        for (Eigen::Index c = 0; c < n; ++c)
-            velocity[c] = work.split.problem.bodies[std::ranges::find(corners, touched.corners[c]) - corners.begin()]
-                              .end_velocity;
-    };
-    respond(touched.velocity);
-    if (!with_slope) return;
     double speed = 0;
     for (const FanBody& body : work.split.problem.bodies)
         speed = std::max({speed, body.free_velocity.norm(), body.velocity.norm(), body.end_velocity.norm()});
     if (speed == 0) speed = 1;
-    touched.R.setZero(2 * n, 2 * n);
     for (Eigen::Index c = 0; c < n; ++c) {
         const Index corner = touched.corners[c];
         const double impulse = difference * speed * model_.corner_mass[corner];
@@ -219,6 +208,31 @@ void VertexContacts::respond_softly(TouchedFan& touched, const ExplicitStep& ste
         }
     }
     touched.R = (0.5 * (touched.R + touched.R.transpose())).eval();
+}
+
+/// End velocities of the touched corners from the interface laws of the fan; with their slope by differences.
+void VertexContacts::respond_softly(TouchedFan& touched, const ExplicitStep& step, Workspace& work, Slope slope) {
+    const Fan& fan = model_.fans[touched.fan];
+    const auto corners = model_.corners(fan);
+    const auto n = static_cast<Eigen::Index>(touched.corners.size());
+    const auto respond = [&](std::vector<Vec2>& velocity) {
+        solver_.solve(touched.fan, step, work.split);
+        velocity.resize(n);
+        for (Eigen::Index c = 0; c < n; ++c)
+            velocity[c] = work.split.problem.bodies[std::ranges::find(corners, touched.corners[c]) - corners.begin()]
+                              .end_velocity;
+    };
+    respond(touched.velocity);
+    if (slope == Slope::none) return;
+    touched.R.setZero(2 * n, 2 * n);
+    if (slope == Slope::largest) {
+        for (Eigen::Index c = 0; c < n; ++c)
+            touched.R.block<2, 2>(2 * c, 2 * c)
+                .diagonal()
+                .setConstant(step.mobility / model_.corner_mass[touched.corners[c]]);
+    } else {
+        find_slope(touched, work, respond);
+    }
     for (Eigen::Index c = 0; c < n; ++c) {
         touched.free[c] = touched.velocity[c];
         for (Eigen::Index d = 0; d < n; ++d)
@@ -272,7 +286,7 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
         respond_as_parts(touched, step);
         if (touched.is_soft || solver_.meets_obstacles(touched.fan)) {
             touched.is_soft = true;
-            respond_softly(touched, step, work, true);
+            respond_softly(touched, step, work, Slope::of_differences);
         }
     }
     problem.contacts.resize(cluster.contacts.size());
@@ -303,7 +317,7 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
                 touched.is_soft = new_soft = true;
                 splits[touched.fan] = step.begin.split_rank[touched.fan] < 0;
             }
-            if (touched.is_soft) respond_softly(touched, step, work, false);
+            if (touched.is_soft) respond_softly(touched, step, work, Slope::none);
             has_soft = has_soft || touched.is_soft;
         }
         if (!has_soft) break;
@@ -318,8 +332,9 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
         }
         residual = problem.residual();
         if (residual <= agreed * speed + error) break;
+        const Slope slope = round < newton_rounds ? Slope::of_differences : Slope::largest;
         for (const Index s : cluster.slots)
-            if (touched_[s].is_soft) respond_softly(touched_[s], step, work, true);
+            if (touched_[s].is_soft) respond_softly(touched_[s], step, work, slope);
         assemble(cluster, problem);
     }
     for (const Index i : cluster.contacts) residual_[i] = residual + error;

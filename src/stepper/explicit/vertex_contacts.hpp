@@ -74,7 +74,12 @@ private:
     void solve_cluster(const Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
                        Workspace& work, StepReport& report);
     void respond_as_parts(TouchedFan& touched, const ExplicitStep& step) const;
-    void respond_softly(TouchedFan& touched, const ExplicitStep& step, Workspace& work, bool with_slope);
+    /// Of the response of a soft fan: not needed; by differences; or that of free corners, with which contacts and fans
+    /// contract towards each other where Newton's method cycles.
+    enum class Slope { none, of_differences, largest };
+    void respond_softly(TouchedFan& touched, const ExplicitStep& step, Workspace& work, Slope slope);
+    template <class Respond>
+    void find_slope(TouchedFan& touched, Workspace& work, const Respond& respond);
     bool keeps_its_parts(const TouchedFan& touched, const ExplicitStep& step, Workspace& work,
                          StepReport& report) const;
     void spread(const Cluster& cluster);

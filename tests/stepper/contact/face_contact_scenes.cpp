@@ -190,7 +190,7 @@ TEST_CASE("experiment: a plate breaks on a slab") {
             double part = h;
             int cuts = 0;
             while (!run.step_if_taken(part) && cuts < 8) part /= 2, ++rejected, ++cuts;
-            if (cuts == 8) { MESSAGE("stuck at " << run.now.time << " where " << run.last.where.x() << " " << run.last.where.y() << " residual " << run.last.residual); break; }
+            if (cuts == 8) { MESSAGE("stuck at " << run.now.time << " where " << run.last.where.x() << " " << run.last.where.y() << " residual " << run.last.residual << " reason " << int(run.last.rejection) << " contact residual " << run.last.contact_residual << " depth " << run.last.contact_depth); break; }
             most = std::max(most, double(run.now.face_contacts.size()));
         }
         int retired = 0; for (auto r : run.now.retired) retired += r;
