@@ -111,14 +111,13 @@ const GateRule rules[] = {
          return GateValue{.value = run.ledger.worst().penetration,
                           .limit = std::max(run.critical_opening, 1e-3 * run.size)};
      }},
-    {{"contact_depth", "",
-      "largest penetration of two free faces over the length of the edge",
-      "Usual cause: faces that meet faster than the step resolves, thin pieces, or points that cohesion held while they "
-      "turned. Try a smaller time.safety or smaller triangles there; [limits] contact_depth sets another limit."},
+    {{"contact_depth", "", "largest penetration of two free faces over the length of the edge",
+      "Usual cause: faces that meet faster than the step resolves, thin pieces, or points that cohesion held while "
+      "they turned. Try a smaller time.safety or smaller triangles there; [limits] contact_depth sets another limit."},
      {0.02, 0.1, allowed},
      [](const GateView& run) { return GateValue{run.ledger.worst().contact_depth}; }},
-    {{"contact_residual", "",
-      "largest error of the rates of contacts between free faces over their speeds", at_rounding},
+    {{"contact_residual", "", "largest error of the rates of contacts between free faces over their speeds",
+      at_rounding},
      {1e-8, 1e-6, fixed},
      [](const GateView& run) { return GateValue{run.ledger.worst().contact_residual}; }},
     {{"law_lag", "",

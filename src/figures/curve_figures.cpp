@@ -90,8 +90,8 @@ Curve staircase(const std::string& label, const Column& x, const Column& rise, c
 }  // namespace
 
 Chart energy_chart(const History& energy) {
-    // Solid and dotted: physical terms, dashed: errors of the numerical scheme. Together with the energy at the start the
-    // external work equals their sum, to rounding.
+    // Solid and dotted: physical terms, dashed: errors of the numerical scheme. Together with the energy at the start
+    // the external work equals their sum, to rounding.
     struct Term {
         const char *label, *column;
         double sign;

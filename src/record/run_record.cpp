@@ -172,15 +172,12 @@ const std::vector<Member>& members() {
              return number(r.spent.steps > 0 ? static_cast<double>(r.steps) * r.triangles / r.spent.steps : NAN);
          }},
         {"fan_problems", "",
-         "numbers of the problems of vertices: solved, linear_solves, fallbacks, bond_checks, released; face_contacts: contacts between "
-         "free faces, summed over the steps",
+         "numbers of the problems of vertices: solved, linear_solves, fallbacks, bond_checks, released; face_contacts: "
+         "contacts between free faces, summed over the steps",
          [](R r) {
-             return Json{{"solved", r.counts.fan_solves},
-                         {"linear_solves", r.counts.fan_iterations},
-                         {"fallbacks", r.counts.fan_fallbacks},
-                         {"bond_checks", r.counts.bond_checks},
-                         {"released", r.counts.released},
-                         {"face_contacts", r.counts.face_contacts}};
+             return Json{{"solved", r.counts.fan_solves},       {"linear_solves", r.counts.fan_iterations},
+                         {"fallbacks", r.counts.fan_fallbacks}, {"bond_checks", r.counts.bond_checks},
+                         {"released", r.counts.released},       {"face_contacts", r.counts.face_contacts}};
          }},
         {"summary", "", "numbers by name, see above; null: never happened",
          [](R r) {

@@ -46,8 +46,8 @@ public:
     /// Adds to the block of contact `of` on another one; one contact after the other.
     void couple(Index of, Index on, const Eigen::Matrix2d& W);
 
-    /// Solves the problem and returns its residual [m/s], the largest error of a rate. `speed` [m/s] is the scale of the
-    /// rates, `rounding` [m/s] their absolute error.
+    /// Solves the problem and returns its residual [m/s], the largest error of a rate. `speed` [m/s] is the scale of
+    /// the rates, `rounding` [m/s] their absolute error.
     double solve(double speed, double rounding);
     /// [m/s] of the impulses, if the rates were `velocity` of each contact.
     double residual() const;

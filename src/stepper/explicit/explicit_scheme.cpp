@@ -250,8 +250,8 @@ void ExplicitScheme::release(const ExplicitStep& step, StepReport& report) {
     }
 }
 
-/// Contacts between free faces and with obstacles act on each other through the fans that have both: one after the other
-/// until the impulses agree.
+/// Contacts between free faces and with obstacles act on each other through the fans that have both: one after the
+/// other until the impulses agree.
 void ExplicitScheme::solve_contacts(const ExplicitStep& step, StepReport& report) {
     VertexSolver::Workspace& work = workspaces_.front().split;
     if (!contacts_ || contacts_->size() == 0) return obstacles_.solve(step, work, report);

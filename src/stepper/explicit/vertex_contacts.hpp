@@ -37,8 +37,8 @@ public:
         ContactCluster cluster;
         std::vector<Vec2> required, velocity;  // [N] per corner of a fan; [m/s] per touched corner
     };
-    /// Finds the impulses of all contacts and adds them to corner_impulse [N s]; sets `splits` [0/1] of bonded fans that
-    /// do not hold them.
+    /// Finds the impulses of all contacts and adds them to corner_impulse [N s]; sets `splits` [0/1] of bonded fans
+    /// that do not hold them.
     void solve(const ExplicitStep& step, std::vector<std::uint8_t>& splits, std::vector<Workspace>& workspaces,
                StepReport& report);
     /// [-] By the last call of solve, of the largest impulse.

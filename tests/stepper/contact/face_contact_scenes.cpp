@@ -119,7 +119,7 @@ TEST_CASE("a block slides down a plane by its weight and Coulomb's law") {
         bodies.add(bar_mesh(4, 3, 0.8, 0.6), {0.55, 0});
         const double g = 10, phi = M_PI / 6, v0 = 1;
         ModelInput input = bodies.input({friction, 0});
-        
+
         input.loads = {everywhere(Load::Kind::acceleration, g * std::sin(phi), -g * std::cos(phi)),
                        in_box(Load::Kind::displacement, Box{{-1, -1}, {7, -5e-7}}, 0, 0)};
         input.initial_velocities = {{.on = {.boundary = "", .box = Box{{0, 0}, {9, 9}}}, .value = {v0, 0}}};
@@ -172,28 +172,3 @@ TEST_CASE("a stack of five settled blocks stays at rest") {
         }
 }
 
-TEST_CASE("experiment: a plate breaks on a slab") {
-    for (const double friction : {0.0, 0.5}) {
-        Bodies bodies;
-        bodies.add(bar_mesh(16, 1, 4, 0.25), {-1.5, -0.25 - 1e-6});
-        bodies.add(bar_mesh(8, 8, 1, 1), {0, 0.02}, 0.1);
-        ModelInput input = bodies.input({friction, 0});
-        input.laws.push_back({.sigma_c = 1e4, .G_c = 1, .gamma = 1, .friction = friction});
-        input.law_of_pair[1][1] = 1;
-        input.loads = {in_box(Load::Kind::displacement, Box{{-2, -1}, {7, -5e-7}}, 0, 0)};
-        input.initial_velocities = {{.on = {.boundary = "", .box = Box{{-3, 0.001}, {9, 9}}}, .value = {0, -10}}};
-        Run run(std::move(input));
-        const double h = 0.5 * stable(run);
-        int rejected = 0, i = 0;
-        double most = 0;
-        for (; i < 4000; ++i) {
-            double part = h;
-            int cuts = 0;
-            while (!run.step_if_taken(part) && cuts < 8) part /= 2, ++rejected, ++cuts;
-            if (cuts == 8) { MESSAGE("stuck at " << run.now.time << " where " << run.last.where.x() << " " << run.last.where.y() << " residual " << run.last.residual << " reason " << int(run.last.rejection) << " contact residual " << run.last.contact_residual << " depth " << run.last.contact_depth); break; }
-            most = std::max(most, double(run.now.face_contacts.size()));
-        }
-        int retired = 0; for (auto r : run.now.retired) retired += r;
-        MESSAGE("steps " << i << " rejected " << rejected << " contacts at most " << most << " retired " << retired << " of " << run.now.retired.size() << " residual " << run.ledger.largest_residual()/run.ledger.largest_energy() << " worst impact " << run.ledger.worst().worst_impact_work / run.ledger.largest_energy() << " friction " << run.ledger.worst().worst_friction_work / run.ledger.largest_energy() << " penetration " << run.ledger.worst().penetration << " E " << run.ledger.row().kinetic << " " << run.ledger.row().strain << " diss " << run.ledger.row().dissipated << " res " << run.ledger.worst().residual);
-    }
-}
