@@ -143,7 +143,7 @@ double largest(const std::vector<Vec2>& a) {
 }
 
 /// Breaking and impacts amplify rounding, hence the tolerance.
-void check_turns(const Scene& scene, double tolerance = 5e-9) {
+void check_turns(const Scene& scene, double tolerance = 1e-8) {
     const Ended straight = run_turned(scene, 0);
     CHECK(straight.identity <= 1e-13);
     std::int64_t damaged = 0, broken = 0;
