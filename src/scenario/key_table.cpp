@@ -334,6 +334,21 @@ void add_keys_of_loads(KeyTable& t) {
     t.number("initial_spin", "deg/s", "initial angular velocity, counterclockwise");
     add_history(t, "rise time: the factor of prescribed motion and force grows linearly from 0 to 1 and stays 1");
 
+    t.table("contact", "contact between all free faces of all bodies and fragments, without a penalty; without this "
+        "table faces that are no neighbours pass through each other. It needs domain.rotation = \"large\" and "
+        "cohesion = \"explicit\"");
+    t.number("friction", "", "Coulomb friction coefficient of all pairs of materials")
+        .at_least(0).computed("that of the interface law between the two materials").to(&ContactLaw::friction);
+    t.number("restitution", "", "Newton's coefficient of restitution of all pairs: 0 plastic, 1 elastic impact")
+        .at_least(0).at_most(1).computed("that of the interface law between the two materials")
+        .to(&ContactLaw::restitution);
+    t.list("contact.pair[]", "values of one pair of materials, in place of those of [contact]");
+    t.text("materials", "two materials; a material twice: contact between its faces").pair().required();
+    t.number("friction", "", "Coulomb friction coefficient").at_least(0).computed("as in [contact]")
+        .to(&ContactLaw::friction);
+    t.number("restitution", "", "Newton's coefficient of restitution").at_least(0).at_most(1)
+        .computed("as in [contact]").to(&ContactLaw::restitution);
+
     t.list("initial[]", "an initial velocity; later entries overwrite earlier ones");
     t.number("velocity", "m/s", "velocity, x and y; velocity, spin or both").pair().to(&InitialVelocity::value);
     t.number("spin", "deg/s", "angular velocity about the centre of mass of the selected triangles, counterclockwise")

@@ -138,6 +138,7 @@ void read_supports(Reading& reading);        // before laws: a law may have the 
 void read_laws(Reading& reading);
 void read_loads(Reading& reading);    // loads, initial velocities, obstacles
 void read_run(Reading& reading);      // time, output, probes, specimen, figures, limits, expectations
+void read_contact(Reading& reading);  // after laws and time
 void read_study(Reading& reading);    // after everything that a study may name: probes, loads, expectations
 void read_sweep(Reading& reading);
 void warn_of_implausible(Reading& reading);  // values that are likely mistakes

@@ -13,6 +13,7 @@
 #include "microstructure/materials.hpp"
 #include "microstructure/scatter.hpp"
 #include "model/loads.hpp"
+#include "model/model.hpp"
 #include "model/obstacle.hpp"
 #include "record/summary.hpp"
 #include "scenario/ensemble_options.hpp"
@@ -123,8 +124,9 @@ struct Scenario {
     std::vector<NamedMaterial> materials;
     std::vector<NamedLaw> laws;
     std::vector<std::vector<Index>> law_of_pair;
-    std::vector<Index> law_within;    // within a grain, by material
-    std::vector<Index> law_of_joint;  // by number of the joint set, of the sets with cohesion
+    std::vector<std::vector<ContactLaw>> contact_of_pair;  // of [contact], as in Model
+    std::vector<Index> law_within;                         // within a grain, by material
+    std::vector<Index> law_of_joint;                       // by number of the joint set, of the sets with cohesion
     std::vector<RandomSet> random_sets;
     std::vector<GrainedRock> rocks;
     std::vector<MaterialMap> maps;

@@ -57,6 +57,7 @@ TEST_CASE("bodies: three in one run") {
     const Answer run = command("run -q -j 1 " + folder.in_shell("three.toml") + " -o " + folder.in_shell("run"));
     CAPTURE(run.text);
     REQUIRE(run.code == 0);
+    CHECK(run.has("without [contact] bodies pass through each other"));
     const fs::path out = folder.path / "run";
     CHECK(fs::file_size(out / "figures" / "a.png") > 1000);
     const History last = read_csv(out / "fragments.csv");

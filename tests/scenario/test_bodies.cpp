@@ -155,3 +155,46 @@ TEST_CASE("bodies: patterns that cannot be") {
     reports(scene("[[bodies]]\npattern = \"voronoi\"\nbox = [0, 0, 100, 100]\nsize = 0.02\n"), "out-of-range",
             "more than 5000 bodies");
 }
+
+TEST_CASE("contact: laws of pairs of materials") {
+    const std::string two = scene("[domain]\nrotation = \"large\"\n" + block("a", 0, 0) + block("b", 0, 0.04)) +
+                            "[material.steel]\ndensity = 8000\nE = 190e9\nnu = 0.3\n"
+                            "[interface.glass-steel]\nsigma_c = 0\nfriction = 0.7\nrestitution = 0.2\n";
+    CHECK(samples::read(two).scenario.contact_of_pair.empty());
+    REQUIRE(samples::read(two).warnings.size() == 1);
+    CHECK(samples::read(two).warnings[0].code == "no-contact");
+    const auto laws = [&](const std::string& contact) {
+        std::vector<std::pair<double, double>> found;
+        const auto pairs = samples::read(two + contact).scenario.contact_of_pair;
+        REQUIRE(pairs.size() == 2);
+        CHECK(pairs[0][1].friction == pairs[1][0].friction);
+        CHECK(pairs[0][1].restitution == pairs[1][0].restitution);
+        for (const auto& [a, b] : {std::pair{0, 0}, {0, 1}, {1, 1}})
+            found.emplace_back(pairs[a][b].friction, pairs[a][b].restitution);
+        return found;
+    };
+    using Laws = std::vector<std::pair<double, double>>;
+    CHECK(laws("[contact]\n") == Laws{{0, 0}, {0.7, 0.2}, {0, 0}});  // those of the interfaces
+    CHECK(laws("[contact]\nfriction = 0.5\n") == Laws{{0.5, 0}, {0.5, 0.2}, {0.5, 0}});
+    CHECK(laws("[contact]\nfriction = 0.5\n[[contact.pair]]\nmaterials = [\"steel\", \"glass\"]\nrestitution = 1\n"
+               "[[contact.pair]]\nmaterials = [\"steel\", \"steel\"]\nfriction = 0.1\n") ==
+          Laws{{0.5, 0}, {0.5, 1}, {0.1, 0}});
+}
+
+TEST_CASE("contact: what cannot be") {
+    const std::string one = changed("[mesh]", "rotation = \"large\"\n[mesh]");
+    CHECK(mistakes(one + "[contact]\n").empty());
+    reports(samples::least + "[contact]\n", "exclusive-keys", "`contact` needs large rotations", 16);
+    reports(changed("end = 80e-6", "end = 80e-6\ncohesion = \"implicit\"", one) + "[contact]\n", "exclusive-keys",
+            "needs the explicit cohesion");
+    reports(one + "[contact]\nfriction = -1\n", "out-of-range", "at least 0");
+    const std::string pair = "[contact]\n[[contact.pair]]\nfriction = 0.1\n";
+    reports(one + pair, "missing-key", "`contact.pair[0].materials` is missing");
+    reports(one + pair + "materials = [\"glass\", \"glas\"]\n", "unknown-name", "did you mean `glass`?");
+    reports(one + pair +
+                "materials = [\"glass\", \"glass\"]\n[[contact.pair]]\nfriction = 0.1\nmaterials = [\"glass\", "
+                "\"glass\"]\n",
+            "duplicate-name", "second entry of this pair");
+    reports(one + "[contact]\n[[contact.pair]]\nmaterials = [\"glass\", \"glass\"]\n", "missing-key",
+            "neither friction nor restitution");
+}

@@ -299,7 +299,9 @@ E = 190e9
 nu = 0.3
 )");
 
-const std::string patterns = samples::changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n", R"([[bodies]]
+const std::string patterns = samples::changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n", R"([domain]
+rotation = "large"
+[[bodies]]
 name = "dam"
 pattern = "wall"
 columns = 3
@@ -333,6 +335,13 @@ pattern = "heap"
 box = ["500 mm", 0, "600 mm", "100 mm"]
 size = "20 mm"
 number = 3
+[contact]
+friction = 0.6
+restitution = 0.3
+[[contact.pair]]
+materials = ["steel", "glass"]
+friction = 0.4
+restitution = 0.1
 [material.steel]
 density = 8000
 E = 190e9
@@ -671,6 +680,11 @@ const Case cases[] = {
     {patterns, "bodies[2].direction", "20"},
     {patterns, "bodies[3].number", "3"},
     {patterns, "bodies[3].distance", "1e-04"},
+    {patterns, "contact.friction", "0.6"},
+    {patterns, "contact.restitution", "0.3"},
+    {patterns, "contact.pair[0].materials", "[\"steel\", \"glass\"]"},
+    {patterns, "contact.pair[0].friction", "0.4"},
+    {patterns, "contact.pair[0].restitution", "0.1"},
     {mesh_file, "mesh.file", "\"" KNAP_SOURCE_DIR "/tests/mesh/data/block_41_ascii.msh\""},
     {mesh_file, "mesh.unit", "0.001"},
     {mesh_file, "mesh.cracks", "[\"crack\"]"},

@@ -74,6 +74,7 @@ Model build_model(const Scenario& scenario) {
     input.supports = scenario.supports;
     input.initial_velocities = scenario.initial_velocities;
     input.obstacles = scenario.obstacles;
+    input.contact_of_pair = scenario.contact_of_pair;
     return make_model(std::move(input));
 }
 

@@ -1,0 +1,53 @@
+// [contact]: which law acts between free faces of which materials.
+#include "scenario/reading.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace knap {
+namespace {
+
+void warn_of_ghosts(Reading& reading) {
+    if (reading.scenario.bodies.size() < 2) return;
+    reading.table(reading.scenario.bodies[1].path)
+        .warning("no-contact", "", "is a second body, and without [contact] bodies pass through each other",
+                 "[contact], with rotation = \"large\" in [domain]");
+}
+
+}  // namespace
+
+void read_contact(Reading& reading) {
+    Scenario& scenario = reading.scenario;
+    const Table table = reading.table("contact");
+    if (!table.given()) return warn_of_ghosts(reading);
+    if (reading.table("domain").text("rotation") != "large")
+        table.error("exclusive-keys", "", "needs large rotations", "rotation = \"large\" in [domain]");
+    if (scenario.time.scheme.cohesion != CohesionScheme::explicit_beta)
+        table.error("exclusive-keys", "", "needs the explicit cohesion", "time.cohesion = \"explicit\"");
+    const std::size_t n = scenario.materials.size();
+    scenario.contact_of_pair.assign(n, std::vector<ContactLaw>(n));
+    for (std::size_t a = 0; a < n; ++a)
+        for (std::size_t b = 0; b < n; ++b) {
+            ContactLaw& law = scenario.contact_of_pair[a][b];
+            if (const Index number = scenario.law_of_pair[a][b]; number >= 0)  // otherwise reported
+                law = {scenario.laws[number].law.friction, scenario.laws[number].law.restitution};
+            table.fill(law);
+        }
+    std::set<std::pair<Index, Index>> pairs;
+    for (const Table& row : table.list("pair")) {
+        std::vector<Index> material;
+        for (const std::string& name : row.texts("materials"))
+            if (const auto found = reading.find(row.path("materials"), "material", name, scenario.material_names()))
+                material.push_back(*found);
+        if (material.size() != 2) continue;
+        const auto [a, b] = std::minmax(material[0], material[1]);
+        if (!pairs.emplace(a, b).second)
+            row.error("duplicate-name", "materials", "is the second entry of this pair of materials");
+        if (!row.given("friction") && !row.given("restitution"))
+            row.error("missing-key", "", "has neither friction nor restitution");
+        row.fill(scenario.contact_of_pair[a][b]);
+        scenario.contact_of_pair[b][a] = scenario.contact_of_pair[a][b];
+    }
+}
+
+}  // namespace knap
