@@ -305,21 +305,22 @@ const FaceContactState* FaceContacts::slid_from(Index e, const Vertex& at) const
     return nullptr;
 }
 
-/// The vertex was in contact with a neighbour of the edge, or an end of the edge with an edge at the vertex; or the
-/// vertex is where an end of the edge was in the undeformed body: their fan kept them apart until its point retired.
-bool FaceContacts::was_beside(const State& begin, const NearbyEdge& pair, const Vertex& at) const {
+/// The vertex was in contact with the edge or a neighbour of it, or an end of the edge with an edge at the vertex; or
+/// the vertex is where an end of the edge was in the undeformed body: their fan kept them apart until its point retired.
+/// Any corner of the fan counts, since a vertex that falls into pieces has been all of them.
+bool FaceContacts::was_beside(const State& begin, const NearbyEdge& pair, const Vertex&) const {
     const auto edges = boundary_.edges();
     const FreeEdge &edge = edges[pair.edge], &leaving = edges[pair.vertex];
     const Index fan = model_.fan_of_corner[leaving.start];
-    const auto end_met_vertex = [&](Index j) {
-        if (j < 0 || edges[j].entering < 0) return false;
-        const auto before =
-            std::ranges::equal_range(begin.face_contacts, edges[j].start, {}, &FaceContactState::vertex);
-        return known(before, pair.vertex) || known(before, leaving.entering);
+    const auto met = [&](Index of_fan, std::initializer_list<Index> others) {
+        return std::ranges::any_of(model_.corners(model_.fans[of_fan]), [&](Index corner) {
+            const auto before = std::ranges::equal_range(begin.face_contacts, corner, {}, &FaceContactState::vertex);
+            return std::ranges::any_of(others, [&](Index e) { return e >= 0 && known(before, e); });
+        });
     };
-    return known(at.before, edge.prev) || known(at.before, edge.next) || end_met_vertex(edge.piece_start) ||
-           end_met_vertex(edge.piece_end) || model_.fan_of_corner[edge.start] == fan ||
-           model_.fan_of_corner[edge.end] == fan;
+    const Index start = model_.fan_of_corner[edge.start], end = model_.fan_of_corner[edge.end];
+    return start == fan || end == fan || met(fan, {pair.edge, edge.prev, edge.next}) ||
+           met(start, {pair.vertex, leaving.entering}) || met(end, {pair.vertex, leaving.entering});
 }
 
 /// The contacts of a vertex in found_: first_found_ holds numbers of any earlier step where there is none.
