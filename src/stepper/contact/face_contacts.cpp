@@ -306,8 +306,8 @@ const FaceContactState* FaceContacts::slid_from(Index e, const Vertex& at) const
 }
 
 /// The vertex was in contact with the edge or a neighbour of it, or an end of the edge with an edge at the vertex; or
-/// the vertex is where an end of the edge was in the undeformed body: their fan kept them apart until its point retired.
-/// Any corner of the fan counts, since a vertex that falls into pieces has been all of them.
+/// the vertex is where an end of the edge was in the undeformed body: their fan kept them apart until its point
+/// retired. Any corner of the fan counts, since a vertex that falls into pieces has been all of them.
 bool FaceContacts::was_beside(const State& begin, const NearbyEdge& pair, const Vertex&) const {
     const auto edges = boundary_.edges();
     const FreeEdge &edge = edges[pair.edge], &leaving = edges[pair.vertex];
