@@ -104,7 +104,7 @@ double Fragment::angle() const {
     return degrees < 0 ? degrees + 180 : degrees;
 }
 
-std::span<const Measure<FragmentLine>> fragment_columns() {
+std::span<const Measure<FragmentLine>> fragment_columns(bool turn) {
     using L = FragmentLine;
     static constexpr Measure<L> columns[] = {
         {"fragment", "", "number of the fragment; the heaviest is 0", [](const L& l) { return double(l.number); }},
@@ -130,12 +130,11 @@ std::span<const Measure<FragmentLine>> fragment_columns() {
         {"kinetic_energy", "J", "kinetic energy", [](const L& l) { return l.fragment.kinetic_energy; }},
         {"rotation", "deg", "angle by which the fragment has turned, -180 to 180; with large rotations only",
          [](const L& l) { return l.fragment.rotation(); }}};
-    return columns;
+    return std::span(columns).first(std::size(columns) - (turn ? 0 : 1));  // `rotation` is the last
 }
 
 History fragment_table(const Fragments& fragments) {
-    std::span<const Measure<FragmentLine>> columns = fragment_columns();
-    if (!fragments.turn) columns = columns.first(columns.size() - 1);  // without `rotation`
+    const std::span<const Measure<FragmentLine>> columns = fragment_columns(fragments.turn);
     History table{.columns = names_of(columns), .rows = {}};
     std::vector<std::pair<double, double>> sizes;  // diameter, mass
     double mass = 0;
@@ -187,11 +186,11 @@ std::span<const Measure<FragmentMoment>> fragment_moment_columns() {
     return columns;
 }
 
-std::vector<Output> fragment_path_columns() {
+std::vector<Output> fragment_path_columns(bool turn) {
     std::vector<Output> columns{
         {"time", "s", "time"},
         {"label", "", "lowest triangle of the fragment: where it breaks, the part with this triangle keeps the label"}};
-    columns.insert(columns.end(), fragment_columns().begin(), fragment_columns().end());
+    columns.insert(columns.end(), fragment_columns(turn).begin(), fragment_columns(turn).end());
     return columns;
 }
 

@@ -68,7 +68,8 @@ struct FragmentLine {
     const Fragment& fragment;
     double mass_part, passing;  // [-]
 };
-std::span<const Measure<FragmentLine>> fragment_columns();
+/// `turn`: with the columns of large rotations.
+std::span<const Measure<FragmentLine>> fragment_columns(bool turn = true);
 
 /// fragments.csv: one line per fragment, the heaviest first.
 History fragment_table(const Fragments& fragments);
@@ -83,7 +84,7 @@ std::span<const Measure<FragmentMoment>> fragment_moment_columns();
 
 /// fragment_paths.csv at one time: the lines of a fragment table behind `time` and `label`, of the heaviest fragments.
 /// The label is the lowest triangle of a fragment: the part that has it keeps the label when a fragment breaks.
-std::vector<Output> fragment_path_columns();
+std::vector<Output> fragment_path_columns(bool turn = true);
 std::vector<std::vector<double>> fragment_path_lines(double time, const Fragments& fragments, const History& table);
 
 /// Smallest diameter [m] of a fragment such that fragments up to it have this part of the mass.

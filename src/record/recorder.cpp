@@ -88,7 +88,7 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
     add("fragment_history.csv", histories_.fragment_history, names_of(fragment_moment_columns()), nullptr);
     fragment_sheets_ = sheets_.size() - 1;
     std::vector<std::string> path_columns;
-    for (const Output& column : fragment_path_columns()) path_columns.emplace_back(column.name);
+    for (const Output& column : fragment_path_columns(model.large_rotation)) path_columns.emplace_back(column.name);
     add("fragment_paths.csv", histories_.fragment_paths, std::move(path_columns), nullptr);
     if (options_.breaks || options_.specimen) {
         breaks_.emplace(model, start);

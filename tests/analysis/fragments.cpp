@@ -143,7 +143,7 @@ TEST_CASE("fragments: history and paths") {
     CHECK(value("median_fragment") == Approx(f.pieces[0].diameter()));
     const auto lines = fragment_path_lines(0.5, f, table);
     REQUIRE(lines.size() == 2);
-    CHECK(lines[0].size() == fragment_path_columns().size());
+    CHECK(lines[0].size() == fragment_path_columns(false).size());
     CHECK(lines[0][0] == 0.5);
     CHECK(lines[0][1] == 1);  // its lowest triangle
     CHECK(lines[1][1] == 0);

@@ -6,6 +6,8 @@
 #include "support/relative.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <numbers>
 #include <set>
 
@@ -57,7 +59,6 @@ TEST_CASE("bodies: three in one run") {
     const Answer run = command("run -q -j 1 " + folder.in_shell("three.toml") + " -o " + folder.in_shell("run"));
     CAPTURE(run.text);
     REQUIRE(run.code == 0);
-    CHECK(run.has("without [contact] bodies pass through each other"));
     const fs::path out = folder.path / "run";
     CHECK(fs::file_size(out / "figures" / "a.png") > 1000);
     const History last = read_csv(out / "fragments.csv");
@@ -88,11 +89,62 @@ TEST_CASE("bodies: mesh and check") {
     const Answer mesh = command("mesh " + folder.in_shell("three.toml") + " -o " + folder.in_shell("m.svg"));
     CHECK(mesh.code == 0);
     CHECK(mesh.has("bodies                       3"));
-    CHECK(command("check " + folder.in_shell("three.toml")).has("bodies 3"));
+    const Answer check = command("check " + folder.in_shell("three.toml"));
+    CHECK(check.has("bodies 3"));
+    CHECK(check.has("without [contact] bodies pass through each other"));
     std::ofstream(folder.path / "thin.toml") << scene +
                                                     "[[body]]\nname = \"thin\"\nshape = \"rectangle\"\norigin = "
                                                     "[1, 1]\nsize = [\"10 mm\", \"0.01 mm\"]\n";
     const Answer thin = command("check " + folder.in_shell("thin.toml"));
     CHECK(thin.code == 2);
     CHECK(thin.has("(body `thin`)"));
+}
+
+TEST_CASE("bodies: with contact one block throws the other") {
+    const Folder folder("bodies_contact");
+    std::ofstream(folder.path / "two.toml") << R"(knap = 1
+[domain]
+rotation = "large"
+[[body]]
+name = "hammer"
+shape = "rectangle"
+size = ["20 mm", "20 mm"]
+velocity = ["10 m/s", 0]
+[[body]]
+name = "anvil"
+shape = "rectangle"
+origin = ["20.05 mm", "2 mm"]
+size = ["20 mm", "20 mm"]
+[mesh]
+size = "4 mm"
+[material.rock]
+density = 2400
+E = "30 GPa"
+nu = 0.2
+[interface.default]
+breakable = false
+[contact]
+friction = 0.5
+[time]
+end = "40 us"
+)";
+    const auto momenta = [&](const std::string& options) {
+        const Answer run = command("run -q -j 1 --force " + options + " " + folder.in_shell("two.toml") + " -o " +
+                                   folder.in_shell("run"));
+        CAPTURE(run.text);
+        REQUIRE((run.code == 0 || run.code == 3));  // 3: without contact they overlap
+        const History last = read_csv(folder.path / "run" / "fragment_paths.csv");
+        std::array<double, 2> found{};
+        const std::size_t n = last.rows.size();
+        for (std::size_t i = n - 2; i < n; ++i)
+            found[last.column("label")[i] > 0] = last.column("mass")[i] * last.column("velocity_x")[i];
+        return found;
+    };
+    const double start = 2400 * 4e-4 * 10;
+    const auto [hammer, anvil] = momenta("");
+    CHECK(anvil > 0.3 * start);
+    CHECK(hammer + anvil == tests::relative(start, 1e-12));
+    const auto [ghost, other] = momenta("-s contact=");
+    CHECK(ghost == tests::relative(start, 1e-9));
+    CHECK(std::abs(other) < 1e-9 * start);
 }

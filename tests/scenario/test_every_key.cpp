@@ -342,6 +342,8 @@ restitution = 0.3
 materials = ["steel", "glass"]
 friction = 0.4
 restitution = 0.1
+[limits]
+contact_depth = 0.05
 [material.steel]
 density = 8000
 E = 190e9
@@ -685,6 +687,7 @@ const Case cases[] = {
     {patterns, "contact.pair[0].materials", "[\"steel\", \"glass\"]"},
     {patterns, "contact.pair[0].friction", "0.4"},
     {patterns, "contact.pair[0].restitution", "0.1"},
+    {patterns, "limits.contact_depth", "0.05"},
     {mesh_file, "mesh.file", "\"" KNAP_SOURCE_DIR "/tests/mesh/data/block_41_ascii.msh\""},
     {mesh_file, "mesh.unit", "0.001"},
     {mesh_file, "mesh.cracks", "[\"crack\"]"},

@@ -75,6 +75,7 @@ std::string completed(std::string text) {
         if (is_body ? has_body : header[1] != '[' && text.find(std::string(header) + "\n") != std::string::npos)
             continue;
         text += "\n" + std::string(header) + "\n" + keys;
+        if (is_body && text.find("[contact]") != std::string::npos) text += "rotation = \"large\"\n";
     }
     return (text.find("knap ") == 0 ? "" : "knap = 1\n") + text;
 }
