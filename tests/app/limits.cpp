@@ -134,7 +134,7 @@ TEST_CASE("limits: with large rotations the bar turns as far as it likes") {
     SUBCASE("but not to strains that are not small") {
         const Answer fast =
             run(folder, large,
-                "-s 'initial=[{velocity = [2000, 0], box = [-0.02, -0.005, 0, 0.005]}]' -s 'time.end=0.1 ms'");
+                "-s 'initial=[{velocity = [4000, 0], box = [-0.02, -0.005, 0, 0.005]}]' -s 'time.end=0.1 ms'");
         CHECK(fast.code == 3);
         CHECK(fast.has("warning[strain]"));
         CHECK(fast.has("gate area_change violated"));

@@ -12,6 +12,7 @@ namespace {
 constexpr double contradiction = 1e-12;  // [-] residual of a fan whose rebounds contradict each other; rounding is less
 constexpr double slow = 1e-9;            // [-] of the largest speed
 constexpr double rounding = 1e-14;       // [-] of the velocities of a fan
+constexpr double closed = 1e-5;          // [-] of delta_c: where fans turn, an opening at rest below it counts as none
 constexpr double caught = 1e-9;  // [-] of the tangential cohesion: a force smaller by more holds the slip at zero
 
 /// [-] beta at the start of the step, of point i of the fan.
@@ -33,6 +34,19 @@ double restitution_under(const FanProblem& problem, const FanLink& link, double 
 /// [m] An opening that no step closes.
 double far(const Model& model, const FanPoint& point) {
     return model.interfaces[model.interface_of(point.point)].length;
+}
+
+/// Large rotations: what is left of the opening of a point that cohesion has closed turns from one component into the
+/// other. The rates that would close it again contradict each other round the vertex, by next to nothing: too little to
+/// tell which of them hold. A component that rests below a fraction of delta_c is zero.
+void close(const FanProblem& problem, const CohesiveLaw& law, FanLink& link) {
+    const Vec2 rate = problem.velocity_before(link.after) - problem.velocity_before(link.before);
+    const double tolerance = closed * law.delta_c();
+    const auto rests = [&](double u, double V) {
+        return std::abs(u) <= tolerance && problem.drift_time * std::abs(V) <= tolerance;
+    };
+    if (rests(link.u_N, link.normal.dot(rate))) link.u_N = 0;
+    if (rests(link.u_T, link.tangent().dot(rate))) link.u_T = 0;
 }
 
 /// [m/s] Size of the terms of which the velocities of a fan are sums: impulses that hold a body together cancel.
@@ -122,6 +136,7 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, FanProblem& probl
                                  .restitution = retired ? 0 : law.restitution_at(beta),
                                  .unbreakable = sticks});
         FanLink& link = problem.links.back();
+        if (frame.sine != 0 && beta > 0) close(problem, law, link);
         if (link.restitution == 0 || begin.split_rank[f] < 0) continue;
         const Vec2 mobility = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
         const double pressure =
