@@ -56,6 +56,7 @@ struct FanProblem {
     std::vector<FanLink>
         links;  // in the order of the chain; of a closed one the first joins the last body to the first
     bool closed = false;
+    bool turns = false;     // large rotations: its normals turn from step to step
     double drift_time = 0;  // [s] h
 
     // per body, the support included

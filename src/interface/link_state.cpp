@@ -37,7 +37,8 @@ FanScales scales_of(const FanProblem& problem, double rest) {
             .speed = speed,
             .impulse_tolerance = relative_tolerance * impulse,
             .speed_tolerance = relative_tolerance * speed,
-            .rest = std::max(relative_tolerance * speed, rest * speed)};
+            .rest = std::max(relative_tolerance * speed, rest * speed),
+            .separation = problem.turns ? rest * speed : 0};
 }
 
 InterfaceLaw law_of(const FanLink& link, const Vec2& velocity_before, double h, double tolerance) {
@@ -66,6 +67,8 @@ void LinkState::guess(const FanProblem& problem, const FanLink& link, const FanS
         return;
     }
     Vec2 expected = problem.velocity_before(link.after) - problem.velocity_before(link.before);
+    if (const double V_N = link.normal.dot(expected); V_N > 0 && V_N <= scales.separation)
+        expected -= V_N * link.normal;
     law = law_of(link, expected, problem.drift_time, scales.rest);
     int n_imposed = 0;
     for (int k = 0; k < 2; ++k) {

@@ -13,9 +13,10 @@ struct FanScales {
     double impulse_tolerance = 0;  // [N s]
     double speed_tolerance = 0;    // [m/s]
     double rest = 0;               // [m/s] kinks of a staircase that are nearer to each other are merged
+    double separation = 0;         // [m/s] a smaller one before the step counts as none
 };
 
-/// Slips below `rest` times the largest speed come to rest.
+/// Slips, and in a fan that turns separations, below `rest` times the largest speed come to rest.
 FanScales scales_of(const FanProblem& problem, double rest);
 
 /// Friction has two signs, those of the end velocity and of the mean velocity: together they never do positive work and

@@ -12,7 +12,7 @@ namespace {
 constexpr double contradiction = 1e-12;  // [-] residual of a fan whose rebounds contradict each other; rounding is less
 constexpr double slow = 1e-9;            // [-] of the largest speed
 constexpr double rounding = 1e-14;       // [-] of the velocities of a fan
-constexpr double closed = 1e-5;          // [-] of delta_c: where fans turn, an opening at rest below it counts as none
+constexpr double closed = 1e-5;          // [-] of delta_c: where fans turn, an opening below it counts as none
 constexpr double caught = 1e-9;  // [-] of the tangential cohesion: a force smaller by more holds the slip at zero
 
 /// [-] beta at the start of the step, of point i of the fan.
@@ -38,16 +38,8 @@ double far(const Model& model, const FanPoint& point) {
 
 /// Large rotations: what is left of the opening of a point that cohesion has closed turns from one component into the
 /// other. The rates that would close it again contradict each other round the vertex, by next to nothing: too little to
-/// tell which of them hold. A component that rests below a fraction of delta_c is zero.
-void close(const FanProblem& problem, const CohesiveLaw& law, FanLink& link) {
-    const Vec2 rate = problem.velocity_before(link.after) - problem.velocity_before(link.before);
-    const double tolerance = closed * law.delta_c();
-    const auto rests = [&](double u, double V) {
-        return std::abs(u) <= tolerance && problem.drift_time * std::abs(V) <= tolerance;
-    };
-    if (rests(link.u_N, link.normal.dot(rate))) link.u_N = 0;
-    if (rests(link.u_T, link.tangent().dot(rate))) link.u_T = 0;
-}
+/// tell which of them hold. A component below a fraction of delta_c is zero.
+double closed_below(double delta_c, double u) { return std::abs(u) <= closed * delta_c ? 0 : u; }
 
 /// [m/s] Size of the terms of which the velocities of a fan are sums: impulses that hold a body together cancel.
 double speed_scale(const FanProblem& problem) {
@@ -91,6 +83,7 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, FanProblem& probl
     const auto corners = model_.corners(fan);
     const auto points = model_.points(fan);
     problem.closed = fan.closed;
+    problem.turns = model_.large_rotation;
     problem.drift_time = step.drift_time;
     problem.bodies.clear();
     problem.links.clear();
@@ -136,7 +129,8 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, FanProblem& probl
                                  .restitution = retired ? 0 : law.restitution_at(beta),
                                  .unbreakable = sticks});
         FanLink& link = problem.links.back();
-        if (frame.sine != 0 && beta > 0) close(problem, law, link);
+        if (frame.sine != 0 && beta > 0)
+            link.u_N = closed_below(law.delta_c(), link.u_N), link.u_T = closed_below(law.delta_c(), link.u_T);
         if (link.restitution == 0 || begin.split_rank[f] < 0) continue;
         const Vec2 mobility = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
         const double pressure =
@@ -181,7 +175,8 @@ void VertexSolver::add_contacts(Index f, const ExplicitStep& step, FanProblem& p
 /// Rebounds at several links of a vertex may contradict each other: their speeds do not add up round it, and no motion
 /// has them all. The fan is then solved without restitution. Slips near zero that reverse in every step where several
 /// contacts stick may contradict each other too, and grow: before the residual exceeds the limit of a run they are set
-/// to rest, at the cost of a friction work of either sign below the limit of its gate.
+/// to rest, at the cost of a friction work of either sign below the limit of its gate. Where fans turn, a slip before the
+/// step is a slow separation in it, with the same effect.
 FanSolution VertexSolver::solve(Index f, const ExplicitStep& step, Workspace& work) const {
     FanSolution best = solve_once(f, step, true, 0, work);
     const auto try_without_rebounds = [&](double rest) {
@@ -192,7 +187,7 @@ FanSolution VertexSolver::solve(Index f, const ExplicitStep& step, Workspace& wo
     };
     const auto rebounds = [](const FanLink& link) { return link.restitution > 0; };
     if (best.residual > contradiction && std::ranges::any_of(work.problem.links, rebounds)) try_without_rebounds(0);
-    if (best.residual > 0.5 * max_residual) try_without_rebounds(slow);
+    if (best.residual > (model_.large_rotation ? contradiction : 0.5 * max_residual)) try_without_rebounds(slow);
     return best;
 }
 
