@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <Eigen/SparseLU>
 
 #include <algorithm>
 #include <cmath>
@@ -12,11 +13,12 @@ namespace knap {
 namespace {
 
 constexpr int first_sweeps = 12, last_sweeps = 200;
-constexpr double exact = 1e-13;          // [-] of the speeds: a residual at rounding
-constexpr double good_enough = 1e-11;    // [-] of the speeds: not worth Lemke's pivots
-constexpr double too_strong = 20;        // impulses of the last step that would cause larger rates are dropped
-constexpr std::size_t max_active = 96;   // contacts of a dense active set
-constexpr std::size_t max_pivoted = 24;  // contacts of a tableau
+constexpr double exact = 1e-13;        // [-] of the speeds: a residual at rounding
+constexpr double good_enough = 1e-11;  // [-] of the speeds: not worth Lemke's pivots
+constexpr double too_strong = 20;      // impulses of the last step that would cause larger rates are dropped
+constexpr std::size_t bold_attempts = 6, max_attempts = 60;  // of the active set
+constexpr Eigen::Index max_dense = 60;                       // unknowns of a factor that does not use zeros
+constexpr std::size_t max_pivoted = 24;                      // contacts of a tableau
 
 /// The link of a contact in its own frame: N and T are x and y.
 const FanLink link_in_frame{.before = 0,
@@ -120,11 +122,6 @@ void ContactCluster::find_velocities() {
         if (!contacts[i].impulse.isZero(0)) apply(i, contacts[i].impulse);
 }
 
-void ContactCluster::fill_matrix() {
-    W_.setZero(2 * size(), 2 * size());
-    for (const ContactCoupling& c : couplings) W_.block<2, 2>(2 * c.on, 2 * c.of) = c.W;
-}
-
 double ContactCluster::solve(double speed, double rounding) {
     const double tolerance = exact * speed + rounding;
     own_.assign(contacts.size(), Eigen::Matrix2d::Zero());
@@ -146,14 +143,14 @@ double ContactCluster::solve(double speed, double rounding) {
         const double now = residual();
         if (now < best) best = now, best_ = contacts;
     };
-    if (contacts.size() <= max_active) fill_matrix(), try_other(settle_states(speed, tolerance));
+    try_other(settle_states(speed, tolerance));
     if (best > good_enough * speed + rounding) {
         contacts = best_;
         for (int k = 0; k < last_sweeps; ++k)
             if (sweep() <= tolerance) break;
         find_velocities();
         try_other(true);
-        if (contacts.size() <= max_active && best > tolerance) try_other(settle_states(speed, tolerance));
+        if (best > tolerance) try_other(settle_states(speed, tolerance));
     }
     if (best > good_enough * speed + rounding && contacts.size() <= max_pivoted && solve_by_lemke(speed)) {
         try_other(true);
@@ -163,7 +160,7 @@ double ContactCluster::solve(double speed, double rounding) {
     return best;
 }
 
-/// The active set: in given states the problem is linear; the worst violation of a law changes its state.
+/// The active set: in given states the problem is linear. At first every violated law changes its state, then the worst.
 bool ContactCluster::settle_states(double speed, double tolerance) {
     double mobility = 0;
     for (const Eigen::Matrix2d& own : own_) mobility = std::max(mobility, own(0, 0));
@@ -174,17 +171,20 @@ bool ContactCluster::settle_states(double speed, double tolerance) {
                            .speed_tolerance = tolerance,
                            .rest = tolerance};
     fit_states(scales);
-    for (std::size_t attempt = 0; attempt < contacts.size() + 4; ++attempt) {
+    const std::size_t attempts = std::min<std::size_t>(contacts.size() + 4, max_attempts);
+    for (std::size_t attempt = 0; attempt < attempts; ++attempt) {
         if (!solve_states()) return false;
         StateChange worst;
         std::size_t at = 0;
         for (std::size_t i = 0; i < contacts.size(); ++i) {
             const StateChange change =
                 change_of(states_[i], link_in_frame, contacts[i].velocity, contacts[i].impulse, scales);
+            if (change.violation == 0) continue;
             if (change.violation > worst.violation) worst = change, at = i;
+            if (attempt < bold_attempts) states_[i].set(change.closed, change.tangential_state);
         }
         if (worst.violation == 0) return true;
-        states_[at].set(worst.closed, worst.tangential_state);
+        if (attempt >= bold_attempts) states_[at].set(worst.closed, worst.tangential_state);
     }
     return false;
 }
@@ -198,6 +198,28 @@ void ContactCluster::fit_states(const FanScales& scales) {
     }
 }
 
+/// p_ = A^-1 rhs_, with the least norm where contacts are redundant and the problem is small.
+bool ContactCluster::solve_linear(Eigen::Index n) {
+    if (n > max_dense) {
+        Eigen::SparseMatrix<double> A(n, n);
+        A.setFromTriplets(triplets_.begin(), triplets_.end());
+        Eigen::SparseLU<Eigen::SparseMatrix<double>> factor(A);
+        if (factor.info() != Eigen::Success) return false;
+        p_ = factor.solve(rhs_);
+        p_ += factor.solve(rhs_ - A * p_);
+        return p_.allFinite();
+    }
+    A_.setZero(n, n);
+    for (const auto& entry : triplets_) A_(entry.row(), entry.col()) += entry.value();
+    const Eigen::PartialPivLU<Eigen::MatrixXd> factor(A_);
+    p_ = factor.solve(rhs_);
+    p_ += factor.solve(rhs_ - A_ * p_);
+    const double scale = rhs_.cwiseAbs().maxCoeff();
+    if (!p_.allFinite() || (A_ * p_ - rhs_).cwiseAbs().maxCoeff() > 1e-12 * scale || factor.rcond() < 1e-12)
+        p_ = A_.completeOrthogonalDecomposition().solve(rhs_);
+    return p_.allFinite();
+}
+
 /// Impulses and velocities in given states: V_N = b where closed, V_T = kink where it sticks, P_T = -offset p where it
 /// slides; of least norm where contacts are redundant.
 bool ContactCluster::solve_states() {
@@ -209,27 +231,27 @@ bool ContactCluster::solve_states() {
         if (states[i].tangential.stick) unknown_.push_back(2 * static_cast<Eigen::Index>(i) + 1);
     }
     const auto n = static_cast<Eigen::Index>(unknown_.size());
-    A_.resize(n, n), rhs_.resize(n);
+    place_.assign(2 * states.size(), -1);
+    rhs_.resize(n);
     for (Eigen::Index r = 0; r < n; ++r) {
         const Eigen::Index row = unknown_[r];
         const ClusterContact& c = contacts[row / 2];
+        place_[row] = r;
         rhs_[r] = row % 2 == 0 ? c.law.contact.rate - c.free.x() : states[row / 2].tangential.kink - c.free.y();
-        for (Eigen::Index k = 0; k < n; ++k) {
-            const Eigen::Index column = unknown_[k];
-            A_(r, k) = W_(row, column);
-            const StaircasePiece& slide = states[column / 2].tangential;
-            if (column % 2 == 0 && !slide.stick) A_(r, k) -= slide.contact_offset * W_(row, column + 1);
+    }
+    triplets_.clear();
+    for (const ContactCoupling& c : couplings) {
+        const LinkState& of = states[c.of];
+        if (!of.closed) continue;
+        for (int k = 0; k < 2; ++k) {
+            const Eigen::Index r = place_[2 * c.on + k];
+            if (r < 0) continue;
+            const double slide = of.tangential.stick ? 0 : of.tangential.contact_offset;
+            triplets_.emplace_back(r, place_[2 * c.of], c.W(k, 0) - slide * c.W(k, 1));
+            if (of.tangential.stick) triplets_.emplace_back(r, place_[2 * c.of + 1], c.W(k, 1));
         }
     }
-    if (n > 0) {
-        const Eigen::PartialPivLU<Eigen::MatrixXd> factor(A_);
-        p_ = factor.solve(rhs_);
-        p_ += factor.solve(rhs_ - A_ * p_);
-        const double scale = rhs_.cwiseAbs().maxCoeff();
-        if (!p_.allFinite() || (A_ * p_ - rhs_).cwiseAbs().maxCoeff() > 1e-12 * scale || factor.rcond() < 1e-12)
-            p_ = A_.completeOrthogonalDecomposition().solve(rhs_);
-        if (!p_.allFinite()) return false;
-    }
+    if (n > 0 && !solve_linear(n)) return false;
     for (ClusterContact& c : contacts) c.impulse.setZero();
     for (Eigen::Index r = 0; r < n; ++r) {
         Vec2& impulse = contacts[unknown_[r] / 2].impulse;
@@ -265,6 +287,8 @@ bool ContactCluster::solve_by_lemke(double speed) {
             for (const double sign : {1., -1., 0.}) rows.push_back({i, 1, sign, kink.rate, kink.friction, first, unit});
         }
     }
+    W_.setZero(2 * size(), 2 * size());
+    for (const ContactCoupling& c : couplings) W_.block<2, 2>(2 * c.on, 2 * c.of) = c.W;
     const auto n = static_cast<Eigen::Index>(rows.size());
     double unit = 0;
     for (const Row& row : rows) unit = std::max(unit, row.unit);

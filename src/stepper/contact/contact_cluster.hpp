@@ -13,6 +13,7 @@
 #include "interface/link_state.hpp"
 
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 
 #include <vector>
 
@@ -62,14 +63,15 @@ private:
     bool solve_states();
     bool solve_by_lemke(double speed);
     void fit_states(const FanScales& scales);
-    void fill_matrix();
+    bool solve_linear(Eigen::Index n);
 
     Index size() const { return static_cast<Index>(contacts.size()); }
 
     std::vector<Eigen::Matrix2d> own_;  // [1/kg] per contact: its own block
-    Eigen::MatrixXd W_;                 // all blocks, where the problem is small
+    Eigen::MatrixXd W_;                 // all blocks, of the problem for Lemke's pivots
     std::vector<LinkState> states_;
-    std::vector<Eigen::Index> unknown_;  // rows of W
+    std::vector<Eigen::Index> unknown_, place_;  // rows of W; per row: its place in unknown_, or -1
+    std::vector<Eigen::Triplet<double>> triplets_;
     Eigen::MatrixXd A_;
     Eigen::VectorXd rhs_, p_;
     std::vector<ClusterContact> best_;

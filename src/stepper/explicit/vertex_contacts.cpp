@@ -16,7 +16,7 @@ constexpr double deep = 1e-3;                       // [-] of the edge: a deeper
 constexpr double merged = 1e-12;                    // [-] of the speeds: nearer kinks of the friction are one
 constexpr double difference = 1e-6;                 // [-] of the momenta, for the slope of a soft fan
 constexpr double agreed = 1e-12;                    // [-] of the speeds, between contacts and fans
-constexpr double unsolved = 1e-8;                   // [-] of the speeds: the step is rejected
+constexpr double unsolved = 1e-3;                   // [-] of the speeds: the step is rejected
 constexpr double rounding = 1e-15;                  // [-] of the positions
 constexpr int newton_rounds = 8, max_rounds = 300;  // of contacts and fans
 
@@ -64,9 +64,11 @@ void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
     }
     const auto n = static_cast<Index>(contacts_.all().size());
     impulse_.resize(n), before_.resize(n), residual_.assign(n, 0);
+    // a lasting force has the impulse of its step
+    const double scale = step.begin.last_step > 0 ? step.kick_time / step.begin.last_step : 1;
     for (Index i = 0; i < n; ++i) {
         add_terms(i);
-        impulse_[i] = Vec2(contacts_.all()[i].contact, contacts_.all()[i].tangential);
+        impulse_[i] = scale * Vec2(contacts_.all()[i].contact, contacts_.all()[i].tangential);
         before_[i] = rate(i, step.begin);
     }
     find_clusters();
@@ -338,7 +340,8 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
         assemble(cluster, problem);
     }
     for (const Index i : cluster.contacts) residual_[i] = residual + error;
-    if (speed > 0) report.contact_residual = std::max(report.contact_residual, residual / speed);
+    if (speed > 0)
+        report.contact_residual = std::max(report.contact_residual, std::max(0.0, residual - error) / speed);
     if (speed > 0 && residual > unsolved * speed + error) {
         const Index corner = contacts_.all()[cluster.contacts.front()].vertex[1];
         report.reject(Rejection::not_converged, model_.mesh.corner(corner) + step.begin.displacement_of(corner));
