@@ -114,7 +114,7 @@ const GateRule rules[] = {
     {{"contact_depth", "", "largest penetration of two free faces over the length of the edge",
       "Usual cause: faces that meet faster than the step resolves, thin pieces, or points that cohesion held while "
       "they turned. Try a smaller time.safety or smaller triangles there; [limits] contact_depth sets another limit."},
-     {0.02, 0.1, allowed},
+     {0.02, 0.2, allowed},
      [](const GateView& run) { return GateValue{run.ledger.worst().contact_depth}; }},
     {{"contact_residual", "",
       "largest error of the rates of contacts between free faces over their speeds; momentum and energy are exact all "

@@ -5,8 +5,8 @@
 namespace knap {
 namespace {
 
-constexpr double slip_limit = 0.05;    // [-] of the edge
-constexpr double turn_limit = 0.05;    // [rad]
+constexpr double slip_limit = 0.01;    // [-] of the edge: with 0.05 triangles of a star of cracks overlap by 0.1 edge
+constexpr double turn_limit = 0.01;    // [rad]
 constexpr std::ptrdiff_t block = 256;  // fans
 
 Index next_in_triangle(Index c) { return c % 3 == 2 ? c - 2 : c + 1; }

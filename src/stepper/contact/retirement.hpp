@@ -5,7 +5,7 @@
 namespace knap {
 
 /// Marks in end.retired the points that retire: nothing holds them any more (beta = 0), and their sides have moved
-/// apart or along each other by more than 0.05 of the edge or have turned against each other by more than 0.05 rad.
+/// apart or along each other by more than 0.01 of the edge or have turned against each other by more than 0.01 rad.
 /// The fixed normal of a point errs by (slip/length)^2; penetration in general contact falls with the threshold, forces
 /// do not depend on it between 0.02 and 0.5. Positions, velocities and energies are untouched. A point on a support
 /// never retires: a rigid plane serves any slip.
