@@ -160,7 +160,8 @@ double ContactCluster::solve(double speed, double rounding) {
     return best;
 }
 
-/// The active set: in given states the problem is linear. At first every violated law changes its state, then the worst.
+/// The active set: in given states the problem is linear. At first every contact that violates its law changes its
+/// state, then only the worst.
 bool ContactCluster::settle_states(double speed, double tolerance) {
     double mobility = 0;
     for (const Eigen::Matrix2d& own : own_) mobility = std::max(mobility, own(0, 0));

@@ -175,8 +175,8 @@ void VertexSolver::add_contacts(Index f, const ExplicitStep& step, FanProblem& p
 /// Rebounds at several links of a vertex may contradict each other: their speeds do not add up round it, and no motion
 /// has them all. The fan is then solved without restitution. Slips near zero that reverse in every step where several
 /// contacts stick may contradict each other too, and grow: before the residual exceeds the limit of a run they are set
-/// to rest, at the cost of a friction work of either sign below the limit of its gate. Where fans turn, a slip before the
-/// step is a slow separation in it, with the same effect.
+/// to rest, at the cost of a friction work of either sign below the limit of its gate. Where fans turn, a slip before
+/// the step is a slow separation in it, with the same effect.
 FanSolution VertexSolver::solve(Index f, const ExplicitStep& step, Workspace& work) const {
     FanSolution best = solve_once(f, step, true, 0, work);
     const auto try_without_rebounds = [&](double rest) {
