@@ -51,7 +51,7 @@ void refuse(const ContactRefusal& now, std::optional<ContactRefusal>& worst) {
 
 }  // namespace
 
-FaceContacts::FaceContacts(const Model& model) : model_(model), boundary_(model) { read_boundary(); }
+FaceContacts::FaceContacts(const Model& model) : model_(model), boundary_(model) {}
 
 FaceContacts::Motion& FaceContacts::Motion::operator+=(const Motion& other) {
     squared_move = std::max(squared_move, other.squared_move);
@@ -59,21 +59,24 @@ FaceContacts::Motion& FaceContacts::Motion::operator+=(const Motion& other) {
     return *this;
 }
 
+/// Undeformed places and lengths; what is known already stays.
 void FaceContacts::read_boundary() {
     const Mesh& mesh = model_.mesh;
-    reference_.clear(), longest_ = 0, mean_ = 0;
-    for (const Index c : boundary_.corners()) reference_.push_back(mesh.vertices[mesh.triangles[c / 3][c % 3]]);
-    for (const FreeEdge& edge : boundary_.edges()) {
-        const double length = mesh.side_vector(edge.start / 3, edge.start % 3).norm();
-        longest_ = std::max(longest_, length), mean_ += length / static_cast<double>(boundary_.edges().size());
+    const auto corners = boundary_.corners();
+    const auto edges = boundary_.edges();
+    for (std::size_t c = reference_.size(); c < corners.size(); ++c)
+        reference_.push_back(mesh.vertices[mesh.triangles[corners[c] / 3][corners[c] % 3]]);
+    for (; n_read_ < edges.size(); ++n_read_) {
+        const double length = mesh.side_vector(edges[n_read_].start / 3, edges[n_read_].start % 3).norm();
+        longest_ = std::max(longest_, length), total_ += length;
     }
-    complete_ = false;
 }
 
 void FaceContacts::find(const State& begin, double h) {
     contacts_.clear(), found_.clear(), refusal_.reset();
-    if (boundary_.update(begin.retired)) read_boundary();
-    if (boundary_.edges().empty() || !place_corners(begin, h)) return;
+    const bool boundary_changed = boundary_.update(begin.retired);
+    if (boundary_changed && boundary_.changed().empty()) complete_ = false;
+    if (boundary_.edges().empty() || !place_corners(begin, h, boundary_changed)) return;
     if (blocks_.size() < nearby_.n_blocks()) blocks_.resize(nearby_.n_blocks());
     for_blocks(static_cast<std::ptrdiff_t>(nearby_.n_blocks()), [&](std::ptrdiff_t b) {
         Block& block = blocks_[b];
@@ -93,22 +96,32 @@ void FaceContacts::find(const State& begin, double h) {
         found_.insert(found_.end(), blocks_[b].found.begin(), blocks_[b].found.end());
         if (blocks_[b].refusal) refuse(*blocks_[b].refusal, refusal_);
     }
+    const auto n_added =
+        static_cast<std::ptrdiff_t>(nearby_.n_blocks() > 0 ? blocks_[nearby_.n_blocks() - 1].found.size() : 0);
+    if (n_added > 0) {  // of the last block, in any order
+        const auto number = [&](const Found& at) { return std::array{at.contact.vertex[1], at.contact.edge[0]}; };
+        std::ranges::sort(found_.end() - n_added, found_.end(), {}, number);
+        std::ranges::inplace_merge(found_, found_.end() - n_added, {}, number);
+    }
     prune();
 }
 
 /// Positions and velocities of the ends of all free edges, and the search for nearby ones where they have moved too
 /// far. False, and a refusal, where a speed leaves nothing to find.
-bool FaceContacts::place_corners(const State& begin, double h) {
+bool FaceContacts::place_corners(const State& begin, double h, bool boundary_changed) {
     constexpr std::size_t block = 1024;
+    if (!complete_) reference_.clear(), n_read_ = 0, longest_ = 0, total_ = 0, boundary_.sort();
+    read_boundary();
     const auto numbers = boundary_.corners();
     corners_.resize(numbers.size());
+    const std::size_t n_known = complete_ ? nearby_.n_corners() : 0;
     const Motion motion =
         sum_over_blocks(numbers.size(), block, partial_, [&](std::size_t first, std::size_t last, Motion& own) {
             for (std::size_t c = first; c < last; ++c) {
                 const Index node = begin.node_of_corner[numbers[c]];
                 const CornerMotion& at =
                     corners_[c] = {.x = reference_[c] + begin.displacement[node], .v = begin.velocity[node]};
-                own += {.squared_move = complete_ ? nearby_.squared_move(c, at.x) : 0,
+                own += {.squared_move = c < n_known ? nearby_.squared_move(c, at.x) : 0,
                         .squared_speed = at.v.squaredNorm()};
             }
         });
@@ -118,38 +131,50 @@ bool FaceContacts::place_corners(const State& begin, double h) {
         for (const CornerMotion& corner : corners_)
             if (corner.v.squaredNorm() == motion.squared_speed)
                 refuse({ContactRefusal::Reason::speed, h * speed / longest_, corner.x}, refusal_);
+        complete_ = complete_ && !boundary_changed;
         return false;
     }
-    if (!complete_ || reach_margin * reach_ + motion_margin * std::sqrt(motion.squared_move) > nearby_.margin()) {
-        nearby_.find(boundary_.edges(), corners_, margin_share * mean_ + reach_margin * reach_);
-        list_used_edges();
+    const bool moved = reach_margin * reach_ + motion_margin * std::sqrt(motion.squared_move) > nearby_.margin();
+    bool search = !complete_ || moved;
+    if (!search && boundary_changed) {
+        is_used_.resize(boundary_.edges().size(), 0);
+        search = !nearby_.add(boundary_.edges(), corners_, boundary_.changed());
+        if (!search) use_edges_of(nearby_.n_blocks() - 1);
+    }
+    if (search && !boundary_.is_sorted()) {
+        complete_ = false;
+        return place_corners(begin, h, boundary_changed);
+    }
+    if (search) {
+        const double mean = total_ / static_cast<double>(boundary_.edges().size());
+        nearby_.find(boundary_.edges(), corners_, margin_share * mean + reach_margin * reach_);
+        is_used_.assign(boundary_.edges().size(), 0), used_.clear();
+        for (std::size_t b = 0; b < nearby_.n_blocks(); ++b) use_edges_of(b);
         complete_ = true;
     }
     sides_.resize(boundary_.edges().size());
     for (const Index e : used_) {
-        const CornerMotion &a = corners_[e], &b = corners_[boundary_.edges()[e].end_place];
-        const double length = (b.x - a.x).norm();
-        sides_[e] = {.tangent = (b.x - a.x) / length, .length = length};
+        const Vec2 along = end_of(e).x - start_of(e).x;
+        const double length = along.norm();
+        sides_[e] = {.tangent = along / length, .length = length};
     }
     return true;
 }
 
 /// Edges whose direction the narrow phase reads: those of a pair and of its vertex, their neighbours, and those at the
 /// vertices at the ends of the edge.
-void FaceContacts::list_used_edges() {
+void FaceContacts::use_edges_of(std::size_t block) {
     const auto edges = boundary_.edges();
-    is_used_.assign(edges.size(), 0), used_.clear();
     const auto use = [&](Index e) {
         if (e >= 0 && !is_used_[e]) is_used_[e] = 1, used_.push_back(e);
     };
     const auto use_at = [&](Index piece) {
         if (piece >= 0) use(piece), use(edges[piece].entering);
     };
-    for (std::size_t b = 0; b < nearby_.n_blocks(); ++b)
-        for (const auto& [i, e] : nearby_.of_block(b)) {
-            use_at(i), use(e), use(edges[e].prev), use(edges[e].next);
-            use_at(edges[e].piece_start), use_at(edges[e].piece_end);
-        }
+    for (const auto& [i, e] : nearby_.of_block(block)) {
+        use_at(i), use(e), use(edges[e].prev), use(edges[e].next);
+        use_at(edges[e].piece_start), use_at(edges[e].piece_end);
+    }
 }
 
 /// Rule 1 with the reach of the fastest corner.
@@ -157,7 +182,7 @@ bool FaceContacts::may_touch(const NearbyEdge& pair) const {
     const auto [i, e] = pair;
     const FreeEdge& edge = boundary_.edges()[e];
     const auto& [t, length] = sides_[e];
-    const Vec2 from_a = 0.5 * (end_of(boundary_.edges()[i].entering).x + corners_[i].x) - corners_[e].x;
+    const Vec2 from_a = 0.5 * (end_of(boundary_.edges()[i].entering).x + start_of(i).x) - start_of(e).x;
     const double gap = cross(from_a, t), along = t.dot(from_a),
                  beyond = largest_overrun(gap, reach_, length, edge.depth);
     return gap <= reach_ && gap >= -edge.depth && along >= -beyond && along <= length + beyond;
@@ -165,7 +190,7 @@ bool FaceContacts::may_touch(const NearbyEdge& pair) const {
 
 FaceContacts::Vertex FaceContacts::vertex(Index i, const State& begin) const {
     const FreeEdge& leaving = boundary_.edges()[i];
-    const CornerMotion &in = end_of(leaving.entering), &out = corners_[i];
+    const CornerMotion &in = end_of(leaving.entering), &out = start_of(i);
     const auto& [t_in, l_in] = sides_[leaving.entering];
     const auto& [t_out, l_out] = sides_[i];
     const auto before = std::ranges::equal_range(begin.face_contacts, leaving.start, {}, &FaceContactState::vertex);
@@ -194,7 +219,7 @@ double FaceContacts::Vertex::overhang(const Vec2& n) const {
 
 void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State& begin, double h, Block& block) const {
     const FreeEdge &edge = boundary_.edges()[pair.edge], &leaving = boundary_.edges()[pair.vertex];
-    const CornerMotion &a = corners_[pair.edge], &b = end_of(pair.edge);
+    const CornerMotion &a = start_of(pair.edge), &b = end_of(pair.edge);
     const auto& [t, length] = sides_[pair.edge];
     const Vec2 n = outward(t), from_a = at.x - a.x;
     const double gap = n.dot(from_a), share = t.dot(from_a) / length;
@@ -234,7 +259,7 @@ bool FaceContacts::belongs_to(Index e, const Vertex& at, double gap, double shar
     for (const bool at_end : {false, true}) {
         const Index first = at_end ? e : edges[e].prev, second = at_end ? edges[e].next : e;
         const Vec2 &t_1 = sides_[first].tangent, &t_2 = sides_[second].tangent;
-        const Vec2 from_corner = at.x - 0.5 * (end_of(first).x + corners_[second].x);
+        const Vec2 from_corner = at.x - 0.5 * (end_of(first).x + start_of(second).x);
         if (!is_reflex(t_1, t_2, edges[first].reflex_wedge)) {
             if (second_is_nearer(first, second, at, h) != at_end) continue;
             if (at.accepts(outward(at_end ? t_2 : t_1))) return false;
@@ -264,7 +289,7 @@ bool FaceContacts::second_is_nearer(Index first, Index second, const Vertex& at,
     const Vec2 &t_1 = sides_[first].tangent, &t_2 = sides_[second].tangent;
     const Vec2 n_1 = outward(t_1), n_2 = outward(t_2);
     const Vec2 across = across_corner(t_1, t_2);
-    const CornerMotion &a = end_of(first), &b = corners_[second];
+    const CornerMotion &a = end_of(first), &b = start_of(second);
     const Vec2 from_corner = at.x - 0.5 * (a.x + b.x), v = at.v - 0.5 * (a.v + b.v);
     const double gap_1 = n_1.dot(from_corner), gap_2 = n_2.dot(from_corner), rate_1 = n_1.dot(v), rate_2 = n_2.dot(v);
     const double rounding_1 = touching * sides_[first].length, rounding_2 = touching * sides_[second].length;
@@ -285,7 +310,7 @@ bool FaceContacts::second_is_nearer(Index first, Index second, const Vertex& at,
 bool FaceContacts::was_on_face(const Vertex& at, const Vec2& normal) const {
     return std::ranges::any_of(at.before, [&](const FaceContactState& contact) {
         const Index e = boundary_.place_of(contact.edge);
-        return e >= 0 && outward((end_of(e).x - corners_[e].x).normalized()).dot(normal) > parallel;
+        return e >= 0 && outward((end_of(e).x - start_of(e).x).normalized()).dot(normal) > parallel;
     });
 }
 

@@ -103,8 +103,9 @@ private:
     };
 
     void read_boundary();
-    bool place_corners(const State& begin, double h);
-    void list_used_edges();
+    bool place_corners(const State& begin, double h, bool boundary_changed);
+    void use_edges_of(std::size_t block);
+    const CornerMotion& start_of(Index edge) const { return corners_[boundary_.edges()[edge].start_place]; }
     const CornerMotion& end_of(Index edge) const { return corners_[boundary_.edges()[edge].end_place]; }
     bool may_touch(const NearbyEdge& pair) const;
     Vertex vertex(Index i, const State& begin) const;
@@ -124,7 +125,8 @@ private:
     const Model& model_;
     FreeBoundary boundary_;
     std::vector<Vec2> reference_;        // [m] undeformed, of FreeBoundary::corners()
-    double longest_ = 0, mean_ = 0;      // [m] lengths of free edges, undeformed
+    double longest_ = 0, total_ = 0;     // [m] lengths of free edges, undeformed
+    std::size_t n_read_ = 0;             // edges in them
     std::vector<CornerMotion> corners_;  // as they are now
     double reach_ = 0;                   // [m] no contact has a larger gap
     NearbyEdges nearby_;

@@ -26,7 +26,8 @@ FreeBoundary::FreeBoundary(const Model& model) : model_(model) {
     const Mesh& mesh = model.mesh;
     assert(mesh.order == 1);
     const std::size_t n = mesh.n_corners();
-    twin_.assign(n, -1), point_.assign(n, -1), prev_.assign(n, -1), piece_.assign(n, -1), last_.assign(n, -1);
+    twin_.assign(n, -1), point_.assign(n, -1), prev_.assign(n, -1), piece_.assign(n, -1), last_.assign(n, -1),
+        corner_place_.assign(n, -1);
     reflex_wedge_.assign(n, 0), reflex_piece_.assign(n, 0), place_.assign(n, -1);
     const auto half_edge = [&](Index triangle, Index vertex) {
         Index k = 0;
@@ -48,14 +49,16 @@ FreeBoundary::FreeBoundary(const Model& model) : model_(model) {
     make_room(n, edges_, corners_);
     for (const Fan& fan : model.fans)
         if (!fan.closed) link(fan);
-    list();
+    sort();
 }
 
 bool FreeBoundary::update(std::span<const std::uint8_t> retired) {
     if (retired.empty() || std::equal(retired.begin(), retired.end(), retired_.begin())) return false;
-    std::vector<Index> touched;
+    std::vector<Index> touched;  // fans
+    bool only_more = true;
     for (std::size_t p = 0; p < retired.size(); ++p) {
         if (retired[p] == retired_[p]) continue;
+        only_more = only_more && retired[p];
         retired_[p] = retired[p];
         const Interface& edge = model_.interfaces[p / 2];
         if (edge.triangle[0] == rigid_support) continue;
@@ -63,9 +66,29 @@ bool FreeBoundary::update(std::span<const std::uint8_t> retired) {
             touched.push_back(model_.fan_of_corner[model_.fan_points[model_.fan_point_of[end]].corner()]);
     }
     std::ranges::sort(touched);
-    const auto repeated = std::ranges::unique(touched);
-    for (auto f = touched.begin(); f != repeated.begin(); ++f) link(model_.fans[*f]);
-    list();
+    touched.erase(std::ranges::unique(touched).begin(), touched.end());
+    for (const Index f : touched) link(model_.fans[f]);
+    if (!only_more) {  // another state than before
+        sort();
+        return true;
+    }
+    changed_.clear();
+    const auto for_free_edges = [&](const auto& visit) {
+        for (const Index f : touched)
+            for (const Index c : model_.corners(model_.fans[f])) {
+                if (is_free(c)) visit(c);
+                if (is_free(previous_in_triangle(c))) visit(previous_in_triangle(c));
+            }
+    };
+    for_free_edges([&](Index h) {
+        if (place_[h] < 0) add(h);
+    });
+    for_free_edges([&](Index h) {
+        refresh(h);
+        changed_.push_back(place_[h]);
+    });
+    std::ranges::sort(changed_);
+    changed_.erase(std::ranges::unique(changed_).begin(), changed_.end());
     return true;
 }
 
@@ -104,42 +127,45 @@ void FreeBoundary::link(const Fan& fan) {
     }
 }
 
-/// Lists the free edges in the order of their numbers.
-void FreeBoundary::list() {
+Index FreeBoundary::place_of_corner(Index c) {
+    if (corner_place_[c] < 0) {
+        corner_place_[c] = static_cast<Index>(corners_.size());
+        corners_.push_back(c);
+    }
+    return corner_place_[c];
+}
+
+void FreeBoundary::add(Index h) {
     const Mesh& mesh = model_.mesh;
-    edges_.clear(), corners_.clear();
-    for (Index h = 0; h < mesh.n_corners(); ++h) {
-        if (!is_free(h)) continue;
-        place_[h] = static_cast<Index>(edges_.size());
-        const Index t = h / 3, b = next_in_triangle(h), first = piece_[h];
-        edges_.push_back({.start = h,
-                          .end = b,
-                          .prev = prev_[h],
-                          .next = -1,
-                          .piece_start = first,
-                          .piece_end = piece_[b],
-                          .entering = first == h ? previous_in_triangle(last_[h]) : -1,
-                          .end_place = -1,
-                          .on_support = twin_[h] < 0 && point_[h] >= 0,
-                          .reflex_wedge = false,
-                          .reflex_piece = reflex_piece_[h] != 0,
-                          .depth = deepest * 2 * mesh.area(t) / mesh.side_vector(t, h % 3).norm()});
-    }
-    for (const FreeEdge& edge : edges_) corners_.push_back(edge.start);
-    for (std::size_t e = 0; e < edges_.size(); ++e) {
-        FreeEdge& edge = edges_[e];
-        if (is_free(edge.end)) {
-            edge.end_place = place_[edge.end];
-        } else {
-            edge.end_place = static_cast<Index>(corners_.size());
-            corners_.push_back(edge.end);
-        }
-        edge.prev = place_[edge.prev];
-        edges_[edge.prev].next = static_cast<Index>(e);
-        edges_[edge.prev].reflex_wedge = reflex_wedge_[edge.start] != 0;
-        for (Index* piece : {&edge.piece_start, &edge.piece_end, &edge.entering})
-            if (*piece >= 0) *piece = place_[*piece];
-    }
+    place_[h] = static_cast<Index>(edges_.size());
+    edges_.push_back({.start = h,
+                      .end = next_in_triangle(h),
+                      .start_place = place_of_corner(h),
+                      .end_place = place_of_corner(next_in_triangle(h)),
+                      .on_support = twin_[h] < 0 && point_[h] >= 0,
+                      .depth = deepest * 2 * mesh.area(h / 3) / mesh.side_vector(h / 3, h % 3).norm()});
+}
+
+/// Reads what link() found about an edge.
+void FreeBoundary::refresh(Index h) {
+    const auto place = [&](Index number) { return number < 0 ? -1 : place_[number]; };
+    FreeEdge& edge = edges_[place_[h]];
+    edge.prev = place(prev_[h]);
+    edges_[edge.prev].next = place_[h];
+    edges_[edge.prev].reflex_wedge = reflex_wedge_[h] != 0;
+    edge.piece_start = place(piece_[h]), edge.piece_end = place(piece_[edge.end]);
+    edge.entering = piece_[h] == h ? place(previous_in_triangle(last_[h])) : -1;
+    edge.reflex_piece = reflex_piece_[h] != 0;
+}
+
+void FreeBoundary::sort() {
+    for (const FreeEdge& edge : edges_) place_[edge.start] = -1;
+    for (const Index c : corners_) corner_place_[c] = -1;
+    edges_.clear(), corners_.clear(), changed_.clear();
+    for (Index h = 0; h < model_.mesh.n_corners(); ++h)
+        if (is_free(h)) add(h);
+    for (std::size_t e = 0; e < edges_.size(); ++e) refresh(edges_[e].start);
+    n_sorted_ = edges_.size();
 }
 
 }  // namespace knap

@@ -24,7 +24,7 @@ struct FreeEdge {
     Index piece_end;    // at b
     Index entering;     // place of the edge that enters the piece which this edge leaves; -1: this edge leaves
                         // no piece, or the piece touches nothing
-    Index end_place;    // place of the corner b in FreeBoundary::corners(); that of a is the place of the edge
+    Index start_place, end_place;  // of a and b in FreeBoundary::corners()
     bool on_support;
     bool reflex_wedge;  // at b, in the undeformed body: more than 180 degrees of material
     bool reflex_piece;  // at a
@@ -36,11 +36,17 @@ class FreeBoundary {
 public:
     explicit FreeBoundary(const Model& model);
 
-    /// Adds the faces of points that retired since; false where none did. An empty list stands for none.
+    /// Adds the faces of points that retired since; false where none did. An empty list stands for none. New edges
+    /// follow the others, whose places stay, until sort() is called.
     bool update(std::span<const std::uint8_t> retired);
-    /// In the order of their numbers.
+    /// Places of the edges that the last update added or that got other neighbours or pieces by it; empty after a sort.
+    std::span<const Index> changed() const { return changed_; }
+    /// Lists the edges in the order of their numbers.
+    void sort();
+    bool is_sorted() const { return n_sorted_ == edges_.size(); }
+    /// In the order of their numbers after sort().
     std::span<const FreeEdge> edges() const { return edges_; }
-    /// The corners at the ends of the edges: their start corners, then the other end corners.
+    /// The corners at the ends of the edges.
     std::span<const Index> corners() const { return corners_; }
     /// Of the edge with this number in edges(); -1 where it is not free.
     Index place_of(Index start) const { return is_free(start) ? place_[start] : -1; }
@@ -51,7 +57,9 @@ private:
     bool retired_at_start(Index h) const { return twin_[h] >= 0 && retired_[point_[h]]; }
     bool is_free(Index h) const { return twin_[h] < 0 || retired_[point_[h]] || retired_[point_[h] ^ 1]; }
     void link(const Fan& fan);
-    void list();
+    void add(Index h);
+    void refresh(Index h);
+    Index place_of_corner(Index c);
 
     const Model& model_;
     std::vector<std::uint8_t> retired_;
@@ -64,7 +72,10 @@ private:
     std::vector<std::uint8_t> reflex_wedge_, reflex_piece_;  // per edge that leaves a wedge, a piece
     std::vector<Index> place_;                               // of a free edge in edges_
     std::vector<FreeEdge> edges_;
+    std::size_t n_sorted_ = 0;
     std::vector<Index> corners_;
+    std::vector<Index> corner_place_;  // in corners_, or -1
+    std::vector<Index> changed_;
 };
 
 }  // namespace knap

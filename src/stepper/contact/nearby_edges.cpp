@@ -8,6 +8,7 @@
 namespace knap {
 namespace {
 
+constexpr std::size_t most_late = 200;   // vertices that are compared one by one with each changed edge
 constexpr double cells_per_longest = 8;  // bounds the number of cells of a long edge among short ones
 
 /// Calls visit(x, y) for every cell of a box.
@@ -15,6 +16,11 @@ template <class Visit>
 void for_cells(const std::array<std::int32_t, 2>& low, const std::array<std::int32_t, 2>& high, const Visit& visit) {
     for (std::int32_t y = low[1]; y <= high[1]; ++y)
         for (std::int32_t x = low[0]; x <= high[0]; ++x) visit(x, y);
+}
+
+/// It leaves a contact piece, and not from support to support.
+bool is_vertex(std::span<const FreeEdge> edges, Index i) {
+    return edges[i].entering >= 0 && !(edges[i].on_support && edges[edges[i].entering].on_support);
 }
 
 double distance_to_segment(const Vec2& x, const Vec2& a, const Vec2& along, double length) {
@@ -33,66 +39,142 @@ std::array<std::int32_t, 2> NearbyEdges::cell(const Vec2& x) const {
     return {at(x.x()), at(x.y())};
 }
 
-std::size_t NearbyEdges::bucket(std::int32_t x, std::int32_t y) const {
+namespace {
+
+std::size_t bucket_of(std::int32_t x, std::int32_t y, std::size_t n_buckets) {
     const std::uint64_t key =
         static_cast<std::uint32_t>(x) * 0x9e3779b97f4a7c15u + static_cast<std::uint32_t>(y) * 0xc2b2ae3d27d4eb4fu;
-    return (key ^ (key >> 32)) & (bucket_end_.size() - 2);
+    return (key ^ (key >> 32)) & (n_buckets - 1);
 }
 
-void NearbyEdges::fill_grid(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners) {
+}  // namespace
+
+/// The cells whose vertices may be near the edge.
+NearbyEdges::CellBox NearbyEdges::cells_of(const FreeEdge& edge) const {
+    const Vec2 room = Vec2::Constant(edge.depth + margin_);
+    const Vec2 &a = x_[edge.start_place], &b = x_[edge.end_place];
+    if (!(a.allFinite() && b.allFinite())) return {{0, 0}, {-1, -1}};
+    return {cell(a.cwiseMin(b) - room), cell(a.cwiseMax(b) + room)};
+}
+
+template <class ForEntries>
+void NearbyEdges::fill(Cells& cells, std::size_t n, const ForEntries& for_entries) const {
+    const std::size_t n_buckets = std::bit_ceil(n);
+    auto& [end, entries] = cells;
+    end.assign(n_buckets + 1, 0);
+    for_entries([&](const Entry& entry) { ++end[bucket_of(entry.x, entry.y, n_buckets) + 1]; });
+    for (std::size_t b = 1; b < end.size(); ++b) end[b] += end[b - 1];
+    entries.resize(end.back());
+    for_entries([&](const Entry& entry) { entries[end[bucket_of(entry.x, entry.y, n_buckets)]++] = entry; });
+}
+
+template <class Visit>
+void NearbyEdges::for_entries_at(const Cells& cells, std::int32_t x, std::int32_t y, const Visit& visit) const {
+    const std::size_t at = bucket_of(x, y, cells.bucket_end.size() - 1);
+    for (Index k = at == 0 ? 0 : cells.bucket_end[at - 1]; k < cells.bucket_end[at]; ++k)
+        if (cells.entries[k].x == x && cells.entries[k].y == y) visit(cells.entries[k].edge);
+}
+
+void NearbyEdges::fill_grid(std::span<const FreeEdge> edges) {
     double sum = 0, longest = 0;
-    for (std::size_t e = 0; e < edges.size(); ++e) {
-        const double length = (corners[edges[e].end_place].x - corners[e].x).norm();
+    for (const FreeEdge& edge : edges) {
+        const double length = (x_[edge.end_place] - x_[edge.start_place]).norm();
         sum += length, longest = std::max(longest, length);
     }
     cell_size_ = std::max(2 * sum / static_cast<double>(edges.size()), longest / cells_per_longest) + margin_;
-    bucket_end_.assign(std::bit_ceil(2 * edges.size()) + 1, 0);
-    const auto for_entries = [&](const auto& visit) {
-        for (std::size_t e = 0; e < edges.size(); ++e) {
+    const auto n = static_cast<Index>(edges.size());
+    fill(edge_cells_, 2 * n, [&](const auto& visit) {
+        for (Index e = 0; e < n; ++e) {
             if (edges[e].on_support) continue;
-            const Vec2 room = Vec2::Constant(edges[e].depth + margin_);
-            const Vec2 &a = corners[e].x, &b = corners[edges[e].end_place].x;
-            const Vec2 low = a.cwiseMin(b) - room, high = a.cwiseMax(b) + room;
-            if (!(low.allFinite() && high.allFinite())) continue;
-            for_cells(cell(low), cell(high), [&](std::int32_t x, std::int32_t y) {
-                visit(Entry{x, y, static_cast<Index>(e)});
-            });
+            const auto [low, high] = cells_of(edges[e]);
+            for_cells(low, high, [&](std::int32_t x, std::int32_t y) { visit(Entry{x, y, e}); });
         }
-    };
-    for_entries([&](const Entry& entry) { ++bucket_end_[bucket(entry.x, entry.y) + 1]; });
-    for (std::size_t b = 1; b < bucket_end_.size(); ++b) bucket_end_[b] += bucket_end_[b - 1];
-    entries_.resize(bucket_end_.back());
-    for_entries([&](const Entry& entry) { entries_[bucket_end_[bucket(entry.x, entry.y)]++] = entry; });
+    });
+    fill(vertex_cells_, n, [&](const auto& visit) {
+        for (Index i = 0; i < n; ++i) {
+            if (!is_vertex(edges, i)) continue;
+            const auto [x, y] = cell(place_of_vertex(edges, i));
+            visit(Entry{x, y, i});
+        }
+    });
+}
+
+Vec2 NearbyEdges::place_of_vertex(std::span<const FreeEdge> edges, Index i) const {
+    return 0.5 * (x_[edges[edges[i].entering].end_place] + x_[edges[i].start_place]);
+}
+
+bool NearbyEdges::is_near(std::span<const FreeEdge> edges, Index i, const Vec2& x, Index e) const {
+    const FreeEdge& edge = edges[e];
+    if (edge.piece_start == i || edge.piece_end == i || edge.on_support) return false;
+    const Vec2& a = x_[edge.start_place];
+    const Vec2 along = x_[edge.end_place] - a, from_a = x - a;
+    const double length = along.norm();
+    return length > 0 && cross(from_a, along) <= margin_ * length &&
+           distance_to_segment(x, a, along, length) <= edge.depth + margin_;
 }
 
 void NearbyEdges::find(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners, double margin) {
-    margin_ = margin;
-    n_blocks_ = (edges.size() + block - 1) / block;
+    margin_ = margin, n_listed_ = edges.size();
+    n_blocks_ = (edges.size() + block - 1) / block + 1;
     if (pairs_.size() < n_blocks_) pairs_.resize(n_blocks_);
+    pairs_[n_blocks_ - 1].clear(), late_edges_.clear(), late_vertices_.clear();
+    is_late_.assign(edges.size(), 0), is_changed_.assign(edges.size(), 0);
     x_.resize(corners.size());
     for (std::size_t c = 0; c < corners.size(); ++c) x_[c] = corners[c].x;
-    fill_grid(edges, corners);
-    for_blocks(static_cast<std::ptrdiff_t>(n_blocks_), [&](std::ptrdiff_t b) {
+    fill_grid(edges);
+    for_blocks(static_cast<std::ptrdiff_t>(n_blocks_) - 1, [&](std::ptrdiff_t b) {
         std::vector<NearbyEdge>& pairs = pairs_[b];
         pairs.clear();
-        for (std::size_t i = b * block; i < std::min(edges.size(), (b + 1) * block); ++i) {
-            if (edges[i].entering < 0 || (edges[i].on_support && edges[edges[i].entering].on_support)) continue;
-            const Vec2 x = 0.5 * (corners[edges[edges[i].entering].end_place].x + corners[i].x);
+        for (auto i = static_cast<Index>(b * block); i < static_cast<Index>(std::min(n_listed_, (b + 1) * block));
+             ++i) {
+            if (!is_vertex(edges, i)) continue;
+            const Vec2 x = place_of_vertex(edges, i);
             const auto [cell_x, cell_y] = cell(x);
-            const std::size_t at = bucket(cell_x, cell_y);
-            for (Index k = at == 0 ? 0 : bucket_end_[at - 1]; k < bucket_end_[at]; ++k) {
-                const auto& [entry_x, entry_y, e] = entries_[k];
-                if (entry_x != cell_x || entry_y != cell_y) continue;
-                if (edges[e].piece_start == Index(i) || edges[e].piece_end == Index(i)) continue;
-                const Vec2& a = corners[e].x;
-                const Vec2 along = corners[edges[e].end_place].x - a, from_a = x - a;
-                const double length = along.norm();
-                if (!(length > 0) || cross(from_a, along) > margin * length) continue;
-                if (distance_to_segment(x, a, along, length) <= edges[e].depth + margin)
-                    pairs.push_back({static_cast<Index>(i), e});
-            }
+            for_entries_at(edge_cells_, cell_x, cell_y, [&](Index e) {
+                if (is_near(edges, i, x, e)) pairs.push_back({i, e});
+            });
         }
     });
+}
+
+bool NearbyEdges::add(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
+                      std::span<const Index> changed) {
+    if (late_vertices_.size() + changed.size() > most_late + n_listed_ / 20) return false;
+    for (std::size_t c = x_.size(); c < corners.size(); ++c) x_.push_back(corners[c].x);
+    is_late_.resize(edges.size(), 0), is_changed_.resize(edges.size(), 0);
+    for (const Index e : changed) {
+        is_changed_[e] = 1;
+        if (!is_late_[e]) late_vertices_.push_back(e);
+        if (!is_late_[e] && e >= static_cast<Index>(n_listed_)) late_edges_.push_back(e);
+        is_late_[e] = 1;
+    }
+    for (std::size_t b = 0; b < n_blocks_; ++b)
+        std::erase_if(pairs_[b],
+                      [&](const NearbyEdge& pair) { return is_changed_[pair.vertex] || is_changed_[pair.edge]; });
+    const auto try_pair = [&](Index i, const Vec2& x, Index e) {
+        if (is_near(edges, i, x, e)) pairs_[n_blocks_ - 1].push_back({i, e});
+    };
+    for (const Index i : changed) {
+        if (!is_vertex(edges, i)) continue;
+        const Vec2 x = place_of_vertex(edges, i);
+        const auto [cell_x, cell_y] = cell(x);
+        for_entries_at(edge_cells_, cell_x, cell_y, [&](Index e) { try_pair(i, x, e); });
+        for (const Index e : late_edges_) try_pair(i, x, e);
+    }
+    for (const Index e : changed) {  // with the vertices that have not changed
+        const auto try_vertex = [&](Index i) {
+            if (!is_changed_[i] && is_vertex(edges, i)) try_pair(i, place_of_vertex(edges, i), e);
+        };
+        const auto [low, high] = cells_of(edges[e]);
+        for_cells(low, high, [&](std::int32_t x, std::int32_t y) {
+            for_entries_at(vertex_cells_, x, y, [&](Index i) {
+                if (!is_late_[i]) try_vertex(i);
+            });
+        });
+        for (const Index i : late_vertices_) try_vertex(i);
+    }
+    for (const Index e : changed) is_changed_[e] = 0;
+    return true;
 }
 
 }  // namespace knap

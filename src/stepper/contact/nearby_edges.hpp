@@ -26,9 +26,14 @@ public:
     static constexpr std::size_t block = 256;  // vertices
 
     void find(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners, double margin);
-    /// The pairs of the vertices of block b, in the order of (vertex, edge).
+    /// Adds edges that appeared since and repeats the search for all `changed` ones, which include them. False where a
+    /// search for all edges is cheaper by now.
+    bool add(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners, std::span<const Index> changed);
+    /// The pairs of the vertices of block b; those that add() found are the last block. Except in this block they have
+    /// the order of (vertex, edge).
     std::span<const NearbyEdge> of_block(std::size_t b) const { return pairs_[b]; }
     std::size_t n_blocks() const { return n_blocks_; }
+    std::size_t n_corners() const { return x_.size(); }
     double margin() const { return margin_; }
     /// [m2] The square of the distance of a corner from its place when the list was made.
     double squared_move(std::size_t corner, const Vec2& x) const { return (x - x_[corner]).squaredNorm(); }
@@ -36,18 +41,33 @@ public:
 private:
     struct Entry {
         std::int32_t x, y;  // cell
-        Index edge;
+        Index edge;         // or vertex
     };
     std::array<std::int32_t, 2> cell(const Vec2& x) const;
-    std::size_t bucket(std::int32_t x, std::int32_t y) const;
-    void fill_grid(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners);
+    struct Cells {
+        std::vector<Index> bucket_end;  // of a hash table of cells, into entries
+        std::vector<Entry> entries;     // within a bucket in their order
+    };
+    struct CellBox {
+        std::array<std::int32_t, 2> low, high;
+    };
+    CellBox cells_of(const FreeEdge& edge) const;
+    template <class ForEntries>
+    void fill(Cells& cells, std::size_t n, const ForEntries& for_entries) const;
+    template <class Visit>
+    void for_entries_at(const Cells& cells, std::int32_t x, std::int32_t y, const Visit& visit) const;
+    void fill_grid(std::span<const FreeEdge> edges);
+    Vec2 place_of_vertex(std::span<const FreeEdge> edges, Index i) const;
+    bool is_near(std::span<const FreeEdge> edges, Index i, const Vec2& x, Index e) const;
 
     double margin_ = -1, cell_size_ = 1;
     std::size_t n_blocks_ = 0;
-    std::vector<Vec2> x_;                         // [m] per corner, when the list was made
-    std::vector<Index> bucket_end_;               // of a hash table of cells, into entries_
-    std::vector<Entry> entries_;                  // within a bucket in the order of the edges
-    std::vector<std::vector<NearbyEdge>> pairs_;  // per block
+    std::vector<Vec2> x_;                             // [m] per corner, when the search met it for the first time
+    Cells edge_cells_, vertex_cells_;                 // of the last complete search
+    std::size_t n_listed_ = 0;                        // edges then
+    std::vector<Index> late_edges_, late_vertices_;   // added or changed since
+    std::vector<std::uint8_t> is_late_, is_changed_;  // per edge: in late_vertices_; in the present list of add()
+    std::vector<std::vector<NearbyEdge>> pairs_;      // per block
 };
 
 }  // namespace knap

@@ -1,4 +1,5 @@
 // Contacts between the faces of cracks, beside the points that are still live.
+#include "base/random.hpp"
 #include "stepper/contact/retirement.hpp"
 #include "support/pieces.hpp"
 
@@ -131,4 +132,36 @@ TEST_CASE("a live crack end inside the body is no contact vertex and its two sid
     for (const FreeEdge& edge : found.boundary().edges())
         if (scene.model.mesh.corner(edge.start).norm() < 1e-12) CHECK(edge.entering == -1);
     CHECK(found.boundary().edges().size() == 8);
+}
+
+TEST_CASE("contacts do not depend on when the faces of retired points were added") {
+    std::size_t n = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        CAPTURE(seed);
+        Random random(seed, "retire");
+        std::vector<Mesh> bodies{bar_mesh(8, 6, 8, 6), bar_mesh(5, 5, 5, 5)};
+        for (Vec2& x : bodies[1].vertices) x += Vec2(1.5, 6);
+        Pieces scene(bodies);
+        for (Index f = 0; f < Index(scene.model.fans.size()); ++f) split(scene.model, f, scene.state);
+        const double speed = seed % 2 == 0 ? 0.01 : 3;
+        for (Vec2& v : scene.state.velocity) v = speed * Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
+        FaceContacts lasting(scene.model);
+        for (int step = 0; step < 60; ++step) {
+            for (int k = 0; k < int(seed % 5); ++k)
+                scene.state.retired[std::size_t(random.uniform(0, double(scene.state.retired.size())))] = 1;
+            if (step == 40 && seed % 7 == 0) std::ranges::fill(scene.state.retired, 0);
+            lasting.find(scene.state, h);
+            const auto anew = scene.contacts(h);
+            REQUIRE(lasting.all().size() == anew.size());
+            for (std::size_t k = 0; k < anew.size(); ++k, ++n) {
+                const FaceContact &a = lasting.all()[k], &b = anew[k];
+                REQUIRE((a.vertex == b.vertex && a.edge == b.edge && a.normal == b.normal && a.share == b.share &&
+                         a.gap == b.gap && a.contact == b.contact));
+            }
+            scene.remember(anew);
+            for (std::size_t i = 0; i < scene.state.displacement.size(); ++i)
+                scene.state.displacement[i] += h * scene.state.velocity[i];
+        }
+    }
+    CHECK(n > 1000);
 }

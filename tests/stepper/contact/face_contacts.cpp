@@ -334,7 +334,8 @@ TEST_CASE("the cell grid finds every pair that comes near before the list is mad
         for (Index i = 0; i < Index(edges.size()); ++i)
             for (Index e = 0; e < Index(edges.size()); ++e) {
                 if (edges[e].piece_start == i || edges[e].piece_end == i) continue;
-                const Vec2 &a = corners[e].x, along = corners[edges[e].end_place].x - a, from_a = corners[i].x - a;
+                const Vec2 &a = corners[edges[e].start_place].x, along = corners[edges[e].end_place].x - a,
+                           from_a = corners[edges[i].start_place].x - a;
                 const double length = along.norm(), gap = cross(from_a, along) / length, s = along.dot(from_a) / length;
                 const double beyond =
                     std::min(reach + std::max(0., std::min(-gap, edges[e].depth + gap)), 0.25 * length);
