@@ -243,7 +243,7 @@ std::vector<const Gate*> GateKeeper::new_warnings() const {
     std::vector<const Gate*> found;
     for (const Gate& gate : gates_)
         if (gate.level == GateLevel::warning &&
-            std::ranges::count(said_, gate.name, [](const auto& s) { return std::string_view(s.first); }) == 0)
+            std::ranges::count(warnings_, gate.name, [](const auto& s) { return std::string_view(s.first); }) == 0)
             found.push_back(&gate);
     return found;
 }

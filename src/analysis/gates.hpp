@@ -82,16 +82,17 @@ public:
 
     /// Gates that warn and have not given a warning yet.
     std::vector<const Gate*> new_warnings() const;
-    void warned(const Gate& gate, std::string text) { said_.emplace_back(gate.name, std::move(text)); }
-    const std::vector<std::pair<std::string, std::string>>& said() const { return said_; }  // name of the gate, text
+    void warned(const Gate& gate, std::string text) { warnings_.emplace_back(gate.name, std::move(text)); }
+    /// Names of gates and what they warned of.
+    const std::vector<std::pair<std::string, std::string>>& warnings() const { return warnings_; }
 
-    void serialize(auto& archive) { archive(said_); }
+    void serialize(auto& archive) { archive(warnings_); }
 
 private:
     double critical_opening_, size_;  // [m]
     std::vector<AllowedLimit> allowed_;
     Gates gates_;
-    std::vector<std::pair<std::string, std::string>> said_;
+    std::vector<std::pair<std::string, std::string>> warnings_;
 };
 
 }  // namespace knap

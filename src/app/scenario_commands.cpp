@@ -9,6 +9,7 @@
 #include "element/triangle_matrices.hpp"
 #include "mesh/mesh_file.hpp"
 #include "microstructure/grain_mesh.hpp"
+#include "model/selections.hpp"
 #include "scenario/write_scenario.hpp"
 
 #include <algorithm>
@@ -68,6 +69,18 @@ void print_resolution(const Scenario& scenario, double mean_edge, double step) {
     }
 }
 
+void print_absorbing(const Model& model, const SchemeOptions& scheme) {
+    for (const Selection& on : scheme.absorbing) {
+        double length = 0;  // [m]
+        for (const std::size_t e : selected_edges(model.mesh, on)) {
+            const BoundaryEdge& edge = model.mesh.boundary_edges[e];
+            length += model.mesh.side_vector(edge.triangle, edge.side).norm();
+        }
+        std::printf("  boundary `%s` absorbs waves of normal incidence, on %.6g m; others return in part\n",
+                    on.boundary.c_str(), length);
+    }
+}
+
 void print_methods(const Scenario& scenario, const Model& model) {
     bool friction = false, restitution = false, breakable = false, shear = false;
     for (const Interface& i : model.interfaces) {
@@ -90,7 +103,11 @@ void print_methods(const Scenario& scenario, const Model& model) {
             "  scheme: implicit bulk (theta %g, %s mass%s), %s; all interfaces together: method of multipliers, sparse "
             "factorisations\n",
             scheme.theta, name_of(scheme.mass), scenario.time.start_in_equilibrium ? ", from equilibrium" : "", beta);
-    else std::printf("  scheme: explicit lumped bulk, %s; one exact problem per vertex that may open\n", beta);
+    else
+        std::printf("  scheme: explicit lumped bulk, %s; one exact problem per vertex that may open%s\n", beta,
+                    scheme.damping > 0 ? "; mass-proportional damping" : "");
+    if (scenario.time.rest.ends_run) std::printf("  ends at rest, at the latest at time.end\n");
+    print_absorbing(model, scheme);
 }
 
 void print_run(const Scenario& scenario, const Model& model, const StepPlan& plan, const Cost& cost,

@@ -154,13 +154,14 @@ std::string_view unit_of_column(std::string_view column) {
 
 std::string_view unit_of_slope(std::string_view column) {
     const std::string_view unit = unit_of_column(column);
-    return unit == "J"     ? "W"
-           : unit == "m"   ? "m/s"
-           : unit == "m/s" ? "m/s2"
-           : unit == "N"   ? "N/s"
-           : unit == "Pa"  ? "Pa/s"
-           : unit == "s"   ? ""
-                           : "1/s";
+    return unit == "J"        ? "W"
+           : unit == "m"      ? "m/s"
+           : unit == "m/s"    ? "m/s2"
+           : unit == "N"      ? "N/s"
+           : unit == "kg m/s" ? "N"
+           : unit == "Pa"     ? "Pa/s"
+           : unit == "s"      ? ""
+                              : "1/s";
 }
 
 std::vector<std::string> header_of(const std::string& table, const std::vector<std::string>& columns) {

@@ -94,6 +94,7 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
         breaks_.emplace(model, start);
         add("breaks.csv", histories_.breaks, names_of(break_columns()), nullptr);
     }
+    if (options_.rest.ends_run) rest_.emplace(model, options_.rest);
     gates_.judge(ledger_, deformation_);
     if (options_.resumes) return;
     open_files();
@@ -123,6 +124,7 @@ void Recorder::open_files() {
 
 void Recorder::after_step(const State& now, const StepReport& report) {
     ledger_.add(now, report);
+    if (rest_) rest_->after_step(ledger_.row());
     watch_deformation(now, report.largest_speed);
     gates_.judge(ledger_, deformation_);
     if (writer_) writer_->check();
@@ -148,7 +150,7 @@ void Recorder::after_step(const State& now, const StepReport& report) {
     draw_due(now, false);
 }
 
-void Recorder::finish(const State& now, bool failed) {
+void Recorder::finish(const State& now, bool ended_early) {
     if (now.n_steps > look_.step) {
         const Timed timed(*this);
         deformation_.look_at(now), look_ = {0, now.n_steps};
@@ -157,7 +159,7 @@ void Recorder::finish(const State& now, bool failed) {
     if (last_line_ < now.time) write_lines(now);
     if (histories_.fragment_history.rows.empty() || histories_.fragment_history.rows.back()[0] < now.time)
         write_fragments(now);
-    if (writer_ && (options_.frame_every > 0 || failed) && frame_times_.back() < now.time) write_frame(now);
+    if (writer_ && (options_.frame_every > 0 || ended_early) && frame_times_.back() < now.time) write_frame(now);
     {
         const Timed timed(*this);
         histories_.fragments = fragment_table(find_fragments(model_, now));
@@ -167,7 +169,7 @@ void Recorder::finish(const State& now, bool failed) {
             if (!std::filesystem::exists(options_.directory / sheet.file, none))
                 write_table(sheet.file.c_str(), *sheet.history);
     }
-    if (failed) show_last_state(now.time);
+    if (ended_early) show_last_state(now.time);
     draw_due(now, true);
     if (writer_) writer_->finish(), count_frame_time();
     draw_sequences();

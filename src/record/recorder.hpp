@@ -7,6 +7,7 @@
 #include "analysis/gates.hpp"
 #include "analysis/probes.hpp"
 #include "analysis/reactions.hpp"
+#include "analysis/rest_watch.hpp"
 #include "analysis/specimen.hpp"
 #include "figures/figures.hpp"
 #include "output/frame.hpp"
@@ -36,6 +37,7 @@ struct RecorderOptions {
     std::vector<ProbeOptions> probes;
     bool breaks = false;  // record every interface that breaks; a specimen implies it
     std::optional<SpecimenOptions> specimen;
+    RestOptions rest;
     bool resumes = false;  // files of an earlier part of the run exist: nothing is written before open_files()
 };
 
@@ -67,14 +69,16 @@ public:
     /// Returns when all frames so far are on disk: before a checkpoint that counts them.
     void finish_frames();
 
-    /// Last lines, last frame, and the figures of the end; also after an interruption. In a failed run, figures at
-    /// times that it did not reach show its last state.
-    void finish(const State& now, bool failed = false);
+    /// Last lines, last frame, and the figures of the end; also after an interruption. Where the run ended early,
+    /// figures at times that it did not reach show its last state.
+    void finish(const State& now, bool ended_early = false);
 
     const EnergyLedger& ledger() const { return ledger_; }
     const DeformationWatch& deformation() const { return deformation_; }
     const CrackHistory& cracks() const { return cracks_; }
     const Reactions& reactions() const { return reactions_; }
+    const RestWatch* rest() const { return rest_ ? &*rest_ : nullptr; }  // null: the run does not end at rest
+    bool at_rest() const { return rest_ && rest_->at_rest(); }
     const GateKeeper& gates() const { return gates_; }  // after the last step
     GateKeeper& gates() { return gates_; }
     const Histories& histories() const { return histories_; }
@@ -90,6 +94,7 @@ public:
                 next_fragments_, last_line_, frame_times_, next_at_, drawn_, time_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
+        if (rest_) archive(*rest_);
     }
 
 private:
@@ -134,6 +139,7 @@ private:
     Probes probes_;
     std::optional<Breaks> breaks_;
     std::optional<Specimen> specimen_;
+    std::optional<RestWatch> rest_;
     Histories histories_;
     std::vector<Sheet> sheets_;
     std::size_t fragment_sheets_ = 0;  // the first of two

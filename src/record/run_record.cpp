@@ -93,6 +93,8 @@ const std::vector<Member>& members() {
     static const std::vector<Member> all{
         {"status", "", "starting, running, done, failed or interrupted", &RunRecord::status, is_text},
         {"reason", "", "of a failure", [](R r) { return r.reason.empty() ? absent : Json(r.reason); }},
+        {"ended", "", "\"rest\" where the run ended before time.end because the body was at rest (summary.rest_time)",
+         [](R r) { return r.ended.empty() ? absent : Json(r.ended); }},
         {"output_failed", "", "true where a file could not be written: the same command goes on",
          [](R r) { return r.output_failed ? Json(true) : absent; }},
         {"name", "", "of the scenario", &RunRecord::name, is_text},

@@ -30,6 +30,7 @@ struct TimeSpent {
 struct RunRecord {
     std::string status;          // starting, running, done, failed, interrupted
     std::string reason;          // of a failure
+    std::string ended;           // "rest" where the run ended before time.end because the body was at rest
     bool output_failed = false;  // a file could not be written; the simulation itself can go on
     std::string name, title;
     std::vector<std::string> command;

@@ -87,6 +87,7 @@ using F = const Facts&;
 
 bool always(F) { return true; }
 bool with_breaks(F f) { return !std::isnan(f.n_shear); }
+bool may_rest(F f) { return f.recorder.rest() != nullptr; }
 bool of_specimen(F f) { return f.specimen.has_value(); }
 bool with_gauge(F f) { return f.specimen && f.specimen->lateral; }
 bool in_compression(F f) { return with_gauge(f) && f.specimen->test == SpecimenOptions::Test::compression; }
@@ -170,6 +171,8 @@ constexpr SummaryRow rows[]{
      [](F f) { return f.n_tensile; }, with_breaks},
     {"shear_breaks", "", "interfaces that broke more by sliding; with output.breaks", [](F f) { return f.n_shear; },
      with_breaks},
+    {"rest_time", "s", "time since which the body is at rest; with until = \"rest\"",
+     [](F f) { return f.recorder.at_rest() ? f.recorder.rest()->since() : none; }, may_rest},
     {"peak_stress", "Pa", "largest stress of the specimen: its strength", [](F f) { return f.strength.peak_stress; },
      of_specimen},
     {"peak_strain", "", "axial strain at that stress", [](F f) { return f.strength.peak_strain; }, of_specimen},

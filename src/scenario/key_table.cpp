@@ -289,6 +289,12 @@ void add_keys_of_loads(KeyTable& t) {
         .otherwise("false").to(&Support::glued);
     t.number("gap", "m", "initial distance from the boundary; 0 if glued").at_least(0).otherwise("0").to(&Support::gap);
 
+    t.list("absorb[]", "an absorbing boundary: waves leave the body as if it went on (viscous: traction -rho c_p v_n "
+        "along the normal, -rho c_s v_t along the edge); also with a stress or traction; explicit bulk only");
+    t.table("absorb[].on", "a boundary, or the part of it inside a box").required().or_text("boundary");
+    t.text("boundary", "name of a boundary").required().to(&Selection::boundary);
+    t.number("box", "m", "lower left and upper right corner").box().to(&Selection::box);
+
     t.list("load[]", "a load or prescribed motion: exactly one of traction, pressure, stress, force, velocity, "
         "displacement, body_force, acceleration; its factor over time by at most one of ramp, table, csv, otherwise "
         "constant");

@@ -266,6 +266,8 @@ void read_loads(Reading& reading) {
         reading.scenario.initial_velocities.push_back(initial);
     }
     for (const Table& table : reading.list("obstacle")) read_obstacle(table);
+    for (const Table& table : reading.list("absorb"))
+        reading.scenario.time.scheme.absorbing.push_back(read_selection(table.table("on")));
 }
 
 }  // namespace knap

@@ -58,11 +58,19 @@ void read_time(const Table& table, TimeOptions& time) {
     const SchemeOptions& scheme = time.scheme;
     table.fill(time);
     table.fill(time.scheme);
+    table.fill(time.rest);
+    for (const char* key : {"rest_below", "rest_for"})
+        if (table.given(key) && !time.rest.ends_run)
+            table.error("exclusive-keys", key, "belongs to until = \"rest\"", "add until = \"rest\" to [time]");
+    if (!time.rest.ends_run) table.leave_out("rest_below");
     const bool explicit_bulk = scheme.bulk == BulkScheme::explicit_lumped;
     if (!explicit_bulk || scheme.cohesion == CohesionScheme::implicit_beta) check_theta(table);
     if (!explicit_bulk && scheme.damping > 0)
         table.error("exclusive-keys", "damping", "belongs to the explicit bulk",
                     "remove it, with theta > 0.5 if the scheme is to damp, or bulk = \"explicit\"");
+    if (!explicit_bulk && !scheme.absorbing.empty())
+        table.error("exclusive-keys", "bulk", "= \"implicit\" has no absorbing boundaries",
+                    "remove [[absorb]], or bulk = \"explicit\"");
     if (scheme.mass == MassMatrix::one_point) check_one_point_mass(table);
     if (table.has("bulk") && explicit_bulk && scheme.mass != MassMatrix::lumped)
         table.error("exclusive-keys", "mass", "that is not lumped needs the implicit bulk",

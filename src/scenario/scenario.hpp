@@ -3,6 +3,7 @@
 #include "analysis/energy_ledger.hpp"
 #include "analysis/gates.hpp"
 #include "analysis/probes.hpp"
+#include "analysis/rest_watch.hpp"
 #include "analysis/specimen.hpp"
 #include "figures/figures.hpp"
 #include "material/cohesive_law.hpp"
@@ -78,6 +79,7 @@ struct TimeOptions {
     StepLength step_min;       // 0 = 2^-20 of the step
     double safety = 0.8;       // [-] fraction of the stable step used by "auto"
     bool start_in_equilibrium = false;
+    RestOptions rest;
 };
 
 struct OutputOptions {
@@ -160,7 +162,11 @@ struct Scenario {
         for (const BodyGroup& group : groups) names.push_back(group.name);
         return names;
     }
-    RareWorks works() const { return {.rotation = large_rotation, .damping = time.scheme.damping > 0}; }
+    RareWorks works() const {
+        return {.rotation = large_rotation,
+                .damping = time.scheme.damping > 0,
+                .radiation = !time.scheme.absorbing.empty()};
+    }
     std::vector<std::string> material_names() const {
         std::vector<std::string> names;
         for (const NamedMaterial& material : materials) names.push_back(material.name);

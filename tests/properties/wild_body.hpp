@@ -19,7 +19,7 @@ struct WildBody {
 class WildBodies {
 public:
     explicit WildBodies(std::uint64_t seed)
-        : seed_(seed), random_(seed, "wild"), pressing_(seed, "press"), turning_(seed, "turn") {}
+        : seed_(seed), random_(seed, "wild"), pressing_(seed, "press"), resisting_(seed, "resist"), turning_(seed, "turn") {}
 
     WildBody body() {
         WildBody made{.body = RandomBodies(seed_, {.units = false, .most_cells = 4}).body()};
@@ -30,6 +30,7 @@ public:
         choose_scheme(made);
         reverse_loads(made);
         press(made);
+        resist(made);
         turn(made);
         in_units(made.body, std::pow(10, random_.uniform(-9, 6)), std::pow(10, random_.uniform(-12, 9)),
                  std::pow(10, random_.uniform(-9, 6)));
@@ -138,8 +139,17 @@ private:
         made.n_steps *= turning_.uniform() < 0.2 ? 10 : 1;
     }
 
+    /// Damping and absorbing boundaries, also of a stream of their own.
+    void resist(WildBody& made) {
+        if (made.body.scheme.bulk != BulkScheme::explicit_lumped) return;
+        if (resisting_.uniform() < 0.1) made.body.scheme.damping = std::pow(10, resisting_.uniform(-3, 1)) / made.body.step;
+        ModelInput& input = made.body.input;
+        if (resisting_.uniform() < 0.1 && input.supports.empty() && std::ranges::none_of(input.loads, &Load::drives))
+            made.body.scheme.absorbing = {{.boundary = "right", .box = {}, .body = {}}};
+    }
+
     std::uint64_t seed_;
-    Random random_, pressing_, turning_;
+    Random random_, pressing_, resisting_, turning_;
 };
 
 }  // namespace knap::tests

@@ -133,11 +133,16 @@ displacement = ["-1 mm", 0]
 spin = "1 rad/s"
 turns = false
 ramp = "10 us"
+[[absorb]]
+on = { boundary = "top", box = ["0 mm", "40 mm", "10 mm", "42 mm"] }
 [[initial]]
 velocity = ["1 m/s", "2 m/s"]
 box = [0, 0, 1, 1]
 [time]
 end = "80 us"
+until = "rest"
+rest_below = 0.01
+rest_for = "5 us"
 step = "1 ns"
 damping = "3 kHz"
 safety = 0.5
@@ -489,6 +494,8 @@ const Case cases[] = {
     {rectangle, "interface.glass-steel.friction", "0.3"},
     {rectangle, "interface.glass-steel.restitution", "0.1"},
     {rectangle, "interface.glass-glass.delta_c", "2e-06"},
+    {rectangle, "absorb[0].on.boundary", "\"top\""},
+    {rectangle, "absorb[0].on.box", "[0, 0.04, 0.01, 0.042]"},
     {rectangle, "support[0].on.boundary", "\"bottom\""},
     {rectangle, "support[0].on.box", "[0, 0, 0.01, 0.002]"},
     {rectangle, "support[0].interface", "\"glue\""},
@@ -540,6 +547,9 @@ const Case cases[] = {
     {implicit, "time.start", "\"equilibrium\""},
     {implicit, "time.assumption_1", "\"ignore\""},
     {rectangle, "time.step", "1e-09"},
+    {rectangle, "time.until", "\"rest\""},
+    {rectangle, "time.rest_below", "0.01"},
+    {rectangle, "time.rest_for", "5e-06"},
     {rectangle, "time.damping", "3000"},
     {rectangle, "time.safety", "0.5"},
     {rectangle, "time.theta", "0.75"},
@@ -819,6 +829,12 @@ TEST_CASE("scenario: the structs hold the values of the file") {
     CHECK(s.initial_velocities.at(0).value == Vec2(1, 2));
     CHECK(s.time.step == StepLength{1e-9});
     CHECK(s.time.scheme.damping == 3000);
+    CHECK(s.time.rest.ends_run);
+    CHECK(s.time.rest.below == 0.01);
+    CHECK(s.time.rest.duration == tests::relative(5e-6, 1e-15));
+    REQUIRE(s.time.scheme.absorbing.size() == 1);
+    CHECK(s.time.scheme.absorbing[0].boundary == "top");
+    CHECK(s.time.scheme.absorbing[0].box);
     CHECK(s.time.scheme.bulk == BulkScheme::explicit_lumped);
     CHECK_FALSE(s.output.fields);
     CHECK(s.figures.at(1).at == std::vector<double>{20e-6, 40e-6});

@@ -66,6 +66,7 @@ inline void in_units(RandomBody& made, double length, double mass, double time) 
     for (Obstacle& obstacle : input.obstacles) in_units(obstacle, length, mass, time);
     for (Vec2& v : made.velocity) v *= speed;
     made.step *= time;
+    made.scheme.damping /= time;
 }
 
 class RandomBodies {

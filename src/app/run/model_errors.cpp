@@ -1,4 +1,5 @@
 // Errors of a scenario that only its mesh shows.
+#include "analysis/rest_watch.hpp"
 #include "app/run/findings.hpp"
 #include "app/run/setup.hpp"
 #include "base/formatted.hpp"
@@ -179,6 +180,10 @@ void check_model(const ReadResult& read, const Model& model) {
             throw UserError({read.at("specimen", error.diagnostics.front())});
         }
     refuse_unheld_body(read, model);
+    if (read.scenario.time.rest.ends_run && std::isinf(settling_time(model)) && settling_time(model) > 0)
+        throw UserError({finding(read, "time.until", "never-rests",
+                                 "`time.until` = \"rest\", but a load or an obstacle is driven at a velocity for ever",
+                                 "until = \"end\", or a history that ends at 0")});
 }
 
 }  // namespace knap

@@ -58,6 +58,7 @@ RecorderOptions recorder_options(const RunSetup& setup, bool resumes) {
             .probes = scenario.probes,
             .breaks = scenario.output.breaks,
             .specimen = scenario.specimen,
+            .rest = scenario.time.rest,
             .resumes = resumes};
 }
 
@@ -120,6 +121,9 @@ private:
     double until_ = std::min(setup_.options.until, setup_.scenario.time.end);
     bool depends_on_end_ = false;  // the following steps are not those of a longer run, and are not saved
     std::optional<Progress> progress_;
+
+    /// The simulated time is over, or the body is at rest.
+    bool is_complete() const { return StepControl::has_reached(now_, setup_.scenario.time.end) || recorder_.at_rest(); }
 };
 
 void Run::resume(const std::string& text) {
@@ -201,7 +205,7 @@ void Run::step_to_end() {
     progress_.emplace(setup_.options.quiet ? nullptr : stderr, now_, until_, record_.triangles);
     stepping_ = Stopwatch();
     try {
-        while (record_.status == "running" && !StepControl::has_reached(now_, until_)) {
+        while (record_.status == "running" && !StepControl::has_reached(now_, until_) && !recorder_.at_rest()) {
             if (InterruptGuard::interrupted()) {
                 record_.status = "interrupted";
                 break;
@@ -237,16 +241,19 @@ void Run::step_to_end() {
 void Run::finish() {
     const double stepping_time = spent().steps;
     progress_->finish(now_, recorder_);
-    recorder_.finish(now_, record_.status == "failed");
+    const double time_end = setup_.scenario.time.end;
+    const bool over = StepControl::has_reached(now_, time_end), complete = is_complete();
+    if (complete && !over) record_.ended = "rest";
+    recorder_.finish(now_, record_.status == "failed" || !record_.ended.empty());
     report_warnings();
-    for (const std::string& warning : {missing_text(recorder_.missing_files()),
-                                       not_dumped_text(setup_.options.dump_lcp, first_step_, now_.n_steps)}) {
+    for (const std::string& warning :
+         {missing_text(recorder_.missing_files()), not_dumped_text(setup_.options.dump_lcp, first_step_, now_.n_steps),
+          over && recorder_.rest() && !recorder_.at_rest() ? not_at_rest_text(time_end) : ""}) {
         report(warning);
         if (!warning.empty()) record_.warnings.push_back(warning.substr(0, warning.size() - 1));
     }
-    for (const auto& [gate, text] : recorder_.gates().said())
+    for (const auto& [gate, text] : recorder_.gates().warnings())
         record_.warnings.push_back(text.substr(0, text.size() - 1));
-    const bool complete = StepControl::has_reached(now_, setup_.scenario.time.end);
     record_.steps = now_.n_steps;
     record_.time = now_.time;
     record_.counts = recorder_.ledger().worst();

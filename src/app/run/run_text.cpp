@@ -102,6 +102,13 @@ std::string violated_text(const Gates& gates, const State& now, const Vec2& fast
     return text + std::string(cause->cure);
 }
 
+std::string not_at_rest_text(double end) {
+    return formatted(
+        "warning[not-at-rest]: the body is not at rest at time.end = %.6g s: a later time.end, a larger "
+        "time.rest_below, or time.damping\n",
+        end);
+}
+
 std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory) {
     const TimeSpent& spent = record.spent;
     const OutputTime& output = record.output;
@@ -116,12 +123,17 @@ std::string end_of_run(const RunRecord& record, const std::filesystem::path& dir
                   record.interfaces, spent.wall, spent.cpu);
     text += formatted("  processor time: mesh and model %.2f s, ", spent.model);
     if (spent.preload > 0) text += formatted("preload %.2f s, ", spent.preload);
-    text +=
-        formatted("steps %.2f s, frames %.2f s, figures %.2f s, other output %.2f s, remainder %.2f s\n", spent.steps,
-                  output.frames, output.figures, output.cpu - output.frames - output.figures, record.cpu_other());
+    // differences of several clocks, which may be below zero by their resolution
+    const double steps_alone = std::max(0.0, spent.steps), other = std::max(0.0, record.cpu_other()),
+                 tables = std::max(0.0, output.cpu - output.frames - output.figures);
+    text += formatted("steps %.2f s, frames %.2f s, figures %.2f s, other output %.2f s, remainder %.2f s\n",
+                      steps_alone, output.frames, output.figures, tables, other);
     if (output.frames > 0)
         text += formatted("  frames are written by a thread of their own, for which steps waited %.3g s\n",
                           output.waited_for_frames);
+    if (record.ended == "rest")
+        text +=
+            formatted("  ended before time.end: the body is at rest since t = %.6g s\n", record.summary["rest_time"]);
     if (!record.reason.empty()) text += "  reason: " + record.reason + "\n";
     text += solver_text(record);
     if (!record.summary.values.empty())

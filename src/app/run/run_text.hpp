@@ -27,6 +27,9 @@ std::string warning_text(const Gate& gate, const State& now);
 /// Which gates stopped a run, and what to change. `fastest` [m]: where the body moves fastest.
 std::string violated_text(const Gates& gates, const State& now, const Vec2& fastest);
 
+/// Warning: the simulated time, to `end` [s], was over before the body came to rest.
+std::string not_at_rest_text(double end);
+
 /// The results of a run.
 std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory);
 

@@ -50,7 +50,7 @@ double threshold_of(const Model& model, const Fan& fan) {
 
 }  // namespace
 
-std::vector<double> stress_thresholds(const Model& model) {
+std::vector<double> stress_thresholds(const Model& model, std::span<const Dashpot> dashpots) {
     std::vector<double> thresholds;
     for (const Fan& fan : model.fans) {
         const double stress = fan.split_at_start ? infinite : threshold_of(model, fan);
@@ -61,6 +61,7 @@ std::vector<double> stress_thresholds(const Model& model) {
     };
     for (const CornerLoad& load : model.corner_loads) always_test(model.fan_of_corner[load.corner]);
     for (const PrescribedMotion& motion : model.prescribed) always_test(motion.fan);
+    for (const Dashpot& dashpot : dashpots) always_test(dashpot.fan);
     return thresholds;
 }
 

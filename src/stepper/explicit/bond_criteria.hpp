@@ -12,7 +12,7 @@
 //        P_i = P_i-1 + f_i - (m_i/m) F,     F = sum f_i,     m = sum m_i,
 //    are below the sure strengths. It clears 98 of 100 candidates in the edge-cracked block, from two numbers per
 //    corner.
-#include "model/model.hpp"
+#include "stepper/explicit/absorbing_boundary.hpp"
 
 #include <limits>
 #include <vector>
@@ -21,7 +21,7 @@ namespace knap {
 
 /// [Pa^2] per fan: bonded while |sigma|_F^2 does not exceed it. Infinite for a fan that cannot split in a step,
 /// negative for one that is loaded or driven and must always be tested.
-std::vector<double> stress_thresholds(const Model& model);
+std::vector<double> stress_thresholds(const Model& model, std::span<const Dashpot> dashpots = {});
 
 struct InscribedCircle {
     double share;      // [-] m_i/m of a corner

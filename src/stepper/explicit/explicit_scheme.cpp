@@ -24,9 +24,10 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
       damping_(options.damping),
       forces_(model.mesh, model.materials, model.plane, model.thickness, model.large_rotation),
       stable_step_(std::ranges::min(stable_steps(model.mesh, model.materials, model.plane))),
-      blocks_(make_blocks(model)),
+      absorbing_(model, options.absorbing),
+      blocks_(make_blocks(model, absorbing_.dashpots())),
       obstacle_step_(model),
-      solver_(model, options, obstacle_step_),
+      solver_(model, options, obstacle_step_, absorbing_),
       obstacles_(model, solver_, obstacle_step_),
       amplitude_(model.histories.size()),
       corner_force_(model.mesh.n_corners()),
@@ -39,7 +40,7 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
         contacts_.emplace(model, solver_, corner_impulse_);
         contact_work_.assign(omp_get_max_threads(), VertexContacts::Workspace(model));
     }
-    forces_.set_stress_criterion(stress_thresholds(model), model.fan_of_corner);
+    forces_.set_stress_criterion(stress_thresholds(model, absorbing_.dashpots()), model.fan_of_corner);
     for (const Index corner : model.fan_corners) mass_.push_back(model.corner_mass[corner]);
     for (Workspace& work : workspaces_) {
         work.force.resize(model.mesh.corners_per_triangle() * blocks_.front().last);
@@ -80,6 +81,7 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
     if (contacts_) contacts_->finish(step, report);
     report += account_loads(step);
     if (model_.large_rotation) account_rotation(step, report);
+    absorbing_.account(step, report);
     if (report.released > 0) order_split_fans(model_, end, unordered_);
     report.largest_speed = std::sqrt(report.largest_speed);  // squared until here
     return report;
@@ -174,8 +176,21 @@ StepReport ExplicitScheme::sweep_bordering(const ExplicitStep& step) {
             Vec2 force = Vec2::Zero();
             for (const Index* c = corner; c < next; ++c) force += corner_force_[*c];
             const InscribedCircle* circle = &block.bordering_circles[corner - block.bordering_corners.data()];
+            const auto is_held = [&](const auto& force_on, const Vec2& total) {
+                return !fan_is_candidate_[f] || is_bonded(fan, circle, force_on, total, begin, work, report);
+            };
             const auto force_on = [&](Index c) -> const Vec2& { return corner_force_[corner[c]]; };
-            if (fan_is_candidate_[f] && !is_bonded(fan, circle, force_on, force, begin, work, report)) continue;
+            const auto dashpots = absorbing_.of_fan(f);
+            if (!dashpots.empty()) {  // they are forces at the mean velocity that the fan has as one
+                const Vec2 after = velocity_as_one(*corner, force, Vec2::Zero(), step),
+                           mean = 0.5 * (begin.velocity[f] + after);
+                const auto resisted = [&](Index c) -> Vec2 {
+                    return force_on(c) + dashpot_force(corner[c], dashpots, mean);
+                };
+                if (!is_held(resisted, force + absorbing_.force_on_fan(f, mean))) continue;
+            } else if (!is_held(force_on, force)) {
+                continue;
+            }
             move_bonded(*corner, force, Vec2::Zero(), step, nodes, report);
         }
         nodes.add_to(report);
@@ -209,21 +224,33 @@ bool ExplicitScheme::is_bonded(const MeshBlock::BlockFan& of, const InscribedCir
     return bonded;
 }
 
+/// [m/s] v+ of a bonded fan.
+Vec2 ExplicitScheme::velocity_as_one(Index corner, const Vec2& force, const Vec2& contact,
+                                     const ExplicitStep& step) const {
+    const Index f = model_.fan_of_corner[corner];
+    const double mass = model_.fans[f].mass;
+    Vec2 velocity = step.decay * step.begin.velocity[f] + step.mobility * step.kick_time / mass * force;
+    if (!contact.isZero(0)) velocity += step.mobility / mass * contact;
+    if (const PrescribedMotion* motion = model_.motion_of(corner)) {
+        const Vec2 given = step.prescribed_velocity(model_, *motion, step.begin.displacement[f]);
+        for (int k = 0; k < 2; ++k)
+            if (motion->component[k]) velocity[k] = given[k];
+    }
+    if (absorbing_.of_fan(f).empty()) return velocity;
+    return absorbing_.end_velocity(f, step, step.kick_time * force + contact, velocity);
+}
+
 /// Moves the node of a bonded fan, which has `corner`, under a force [N] and the impulse [N s] of contacts.
 void ExplicitScheme::move_bonded(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step,
                                  NodeMotion& nodes, StepReport& report) const {
     const Index f = model_.fan_of_corner[corner];
     const double mass = model_.fans[f].mass;
-    Vec2 velocity = step.decay * step.begin.velocity[f] + step.mobility * step.kick_time / mass * force;
-    if (!contact.isZero(0)) velocity += step.mobility / mass * contact;
-    const PrescribedMotion* motion = model_.motion_of(corner);
-    if (motion) {
-        const Vec2 given = step.prescribed_velocity(model_, *motion, step.begin.displacement[f]);
-        for (int k = 0; k < 2; ++k)
-            if (motion->component[k]) velocity[k] = given[k];
-    }
+    const Vec2 velocity = velocity_as_one(corner, force, contact, step);
     nodes.move(f, f, mass, force, velocity);
-    if (motion) account_drive(f, *motion, force, contact, step, report);
+    if (const PrescribedMotion* motion = model_.motion_of(corner)) {
+        const Vec2 resistance = absorbing_.force_on_fan(f, 0.5 * (step.begin.velocity[f] + velocity));
+        account_drive(f, *motion, force + resistance, contact, step, report);
+    }
 }
 
 void ExplicitScheme::account_drive(Index fan, const PrescribedMotion& motion, const Vec2& force, const Vec2& contact,

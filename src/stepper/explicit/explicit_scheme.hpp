@@ -4,6 +4,7 @@
 #include "element/elastic_forces.hpp"
 #include "stepper/common/bond_check.hpp"
 #include "stepper/common/step_scheme.hpp"
+#include "stepper/explicit/absorbing_boundary.hpp"
 #include "stepper/explicit/mesh_blocks.hpp"
 #include "stepper/explicit/vertex_contacts.hpp"
 #include "stepper/explicit/vertex_obstacles.hpp"
@@ -35,6 +36,7 @@ private:
     template <class Force>
     bool is_bonded(const MeshBlock::BlockFan& fan, const InscribedCircle* circle, const Force& force_on,
                    const Vec2& force, const State& begin, Workspace& work, StepReport& report);
+    Vec2 velocity_as_one(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step) const;
     void move_bonded(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step, NodeMotion& nodes,
                      StepReport& report) const;
     void account_drive(Index fan, const PrescribedMotion& motion, const Vec2& force, const Vec2& contact,
@@ -53,6 +55,7 @@ private:
     double damping_;  // [1/s]
     ElasticForces forces_;
     double stable_step_;  // [s] of the worst free triangle
+    AbsorbingBoundary absorbing_;
     std::vector<MeshBlock> blocks_;
     ObstacleStep obstacle_step_;
     VertexSolver solver_;

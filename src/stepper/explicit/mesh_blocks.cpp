@@ -10,7 +10,7 @@ constexpr Index blocks_of_a_body = 32;                    // or more, to keep se
 
 }  // namespace
 
-std::vector<MeshBlock> make_blocks(const Model& model) {
+std::vector<MeshBlock> make_blocks(const Model& model, std::span<const Dashpot> dashpots) {
     const Index per_triangle = model.mesh.corners_per_triangle(), n_triangles = model.mesh.n_triangles();
     const Index triangles =
         std::clamp(model.mesh.n_corners() / blocks_of_a_body, min_corners, max_corners) / per_triangle;
@@ -31,6 +31,7 @@ std::vector<MeshBlock> make_blocks(const Model& model) {
     std::vector<std::uint8_t> is_inner(model.fans.size(), 1);
     for (const CornerLoad& load : model.corner_loads) is_inner[model.fan_of_corner[load.corner]] = 0;
     for (const PrescribedMotion& motion : model.prescribed) is_inner[motion.fan] = 0;
+    for (const Dashpot& dashpot : dashpots) is_inner[dashpot.fan] = 0;
     for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f) {
         const Fan& fan = model.fans[f];
         const auto corners = model.corners(fan);

@@ -19,7 +19,7 @@ struct MeshBlock {
 
     Index first, last;            // triangles from `first` to before `last`
     Index first_load, last_load;  // on their corners, into Model::corner_loads
-    // fans with all corners in the block and without loads, prescribed motion and obstacles; corners fan by fan
+    // fans with all corners in the block and without loads, dashpots, prescribed motion and obstacles; by fan
     std::vector<BlockFan> inner;
     std::vector<Corner> inner_corners;
     std::vector<InscribedCircle> inner_circles;
@@ -30,6 +30,6 @@ struct MeshBlock {
     std::vector<Corner> kept;  // the corners of the block that belong to bordering fans of any block
 };
 
-std::vector<MeshBlock> make_blocks(const Model& model);
+std::vector<MeshBlock> make_blocks(const Model& model, std::span<const Dashpot> dashpots = {});
 
 }  // namespace knap

@@ -286,8 +286,9 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
     for (const Index s : cluster.slots) {
         TouchedFan& touched = touched_[s];
         respond_as_parts(touched, step);
-        if (touched.is_soft || solver_.meets_obstacles(touched.fan)) {
+        if (touched.is_soft || solver_.has_outer_forces(touched.fan)) {
             touched.is_soft = true;
+            splits[touched.fan] = step.begin.split_rank[touched.fan] < 0;
             respond_softly(touched, step, work, Slope::of_differences);
         }
     }

@@ -13,6 +13,8 @@ constexpr double contradiction = 1e-12;  // [-] residual of a fan whose rebounds
 constexpr double slow = 1e-9;            // [-] of the largest speed
 constexpr double rounding = 1e-14;       // [-] of the velocities of a fan
 constexpr double closed = 1e-5;          // [-] of delta_c: where fans turn, an opening below it counts as none
+constexpr double mean_tolerance = 1e-14;  // [-] of the velocities of a fan on an absorbing boundary
+constexpr int max_sweeps = 100;
 constexpr double caught = 1e-9;  // [-] of the tangential cohesion: a force smaller by more holds the slip at zero
 
 /// [-] beta at the start of the step, of point i of the fan.
@@ -77,7 +79,31 @@ Vec2 ObstacleStep::edge_impulse_on(Index corner) const {
     return sum;
 }
 
-void VertexSolver::assemble(Index f, const ExplicitStep& step, FanProblem& problem) const {
+/// The dashpot of a corner of mass m acts at the mean velocity of the step: per component
+///
+///     (m + k/2 C_xx) v_x+ = (m - k/2 C_xx) v_x + k (f_x - C_xy (v_y + v_y+)/2) + P_x
+///
+/// where C_xy is zero unless the boundary is oblique; its term is a force at the guess of the mean velocity.
+void VertexSolver::add_dashpots(Index f, const ExplicitStep& step, Workspace& work) const {
+    const Fan& fan = model_.fans[f];
+    const auto corners = model_.corners(fan);
+    for (const Dashpot& dashpot : absorbing_.of_fan(f)) {
+        const auto i = std::ranges::find(corners, dashpot.corner) - corners.begin();
+        FanBody& body = work.problem.bodies[i];
+        const double mass = step.mass[fan.first_corner + i];
+        const Vec2 half = 0.5 * step.kick_time * dashpot.C.diagonal(), force = step.corner_force[dashpot.corner],
+                   mean = work.mean_velocity.empty() ? body.velocity : work.mean_velocity[i],
+                   across = dashpot.C(0, 1) * Vec2(mean.y(), mean.x());
+        for (int k = 0; k < 2; ++k) {
+            body.inverse_mass[k] = 1 / ((1 + step.damping) * mass + half[k]);
+            body.free_velocity[k] = body.inverse_mass[k] * (((1 - step.damping) * mass - half[k]) * body.velocity[k] +
+                                                            step.kick_time * (force[k] - across[k]));
+        }
+    }
+}
+
+void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) const {
+    FanProblem& problem = work.problem;
     const Fan& fan = model_.fans[f];
     const State& begin = step.begin;
     const auto corners = model_.corners(fan);
@@ -90,20 +116,26 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, FanProblem& probl
     for (Index i = 0; i < fan.n_corners; ++i) {
         const Index corner = corners[i], node = begin.node_of_corner[corner];
         const double inverse_mass = step.mobility / step.mass[fan.first_corner + i];
-        FanBody body{.velocity = begin.velocity[node],
-                     .free_velocity =
-                         step.decay * begin.velocity[node] + step.kick_time * inverse_mass * step.corner_force[corner],
-                     .inverse_mass = Vec2::Constant(inverse_mass),
-                     .end_velocity = Vec2::Zero()};
+        const FanBody body{.velocity = begin.velocity[node],
+                           .free_velocity = step.decay * begin.velocity[node] +
+                                            step.kick_time * inverse_mass * step.corner_force[corner],
+                           .inverse_mass = Vec2::Constant(inverse_mass),
+                           .end_velocity = Vec2::Zero()};
+        problem.bodies.push_back(body);
+    }
+    add_dashpots(f, step, work);
+    for (Index i = 0; i < fan.n_corners; ++i) {
+        FanBody& body = problem.bodies[i];
         if (!obstacles_.contacts.on_edges().empty())
-            body.free_velocity += inverse_mass * obstacles_.edge_impulse_on(corner);
-        if (!step.corner_impulse.empty()) body.free_velocity += inverse_mass * step.corner_impulse[corner];
-        if (const PrescribedMotion* motion = model_.motion_of(corner)) {
-            const Vec2 given = step.prescribed_velocity(model_, *motion, begin.displacement[node]);
+            body.free_velocity += body.inverse_mass.cwiseProduct(obstacles_.edge_impulse_on(corners[i]));
+        if (!step.corner_impulse.empty())
+            body.free_velocity += body.inverse_mass.cwiseProduct(step.corner_impulse[corners[i]]);
+        if (const PrescribedMotion* motion = model_.motion_of(corners[i])) {
+            const Vec2 displacement = begin.displacement[begin.node_of_corner[corners[i]]],
+                       given = step.prescribed_velocity(model_, *motion, displacement);
             for (int k = 0; k < 2; ++k)
                 if (motion->component[k]) body.free_velocity[k] = given[k], body.inverse_mass[k] = 0;
         }
-        problem.bodies.push_back(body);
     }
     // both in counterclockwise order: point i lies between the bodies shift + i - 1 and shift + i
     const Index shift = fan.closed || (fan.n_points > 0 && points[0].before == rigid_support) ? 0 : 1;
@@ -172,12 +204,35 @@ void VertexSolver::add_contacts(Index f, const ExplicitStep& step, FanProblem& p
     }
 }
 
+FanSolution VertexSolver::solve(Index f, const ExplicitStep& step, Workspace& work) const {
+    work.mean_velocity.clear();
+    FanSolution solution = solve_for_mean(f, step, work);
+    if (!absorbing_.is_oblique(f)) return solution;
+    // a contraction, by less than (c_p - c_s)/(c_p + c_s)
+    work.mean_velocity.assign(model_.fans[f].n_corners, Vec2::Zero());
+    double change = 1, speed = 0;
+    for (int sweep = 0; sweep < max_sweeps; ++sweep) {
+        change = 0;
+        for (std::size_t i = 0; i < work.mean_velocity.size(); ++i) {
+            const FanBody& body = work.problem.bodies[i];
+            const Vec2 mean = 0.5 * (body.velocity + body.end_velocity);
+            change = std::max(change, (mean - work.mean_velocity[i]).norm());
+            speed = std::max(speed, body.velocity.norm() + body.end_velocity.norm());
+            work.mean_velocity[i] = mean;
+        }
+        if (change <= mean_tolerance * speed) return solution;
+        solution = solve_for_mean(f, step, work);
+    }
+    solution.residual = std::max(solution.residual, change / speed);
+    return solution;
+}
+
 /// Rebounds at several links of a vertex may contradict each other: their speeds do not add up round it, and no motion
 /// has them all. The fan is then solved without restitution. Slips near zero that reverse in every step where several
 /// contacts stick may contradict each other too, and grow: before the residual exceeds the limit of a run they are set
 /// to rest, at the cost of a friction work of either sign below the limit of its gate. Where fans turn, a slip before
 /// the step is a slow separation in it, with the same effect.
-FanSolution VertexSolver::solve(Index f, const ExplicitStep& step, Workspace& work) const {
+FanSolution VertexSolver::solve_for_mean(Index f, const ExplicitStep& step, Workspace& work) const {
     FanSolution best = solve_once(f, step, true, 0, work);
     const auto try_without_rebounds = [&](double rest) {
         std::swap(work.problem, work.kept);
@@ -194,7 +249,7 @@ FanSolution VertexSolver::solve(Index f, const ExplicitStep& step, Workspace& wo
 FanSolution VertexSolver::solve_once(Index f, const ExplicitStep& step, bool rebounds, double rest,
                                      Workspace& work) const {
     FanProblem& problem = work.problem;
-    assemble(f, step, problem);
+    assemble(f, step, work);
     for (FanLink& link : problem.links)
         if (!rebounds) link.restitution = 0;
     if (options_.cohesion == CohesionScheme::explicit_beta) return work.solver.solve(problem, rest);
@@ -212,7 +267,8 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
     State& end = step.end;
     const Index f = end.split_fans[rank];
     const Fan& fan = model_.fans[f];
-    if (options_.cohesion == CohesionScheme::explicit_beta && !meets_obstacles(f) &&
+    const auto dashpots = absorbing_.of_fan(f);
+    if (options_.cohesion == CohesionScheme::explicit_beta && !has_outer_forces(f) &&
         advance_stationary(model_, rank, step, work.stationary, report))
         return;
     const FanSolution solution = solve(f, step, work);
@@ -244,7 +300,8 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
         if (!model_.motion_of(corner)) continue;
         Vec2 shared = obstacles_.edge_impulse_on(corner);
         if (!step.corner_impulse.empty()) shared += step.corner_impulse[corner];
-        const Vec2 needed = step.impulse(mass, before, after);
+        const Vec2 needed = step.impulse(mass, before, after) -
+                            step.kick_time * dashpot_force(corner, dashpots, 0.5 * (before + after));
         for (int k = 0; k < 2; ++k) drive(i, k, needed[k] - step.kick_time * force[k] - shared[k]);
     }
 

@@ -10,6 +10,7 @@
 #include "stepper/common/obstacle_contacts.hpp"
 #include "stepper/common/obstacle_motion.hpp"
 #include "stepper/common/scheme_options.hpp"
+#include "stepper/explicit/absorbing_boundary.hpp"
 #include "stepper/explicit/explicit_step.hpp"
 #include "stepper/explicit/stationary_fans.hpp"
 
@@ -33,32 +34,39 @@ public:
         FanProblem problem, kept;  // `problem` holds the last solution
         FanSolver solver;
         std::vector<LinkCohesion> cohesion;
+        std::vector<Vec2> mean_velocity;  // [m/s] guess per corner, on oblique absorbing boundaries
         StationaryWorkspace stationary;
     };
 
-    /// `obstacles` must outlive this.
-    VertexSolver(const Model& model, const SchemeOptions& options, ObstacleStep& obstacles)
-        : model_(model), options_(options), obstacles_(obstacles) {}
+    /// `obstacles` and `absorbing` must outlive this.
+    VertexSolver(const Model& model, const SchemeOptions& options, ObstacleStep& obstacles,
+                 const AbsorbingBoundary& absorbing)
+        : model_(model), options_(options), obstacles_(obstacles), absorbing_(absorbing) {}
 
     /// The problem of the fan in this step and its solution, in work.problem: the bodies are its corners and then the
     /// obstacles in contact, the links its points and then these contacts.
     FanSolution solve(Index fan, const ExplicitStep& step, Workspace& work) const;
 
-    bool meets_obstacles(Index fan) const {
-        return !obstacles_.contacts.on_edges().empty() || !obstacles_.contacts.of_fan(fan).empty();
+    /// Obstacles or dashpots act on the fan: its parts do not answer with their masses alone.
+    bool has_outer_forces(Index fan) const {
+        return !obstacles_.contacts.on_edges().empty() || !obstacles_.contacts.of_fan(fan).empty() ||
+               !absorbing_.of_fan(fan).empty();
     }
 
     /// Moves a split fan to the end of the step: velocities, displacements, cohesion, tractions, works.
     void advance(Index rank, const ExplicitStep& step, Workspace& work, StepReport& report) const;
 
 private:
+    FanSolution solve_for_mean(Index fan, const ExplicitStep& step, Workspace& work) const;
     FanSolution solve_once(Index fan, const ExplicitStep& step, bool rebounds, double rest, Workspace& work) const;
-    void assemble(Index fan, const ExplicitStep& step, FanProblem& problem) const;
+    void assemble(Index fan, const ExplicitStep& step, Workspace& work) const;
+    void add_dashpots(Index fan, const ExplicitStep& step, Workspace& work) const;
     void add_contacts(Index fan, const ExplicitStep& step, FanProblem& problem) const;
 
     const Model& model_;
     SchemeOptions options_;
     ObstacleStep& obstacles_;
+    const AbsorbingBoundary& absorbing_;
 };
 
 }  // namespace knap
