@@ -15,6 +15,8 @@ namespace {
 constexpr double deep = 1e-3;                       // [-] of the edge: a deeper penetration is reduced by a rebound
 constexpr double merged = 1e-12;                    // [-] of the speeds: nearer kinks of the friction are one
 constexpr double difference = 1e-6;                 // [-] of the momenta, for the slope of a soft fan
+constexpr double held = 1e-8;                       // [-] of the mobility of a free corner: a smaller one is zero
+constexpr double absurd = 1e3;                      // [-] of the speeds of a cluster: no impulse of a contact causes it
 constexpr double agreed = 1e-12;                    // [-] of the speeds, between contacts and fans
 constexpr double unsolved = 1e-3;                   // [-] of the speeds: the step is rejected
 constexpr double rounding = 1e-15;                  // [-] of the positions
@@ -210,6 +212,13 @@ void VertexContacts::find_slope(TouchedFan& touched, Workspace& work, const Resp
         }
     }
     touched.R = (0.5 * (touched.R + touched.R.transpose())).eval();
+    // a corner that an obstacle holds does not move: what is left is the rounding of the differences
+    for (Eigen::Index c = 0; c < n; ++c)
+        for (int k = 0; k < 2; ++k) {
+            const Eigen::Index row = 2 * c + k;
+            if (touched.R(row, row) > held / model_.corner_mass[touched.corners[c]]) continue;
+            touched.R.row(row).setZero(), touched.R.col(row).setZero();
+        }
 }
 
 /// End velocities of the touched corners from the interface laws of the fan; with their slope by differences.
@@ -306,6 +315,14 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
         const ContactLaw law = law_between(c);
         problem.contacts[i].law = contact_law(c.gap, before_[cluster.contacts[i]], law.friction, law.restitution,
                                               step.drift_time, deep * c.length, merged * speed + error);
+        // a vertex that moves as one with the end of the edge that it touches is no contact
+        double own = 0, of_ends = 0;
+        for (Index k = problem.contacts[i].first_coupling; k < problem.contacts[i].last_coupling; ++k)
+            if (problem.couplings[k].on == static_cast<Index>(i)) own = problem.couplings[k].W.trace();
+        for (const Term& term : terms_of(cluster.contacts[i]))
+            of_ends = std::max(of_ends, term.along_N.squaredNorm() *
+                                            touched_[term.slot].R.block<2, 2>(2 * term.place, 2 * term.place).trace());
+        if (own <= held * of_ends) problem.contacts[i].law.contact.may_touch = false;
     }
     double residual = 0;
     for (int round = 0; round < max_rounds; ++round) {
@@ -341,9 +358,15 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
         assemble(cluster, problem);
     }
     for (const Index i : cluster.contacts) residual_[i] = residual + error;
-    if (speed > 0)
-        report.contact_residual = std::max(report.contact_residual, std::max(0.0, residual - error) / speed);
-    if (speed > 0 && residual > unsolved * speed + error) {
+    if (speed > 0) report.contact_residual = std::max(report.contact_residual, std::max(0.0, residual - error) / speed);
+    double before = 0, after = 0;
+    for (const Index s : cluster.slots)
+        for (std::size_t c = 0; c < touched_[s].corners.size(); ++c) {
+            const Index node = step.begin.node_of_corner[touched_[s].corners[c]];
+            before = std::max({before, step.begin.velocity[node].norm(), touched_[s].free[c].norm()});
+            after = std::max(after, velocity_of(touched_[s], static_cast<Index>(c)).norm());
+        }
+    if ((speed > 0 && residual > unsolved * speed + error) || !(after <= absurd * before)) {
         const Index corner = contacts_.all()[cluster.contacts.front()].vertex[1];
         report.reject(Rejection::not_converged, model_.mesh.corner(corner) + step.begin.displacement_of(corner));
     }
