@@ -315,14 +315,15 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
         const ContactLaw law = law_between(c);
         problem.contacts[i].law = contact_law(c.gap, before_[cluster.contacts[i]], law.friction, law.restitution,
                                               step.drift_time, deep * c.length, merged * speed + error);
-        // a vertex that moves as one with the end of the edge that it touches is no contact
-        double own = 0, of_ends = 0;
+        // a vertex that moves as one with the end of the edge that it touches is no contact, nor are two that are held
+        double own = 0, of_free_corners = 0;
         for (Index k = problem.contacts[i].first_coupling; k < problem.contacts[i].last_coupling; ++k)
             if (problem.couplings[k].on == static_cast<Index>(i)) own = problem.couplings[k].W.trace();
         for (const Term& term : terms_of(cluster.contacts[i]))
-            of_ends = std::max(of_ends, term.along_N.squaredNorm() *
-                                            touched_[term.slot].R.block<2, 2>(2 * term.place, 2 * term.place).trace());
-        if (own <= held * of_ends) problem.contacts[i].law.contact.may_touch = false;
+            of_free_corners =
+                std::max(of_free_corners,
+                         term.along_N.squaredNorm() / model_.corner_mass[touched_[term.slot].corners[term.place]]);
+        if (own <= held * of_free_corners) problem.contacts[i].law.contact.may_touch = false;
     }
     double residual = 0;
     for (int round = 0; round < max_rounds; ++round) {
