@@ -116,6 +116,18 @@ const GateRule rules[] = {
       "they turned. Try a smaller time.safety or smaller triangles there; [limits] contact_depth sets another limit."},
      {0.02, 0.2, allowed},
      [](const GateView& run) { return GateValue{run.ledger.worst().contact_depth}; }},
+    {{"contact_injection", "",
+      "positive works of contacts between free faces, by the residual of their laws, over the work of impact and "
+      "friction",
+      "Usual cause: pieces wedged by friction. Try less friction, or a smaller time.safety."},
+     {1e-6, 1e-3, fixed},
+     [](const GateView& run) {
+         const double scale = -run.ledger.row().impact_work - run.ledger.row().friction_work;
+         const double least = 1e-6 * run.ledger.largest_energy();  // before anything has met
+         return GateValue{run.ledger.worst().contact_injection > 0
+                              ? run.ledger.worst().contact_injection / std::max(scale, least)
+                              : 0.0};
+     }},
     {{"contact_residual", "",
       "largest error of the rates of contacts between free faces over their speeds; momentum and energy are exact all "
       "the same, but single contacts may do positive work",

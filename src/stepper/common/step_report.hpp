@@ -25,19 +25,20 @@ enum class Combine { sum, maximum };
 /// Energies are those at the end of the step, works those of the step [J]; an impulse works with the mean of the
 /// velocities before and after it.
 struct StepReport {
-    double kinetic = 0;             // 1/2 v' M v
-    double strain = 0;              // 1/2 u_n' K u_{n+1}
-    double dissipated = 0;          // sum of S G_c f(beta) over all points: not given back when they close
-    double recoverable = 0;         // sum of S beta sigma_c s: given back when they close
-    double external_work = 0;       // of loads and prescribed motions
-    double cohesive_work = 0;       // against the interface forces that Psi belongs to (positive: taken from the body)
-    double crossing_loss = 0;       // part of cohesive_work: lost where a slip changes its sign within a step
-    double impact_work = 0;         // <= 0
-    double friction_work = 0;       // <= 0
-    double step_change_work = 0;    // of a change of the step size in the leapfrog energy
-    double rotation_work = 0;       // defect of the elastic energy in the leapfrog energy, of large rotations
-    double damping_work = 0;        // <= 0: of mass-proportional damping
-    double radiated_work = 0;       // <= 0: of absorbing boundaries
+    double kinetic = 0;            // 1/2 v' M v
+    double strain = 0;             // 1/2 u_n' K u_{n+1}
+    double dissipated = 0;         // sum of S G_c f(beta) over all points: not given back when they close
+    double recoverable = 0;        // sum of S beta sigma_c s: given back when they close
+    double external_work = 0;      // of loads and prescribed motions
+    double cohesive_work = 0;      // against the interface forces that Psi belongs to (positive: taken from the body)
+    double crossing_loss = 0;      // part of cohesive_work: lost where a slip changes its sign within a step
+    double impact_work = 0;        // <= 0
+    double friction_work = 0;      // <= 0
+    double step_change_work = 0;   // of a change of the step size in the leapfrog energy
+    double contact_injection = 0;  // >= 0: positive works of contacts between free faces, by the residual of their laws
+    double rotation_work = 0;      // defect of the elastic energy in the leapfrog energy, of large rotations
+    double damping_work = 0;       // <= 0: of mass-proportional damping
+    double radiated_work = 0;      // <= 0: of absorbing boundaries
     double scheme_dissipation = 0;  // >= 0: (theta - 1/2) (|dv|_M^2 + |du|_K^2) of the implicit bulk
     // of single points, beyond what the residual and rounding explain; must be <= 0
     double worst_impact_work = 0;
@@ -68,12 +69,12 @@ struct StepReport {
     static constexpr void for_each_number(const Visit& visit) {
         using R = StepReport;
         constexpr auto sums =
-            std::tuple{&R::kinetic,       &R::strain,           &R::dissipated,         &R::recoverable,
-                       &R::external_work, &R::cohesive_work,    &R::crossing_loss,      &R::impact_work,
-                       &R::friction_work, &R::step_change_work, &R::scheme_dissipation, &R::rotation_work,
-                       &R::damping_work,  &R::radiated_work,    &R::fan_solves,         &R::fan_iterations,
-                       &R::fan_fallbacks, &R::face_contacts,    &R::bond_checks,        &R::released,
-                       &R::softened,      &R::linear_solves,    &R::factorisations};
+            std::tuple{&R::kinetic,           &R::strain,           &R::dissipated,         &R::recoverable,
+                       &R::external_work,     &R::cohesive_work,    &R::crossing_loss,      &R::impact_work,
+                       &R::friction_work,     &R::step_change_work, &R::scheme_dissipation, &R::rotation_work,
+                       &R::contact_injection, &R::damping_work,     &R::radiated_work,      &R::fan_solves,
+                       &R::fan_iterations,    &R::fan_fallbacks,    &R::face_contacts,      &R::bond_checks,
+                       &R::released,          &R::softened,         &R::linear_solves,      &R::factorisations};
         constexpr auto maxima =
             std::tuple{&R::worst_impact_work, &R::worst_friction_work, &R::residual,      &R::penetration,
                        &R::contact_residual,  &R::contact_depth,       &R::largest_speed, &R::largest_beta_growth};

@@ -18,7 +18,6 @@ constexpr double difference = 1e-6;                 // [-] of the momenta, for t
 constexpr double held = 1e-8;                       // [-] of the mobility of a free corner: a smaller one is zero
 constexpr double absurd = 1e3;                      // [-] of the speeds of a cluster: no impulse of a contact causes it
 constexpr double agreed = 1e-12;                    // [-] of the speeds, between contacts and fans
-constexpr double unsolved = 1e-3;                   // [-] of the speeds: the step is rejected
 constexpr double rounding = 1e-15;                  // [-] of the positions
 constexpr int newton_rounds = 8, max_rounds = 300;  // of contacts and fans
 
@@ -367,7 +366,8 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
             before = std::max({before, step.begin.velocity[node].norm(), touched_[s].free[c].norm()});
             after = std::max(after, velocity_of(touched_[s], static_cast<Index>(c)).norm());
         }
-    if ((speed > 0 && residual > unsolved * speed + error) || !(after <= absurd * before)) {
+    // a residual changes no momentum and no energy, but the sign of single works: a gate judges their sum
+    if (!(after <= absurd * before)) {
         const Index corner = contacts_.all()[cluster.contacts.front()].vertex[1];
         report.reject(Rejection::not_converged, model_.mesh.corner(corner) + step.begin.displacement_of(corner));
     }
@@ -415,10 +415,12 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
                          .rate_error = residual_[i] + 1e-14 * (before_[i].norm() + after.norm()),
                          .opening = 0},  // contact_depth has it
                         report);
+        report.contact_injection += std::max(0.0, P.x() * mean.x()) + std::max(0.0, P.y() * mean.y());
         report.contact_depth = std::max(report.contact_depth, -(c.gap + step.drift_time * after.x()) / c.length);
         step.end.face_contacts.push_back({c.vertex[1], c.edge[0], P.x(), P.y()});
     }
     report.face_contacts = static_cast<std::int64_t>(contacts.size());
+    step.end.retired = step.begin.retired;  // for good; `end` may be an older state
     retire_points(model_, step.end);
 }
 

@@ -172,3 +172,29 @@ TEST_CASE("a stack of five settled blocks stays at rest") {
         }
 }
 
+
+TEST_CASE("a new stepper goes on from a state of broken pieces in contact with the same bits") {
+    Bodies bodies;
+    bodies.add(bar_mesh(16, 1, 4, 0.25), {-1.5, -0.25 - 1e-6});
+    bodies.add(bar_mesh(8, 8, 1, 1), {0, 0.02}, 0.1);
+    ModelInput input = bodies.input({0.5, 0});
+    input.laws.push_back({.sigma_c = 1e4, .G_c = 30, .gamma = 1, .friction = 0.5});
+    input.law_of_pair[1][1] = 1;
+    input.loads = {in_box(Load::Kind::displacement, Box{{-2, -1}, {7, -5e-7}}, 0, 0)};
+    input.initial_velocities = {{.on = {.boundary = "", .box = Box{{-3, 0.001}, {9, 9}}}, .value = {0, -10}}};
+    Run run(std::move(input));
+    const double h = 0.5 * stable(run);
+    for (int i = 0; i < 150; ++i)
+        for (double part = h; !run.step_if_taken(part); part /= 2) REQUIRE(part > 1e-3 * h);
+    CHECK(std::ranges::count(run.now.retired, 1) > 20);
+    CHECK(run.now.face_contacts.size() > 10);
+    CHECK(run.ledger.largest_residual() < 1e-12 * run.ledger.largest_energy());
+    MoreauJean other(run.model, SchemeOptions{});
+    State now = run.now, next;
+    for (int i = 0; i < 50; ++i) {
+        if (!run.step_if_taken(h)) break;
+        CHECK(other.step(now, h, next).rejection == Rejection::none);
+        std::swap(now, next);
+        REQUIRE(same_bits(run.now, now));
+    }
+}
