@@ -123,7 +123,7 @@ const GateRule rules[] = {
      {1e-6, 1e-3, fixed},
      [](const GateView& run) {
          const double scale = -run.ledger.row().impact_work - run.ledger.row().friction_work;
-         const double least = 1e-6 * run.ledger.largest_energy();  // before anything has met
+         const double least = 1e-3 * run.ledger.largest_energy();  // before much has met
          return GateValue{run.ledger.worst().contact_injection > 0
                               ? run.ledger.worst().contact_injection / std::max(scale, least)
                               : 0.0};

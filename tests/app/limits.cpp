@@ -144,7 +144,7 @@ TEST_CASE("limits: with large rotations the bar turns as far as it likes") {
         std::ofstream(folder.path / "scene.toml") << spin;
         const Answer checked = command("check " + folder.in_shell("scene.toml"));
         CHECK(checked.code == 0);
-        CHECK(checked.has("warning[rotation]"));
+        CHECK(checked.has("warning[spin]"));
         CHECK(checked.has("domain.rotation"));
     }
     SUBCASE("nor where nothing can turn") {

@@ -219,7 +219,7 @@ public:
             if (!(body.mass > 0) || body.held) continue;
             const double spin = body.momentum / body.inertia / degree, angle = std::abs(spin) * scenario_.time.end;
             if (angle < from) continue;
-            return add(item("initial", scenario_.initial_velocities.size() - 1), "rotation",
+            return add(item("initial", scenario_.initial_velocities.size() - 1), "spin",
                        formatted("a free body starts with a spin of %.3g deg/s and turns by %.3g degrees until "
                                  "`time.end`; small rotations are those below %.3g degrees",
                                  spin, angle, from),
