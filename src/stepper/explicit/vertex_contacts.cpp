@@ -362,8 +362,9 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
     double before = 0, after = 0;
     for (const Index s : cluster.slots)
         for (std::size_t c = 0; c < touched_[s].corners.size(); ++c) {
-            const Index node = step.begin.node_of_corner[touched_[s].corners[c]];
-            before = std::max({before, step.begin.velocity[node].norm(), touched_[s].free[c].norm()});
+            const Index corner = touched_[s].corners[c];
+            before = std::max({before, step.begin.velocity[step.begin.node_of_corner[corner]].norm(),
+                               step.kick_time / model_.corner_mass[corner] * step.corner_force[corner].norm()});
             after = std::max(after, velocity_of(touched_[s], static_cast<Index>(c)).norm());
         }
     // a residual changes no momentum and no energy, but the sign of single works: a gate judges their sum
