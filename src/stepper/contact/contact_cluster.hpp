@@ -15,6 +15,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include <algorithm>
 #include <vector>
 
 namespace knap {
@@ -50,6 +51,11 @@ public:
     /// Solves the problem and returns its residual [m/s], the largest error of a rate. `speed` [m/s] is the scale of
     /// the rates, `rounding` [m/s] their absolute error.
     double solve(double speed, double rounding);
+    double largest_impulse() const {  // [N s]
+        double largest = 0;
+        for (const ClusterContact& c : contacts) largest = std::max(largest, c.impulse.norm());
+        return largest;
+    }
     /// [m/s] of the impulses, if the rates were `velocity` of each contact.
     double residual() const;
 

@@ -17,6 +17,7 @@ constexpr double merged = 1e-12;                    // [-] of the speeds: nearer
 constexpr double difference = 1e-6;                 // [-] of the momenta, for the slope of a soft fan
 constexpr double held = 1e-8;                       // [-] of the mobility of a free corner: a smaller one is zero
 constexpr double absurd = 1e3;                      // [-] of the speeds of a cluster: no impulse of a contact causes it
+constexpr double max_injected = 1e-3;               // [-] of the kinetic energy of a cluster, by its residual
 constexpr double agreed = 1e-12;                    // [-] of the speeds, between contacts and fans
 constexpr double rounding = 1e-15;                  // [-] of the positions
 constexpr int newton_rounds = 8, max_rounds = 300;  // of contacts and fans
@@ -287,6 +288,20 @@ void VertexContacts::assemble(const Cluster& cluster, ContactCluster& problem) c
     }
 }
 
+/// A vertex that moves as one with the end of the edge that it touches is no contact, nor are two that are held.
+void VertexContacts::drop_immobile(const Cluster& cluster, ContactCluster& problem) const {
+    for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
+        double own = 0, of_free_corners = 0;
+        for (Index k = problem.contacts[i].first_coupling; k < problem.contacts[i].last_coupling; ++k)
+            if (problem.couplings[k].on == static_cast<Index>(i)) own = problem.couplings[k].W.trace();
+        for (const Term& term : terms_of(cluster.contacts[i]))
+            of_free_corners =
+                std::max(of_free_corners,
+                         term.along_N.squaredNorm() / model_.corner_mass[touched_[term.slot].corners[term.place]]);
+        if (own <= held * of_free_corners) problem.contacts[i].law.contact.may_touch = false;
+    }
+}
+
 void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
                                    Workspace& work, StepReport& report) {
     ContactCluster& problem = work.cluster;
@@ -314,16 +329,8 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
         const ContactLaw law = law_between(c);
         problem.contacts[i].law = contact_law(c.gap, before_[cluster.contacts[i]], law.friction, law.restitution,
                                               step.drift_time, deep * c.length, merged * speed + error);
-        // a vertex that moves as one with the end of the edge that it touches is no contact, nor are two that are held
-        double own = 0, of_free_corners = 0;
-        for (Index k = problem.contacts[i].first_coupling; k < problem.contacts[i].last_coupling; ++k)
-            if (problem.couplings[k].on == static_cast<Index>(i)) own = problem.couplings[k].W.trace();
-        for (const Term& term : terms_of(cluster.contacts[i]))
-            of_free_corners =
-                std::max(of_free_corners,
-                         term.along_N.squaredNorm() / model_.corner_mass[touched_[term.slot].corners[term.place]]);
-        if (own <= held * of_free_corners) problem.contacts[i].law.contact.may_touch = false;
     }
+    drop_immobile(cluster, problem);
     double residual = 0;
     for (int round = 0; round < max_rounds; ++round) {
         residual = problem.solve(speed, error);
@@ -356,19 +363,27 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
         for (const Index s : cluster.slots)
             if (touched_[s].is_soft) respond_softly(touched_[s], step, work, slope);
         assemble(cluster, problem);
+        drop_immobile(cluster, problem);
     }
     for (const Index i : cluster.contacts) residual_[i] = residual + error;
     if (speed > 0) report.contact_residual = std::max(report.contact_residual, std::max(0.0, residual - error) / speed);
-    double before = 0, after = 0;
+    double before = 0, after = 0, energy = 0, injected = 0;
     for (const Index s : cluster.slots)
         for (std::size_t c = 0; c < touched_[s].corners.size(); ++c) {
             const Index corner = touched_[s].corners[c];
-            before = std::max({before, step.begin.velocity[step.begin.node_of_corner[corner]].norm(),
-                               step.kick_time / model_.corner_mass[corner] * step.corner_force[corner].norm()});
+            const double speed_before = step.begin.velocity[step.begin.node_of_corner[corner]].norm(),
+                         mass = model_.corner_mass[corner];
+            energy += 0.5 * mass * speed_before * speed_before;
+            before = std::max({before, speed_before, step.kick_time / mass * step.corner_force[corner].norm()});
             after = std::max(after, velocity_of(touched_[s], static_cast<Index>(c)).norm());
         }
+    for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
+        const Vec2 &P = problem.contacts[i].impulse,
+                   mean = 0.5 * (before_[cluster.contacts[i]] + problem.contacts[i].velocity);
+        injected += std::max(0.0, P.x() * mean.x()) + std::max(0.0, P.y() * mean.y());
+    }
     // a residual changes no momentum and no energy, but the sign of single works: a gate judges their sum
-    if (!(after <= absurd * before)) {
+    if (!(after <= absurd * before) || injected > max_injected * energy + error * problem.largest_impulse()) {
         const Index corner = contacts_.all()[cluster.contacts.front()].vertex[1];
         report.reject(Rejection::not_converged, model_.mesh.corner(corner) + step.begin.displacement_of(corner));
     }

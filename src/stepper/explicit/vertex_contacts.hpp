@@ -84,6 +84,7 @@ private:
                          StepReport& report) const;
     void spread(const Cluster& cluster);
     void assemble(const Cluster& cluster, ContactCluster& problem) const;
+    void drop_immobile(const Cluster& cluster, ContactCluster& problem) const;
     Vec2 rate(Index contact, const State& state) const;
     Vec2 velocity_of(const TouchedFan& touched, Index place) const;
     std::span<const Term> terms_of(Index contact) const { return {&terms_[4 * contact], 4}; }
