@@ -34,15 +34,14 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
       elastic_energy_(blocks_.size()),
       fan_is_candidate_(model.fans.size(), 0),
       splits_(model.fans.size(), 0),
-      workspaces_(omp_get_max_threads(), Workspace(model)) {
+      workspaces_(omp_get_max_threads(), ThreadWorkspace(model)) {
     if (!model.contact_of_pair.empty()) {
         corner_impulse_.assign(model.mesh.n_corners(), Vec2::Zero());
         contacts_.emplace(model, solver_, corner_impulse_);
-        contact_work_.assign(omp_get_max_threads(), VertexContacts::Workspace(model));
     }
     forces_.set_stress_criterion(stress_thresholds(model, absorbing_.dashpots()), model.fan_of_corner);
     for (const Index corner : model.fan_corners) mass_.push_back(model.corner_mass[corner]);
-    for (Workspace& work : workspaces_) {
+    for (ThreadWorkspace& work : workspaces_) {
         work.force.resize(model.mesh.corners_per_triangle() * blocks_.front().last);
         VertexSolver::Workspace& split = work.split;  // more corners and points than most vertices have
         make_room(16, work.required, split.stationary.required, split.stationary.impulse);
@@ -91,7 +90,7 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
 StepReport ExplicitScheme::sweep_blocks(const ExplicitStep& step) {
     return sum_over_blocks(blocks_.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
         const MeshBlock& block = blocks_[b];
-        Workspace& work = workspaces_[omp_get_thread_num()];
+        ThreadWorkspace& work = workspaces_[omp_get_thread_num()];
         elastic_energy_[b] = forces_.evaluate(block.first, block.last, step.begin.displacement,
                                               step.begin.node_of_corner, work.force.data(), fan_is_candidate_);
         Vec2* kept = &corner_force_[model_.mesh.corners_per_triangle() * block.first];
@@ -104,7 +103,7 @@ StepReport ExplicitScheme::sweep_blocks(const ExplicitStep& step) {
     });
 }
 
-void ExplicitScheme::sweep_inner(const MeshBlock& block, const ExplicitStep& step, Workspace& work,
+void ExplicitScheme::sweep_inner(const MeshBlock& block, const ExplicitStep& step, ThreadWorkspace& work,
                                  StepReport& report) {
     const State& begin = step.begin;
     NodeMotion motion(step);
@@ -155,7 +154,7 @@ StepReport ExplicitScheme::sweep_bordering(const ExplicitStep& step) {
     return sum_over_blocks(blocks_.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
         const State& begin = step.begin;
         const MeshBlock& block = blocks_[b];
-        Workspace& work = workspaces_[omp_get_thread_num()];
+        ThreadWorkspace& work = workspaces_[omp_get_thread_num()];
         NodeMotion nodes(step);
         const Index* next = block.bordering_corners.data();
         for (std::size_t i = 0; i < block.bordering.size(); ++i) {
@@ -201,25 +200,12 @@ StepReport ExplicitScheme::sweep_bordering(const ExplicitStep& step) {
 /// fan.
 template <class Force>
 bool ExplicitScheme::is_bonded(const MeshBlock::BlockFan& of, const InscribedCircle* circle, const Force& force_on,
-                               const Vec2& force, const State& begin, Workspace& work, StepReport& report) {
+                               const Vec2& force, const State& begin, ThreadWorkspace& work, StepReport& report) {
     fan_is_candidate_[of.fan] = 0;
     if (contacts_ && contacts_->touches(of.fan)) return false;  // their impulses decide
     if (within_inscribed_circles(circle, of.n_corners, force_on, force)) return true;
-    const Fan& fan = model_.fans[of.fan];
-    const PrescribedMotion* motion = model_.motion_of(model_.corners(fan)[0]);
-    const Vec2 acceleration = force / fan.mass;
-    work.required.resize(fan.n_corners);
-    for (Index i = 0; i < fan.n_corners; ++i) {
-        work.required[i] = mass_[fan.first_corner + i] * acceleration - force_on(i);
-        for (int k = 0; k < 2 && motion; ++k)
-            if (motion->component[k]) work.required[i][k] = 0;  // the drive of each corner supplies it
-    }
-    if (model_.large_rotation) {  // the strengths are those of the normals at the start
-        const FanFrame frame = fan_frame(model_, begin, fan);
-        for (Vec2& required : work.required) required = frame.turned_back(required);
-    }
     ++report.bond_checks;
-    const bool bonded = work.bond_check.is_bonded(of.fan, work.required, 1);
+    const bool bonded = work.is_bonded(model_, of.fan, begin, mass_, force_on, force);
     splits_[of.fan] = !bonded;
     return bonded;
 }
@@ -283,18 +269,18 @@ void ExplicitScheme::solve_contacts(const ExplicitStep& step, StepReport& report
     VertexSolver::Workspace& work = workspaces_.front().split;
     if (!contacts_ || contacts_->size() == 0) return obstacles_.solve(step, work, report);
     if (!obstacles_.couple_fans()) {
-        contacts_->solve(step, splits_, contact_work_, report);
+        contacts_->solve(step, splits_, workspaces_, report);
         return obstacles_.solve(step, work, report);
     }
     StepReport last;
     double change = 1;
     for (int round = 0; round < max_rounds && change > contacts_agree; ++round) {
         last = {};
-        contacts_->solve(step, splits_, contact_work_, last);
+        contacts_->solve(step, splits_, workspaces_, last);
         change = contacts_->change_of_impulses();
         obstacles_.solve(step, work, last);
     }
-    if (change > max_residual) last.reject(Rejection::not_converged, contacts_->place_of_first(step.begin));
+    if (change > max_residual) last.reject(Rejection::not_converged, contacts_->place_of(0, step.begin));
     report += last;
 }
 

@@ -21,21 +21,13 @@ public:
     double stable_step() const override { return stable_step_; }
 
 private:
-    struct alignas(128) Workspace {  // no cache line of two threads
-        explicit Workspace(const Model& model) : bond_check(model) {}
-        std::vector<Vec2> force;     // [N] on the corners of a block of triangles
-        std::vector<Vec2> required;  // [N] per corner of a fan, from its points
-        BondCheck bond_check;
-        VertexSolver::Workspace split;
-    };
-
     StepReport sweep_blocks(const ExplicitStep& step);
-    void sweep_inner(const MeshBlock& block, const ExplicitStep& step, Workspace& work, StepReport& report);
+    void sweep_inner(const MeshBlock& block, const ExplicitStep& step, ThreadWorkspace& work, StepReport& report);
     void split_at_contacts(const State& begin);
     StepReport sweep_bordering(const ExplicitStep& step);
     template <class Force>
     bool is_bonded(const MeshBlock::BlockFan& fan, const InscribedCircle* circle, const Force& force_on,
-                   const Vec2& force, const State& begin, Workspace& work, StepReport& report);
+                   const Vec2& force, const State& begin, ThreadWorkspace& work, StepReport& report);
     Vec2 velocity_as_one(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step) const;
     void move_bonded(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step, NodeMotion& nodes,
                      StepReport& report) const;
@@ -60,16 +52,15 @@ private:
     ObstacleStep obstacle_step_;
     VertexSolver solver_;
     VertexObstacles obstacles_;
-    std::optional<VertexContacts> contacts_;               // between free faces
-    std::vector<VertexContacts::Workspace> contact_work_;  // one per thread
-    std::vector<double> mass_;                             // [kg] per corner, in the order of Model::fan_corners
-    std::vector<double> amplitude_;                        // of every history, at the start of the step
-    std::vector<Vec2> corner_force_;                       // [N] per corner, see ExplicitStep
-    std::vector<Vec2> corner_impulse_;                     // [N s] likewise
-    std::vector<double> elastic_energy_;                   // [J] per block, with large rotations
-    std::vector<std::uint8_t> fan_is_candidate_;           // per fan: it exceeds the stress criterion
-    std::vector<std::uint8_t> splits_;                     // per fan, in this step
-    std::vector<Workspace> workspaces_;                    // one per thread
+    std::optional<VertexContacts> contacts_;      // between free faces
+    std::vector<double> mass_;                    // [kg] per corner, in the order of Model::fan_corners
+    std::vector<double> amplitude_;               // of every history, at the start of the step
+    std::vector<Vec2> corner_force_;              // [N] per corner, see ExplicitStep
+    std::vector<Vec2> corner_impulse_;            // [N s] likewise
+    std::vector<double> elastic_energy_;          // [J] per block, with large rotations
+    std::vector<std::uint8_t> fan_is_candidate_;  // per fan: it exceeds the stress criterion
+    std::vector<std::uint8_t> splits_;            // per fan, in this step
+    std::vector<ThreadWorkspace> workspaces_;     // one per thread
     std::vector<StepReport> partial_;
     State unordered_;
 };

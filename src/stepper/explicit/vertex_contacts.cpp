@@ -22,6 +22,11 @@ constexpr double agreed = 1e-12;                    // [-] of the speeds, betwee
 constexpr double rounding = 1e-15;                  // [-] of the positions
 constexpr int newton_rounds = 8, max_rounds = 300;  // of contacts and fans
 
+/// [J] Of the impulse P at a mean rate, both (N, T): what the residual of the laws injects.
+double positive_work(const Vec2& P, const Vec2& mean) {
+    return std::max(0.0, P.x() * mean.x()) + std::max(0.0, P.y() * mean.y());
+}
+
 }  // namespace
 
 Index VertexContacts::slot_of(Index fan) {
@@ -79,10 +84,8 @@ void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
 /// [m/s] (V_N, V_T) of a contact.
 Vec2 VertexContacts::rate(Index contact, const State& state) const {
     Vec2 V = Vec2::Zero();
-    for (const Term& term : terms_of(contact)) {
-        const Vec2& v = state.velocity[state.node_of_corner[touched_[term.slot].corners[term.place]]];
-        V += Vec2(term.along_N.dot(v), term.along_T.dot(v));
-    }
+    for (const Term& term : terms_of(contact))
+        V += term.rate(state.velocity[state.node_of_corner[touched_[term.slot].corners[term.place]]]);
     return V;
 }
 
@@ -168,32 +171,24 @@ void VertexContacts::respond_as_parts(TouchedFan& touched, const ExplicitStep& s
 }
 
 /// Whether the impulses on its corners leave the parts of a fan as they are.
-bool VertexContacts::keeps_its_parts(const TouchedFan& touched, const ExplicitStep& step, Workspace& work,
+bool VertexContacts::keeps_its_parts(const TouchedFan& touched, const ExplicitStep& step, ThreadWorkspace& work,
                                      StepReport& report) const {
     const Fan& fan = model_.fans[touched.fan];
     const auto corners = model_.corners(fan);
     if (const Index rank = step.begin.split_rank[touched.fan]; rank >= 0)
         return is_stationary(model_, rank, step, work.split.stationary);
+    const auto force_on = [&](Index i) -> Vec2 {
+        return step.corner_force[corners[i]] + corner_impulse_[corners[i]] / step.kick_time;
+    };
     Vec2 force = Vec2::Zero();
-    for (const Index c : corners) force += step.corner_force[c] + corner_impulse_[c] / step.kick_time;
-    const PrescribedMotion* motion = model_.motion_of(corners[0]);
-    work.required.resize(fan.n_corners);
-    for (Index i = 0; i < fan.n_corners; ++i) {
-        const Index c = corners[i];
-        work.required[i] = step.mass[fan.first_corner + i] / fan.mass * force - step.corner_force[c] -
-                           corner_impulse_[c] / step.kick_time;
-        for (int k = 0; k < 2 && motion; ++k)
-            if (motion->component[k]) work.required[i][k] = 0;  // the drive of each corner supplies it
-    }
-    const FanFrame frame = fan_frame(model_, step.begin, fan);
-    for (Vec2& required : work.required) required = frame.turned_back(required);
+    for (Index i = 0; i < fan.n_corners; ++i) force += force_on(i);
     ++report.bond_checks;
-    return work.bond_check.is_bonded(touched.fan, work.required, 1);
+    return work.is_bonded(model_, touched.fan, step.begin, step.mass, force_on, force);
 }
 
 /// [1/kg] R by differences; `respond` finds the velocities of the touched corners.
 template <class Respond>
-void VertexContacts::find_slope(TouchedFan& touched, Workspace& work, const Respond& respond) {
+void VertexContacts::find_slope(TouchedFan& touched, ThreadWorkspace& work, const Respond& respond) {
     const auto n = static_cast<Eigen::Index>(touched.corners.size());
     double speed = 0;
     for (const FanBody& body : work.split.problem.bodies)
@@ -222,7 +217,7 @@ void VertexContacts::find_slope(TouchedFan& touched, Workspace& work, const Resp
 }
 
 /// End velocities of the touched corners from the interface laws of the fan; with their slope by differences.
-void VertexContacts::respond_softly(TouchedFan& touched, const ExplicitStep& step, Workspace& work, Slope slope) {
+void VertexContacts::respond_softly(TouchedFan& touched, const ExplicitStep& step, ThreadWorkspace& work, Slope slope) {
     const Fan& fan = model_.fans[touched.fan];
     const auto corners = model_.corners(fan);
     const auto n = static_cast<Eigen::Index>(touched.corners.size());
@@ -273,8 +268,7 @@ void VertexContacts::assemble(const Cluster& cluster, ContactCluster& problem) c
     for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
         for (const Term& term : terms_of(cluster.contacts[i])) {
             const TouchedFan& touched = touched_[term.slot];
-            const Vec2& v = touched.free[term.place];
-            problem.contacts[i].free += Vec2(term.along_N.dot(v), term.along_T.dot(v));
+            problem.contacts[i].free += term.rate(touched.free[term.place]);
             for (const Index k : touched.terms) {
                 const Term& other = terms_[k];
                 const Eigen::Matrix2d R = touched.R.block<2, 2>(2 * other.place, 2 * term.place);
@@ -303,7 +297,7 @@ void VertexContacts::drop_immobile(const Cluster& cluster, ContactCluster& probl
 }
 
 void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
-                                   Workspace& work, StepReport& report) {
+                                   ThreadWorkspace& work, StepReport& report) {
     ContactCluster& problem = work.cluster;
     spread(cluster);
     for (const Index s : cluster.slots) {
@@ -337,11 +331,11 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
         for (std::size_t i = 0; i < cluster.contacts.size(); ++i)
             impulse_[cluster.contacts[i]] = problem.contacts[i].impulse;
         spread(cluster);
-        bool has_soft = false, new_soft = false;
+        bool has_soft = false;
         for (const Index s : cluster.slots) {
             TouchedFan& touched = touched_[s];
             if (!touched.is_soft && (splits[touched.fan] || !keeps_its_parts(touched, step, work, report))) {
-                touched.is_soft = new_soft = true;
+                touched.is_soft = true;
                 splits[touched.fan] = step.begin.split_rank[touched.fan] < 0;
             }
             if (touched.is_soft) respond_softly(touched, step, work, Slope::none);
@@ -352,10 +346,8 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
         for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
             Vec2& V = problem.contacts[i].velocity;
             V.setZero();
-            for (const Term& term : terms_of(cluster.contacts[i])) {
-                const Vec2 v = velocity_of(touched_[term.slot], term.place);
-                V += Vec2(term.along_N.dot(v), term.along_T.dot(v));
-            }
+            for (const Term& term : terms_of(cluster.contacts[i]))
+                V += term.rate(velocity_of(touched_[term.slot], term.place));
         }
         residual = problem.residual();
         if (residual <= agreed * speed + error) break;
@@ -380,12 +372,11 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
     for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
         const Vec2 &P = problem.contacts[i].impulse,
                    mean = 0.5 * (before_[cluster.contacts[i]] + problem.contacts[i].velocity);
-        injected += std::max(0.0, P.x() * mean.x()) + std::max(0.0, P.y() * mean.y());
+        injected += positive_work(P, mean);
     }
     // a residual changes no momentum and no energy, but the sign of single works: a gate judges their sum
     if (!(after <= absurd * before) || injected > max_injected * energy + error * problem.largest_impulse()) {
-        const Index corner = contacts_.all()[cluster.contacts.front()].vertex[1];
-        report.reject(Rejection::not_converged, model_.mesh.corner(corner) + step.begin.displacement_of(corner));
+        report.reject(Rejection::not_converged, place_of(cluster.contacts.front(), step.begin));
     }
 }
 
@@ -399,7 +390,7 @@ Vec2 VertexContacts::velocity_of(const TouchedFan& touched, Index place) const {
 }
 
 void VertexContacts::solve(const ExplicitStep& step, std::vector<std::uint8_t>& splits,
-                           std::vector<Workspace>& workspaces, StepReport& report) {
+                           std::vector<ThreadWorkspace>& workspaces, StepReport& report) {
     last_impulse_ = impulse_;
     report += sum_over_blocks(clusters_.size(), 1, partial_, [&](std::size_t k, std::size_t, StepReport& own) {
         solve_cluster(clusters_[k], step, splits, workspaces[omp_get_thread_num()], own);
@@ -413,8 +404,8 @@ void VertexContacts::solve(const ExplicitStep& step, std::vector<std::uint8_t>& 
     if (largest > 0) change_ /= largest;
 }
 
-Vec2 VertexContacts::place_of_first(const State& state) const {
-    const Index corner = contacts_.all().front().vertex[1];
+Vec2 VertexContacts::place_of(Index contact, const State& state) const {
+    const Index corner = contacts_.all()[contact].vertex[1];
     return model_.mesh.corner(corner) + state.displacement_of(corner);
 }
 
@@ -431,7 +422,7 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
                          .rate_error = residual_[i] + 1e-14 * (before_[i].norm() + after.norm()),
                          .opening = 0},  // contact_depth has it
                         report);
-        report.contact_injection += std::max(0.0, P.x() * mean.x()) + std::max(0.0, P.y() * mean.y());
+        report.contact_injection += positive_work(P, mean);
         report.contact_depth = std::max(report.contact_depth, -(c.gap + step.drift_time * after.x()) / c.length);
         step.end.face_contacts.push_back({c.vertex[1], c.edge[0], P.x(), P.y()});
     }

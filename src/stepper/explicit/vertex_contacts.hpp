@@ -10,10 +10,8 @@
 // answers with the masses of its parts; any other fan is solved with its interface laws (vertex_solver.hpp) and
 // linearised by differences, and the cluster is solved again until contacts and fans agree (Newton's method: the
 // response of a fan is piecewise linear).
-#include "stepper/common/bond_check.hpp"
-#include "stepper/contact/contact_cluster.hpp"
 #include "stepper/contact/face_contacts.hpp"
-#include "stepper/explicit/vertex_solver.hpp"
+#include "stepper/explicit/thread_workspace.hpp"
 
 #include <span>
 
@@ -30,20 +28,13 @@ public:
     bool touches(Index fan) const { return !slot_of_fan_.empty() && slot_of_fan_[fan] >= 0; }
     std::size_t size() const { return contacts_.all().size(); }
 
-    struct Workspace {
-        explicit Workspace(const Model& model) : bond_check(model) {}
-        BondCheck bond_check;
-        VertexSolver::Workspace split;
-        ContactCluster cluster;
-        std::vector<Vec2> required, velocity;  // [N] per corner of a fan; [m/s] per touched corner
-    };
     /// Finds the impulses of all contacts and adds them to corner_impulse [N s]; sets `splits` [0/1] of bonded fans
     /// that do not hold them.
-    void solve(const ExplicitStep& step, std::vector<std::uint8_t>& splits, std::vector<Workspace>& workspaces,
+    void solve(const ExplicitStep& step, std::vector<std::uint8_t>& splits, std::vector<ThreadWorkspace>& workspaces,
                StepReport& report);
     /// [-] By the last call of solve, of the largest impulse.
     double change_of_impulses() const { return change_; }
-    Vec2 place_of_first(const State& state) const;  // [m]
+    Vec2 place_of(Index contact, const State& state) const;  // [m]
     /// Works of the contacts; stores their impulses in the end state, and retires points.
     void finish(const ExplicitStep& step, StepReport& report);
 
@@ -52,6 +43,8 @@ private:
     struct Term {
         Index contact, slot, place;  // place: of the corner in the touched corners of its fan
         Vec2 along_N, along_T;
+
+        Vec2 rate(const Vec2& v) const { return {along_N.dot(v), along_T.dot(v)}; }  // [m/s] its part of V
     };
     /// The response of a fan to impulses P on its touched corners: v = free + R P.
     struct TouchedFan {
@@ -72,15 +65,15 @@ private:
     void add_terms(Index contact);
     void find_clusters();
     void solve_cluster(const Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
-                       Workspace& work, StepReport& report);
+                       ThreadWorkspace& work, StepReport& report);
     void respond_as_parts(TouchedFan& touched, const ExplicitStep& step) const;
     /// Of the response of a soft fan: not needed; by differences; or that of free corners, with which contacts and fans
     /// contract towards each other where Newton's method cycles.
     enum class Slope { none, of_differences, largest };
-    void respond_softly(TouchedFan& touched, const ExplicitStep& step, Workspace& work, Slope slope);
+    void respond_softly(TouchedFan& touched, const ExplicitStep& step, ThreadWorkspace& work, Slope slope);
     template <class Respond>
-    void find_slope(TouchedFan& touched, Workspace& work, const Respond& respond);
-    bool keeps_its_parts(const TouchedFan& touched, const ExplicitStep& step, Workspace& work,
+    void find_slope(TouchedFan& touched, ThreadWorkspace& work, const Respond& respond);
+    bool keeps_its_parts(const TouchedFan& touched, const ExplicitStep& step, ThreadWorkspace& work,
                          StepReport& report) const;
     void spread(const Cluster& cluster);
     void assemble(const Cluster& cluster, ContactCluster& problem) const;
