@@ -235,16 +235,18 @@ void weigh_obstacles(const std::vector<Load>& loads, Model& model) {
 void check_obstacles(const Model& model) {
     const Mesh& mesh = model.mesh;
     const double size = bounding_box(mesh.vertices).diagonal();
-    for (const Obstacle& obstacle : model.obstacles)
+    for (const Obstacle& obstacle : model.obstacles) {
+        const ObstacleSurface surface(obstacle.outline, obstacle.start);
         for (const BoundaryEdge& edge : mesh.boundary_edges) {
             const Vec2 a = mesh.corner(edge.triangle, edge.side);
-            const double depth = -distance_to(obstacle.outline, obstacle.start, a).gap;
+            const double depth = -surface.distance_to(a).gap;
             if (depth <= std::min(1e-6 * size, 1e-2 * mesh.side_vector(edge.triangle, edge.side).norm())) continue;
             char text[200];
             std::snprintf(text, sizeof text, "` lies in the body at the start, by %.3g m at (%.6g, %.6g) m", depth,
                           a.x(), a.y());
             throw UserError("overlap", "obstacle `" + obstacle.name + text);
         }
+    }
 }
 
 }  // namespace

@@ -42,30 +42,35 @@ double Outline::second_moment() const {
     return sum;
 }
 
-SurfaceDistance distance_to(const Outline& outline, const Pose& pose, const Vec2& point) {
-    const Vec2 away = point - pose.position;
-    switch (outline.kind) {
-        case Outline::Kind::half_plane: {
-            const Vec2 normal = pose.turned(outline.normal);
-            return {normal.dot(away), normal};
-        }
+ObstacleSurface::ObstacleSurface(const Outline& outline, const Pose& pose)
+    : outline_(&outline),
+      position_(pose.position),
+      rotation_(Rotation::by(pose.angle)),
+      normal_(rotation_.turned(outline.normal)),
+      radius_(outline.radius) {
+    for (const Vec2& p : outline.points) radius_ = std::max(radius_, p.norm());
+}
+
+SurfaceDistance ObstacleSurface::distance_to(const Vec2& point) const {
+    const Vec2 away = point - position_;
+    switch (outline_->kind) {
+        case Outline::Kind::half_plane: return {normal_.dot(away), normal_};
         case Outline::Kind::disc: {
             const double r = away.norm();
-            return {r - outline.radius, r > 0 ? Vec2(away / r) : Vec2(0, 1)};
+            return {r - outline_->radius, r > 0 ? Vec2(away / r) : Vec2(0, 1)};
         }
         case Outline::Kind::polygon: {
-            const SurfaceDistance own = distance_to_polygon(outline.points, pose.turned_back(away));
-            return {own.gap, pose.turned(own.normal)};
+            const SurfaceDistance own = distance_to_polygon(outline_->points, rotation_.turned_back(away));
+            return {own.gap, rotation_.turned(own.normal)};
         }
     }
     return {0, Vec2(0, 1)};
 }
 
-bool may_reach(const Outline& outline, const Pose& pose, const Vec2& point, double reach) {
-    if (outline.kind == Outline::Kind::half_plane) return true;
-    double radius = outline.radius;
-    for (const Vec2& p : outline.points) radius = std::max(radius, p.norm());
-    return (point - pose.position).squaredNorm() <= (radius + reach) * (radius + reach);
+bool ObstacleSurface::may_reach(const Vec2& point, double reach) const {
+    const Vec2 away = point - position_;
+    if (outline_->kind == Outline::Kind::half_plane) return normal_.dot(away) <= reach;
+    return away.squaredNorm() <= (radius_ + reach) * (radius_ + reach);
 }
 
 ObstacleState initial_state(const Obstacle& obstacle) {

@@ -17,13 +17,18 @@ namespace knap {
 /// Components x, y, angle of a rigid motion; or force, force, moment.
 using Vec3 = Eigen::Vector3d;
 
+struct Rotation {
+    double cosine = 1, sine = 0;
+
+    static Rotation by(double angle) { return {.cosine = std::cos(angle), .sine = std::sin(angle)}; }  // [rad]
+    Vec2 turned(const Vec2& a) const { return sine == 0 ? a : Vec2(cosine * a + sine * turned_left(a)); }
+    Vec2 turned_back(const Vec2& a) const { return sine == 0 ? a : Vec2(cosine * a - sine * turned_left(a)); }
+};
+
 /// Position and orientation of a rigid body in the plane.
 struct Pose {
     Vec2 position = Vec2::Zero();  // [m] of its origin
     double angle = 0;              // [rad]
-
-    Vec2 turned(const Vec2& a) const { return std::cos(angle) * a + std::sin(angle) * turned_left(a); }
-    Vec2 turned_back(const Vec2& a) const { return std::cos(angle) * a - std::sin(angle) * turned_left(a); }
 };
 
 /// In the frame of the obstacle: the origin is the centre of mass, or lies on the border of a half plane.
@@ -43,10 +48,26 @@ struct SurfaceDistance {
     double gap;   // [m]; negative inside
     Vec2 normal;  // out of the obstacle
 };
-SurfaceDistance distance_to(const Outline& outline, const Pose& pose, const Vec2& point);
 
-/// A cheap test before distance_to: false only where the gap exceeds `reach` [m].
-bool may_reach(const Outline& outline, const Pose& pose, const Vec2& point, double reach);
+/// The outline of an obstacle in its place.
+class ObstacleSurface {
+public:
+    ObstacleSurface(const Outline& outline, const Pose& pose);
+
+    SurfaceDistance distance_to(const Vec2& point) const;
+    /// A cheap test before distance_to: false only where the gap exceeds `reach` [m].
+    bool may_reach(const Vec2& point, double reach) const;
+    const Outline& outline() const { return *outline_; }
+    const Vec2& position() const { return position_; }
+    const Rotation& rotation() const { return rotation_; }
+
+private:
+    const Outline* outline_;
+    Vec2 position_;  // [m]
+    Rotation rotation_;
+    Vec2 normal_;    // of a half plane
+    double radius_;  // [m] of all points about the origin
+};
 
 /// The prescribed motion of one component.
 struct Drive {

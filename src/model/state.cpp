@@ -59,7 +59,7 @@ const PointState* state_of(const Model& model, const State& state, Index point) 
 // In 2D, R turns by the angle atan2(F_yx - F_xy, F_xx + F_yy). With the edges e_1, e_2 from vertex 0 of a triangle and
 // the differences a, b of displacement along them, H = (a (x) -turned(e_2) + b (x) turned(e_1))/(2 A), so that
 //     2 A (H_yx - H_xy) = a . e_2 - b . e_1,     2 A (H_xx + H_yy) = a x e_2 + e_1 x b,     2 A = e_1 x e_2.
-FanFrame frame_of(const Model& model, const State& state, std::span<const Index> corners) {
+Rotation frame_of(const Model& model, const State& state, std::span<const Index> corners) {
     const Mesh& mesh = model.mesh;
     double cosine = 0, sine = 0;
     for (const Index corner : corners) {
@@ -73,19 +73,19 @@ FanFrame frame_of(const Model& model, const State& state, std::span<const Index>
         cosine += density * (2 * cross(e1, e2) + cross(a, e2) + cross(e1, b));
     }
     const double size = std::hypot(cosine, sine);
-    return size > 0 ? FanFrame{cosine / size, sine / size} : FanFrame{};
+    return size > 0 ? Rotation{cosine / size, sine / size} : Rotation{};
 }
 
 }  // namespace
 
-FanFrame fan_frame(const Model& model, const State& state, const Fan& fan) {
+Rotation fan_frame(const Model& model, const State& state, const Fan& fan) {
     if (!model.large_rotation || fan.n_points == 0) return {};
     const auto points = model.points(fan);
     if (points.front().on_support() || points.back().on_support()) return {};
     return frame_of(model, state, model.corners(fan));
 }
 
-FanFrame point_frame(const Model& model, const State& state, const FanPoint& point) {
+Rotation point_frame(const Model& model, const State& state, const FanPoint& point) {
     if (!model.large_rotation || point.on_support()) return {};
     const std::array<Index, 2> corners{point.before, point.after};
     return frame_of(model, state, corners);

@@ -18,14 +18,6 @@ struct PointState {
     }
 };
 
-/// How far the triangles round a vertex have turned, for the normals of its points.
-struct FanFrame {
-    double cosine = 1, sine = 0;
-
-    Vec2 turned(const Vec2& a) const { return sine == 0 ? a : Vec2(cosine * a + sine * turned_left(a)); }
-    Vec2 turned_back(const Vec2& a) const { return sine == 0 ? a : Vec2(cosine * a - sine * turned_left(a)); }
-};
-
 /// A contact between a boundary vertex and a boundary edge that carried an impulse in the last step.
 struct FaceContactState {
     Index vertex, edge;          // corners: the start of the boundary edge that leaves the vertex, that of the edge
@@ -66,7 +58,7 @@ struct State {
     }
     /// [m] (u_N, u_T) of a point in its own frame (point_frame). Both sides start in the same place, so the
     /// jump of displacements is that of positions.
-    Vec2 opening_of(const FanPoint& point, const FanFrame& frame) const {
+    Vec2 opening_of(const FanPoint& point, const Rotation& frame) const {
         const Vec2 jump = displacement_of(point.after) - displacement_of(point.before);
         const Vec2 normal = frame.turned(point.normal);
         return {point.gap + normal.dot(jump), turned_left(normal).dot(jump)};
@@ -88,9 +80,9 @@ void split(const Model& model, Index fan, State& state);
 
 /// Large rotations: R of the polar decomposition of the sum of m F over the corners of the fan (F = R U of their
 /// triangles, m their masses). The identity if rotations are small, and on a support, which does not turn.
-FanFrame fan_frame(const Model& model, const State& state, const Fan& fan);
+Rotation fan_frame(const Model& model, const State& state, const Fan& fan);
 /// Likewise of the two triangles beside a point: of a split fan whose parts turn by themselves.
-FanFrame point_frame(const Model& model, const State& state, const FanPoint& point);
+Rotation point_frame(const Model& model, const State& state, const FanPoint& point);
 
 /// [m] (u_N, u_T) of a point in the frame of its interface (A to B), where it has the same components.
 Vec2 opening(const Model& model, const State& state, Index point);

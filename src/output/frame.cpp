@@ -121,7 +121,9 @@ std::vector<Vec2> outline_points(const Obstacle& obstacle, const Box& body) {
     std::vector<Vec2> points = outline.points;
     if (outline.kind == Outline::Kind::half_plane) {  // a strip of it, next to the body
         const Vec2 along = turned_left(outline.normal),
-                   foot = along.dot(obstacle.start.turned_back(body.middle() - obstacle.start.position)) * along,
+                   foot = along.dot(
+                              Rotation::by(obstacle.start.angle).turned_back(body.middle() - obstacle.start.position)) *
+                          along,
                    reach = 1.5 * body.diagonal() * along, depth = 0.05 * body.diagonal() * outline.normal;
         points = {foot + reach, foot - reach, foot - reach - depth, foot + reach - depth};
     }
@@ -133,10 +135,11 @@ void add_obstacles(const Model& model, const State& state, Frame& frame) {
     const Box body = bounding_box(model.mesh.vertices);
     for (std::size_t o = 0; o < model.obstacles.size(); ++o) {
         const Pose &start = model.obstacles[o].start, &now = state.obstacles[o].pose;
+        const Rotation at_start = Rotation::by(start.angle), by_now = Rotation::by(now.angle);
         frame.half_plane.push_back(model.obstacles[o].outline.kind == Outline::Kind::half_plane ? 1 : 0);
         for (const Vec2& p : outline_points(model.obstacles[o], body)) {
-            frame.obstacle_position.push_back(start.position + start.turned(p));
-            frame.obstacle_displacement.push_back(now.position + now.turned(p) - frame.obstacle_position.back());
+            frame.obstacle_position.push_back(start.position + at_start.turned(p));
+            frame.obstacle_displacement.push_back(now.position + by_now.turned(p) - frame.obstacle_position.back());
         }
     }
 }

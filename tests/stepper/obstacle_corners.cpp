@@ -79,8 +79,9 @@ TEST_CASE("a sharp boulder that falls between the nodes of a block does not pass
                 double deepest = 0;
                 while (run.now.time < 0.3) {
                     REQUIRE(run.step_if_taken(h));
-                    const Vec2 x = run.now.obstacles[0].pose.position +
-                                   run.now.obstacles[0].pose.turned(run.model.obstacles[0].outline.points[0]);
+                    const Vec2 x =
+                        run.now.obstacles[0].pose.position +
+                        Rotation::by(run.now.obstacles[0].pose.angle).turned(run.model.obstacles[0].outline.points[0]);
                     for (const BoundaryEdge& edge : run.model.mesh.boundary_edges) {
                         const Index k = edge.side, next = (k + 1) % 3;
                         const Vec2 a = run.model.mesh.corner(edge.triangle, k) + run.u(edge.triangle, k);

@@ -101,8 +101,8 @@ TEST_CASE("a polygon that turns sweeps points along with the speed of its surfac
     // the right point is lifted, the left one is left behind
     CHECK(run.v(0, 0) == Vec2(0, 0));
     CHECK(run.v(0, 1).y() > 0.45);
-    const auto [gap, normal] =
-        distance_to(run.model.obstacles[0].outline, run.now.obstacles[0].pose, Vec2(2, 0) + run.u(0, 1));
+    const auto [gap, normal] = ObstacleSurface(run.model.obstacles[0].outline, run.now.obstacles[0].pose)
+                                   .distance_to(Vec2(2, 0) + run.u(0, 1));
     CHECK(gap >= -1e-6);
 }
 
@@ -203,7 +203,7 @@ Run random_scene(std::uint64_t seed, double unit_of_length = 1, double unit_of_t
                             ? platen(centre, towards, contact)
                             : boulder(centre + Vec2(0, side), 1, speed * towards, contact);
         if (kind > 0.6) {
-            const Pose turned{.angle = random.uniform(0, 6)};
+            const Rotation turned = Rotation::by(random.uniform(0, 6));
             std::vector<Vec2> corners;
             for (int i = 0; i < 5; ++i)
                 corners.push_back(centre + Vec2(0, side) +
@@ -216,7 +216,7 @@ Run random_scene(std::uint64_t seed, double unit_of_length = 1, double unit_of_t
             made.drive[1] = driven(-side * speed);
             double nearest = 1e9;
             for (const Vec2& x : input.mesh.vertices)
-                nearest = std::min(nearest, distance_to(made.outline, made.start, x).gap);
+                nearest = std::min(nearest, ObstacleSurface(made.outline, made.start).distance_to(x).gap);
             made.start.position += (nearest - 0.02) * made.outline.normal;
         }
         input.obstacles.push_back(made);
@@ -260,7 +260,8 @@ TEST_CASE("random bodies among random obstacles hardly penetrate and never gain 
         for (std::size_t o = 0; o < 2; ++o)
             for (Index c = 0; c < run.model.mesh.n_corners(); ++c) {
                 const Vec2 x = run.model.mesh.corner(c / 3, c % 3) + run.now.displacement[run.now.node_of_corner[c]];
-                CHECK(distance_to(run.model.obstacles[o].outline, run.now.obstacles[o].pose, x).gap > -2 * h * fastest);
+                const ObstacleSurface surface(run.model.obstacles[o].outline, run.now.obstacles[o].pose);
+                CHECK(surface.distance_to(x).gap > -2 * h * fastest);
             }
     }
 }

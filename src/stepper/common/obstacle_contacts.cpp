@@ -12,8 +12,8 @@ constexpr double almost_as_near = 0.05;  // [-] of an edge: likewise where an en
 constexpr double rounding = 1e-12;       // [-] of the coordinates whose difference is a gap
 
 /// The gap at x, or zero where it is rounding.
-double cleared(double gap, const Vec2& x, const Pose& pose) {
-    return std::abs(gap) <= rounding * (x.norm() + pose.position.norm()) ? 0 : gap;
+double cleared(double gap, const Vec2& x, const ObstacleSurface& surface) {
+    return std::abs(gap) <= rounding * (x.norm() + surface.position().norm()) ? 0 : gap;
 }
 
 }  // namespace
@@ -57,9 +57,13 @@ void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3
     contacts_.clear();
     n_at_corners_ = 0;
     if (model_.obstacles.empty()) return;
+    surfaces_.clear();
+    for (std::size_t o = 0; o < model_.obstacles.size(); ++o)
+        surfaces_.emplace_back(model_.obstacles[o].outline, begin.obstacles[o].pose);
     candidates_ = boundary_;
     for (const Index f : begin.split_fans) add_pieces(f, begin);
-    std::ranges::sort(candidates_, {}, [](const Candidate& c) { return (std::int64_t(c.fan) << 32) + c.place; });
+    if (candidates_.size() > boundary_.size())
+        std::ranges::sort(candidates_, {}, [](const Candidate& c) { return (std::int64_t(c.fan) << 32) + c.place; });
     for (const Candidate& candidate : candidates_) find_at_corner(candidate, begin, h, end_velocity, corner_force);
     n_at_corners_ = contacts_.size();
     const Mesh& mesh = model_.mesh;
@@ -80,53 +84,53 @@ void ObstacleContacts::find_at_corner(const Candidate& at, const State& begin, d
     const double speed =
         begin.velocity[node].norm() + (corner_force.empty() ? 0 : h / model_.corner_mass[c] * corner_force[c].norm());
     for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o) {
-        const Outline& outline = model_.obstacles[o].outline;
-        const ObstacleState& state = begin.obstacles[o];
-        const Vec2 arm = x - state.pose.position;
+        const ObstacleSurface& surface = surfaces_[o];
+        const Vec2 arm = x - surface.position();
         const double obstacle_speed =
-            velocity_at(state.velocity, arm).norm() + velocity_at(end_velocity[o], arm).norm();
+            velocity_at(begin.obstacles[o].velocity, arm).norm() + velocity_at(end_velocity[o], arm).norm();
         const double reach = near * corner_size_[c] + reach_in_steps * h * (speed + obstacle_speed);
-        if (!may_reach(outline, state.pose, x, reach)) continue;
-        const SurfaceDistance distance = distance_to(outline, state.pose, x);
+        if (!surface.may_reach(x, reach)) continue;
+        const SurfaceDistance distance = surface.distance_to(x);
         if (distance.gap > reach) continue;
         contacts_.push_back({.corner = c,
                              .fan = at.fan,
                              .obstacle = o,
                              .arm = arm,
                              .normal = distance.normal,
-                             .gap = cleared(distance.gap, x, state.pose)});
-        if (outline.kind == Outline::Kind::disc) continue;
+                             .gap = cleared(distance.gap, x, surface)});
+        if (surface.outline().kind == Outline::Kind::disc) continue;
         // a surface that turns is taken at the middle of the step: of second order, so that a corner that rides or
         // slides on it does not sink in
-        contacts_.back().normal = Pose{.angle = 0.5 * h * end_velocity[o].z()}.turned(distance.normal);
+        contacts_.back().normal = Rotation::by(0.5 * h * end_velocity[o].z()).turned(distance.normal);
         contacts_.back().arm += 0.5 * h * (begin.velocity[node] - end_velocity[o].head<2>());
     }
 }
 
 /// Corners of the polygon against the inside of the edge a-b.
 void ObstacleContacts::find_on_edge(Index a, Index b, Index o, const State& begin, double h, const Vec3& end_velocity) {
-    const Outline& outline = model_.obstacles[o].outline;
-    const ObstacleState& state = begin.obstacles[o];
+    const ObstacleSurface& surface = surfaces_[o];
+    const std::vector<Vec2>& points = surface.outline().points;
     const auto place = [&](Index c) -> Vec2 { return model_.mesh.corner(c) + begin.displacement_of(c); };
     const Vec2 x_a = place(a), along = place(b) - x_a;
     const double length = along.norm();
-    if (!(length > 0) || !may_reach(outline, state.pose, x_a, 2 * length)) return;
+    if (!(length > 0) || !surface.may_reach(x_a, 2 * length)) return;
     const Vec2 outward = -turned_left(along) / length;  // of the body, which lies to the left of a to b
     const Vec2 v_a = begin.velocity[begin.node_of_corner[a]], v_b = begin.velocity[begin.node_of_corner[b]];
-    const std::size_t n = outline.points.size();
+    const std::size_t n = points.size();
     for (std::size_t i = 0; i < n; ++i) {
-        const Vec2 arm = state.pose.turned(outline.points[i]), x = state.pose.position + arm;
+        const Vec2 arm = surface.rotation().turned(points[i]), x = surface.position() + arm;
         const double share = along.dot(x - x_a) / (length * length), gap = outward.dot(x - x_a);
         const double speed = v_a.norm() + v_b.norm() + velocity_at(end_velocity, arm).norm();
-        const double reach = near * length + reach_in_steps * h * (speed + velocity_at(state.velocity, arm).norm());
+        const double reach =
+            near * length + reach_in_steps * h * (speed + velocity_at(begin.obstacles[o].velocity, arm).norm());
         if (share <= end_of_edge || share >= 1 - end_of_edge || gap > reach || gap < -near * length) continue;
         // the corner is nearest, not an adjacent edge of the obstacle
         const auto falls_towards_body = [&](std::size_t j) {
-            return outward.dot(state.pose.turned(outline.points[j % n] - outline.points[i])) < 0;
+            return outward.dot(surface.rotation().turned(points[j % n] - points[i])) < 0;
         };
         if (falls_towards_body(i + 1) || falls_towards_body(i + n - 1)) continue;
         const auto is_as_near = [&](Index c) {
-            return distance_to(outline, state.pose, place(c)).gap <= gap + almost_as_near * length;
+            return surface.distance_to(place(c)).gap <= gap + almost_as_near * length;
         };
         if (is_as_near(a) || is_as_near(b)) continue;
         contacts_.push_back({.corner = a,
@@ -134,7 +138,7 @@ void ObstacleContacts::find_on_edge(Index a, Index b, Index o, const State& begi
                              .obstacle = o,
                              .arm = arm + 0.5 * h * end_velocity.z() * turned_left(arm),
                              .normal = -outward,
-                             .gap = cleared(gap, x, state.pose),
+                             .gap = cleared(gap, x, surface),
                              .beside = b,
                              .fan_beside = model_.fan_of_corner[b],
                              .share = share});

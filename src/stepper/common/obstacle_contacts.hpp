@@ -87,6 +87,7 @@ private:
     std::vector<Candidate> boundary_;  // the corners at both ends of the fans on the boundary
     std::vector<double> corner_size_;  // [m] per corner: distance to the nearest other corner of its triangle
     std::vector<Candidate> candidates_;
+    std::vector<ObstacleSurface> surfaces_;  // in their places at the start of the step
     std::vector<ObstacleContact> contacts_;
     std::size_t n_at_corners_ = 0;
 };

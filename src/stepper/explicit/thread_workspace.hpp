@@ -31,7 +31,7 @@ struct alignas(128) ThreadWorkspace {  // no cache line of two threads
                 if (motion->component[k]) required[i][k] = 0;  // the drive of each corner supplies it
         }
         if (model.large_rotation) {  // the strengths are those of the normals at the start
-            const FanFrame frame = fan_frame(model, begin, fan);
+            const Rotation frame = fan_frame(model, begin, fan);
             for (Vec2& at_corner : required) at_corner = frame.turned_back(at_corner);
         }
         return bond_check.is_bonded(f, required, 1);

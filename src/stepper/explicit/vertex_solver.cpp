@@ -145,7 +145,7 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
     for (Index i = 0; i < fan.n_points; ++i) {
         const FanPoint& point = points[i];
         const CohesiveLaw& law = model_.laws[point.law];
-        const FanFrame frame = point_frame(model_, begin, point);
+        const Rotation frame = point_frame(model_, begin, point);
         const bool retired = begin.has_retired(point.point);  // its sides meet as free faces, elsewhere
         const Vec2 u = retired ? Vec2(far(model_, point), 0) : begin.opening_of(point, frame);
         const bool sticks = unbreakable(model_, point);
