@@ -7,8 +7,7 @@
 namespace knap {
 namespace {
 
-constexpr double relative_tolerance = 1e-12;  // of the largest impulse, or speed
-constexpr double found_at = 1e-9;             // of speed and impulse: a link within this distance of a kink is at it
+constexpr double found_at = 1e-9;  // of speed and impulse: a link within this distance of a kink is at it
 
 }  // namespace
 

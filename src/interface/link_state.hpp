@@ -6,6 +6,9 @@
 
 namespace knap {
 
+/// [-] Of the largest impulse, or speed: to which links satisfy their laws.
+constexpr double relative_tolerance = 1e-12;
+
 /// Units of the impulses and velocities of one fan, and its tolerances.
 struct FanScales {
     double impulse = 1;            // [N s] the largest that can occur

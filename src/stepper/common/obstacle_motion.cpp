@@ -49,6 +49,7 @@ void ObstacleMotion::begin_step(const State& begin, const StepTimes& times) {
             }
         }
     }
+    without_contact_ = rate_;
 }
 
 void ObstacleMotion::finish(const State& begin, const std::vector<Vec3>& wrench, State& end, StepReport& report) const {
@@ -106,7 +107,6 @@ double ObstacleMotion::find_rates(const State& begin, double tolerance, const Re
         speed = std::max(speed, std::sqrt(c.mass) * std::max(std::abs(begin.obstacles[c.obstacle].velocity[c.k]),
                                                              std::abs(rate_[c.obstacle][c.k])));
     double scale = 0.01 * speed;  // an impulse is a difference of momenta: it has their rounding
-    without_contact_ = rate_;
     wrench_.resize(rate_.size());
     const auto error_at = [&](const Vector& x) {
         rate_ = without_contact_;

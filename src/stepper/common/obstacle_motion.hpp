@@ -26,7 +26,7 @@ public:
     using Response = std::function<void(std::vector<Vec3>& wrench)>;
 
     /// Finds the free rates of the obstacles in `touched` [0/1], with an error below `tolerance` of the largest
-    /// impulse. Returns the error, relative likewise.
+    /// impulse. Returns the error, relative likewise. May be called again in a step, after other impulses have changed.
     double solve(const State& begin, const std::vector<std::uint8_t>& touched, double tolerance,
                  const Response& response);
 
@@ -48,10 +48,11 @@ private:
     const Model& model_;
     bool theta_scheme_ = false;
     double kick_time_ = 0, drift_time_ = 0, theta_ = 1, damping_ = 0;
-    std::vector<Vec3> rate_, end_velocity_;       // end_velocity_: of prescribed components
-    std::vector<Vec3> force_;                     // [N, N, N m]
-    std::vector<Component> free_;                 // that something may touch
-    std::vector<Vec3> without_contact_, wrench_;  // memory of find_rates
+    std::vector<Vec3> rate_, end_velocity_;  // end_velocity_: of prescribed components
+    std::vector<Vec3> force_;                // [N, N, N m]
+    std::vector<Component> free_;            // that something may touch
+    std::vector<Vec3> without_contact_;      // W at the start of the step; solve() may be called again
+    std::vector<Vec3> wrench_;               // memory of find_rates
 };
 
 }  // namespace knap

@@ -305,7 +305,9 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
         for (int k = 0; k < 2; ++k) drive(i, k, needed[k] - step.kick_time * force[k] - shared[k]);
     }
 
-    const double rate_error = (rounding + solution.residual) * speed_scale(problem);  // [m/s]
+    // normals round a vertex that turns differ: rates that cancel along it leave their tolerance
+    const double tolerance = problem.turns ? 10 * relative_tolerance : rounding,
+                 rate_error = (tolerance + solution.residual) * speed_scale(problem);  // [m/s]
     const auto contacts = obstacles_.contacts.of_fan(f);
     for (Index i = 0; i < static_cast<Index>(problem.links.size()); ++i) {
         const FanLink& link = problem.links[i];

@@ -1,5 +1,6 @@
 // Bodies that meet: momentum, angular momentum and energy of impacts; Coulomb's law on an incline; stacks at rest.
 #include "support/bodies.hpp"
+#include "support/obstacles.hpp"
 
 #include <doctest/doctest.h>
 
@@ -62,8 +63,8 @@ double mass(const Run& run, Index body) {
 double angular_momentum(const Run& run) {
     double L = 0;
     for (Index c = 0; c < run.model.mesh.n_corners(); ++c)
-        L += run.model.corner_mass[c] * cross(run.model.mesh.corner(c) + run.now.displacement_of(c),
-                                              run.now.velocity[run.now.node_of_corner[c]]);
+        L += run.model.corner_mass[c] *
+             cross(run.model.mesh.corner(c) + run.now.displacement_of(c), run.now.velocity[run.now.node_of_corner[c]]);
     return L;
 }
 
@@ -103,8 +104,8 @@ TEST_CASE("an oblique impact of two bars keeps momentum and angular momentum and
         CHECK(run.ledger.worst().worst_impact_work < 1e-14 * E0);
         CHECK(run.ledger.worst().worst_friction_work < 1e-14 * E0);
         const double energy = (run.ledger.row().kinetic + run.ledger.row().strain) / E0;
-        MESSAGE("E/E0 = " << energy << ", deepest over the edge " << run.ledger.worst().penetration / 0.125 << " residual "
-                          << run.ledger.worst().residual);
+        MESSAGE("E/E0 = " << energy << ", deepest over the edge " << run.ledger.worst().penetration / 0.125
+                          << " residual " << run.ledger.worst().residual);
         if (friction == 0 && restitution == 1) CHECK(energy == doctest::Approx(1).epsilon(1e-4));
         // with restitution faces must meet first: a step of the approach
         CHECK(run.ledger.worst().penetration < (restitution > 0 ? 3 * h : 1e-3 * 0.125));
@@ -144,6 +145,35 @@ TEST_CASE("a block slides down a plane by its weight and Coulomb's law") {
     }
 }
 
+TEST_CASE("a free boulder on two blocks that touch keeps momentum and energy") {
+    for (const auto& [x, friction] : {std::pair{0.02, 0.0}, std::pair{0.125, 0.0}, std::pair{0.3, 0.3}}) {
+        CAPTURE(x);
+        Bodies bodies;
+        bodies.add(bar_mesh(4, 2, 1, 0.5), {-1, 0});
+        bodies.add(bar_mesh(4, 2, 1, 0.5), {0, 0});
+        ModelInput input = bodies.input({friction, 0});
+        input.obstacles = {boulder({x, 0.5 + 0.2}, 0.2, {0.2, -3}, {.friction = friction})};
+        set_free(input.obstacles[0], 400);
+        input.initial_velocities = {{.on = {.boundary = "", .box = Box{{-2, -1}, {0, 1}}}, .value = {0.3, 0.1}}};
+        Run run(std::move(input));
+        const auto total = [&] {
+            const Vec2 of_boulder = run.model.obstacles[0].mass * run.now.obstacles[0].velocity.head<2>();
+            return Vec2(momentum(run) + of_boulder);
+        };
+        const Vec2 p0 = total();
+        const double h = 0.4 * stable(run);
+        int both = 0;  // steps in which blocks and boulder touch: their impulses are found in turns
+        for (int i = 0; i < 60; ++i) {
+            run.step(h);
+            REQUIRE(run.last.rejection == Rejection::none);
+            both += run.last.face_contacts > 0 && run.now.obstacles[0].reaction.norm() > 0;
+        }
+        CHECK(both >= 10);
+        CHECK((total() - p0).norm() < 1e-13 * p0.norm());
+        CHECK(run.ledger.largest_residual() < 1e-13 * run.ledger.largest_energy());
+    }
+}
+
 TEST_CASE("a stack of five settled blocks stays at rest") {
     for (const double friction : {0.1, 0.5})
         for (const double restitution : {0.0, 0.5}) {
@@ -171,7 +201,6 @@ TEST_CASE("a stack of five settled blocks stays at rest") {
             CHECK(moved < 1e-12 * 2.5);
         }
 }
-
 
 TEST_CASE("a new stepper goes on from a state of broken pieces in contact with the same bits") {
     Bodies bodies;
