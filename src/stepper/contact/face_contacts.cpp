@@ -257,10 +257,18 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
 bool FaceContacts::belongs_to(Index e, const Vertex& at, double gap, double share, const State& begin, double h) const {
     const auto edges = boundary_.edges();
     for (const bool at_end : {false, true}) {
-        const Index first = at_end ? e : edges[e].prev, second = at_end ? edges[e].next : e;
+        // the corner of the contact piece where its outline goes on: a crack that live points close is none
+        const Index leaving = at_end ? edges[e].piece_end : e;
+        const bool is_outer = leaving >= 0 && edges[leaving].entering >= 0 && (!at_end || edges[leaving].entering == e);
+        const Index first = at_end     ? e
+                            : is_outer ? edges[e].entering
+                                       : edges[e].prev,
+                    second = !at_end    ? e
+                             : is_outer ? leaving
+                                        : edges[e].next;
         const Vec2 &t_1 = sides_[first].tangent, &t_2 = sides_[second].tangent;
         const Vec2 from_corner = at.x - 0.5 * (end_of(first).x + start_of(second).x);
-        if (!is_reflex(t_1, t_2, edges[first].reflex_wedge)) {
+        if (!is_reflex(t_1, t_2, is_outer ? edges[second].reflex_piece : edges[first].reflex_wedge)) {
             if (second_is_nearer(first, second, at, h) != at_end) continue;
             if (at.accepts(outward(at_end ? t_2 : t_1))) return false;
             if (meets_nearer(at_end ? edges[e].piece_end : edges[e].piece_start, at, gap, begin)) return false;

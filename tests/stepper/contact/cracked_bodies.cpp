@@ -134,6 +134,36 @@ TEST_CASE("a live crack end inside the body is no contact vertex and its two sid
     CHECK(found.boundary().edges().size() == 8);
 }
 
+TEST_CASE("a tip on a face stays there when a crack opens towards the end of that face") {
+    // the crack b-c between the triangles a b c and b d c opens at c; the tip of the other body touches the face b-d
+    // near b, behind the line a-b
+    Mesh quad, wedge;
+    quad.vertices = {{3.98296, 1.63923}, {3.87869, 0.684585}, {5.38871, 0.243958}, {4.87769, 1.75659}};
+    quad.triangles = {{0, 1, 3}, {1, 2, 3}};
+    wedge.vertices = {{3.78151, 0.02379}, {4.07058, 0.62818}, {2.93272, 0.69796}};
+    wedge.triangles = {{0, 1, 2}};
+    Pieces scene({quad, wedge});
+    crack(scene, {0, 0, 1});
+    const auto contacts = scene.contacts(h);
+    REQUIRE(contacts.size() == 1);
+    CHECK(contacts[0].edge[0] == 3);  // b of the second triangle
+    scene.remember(contacts);
+    scene.state.face_contacts.insert(scene.state.face_contacts.begin(), {1, 7, 1, 0});  // b met the face behind the tip
+    for (std::size_t i = 0; i < scene.model.interfaces.size(); ++i)
+        for (Index place = 0; place < 2; ++place)
+            if (scene.model.interfaces[i].vertex[place] == 3) scene.state.retired[2 * i + place] = 1;
+    FaceContacts found(scene.model);
+    found.find(scene.state, h);
+    CHECK_FALSE(found.refusal());  // the tip is 0.2 below the line a-b
+    Index n_of_tip = 0;
+    for (const FaceContact& contact : found.all()) {
+        if (scene.body_of(contact.vertex[0]) != 1) continue;
+        CHECK(contact.edge[0] == 3);
+        ++n_of_tip;
+    }
+    CHECK(n_of_tip == 1);
+}
+
 TEST_CASE("contacts do not depend on when the faces of retired points were added") {
     std::size_t n = 0;
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
