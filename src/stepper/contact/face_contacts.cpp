@@ -1,6 +1,7 @@
 #include "stepper/contact/face_contacts.hpp"
 
 #include "base/parallel.hpp"
+#include "stepper/contact/retirement.hpp"
 
 #include <cmath>
 
@@ -232,9 +233,11 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     const double gap_at_end = gap + h * n.dot(v);
     if (travel > largest_motion * length && gap_at_end < touching * length)
         refuse({ContactRefusal::Reason::speed, travel / length, at.x}, block.refusal);
-    const bool is_deep = gap < -(touching * length + deep_in_steps * travel);
+    // a piece that has just come apart from its fan is as far from the mean of its corners as half their slip
+    const double slipped = 0.5 * retirement_slip * std::max(at.l_in, at.l_out);
+    const bool is_deep = gap < -(touching * length + slipped + deep_in_steps * travel);
     const FaceContactState* before = known(at.before, pair.edge);
-    if (is_deep && !before && !was_beside(begin, pair, at)) return;
+    if (is_deep && !before && !was_beside(begin, pair)) return;
     if (gap < -deepest * length) refuse({ContactRefusal::Reason::depth, -gap / length, at.x}, block.refusal);
     if (!before) before = slid_from(pair.edge, at);
     block.found.push_back({.contact = {.vertex = {boundary_.edges()[leaving.entering].end, leaving.start},
@@ -340,20 +343,23 @@ const FaceContactState* FaceContacts::slid_from(Index e, const Vertex& at) const
 
 /// The vertex was in contact with the edge or a neighbour of it, or an end of the edge with an edge at the vertex; or
 /// the vertex is where an end of the edge was in the undeformed body: their fan kept them apart until its point
-/// retired. Any corner of the fan counts, since a vertex that falls into pieces has been all of them.
-bool FaceContacts::was_beside(const State& begin, const NearbyEdge& pair, const Vertex&) const {
+/// retired. Any corner of a fan counts, since a vertex that falls into pieces has been all of them.
+bool FaceContacts::was_beside(const State& begin, const NearbyEdge& pair) const {
     const auto edges = boundary_.edges();
-    const FreeEdge &edge = edges[pair.edge], &leaving = edges[pair.vertex];
-    const Index fan = model_.fan_of_corner[leaving.start];
-    const auto met = [&](Index of_fan, std::initializer_list<Index> others) {
+    const FreeEdge& edge = edges[pair.edge];
+    const auto fan_of = [&](Index corner) { return model_.fan_of_corner[corner]; };
+    const Index fan = fan_of(edges[pair.vertex].start), start = fan_of(edge.start), end = fan_of(edge.end);
+    const auto met = [&](Index of_fan, const auto& accepts) {
         return std::ranges::any_of(model_.corners(model_.fans[of_fan]), [&](Index corner) {
             const auto before = std::ranges::equal_range(begin.face_contacts, corner, {}, &FaceContactState::vertex);
-            return std::ranges::any_of(others, [&](Index e) { return e >= 0 && known(before, e); });
+            return std::ranges::any_of(before, accepts, &FaceContactState::edge);
         });
     };
-    const Index start = model_.fan_of_corner[edge.start], end = model_.fan_of_corner[edge.end];
-    return start == fan || end == fan || met(fan, {pair.edge, edge.prev, edge.next}) ||
-           met(start, {pair.vertex, leaving.entering}) || met(end, {pair.vertex, leaving.entering});
+    const auto near_edge = [&](Index e) {
+        return e == edge.start || e == edges[edge.prev].start || e == edges[edge.next].start;
+    };
+    const auto at_vertex = [&](Index e) { return fan_of(e) == fan || fan_of(e % 3 == 2 ? e - 2 : e + 1) == fan; };
+    return start == fan || end == fan || met(fan, near_edge) || met(start, at_vertex) || met(end, at_vertex);
 }
 
 /// The contacts of a vertex in found_: first_found_ holds numbers of any earlier step where there is none.

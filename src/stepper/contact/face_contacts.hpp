@@ -40,9 +40,10 @@ struct ContactRefusal {
 /// 3 cones     -n lies within the outward normals of the vertex, widened by 15 degrees on both sides
 /// 4 corners   of two edges with a convex corner the one with the larger gap, also beyond its end; of two edges with a
 ///             reflex corner both, unless the point lies behind the prolonged edge and beside the other one
-/// 5 deep      deeper than 1e-3 L + 2 h |v_rel| only where the pair, the vertex with a neighbour of the edge, or an end
-///             of the edge with an edge at the vertex was a contact in the step before, or where both were neighbours
-///             in the undeformed body: a vertex beside a thin piece does not touch it from behind
+/// 5 deep      deeper than 1e-3 L + 2 h |v_rel| + half the slip at which points retire only where the pair, the vertex
+///             with a neighbour of the edge, or an end of the edge with an edge at the vertex was a contact in the step
+///             before, or where both were neighbours in the undeformed body: a vertex beside a thin piece does not
+///             touch it from behind
 /// 6 depth     at most 0.35 of the altitude of the triangle; the step before should have been refused
 ///
 /// At a corner, an edge outside the cones of the vertex takes no contact away from its neighbour: there the plane that
@@ -114,7 +115,7 @@ private:
     bool second_is_nearer(Index first, Index second, const Vertex& at, double h) const;
     bool was_on_face(const Vertex& at, const Vec2& normal) const;
     bool meets_nearer(Index j, const Vertex& at, double gap, const State& begin) const;
-    bool was_beside(const State& begin, const NearbyEdge& pair, const Vertex& at) const;
+    bool was_beside(const State& begin, const NearbyEdge& pair) const;
     const FaceContactState* known(std::span<const FaceContactState> of_vertex, Index edge) const;
     const FaceContactState* slid_from(Index edge, const Vertex& at) const;
     void prune();

@@ -5,7 +5,6 @@
 namespace knap {
 namespace {
 
-constexpr double slip_limit = 0.01;    // [-] of the edge: with 0.05 triangles of a star of cracks overlap by 0.1 edge
 constexpr double turn_limit = 0.01;    // [rad]
 constexpr std::ptrdiff_t block = 256;  // fans
 
@@ -19,7 +18,7 @@ bool is_far(const Model& model, const State& state, const FanPoint& point) {
     const Vec2 along_after = place(next_in_triangle(point.after)) - x_after,
                along_before = place(previous_in_triangle(point.before)) - x_before;
     const double length = model.interfaces[model.interface_of(point.point)].length;
-    return (x_after - x_before).squaredNorm() > slip_limit * slip_limit * length * length ||
+    return (x_after - x_before).squaredNorm() > retirement_slip * retirement_slip * length * length ||
            std::abs(cross(along_after, along_before)) > turn_limit * along_after.dot(along_before);
 }
 
