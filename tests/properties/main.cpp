@@ -1,4 +1,6 @@
-// Random runs that must keep every law: properties [--first-seed N] [--cases M]. A seed that fails is printed as the command that repeats it.
+// Random runs that must keep every law: properties [--flying] [--first-seed N] [--cases M] [--shrink]. A seed that fails is
+// printed as the command that repeats it; with --flying --shrink also the smallest scene that fails alike.
+#include "properties/flying_run.hpp"
 #include "properties/wild_run.hpp"
 
 #include <sys/time.h>
@@ -22,9 +24,13 @@ constexpr int most_seconds = 1200;  // about ten times as slow
 constexpr int most_seconds = 120;
 #endif
 const char* program = "properties";
+bool flying = false;
 std::uint64_t seed = 0;  // that runs
 
-void say_how_to_repeat() { std::printf("    %s --first-seed %llu --cases 1\n", program, static_cast<unsigned long long>(seed)); }
+void say_how_to_repeat() {
+    std::printf("    %s%s --first-seed %llu --cases 1\n", program, flying ? " --flying" : "",
+                static_cast<unsigned long long>(seed));
+}
 
 /// A run that hangs: all is lost but its seed.
 extern "C" void out_of_time(int) {
@@ -61,23 +67,65 @@ long long number_after(char** argv, int& i, int argc) {
     return value;
 }
 
+/// Bodies that fly into each other; number of failures.
+int run_flying_bodies(std::uint64_t first, long long n_cases, bool shrink) {
+    int n_rejected = 0, n_refused = 0, n_failed = 0, n_contact = 0;
+    long n_steps = 0, n_cuts = 0, n_contacts = 0, n_broken = 0, n_retired = 0;
+    FlyingOutcome most;
+    std::map<std::string, int> refusals;
+    for (seed = first; seed < first + n_cases; ++seed) {
+        limit_time();
+        const FlyingScene scene = FlyingScenes(seed).scene();
+        const FlyingOutcome outcome = run_flying(scene);
+        n_rejected += outcome.rejected, n_refused += !outcome.refusal.empty(), n_contact += outcome.n_contacts > 0;
+        n_steps += outcome.n_steps, n_cuts += outcome.n_cuts, n_contacts += outcome.n_contacts;
+        n_broken += outcome.n_broken, n_retired += outcome.n_retired;
+        for (const auto worst : {&FlyingOutcome::depth, &FlyingOutcome::overlap, &FlyingOutcome::injected,
+                                 &FlyingOutcome::residual, &FlyingOutcome::energy_error, &FlyingOutcome::momentum_error,
+                                 &FlyingOutcome::moment_error})
+            most.*worst = std::max(most.*worst, outcome.*worst);
+        if (!outcome.refusal.empty()) ++refusals[outcome.refusal];
+        if (outcome.broken_law.empty()) continue;
+        ++n_failed;
+        std::printf("FAILED: %s\n", outcome.broken_law.c_str());
+        say_how_to_repeat();
+        if (shrink) std::printf("%s", text_of(shrunk(scene, outcome.broken_law)).c_str());
+        std::fflush(stdout);
+    }
+    std::printf("%lld flying scenes, %d rejected, %d in contact: %ld steps, %ld cut, %ld contacts, %ld points broken, %ld "
+                "retired; %d refused, %d failed\n",
+                n_cases, n_rejected, n_contact, n_steps, n_cuts, n_contacts, n_broken, n_retired, n_refused, n_failed);
+    std::printf("largest: depth %.2g, overlap %.2g, positive works %.2g, residual %.2g; errors of energy %.2g, momentum "
+                "%.2g, angular momentum %.2g\n",
+                most.depth, most.overlap, most.injected, most.residual, most.energy_error, most.momentum_error,
+                most.moment_error);
+    for (const auto& [reason, n] : refusals) std::printf("refused %d times: %s\n", n, reason.c_str());
+    return n_failed;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     program = argv[0];
     std::uint64_t first = 0;
     long long n_cases = 200;
+    bool shrink = false;
     for (int i = 1; i < argc; ++i) {
         if (!std::strcmp(argv[i], "--first-seed")) {
             first = number_after(argv, i, argc);
         } else if (!std::strcmp(argv[i], "--cases")) {
             n_cases = number_after(argv, i, argc);
+        } else if (!std::strcmp(argv[i], "--flying")) {
+            flying = true;
+        } else if (!std::strcmp(argv[i], "--shrink")) {
+            shrink = true;
         } else {
-            std::fprintf(stderr, "usage: %s [--first-seed N] [--cases M]\n", argv[0]);
+            std::fprintf(stderr, "usage: %s [--flying [--shrink]] [--first-seed N] [--cases M]\n", argv[0]);
             return 2;
         }
     }
     std::signal(SIGPROF, out_of_time);
+    if (flying) return run_flying_bodies(first, n_cases, shrink) == 0 ? 0 : 1;
     std::map<std::string, Tally> tallies;
     std::map<std::string, int> stops;
     int n_failed = 0;

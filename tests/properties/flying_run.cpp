@@ -1,0 +1,355 @@
+#include "properties/flying_run.hpp"
+
+#include "analysis/deformation_watch.hpp"
+#include "analysis/gates.hpp"
+#include "base/error.hpp"
+#include "stepper/step_control.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+#include <utility>
+
+namespace knap::tests {
+namespace {
+
+constexpr double max_strain = 0.2;         // [-] a larger one changes the stable step
+constexpr double max_overlap = 0.05;       // [-] of two triangles, beyond the reported depth
+constexpr double rounding_energy = 1e-24;  // [J] of bodies at rest; E and size are of order 1
+constexpr int search_every = 10;           // steps
+
+SchemeOptions options_of(const FlyingScene& scene) {
+    return {.cohesion = scene.implicit_cohesion ? CohesionScheme::implicit_beta : CohesionScheme::explicit_beta,
+            .damping = scene.damping};
+}
+
+Vec2 place(const Model& model, const State& state, Index corner) {
+    return model.mesh.corner(corner) + state.displacement_of(corner);
+}
+
+State start_of(const Model& model, const FlyingScene& scene) {
+    State state = initial_state(model);
+    Random random(1, "scatter");
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
+        const FlyingBody& body = scene.bodies[model.mesh.region[c / 3]];
+        const double x = random.uniform(-1, 1), y = random.uniform(-1, 1);
+        Vec2& v = state.velocity[state.node_of_corner[c]];
+        v = body.velocity + body.spin * turned_left(model.mesh.corner(c) - body.place);
+        if (model.fans[model.fan_of_corner[c]].split_at_start && !scene.law.sigma_c) v += scene.scatter * Vec2(x, y);
+    }
+    return state;
+}
+
+/// [-] The largest overlap of two triangles over their longest edge, whatever the stepper knows of contacts.
+double largest_overlap(const Model& model, const State& state) {
+    struct Triangle {
+        std::array<Vec2, 3> x;
+        Vec2 low, high;
+        double edge;
+    };
+    std::vector<Triangle> triangles;
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
+        Triangle one{};
+        for (Index k = 0; k < 3; ++k) one.x[k] = place(model, state, 3 * t + k);
+        one.low = one.x[0].cwiseMin(one.x[1]).cwiseMin(one.x[2]);
+        one.high = one.x[0].cwiseMax(one.x[1]).cwiseMax(one.x[2]);
+        for (Index k = 0; k < 3; ++k) one.edge = std::max(one.edge, (one.x[k] - one.x[(k + 1) % 3]).norm());
+        triangles.push_back(one);
+    }
+    double most = 0;
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+            const Triangle &a = triangles[i], &b = triangles[j];
+            if ((a.low.array() < b.high.array()).all() && (b.low.array() < a.high.array()).all())
+                most = std::max(most, overlap(a.x, b.x) / std::max(a.edge, b.edge));
+        }
+    return most;
+}
+
+/// [-] The largest distance of the two sides of a point that has not retired, over its edge: damaged faces slide on their
+/// first neighbour.
+double largest_live_opening(const Model& model, const State& state) {
+    double most = 0;
+    for (Index p = 0; p < model.n_points(); ++p) {
+        if (state.has_retired(p)) continue;
+        const FanPoint& point = model.fan_points[model.fan_point_of[p]];
+        const Vec2 jump = state.displacement_of(point.after) - state.displacement_of(point.before);
+        most = std::max(most, jump.norm() / model.interfaces[model.interface_of(p)].length);
+    }
+    return most;
+}
+
+class FlyingWatch {
+public:
+    FlyingWatch(const Model& model, const FlyingScene& scene, const State& start, FlyingOutcome& outcome)
+        : model_(model), scene_(scene), ledger_(model, start), deformation_(model), outcome_(outcome) {
+        for (const double m : model.corner_mass) mass_ += m;
+    }
+
+    void step(const State& begin, const State& end, const StepReport& report) {
+        ledger_.add(end, report);
+        deformation_.look_at(end);
+        ++outcome_.n_steps;
+        outcome_.n_contacts += static_cast<long>(report.face_contacts);
+        outcome_.depth = std::max(outcome_.depth, report.contact_depth);
+        outcome_.residual = std::max(outcome_.residual, report.contact_residual);
+        outcome_.energy_error = ledger_.largest_residual() / std::max(ledger_.largest_energy(), rounding_energy);
+        if (!std::isfinite(report.kinetic + report.strain + report.impact_work + report.friction_work))
+            fail("not a finite number", 1, 0);
+        at_most("energy residual over the largest energy", outcome_.energy_error, 1e-10);
+        at_most("growth of the cohesion", report.largest_beta_growth, 0);
+        at_most("change of area", deformation_.area_change().value, 0.9);
+        keeps_momentum(begin, end, report);
+        if (outcome_.n_steps % search_every == 0) search(end);
+        // what the program refuses by a gate
+        if (report.residual > max_residual) outcome_.refusal = "gate interface_residual";
+        if (report.contact_depth > 0.2) outcome_.refusal = "gate contact_depth";
+        if (deformation_.strain().value > max_strain) outcome_.refusal = "a strain far from small";
+    }
+
+    void end(const State& state) {
+        search(state);
+        const EnergyRow& row = ledger_.row();
+        const double lost = -row.impact_work - row.friction_work,
+                     scale = std::max(lost, 1e-3 * ledger_.largest_energy());
+        outcome_.injected = ledger_.worst().contact_injection / std::max(scale, 1e-300);
+        if (outcome_.residual < 1e-6) at_most("positive works of contacts", outcome_.injected, 1e-6);
+        // impacts without loss
+        if (scene_.unbreakable() && scene_.contact.friction == 0 && scene_.contact.restitution == 1 &&
+            scene_.floor == Floor::none)
+            at_most("loss of elastic impacts over the energy",
+                    lost / std::max(ledger_.largest_energy(), rounding_energy), 1e-10);
+        const bool at_rest = ledger_.largest_energy() <= rounding_energy;
+        Gates gates;
+        judge({ledger_, std::numeric_limits<double>::infinity(), 1e9, true}, {}, gates);
+        for (const Gate& gate : gates) {
+            if (gate.pass() || at_rest || gate.name == "law_lag") continue;
+            // the discrete balances must hold whatever happens; the laws of single contacts are refused where they do not
+            const bool is_refusal =
+                gate.name != "energy_residual" && gate.name != "cohesion_growth" && gate.name != "largest_speed";
+            if (is_refusal) outcome_.refusal = "gate " + std::string(gate.name);
+            else at_most(gate.name.data(), gate.value, gate.limit);
+        }
+    }
+
+private:
+    void fail(const std::string& what, double value, double limit) {
+        if (!outcome_.broken_law.empty()) return;
+        char text[200];
+        std::snprintf(text, sizeof text, "%s is %.3g and may be %.3g at step %d", what.c_str(), value, limit,
+                      outcome_.n_steps);
+        outcome_.broken_law = text;
+    }
+    void at_most(const char* what, double value, double limit) {
+        if (!(value <= limit)) fail(what, value, limit);
+    }
+
+    /// Momentum and angular momentum change by gravity alone; a point that carries an impulse over an opening u has the
+    /// couple u x P. The positions are those of the start of the step, where all forces and impulses act.
+    void keeps_momentum(const State& begin, const State& end, const StepReport& report) {
+        if (scene_.floor != Floor::none || scene_.damping > 0) return;
+        const double k = 0.5 * (begin.last_step + end.last_step);
+        Vec2 change = Vec2::Zero();
+        double moment = 0, scale = 0, arm = 0;
+        for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
+            const Vec2 x = place(model_, begin, c);
+            const double m = model_.corner_mass[c];
+            const Vec2 before = begin.velocity[begin.node_of_corner[c]], after = end.velocity[end.node_of_corner[c]];
+            const Vec2 kick = m * (after - before - k * Vec2(0, -scene_.gravity));
+            change += kick, moment += cross(x, kick);
+            scale += m * (before.norm() + after.norm()), arm = std::max(arm, x.norm());
+        }
+        for (std::size_t rank = 0; rank < end.split_fans.size(); ++rank) {
+            const auto points = model_.points(model_.fans[end.split_fans[rank]]);
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                const FanPoint& point = points[i];
+                const Vec2 traction = end.points[end.first_point[rank] + i].traction,
+                           n = point_frame(model_, begin, point).turned(point.normal),
+                           jump = begin.displacement_of(point.after) - begin.displacement_of(point.before);
+                moment -= cross(jump, k * point.area * (traction.x() * n + traction.y() * turned_left(n)));
+            }
+        }
+        // a step rounds the elastic forces, whose stresses are up to E times the strain
+        double stiffest = 0;
+        for (const FlyingBody& body : scene_.bodies) stiffest = std::max(stiffest, body.E);
+        scale = std::max(scale, k * stiffest * deformation_.strain().value);
+        scale = std::max({scale, mass_ * report.largest_speed, std::sqrt(rounding_energy)});
+        outcome_.momentum_error = std::max(outcome_.momentum_error, change.norm() / scale);
+        outcome_.moment_error = std::max(outcome_.moment_error, std::abs(moment) / (arm * scale));
+        at_most("change of momentum in a step", change.norm() / scale, 1e-12);
+        at_most("change of angular momentum in a step", std::abs(moment) / (arm * scale), 1e-12);
+    }
+
+    void search(const State& state) {
+        const double found = largest_overlap(model_, state);
+        outcome_.overlap = std::max(outcome_.overlap, found);
+        at_most("overlap of two triangles beyond what is reported",
+                found - 2 * outcome_.depth - 2 * largest_live_opening(model_, state), max_overlap);
+    }
+
+    const Model& model_;
+    const FlyingScene& scene_;
+    EnergyLedger ledger_;
+    DeformationWatch deformation_;
+    FlyingOutcome& outcome_;
+    double mass_ = 0;
+};
+
+/// Steps like the program, from `now` on.
+struct Flight {
+    Flight(const Model& model, const FlyingScene& scene)
+        : stepper(model, options_of(scene)),
+          h(scene.safety * stepper.stable_step()),
+          control({.largest = h, .cracking = h, .smallest = std::ldexp(h, -16), .end = scene.n_steps * h}) {}
+
+    /// False where the run ends: at its end, or since the step cannot be taken.
+    bool advance(State& now, State& next, FlyingOutcome& outcome) {
+        while (!StepControl::has_reached(now, end)) {
+            const double step = control.next(now);
+            report = stepper.step(now, step, next);
+            const auto cut = control.judge(now, step, report);
+            if (!cut) return true;
+            ++outcome.n_cuts;
+            if (control.is_stuck()) {
+                outcome.refusal = std::string(describe(cut->reason));
+                return false;
+            }
+        }
+        return false;
+    }
+
+    MoreauJean stepper;
+    double h;
+    StepControl control;
+    double end = 0;
+    StepReport report;
+};
+
+bool same_everything(const State& a, const State& b) {
+    if (!same_bits(a, b) || a.retired != b.retired || a.face_contacts.size() != b.face_contacts.size()) return false;
+    for (std::size_t i = 0; i < a.face_contacts.size(); ++i) {
+        const FaceContactState &x = a.face_contacts[i], &y = b.face_contacts[i];
+        if (x.vertex != y.vertex || x.edge != y.edge || x.contact != y.contact || x.tangential != y.tangential)
+            return false;
+    }
+    return a.n_steps == b.n_steps && a.elastic_energy == b.elastic_energy && a.elastic_work == b.elastic_work;
+}
+
+bool lies_within(const Model& model, const State& state, const Vec2& where) {
+    Vec2 low = Vec2::Constant(1e300), high = -low;
+    for (Index c = 0; c < model.mesh.n_corners(); ++c)
+        for (const Vec2& x : {place(model, state, c), model.mesh.corner(c)})
+            low = low.cwiseMin(x), high = high.cwiseMax(x);
+    const double margin = 1e-6 * (high - low).norm();
+    return ((where - low).array() > -margin).all() && ((high - where).array() > -margin).all();
+}
+
+void fly(const Model& model, const FlyingScene& scene, FlyingOutcome& outcome) {
+    Flight flight(model, scene);
+    flight.end = scene.n_steps * flight.h;
+    State now = start_of(model, scene), next, saved;
+    if (largest_overlap(model, now) > 1e-9) {
+        outcome.rejected = true;
+        return;
+    }
+    FlyingWatch watch(model, scene, now, outcome);
+    std::optional<StepControl> control;  // of the saved state
+    while (outcome.broken_law.empty() && outcome.refusal.empty() && outcome.n_steps < 8 * scene.n_steps) {
+        if (!control && (outcome.n_steps == scene.n_steps / 2)) saved = now, control = flight.control;
+        if (!flight.advance(now, next, outcome)) break;
+        watch.step(now, next, flight.report);
+        std::swap(now, next);
+    }
+    if (flight.control.is_stuck() && outcome.broken_law.empty() && !lies_within(model, now, flight.report.where))
+        outcome.broken_law = "a refusal without its place";
+    watch.end(now);
+    for (const PointState& point : now.points) outcome.n_broken += point.cohesion == 0;
+    outcome.n_retired = static_cast<int>(std::ranges::count(now.retired, 1));
+    if (!outcome.broken_law.empty() || !control) return;
+    for (const int threads : {1, 2}) {
+        omp_set_num_threads(threads);
+        FlyingOutcome ignored;
+        Flight again(model, scene);
+        again.control = *control, again.end = flight.end;
+        State other = saved;
+        while (other.n_steps < now.n_steps && again.advance(other, next, ignored)) std::swap(other, next);
+        omp_set_num_threads(1);
+        if (!same_everything(now, other)) {
+            outcome.broken_law = threads == 1 ? "a resumed run has other bits" : "two threads have other bits";
+            return;
+        }
+    }
+}
+
+/// What two failures have in common if they break the same law.
+std::string law_of(const std::string& broken) { return broken.substr(0, broken.find(" is ")); }
+
+}  // namespace
+
+FlyingOutcome run_flying(const FlyingScene& scene) {
+    FlyingOutcome outcome;
+    try {
+        const Model model = make_model(input_of(scene));
+        fly(model, scene, outcome);
+    } catch (const UserError&) {
+        outcome.rejected = true;
+    } catch (const SimulationError& error) {
+        if (outcome.broken_law.empty()) outcome.broken_law = error.what();
+    }
+    return outcome;
+}
+
+FlyingScene shrunk(FlyingScene scene, const std::string& broken_law) {
+    const std::string law = law_of(broken_law);
+    const auto still_fails = [&](const FlyingScene& other) { return law_of(run_flying(other).broken_law) == law; };
+    bool smaller = true;
+    const auto try_with = [&](auto change) {
+        FlyingScene other = scene;
+        change(other);
+        if (text_of(other) == text_of(scene) || !still_fails(other)) return;
+        scene = other, smaller = true;
+    };
+    while (std::exchange(smaller, false)) {
+        for (std::size_t b = scene.bodies.size(); b-- > 0;)
+            if (scene.bodies.size() > 1) try_with([&](FlyingScene& s) { s.bodies.erase(s.bodies.begin() + b); });
+        try_with([](FlyingScene& s) { s.floor = Floor::none; });
+        try_with([](FlyingScene& s) { s.gravity = 0; });
+        try_with([](FlyingScene& s) { s.damping = 0; });
+        try_with([](FlyingScene& s) { s.scatter = 0; });
+        try_with([](FlyingScene& s) { s.implicit_cohesion = false; });
+        try_with([](FlyingScene& s) { s.contact.friction = s.law.friction = 0; });
+        try_with([](FlyingScene& s) { s.contact.restitution = s.law.restitution = 0; });
+        try_with([](FlyingScene& s) { s.law = CohesiveLaw::unbreakable(), s.cracked = 0; });
+        try_with([](FlyingScene& s) { s.cracked = 0; });
+        try_with([](FlyingScene& s) { s.law.gamma = 1; });
+        try_with([](FlyingScene& s) { s.safety = 0.8; });
+        for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+            try_with(
+                [&](FlyingScene& s) { s.bodies[b].n_x = std::max(s.bodies[b].star ? 3 : 1, s.bodies[b].n_x - 1); });
+            try_with([&](FlyingScene& s) { s.bodies[b].n_y = std::max(1, s.bodies[b].n_y - 1); });
+            try_with([&](FlyingScene& s) { s.bodies[b].roughness = 0; });
+            try_with([&](FlyingScene& s) { s.bodies[b].spin = 0; });
+            try_with([&](FlyingScene& s) { s.bodies[b].velocity.setZero(); });
+            try_with([&](FlyingScene& s) { s.bodies[b].density = s.bodies[b].E = 1; });
+        }
+    }
+    return scene;
+}
+
+std::string text_of(const FlyingScene& s) {
+    std::ostringstream text;
+    text.precision(17);
+    text << "law sigma_c " << s.law.sigma_c << " G_c " << s.law.G_c << " gamma " << s.law.gamma << " mu "
+         << s.law.friction << " e " << s.law.restitution << "; contact mu " << s.contact.friction << " e "
+         << s.contact.restitution << "; implicit " << s.implicit_cohesion << " cracked " << s.cracked << " scatter "
+         << s.scatter << " gravity " << s.gravity << " damping " << s.damping << " floor " << int(s.floor) << " safety "
+         << s.safety << " steps " << s.n_steps << " fastest " << s.fastest << "\n";
+    for (const FlyingBody& b : s.bodies)
+        text << "    " << (b.star ? "star " : "bar ") << b.n_x << " x " << b.n_y << ", " << b.width << " x " << b.height
+             << " at " << b.place.transpose() << " angle " << b.angle << " v " << b.velocity.transpose() << " spin "
+             << b.spin << " rough " << b.roughness << " seed " << b.seed << " rho " << b.density << " E " << b.E
+             << "\n";
+    return text.str();
+}
+
+}  // namespace knap::tests
