@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace knap {
@@ -21,6 +22,7 @@ constexpr double max_injected = 1e-3;               // [-] of the kinetic energy
 constexpr double agreed = 1e-12;                    // [-] of the speeds, between contacts and fans
 constexpr double rounding = 1e-15;                  // [-] of the positions
 constexpr int newton_rounds = 8, max_rounds = 300;  // of contacts and fans
+constexpr int patience = 20;                        // rounds without half the residual: a wedge has no solution
 
 /// [J] Of the impulse P at a mean rate, both (N, T): what the residual of the laws injects.
 double positive_work(const Vec2& P, const Vec2& mean) {
@@ -325,8 +327,8 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
                                               step.drift_time, deep * c.length, merged * speed + error);
     }
     drop_immobile(cluster, problem);
-    double residual = 0;
-    for (int round = 0; round < max_rounds; ++round) {
+    double residual = 0, least = std::numeric_limits<double>::infinity();
+    for (int round = 0, last_progress = 0; round < max_rounds; ++round) {
         residual = problem.solve(speed, error);
         for (std::size_t i = 0; i < cluster.contacts.size(); ++i)
             impulse_[cluster.contacts[i]] = problem.contacts[i].impulse;
@@ -350,7 +352,8 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
                 V += term.rate(velocity_of(touched_[term.slot], term.place));
         }
         residual = problem.residual();
-        if (residual <= agreed * speed + error) break;
+        if (residual < 0.5 * least) least = residual, last_progress = round;
+        if (residual <= agreed * speed + error || round - last_progress > patience) break;
         const Slope slope = round < newton_rounds ? Slope::of_differences : Slope::largest;
         for (const Index s : cluster.slots)
             if (touched_[s].is_soft) respond_softly(touched_[s], step, work, slope);
