@@ -67,6 +67,25 @@ SurfaceDistance ObstacleSurface::distance_to(const Vec2& point) const {
     return {0, Vec2(0, 1)};
 }
 
+SurfaceDistance ObstacleSurface::distance_to(const Vec2& point, const Vec2& motion, double tolerance) const {
+    if (outline_->kind != Outline::Kind::polygon) return distance_to(point);
+    const std::vector<Vec2>& points = outline_->points;
+    const Vec2 p = rotation_.turned_back(point - position_), moved = rotation_.turned_back(motion);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vec2 before = (points[(i + points.size() - 1) % points.size()] - points[i]).normalized(),
+                   after = (next(points, i) - points[i]).normalized(), away = p - points[i];
+        if (before.dot(away) > tolerance || after.dot(away) > tolerance) continue;
+        const Vec2 n_1 = turned_left(before), n_2 = -turned_left(after);
+        const double gap_1 = n_1.dot(away), gap_2 = n_2.dot(away);
+        if (std::min(gap_1, gap_2) < -tolerance) continue;
+        const double rate_1 = n_1.dot(moved), rate_2 = n_2.dot(moved);
+        const bool both_touch = std::max(gap_1, gap_2) < tolerance && std::max(gap_1 + rate_1, gap_2 + rate_2) < 0;
+        const bool first = both_touch ? rate_1 > rate_2 : gap_1 + rate_1 > gap_2 + rate_2;
+        return first ? SurfaceDistance{gap_1, rotation_.turned(n_1)} : SurfaceDistance{gap_2, rotation_.turned(n_2)};
+    }
+    return distance_to(point);
+}
+
 bool ObstacleSurface::may_reach(const Vec2& point, double reach) const {
     const Vec2 away = point - position_;
     if (outline_->kind == Outline::Kind::half_plane) return normal_.dot(away) <= reach;

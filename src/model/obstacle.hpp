@@ -55,6 +55,11 @@ public:
     ObstacleSurface(const Outline& outline, const Pose& pose);
 
     SurfaceDistance distance_to(const Vec2& point) const;
+    /// The plane through a side of a polygon that a corner of the body near one of its corners touches, if it is as
+    /// near as `tolerance` [m] to two sides or beyond their ends: of the sides that meet there the one from which it is
+    /// further away after the motion [m] of the step. So a body that slides from one polygon to the next one passes the
+    /// seam. Elsewhere, and of other outlines, as distance_to(point).
+    SurfaceDistance distance_to(const Vec2& point, const Vec2& motion, double tolerance) const;
     /// A cheap test before distance_to: false only where the gap exceeds `reach` [m].
     bool may_reach(const Vec2& point, double reach) const;
     const Outline& outline() const { return *outline_; }

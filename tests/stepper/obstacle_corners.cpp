@@ -56,6 +56,29 @@ TEST_CASE("a tip that meets an edge shares its impulse between the masses at its
             }
 }
 
+TEST_CASE("a block slides over the seam between two flush polygons as over one") {
+    for (const SchemeOptions& scheme : schemes)
+        for (const double speed : {1.0, 0.1})
+            for (const double seam : {1.13, 1.25}) {
+                CAPTURE(speed);
+                CAPTURE(seam);
+                const auto end = [&](const std::vector<double>& edges) {
+                    ModelInput input = free_block(1, CohesiveLaw::unbreakable());
+                    for (std::size_t i = 1; i < edges.size(); ++i)
+                        input.obstacles.push_back(
+                            polygon({{edges[i - 1], -1}, {edges[i], -1}, {edges[i], 0}, {edges[i - 1], 0}}, {}));
+                    input.loads = {load(Load::Kind::acceleration, "", 0.0, -0.1, {{0, 1}, {0, 1}})};
+                    Run run(input, scheme);
+                    for (Vec2& v : run.now.velocity) v.x() = speed;
+                    const double h = std::min(5e-3, 0.8 * run.stepper.stable_step());
+                    while (run.now.time * speed < 0.5) run.step(h);
+                    return run.now.displacement;
+                };
+                const std::vector<Vec2> two = end({-2, seam, 5}), one = end({-2, 5});
+                for (std::size_t i = 0; i < one.size(); ++i) CHECK((two[i] - one[i]).norm() < 1e-9);
+            }
+}
+
 TEST_CASE("a sharp boulder that falls between the nodes of a block does not pass and momentum and energy balance") {
     for (const SchemeOptions& scheme : schemes)
         for (const int order : {1, 2})

@@ -7,6 +7,7 @@ namespace {
 
 constexpr double near = 0.02;            // [-] of the size of a corner: nearer corners are candidates at any speed
 constexpr double reach_in_steps = 4;     // distances covered in a step at the speeds of its start
+constexpr double touching = 1e-3;        // [-] of the size of a corner: as a rounding error of the geometry
 constexpr double end_of_edge = 1e-3;     // [-] of an edge: there its end is in contact instead
 constexpr double almost_as_near = 0.05;  // [-] of an edge: likewise where an end is about as near to the obstacle
 constexpr double rounding = 1e-12;       // [-] of the coordinates whose difference is a gap
@@ -90,7 +91,8 @@ void ObstacleContacts::find_at_corner(const Candidate& at, const State& begin, d
             velocity_at(begin.obstacles[o].velocity, arm).norm() + velocity_at(end_velocity[o], arm).norm();
         const double reach = near * corner_size_[c] + reach_in_steps * h * (speed + obstacle_speed);
         if (!surface.may_reach(x, reach)) continue;
-        const SurfaceDistance distance = surface.distance_to(x);
+        const Vec2 motion = h * (begin.velocity[node] - velocity_at(end_velocity[o], arm));
+        const SurfaceDistance distance = surface.distance_to(x, motion, touching * corner_size_[c]);
         if (distance.gap > reach) continue;
         contacts_.push_back({.corner = c,
                              .fan = at.fan,
