@@ -10,7 +10,7 @@
 namespace knap {
 namespace {
 
-constexpr int max_steps = 60, max_secants = 20;
+constexpr int max_steps = 60, few_steps = 6, max_secants = 20;
 constexpr double good_enough = 1e3;  // times the tolerance: the last digits are not worth a line search
 constexpr double difference = 1e-6;  // [-] of the speeds, for the slope: exact up to rounding
 constexpr int few = 12;              // components that are solved on the stack
@@ -84,7 +84,7 @@ void ObstacleMotion::finish(const State& begin, const std::vector<Vec3>& wrench,
     }
 }
 
-double ObstacleMotion::solve(const State& begin, const std::vector<std::uint8_t>& touched, double tolerance,
+double ObstacleMotion::solve(const State& begin, const std::vector<std::uint8_t>& touched, const Accuracy& accuracy,
                              const Response& response) {
     free_.clear();
     for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o)
@@ -92,16 +92,17 @@ double ObstacleMotion::solve(const State& begin, const std::vector<std::uint8_t>
             if (model_.obstacles[o].is_free(k))
                 free_.push_back({o, k, (1 + damping_) * model_.obstacles[o].inertia_of(k)});
     if (free_.empty()) return 0;
-    return free_.size() <= few ? find_rates<few>(begin, tolerance, response)
-                               : find_rates<Eigen::Dynamic>(begin, tolerance, response);
+    return free_.size() <= few ? find_rates<few>(begin, accuracy, response)
+                               : find_rates<Eigen::Dynamic>(begin, accuracy, response);
 }
 
 /// Unknowns x = sqrt(M) (W - W without contact), so that all components have one unit; error x - theta Q/sqrt(M).
 template <int max_components>
-double ObstacleMotion::find_rates(const State& begin, double tolerance, const Response& response) {
+double ObstacleMotion::find_rates(const State& begin, const Accuracy& accuracy, const Response& response) {
     using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_components, max_components>;
     using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_components, 1>;
     const Eigen::Index n = static_cast<Eigen::Index>(free_.size());
+    const double tolerance = accuracy.tolerance, good_progress = accuracy.rough ? 0.2 : 1e-3;
     double speed = 0;  // [sqrt(kg) m/s]
     for (const Component& c : free_)
         speed = std::max(speed, std::sqrt(c.mass) * std::max(std::abs(begin.obstacles[c.obstacle].velocity[c.k]),
@@ -125,8 +126,10 @@ double ObstacleMotion::find_rates(const State& begin, double tolerance, const Re
         x[i] = theta_ * kick_time_ * begin.obstacles[free_[i].obstacle].reaction[free_[i].k] / std::sqrt(free_[i].mass);
     Vector error = error_at(x);
     Eigen::PartialPivLU<Matrix> slope;
-    bool slope_is_known = false;
-    for (int step = 0; step < max_steps && error.norm() > tolerance * scale; ++step) {
+    bool slope_is_known = accuracy.rough;
+    if (accuracy.rough) slope.compute(Matrix::Identity(n, n));
+    const int last_step = accuracy.rough ? few_steps : max_steps;
+    for (int step = 0; step < last_step && error.norm() > tolerance * scale; ++step) {
         if (!slope_is_known) {
             const double delta = difference * std::max(speed, scale);
             Matrix columns(n, n);
@@ -139,7 +142,7 @@ double ObstacleMotion::find_rates(const State& begin, double tolerance, const Re
         Vector next = x + change, next_error = error_at(next);
         // without friction the error is the gradient of a convex function: the zero of its slope along Newton's step is
         // the length of the step
-        if (next_error.norm() > 0.1 * before && before > good_enough * tolerance * scale) {
+        if (!accuracy.rough && next_error.norm() > 0.1 * before && before > good_enough * tolerance * scale) {
             const double at_0 = change.dot(error), at_1 = change.dot(next_error);
             const auto along = [&](double part) { return change.dot(error_at(x + part * change)); };
             const double length =
@@ -147,7 +150,7 @@ double ObstacleMotion::find_rates(const State& begin, double tolerance, const Re
             next = x + length * change, next_error = error_at(next);
         }
         if (before <= good_enough * tolerance * scale && next_error.norm() >= before) break;
-        slope_is_known = next_error.norm() <= 1e-3 * before;  // the same linear piece
+        slope_is_known = next_error.norm() <= good_progress * before;  // the same linear piece
         x = next, error = next_error;
     }
     if (error.norm() > tolerance * scale) error = error_at(x);

@@ -25,9 +25,14 @@ public:
     /// [N s, N s, N m s] of the contacts on each obstacle at rate().
     using Response = std::function<void(std::vector<Vec3>& wrench)>;
 
-    /// Finds the free rates of the obstacles in `touched` [0/1], with an error below `tolerance` of the largest
-    /// impulse. Returns the error, relative likewise. May be called again in a step, after other impulses have changed.
-    double solve(const State& begin, const std::vector<std::uint8_t>& touched, double tolerance,
+    /// `rough`: the response is known to a few digits only. Few steps then, first with the impulses of the last trial,
+    /// which converges where an obstacle is much heavier than what it touches.
+    struct Accuracy {
+        double tolerance;  // [-] of the largest impulse
+        bool rough = false;
+    };
+    /// Finds the free rates of the obstacles in `touched` [0/1]. Returns the error, relative to the largest impulse.
+    double solve(const State& begin, const std::vector<std::uint8_t>& touched, const Accuracy& accuracy,
                  const Response& response);
 
     const std::vector<Vec3>& rate() const { return rate_; }  // W
@@ -43,7 +48,7 @@ private:
     };
     void begin_step(const State& begin, const StepTimes& times);
     template <int max_components>
-    double find_rates(const State& begin, double tolerance, const Response& response);
+    double find_rates(const State& begin, const Accuracy& accuracy, const Response& response);
 
     const Model& model_;
     bool theta_scheme_ = false;

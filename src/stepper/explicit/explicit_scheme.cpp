@@ -13,9 +13,7 @@ namespace knap {
 namespace {
 
 constexpr std::size_t split_fans_in_a_block = 8;
-constexpr std::size_t soon = 4;           // fans ahead, to prefetch
-constexpr int max_rounds = 200;           // of contacts between faces and with obstacles
-constexpr double contacts_agree = 1e-12;  // [-] of the largest impulse
+constexpr std::size_t soon = 4;  // fans ahead, to prefetch
 
 }  // namespace
 
@@ -263,25 +261,16 @@ void ExplicitScheme::release(const ExplicitStep& step, StepReport& report) {
     }
 }
 
-/// Contacts between free faces and with obstacles act on each other through the fans that have both: one after the
-/// other until the impulses agree.
+/// Contacts between free faces are solved for given motions of the obstacles, of which free ones depend on them.
 void ExplicitScheme::solve_contacts(const ExplicitStep& step, StepReport& report) {
     VertexSolver::Workspace& work = workspaces_.front().split;
-    if (!contacts_ || contacts_->size() == 0) return obstacles_.solve(step, work, report);
-    if (!obstacles_.couple_fans()) {
-        contacts_->solve(step, splits_, workspaces_, report);
-        return obstacles_.solve(step, work, report);
-    }
-    StepReport last;
-    double change = 1;
-    for (int round = 0; round < max_rounds && change > contacts_agree; ++round) {
-        last = {};
-        contacts_->solve(step, splits_, workspaces_, last);
-        change = contacts_->change_of_impulses();
-        obstacles_.solve(step, work, last);
-    }
-    if (change > max_residual) last.reject(Rejection::not_converged, contacts_->place_of(0, step.begin));
-    report += last;
+    if (!contacts_ || contacts_->size() == 0) return obstacles_.solve(step, {}, work, report);
+    const auto solve = [&](bool aside, StepReport& own) {
+        return contacts_->solve(step, aside, splits_, workspaces_, own);
+    };
+    contacts_->set_aside([&](Index fan) { return obstacles_.couple(fan); });
+    solve(false, report);
+    obstacles_.solve(step, std::bind_front(solve, true), work, report);
 }
 
 /// The motion of the bonded fans with contacts that stay bonded.

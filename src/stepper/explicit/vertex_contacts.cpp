@@ -392,19 +392,19 @@ Vec2 VertexContacts::velocity_of(const TouchedFan& touched, Index place) const {
     return v;
 }
 
-void VertexContacts::solve(const ExplicitStep& step, std::vector<std::uint8_t>& splits,
-                           std::vector<ThreadWorkspace>& workspaces, StepReport& report) {
+double VertexContacts::solve(const ExplicitStep& step, bool aside, std::vector<std::uint8_t>& splits,
+                             std::vector<ThreadWorkspace>& workspaces, StepReport& report) {
     last_impulse_ = impulse_;
     report += sum_over_blocks(clusters_.size(), 1, partial_, [&](std::size_t k, std::size_t, StepReport& own) {
-        solve_cluster(clusters_[k], step, splits, workspaces[omp_get_thread_num()], own);
+        if (clusters_[k].is_aside == aside)
+            solve_cluster(clusters_[k], step, splits, workspaces[omp_get_thread_num()], own);
     });
-    double largest = 0;
-    change_ = 0;
+    double largest = 0, change = 0;
     for (std::size_t i = 0; i < impulse_.size(); ++i) {
         largest = std::max(largest, impulse_[i].norm());
-        change_ = std::max(change_, (impulse_[i] - last_impulse_[i]).norm());
+        change = std::max(change, (impulse_[i] - last_impulse_[i]).norm());
     }
-    if (largest > 0) change_ /= largest;
+    return largest > 0 ? change / largest : 0;
 }
 
 Vec2 VertexContacts::place_of(Index contact, const State& state) const {

@@ -28,12 +28,17 @@ public:
     bool touches(Index fan) const { return !slot_of_fan_.empty() && slot_of_fan_[fan] >= 0; }
     std::size_t size() const { return contacts_.all().size(); }
 
-    /// Finds the impulses of all contacts and adds them to corner_impulse [N s]; sets `splits` [0/1] of bonded fans
-    /// that do not hold them.
-    void solve(const ExplicitStep& step, std::vector<std::uint8_t>& splits, std::vector<ThreadWorkspace>& workspaces,
-               StepReport& report);
-    /// [-] By the last call of solve, of the largest impulse.
-    double change_of_impulses() const { return change_; }
+    /// Sets aside the clusters with a fan that others couple: is_coupled(fan).
+    template <class IsCoupled>
+    void set_aside(const IsCoupled& is_coupled) {
+        for (Cluster& cluster : clusters_)
+            cluster.is_aside = std::ranges::any_of(cluster.slots, [&](Index s) { return is_coupled(fans_[s]); });
+    }
+    /// Finds the impulses of the contacts, in the clusters that are set aside or in the others, and adds them to
+    /// corner_impulse [N s]; sets `splits` [0/1] of bonded fans that do not hold them. Returns the change of the
+    /// impulses [-], of the largest one.
+    double solve(const ExplicitStep& step, bool aside, std::vector<std::uint8_t>& splits,
+                 std::vector<ThreadWorkspace>& workspaces, StepReport& report);
     Vec2 place_of(Index contact, const State& state) const;  // [m]
     /// Works of the contacts; stores their impulses in the end state, and retires points.
     void finish(const ExplicitStep& step, StepReport& report);
@@ -59,6 +64,7 @@ private:
     };
     struct Cluster {
         std::vector<Index> contacts, slots;
+        bool is_aside = false;
     };
 
     Index slot_of(Index fan);
@@ -95,7 +101,6 @@ private:
     std::vector<Term> terms_;
     std::vector<Cluster> clusters_;
     std::vector<Vec2> impulse_, before_;  // [N s], [m/s] per contact: (N, T)
-    double change_ = 0;
     std::vector<Vec2> last_impulse_;
     std::vector<double> residual_;  // [m/s] per contact: of its cluster
     std::vector<StepReport> partial_;

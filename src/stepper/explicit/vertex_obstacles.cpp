@@ -11,6 +11,9 @@ namespace {
 
 constexpr double edge_tolerance = 1e-14;  // [-] of the largest impulse
 constexpr int fast_sweeps = 10, max_sweeps = 500;
+constexpr double faces_agree = 1e-10;     // [-] of the momenta, a free obstacle and the faces that it touches
+constexpr double contacts_agree = 1e-12;  // [-] of the largest impulse
+constexpr int max_rounds = 200;           // of contacts between faces and on edges
 
 }  // namespace
 
@@ -20,12 +23,38 @@ void VertexObstacles::begin(const ExplicitStep& step) {
     now_.impulse.assign(now_.contacts.all().size(), Vec2::Zero());
 }
 
-void VertexObstacles::solve(const ExplicitStep& step, VertexSolver::Workspace& work, StepReport& report) {
-    if (now_.contacts.find_free(touched_)) solve_obstacles(step, work, report);
-    solve_edges(step, work, report);
+bool VertexObstacles::couple(Index fan) const {
+    return std::ranges::any_of(now_.contacts.of_fan(fan),
+                               [&](const ObstacleContact& c) { return model_.obstacles[c.obstacle].is_free(); }) ||
+           std::ranges::any_of(now_.contacts.on_edges(),
+                               [&](const ObstacleContact& c) { return c.fan == fan || c.fan_beside == fan; });
 }
 
-void VertexObstacles::solve_obstacles(const ExplicitStep& step, VertexSolver::Workspace& work, StepReport& report) {
+void VertexObstacles::solve(const ExplicitStep& step, const BetweenFaces& between_faces, VertexSolver::Workspace& work,
+                            StepReport& report) {
+    if (now_.contacts.find_free(touched_)) solve_obstacles(step, between_faces, work, report);
+    solve_at_rates(step, between_faces, work, report);
+}
+
+/// At given rates of the obstacles.
+void VertexObstacles::solve_at_rates(const ExplicitStep& step, const BetweenFaces& between_faces,
+                                     VertexSolver::Workspace& work, StepReport& report) {
+    if (!between_faces) return solve_edges(step, work, report);
+    StepReport last;
+    double change = 1;
+    for (int round = 0; round < max_rounds && change > contacts_agree; ++round) {
+        last = {};
+        change = between_faces(last);
+        if (now_.contacts.on_edges().empty()) break;
+        solve_edges(step, work, last);
+    }
+    if (change > max_residual && !now_.contacts.on_edges().empty())
+        last.reject(Rejection::not_converged, model_.mesh.corner(now_.contacts.on_edges().front().corner));
+    report += last;
+}
+
+void VertexObstacles::solve_obstacles(const ExplicitStep& step, const BetweenFaces& between_faces,
+                                      VertexSolver::Workspace& work, StepReport& report) {
     const std::vector<ObstacleContact>& contacts = now_.contacts.all();
     std::vector<Index>& fans = touching_fans_;
     fans.clear();
@@ -34,7 +63,7 @@ void VertexObstacles::solve_obstacles(const ExplicitStep& step, VertexSolver::Wo
             fans.push_back(contacts[i].fan);
     const auto response = [&](std::vector<Vec3>& wrench) {
         StepReport of_trial;
-        solve_edges(step, work, of_trial);
+        solve_at_rates(step, between_faces, work, of_trial);
         for (const Index f : fans) {
             solver_.solve(f, step, work);
             const auto of_fan = now_.contacts.of_fan(f);
@@ -43,7 +72,10 @@ void VertexObstacles::solve_obstacles(const ExplicitStep& step, VertexSolver::Wo
         }
         sum_wrenches(wrench);
     };
-    const double error = now_.motion.solve(step.begin, touched_, 1e-14, std::cref(response));  // cref: no copy
+    const ObstacleMotion::Accuracy accuracy{.tolerance = between_faces ? faces_agree : 1e-14,
+                                            .rough = between_faces != nullptr};
+    const double error = now_.motion.solve(step.begin, touched_, accuracy, std::cref(response));  // cref: no copy
+    if (between_faces) return;  // correct_work() has the energy of the error
     report.residual = std::max(report.residual, error);
     // a body squeezed with friction has several solutions, or none, and its fan may jump between them; in a smaller
     // step they are distinct
@@ -124,6 +156,17 @@ void VertexObstacles::solve_edges(const ExplicitStep& step, VertexSolver::Worksp
         report.reject(Rejection::not_converged, model_.mesh.corner(contacts.front().corner));
 }
 
+/// The works of the contacts have the rates with which the body was solved; the obstacle has those of its impulses.
+void VertexObstacles::correct_work(const State& end, StepReport& report) const {
+    for (std::size_t o = 0; o < wrench_.size(); ++o)
+        for (int k = 0; k < 3; ++k) {
+            if (!model_.obstacles[o].is_free(k)) continue;
+            const double work = 0.5 * wrench_[o][k] * (end.obstacles[o].velocity[k] - now_.motion.rate()[o][k]);
+            report.impact_work += work;
+            report.contact_injection += std::max(0.0, work);
+        }
+}
+
 void VertexObstacles::finish(const ExplicitStep& step, StepReport& report) {
     const State &begin = step.begin, &end = step.end;
     for (std::size_t i = 0; i < edges_.size(); ++i) {
@@ -141,6 +184,7 @@ void VertexObstacles::finish(const ExplicitStep& step, StepReport& report) {
     }
     sum_wrenches(wrench_);
     now_.motion.finish(begin, wrench_, step.end, report);
+    if (!model_.contact_of_pair.empty()) correct_work(step.end, report);
 }
 
 }  // namespace knap

@@ -3,6 +3,8 @@
 // that it touches by its three velocities; a contact on an edge couples the two fans at its ends by its impulse.
 #include "stepper/explicit/vertex_solver.hpp"
 
+#include <functional>
+
 namespace knap {
 
 class VertexObstacles {
@@ -12,10 +14,13 @@ public:
 
     /// Motion of the obstacles without the body, and the contacts that may close.
     void begin(const ExplicitStep& step);
-    /// Contacts of the step act on several fans, by the motion of a free obstacle or on an edge.
-    bool couple_fans() { return now_.contacts.find_free(touched_) || !now_.contacts.on_edges().empty(); }
-    /// End velocities of free obstacles and impulses of contacts on edges.
-    void solve(const ExplicitStep& step, VertexSolver::Workspace& work, StepReport& report);
+    /// The fan is coupled with others, by the motion of a free obstacle or by a contact on an edge.
+    bool couple(Index fan) const;
+    /// Solves the contacts between free faces of fans that are coupled; returns the change of their impulses [-].
+    using BetweenFaces = std::function<double(StepReport& report)>;
+    /// End velocities of free obstacles, impulses of contacts on edges, and of those between free faces, if any.
+    void solve(const ExplicitStep& step, const BetweenFaces& between_faces, VertexSolver::Workspace& work,
+               StepReport& report);
     /// The obstacles at the end of the step, their energies and works, and those of the contacts on edges.
     void finish(const ExplicitStep& step, StepReport& report);
 
@@ -24,9 +29,13 @@ private:
         double mobility;  // [1/kg] of the body at the contact
         Vec2 last_velocity = Vec2::Zero(), last_change = Vec2::Zero();
     };
-    void solve_obstacles(const ExplicitStep& step, VertexSolver::Workspace& work, StepReport& report);
+    void solve_obstacles(const ExplicitStep& step, const BetweenFaces& between_faces, VertexSolver::Workspace& work,
+                         StepReport& report);
+    void solve_at_rates(const ExplicitStep& step, const BetweenFaces& between_faces, VertexSolver::Workspace& work,
+                        StepReport& report);
     void solve_edges(const ExplicitStep& step, VertexSolver::Workspace& work, StepReport& report);
     Vec2 end_velocity_at(const ObstacleContact& contact, const ExplicitStep& step, VertexSolver::Workspace& work) const;
+    void correct_work(const State& end, StepReport& report) const;
     void sum_wrenches(std::vector<Vec3>& wrench) const;
 
     const Model& model_;

@@ -114,8 +114,8 @@ void ImplicitScheme::solve_free_obstacles(StepReport& report) {
         solve_points(report);
         wrench = contact_wrenches();
     };
-    report.residual =
-        obstacles_.solve(*step_.begin, touched_, obstacle_tolerance, std::cref(response));  // cref: no copy
+    report.residual = obstacles_.solve(*step_.begin, touched_, {.tolerance = obstacle_tolerance},
+                                       std::cref(response));  // cref: no copy
     report.rejection = Rejection::none;
 }
 
