@@ -1,5 +1,6 @@
 // knap bench: the edge-cracked block as fixed work. Prints triangle-steps per core-second with all interface work,
 // ratios within one run, and the time of the kernels of a step compared with the capacity of the machine.
+#include "app/bench_contact.hpp"
 #include "app/commands.hpp"
 #include "app/run/process.hpp"
 #include "app/run/setup.hpp"
@@ -113,8 +114,8 @@ double handover_time() {
 /// The block, its steps, and the time that they take.
 class Block {
 public:
-    explicit Block(double size, bool cracked = true, bool large_rotation = false)
-        : scenario_(scenario_of(size, cracked, large_rotation)) {}
+    explicit Block(double size, bool cracked = true, bool large_rotation = false, bool contact = false)
+        : scenario_(scenario_of(size, cracked, large_rotation, contact)) {}
     struct Times {
         double cpu, wall;  // [s]
     };
@@ -143,10 +144,11 @@ public:
     double n_solves = 0;  // of vertices that have split, in the last run
 
 private:
-    static Scenario scenario_of(double size, bool cracked, bool large_rotation) {
+    static Scenario scenario_of(double size, bool cracked, bool large_rotation, bool contact) {
         std::vector<std::string> overrides{formatted("mesh.size=%.9g", size)};
         if (!cracked) overrides.emplace_back("domain.crack=[]");
         if (large_rotation) overrides.emplace_back("domain.rotation=large");
+        if (contact) overrides.emplace_back("contact={}");
         return built_in("edge_cracked_block", overrides);
     }
     std::int64_t steps_to(double time) const { return static_cast<std::int64_t>(std::ceil(time / step_ * (1 - 1e-9))); }
@@ -318,6 +320,14 @@ struct Bench {
         ratio("forces, large rotations to small ones", turning_forces / forces);
         ratio("forces and motion, large rotations to small ones", turning_both / both);
     }
+
+    void measure_contacts() {
+        use_threads(1);
+        Block alone(1e-3, true, true, false), with_contact(1e-3, true, true, true);
+        const double until = 20e-6, without = alone.run(until).cpu;
+        ratio("a step with [contact] where hardly any faces meet", with_contact.run(until).cpu / without);
+        for (const Measurement& of : measure_contact()) ratio(of.name.c_str(), of.value);
+    }
 };
 
 }  // namespace
@@ -350,6 +360,7 @@ ExitCode bench(const BenchOptions& options) {
     bench.add("machine [bytes/s]", bench.bytes), bench.add("machine [flops/s]", bench.flops);
     bench.measure_kernels(0.5e-3, until);
     if (options.full) bench.measure_kernels(0.25e-3, 20e-6);
+    bench.measure_contacts();
     if (!options.csv.empty()) write_new_file(options.csv, bench.table);
     return block.hash == twice.hash ? exit_done : exit_failed;
 }

@@ -33,7 +33,7 @@ struct BenchOptions {
     std::filesystem::path csv;  // table of the measurements; empty: only printed
 };
 /// Fixed work: triangle-steps per core-second, ratios over mesh sizes and threads, hashes of the end states, and the
-/// kernels of a step compared with the machine.
+/// kernels of a step compared with the machine; what contact between free faces costs.
 ExitCode bench(const BenchOptions& options);
 
 /// For a file that the user named on the command line. Throws UserError where it exists.

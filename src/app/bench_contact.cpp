@@ -1,0 +1,152 @@
+// knap bench: what contact between free faces costs a step, in rubble and in dust.
+#include "app/bench_contact.hpp"
+
+#include "app/run/setup.hpp"
+#include "app/run/step_plan.hpp"
+#include "base/random.hpp"
+#include "base/stopwatch.hpp"
+#include "scenario/read_scenario.hpp"
+#include "stepper/contact/face_contacts.hpp"
+#include "stepper/moreau_jean.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+namespace {
+
+/// Fifty stones that do not break fall into a box; at 0.6 s all of them move, at 1.5 s they lie.
+constexpr const char* rubble = R"(knap = 1
+name = "rubble"
+[domain]
+rotation = "large"
+[mesh]
+size = "60 mm"
+[[bodies]]
+pattern = "heap"
+box     = ["0 m", "0 m", "2 m", "3 m"]
+size    = "0.25 m"
+number  = 50
+[material.rock]
+density = "2400 kg/m3"
+E       = "0.2 GPa"
+nu      = 0.25
+[interface.default]
+breakable = false
+friction  = 0.5
+[contact]
+[[obstacle]]
+shape  = "half plane"
+at     = ["0 m", "0 m"]
+normal = [0, 1]
+friction = 0.5
+[[obstacle]]
+shape  = "half plane"
+at     = ["-10 mm", "0 m"]
+normal = [1, 0]
+[[obstacle]]
+shape  = "half plane"
+at     = ["2.01 m", "0 m"]
+normal = [-1, 0]
+[[load]]
+acceleration = ["0 m/s2", "-9.81 m/s2"]
+[time]
+end     = "1.5 s"
+damping = "2 Hz"
+)";
+
+/// [s] Of a call, the best of some trials.
+template <class Call>
+double time_of(int n_trials, const Call& call) {
+    double best = INFINITY;
+    for (int trial = 0; trial < n_trials; ++trial) {
+        const Stopwatch watch;
+        call();
+        best = std::min(best, watch.cpu());
+    }
+    return best;
+}
+
+Model without_contact(Model model) {
+    model.contact_of_pair.clear();
+    return model;
+}
+
+class Rubble {
+public:
+    /// Adds what a contact costs in the steps to `until` [s] from 1000 steps before.
+    void measure(double until, const std::string& name, std::vector<Measurement>& measured) {
+        const StepLimits limits = plan_steps(scenario_, model_, until).limits;
+        StepControl control(limits);
+        double with = 0, without = 0, contacts = 0, finding = 0;
+        FaceContacts faces(model_);
+        for (int n = 0; !StepControl::has_reached(now_, until);) {
+            const double h = control.next(now_);
+            if (now_.time > until - 1000 * limits.largest && n++ % 10 == 0) {  // the same step, taken both ways
+                State alone = now_, end = now_;
+                alone.retired.clear(), alone.face_contacts.clear();
+                with += time_of(3, [&] { contacts_ = stepper_.step(now_, h, end).face_contacts; });
+                without += time_of(3, [&] { of_free_.step(alone, h, end); });
+                faces.find(now_, h);
+                finding += time_of(3, [&] { faces.find(now_, h); });
+                contacts += static_cast<double>(contacts_);
+            }
+            const StepReport report = stepper_.step(now_, h, next_);
+            if (!control.judge(now_, h, report)) std::swap(now_, next_);
+        }
+        measured.push_back({name + ": all work for a contact [ns]", 1e9 * (with - without) / contacts});
+        measured.push_back({name + ": of it, detection [ns]", 1e9 * finding / contacts});
+    }
+
+private:
+    Scenario scenario_ = read_scenario_text(rubble, "rubble", {}).scenario;
+    Model model_ = build_model(scenario_), free_ = without_contact(model_);
+    MoreauJean stepper_{model_, scenario_.time.scheme}, of_free_{free_, scenario_.time.scheme};
+    State now_ = initial_state(model_), next_ = now_;
+    std::int64_t contacts_ = 0;
+};
+
+/// Triangles of the block, all of them apart by a tenth of their size, at random velocities.
+void measure_dust(std::vector<Measurement>& measured) {
+    const Scenario scenario = read_scenario_text(built_in_scenario("edge_cracked_block"), "edge_cracked_block",
+                                                 {"mesh.size=1 mm", "domain.rotation=large", "contact={}"})
+                                  .scenario;
+    const Model model = build_model(scenario);
+    const Mesh& mesh = model.mesh;
+    State state = initial_state(model);
+    for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f) split(model, f, state);
+    std::ranges::fill(state.retired, 1);
+    Random random(1, "dust");
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        const Vec2 moved = 0.1 / 3 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2));
+        const Vec2 velocity(random.uniform(-1, 1), random.uniform(-1, 1));
+        for (Index k = 0; k < 3; ++k) {
+            const Index node = state.node_of_corner[3 * t + k];
+            state.displacement[node] = moved, state.velocity[node] = velocity;
+        }
+    }
+    FaceContacts faces(model);
+    const double h = 1e-7;  // [s] a thousandth of the way between two triangles
+    faces.find(state, h);
+    const auto n_edges = static_cast<double>(faces.boundary().edges().size());
+    constexpr int n_steps = 500;
+    const Stopwatch watch;
+    for (int step = 0; step < n_steps; ++step) {
+        for (std::size_t n = 0; n < state.displacement.size(); ++n) state.displacement[n] += h * state.velocity[n];
+        faces.find(state, h);
+    }
+    measured.push_back({"dust: detection [ns per free edge and step]", 1e9 * watch.cpu() / (n_steps * n_edges)});
+}
+
+}  // namespace
+
+std::vector<Measurement> measure_contact() {
+    std::vector<Measurement> measured;
+    Rubble stones;
+    stones.measure(0.6, "rubble in motion", measured);
+    stones.measure(1.5, "rubble at rest", measured);
+    measure_dust(measured);
+    return measured;
+}
+
+}  // namespace knap
