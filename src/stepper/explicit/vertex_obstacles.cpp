@@ -21,6 +21,7 @@ void VertexObstacles::begin(const ExplicitStep& step) {
     now_.motion.begin_explicit(step.begin, step.kick_time, step.drift_time, step.damping);
     now_.contacts.find(step.begin, step.drift_time, now_.motion.rate(), step.corner_force);
     now_.impulse.assign(now_.contacts.all().size(), Vec2::Zero());
+    edges_.clear();  // of the step before; solve_edges() is not called where there are none
 }
 
 bool VertexObstacles::couple(Index fan) const {
