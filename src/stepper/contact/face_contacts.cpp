@@ -269,11 +269,16 @@ bool FaceContacts::belongs_to(Index e, const Vertex& at, double gap, double shar
                     second = !at_end    ? e
                              : is_outer ? leaving
                                         : edges[e].next;
+        // beyond the closed end of a crack, or nearer to it than deep
+        if (!is_outer && (at_end ? 1 - share : share) * sides_[e].length < std::max(0.0, -gap)) return false;
         const Vec2 &t_1 = sides_[first].tangent, &t_2 = sides_[second].tangent;
         const Vec2 from_corner = at.x - 0.5 * (end_of(first).x + start_of(second).x);
         if (!is_reflex(t_1, t_2, is_outer ? edges[second].reflex_piece : edges[first].reflex_wedge)) {
             if (second_is_nearer(first, second, at, h) != at_end) continue;
-            if (at.accepts(outward(at_end ? t_2 : t_1))) return false;
+            const auto& [t, length] = sides_[at_end ? second : first];
+            if (at.accepts(outward(t))) return false;
+            // both edges at the vertex lie in front of the nearer edge, which separates them from this one
+            if (outward(t).dot(from_corner) - at.overhang(outward(t)) > -touching * length) return false;
             if (meets_nearer(at_end ? edges[e].piece_end : edges[e].piece_start, at, gap, begin)) return false;
             continue;
         }
