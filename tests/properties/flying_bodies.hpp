@@ -4,6 +4,7 @@
 #include "base/random.hpp"
 #include "support/bodies.hpp"
 #include "support/obstacle_shapes.hpp"
+#include "support/overlap.hpp"
 #include "support/pieces.hpp"
 
 #include <numbers>
@@ -61,19 +62,6 @@ inline Mesh mesh_of(const FlyingBody& body) {
     }
     for (Vec2& x : mesh.vertices) x = body.place + turned(x, body.angle);
     return mesh;
-}
-
-/// [m] By how much two triangles would have to be moved apart: the least overlap along the normals of their edges.
-inline double overlap(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const auto& [one, other] : {std::pair(&a, &b), std::pair(&b, &a)})
-        for (int k = 0; k < 3; ++k) {
-            const Vec2 along = (*one)[(k + 1) % 3] - (*one)[k], normal = -turned_left(along).normalized();
-            double gap = std::numeric_limits<double>::infinity();
-            for (const Vec2& x : *other) gap = std::min(gap, normal.dot(x - (*one)[k]));
-            if ((least = std::min(least, -gap)) <= 0) return 0;
-        }
-    return least;
 }
 
 /// Whether triangles of two bodies overlap.

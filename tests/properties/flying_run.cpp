@@ -23,10 +23,6 @@ SchemeOptions options_of(const FlyingScene& scene) {
             .damping = scene.damping};
 }
 
-Vec2 place(const Model& model, const State& state, Index corner) {
-    return model.mesh.corner(corner) + state.displacement_of(corner);
-}
-
 State start_of(const Model& model, const FlyingScene& scene) {
     State state = initial_state(model);
     Random random(1, "scatter");
@@ -38,32 +34,6 @@ State start_of(const Model& model, const FlyingScene& scene) {
         if (model.fans[model.fan_of_corner[c]].split_at_start && !scene.law.sigma_c) v += scene.scatter * Vec2(x, y);
     }
     return state;
-}
-
-/// [-] The largest overlap of two triangles over their longest edge, whatever the stepper knows of contacts.
-double largest_overlap(const Model& model, const State& state) {
-    struct Triangle {
-        std::array<Vec2, 3> x;
-        Vec2 low, high;
-        double edge;
-    };
-    std::vector<Triangle> triangles;
-    for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
-        Triangle one{};
-        for (Index k = 0; k < 3; ++k) one.x[k] = place(model, state, 3 * t + k);
-        one.low = one.x[0].cwiseMin(one.x[1]).cwiseMin(one.x[2]);
-        one.high = one.x[0].cwiseMax(one.x[1]).cwiseMax(one.x[2]);
-        for (Index k = 0; k < 3; ++k) one.edge = std::max(one.edge, (one.x[k] - one.x[(k + 1) % 3]).norm());
-        triangles.push_back(one);
-    }
-    double most = 0;
-    for (std::size_t i = 0; i < triangles.size(); ++i)
-        for (std::size_t j = 0; j < i; ++j) {
-            const Triangle &a = triangles[i], &b = triangles[j];
-            if ((a.low.array() < b.high.array()).all() && (b.low.array() < a.high.array()).all())
-                most = std::max(most, overlap(a.x, b.x) / std::max(a.edge, b.edge));
-        }
-    return most;
 }
 
 /// [-] The largest distance of the two sides of a point that has not retired, over its edge: damaged faces slide on their
@@ -101,6 +71,9 @@ public:
         at_most("change of area", deformation_.area_change().value, 0.9);
         keeps_momentum(begin, end, report);
         if (outcome_.n_steps % search_every == 0) search(end);
+        if (report.contact_depth > max_overlap && report.contact_depth > deepest_ && report.contact_depth < 0.2)
+            at_most("depth of a contact where hardly anything overlaps", deepest_ = report.contact_depth,
+                    max_overlap + 4 * largest_overlap(model_, end).of_shortest);
         // what the program refuses by a gate
         if (report.residual > max_residual) outcome_.refusal = "gate interface_residual";
         if (report.contact_depth > 0.2) outcome_.refusal = "gate contact_depth";
@@ -181,7 +154,7 @@ private:
     }
 
     void search(const State& state) {
-        const double found = largest_overlap(model_, state);
+        const double found = largest_overlap(model_, state).of_longest;
         outcome_.overlap = std::max(outcome_.overlap, found);
         at_most("overlap of two triangles beyond what is reported",
                 found - 2 * outcome_.depth - 2 * largest_live_opening(model_, state), max_overlap);
@@ -192,7 +165,7 @@ private:
     EnergyLedger ledger_;
     DeformationWatch deformation_;
     FlyingOutcome& outcome_;
-    double mass_ = 0;
+    double mass_ = 0, deepest_ = 0;
 };
 
 /// Steps like the program, from `now` on.
@@ -248,7 +221,7 @@ void fly(const Model& model, const FlyingScene& scene, FlyingOutcome& outcome) {
     Flight flight(model, scene);
     flight.end = scene.n_steps * flight.h;
     State now = start_of(model, scene), next, saved;
-    if (largest_overlap(model, now) > 1e-9) {
+    if (largest_overlap(model, now).of_longest > 1e-9) {
         outcome.rejected = true;
         return;
     }
