@@ -1,7 +1,5 @@
 #include "stepper/contact/contact_cluster.hpp"
 
-#include "lcp/solvers.hpp"
-
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SparseLU>
@@ -264,60 +262,20 @@ bool ContactCluster::solve_states() {
     return true;
 }
 
-/// Every term mu/2 sgn(V_T - k) of the friction is a law of its own with P_T = sum (a - c) (interface/fan_lcp.hpp):
-///     0 <= a  perp  V_T - k + y >= 0,   0 <= c  perp  -(V_T - k) + y >= 0,   0 <= y  perp  w p - a - c >= 0
+/// As one complementarity problem (interface/staircase_lcp.hpp).
 bool ContactCluster::solve_by_lemke(double speed) {
-    struct Row {
-        std::size_t contact;
-        int direction;  // 0: N, 1: T
-        double sign;    // of the impulse; 0: the slack y
-        double rate;    // b of a contact, k of a sign
-        double friction;
-        int first;  // of the three rows of its sign
-        double unit;
-    };
-    std::vector<Row> rows;
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-        const InterfaceLaw& law = contacts[i].law;
-        const double sum = own_[i].trace();
-        if (!law.contact.may_touch || sum <= 0) continue;
-        const double unit = std::sqrt(2 / sum);
-        rows.push_back({i, 0, 1, law.contact.rate, 0, -1, unit});
-        for (const Staircase::Kink& kink : law.closed.kinks()) {
-            const int first = static_cast<int>(rows.size());
-            for (const double sign : {1., -1., 0.}) rows.push_back({i, 1, sign, kink.rate, kink.friction, first, unit});
-        }
-    }
+    lcp_.clear();
+    for (std::size_t i = 0; i < contacts.size(); ++i)
+        if (contacts[i].law.contact.may_touch && own_[i].trace() > 0) lcp_.add(i, contacts[i].law, own_[i].trace());
     W_.setZero(2 * size(), 2 * size());
     for (const ContactCoupling& c : couplings) W_.block<2, 2>(2 * c.on, 2 * c.of) = c.W;
-    const auto n = static_cast<Eigen::Index>(rows.size());
-    double unit = 0;
-    for (const Row& row : rows) unit = std::max(unit, row.unit);
-    const double scale = speed * unit;
-    Eigen::MatrixXd M = Eigen::MatrixXd::Zero(n, n);
-    Eigen::VectorXd q = Eigen::VectorXd::Zero(n), z(n);
-    for (Eigen::Index r = 0; r < n; ++r) {
-        const Row& row = rows[r];
-        for (Eigen::Index s = 0; s < n; ++s) {
-            const Row& column = rows[s];
-            const bool same = row.first >= 0 && row.first == column.first;
-            if (row.sign == 0) {
-                if (column.contact != row.contact) continue;
-                if (column.direction == 0) M(r, s) = row.friction;
-                else if (same && column.sign != 0) M(r, s) = -1;
-            } else if (column.sign == 0) {
-                if (same) M(r, s) = 1;
-            } else {
-                M(r, s) = row.unit * column.unit * row.sign * column.sign *
-                          W_(2 * row.contact + row.direction, 2 * column.contact + column.direction);
-            }
-        }
-        if (row.sign != 0) q[r] = row.sign * row.unit * (contacts[row.contact].free[row.direction] - row.rate) / scale;
-    }
-    if (n == 0 || !solve_lcp_by_lemke(M, q, z)) return false;
+    const auto response = [&](std::size_t i, int along, std::size_t j, int on) {
+        return W_(2 * static_cast<Eigen::Index>(i) + along, 2 * static_cast<Eigen::Index>(j) + on);
+    };
+    const auto free = [&](std::size_t i, int along) { return contacts[i].free[along]; };
+    if (!lcp_.solve(speed, response, free)) return false;
     for (ClusterContact& c : contacts) c.impulse.setZero();
-    for (Eigen::Index r = 0; r < n; ++r)
-        contacts[rows[r].contact].impulse[rows[r].direction] += rows[r].sign * rows[r].unit * scale * z[r];
+    lcp_.for_impulses([&](std::size_t i, int along, double part) { contacts[i].impulse[along] += part; });
     find_velocities();
     return true;
 }

@@ -10,7 +10,7 @@
 // Gauss-Seidel sweeps solve one contact after the other in closed form; where they are slow, an active set over the
 // states of the contacts (interface/link_state.hpp) starts from their result; Lemke's pivots where that cycles. The
 // impulses of redundant contacts are not unique; the velocities are.
-#include "interface/link_state.hpp"
+#include "interface/staircase_lcp.hpp"
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
@@ -75,6 +75,7 @@ private:
 
     std::vector<Eigen::Matrix2d> own_;  // [1/kg] per contact: its own block
     Eigen::MatrixXd W_;                 // all blocks, of the problem for Lemke's pivots
+    StaircaseLcp lcp_;
     std::vector<LinkState> states_;
     std::vector<Eigen::Index> unknown_, place_;  // rows of W; per row: its place in unknown_, or -1
     std::vector<Eigen::Triplet<double>> triplets_;
