@@ -105,6 +105,10 @@ TEST_CASE("a run that nobody can mean is said to be one") {
     CHECK(check.has("days of one core"));
     CHECK(check.has("warning[too-many]: `output.every` = 1e-06 s in a run of 36000 s makes 3.6e+10 frames"));
     CHECK(check.has("warning[too-many]: `output.history_every` = 1e-06 s"));
+    const Answer damped = command(plate(folder, "") + "-s 'time.damping=1000 GHz'");
+    CAPTURE(damped.text);
+    CHECK(damped.has("warning[too-large]: `time.damping` = 1e+12 Hz takes "));
+    CHECK(damped.has("reverses in every step"));
 }
 
 TEST_CASE("two lines that cut the stable step are named with their place") {

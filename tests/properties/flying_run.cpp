@@ -73,7 +73,7 @@ public:
         if (outcome_.n_steps % search_every == 0) search(end);
         if (report.contact_depth > max_overlap && report.contact_depth > deepest_ && report.contact_depth < 0.2)
             at_most("depth of a contact where hardly anything overlaps", deepest_ = report.contact_depth,
-                    max_overlap + 4 * largest_overlap(model_, end).of_shortest);
+                    2 * max_overlap + 4 * largest_overlap(model_, end).of_shortest);
         // what the program refuses by a gate
         if (report.residual > max_residual) outcome_.refusal = "gate interface_residual";
         if (report.contact_depth > 0.2) outcome_.refusal = "gate contact_depth";

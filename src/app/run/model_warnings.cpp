@@ -280,6 +280,12 @@ public:
                           plan.limits.largest, seconds / 86400),
                 "use a smaller time.end (waves cross a body in micro- to milliseconds), larger triangles, or bulk = "
                 "\"implicit\"");
+        if (const double part = scenario_.time.scheme.damping * plan.limits.largest; part > 1)
+            add("time.damping", "too-large",
+                formatted("`time.damping` = %.6g Hz takes %.3g times the velocity in a step of %.3g s%s",
+                          scenario_.time.scheme.damping, part, plan.limits.largest,
+                          part > 2 ? ", which then reverses in every step" : ""),
+                "use a rate far below one over the step; vibrations decay as exp(-damping t/2)");
         const auto check = [&](const char* key, double every, double max, const char* what, double bytes) {
             const double n = every > 0 ? std::min(end / every, n_steps) : 0;
             if (n > max)
