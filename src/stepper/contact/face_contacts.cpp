@@ -50,6 +50,13 @@ void refuse(const ContactRefusal& now, std::optional<ContactRefusal>& worst) {
     if (!worst || rank(now) > rank(*worst)) worst = now;
 }
 
+/// Of a vertex in the step before. (Clang 14 has no std::ranges::equal_range of a vector.)
+std::span<const FaceContactState> contacts_before(const State& begin, Index vertex) {
+    const auto& all = begin.face_contacts;
+    return {std::ranges::lower_bound(all, vertex, {}, &FaceContactState::vertex),
+            std::ranges::upper_bound(all, vertex, {}, &FaceContactState::vertex)};
+}
+
 }  // namespace
 
 FaceContacts::FaceContacts(const Model& model) : model_(model), boundary_(model) {}
@@ -194,7 +201,6 @@ FaceContacts::Vertex FaceContacts::vertex(Index i, const State& begin) const {
     const CornerMotion &in = end_of(leaving.entering), &out = start_of(i);
     const auto& [t_in, l_in] = sides_[leaving.entering];
     const auto& [t_out, l_out] = sides_[i];
-    const auto before = std::ranges::equal_range(begin.face_contacts, leaving.start, {}, &FaceContactState::vertex);
     // both parts point out of a convex vertex; the first is definite where it is sharp, the second where it is flat
     const Vec2 outside = t_in - t_out + outward(t_in + t_out);
     return {.x = 0.5 * (in.x + out.x),
@@ -204,7 +210,7 @@ FaceContacts::Vertex FaceContacts::vertex(Index i, const State& begin) const {
             .outside = outside.normalized(),
             .l_in = l_in,
             .l_out = l_out,
-            .before = {before.begin(), before.end()},
+            .before = contacts_before(begin, leaving.start),
             .reflex = is_reflex(t_in, t_out, leaving.reflex_piece),
             .flat = t_in.dot(t_out) > 0 && std::abs(cross(t_in, t_out)) < flat_turn};
 }
@@ -356,8 +362,7 @@ bool FaceContacts::was_beside(const State& begin, const NearbyEdge& pair) const 
     const Index fan = fan_of(edges[pair.vertex].start), start = fan_of(edge.start), end = fan_of(edge.end);
     const auto met = [&](Index of_fan, const auto& accepts) {
         return std::ranges::any_of(model_.corners(model_.fans[of_fan]), [&](Index corner) {
-            const auto before = std::ranges::equal_range(begin.face_contacts, corner, {}, &FaceContactState::vertex);
-            return std::ranges::any_of(before, accepts, &FaceContactState::edge);
+            return std::ranges::any_of(contacts_before(begin, corner), accepts, &FaceContactState::edge);
         });
     };
     const auto near_edge = [&](Index e) {
