@@ -18,7 +18,7 @@ constexpr double merged = 1e-12;                    // [-] of the speeds: nearer
 constexpr double difference = 1e-6;                 // [-] of the momenta, for the slope of a soft fan
 constexpr double held = 1e-8;                       // [-] of the mobility of a free corner: a smaller one is zero
 constexpr double absurd = 1e3;                      // [-] of the speeds of a cluster: no impulse of a contact causes it
-constexpr double max_injected = 1e-3;               // [-] of the kinetic energy of a cluster, by its residual
+constexpr double max_injected = 1e-3;               // [-] of energy and losses of a cluster, by its residual
 constexpr double agreed = 1e-12;                    // [-] of the speeds, between contacts and fans
 constexpr double rounding = 1e-15;                  // [-] of the positions
 constexpr int newton_rounds = 8, max_rounds = 300;  // of contacts and fans
@@ -362,7 +362,7 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
     }
     for (const Index i : cluster.contacts) residual_[i] = residual + error;
     if (speed > 0) report.contact_residual = std::max(report.contact_residual, std::max(0.0, residual - error) / speed);
-    double before = 0, after = 0, energy = 0, injected = 0;
+    double before = 0, after = 0, energy = 0, lost = 0, injected = 0;
     for (const Index s : cluster.slots)
         for (std::size_t c = 0; c < touched_[s].corners.size(); ++c) {
             const Index corner = touched_[s].corners[c];
@@ -375,10 +375,10 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
     for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
         const Vec2 &P = problem.contacts[i].impulse,
                    mean = 0.5 * (before_[cluster.contacts[i]] + problem.contacts[i].velocity);
-        injected += positive_work(P, mean);
+        injected += positive_work(P, mean), lost += positive_work(-P, mean);
     }
     // a residual changes no momentum and no energy, but the sign of single works: a gate judges their sum
-    if (!(after <= absurd * before) || injected > max_injected * energy + error * problem.largest_impulse()) {
+    if (!(after <= absurd * before) || injected > max_injected * (energy + lost) + error * problem.largest_impulse()) {
         report.reject(Rejection::not_converged, place_of(cluster.contacts.front(), step.begin));
     }
 }
