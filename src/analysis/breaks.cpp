@@ -25,13 +25,14 @@ std::span<const Measure<Break>> break_columns() {
 
 Breaks::Breaks(const Model& model, const State& start)
     : model_(model),
-      settled_(model.fan_points.size(), 0),
+      settled_(model.n_points(), 0),
       n_broken_(model.interfaces.size(), 0),
       shear_(model.interfaces.size(), 0.0) {
     for (std::size_t s = 0; s < start.split_fans.size(); ++s) {
         const Fan& fan = model.fans[start.split_fans[s]];
         for (Index k = 0; k < fan.n_points; ++k)
-            settled_[fan.first_point + k] = start.points[start.first_point[s] + k].cohesion <= 0;
+            settled_[model.fan_points[fan.first_point + k].point] =
+                start.points[start.first_point[s] + k].cohesion <= 0;
     }
 }
 
@@ -41,7 +42,7 @@ std::vector<std::vector<double>> Breaks::found(const State& now) {
         const Fan& fan = model_.fans[now.split_fans[s]];
         for (Index k = 0; k < fan.n_points; ++k) {
             const FanPoint& point = model_.fan_points[fan.first_point + k];
-            std::uint8_t& settled = settled_[fan.first_point + k];
+            std::uint8_t& settled = settled_[point.point];
             if (settled || now.points[now.first_point[s] + k].cohesion > 0) continue;
             settled = 1;
             const CohesiveLaw& law = model_.laws[point.law];

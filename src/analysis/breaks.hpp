@@ -41,7 +41,7 @@ public:
 
 private:
     const Model& model_;
-    std::vector<std::uint8_t> settled_;   // per point, as in Model::fan_points: broken, or never had cohesion
+    std::vector<std::uint8_t> settled_;   // per point: broken, or never had cohesion
     std::vector<std::uint8_t> n_broken_;  // per interface: its broken points
     std::vector<double> shear_;           // per interface: mean over its broken points, by area
     Index n_tensile_ = 0, n_shear_ = 0;

@@ -96,6 +96,8 @@ public:
     /// the number of edges that cracked since the last time.
     void grow(double time, std::span<const InterfaceStatus> status);
 
+    void set_boundary(std::vector<std::uint8_t> on_boundary) { edges_.set_boundary(std::move(on_boundary)); }
+
     const CrackedEdges& edges() const { return edges_; }
     const InterfaceGraph& graph() const { return edges_.graph(); }
     const std::vector<CrackNode>& nodes() const { return nodes_; }

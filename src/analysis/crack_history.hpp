@@ -58,6 +58,9 @@ public:
     /// Continues to a later time [s], with one status per interface.
     const CrackPattern& snapshot(double time, std::span<const InterfaceStatus> status);
 
+    /// The free boundary from now on, per vertex of the graph: an excavation made new faces.
+    void set_boundary(std::vector<std::uint8_t> on_boundary) { arms_.set_boundary(std::move(on_boundary)); }
+
     const CrackPattern& pattern() const { return pattern_; }  // of the last snapshot
     const CrackArms& arms() const { return arms_; }
     double tip_speed() const {

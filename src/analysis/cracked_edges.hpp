@@ -26,6 +26,9 @@ public:
     /// Takes the status of all interfaces at a later time [s]. Returns the edges that join the set, ascending.
     std::vector<Index> add(double time, std::span<const InterfaceStatus> status);
 
+    /// Per vertex, in place of InterfaceGraph::on_boundary.
+    void set_boundary(std::vector<std::uint8_t> on_boundary) { graph_.on_boundary = std::move(on_boundary); }
+
     const InterfaceGraph& graph() const { return graph_; }
     std::span<const Index> edges_at(Index vertex) const { return edges_at_[vertex]; }
     Index far_end(Index edge, Index vertex) const { return graph_.ends[edge][graph_.ends[edge][0] == vertex]; }

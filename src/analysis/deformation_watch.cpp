@@ -137,7 +137,7 @@ void DeformationWatch::look_for_overlap(const State& state) {
     std::vector<Index> vertex;
     const auto add_triangles = [&](bool at_border) {
         for (Index t = 0; t < mesh.n_triangles(); ++t)
-            for (Index k = 0; k < 3 && (is_at_border[t] != 0) == at_border; ++k) {
+            for (Index k = 0; k < 3 && (is_at_border[t] != 0) == at_border && !model_.has_vanished(t); ++k) {
                 vertex.push_back(mesh.triangles[t][k]);
                 corner.push_back(mesh.corner(t, k) +
                                  state.displacement[state.node_of_corner[mesh.corners_per_triangle() * t + k]]);

@@ -2,6 +2,7 @@
 
 #include "element/elastic_forces.hpp"
 #include "element/triangle_matrices.hpp"
+#include "stepper/excavation.hpp"
 
 #include <cmath>
 #include <vector>
@@ -55,11 +56,11 @@ EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix ma
 void EnergyLedger::add(const State& end, const StepReport& report) {
     const double surface_before = row_.surface();
     ++n_steps_;
-    supplied_ += std::max(0.0, report.external_work);
+    supplied_ += std::max(0.0, report.external_work) + std::max(0.0, report.excavation_work);
     row_.time = end.time, row_.step = end.last_step;
     row_.kinetic = report.kinetic;
     row_.strain = report.strain;
-    row_.dissipated = report.dissipated;
+    row_.dissipated = report.dissipated + excavated_dissipated_;
     row_.recoverable = report.recoverable;
     row_.external_work += report.external_work;
     row_.cohesive_work += report.cohesive_work;
@@ -69,13 +70,14 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.rotation_work += report.rotation_work;
     row_.damping_work += report.damping_work;
     row_.radiated_work += report.radiated_work;
+    row_.excavation_work += report.excavation_work;
     row_.scheme_dissipation += report.scheme_dissipation;
     row_.crossing_loss += report.crossing_loss;
     const double work = row_.external_work - row_.cohesive_work + row_.friction_work + row_.impact_work +
                         row_.step_change_work + row_.rotation_work + row_.damping_work + row_.radiated_work -
-                        row_.scheme_dissipation;
+                        row_.scheme_dissipation + row_.excavation_work - row_.excavated_energy;
     row_.residual = row_.kinetic + row_.strain - start_energy_ - work;
-    row_.law_lag = row_.cohesive_work - row_.crossing_loss - row_.surface();
+    row_.law_lag = row_.cohesive_work - row_.crossing_loss - row_.surface() - row_.excavated_recoverable;
     largest_energy_ =
         std::max({largest_energy_, row_.kinetic, row_.strain, std::abs(row_.external_work), row_.surface()});
     largest_recoverable_ = std::max(largest_recoverable_, row_.recoverable);
@@ -91,6 +93,14 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     StepReport extremes = report;
     extremes.largest_speed = std::max(worst_.largest_speed, report.largest_speed);
     worst_ += extremes;
+}
+
+void EnergyLedger::excavate(const ExcavationEnergies& energies) {
+    row_.excavated_energy += row_.kinetic + row_.strain - (energies.kinetic + energies.strain);
+    row_.excavated_recoverable += energies.recoverable;
+    row_.kinetic = energies.kinetic, row_.strain = energies.strain;
+    row_.recoverable -= energies.recoverable;
+    excavated_dissipated_ += energies.dissipated;
 }
 
 std::span<const Measure<EnergyRow>> energy_columns() {
@@ -135,6 +145,13 @@ std::span<const Measure<EnergyRow>> energy_columns() {
          [](const R& r) { return r.damping_work; }},
         {"radiated_work", "J", "work of absorbing boundaries so far, never positive; where there are some",
          [](const R& r) { return r.radiated_work; }},
+        {"excavation_work", "J",
+         "work so far of the forces that excavated regions had on the rest, while they decrease; with excavations",
+         [](const R& r) { return r.excavation_work; }},
+        {"excavated_energy", "J", "kinetic and elastic energy that left with excavated regions so far; likewise",
+         [](const R& r) { return r.excavated_energy; }},
+        {"excavated_recoverable", "J", "recoverable energy of their interfaces that left with them; likewise",
+         [](const R& r) { return r.excavated_recoverable; }},
         {"step", "s", "size of the last step", [](const R& r) { return r.step; }}};
     return columns;
 }
@@ -145,7 +162,8 @@ std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works) {
     std::erase_if(columns, [&](const Output& column) {
         return (column.name == "rotation_work" && !works.rotation) ||
                (column.name == "damping_work" && !works.damping) ||
-               (column.name == "radiated_work" && !works.radiation);
+               (column.name == "radiated_work" && !works.radiation) ||
+               (column.name.starts_with("excavat") && !works.excavation);
     });
     return columns;
 }

@@ -2,8 +2,8 @@
 // The energy balance of a run.
 //
 //     residual        kinetic + strain - (both at the start) - (external - cohesive + friction + impact + step change
-//                     + rotation + damping + radiated works - scheme dissipation): zero to rounding, the energy
-//                     identity of the discrete scheme
+//                     + rotation + damping + radiated + excavation works - excavated energy - scheme dissipation): zero
+//                     to rounding, the energy identity of the discrete scheme
 //     rotation work   large rotations: the trapezoidal defect of the elastic energy U, which is not quadratic,
 //                     tau = U_n - U_n-1 + 1/2 (f_n-1 + f_n) . (u_n - u_n-1),  f = -grad U; O(h^3) a step. Its sum stays
 //                     bounded (central differences are symplectic) and is of second order in h; zero where rotations
@@ -12,8 +12,11 @@
 //     crossing loss   part of the cohesive work that is stored nowhere: where a slip crosses zero within a step, the
 //                     implicit sign of the tangential cohesion takes some of its kinetic energy (slip-reversal loss);
 //                     high-frequency slips die by it
-//     law lag         cohesive work - crossing loss - Psi: error of steps of finite size, in which the force and beta
-//                     belong to different times (staggering error of beta); it decreases with the step
+//     excavated       kinetic and elastic energy of the regions that vanished, and the recoverable energy of their
+//                     interfaces; what these had dissipated remains in Psi
+//     law lag         cohesive work - crossing loss - Psi - excavated recoverable energy: error of steps of finite
+//                     size, in which the force and beta belong to different times (staggering error of beta); it
+//                     decreases with the step
 //
 // With the explicit bulk, kinetic and strain energy are those of the leapfrog: 1/2 v' M v at the middle of the step and
 // 1/2 u_n' K u_{n+1}, with large rotations U_n - 1/2 f_n . (u_{n+1} - u_n); with the implicit bulk, those at the end of
@@ -27,29 +30,32 @@
 
 namespace knap {
 
+struct ExcavationEnergies;
+
 /// Energies and cumulated works [J]: one line of energy.csv.
 struct EnergyRow {
     double time = 0, step = 0;  // [s] end and size of the last step
     double kinetic = 0, strain = 0;
     double dissipated = 0, recoverable = 0;  // by the interfaces; closing them gives the recoverable energy back
     double external_work = 0, cohesive_work = 0, friction_work = 0, impact_work = 0, step_change_work = 0;
-    double rotation_work = 0, damping_work = 0, radiated_work = 0;
-    double scheme_dissipation = 0;  // by theta > 1/2
+    double rotation_work = 0, damping_work = 0, radiated_work = 0, excavation_work = 0;
+    double excavated_energy = 0, excavated_recoverable = 0;  // that left with excavated regions
+    double scheme_dissipation = 0;                           // by theta > 1/2
     double residual = 0, crossing_loss = 0, law_lag = 0;
 
     double surface() const { return dissipated + recoverable; }  // Psi
 
     void serialize(auto& archive) {
         archive(time, step, kinetic, strain, dissipated, recoverable, external_work, cohesive_work, friction_work,
-                impact_work, step_change_work, rotation_work, damping_work, radiated_work, scheme_dissipation, residual,
-                crossing_loss, law_lag);
+                impact_work, step_change_work, rotation_work, damping_work, radiated_work, excavation_work,
+                excavated_energy, excavated_recoverable, scheme_dissipation, residual, crossing_loss, law_lag);
     }
 };
 std::span<const Measure<EnergyRow>> energy_columns();
 
 /// Works that only some scenes have; energy.csv of the others has no columns for them.
 struct RareWorks {
-    bool rotation = false, damping = false, radiation = false;
+    bool rotation = false, damping = false, radiation = false, excavation = false;
 };
 std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works);
 
@@ -61,6 +67,8 @@ public:
                  double weakest_point = 0);
 
     void add(const State& end, const StepReport& report);
+    /// A region vanished.
+    void excavate(const ExcavationEnergies& energies);
 
     const EnergyRow& row() const { return row_; }
     const StepReport& worst() const { return worst_; }  // maxima and counts over all steps
@@ -89,14 +97,14 @@ public:
     double smallest_mass() const { return smallest_mass_; }  // [kg] of a corner
 
     void serialize(auto& archive) {
-        archive(start_energy_, largest_energy_, largest_recoverable_, largest_residual_, largest_rotation_work_,
-                law_lag_, largest_law_lag_, supplied_, n_steps_, row_, worst_);
+        archive(start_energy_, excavated_dissipated_, largest_energy_, largest_recoverable_, largest_residual_,
+                largest_rotation_work_, law_lag_, largest_law_lag_, supplied_, n_steps_, row_, worst_);
     }
 
 private:
     double start_energy_, largest_energy_, largest_recoverable_ = 0, largest_residual_ = 0, largest_rotation_work_ = 0,
                                            law_lag_ = 0, largest_law_lag_ = 0, supplied_, smallest_mass_,
-                                           weakest_point_;
+                                           weakest_point_, excavated_dissipated_ = 0;
     std::int64_t n_steps_ = 0;
     EnergyRow row_;
     StepReport worst_;

@@ -54,24 +54,28 @@ Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<c
 
 Fragments find_fragments(const Model& model, const State& state) {
     std::vector<TriangleContent> triangles;
+    std::vector<Index> number,
+        place(model.mesh.n_triangles(), -1);  // of the triangles that have not vanished, and back
     triangles.reserve(model.mesh.triangles.size());
     const Index n = model.mesh.corners_per_triangle();
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
+        if (model.has_vanished(t)) continue;
+        place[t] = static_cast<Index>(number.size()), number.push_back(t);
         TriangleContent& content =
             triangles.emplace_back(TriangleContent{.area = model.mesh.area(t), .mass = model.triangle_mass(t)});
         const double* mass = &model.corner_mass[n * t];
-        const auto place = [&](Index k) -> Vec2 {
+        const auto position = [&](Index k) -> Vec2 {
             return model.mesh.corner(t, k) + state.displacement[state.node_of_corner[n * t + k]];
         };
         const auto velocity = [&](Index k) -> const Vec2& { return state.velocity[state.node_of_corner[n * t + k]]; };
         for (Index k = 0; k < n; ++k) {
             content.momentum += mass[k] * velocity(k);
-            content.centroid += mass[k] / content.mass * place(k);
+            content.centroid += mass[k] / content.mass * position(k);
             content.start += mass[k] / content.mass * model.mesh.corner(t, k);
             content.kinetic_energy += 0.5 * mass[k] * velocity(k).squaredNorm();
         }
         for (Index k = 0; k < n; ++k) {
-            const Vec2 arm = place(k) - content.centroid;
+            const Vec2 arm = position(k) - content.centroid;
             content.spread += mass[k] * arm * arm.transpose();
             content.spin += mass[k] * cross(arm, velocity(k));
             const Vec2 from = model.mesh.corner(t, k) - content.start;
@@ -83,9 +87,14 @@ Fragments find_fragments(const Model& model, const State& state) {
     for (std::size_t i = 0; i < status.size(); ++i) {
         const auto [a, b] = model.interfaces[i / model.mesh.order].triangle;
         const bool unbroken = status[i] == InterfaceStatus::intact || status[i] == InterfaceStatus::damaged;
-        if (unbroken && a != rigid_support && b != rigid_support) joined.push_back({a, b});
+        if (!unbroken || a == rigid_support || b == rigid_support) continue;
+        if (!model.is_gone(model.interfaces[i / model.mesh.order])) joined.push_back({place[a], place[b]});
     }
     Fragments found = find_fragments(triangles, joined);
+    for (Fragment& piece : found.pieces) piece.first_triangle = number[piece.first_triangle];
+    std::vector<Index> piece_of(model.mesh.n_triangles(), -1);
+    for (std::size_t i = 0; i < number.size(); ++i) piece_of[number[i]] = found.piece_of_triangle[i];
+    found.piece_of_triangle = std::move(piece_of);
     found.turn = model.large_rotation;
     return found;
 }

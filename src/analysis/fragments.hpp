@@ -52,7 +52,7 @@ struct Fragment {
 
 struct Fragments {
     std::vector<Fragment> pieces;          // the heaviest first, then by first triangle
-    std::vector<Index> piece_of_triangle;  // into `pieces`
+    std::vector<Index> piece_of_triangle;  // into `pieces`; -1: the triangle was excavated
     bool turn = false;                     // far: large rotations
 };
 

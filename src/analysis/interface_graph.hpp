@@ -6,7 +6,7 @@ namespace knap {
 
 using InterfaceStatus = PointStatus;
 
-/// Constant during a run.
+/// Constant during a run but for the boundary, which an excavation changes.
 struct InterfaceGraph {
     std::vector<Vec2> vertices;              // [m]
     std::vector<std::uint8_t> on_boundary;   // per vertex: on the free boundary, where a crack ends

@@ -55,19 +55,22 @@ InterfaceMean mean_of(const Model& model, const State& state, Index interface) {
 
 }  // namespace
 
-CornerMean::CornerMean(const Mesh& mesh, const Vec2& place) {
+CornerMean::CornerMean(const Mesh& mesh, const Vec2& place, std::span<const std::uint8_t> vanished) {
     int n_triangles = 0;
+    bool is_inside = false;
     const auto add_triangles_at = [&](const Vec2& point) {
         for (Index t = 0; t < mesh.n_triangles(); ++t) {
             const Eigen::Vector3d parts = barycentric(mesh, t, point);
             if (parts.minCoeff() < -1e-9) continue;
+            is_inside = true;
+            if (!vanished.empty() && vanished[t]) continue;
             ++n_triangles;
             for (Index k = 0; k < mesh.corners_per_triangle(); ++k)
                 weights_.push_back({mesh.corners_per_triangle() * t + k, shape_function(mesh.order, k, parts)});
         }
     };
     add_triangles_at(place);
-    if (empty())
+    if (!is_inside)
         add_triangles_at(
             *std::ranges::min_element(mesh.vertices, {}, [&](const Vec2& x) { return (x - place).squaredNorm(); }));
     for (Weight& weight : weights_) weight.part /= n_triangles;
@@ -135,8 +138,20 @@ std::vector<std::string> probe_columns(const ProbeOptions& probe) {
 Probes::Probes(const Model& model, const std::vector<ProbeOptions>& probes) : model_(model) {
     for (const ProbeOptions& probe : probes) {
         if (probe.interface) probes_.push_back({probe, {}, interface_near(model, probe)});
-        else probes_.push_back({probe, {model.mesh, probe.at}});
+        else probes_.push_back({probe, {model.mesh, probe.at, model.vanished}});
     }
+}
+
+const ProbeOptions* Probes::first_lost() const {
+    for (const Probe& probe : probes_)
+        if (probe.options.interface ? model_.is_gone(model_.interfaces[probe.interface]) : probe.place.empty())
+            return &probe.options;
+    return nullptr;
+}
+
+void Probes::renew() {
+    for (Probe& probe : probes_)
+        if (!probe.options.interface) probe.place = {model_.mesh, probe.options.at, model_.vanished};
 }
 
 std::vector<std::string> Probes::columns() const {

@@ -11,8 +11,9 @@ class CornerMean {
 public:
     CornerMean() = default;
     /// At a place [m], with the shape functions of its triangle (mean of all of them on an edge or at a vertex), so
-    /// that it is the same place on every mesh. Outside the body the nearest vertex.
-    CornerMean(const Mesh& mesh, const Vec2& place);
+    /// that it is the same place on every mesh. Outside the body the nearest vertex. Without the triangles that have
+    /// `vanished` [0/1]; empty where all at the place have.
+    CornerMean(const Mesh& mesh, const Vec2& place, std::span<const std::uint8_t> vanished = {});
     /// Along the length of a boundary; empty where the mesh has none of this name.
     CornerMean(const Mesh& mesh, const std::string& boundary);
 
@@ -58,6 +59,10 @@ public:
     Probes(const Model& model, const std::vector<ProbeOptions>& probes);
 
     bool empty() const { return probes_.empty(); }
+    /// The first one whose place or interface was excavated; null where none was.
+    const ProbeOptions* first_lost() const;
+    /// After an excavation at a place of a probe, only what remains there moves with it.
+    void renew();
 
     /// Columns and line of probes.csv: time, then the columns of each probe.
     std::vector<std::string> columns() const;

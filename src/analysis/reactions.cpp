@@ -11,7 +11,7 @@ Reactions::Reactions(const Model& model) : model_(model) {
             if (motion.component[k]) loads_.push_back(motion.history[k]);
     std::ranges::sort(loads_);
     loads_.erase(std::unique(loads_.begin(), loads_.end()), loads_.end());
-    n_held_.assign(loads_.size(), Eigen::Vector2i::Zero());
+    std::vector<int> n_held(loads_.size(), 0);
     for (Index corner = 0; corner < model.mesh.n_corners(); ++corner) {
         const Index i = model.prescribed_of_corner[corner];
         for (int k = 0; i >= 0 && k < 2; ++k) {
@@ -19,23 +19,26 @@ Reactions::Reactions(const Model& model) : model_(model) {
             const auto at = std::ranges::lower_bound(loads_, model.prescribed[i].history[k]);
             const Index place = static_cast<Index>(at - loads_.begin());
             held_.push_back({place, corner, k});
-            ++n_held_[place][k];
+            ++n_held[place];
         }
     }
     places_.assign(loads_.size(), Vec2::Zero());
-    for (const Held& held : held_) places_[held.place] += model.mesh.corner(held.corner) / n_held_[held.place].sum();
+    for (const Held& held : held_) places_[held.place] += model.mesh.corner(held.corner) / n_held[held.place];
     for (const Obstacle& obstacle : model.obstacles) places_.push_back(obstacle.start.position);
 }
 
 std::vector<Reaction> Reactions::at(const State& state) const {
     std::vector<Reaction> found(loads_.size(), {Vec2::Zero(), Vec2::Zero()});
+    std::vector<Eigen::Vector2i> n_held(loads_.size(), Eigen::Vector2i::Zero());
     for (const auto& [place, corner, k] : held_) {
+        if (model_.prescribed_of_corner[corner] < 0) continue;  // it was excavated
+        ++n_held[place][k];
         found[place].force[k] += state.reaction[model_.prescribed_of_corner[corner]][k];
         found[place].displacement[k] += state.displacement[state.node_of_corner[corner]][k];
     }
     for (std::size_t i = 0; i < found.size(); ++i)
         for (int k = 0; k < 2; ++k)
-            if (n_held_[i][k] > 0) found[i].displacement[k] /= n_held_[i][k];
+            if (n_held[i][k] > 0) found[i].displacement[k] /= n_held[i][k];
     for (const ObstacleState& obstacle : state.obstacles)
         found.push_back({-obstacle.reaction.head<2>(), obstacle.moved.head<2>(), -obstacle.reaction.z(),
                          obstacle.moved.z(), obstacle.velocity.head<2>(), obstacle.velocity.z()});

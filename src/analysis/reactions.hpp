@@ -56,7 +56,6 @@ private:
     const Model& model_;
     std::vector<Index> loads_;
     std::vector<Held> held_;
-    std::vector<Eigen::Vector2i> n_held_;  // per load and component: number of corners
     std::vector<Vec2> places_;
 };
 

@@ -51,7 +51,7 @@ double settling_time(const Model& model) {
 RestWatch::RestWatch(const Model& model, const RestOptions& options)
     : below_(options.below),
       duration_(options.duration > 0 ? options.duration : default_duration(model)),
-      settled_(settling_time(model)) {}
+      settled_(std::max(settling_time(model), options.not_before)) {}
 
 void RestWatch::after_step(const EnergyRow& row) {
     largest_kinetic_ = std::max(largest_kinetic_, row.kinetic);

@@ -1,6 +1,7 @@
 // knap check, knap mesh, knap new: a scenario before it is run.
 #include "app/commands.hpp"
 #include "app/run/cost.hpp"
+#include "app/run/excavations.hpp"
 #include "app/run/findings.hpp"
 #include "app/run/setup.hpp"
 #include "base/error.hpp"
@@ -154,6 +155,7 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     const Model model = model_of(read);
     const double model_seconds = watch.cpu();
     check_model(read, model);
+    const std::vector<PlannedExcavation> excavations = plan_excavations(read, model);
     const StepPlan plan = plan_of(read, model, scenario.time.end);
     if (full) std::fputs(full_listing(read).c_str(), stdout);
     std::printf("%s: %s\n", scenario.name.c_str(), scenario.title.c_str());
@@ -163,6 +165,9 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     print_materials(scenario);
     print_resolution(scenario, mean_edge(model.mesh), plan.limits.cracking);
     print_methods(scenario, model);
+    for (const PlannedExcavation& one : excavations)
+        std::printf("  excavation[%zu]: %zu triangles vanish at %.6g s, their forces within %.6g s\n", one.number,
+                    one.triangles.size(), one.at, one.ramp);
     const Cost cost = estimate_cost(scenario, model, plan, model_seconds, time ? 0.5 : 0.05);
     print_run(scenario, model, plan, cost, time);
     const std::vector<Diagnostic> found = findings_of_model(read, model, plan, &cost);

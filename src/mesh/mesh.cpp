@@ -87,6 +87,15 @@ void append(Mesh& mesh, const Mesh& body) {
         e->triangle += n_triangles, e->boundary += n_boundaries;
 }
 
+std::vector<Index> triangles_in(const Mesh& mesh, const std::vector<Vec2>& polygon) {
+    const Box box = bounding_box(polygon);
+    std::vector<Index> found;
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        if (const Vec2 centroid = mesh.centroid(t); box.contains(centroid) && contains(polygon, centroid))
+            found.push_back(t);
+    return found;
+}
+
 Grouped<Index> vertex_stars(const Mesh& mesh) {
     return {mesh.vertices.size(), [&](const auto& visit) {
                 for (Index t = 0; t < mesh.n_triangles(); ++t)

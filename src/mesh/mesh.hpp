@@ -92,6 +92,9 @@ inline std::uint64_t edge_key(std::array<Index, 2> ends) {
     return (static_cast<std::uint64_t>(low) << 32) | static_cast<std::uint32_t>(high);
 }
 
+/// The triangles whose centroids lie in a polygon [m], ascending.
+std::vector<Index> triangles_in(const Mesh& mesh, const std::vector<Vec2>& polygon);
+
 /// The triangles around every vertex. Reads vertices and triangles only.
 Grouped<Index> vertex_stars(const Mesh& mesh);
 

@@ -104,10 +104,10 @@ private:
     double tolerance_ = 0;  // [m]
 };
 
-/// The last region that covers p, -1 for none.
+/// The last region with a material that covers p, -1 for none.
 Index region_at(const std::vector<Region>& regions, const std::vector<Box>& boxes, const Vec2& p) {
     for (Index i = static_cast<Index>(regions.size()) - 1; i >= 0; --i)
-        if (boxes[i].contains(p) && contains(regions[i].points, p)) return i;
+        if (!regions[i].only_line && boxes[i].contains(p) && contains(regions[i].points, p)) return i;
     return -1;
 }
 

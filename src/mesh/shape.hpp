@@ -24,6 +24,7 @@ struct Crack {
 struct Region {
     std::vector<Vec2> points;  // [m], closed polygon
     Index tag = 0;             // material index
+    bool only_line = false;    // the mesh follows its border, and the material is that of what it covers
 };
 
 struct Shape {

@@ -230,13 +230,9 @@ void label_edges(Mesh& mesh, const std::vector<GraphSegment>& on_lines, const Sh
 
 void tag_regions(Mesh& mesh, const Shape& shape) {
     mesh.region.assign(mesh.triangles.size(), shape.tag);
-    for (const Region& region : shape.regions) {
-        const Box box = bounding_box(region.points);
-        for (Index t = 0; t < mesh.n_triangles(); ++t) {
-            const Vec2 centroid = mesh.centroid(t);
-            if (box.contains(centroid) && contains(region.points, centroid)) mesh.region[t] = region.tag;
-        }
-    }
+    for (const Region& region : shape.regions)
+        if (!region.only_line)
+            for (const Index t : triangles_in(mesh, region.points)) mesh.region[t] = region.tag;
 }
 
 void check_area(const Mesh& mesh, const Shape& shape) {

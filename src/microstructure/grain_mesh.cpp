@@ -38,12 +38,13 @@ void smooth_teeth(Mesh& mesh) {
 /// Moves vertices between grains onto the true borders, and their neighbours out of the way.
 class BorderSmoothing {
 public:
-    BorderSmoothing(Mesh& mesh, const Grains& grains)
+    BorderSmoothing(Mesh& mesh, const Grains& grains, std::span<const Index> fixed)
         : mesh_(mesh),
           grains_(grains),
           stars_(vertex_stars(mesh)),
           fixed_(mesh.n_vertices(), 0),
           size_(mesh.n_vertices(), 1) {
+        for (const Index v : fixed) fixed_[v] = 1;
         const auto fix = [&](Index triangle, Index side) {
             for (const Index v : mesh.side_vertices(triangle, side)) fixed_[v] = 1;
         };
@@ -189,7 +190,7 @@ std::vector<Moments> moments_of_grains(const Mesh& mesh) {
 
 }  // namespace
 
-Index put_grains(Mesh& mesh, const Grains& grains, Index region) {
+Index put_grains(Mesh& mesh, const Grains& grains, Index region, std::span<const Index> fixed) {
     const std::vector<Index> old = mesh.grain.empty() ? std::vector<Index>(mesh.triangles.size(), none) : mesh.grain;
     const Index first = 1 + (old.empty() ? none : std::ranges::max(old));
     const auto is_new = [&](Index t) { return mesh.region[t] == region && old[t] == none; };
@@ -197,7 +198,7 @@ Index put_grains(Mesh& mesh, const Grains& grains, Index region) {
     for (Index t = 0; t < mesh.n_triangles(); ++t)
         if (is_new(t)) mesh.grain[t] = grains.at(mesh.centroid(t));
     smooth_teeth(mesh);
-    BorderSmoothing(mesh, grains).run();
+    BorderSmoothing(mesh, grains, fixed).run();
     std::vector<Index> number(grains.n_grains(), none);  // from `first` on, in the order of the triangles
     for (Index t = 0, next = first; t < mesh.n_triangles(); ++t) {
         Index& grain = mesh.grain[t];

@@ -3,15 +3,17 @@
 #include "mesh/mesh.hpp"
 #include "microstructure/grains.hpp"
 
+#include <span>
+
 namespace knap {
 
 /// Sets mesh.grain on the triangles of material `region` that have no grain yet: every triangle belongs to the grain
 /// that contains its centroid. Then single teeth are smoothed away and vertices on borders move onto the true borders
 /// (line between two grains, point where three meet) as far as their triangles stay good. The number of triangles
-/// stays; the stable step may shrink a little, and borders stray by a fraction of an edge. Boundaries, cracks and
-/// borders of materials stay. `mesh` needs its edges. Grains without a triangle are left out of the numbers. Returns
-/// the number of the first new grain, which is the number of grains before.
-Index put_grains(Mesh& mesh, const Grains& grains, Index region);
+/// stays; the stable step may shrink a little, and borders stray by a fraction of an edge. Boundaries, cracks, borders
+/// of materials and the `fixed` vertices stay. `mesh` needs its edges. Grains without a triangle are left out of the
+/// numbers. Returns the number of the first new grain, which is the number of grains before.
+Index put_grains(Mesh& mesh, const Grains& grains, Index region, std::span<const Index> fixed = {});
 
 struct GrainReport {
     Index n_grains = 0;

@@ -10,37 +10,51 @@ namespace {
 
 constexpr Index none = -1;
 
+/// An interface along edge `side` of the triangle a, or b on a support.
+void add_interface(Index a, Index b, Index side, Index law, bool cracked, double gap, Model& model) {
+    const Index t = a == rigid_support ? b : a;
+    const Vec2 along = model.mesh.side_vector(t, side), outward = -turned_left(along.normalized());
+    model.interfaces.push_back({.triangle = {a, b},
+                                .vertex = model.mesh.side_vertices(t, side),
+                                .normal = a == rigid_support ? Vec2(-outward) : outward,
+                                .length = along.norm(),
+                                .law = law,
+                                .cracked = cracked,
+                                .gap = gap});
+}
+
+void make_interfaces(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model) {
+    const Mesh& mesh = model.mesh;
+    for (const InteriorEdge& edge : mesh.interior_edges) {
+        const auto [a, b] = edge.triangle;
+        const Index law = edge.joint >= 0           ? input.law_of_joint[edge.joint]
+                          : mesh.within_grain(edge) ? input.law_within[mesh.region[a]]
+                                                    : input.law_of_pair[mesh.region[a]][mesh.region[b]];
+        add_interface(a, b, edge.side[0], law, edge.cracked, 0, model);
+    }
+    for (std::size_t i = 0; i < mesh.boundary_edges.size(); ++i) {
+        if (support_of_edge[i] == none) continue;
+        const BoundaryEdge& edge = mesh.boundary_edges[i];
+        const Support& support = input.supports[support_of_edge[i]];
+        add_interface(rigid_support, edge.triangle, edge.side, support.law, !support.glued, support.gap, model);
+    }
+}
+
 /// Half-edge h = 3 triangle + k runs along edge k of the triangle, from its vertex k, counterclockwise.
 class FanMaker {
 public:
-    FanMaker(const ModelInput& input, Model& model)
-        : input_(input),
-          model_(model),
+    explicit FanMaker(Model& model)
+        : model_(model),
           mesh_(model.mesh),
           interface_(3 * mesh_.n_triangles(), none),
-          twin_(3 * mesh_.n_triangles(), none) {}
-
-    void make_interfaces(const SupportOfEdge& support_of_edge) {
-        for (const InteriorEdge& edge : mesh_.interior_edges) {
-            const auto [a, b] = edge.triangle;
-            const Index h = 3 * a + edge.side[0], law = edge.joint >= 0 ? input_.law_of_joint[edge.joint]
-                                                        : mesh_.within_grain(edge)
-                                                            ? input_.law_within[mesh_.region[a]]
-                                                            : input_.law_of_pair[mesh_.region[a]][mesh_.region[b]];
-            twin_[h] = 3 * b + edge.side[1], twin_[twin_[h]] = h;
-            add_interface(a, b, h, law, edge.cracked, 0);
-        }
-        for (std::size_t i = 0; i < mesh_.boundary_edges.size(); ++i) {
-            if (support_of_edge[i] == none) continue;
-            const BoundaryEdge& edge = mesh_.boundary_edges[i];
-            const Support& support = input_.supports[support_of_edge[i]];
-            add_interface(rigid_support, edge.triangle, 3 * edge.triangle + edge.side, support.law, !support.glued,
-                          support.gap);
-        }
+          twin_(3 * mesh_.n_triangles(), none) {
+        for (Index i = 0; i < static_cast<Index>(model.interfaces.size()); ++i)
+            if (!model.is_gone(model.interfaces[i])) join_sides(i);
     }
 
     /// In the order of their vertices, then of their triangles, so that the nodes keep the locality of the mesh.
     void make_fans() {
+        model_.fans.clear(), model_.fan_corners.clear(), model_.fan_points.clear();
         model_.fan_of_corner.assign(mesh_.n_corners(), none);
         model_.fan_point_of.assign(model_.n_points(), none);
         std::vector<Index> half_edges(3 * mesh_.n_triangles());
@@ -67,18 +81,23 @@ private:
     Index corner(Index h) const { return mesh_.corners_per_triangle() * (h / 3) + h % 3; }
     Index middle(Index h) const { return 7 * (h / 3) + 3 + h % 3; }
 
-    /// h: along the edge, with the triangle a, or b on a support, to its left.
-    void add_interface(Index a, Index b, Index h, Index law, bool cracked, double gap) {
-        const Vec2 along = mesh_.side_vector(h / 3, h % 3), outward = -turned_left(along.normalized());
-        interface_[h] = static_cast<Index>(model_.interfaces.size());
-        if (twin_[h] != none) interface_[twin_[h]] = interface_[h];
-        model_.interfaces.push_back({.triangle = {a, b},
-                                     .vertex = {vertex(h), vertex(next(h))},
-                                     .normal = a == rigid_support ? Vec2(-outward) : outward,
-                                     .length = along.norm(),
-                                     .law = law,
-                                     .cracked = cracked,
-                                     .gap = gap});
+    /// From one of the vertices of a triangle.
+    Index half_edge(Index triangle, Index from) const {
+        Index h = 3 * triangle;
+        while (vertex(h) != from) ++h;
+        return h;
+    }
+
+    void join_sides(Index i) {
+        const auto& [a, b] = model_.interfaces[i].triangle;
+        const auto& ends = model_.interfaces[i].vertex;
+        if (a == rigid_support) {
+            interface_[half_edge(b, ends[0])] = i;
+            return;
+        }
+        const Index h = half_edge(a, ends[0]), other = half_edge(b, ends[1]);
+        interface_[h] = interface_[other] = i;
+        twin_[h] = other, twin_[other] = h;
     }
 
     /// The first half-edge of the fan counterclockwise; of a closed fan that with the lowest number.
@@ -166,7 +185,6 @@ private:
         fan.split_at_start = fan.split_at_start || edge.cracked || model_.fan_points.back().on_support();
     }
 
-    const ModelInput& input_;
     Model& model_;
     const Mesh& mesh_;
     std::vector<Index> interface_, twin_;  // per half-edge, or none
@@ -174,11 +192,12 @@ private:
 
 }  // namespace
 
+void make_fans(Model& model) { FanMaker(model).make_fans(); }
+
 void make_interfaces_and_fans(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model) {
-    FanMaker maker(input, model);
-    maker.make_interfaces(support_of_edge);
+    make_interfaces(input, support_of_edge, model);
     scatter_strength(input, model);
-    maker.make_fans();
+    make_fans(model);
 }
 
 }  // namespace knap

@@ -10,6 +10,9 @@ using SupportOfEdge = std::vector<Index>;
 /// Fills interfaces, fans, fan_corners, fan_points, fan_of_corner, fan_point_of from model.mesh.
 void make_interfaces_and_fans(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model);
 
+/// Makes the fans anew from the interfaces that are not gone.
+void make_fans(Model& model);
+
 /// Gives every interface with cohesion whose law scatters a law of its own, behind the others in model.laws, with the
 /// strength, the fracture energy or both drawn at random.
 void scatter_strength(const ModelInput& input, Model& model);

@@ -76,6 +76,13 @@ struct Support {
     double gap = 0;      // [m] initial distance along the outward normal
 };
 
+/// A region that vanishes. The forces that it exerted on the rest of the body decrease linearly to zero.
+struct Excavation {
+    std::vector<Vec2> outline;  // [m] of the region, closed polygon
+    double at = 0;              // [s]
+    double ramp = 0;            // [s] of the forces; 0: at once
+};
+
 struct InitialVelocity {
     Selection on;     // triangles of the body whose centroid lies inside the box
     Vec2 value;       // [m/s]

@@ -1,5 +1,6 @@
 #pragma once
-// The discrete model: immutable once made. What changes during a run is State.
+// The discrete model: immutable once made. What changes during a run is State; only an excavation replaces the model by
+// its successor (successor.hpp).
 //
 // Every triangle owns its corners (mesh.hpp). Every interior edge, and every boundary edge on a support, is an
 // interface with points (nodal quadrature): of order 1 two, one at each end, of area S = 1/2 length x thickness; of
@@ -126,9 +127,9 @@ struct Model {
     std::vector<Index> fan_corners;
     std::vector<FanPoint> fan_points;
     std::vector<Index> fan_of_corner;
-    std::vector<Index> fan_point_of;  // per point: its index in fan_points
+    std::vector<Index> fan_point_of;  // per point: its index in fan_points; -1 on an interface that is gone
 
-    std::vector<TimeFunction> histories;  // of the loads, in their order
+    std::vector<TimeFunction> histories;  // of the loads, in their order; then those of excavations
     std::vector<std::string> load_names;
     std::vector<CornerLoad> corner_loads;  // in the order of the corners
     std::vector<FaceStress> face_stresses;
@@ -139,10 +140,22 @@ struct Model {
     bool large_rotation = false;  // Green's strain and turned fans; else all rotations are small
     std::vector<std::vector<ContactLaw>> contact_of_pair;  // [material][material], symmetric; empty: faces that are no
                                                            // neighbours pass through each other
+    // Excavated triangles keep their numbers, and so do their corners and interfaces, so that all numbers hold for the
+    // whole run. Their interfaces have no points, and each of their corners is a fan of its own without forces, at rest
+    // in its first place: a step does nothing there.
+    std::vector<std::uint8_t> vanished;  // [0/1] per triangle; empty: nothing was excavated
 
     Index points_per_interface() const { return mesh.order + 1; }
     Index n_points() const { return points_per_interface() * static_cast<Index>(interfaces.size()); }
     Index interface_of(Index point) const { return point / points_per_interface(); }
+    bool has_vanished(Index triangle) const { return !vanished.empty() && vanished[triangle]; }
+    /// One of its triangles was excavated, so it has no points any more.
+    bool is_gone(const Interface& interface) const {
+        const auto gone = [&](Index triangle) { return triangle != rigid_support && vanished[triangle]; };
+        return !vanished.empty() && (gone(interface.triangle[0]) || gone(interface.triangle[1]));
+    }
+    /// The load releases the forces of an excavation: their histories follow those of the loads of the scenario.
+    bool is_release(const CornerLoad& load) const { return load.history >= static_cast<Index>(load_names.size()); }
     double triangle_mass(Index triangle) const {  // [kg]
         return materials[mesh.region[triangle]].density * mesh.area(triangle) * thickness;
     }

@@ -84,6 +84,15 @@ Rotation fan_frame(const Model& model, const State& state, const Fan& fan);
 /// Likewise of the two triangles beside a point: of a split fan whose parts turn by themselves.
 Rotation point_frame(const Model& model, const State& state, const FanPoint& point);
 
+/// [N] Of a load of factor 1. A stress on a face has the traction sigma n of the present edge: with large rotations
+/// -t/2 sigma turned(e + u_b - u_a) on both ends a and b of the edge e, of which the first part is load.force.
+inline Vec2 force_of(const Model& model, const CornerLoad& load, const State& state) {
+    if (load.face_stress < 0) return load.force;
+    const auto& [ends, stress] = model.face_stresses[load.face_stress];
+    const Vec2 moved = state.displacement_of(ends[1]) - state.displacement_of(ends[0]);
+    return load.force - 0.5 * model.thickness * stress_times(stress, turned_left(moved));
+}
+
 /// [m] (u_N, u_T) of a point in the frame of its interface (A to B), where it has the same components.
 Vec2 opening(const Model& model, const State& state, Index point);
 /// [m] The rounding error of a closed gap; a smaller opening counts as none. Without this tolerance a point with

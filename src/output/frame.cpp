@@ -28,8 +28,18 @@ std::span<const Part> parts_of(const Mesh& mesh) {
     return halves;
 }
 
-/// The corners of the frame at the two ends of a part of an interface, on the side of `triangle`.
-std::array<Index, 2> corners_on(const Mesh& mesh, const Interface& interface, Index triangle, const Part& part) {
+/// Per triangle, its number among those that have not vanished.
+std::vector<Index> places_of_triangles(const Model& model) {
+    std::vector<Index> places;
+    Index n = 0;
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t) places.push_back(n), n += !model.has_vanished(t);
+    return places;
+}
+
+/// The corners of the frame at the two ends of a part of an interface, on the side of `triangle`, which has the given
+/// place in the frame.
+std::array<Index, 2> corners_on(const Mesh& mesh, const Interface& interface, Index triangle, Index place,
+                                const Part& part) {
     const std::array<Index, 2> none{rigid_support, rigid_support};
     if (triangle == rigid_support) return none;
     const auto place_of = [](const auto& list, Index entry) {
@@ -41,7 +51,7 @@ std::array<Index, 2> corners_on(const Mesh& mesh, const Interface& interface, In
     const auto pieces = pieces_of(mesh);
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const Index first = place_of(pieces[i], corner[part[0]]), second = place_of(pieces[i], corner[part[1]]);
-        const Index start = 3 * static_cast<Index>(pieces.size() * triangle + i);
+        const Index start = 3 * static_cast<Index>(pieces.size() * place + i);
         if (first < 3 && second < 3) return {start + first, start + second};
     }
     return none;  // not reached: the part is a side of one of the pieces
@@ -58,7 +68,7 @@ void add_bulk(const Model& model, const State& state, Frame& frame) {
     for (auto* list : {&frame.position, &frame.displacement, &frame.velocity})
         list->reserve(3 * pieces.size() * mesh.triangles.size());
     for (Index t = 0; t < mesh.n_triangles(); ++t)
-        for (std::size_t i = 0; i < pieces.size(); ++i) {
+        for (std::size_t i = 0; i < pieces.size() && !model.has_vanished(t); ++i) {
             for (const Index k : pieces[i]) {
                 const Index node = state.node_of_corner[mesh.corners_per_triangle() * t + k];
                 frame.position.push_back(mesh.corner(t, k));
@@ -78,7 +88,7 @@ bool in_bonded_fan(const Model& model, const State& state, Index point) {
 
 /// In a bonded fan nothing is open, and for order 1 the traction is that of the stresses that the frame already has,
 /// unless the normal has turned.
-void add_point(const Model& model, const State& state, Index point, Frame& frame) {
+void add_point(const Model& model, const State& state, Index point, const std::vector<Index>& places, Frame& frame) {
     const FanPoint& at = model.fan_points[model.fan_point_of[point]];
     const Interface& interface = model.interfaces[model.interface_of(point)];
     const bool bonded = in_bonded_fan(model, state, point);
@@ -94,7 +104,7 @@ void add_point(const Model& model, const State& state, Index point, Frame& frame
                                              : PointStatus::broken);
     if (bonded && model.mesh.order == 1 && !model.large_rotation) {
         const auto [a, b] = interface.triangle;
-        frame.traction.push_back(traction(0.5 * (frame.stress[a] + frame.stress[b]), interface.normal));
+        frame.traction.push_back(traction(0.5 * (frame.stress[places[a]] + frame.stress[places[b]]), interface.normal));
     } else {
         frame.traction.push_back(traction(model, state, point));
     }
@@ -102,15 +112,20 @@ void add_point(const Model& model, const State& state, Index point, Frame& frame
 
 /// Needs the bulk of the frame.
 void add_interfaces(const Model& model, const State& state, bool all, Frame& frame) {
+    const std::vector<Index> places = places_of_triangles(model);
     for (Index i = 0; i < static_cast<Index>(model.interfaces.size()); ++i)
         for (const Part& part : parts_of(model.mesh)) {
             const Interface& interface = model.interfaces[i];
+            if (model.is_gone(interface)) continue;
             const Index first = model.points_per_interface() * i, p = first + part[0], q = first + part[1];
             if (!all && in_bonded_fan(model, state, p) && in_bonded_fan(model, state, q)) continue;
-            add_point(model, state, p, frame);
-            add_point(model, state, q, frame);
-            frame.side_a.push_back(corners_on(model.mesh, interface, interface.triangle[0], part));
-            frame.side_b.push_back(corners_on(model.mesh, interface, interface.triangle[1], part));
+            add_point(model, state, p, places, frame);
+            add_point(model, state, q, places, frame);
+            const auto corners = [&](Index triangle) {
+                return corners_on(model.mesh, interface, triangle, triangle < 0 ? triangle : places[triangle], part);
+            };
+            frame.side_a.push_back(corners(interface.triangle[0]));
+            frame.side_b.push_back(corners(interface.triangle[1]));
         }
 }
 

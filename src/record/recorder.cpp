@@ -116,8 +116,9 @@ void Recorder::open_files() {
     writer_.emplace([this](const State& then) {
         Frame frame = make_frame(model_, then, false);
         const std::vector<Index> of_triangle = find_fragments(model_, then).piece_of_triangle;
-        const std::size_t n_drawn = frame.region.size() / of_triangle.size();  // pieces of a triangle of second order
-        for (const Index fragment : of_triangle) frame.fragment.insert(frame.fragment.end(), n_drawn, fragment);
+        const std::size_t n_drawn = model_.mesh.order == 2 ? 6 : 1;
+        for (const Index fragment : of_triangle)
+            if (fragment >= 0) frame.fragment.insert(frame.fragment.end(), n_drawn, fragment);
         series_->write(frame);
     });
 }
@@ -148,6 +149,11 @@ void Recorder::after_step(const State& now, const StepReport& report) {
     if (frame) write_frame(now);
     if (reached >= next_frame_) next_frame_ = options_.frame_every * (std::floor(reached / options_.frame_every) + 1);
     draw_due(now, false);
+}
+
+void Recorder::model_changed() {
+    probes_.renew();
+    cracks_.set_boundary(interface_graph(model_).on_boundary);
 }
 
 void Recorder::finish(const State& now, bool ended_early) {

@@ -66,6 +66,11 @@ public:
 
     void after_step(const State& now, const StepReport& report);
 
+    /// The model has become its successor, between two steps: all frames before it must be finished.
+    void model_changed();
+    /// A region vanished.
+    void after_excavation(const ExcavationEnergies& energies) { ledger_.excavate(energies), model_changed(); }
+
     /// Returns when all frames so far are on disk: before a checkpoint that counts them.
     void finish_frames();
 

@@ -60,6 +60,7 @@ Facts::Facts(const Model& model, const State& end, const Recorder& of) : recorde
     double mass = 0;
     Vec2 moment = Vec2::Zero();
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
+        if (model.has_vanished(model.mesh.triangle_of(c))) continue;
         momentum += model.corner_mass[c] * end.velocity[end.node_of_corner[c]];
         moment += model.corner_mass[c] * end.displacement[end.node_of_corner[c]];
         mass += model.corner_mass[c];
@@ -87,6 +88,7 @@ using F = const Facts&;
 
 bool always(F) { return true; }
 bool with_breaks(F f) { return !std::isnan(f.n_shear); }
+bool excavates(F f) { return f.recorder.options().works.excavation; }
 bool may_rest(F f) { return f.recorder.rest() != nullptr; }
 bool of_specimen(F f) { return f.specimen.has_value(); }
 bool with_gauge(F f) { return f.specimen && f.specimen->lateral; }
@@ -128,6 +130,10 @@ constexpr SummaryRow rows[]{
      [](F f) { return f.energy.recoverable; }},
     {"friction_work", "J", "work of friction, never positive", [](F f) { return f.energy.friction_work; }},
     {"impact_work", "J", "work of all impacts, never positive", [](F f) { return f.energy.impact_work; }},
+    {"excavation_work", "J", "work of the forces of excavated regions while they decrease; with excavations",
+     [](F f) { return f.energy.excavation_work; }, excavates},
+    {"excavated_energy", "J", "kinetic and elastic energy that left with excavated regions; likewise",
+     [](F f) { return f.energy.excavated_energy; }, excavates},
     {"scheme_dissipation", "J", "energy dissipated by theta > 1/2, never negative",
      [](F f) { return f.energy.scheme_dissipation; }},
     {"kinetic_energy", "J", "at the end", [](F f) { return f.energy.kinetic; }},

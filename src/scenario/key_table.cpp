@@ -355,6 +355,19 @@ void add_keys_of_loads(KeyTable& t) {
     t.number("restitution", "", "Newton's coefficient of restitution").at_least(0).at_most(1)
         .computed("as in [contact]").to(&ContactLaw::restitution);
 
+    t.list("excavation[]", "a region of the body that vanishes at a time, given by points, by centre and radius, or "
+        "by a box; the mesh follows its outline. Until then it is ordinary material; then the forces that it exerted "
+        "on the rest decrease linearly to zero, and the new faces are free. Its loads and supports vanish with it; "
+        "explicit bulk only");
+    t.number("points", "m", "corners in order").points();
+    add_arcs(t, "excavation[]", "sides between the points that are circular arcs");
+    t.number("centre", "m", "centre of a disc").pair();
+    t.number("radius", "m", "radius of a disc").above(0);
+    t.number("box", "m", "lower left and upper right corner").box();
+    t.number("at", "s", "time at which it vanishes, at the start of a step").at_least(0).required().to(&Excavation::at);
+    t.number("ramp", "s", "time in which the forces decrease to zero; 0: at once")
+        .at_least(0).otherwise("0").to(&Excavation::ramp);
+
     t.list("initial[]", "an initial velocity; later entries overwrite earlier ones");
     t.number("velocity", "m/s", "velocity, x and y; velocity, spin or both").pair().to(&InitialVelocity::value);
     t.number("spin", "deg/s", "angular velocity about the centre of mass of the selected triangles, counterclockwise")

@@ -149,7 +149,11 @@ Diagnostic ReadResult::at(const std::string& key_path, Diagnostic message) const
 }
 
 Diagnostic ReadResult::at_shape(const ShapeError& error) const {
-    const std::string path = path_of_part(error.part);
+    std::string path = path_of_part(error.part);
+    for (const Body& body : scenario.bodies)
+        for (std::size_t i = 0; i < body.excavations.size(); ++i)
+            if (path == item(body.path + ".region", body.shape.regions.size() - body.excavations.size() + i))
+                path = item("excavation", body.excavations[i]);
     std::string key = path;
     for (const char* outline : {".box", ".radius", ".size", ".points"})
         if (const Node* node = values.find(path + outline); node && node->is_given()) key = path + outline;

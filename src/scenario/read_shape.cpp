@@ -123,6 +123,10 @@ void read_polygon(const Table& table, const CurveReader& curves, const std::stri
 
 }  // namespace
 
+std::vector<Vec2> read_curve(const Table& table, const MeshOptions& mesh) {
+    return CurveReader(mesh).curve(table, true);
+}
+
 void read_shape(const Table& table, const MeshOptions& mesh, const std::string& prefix, Shape& shape) {
     const CurveReader curves(mesh);
     const std::string kind = table.text("shape");

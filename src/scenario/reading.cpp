@@ -153,7 +153,7 @@ void read_all(Reading& reading) {
     if (top.has("name") && (name.empty() || name.front() == '.' || !std::ranges::all_of(name, is_plain)))
         top.error("bad-name", "name", "= \"" + name + "\" cannot name a run directory", "letters, digits, - _ and .");
     for (const auto read : {read_materials, read_body, read_microstructure, read_supports, read_laws, read_loads,
-                            read_run, read_contact, read_study, read_sweep, warn_of_implausible})
+                            read_run, read_contact, read_excavations, read_study, read_sweep, warn_of_implausible})
         read(reading);
 }
 

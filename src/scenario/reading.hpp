@@ -127,6 +127,8 @@ Index boundary_index(Shape& shape, const std::string& name);
 /// The outline, holes, cracks and regions of [domain] or a [[body]]. Names of boundaries begin with `prefix`; curves
 /// become polygons with sides of the size of `mesh`.
 void read_shape(const Table& table, const MeshOptions& mesh, const std::string& prefix, Shape& shape);
+/// A closed curve by points, by centre and radius, or by a box; empty, and an error, where it is none.
+std::vector<Vec2> read_curve(const Table& table, const MeshOptions& mesh);
 /// The body of mesh.file.
 void read_mesh_file(Reading& reading);
 
@@ -136,10 +138,11 @@ void read_body(Reading& reading);            // [domain], [mesh], [[body]]: befo
 void read_microstructure(Reading& reading);  // inclusions and joints, which change the shape; maps; grains
 void read_supports(Reading& reading);        // before laws: a law may have the name that a support uses
 void read_laws(Reading& reading);
-void read_loads(Reading& reading);    // loads, initial velocities, obstacles
-void read_run(Reading& reading);      // time, output, probes, specimen, figures, limits, expectations
-void read_contact(Reading& reading);  // after laws and time
-void read_study(Reading& reading);    // after everything that a study may name: probes, loads, expectations
+void read_loads(Reading& reading);        // loads, initial velocities, obstacles
+void read_run(Reading& reading);          // time, output, probes, specimen, figures, limits, expectations
+void read_contact(Reading& reading);      // after laws and time
+void read_excavations(Reading& reading);  // after microstructure and time: outlines that the mesh follows
+void read_study(Reading& reading);        // after everything that a study may name: probes, loads, expectations
 void read_sweep(Reading& reading);
 void warn_of_implausible(Reading& reading);  // values that are likely mistakes
 

@@ -41,8 +41,9 @@ struct Body {
     std::string name;  // empty: the body of [domain], the only one; else its boundaries are NAME.left, ...
     std::string path;  // of the table that defines it: "domain", "body[2]"
     Shape shape;
-    MeshOptions mesh;            // with a size and a seed of its own
-    bool own_mesh_size = false;  // mesh_size of the body is given
+    MeshOptions mesh;                           // with a size and a seed of its own
+    bool own_mesh_size = false;                 // mesh_size of the body is given
+    std::vector<std::size_t> excavations = {};  // of Scenario; their outlines are the last regions of the shape
 };
 
 /// Consecutive bodies that one [[bodies]] makes.
@@ -137,6 +138,7 @@ struct Scenario {
     std::vector<Support> supports;
     std::vector<InitialVelocity> initial_velocities;  // those of the bodies, then [[initial]]
     std::vector<Obstacle> obstacles;
+    std::vector<Excavation> excavations;
     TimeOptions time;
     OutputOptions output;
     std::vector<ProbeOptions> probes;
@@ -165,7 +167,8 @@ struct Scenario {
     RareWorks works() const {
         return {.rotation = large_rotation,
                 .damping = time.scheme.damping > 0,
-                .radiation = !time.scheme.absorbing.empty()};
+                .radiation = !time.scheme.absorbing.empty(),
+                .excavation = !excavations.empty()};
     }
     std::vector<std::string> material_names() const {
         std::vector<std::string> names;

@@ -1,6 +1,7 @@
 // The energy ledger at its start, and the energy figure, which must close.
 #include "analysis/gates.hpp"
 #include "figures/curve_figures.hpp"
+#include "stepper/excavation.hpp"
 
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
@@ -76,6 +77,29 @@ TEST_CASE("ledger: the energy damped by the scheme closes the balance") {
     CHECK(ledger.row().residual == 0);
 }
 
+TEST_CASE("energy ledger: what leaves with an excavation has its lines and what it had dissipated remains") {
+    const Model model = make_model(point_masses(glue, true));
+    State now = initial_state(model);
+    EnergyLedger ledger(model, now);
+    ledger.add(now, {.kinetic = 3,
+                     .strain = 1,
+                     .dissipated = 0.5,
+                     .recoverable = 0.25,
+                     .external_work = 4.75,
+                     .cohesive_work = 0.75});
+    CHECK(ledger.row().residual == 0);
+    ledger.excavate({.kinetic = 2, .strain = 0.5, .dissipated = 0.125, .recoverable = 0.0625});
+    CHECK(ledger.row().excavated_energy == 1.5);
+    CHECK(ledger.row().excavated_recoverable == 0.0625);
+    CHECK(ledger.row().recoverable == 0.1875);
+    ledger.add(now,
+               {.kinetic = 2.25, .strain = 0.5, .dissipated = 0.375, .recoverable = 0.1875, .excavation_work = 0.25});
+    CHECK(ledger.row().residual == 0);
+    CHECK(ledger.row().dissipated == 0.5);
+    CHECK(ledger.row().law_lag == 0);
+    CHECK(ledger.row().excavation_work == 0.25);
+}
+
 TEST_CASE("figures: the energy figure closes with the energy of the start and all numerical terms") {
     History energy;
     energy.columns = {"time",
@@ -93,9 +117,13 @@ TEST_CASE("figures: the energy figure closes with the energy of the start and al
                       "step_change_work",
                       "rotation_work",
                       "damping_work",
-                      "radiated_work"};
-    energy.rows = {{0, 2, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0},
-                   {1, 2, 2, 1, 0.75, 0.25, 4, -0.5, -0.25, -0.5, 0.125, 0.75, -0.375, 0.25, -0.5, -0.25}};
+                      "radiated_work",
+                      "excavated_energy",
+                      "excavated_recoverable",
+                      "excavation_work"};
+    energy.rows = {
+        {0, 2, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0},
+        {1, 2, 2, 1, 0.75, 0.25, 4, -0.5, -0.25, -0.5, 0.125, 0.75, -0.375, 0.25, -0.5, -0.25, 0.5, 0.125, 0.625}};
     const Chart chart = energy_chart(energy);
     const auto curve = [](const Chart& drawn, const std::string& label) -> const Curve* {
         for (const Curve& c : drawn.curves)
@@ -110,10 +138,12 @@ TEST_CASE("figures: the energy figure closes with the energy of the start and al
     for (std::size_t i = 2; i < chart.curves.size(); ++i) drawn += chart.curves[i].y[1];
     CHECK(drawn == 7);
     for (const char* label : {"dissipated", "recoverable", "law lag", "crossing loss", "damped by the scheme",
-                              "lost in changes of step", "defect of rotation", "damped", "radiated"})
+                              "lost in changes of step", "defect of rotation", "damped", "radiated", "excavated",
+                              "excavated, recoverable", "taken by released forces"})
         CHECK_MESSAGE(curve(chart, label), label);
 
-    energy.rows = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, {1, 2, 2, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0}};
+    energy.rows = {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0},
+                   {1, 2, 2, 0, 0, 0, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}};
     const Chart plain = energy_chart(energy);
     CHECK(plain.curves.size() == 5);
     for (const char* label :

@@ -30,10 +30,10 @@ Balance balance_of(const Folder& folder, const std::string& arguments) {
     const std::vector<double> external = column("external_work");
     std::vector<double> sum(external.size(), 0.0);
     for (const char* name : {"kinetic", "strain", "dissipated", "recoverable", "law_lag_energy", "crossing_loss_energy",
-                             "scheme_dissipation"})
-        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += column(name)[i];
+                             "scheme_dissipation", "excavated_energy", "excavated_recoverable"})
+        for (std::size_t i = 0; i < sum.size() && found.energy.has(name); ++i) sum[i] += column(name)[i];
     for (const char* name : {"friction_work", "impact_work", "step_change_work", "rotation_work", "damping_work",
-                             "radiated_work"})  // the last three where the scene has them
+                             "radiated_work", "excavation_work"})  // the last four where the scene has them
         for (std::size_t i = 0; i < sum.size() && found.energy.has(name); ++i) sum[i] -= column(name)[i];
     found.lines = sum.size();
     for (std::size_t i = 0; i < sum.size(); ++i) {

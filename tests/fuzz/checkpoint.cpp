@@ -42,9 +42,11 @@ struct RealRun {
     Run run{torn_plate()};
     StepControl control;
     Recorder recorder;
+    Excavations excavations{{}};
     RunMemory memory{.now = run.now,
                      .control = control,
                      .recorder = recorder,
+                     .excavations = excavations,
                      .log_size = 7,
                      .spent = {.cpu = 1, .wall = 2, .steps = 0.5}};
 };

@@ -135,6 +135,18 @@ turns = false
 ramp = "10 us"
 [[absorb]]
 on = { boundary = "top", box = ["0 mm", "40 mm", "10 mm", "42 mm"] }
+[[excavation]]
+points = [["-40 mm", "30 mm"], ["-35 mm", "30 mm"], ["-35 mm", "35 mm"]]
+arcs = [{ side = 3, through = ["-39 mm", "33 mm"] }]
+at = "20 us"
+ramp = "10 us"
+[[excavation]]
+centre = ["30 mm", "20 mm"]
+radius = "4 mm"
+at = "10 us"
+[[excavation]]
+box = ["-10 mm", "1 mm", "-5 mm", "5 mm"]
+at = "0 us"
 [[initial]]
 velocity = ["1 m/s", "2 m/s"]
 box = [0, 0, 1, 1]
@@ -496,6 +508,15 @@ const Case cases[] = {
     {rectangle, "interface.glass-glass.delta_c", "2e-06"},
     {rectangle, "absorb[0].on.boundary", "\"top\""},
     {rectangle, "absorb[0].on.box", "[0, 0.04, 0.01, 0.042]"},
+    {rectangle, "excavation[0].points", "[[-0.04, 0.03], [-0.035, 0.03], [-0.035, 0.035]]"},
+    {rectangle, "excavation[0].arcs[0].side", "3"},
+    {rectangle, "excavation[0].arcs[0].through", "[-0.039, 0.033]"},
+    {rectangle, "excavation[0].at", "2e-05"},
+    {rectangle, "excavation[0].ramp", "1e-05"},
+    {rectangle, "excavation[1].centre", "[0.03, 0.02]"},
+    {rectangle, "excavation[1].radius", "0.004"},
+    {rectangle, "excavation[1].ramp", "0"},
+    {rectangle, "excavation[2].box", "[-0.01, 0.001, -0.005, 0.005]"},
     {rectangle, "support[0].on.boundary", "\"bottom\""},
     {rectangle, "support[0].on.box", "[0, 0, 0.01, 0.002]"},
     {rectangle, "support[0].interface", "\"glue\""},
@@ -789,7 +810,8 @@ TEST_CASE("scenario: the structs hold the values of the file") {
     CHECK(s.bodies.at(0).shape.holes[0].boundary == std::vector<Index>(s.bodies.at(0).shape.holes[0].points.size(), 4));
     CHECK(s.bodies.at(0).shape.holes[0].points.size() == 3 + 4);  // an arc of 2.32 mm in sides of 0.5 mm
     CHECK(s.bodies.at(0).shape.holes[1].points.size() == 13);     // 2 pi 2 mm / 1 mm
-    REQUIRE(s.bodies.at(0).shape.regions.size() == 3);
+    REQUIRE(s.bodies.at(0).shape.regions.size() == 3 + 3);  // those of excavations follow
+    CHECK(s.bodies.at(0).shape.regions[3].only_line);
     REQUIRE(s.materials.size() == 2);
     CHECK(s.materials[0].name == "steel");  // the order of the file, not of the alphabet
     CHECK(s.bodies.at(0).shape.regions[0].tag == 0);
@@ -832,6 +854,13 @@ TEST_CASE("scenario: the structs hold the values of the file") {
     CHECK(s.time.rest.ends_run);
     CHECK(s.time.rest.below == 0.01);
     CHECK(s.time.rest.duration == tests::relative(5e-6, 1e-15));
+    REQUIRE(s.excavations.size() == 3);
+    CHECK(s.excavations[0].outline.size() > 3);
+    CHECK(s.excavations[0].at == 20e-6);
+    CHECK(s.excavations[0].ramp == 10e-6);
+    CHECK(s.excavations[2].outline.size() == 4);
+    CHECK(s.bodies.at(0).excavations == std::vector<std::size_t>{0, 1, 2});
+    CHECK(s.time.rest.not_before == tests::relative(30e-6, 1e-15));
     REQUIRE(s.time.scheme.absorbing.size() == 1);
     CHECK(s.time.scheme.absorbing[0].boundary == "top");
     CHECK(s.time.scheme.absorbing[0].box);

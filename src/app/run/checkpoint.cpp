@@ -40,7 +40,7 @@ namespace knap {
 
 template <class Archive>
 void serialize(Archive& archive, RunMemory& memory) {
-    archive(memory.now, memory.control, memory.recorder, memory.log_size, memory.spent);
+    archive(memory.now, memory.control, memory.recorder, memory.excavations, memory.log_size, memory.spent);
 }
 
 std::string bytes_of(RunMemory& memory) {
@@ -66,7 +66,7 @@ void restore(const std::string& bytes, RunMemory& memory) {
 namespace {
 
 constexpr const char* magic = "knap-checkpoint";
-constexpr int format_number = 7;
+constexpr int format_number = 8;
 
 std::string program() { return version() + "-" + git_hash() + (git_dirty() ? "-changed" : ""); }
 

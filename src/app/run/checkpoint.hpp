@@ -8,6 +8,7 @@
 //
 // A file is one line (format, program, bytes, CRC-32) and the memory of the run. It is written under a temporary name
 // and renamed, so a killed run leaves two whole ones.
+#include "app/run/excavations.hpp"
 #include "base/stopwatch.hpp"
 #include "record/recorder.hpp"
 #include "record/run_record.hpp"
@@ -23,6 +24,7 @@ struct RunMemory {
     State& now;
     StepControl& control;
     Recorder& recorder;
+    Excavations& excavations;
     std::int64_t log_size = 0;  // [byte] of log.txt at that time
     TimeSpent spent = {};       // by all parts of the run so far
 };

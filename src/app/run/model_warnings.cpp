@@ -1,4 +1,5 @@
 // Warnings about a scenario on its mesh.
+#include "app/run/excavations.hpp"
 #include "app/run/findings.hpp"
 
 #include "app/run/setup.hpp"
@@ -391,6 +392,7 @@ std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& m
     warnings.on_places();
     warnings.on_details(plan.stable_of_triangle);
     warnings.on_numbers(plan, cost);
+    for (Diagnostic& warning : findings_of_excavations(read, model)) warnings.found.push_back(std::move(warning));
     return std::move(warnings.found);
 }
 

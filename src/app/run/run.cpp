@@ -2,6 +2,7 @@
 
 #include "app/run/checkpoint.hpp"
 #include "app/run/continuation.hpp"
+#include "app/run/excavations.hpp"
 #include "app/run/findings.hpp"
 #include "app/run/process.hpp"
 #include "app/run/run_directory.hpp"
@@ -23,10 +24,10 @@
 namespace knap {
 namespace {
 
-/// What is fixed during a run.
+/// What is fixed during a run. Only an excavation replaces the model, and the stepper with it.
 struct RunSetup {
     const Scenario& scenario;
-    const Model& model;
+    Model& model;
     const StepPlan& plan;
     const RunOptions& options;
     const std::filesystem::path& directory;
@@ -82,13 +83,15 @@ State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibriu
 /// a file cannot be written.
 class Run {
 public:
-    Run(const RunSetup& setup, MoreauJean& stepper, RunDirectory& place, RunRecord& record, const Stopwatch& clock)
+    Run(const RunSetup& setup, std::optional<MoreauJean>& stepper, Excavations excavations, RunDirectory& place,
+        RunRecord& record, const Stopwatch& clock)
         : setup_(setup),
           stepper_(stepper),
+          excavations_(std::move(excavations)),
           log_(place.log()),
           record_(record),
           clock_(clock),
-          now_(start_of(setup.model, stepper, setup.scenario.time.start_in_equilibrium && !place.resumes(), record)),
+          now_(start_of(setup.model, *stepper, setup.scenario.time.start_in_equilibrium && !place.resumes(), record)),
           control_(setup.plan.limits),
           recorder_(setup.model, now_, recorder_options(setup, place.resumes())),
           checkpoints_(setup.directory, setup.scenario.output.checkpoint_every) {}
@@ -100,13 +103,16 @@ public:
 
 private:
     void step();
+    void excavate();
+    void renew_stepper();
     void save();
     void report_warnings();
     void report(const std::string& warning);
     TimeSpent spent() const;
 
     RunSetup setup_;
-    MoreauJean& stepper_;
+    std::optional<MoreauJean>& stepper_;
+    Excavations excavations_;
     RunLog& log_;
     RunRecord& record_;
     const Stopwatch& clock_;
@@ -114,7 +120,11 @@ private:
     StepControl control_;
     Recorder recorder_;
     Checkpoints checkpoints_;
-    RunMemory memory_{.now = now_, .control = control_, .recorder = recorder_};  // its times: of the earlier parts
+    RunMemory memory_{// its times: of the earlier parts
+                      .now = now_,
+                      .control = control_,
+                      .recorder = recorder_,
+                      .excavations = excavations_};
     Stopwatch stepping_;
     std::int64_t first_step_ = now_.n_steps;
     double earlier_output_ = recorder_.time().cpu;  // [s]
@@ -133,6 +143,10 @@ void Run::resume(const std::string& text) {
                         "the run in `" + setup_.directory.string() + "` is already at t = " + shortest(now_.time) +
                             " s, beyond --until " + shortest(setup_.options.until) + " s",
                         "give a later --until, or none, to continue; or start it again with --force");
+    excavations_.repeat(setup_.model);
+    next_ = now_;  // its nodes are those of the present model
+    renew_stepper();
+    recorder_.model_changed();
     log_.truncate(memory_.log_size);
     recorder_.open_files();
     first_step_ = now_.n_steps;
@@ -157,8 +171,12 @@ TimeSpent Run::spent() const {
 
 void Run::save() {
     recorder_.finish_frames();
-    RunMemory memory{
-        .now = now_, .control = control_, .recorder = recorder_, .log_size = log_.size(), .spent = spent()};
+    RunMemory memory{.now = now_,
+                     .control = control_,
+                     .recorder = recorder_,
+                     .excavations = excavations_,
+                     .log_size = log_.size(),
+                     .spent = spent()};
     checkpoints_.write(memory);
 }
 
@@ -177,11 +195,36 @@ void Run::report_warnings() {
     }
 }
 
+void Run::renew_stepper() {
+    stepper_.emplace(setup_.model, setup_.scenario.time.scheme);
+    stepper_->give_up_when(InterruptGuard::interrupted);
+}
+
+/// A trial step of the whole body shows the forces that the region exerts on the rest.
+void Run::excavate() {
+    const SchemeOptions& scheme = setup_.scenario.time.scheme;
+    double h = control_.next(now_);
+    for (StepReport trial = stepper_->step(now_, h, next_); trial.rejection != Rejection::none;
+         trial = stepper_->step(now_, h, next_))
+        if (h *= 0.5; h < setup_.plan.limits.smallest)
+            throw SimulationError(
+                formatted("no step from t = %.9g s, where a region is to vanish: see its place (%.6g, "
+                          "%.6g) m",
+                          now_.time, trial.where.x(), trial.where.y()));
+    recorder_.finish_frames();
+    stepper_.reset();
+    ExcavationEnergies energies;
+    log_.add(excavations_.perform(next_, scheme.damping, setup_.model, now_, energies));
+    next_ = now_;
+    renew_stepper();
+    recorder_.after_excavation(energies);
+}
+
 /// One attempt of a step: the state advances, or stays where the step is cut back. Throws SimulationError where the run
 /// cannot continue.
 void Run::step() {
     const double h = control_.next(now_);
-    const StepReport report = stepper_.step(now_, h, next_);
+    const StepReport report = stepper_->step(now_, h, next_);
     if (const std::optional<Cutback> cut = control_.judge(now_, h, report)) {
         const Vec2 where =
             report.rejection == Rejection::none ? place_of_damage(setup_.model, now_, next_) : report.where;
@@ -221,6 +264,7 @@ void Run::step_to_end() {
                 }
             }
             try {
+                while (excavations_.is_due(now_)) excavate();
                 step();
             } catch (const StepGivenUp&) {
                 continue;  // interrupted
@@ -262,7 +306,7 @@ void Run::finish() {
     record_.smallest_step = control_.smallest_taken();
     record_.largest_step = control_.largest_taken();
     record_.n_cutbacks = control_.n_cutbacks();
-    record_.factor = stepper_.factor_size();
+    record_.factor = stepper_->factor_size();
     record_.summary = summarise(setup_.model, now_, recorder_);
     record_.gates = recorder_.gates().gates();
     if (record_.status == "done" && complete)
@@ -307,16 +351,17 @@ ExitCode run_scenario(const ReadResult& requested, const RunOptions& options) {
     keep_freed_memory();
 
     // nothing is written before mesh and model are known to be possible
-    const Model model = model_of(requested);
+    Model model = model_of(requested);
     const Continuation continuation =
         options.force ? Continuation{.read = requested} : continuation_of(requested, model, directory);
     const ReadResult& read = continuation.read;
     const Scenario& scenario = read.scenario;
     check_model(read, model);
+    Excavations excavations(plan_excavations(read, model));
     const StepPlan plan = plan_of(read, model, options.until);
     if (!options.dump_lcp.empty()) check_dump(model, scenario.time.scheme);
-    MoreauJean stepper(model, scenario.time.scheme);
-    stepper.give_up_when(InterruptGuard::interrupted);
+    std::optional<MoreauJean> stepper(std::in_place, model, scenario.time.scheme);
+    stepper->give_up_when(InterruptGuard::interrupted);
     RunRecord record{.status = "running",
                      .name = scenario.name,
                      .title = scenario.title,
@@ -343,7 +388,7 @@ ExitCode run_scenario(const ReadResult& requested, const RunOptions& options) {
     RunDirectory place(directory, files, record, options.force, continuation.first_files_of_shorter);
     try {
         if (!place.resumes()) place.log().add(warnings + random_sets_text(scenario));
-        Run run({scenario, model, plan, options, directory}, stepper, place, record, clock);
+        Run run({scenario, model, plan, options, directory}, stepper, std::move(excavations), place, record, clock);
         if (place.resumes()) run.resume(continuation.text);
         run.step_to_end();
         run.finish();

@@ -12,12 +12,26 @@ namespace knap {
 
 namespace {
 
+/// The vertices between the triangles of excavated regions and others.
+std::vector<Index> outline_vertices(const Scenario& scenario, const Mesh& mesh) {
+    std::vector<Index> found;
+    for (const Excavation& excavation : scenario.excavations) {
+        std::vector<char> inside(mesh.n_triangles(), 0);
+        for (const Index t : triangles_in(mesh, excavation.outline)) inside[t] = 1;
+        for (const InteriorEdge& edge : mesh.interior_edges)
+            if (inside[edge.triangle[0]] != inside[edge.triangle[1]])
+                for (const Index v : mesh.side_vertices(edge.triangle[0], edge.side[0])) found.push_back(v);
+    }
+    return found;
+}
+
 /// Grains in the materials that have them; every rock has its own random numbers.
 void put_rocks(const Scenario& scenario, Mesh& mesh) {
+    const std::vector<Index> fixed = outline_vertices(scenario, mesh);
     const Box box = bounding_box(mesh.vertices);
     for (const GrainedRock& rock : scenario.rocks) {
         const std::uint64_t seed = scenario.seed + static_cast<std::uint64_t>(rock.material) * 0x9E3779B97F4A7C15ull;
-        const Index first = put_grains(mesh, Grains(rock.grains, box, seed), rock.material);
+        const Index first = put_grains(mesh, Grains(rock.grains, box, seed), rock.material, fixed);
         assign_minerals(mesh, rock.minerals, first, seed);
     }
 }

@@ -26,7 +26,7 @@ ObstacleContacts::ObstacleContacts(const Model& model) : model_(model) {
         const Fan& fan = model.fans[f];
         const auto corners = model.corners(fan);
         const bool inside = fan.vertex < 0 && (fan.n_corners == 2 || mesh.place_in_triangle(corners[0]) == 6);
-        if (fan.closed || inside) continue;
+        if (fan.closed || inside || model.has_vanished(mesh.triangle_of(corners[0]))) continue;
         boundary_.push_back({.fan = f, .corner = corners.front(), .place = 0});
         if (fan.n_corners > 1) boundary_.push_back({.fan = f, .corner = corners.back(), .place = 1});
     }

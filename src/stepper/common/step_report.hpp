@@ -39,6 +39,7 @@ struct StepReport {
     double rotation_work = 0;      // defect of the elastic energy in the leapfrog energy, of large rotations
     double damping_work = 0;       // <= 0: of mass-proportional damping
     double radiated_work = 0;      // <= 0: of absorbing boundaries
+    double excavation_work = 0;    // of the forces of excavated regions while they decrease to zero
     double scheme_dissipation = 0;  // >= 0: (theta - 1/2) (|dv|_M^2 + |du|_K^2) of the implicit bulk
     // of single points, beyond what the residual and rounding explain; must be <= 0
     double worst_impact_work = 0;
@@ -72,9 +73,10 @@ struct StepReport {
             std::tuple{&R::kinetic,           &R::strain,           &R::dissipated,         &R::recoverable,
                        &R::external_work,     &R::cohesive_work,    &R::crossing_loss,      &R::impact_work,
                        &R::friction_work,     &R::step_change_work, &R::scheme_dissipation, &R::rotation_work,
-                       &R::contact_injection, &R::damping_work,     &R::radiated_work,      &R::fan_solves,
-                       &R::fan_iterations,    &R::fan_fallbacks,    &R::face_contacts,      &R::bond_checks,
-                       &R::released,          &R::softened,         &R::linear_solves,      &R::factorisations};
+                       &R::contact_injection, &R::damping_work,     &R::radiated_work,      &R::excavation_work,
+                       &R::fan_solves,        &R::fan_iterations,   &R::fan_fallbacks,      &R::face_contacts,
+                       &R::bond_checks,       &R::released,         &R::softened,           &R::linear_solves,
+                       &R::factorisations};
         constexpr auto maxima =
             std::tuple{&R::worst_impact_work, &R::worst_friction_work, &R::residual,      &R::penetration,
                        &R::contact_residual,  &R::contact_depth,       &R::largest_speed, &R::largest_beta_growth};

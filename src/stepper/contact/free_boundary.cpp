@@ -35,6 +35,7 @@ FreeBoundary::FreeBoundary(const Model& model) : model_(model) {
         return 3 * triangle + k;
     };
     for (std::size_t i = 0; i < model.interfaces.size(); ++i) {
+        if (model.is_gone(model.interfaces[i])) continue;
         const auto& triangle = model.interfaces[i].triangle;
         const auto& vertex = model.interfaces[i].vertex;
         const Index point = 2 * static_cast<Index>(i);
@@ -48,7 +49,7 @@ FreeBoundary::FreeBoundary(const Model& model) : model_(model) {
     }
     make_room(n, edges_, corners_);
     for (const Fan& fan : model.fans)
-        if (!fan.closed) link(fan);
+        if (!fan.closed && !model.has_vanished(model.corners(fan)[0] / 3)) link(fan);
     sort();
 }
 

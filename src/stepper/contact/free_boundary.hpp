@@ -55,7 +55,9 @@ private:
     static Index next_in_triangle(Index h) { return h % 3 == 2 ? h - 2 : h + 1; }
     static Index previous_in_triangle(Index h) { return h % 3 == 0 ? h + 2 : h - 1; }
     bool retired_at_start(Index h) const { return twin_[h] >= 0 && retired_[point_[h]]; }
-    bool is_free(Index h) const { return twin_[h] < 0 || retired_[point_[h]] || retired_[point_[h] ^ 1]; }
+    bool is_free(Index h) const {
+        return twin_[h] < 0 ? !model_.has_vanished(h / 3) : retired_[point_[h]] || retired_[point_[h] ^ 1];
+    }
     void link(const Fan& fan);
     void add(Index h);
     void refresh(Index h);

@@ -95,7 +95,7 @@ StepReport ExplicitScheme::sweep_blocks(const ExplicitStep& step) {
         for (const MeshBlock::Corner c : block.kept) kept[c] = work.force[c];
         for (Index i = block.first_load; i < block.last_load; ++i) {
             const CornerLoad& load = model_.corner_loads[i];
-            corner_force_[load.corner] += force_of(load, step.begin);
+            corner_force_[load.corner] += amplitude_[load.history] * force_of(model_, load, step.begin);
         }
         sweep_inner(block, step, work, report);
     });
@@ -305,9 +305,10 @@ StepReport ExplicitScheme::account_loads(const ExplicitStep& step) {
     return sum_over_blocks(blocks_.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
         for (Index i = blocks_[b].first_load; i < blocks_[b].last_load; ++i) {
             const CornerLoad& load = model_.corner_loads[i];
-            const Vec2 force = force_of(load, begin);
+            const Vec2 force = amplitude_[load.history] * force_of(model_, load, begin);
             const Index from = begin.node_of_corner[load.corner], to = end.node_of_corner[load.corner];
-            report.external_work += step.kick_time * force.dot(0.5 * (begin.velocity[from] + end.velocity[to]));
+            double& work = model_.is_release(load) ? report.excavation_work : report.external_work;
+            work += step.kick_time * force.dot(0.5 * (begin.velocity[from] + end.velocity[to]));
             if (model_.large_rotation) {
                 report.strain += 0.5 * step.drift_time * force.dot(end.velocity[to]);
                 report.rotation_work -= 0.5 * begin.last_step * force.dot(begin.velocity[from]);
@@ -327,18 +328,6 @@ void ExplicitScheme::account_rotation(const ExplicitStep& step, StepReport& repo
     report.strain += energy;
     report.rotation_work += energy - step.begin.elastic_energy + 0.5 * step.begin.elastic_work;
     if (step.begin.last_step == 0) report.rotation_work = 0;
-}
-
-/// [N] At the start of the step. A stress on a face has the traction sigma n of the present edge: with large rotations
-/// -t/2 sigma turned(e + u_b - u_a) on both ends a and b of the edge e, of which the first part is load.force.
-Vec2 ExplicitScheme::force_of(const CornerLoad& load, const State& begin) const {
-    Vec2 force = load.force;
-    if (load.face_stress >= 0) {
-        const auto& [ends, stress] = model_.face_stresses[load.face_stress];
-        const Vec2 moved = begin.displacement_of(ends[1]) - begin.displacement_of(ends[0]);
-        force -= 0.5 * model_.thickness * stress_times(stress, turned_left(moved));
-    }
-    return amplitude_[load.history] * force;
 }
 
 }  // namespace knap

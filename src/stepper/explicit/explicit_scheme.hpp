@@ -39,7 +39,6 @@ private:
     StepReport advance_split(const ExplicitStep& step);
     StepReport account_loads(const ExplicitStep& step);
     void account_rotation(const ExplicitStep& step, StepReport& report) const;
-    Vec2 force_of(const CornerLoad& load, const State& begin) const;
     /// No contact acts on several fans.
     bool fans_are_independent() const { return model_.obstacles.empty() && !contacts_; }
 

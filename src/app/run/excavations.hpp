@@ -1,0 +1,52 @@
+#pragma once
+// The excavations of a run: which triangles vanish when, and what a continued run needs to know of those that happened.
+#include "app/run/findings.hpp"
+#include "stepper/excavation.hpp"
+
+namespace knap {
+
+/// In the order of time. A triangle vanishes once.
+struct PlannedExcavation {
+    std::size_t number;  // of Scenario::excavations
+    double at, ramp;     // [s]
+    std::vector<Index> triangles;
+};
+
+/// Throws UserError: a region without triangles, or with all that are left; probes in a region.
+std::vector<PlannedExcavation> plan_excavations(const ReadResult& read, const Model& model);
+
+/// Warnings: loads and supports that a region takes with it, a mesh that does not follow its outline.
+std::vector<Diagnostic> findings_of_excavations(const ReadResult& read, const Model& model);
+
+class Excavations {
+public:
+    explicit Excavations(std::vector<PlannedExcavation> planned) : planned_(std::move(planned)) {}
+
+    /// One vanishes at this state.
+    bool is_due(const State& now) const;
+    /// Replaces model and state by those without the region; `trial`: the end of a step from `now`; `damping` [1/s].
+    /// Returns the line of the log.
+    std::string perform(const State& trial, double damping, Model& model, State& now, ExcavationEnergies& energies);
+    /// The model after all that happened so far, from that at the start of the run.
+    void repeat(Model& model) const;
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(done_);
+    }
+
+private:
+    struct Done {
+        double time = 0;            // [s]
+        std::vector<Index> corner;  // of the released forces
+        std::vector<Vec2> force;    // [N]
+
+        void serialize(auto& archive) { archive(time, corner, force); }
+    };
+    void release_forces(std::size_t number, Model& model) const;
+
+    std::vector<PlannedExcavation> planned_;
+    std::vector<Done> done_;
+};
+
+}  // namespace knap

@@ -1,0 +1,58 @@
+// [[excavation]]: regions that vanish. Their outlines become lines that the mesh follows.
+#include "scenario/reading.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+namespace {
+
+bool meets(const Box& a, const Box& b) {
+    return (a.low.array() < b.high.array()).all() && (b.low.array() < a.high.array()).all();
+}
+
+/// Sizes for the sides of circles and arcs: those of the mesh.
+MeshOptions sizes_of(const Scenario& scenario) {
+    MeshOptions sizes = scenario.mesh;
+    if (!scenario.given) return sizes;
+    const Mesh& mesh = scenario.given->mesh;
+    double area = 0;
+    for (Index t = 0; t < mesh.n_triangles(); ++t) area += mesh.area(t);
+    sizes.size = std::sqrt(2 * area / mesh.n_triangles());
+    return sizes;
+}
+
+void read_excavation(const Table& table) {
+    Scenario& scenario = table.scenario();
+    Excavation excavation;
+    table.fill(excavation);
+    excavation.outline = read_curve(table, sizes_of(scenario));
+    if (table.has("at") && excavation.at >= scenario.time.end && scenario.time.end > 0)
+        table.warning("never", "at", "is not before time.end: the region does not vanish in this run");
+    scenario.time.rest.not_before = std::max(scenario.time.rest.not_before, excavation.at + excavation.ramp);
+    const std::size_t number = scenario.excavations.size();
+    for (Body& body : scenario.bodies) {
+        const std::vector<Vec2>& outer = body.shape.outer.points;
+        if (outer.empty() || excavation.outline.empty()) continue;  // reported
+        if (!meets(bounding_box(outer), bounding_box(excavation.outline))) continue;
+        body.shape.regions.push_back({.points = excavation.outline, .tag = body.shape.tag, .only_line = true});
+        body.excavations.push_back(number);
+    }
+    scenario.excavations.push_back(std::move(excavation));
+}
+
+}  // namespace
+
+void read_excavations(Reading& reading) {
+    const std::vector<Table> tables = reading.list("excavation");
+    if (tables.empty()) return;
+    const Table& first = tables.front();
+    if (reading.scenario.time.scheme.bulk == BulkScheme::implicit_theta)
+        first.error("exclusive-keys", "", "needs the explicit bulk", "time.bulk = \"explicit\"");
+    if (reading.table("specimen").given())
+        first.error("exclusive-keys", "", "has no meaning with [specimen]: a specimen keeps its shape",
+                    "probes and reactions watch what remains");
+    for (const Table& table : tables) read_excavation(table);
+}
+
+}  // namespace knap

@@ -1,0 +1,192 @@
+#include "stepper/excavation.hpp"
+
+#include "element/elastic_forces.hpp"
+#include "model/successor.hpp"
+#include "stepper/common/point_work.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+namespace {
+
+/// U [J], and the forces of the triangles on their corners [N].
+double elastic_energy(const Model& model, const State& state, std::vector<Vec2>& force) {
+    const ElasticForces elastic(model.mesh, model.materials, model.plane, model.thickness, model.large_rotation);
+    force.resize(model.mesh.n_corners());
+    std::vector<std::uint8_t> unused;
+    double energy =
+        elastic.evaluate(0, model.mesh.n_triangles(), state.displacement, state.node_of_corner, force.data(), unused);
+    for (Index c = 0; c < model.mesh.n_corners() && !model.large_rotation; ++c)
+        energy -= 0.5 * force[c].dot(state.displacement[state.node_of_corner[c]]);
+    return energy;
+}
+
+double smaller(double a, double b) { return a * b > 0 ? std::copysign(std::min(std::abs(a), std::abs(b)), a) : 0; }
+
+class ReleasedForces {
+public:
+    ReleasedForces(const Model& model, const State& begin, const State& end, double damping,
+                   std::span<const std::uint8_t> vanishes)
+        : model_(model),
+          begin_(begin),
+          end_(end),
+          vanishes_(vanishes),
+          kick_time_(0.5 * (begin.last_step + end.last_step)),
+          damping_(0.5 * kick_time_ * damping),
+          released_(model.mesh.n_corners(), Vec2::Zero()) {
+        elastic_energy(model, begin, given_);
+        for (const CornerLoad& load : model.corner_loads)
+            given_[load.corner] += model.histories[load.history](begin.time) * knap::force_of(model, load, begin);
+    }
+
+    std::vector<CornerLoad> loads() {
+        for (Index f = 0; f < static_cast<Index>(model_.fans.size()); ++f) cut(f);
+        std::vector<CornerLoad> loads;
+        for (Index c = 0; c < model_.mesh.n_corners(); ++c)
+            if (!released_[c].isZero(0)) loads.push_back({.corner = c, .history = -1, .force = released_[c]});
+        return loads;
+    }
+
+private:
+    bool vanishes(Index corner) const { return vanishes_[model_.mesh.triangle_of(corner)]; }
+    /// Between a corner that stays and one that vanishes.
+    bool is_cut(const FanPoint& point) const {
+        return !point.on_support() && vanishes(point.before) != vanishes(point.after);
+    }
+
+    /// [N] On the corner of a cut point that stays.
+    Vec2 force_of(const FanPoint& point, const Vec2& traction) const {
+        const Vec2 n = point_frame(model_, begin_, point).turned(point.normal);
+        const Vec2 on_after = point.area * (traction.x() * n + traction.y() * turned_left(n));
+        return vanishes(point.after) ? Vec2(-on_after) : on_after;
+    }
+    /// [N] Likewise, of the mean stress.
+    Vec2 stress_force(const FanPoint& point) const { return force_of(point, traction(model_, begin_, point.point)); }
+    /// [Pa] Of a point of a fan that is split at the end of the trial step.
+    Vec2 lasting_traction(Index fan, Index point) const {
+        const Vec2 now = traction(model_, end_, point);
+        if (begin_.split_rank[fan] < 0) return now;
+        const Vec2 before = traction(model_, begin_, point);
+        return {smaller(now.x(), before.x()), smaller(now.y(), before.y())};
+    }
+
+    void add(const FanPoint& point, const Vec2& force) {
+        released_[vanishes(point.after) ? point.before : point.after] += force;
+    }
+
+    void cut(Index f) {
+        const Fan& fan = model_.fans[f];
+        const auto points = model_.points(fan);
+        if (std::ranges::none_of(points, [&](const FanPoint& point) { return is_cut(point); })) return;
+        if (end_.split_rank[f] >= 0) {
+            for (const FanPoint& point : points)
+                if (is_cut(point)) add(point, force_of(point, lasting_traction(f, point.point)));
+            return;
+        }
+        // runs of corners that vanish; a closed fan is read from a cut point, so that no run goes over its end
+        const auto corners = model_.corners(fan);
+        Index first = 0;
+        while (fan.closed && !is_cut(points[first])) ++first;
+        for (Index i = 0; i < fan.n_corners;) {
+            Index last = i;  // behind the run
+            while (last < fan.n_corners && vanishes(at(corners, first + last)) == vanishes(at(corners, first + i)))
+                ++last;
+            if (vanishes(at(corners, first + i))) cut_run(fan, first + i, last - i);
+            i = last;
+        }
+    }
+
+    static Index at(std::span<const Index> corners, Index i) { return corners[i % corners.size()]; }
+
+    /// `n` corners from place `first` of a bonded fan, modulo its size. Point i lies before corner i of a closed fan,
+    /// before corner i + 1 of an open one.
+    void cut_run(const Fan& fan, Index first, Index n) {
+        const auto corners = model_.corners(fan);
+        const auto points = model_.points(fan);
+        Vec2 missing = Vec2::Zero();
+        for (Index i = first; i < first + n; ++i) {
+            const Index c = at(corners, i);
+            const Vec2 before = begin_.velocity[begin_.node_of_corner[c]],
+                       after = end_.velocity[end_.node_of_corner[c]];
+            missing +=
+                given_[c] - model_.corner_mass[c] / kick_time_ * ((1 + damping_) * after - (1 - damping_) * before);
+        }
+        std::array<const FanPoint*, 2> ends{};
+        int n_ends = 0;
+        double area = 0;
+        for (const Index corner : {first, first + n}) {
+            const Index j = fan.closed ? corner % fan.n_points : corner - 1;
+            if (j < 0 || j >= fan.n_points || !is_cut(points[j])) continue;
+            ends[n_ends++] = &points[j];
+            area += points[j].area;
+            missing -= stress_force(points[j]);
+        }
+        const PrescribedMotion* motion = model_.motion_of(corners[0]);
+        for (int e = 0; e < n_ends; ++e) {
+            Vec2 force = stress_force(*ends[e]) + ends[e]->area / area * missing;
+            for (int k = 0; k < 2 && motion; ++k)
+                if (motion->component[k]) force[k] = 0;
+            add(*ends[e], force);
+        }
+    }
+
+    const Model& model_;
+    const State &begin_, &end_;
+    std::span<const std::uint8_t> vanishes_;
+    double kick_time_, damping_;  // [s], [-]
+    std::vector<Vec2> given_;     // [N] F - K u per corner
+    std::vector<Vec2> released_;  // [N] R per corner
+};
+
+/// Of the points of split fans that the successor has no more.
+void add_lost_surface(const Model& model, const State& state, const Model& rest, ExcavationEnergies& energies) {
+    StepReport lost;
+    for (std::size_t s = 0; s < state.split_fans.size(); ++s) {
+        const auto points = model.points(model.fans[state.split_fans[s]]);
+        for (std::size_t j = 0; j < points.size(); ++j) {
+            if (rest.fan_point_of[points[j].point] >= 0 || unbreakable(model, points[j])) continue;
+            const Vec2 u = state.opening_of(points[j], point_frame(model, state, points[j]));
+            const double beta = state.points[state.first_point[s] + j].cohesion;
+            account_cohesion(points[j], model.laws[points[j].law], beta, beta, u.x(), u.y(), lost);
+        }
+    }
+    energies.dissipated = lost.dissipated, energies.recoverable = lost.recoverable;
+}
+
+}  // namespace
+
+std::vector<CornerLoad> released_forces(const Model& model, const State& begin, const State& end, double damping,
+                                        std::span<const std::uint8_t> vanishes) {
+    return ReleasedForces(model, begin, end, damping, vanishes).loads();
+}
+
+Excavated excavate(const Model& model, const State& state, std::span<const Index> triangles) {
+    Excavated rest{.model = without(model, triangles)};
+    rest.state = carried_over(model, state, rest.model);
+    add_lost_surface(model, state, rest.model, rest.energies);
+    State before = rest.state;
+    for (std::size_t n = 0; n < before.displacement.size(); ++n)
+        before.displacement[n] -= state.last_step * before.velocity[n];
+    std::vector<Vec2> force;
+    rest.state.elastic_energy = elastic_energy(rest.model, before, force);
+    double& work = rest.state.elastic_work = 0;
+    for (Index c = 0; c < rest.model.mesh.n_corners(); ++c) {
+        const Vec2& velocity = before.velocity[before.node_of_corner[c]];
+        work += state.last_step * force[c].dot(velocity);
+        rest.energies.kinetic += 0.5 * rest.model.corner_mass[c] * velocity.squaredNorm();
+    }
+    rest.energies.strain = rest.state.elastic_energy - 0.5 * work;
+    for (std::size_t o = 0; o < model.obstacles.size(); ++o)
+        rest.energies.kinetic += kinetic_energy(model.obstacles[o], state.obstacles[o].velocity);
+    return rest;
+}
+
+void release(std::span<const CornerLoad> forces, double time, double ramp, Model& model) {
+    const auto history = static_cast<Index>(model.histories.size());
+    model.histories.push_back({.time = {time, time + ramp}, .value = {1, 0}});
+    for (const CornerLoad& at : forces) model.corner_loads.push_back(at), model.corner_loads.back().history = history;
+    std::ranges::stable_sort(model.corner_loads, {}, &CornerLoad::corner);
+}
+
+}  // namespace knap

@@ -1,0 +1,52 @@
+#pragma once
+// Excavation: triangles vanish between two steps of the explicit scheme.
+//
+// The forces R that they exerted on the corners that stay act on as loads, which the caller multiplies by a factor that
+// decreases from 1 to 0. R follows from a trial step of the whole body, from v to v+, over the time k (damping alpha):
+//
+//     in a split fan     the tractions at the points that vanish, on the corner that stays; by components the smaller
+//                        of this step and the one before, zero where the signs differ: an impact is no lasting force
+//     in a bonded fan    per run of corners that vanish, with the forces F - K u on them
+//                            sum of R = sum of F - K u - m ((1 + k alpha/2) v+ - (1 - k alpha/2) v)/k,
+//                        as the tractions of the mean stress at the two ends of the run; they are not in equilibrium,
+//                        and what is missing is shared by the areas of the ends
+//
+// With the factor 1 the next step of a bonded fan is the one that it would have had.
+//
+// A prescribed component of a fan has no R, since the drive of each corner carries its part. Impulses of contacts
+// between free faces end at once.
+//
+// The energies of what stays are those of the leapfrog, with Delta = h v of the last step and u_n-1 = u_n - Delta,
+//
+//     1/2 v' M v + U(u_n-1) - 1/2 f(u_n-1) . Delta,    f = -grad U        (small rotations: 1/2 u_n-1' K u_n)
+//
+// so that the energy identity goes on with the energy that left as one more term.
+#include "model/state.hpp"
+
+#include <span>
+
+namespace knap {
+
+/// [N] R at the corners that stay, in their order, for release(). `end`: of a trial step from `begin`; `vanishes`
+/// [0/1]: per triangle; `damping` [1/s].
+std::vector<CornerLoad> released_forces(const Model& model, const State& begin, const State& end, double damping,
+                                        std::span<const std::uint8_t> vanishes);
+
+/// [J] Of what stays, and of the points that vanish.
+struct ExcavationEnergies {
+    double kinetic = 0, strain = 0;
+    double dissipated = 0, recoverable = 0;
+};
+
+struct Excavated {
+    Model model;
+    State state;
+    ExcavationEnergies energies;
+};
+/// Without the released forces.
+Excavated excavate(const Model& model, const State& state, std::span<const Index> triangles);
+
+/// Adds released forces to the loads, with a history of their own: 1 at `time`, 0 after the ramp [s].
+void release(std::span<const CornerLoad> forces, double time, double ramp, Model& model);
+
+}  // namespace knap

@@ -1,0 +1,162 @@
+// Excavations in whole runs: same bits for threads and resumed runs, files without what vanished, messages.
+#include "output/history_csv.hpp"
+#include "output/vtk_series.hpp"
+#include "program.hpp"
+
+#include <nlohmann/json.hpp>
+
+using namespace program;
+
+namespace {
+
+/// Stressed rock that breaks round two excavations, one of them to the top of the body; `more` of the scenario.
+std::string scene(const std::string& more = "", const std::string& time = "") {
+    return rectangle("\"12 m\", \"12 m\"", "\"0.6 m\"") + R"([material.rock]
+density = 2600
+E = "30 GPa"
+nu = 0.25
+[interface.default]
+sigma_c = "3 MPa"
+G_c = "300 J/m2"
+friction = 0.6
+[[load]]
+name = "in situ"
+on = { box = [-1, -1, 13, 13] }
+stress = ["-10 MPa", "-20 MPa", 0]
+[[absorb]]
+on = "left"
+[[absorb]]
+on = "bottom"
+[[excavation]]
+centre = [4, 4]
+radius = 1.5
+at = "3 ms"
+ramp = "1 ms"
+[[excavation]]
+points = [[7, 8], [10, 8], [10, 13], [7, 13]]
+at = "1 ms"
+ramp = "2 ms"
+[[probe]]
+at = [5.5, 4]
+[output]
+every = "0.5 ms"
+history_every = "0.1 ms"
+breaks = true
+)" + more + "[time]\nend = \"6 ms\"\nstart = \"equilibrium\"\n" +
+           time;
+}
+
+void write(const Folder& folder, const std::string& text) { std::ofstream(folder.path / "scene.toml") << text; }
+
+Answer run(const Folder& folder, const std::string& options) {
+    return command("run " + folder.in_shell("scene.toml") + " -q " + options);
+}
+
+void check_same(const fs::path& a, const fs::path& b) {
+    int n = 0;
+    for (const auto& file : fs::recursive_directory_iterator(a)) {
+        const std::string ending = file.path().extension();
+        if (ending != ".csv" && ending != ".vtu") continue;
+        ++n;
+        CHECK_MESSAGE(text_of(file.path()) == text_of(b / fs::relative(file.path(), a)), file.path().string());
+    }
+    CHECK(n > 30);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "excavation: the same bits for one and two and four threads and for runs that stop before and within and after") {
+    const Folder folder("excavation bits");
+    write(folder, scene("", "damping = \"20 Hz\"\n"));
+    const Answer whole = run(folder, "-j 1 -o " + folder.in_shell("whole"));
+    CAPTURE(whole.text);
+    REQUIRE(whole.code == 0);
+    for (const char* threads : {"2", "4"}) {
+        const std::string name = std::string("threads") + threads;
+        REQUIRE(run(folder, std::string("-j ") + threads + " -o " + folder.in_shell(name)).code == 0);
+        check_same(folder.path / "whole", folder.path / name);
+    }
+    for (const char* until : {"0.8ms", "2ms", "3.5ms", "5ms"})
+        REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("parts") + " --until " + until).code == 0);
+    REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("parts")).code == 0);
+    check_same(folder.path / "whole", folder.path / "parts");
+    const std::string log = text_of(folder.path / "parts/log.txt");
+    for (const char* line : {"excavation[0]: ", "excavation[1]: "}) {
+        CHECK(log.find(line) != std::string::npos);
+        CHECK(log.find(line) == log.rfind(line));
+    }
+    CHECK(log.find("excavation[1]: ") < log.find("excavation[0]: "));
+}
+
+TEST_CASE("excavation: files show what remains and the record has what left") {
+    const Folder folder("excavation files");
+    write(folder, scene());
+    REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("run")).code == 0);
+    const fs::path directory = folder.path / "run";
+    const knap::History energy = knap::read_csv(directory / "energy.csv");
+    const auto record = nlohmann::json::parse(text_of(directory / "run.json"));
+    const auto number = [&](const char* name) { return record["summary"][name].get<double>(); };
+    CHECK(number("energy_residual") < 1e-12);
+    CHECK(number("excavation_work") < 0);
+    CHECK(number("excavated_energy") > 0);
+    CHECK(energy.column("excavated_energy").front() == 0);
+    CHECK(energy.column("excavated_energy").back() == number("excavated_energy"));
+    const std::vector<double> times = knap::frame_times(directory);
+    const auto area = [&](double time) {
+        const knap::Frame frame = knap::read_frame(directory, knap::nearest_frame(times, time));
+        double sum = 0;
+        for (std::size_t c = 0; c < frame.position.size(); c += 3)
+            sum +=
+                0.5 * knap::cross(frame.position[c + 1] - frame.position[c], frame.position[c + 2] - frame.position[c]);
+        CHECK(frame.stress.size() * 3 == frame.position.size());
+        CHECK(frame.fragment.size() * 3 == frame.position.size());
+        for (const auto& side : {frame.side_a, frame.side_b})
+            for (const auto& corners : side)
+                for (const knap::Index c : corners) CHECK(c < 3 * frame.n_triangles());
+        return sum;
+    };
+    CHECK(area(0.5e-3) == doctest::Approx(144));
+    CHECK(area(2e-3) == doctest::Approx(144 - 12).epsilon(2e-3));
+    CHECK(area(6e-3) < 144 - 12 - 0.95 * 3.14 * 2.25);
+    double mass = 0;
+    const knap::History fragments = knap::read_csv(directory / "fragments.csv");
+    for (const double part : fragments.column("mass")) mass += part;
+    CHECK(mass == doctest::Approx(2600 * area(6e-3)).epsilon(1e-5));
+}
+
+TEST_CASE("excavation: messages") {
+    const Folder folder("excavation messages");
+    const auto refused = [&](const std::string& text, const char* code, const char* words) {
+        write(folder, text);
+        const Answer answer = command("check " + folder.in_shell("scene.toml"));
+        CAPTURE(answer.text);
+        CHECK(answer.code == 2);
+        CHECK(answer.has(code));
+        CHECK(answer.has(words));
+    };
+    const std::string box = "[[excavation]]\nat = \"4 ms\"\nbox = ";
+    refused(scene(box + "[20, 20, 21, 21]\n"), "empty-selection", "`excavation[2]` covers no triangle");
+    refused(scene(box + "[8, 9, 9, 10]\n"), "empty-selection",
+            "`excavation[2]` covers no triangle");  // excavated already
+    refused(scene(box + "[-1, -1, 13, 13]\n"), "empty-selection", "`excavation[2]` leaves nothing of the body");
+    refused(scene("[[probe]]\nname = \"core\"\nat = [4, 4]\n"), "excavated", "`probe[1]` `core` watches a place");
+    refused(scene("[[probe]]\nat = [4, 4]\nwatch = \"interface\"\n"), "excavated", "watches an interface");
+    refused(scene("[[absorb]]\non = { boundary = \"top\", box = [7, 11, 10, 13] }\n"), "excavated",
+            "`absorb[2]` loses all of its boundary");
+    refused(scene(box + "[0, 0, 1, 1]\nradius = 1\n"), "exclusive-keys", "only one");
+    refused(scene("[[excavation]]\nat = \"4 ms\"\n"), "missing-key", "has none of");
+    refused(scene("", "bulk = \"implicit\"\n"), "exclusive-keys", "needs the explicit bulk");
+    refused(scene("[[excavation]]\nat = \"-1 ms\"\nbox = [0, 0, 1, 1]\n"), "out-of-range", "excavation[2].at");
+
+    const auto warned = [&](const std::string& text, const char* words) {
+        write(folder, text);
+        const Answer answer = command("check " + folder.in_shell("scene.toml"));
+        CAPTURE(answer.text);
+        CHECK(answer.code == 0);
+        CHECK(answer.has(words));
+    };
+    warned(scene(), "`load[0]` acts on a region that vanishes");
+    warned(scene(), "excavation[1]: ");
+    warned(scene("[[excavation]]\nat = \"7 ms\"\nbox = [0, 0, 1, 1]\n"), "does not vanish in this run");
+}
