@@ -10,10 +10,10 @@ namespace knap {
 namespace {
 
 constexpr double contradiction = 1e-12;  // [-] residual of a fan whose rebounds contradict each other; rounding is less
-constexpr double slow = 1e-9;            // [-] of the largest speed
-constexpr double rounding = 1e-14;       // [-] of the velocities of a fan
-constexpr double closed = 1e-5;          // [-] of delta_c: where fans turn, an opening below it counts as none
-constexpr double mean_tolerance = 1e-14;  // [-] of the velocities of a fan on an absorbing boundary
+constexpr double slow = 1e-9, slowest = 1e-6;  // [-] of the largest speed
+constexpr double rounding = 1e-14;             // [-] of the velocities of a fan
+constexpr double closed = 1e-5;                // [-] of delta_c: where fans turn, an opening below it counts as none
+constexpr double mean_tolerance = 1e-14;       // [-] of the velocities of a fan on an absorbing boundary
 constexpr int max_sweeps = 100;
 constexpr double caught = 1e-9;  // [-] of the tangential cohesion: a force smaller by more holds the slip at zero
 
@@ -243,6 +243,8 @@ FanSolution VertexSolver::solve_for_mean(Index f, const ExplicitStep& step, Work
     const auto rebounds = [](const FanLink& link) { return link.restitution > 0; };
     if (best.residual > contradiction && std::ranges::any_of(work.problem.links, rebounds)) try_without_rebounds(0);
     if (best.residual > (model_.large_rotation ? contradiction : 0.5 * max_residual)) try_without_rebounds(slow);
+    for (double rest = 10 * slow; model_.large_rotation && rest <= slowest && best.residual > 0.1 * max_residual;)
+        try_without_rebounds(std::exchange(rest, 10 * rest));
     return best;
 }
 
