@@ -60,7 +60,9 @@ public:
     std::span<const ObstacleContact> on_edges() const { return std::span(contacts_).subspan(n_at_corners_); }
     /// At corners of the fan.
     std::span<const ObstacleContact> of_fan(Index fan) const {
-        return std::ranges::equal_range(std::span(contacts_).first(n_at_corners_), fan, {}, &ObstacleContact::fan);
+        const auto first = contacts_.begin(), last = first + static_cast<std::ptrdiff_t>(n_at_corners_);
+        return {std::ranges::lower_bound(first, last, fan, {}, &ObstacleContact::fan),
+                std::ranges::upper_bound(first, last, fan, {}, &ObstacleContact::fan)};
     }
 
     /// [0/1] per obstacle: it is free and has contacts. Returns whether any has.

@@ -60,7 +60,8 @@ NearbyEdges::CellBox NearbyEdges::cells_of(const FreeEdge& edge) const {
 template <class ForEntries>
 void NearbyEdges::fill(Cells& cells, std::size_t n, const ForEntries& for_entries) const {
     const std::size_t n_buckets = std::bit_ceil(n);
-    auto& [end, entries] = cells;
+    std::vector<Index>& end = cells.bucket_end;
+    std::vector<Entry>& entries = cells.entries;
     end.assign(n_buckets + 1, 0);
     for_entries([&](const Entry& entry) { ++end[bucket_of(entry.x, entry.y, n_buckets) + 1]; });
     for (std::size_t b = 1; b < end.size(); ++b) end[b] += end[b - 1];
