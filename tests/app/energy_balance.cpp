@@ -93,3 +93,13 @@ TEST_CASE("energy balance: a block that turns and breaks") {
     CHECK(balance.end_of("rotation_work") != 0);
     CHECK(balance.end_of("dissipated") > 0);
 }
+
+TEST_CASE("energy balance: a gallery that is excavated while the rock breaks") {
+    const Balance balance = balance_of(Folder("energy gallery"),
+                                       "excavated_gallery -s 'mesh.refine=[]' -s 'mesh.size=0.6 m' -s 'time.end=15 ms' "
+                                       "-s 'excavation[0].ramp=5 ms' -s 'interface.default.sigma_c=5 MPa' "
+                                       "-s 'output.history_every=0.1 ms'");
+    check_closes(balance);
+    for (const char* name : {"excavated_energy", "dissipated"}) CHECK_MESSAGE(balance.end_of(name) > 0, name);
+    CHECK(balance.end_of("excavation_work") < 0);
+}
