@@ -50,7 +50,8 @@ float deepest(b2World& world) {
 
 int main(int argc, char** argv) {
     if (argc != 5) return 2;
-    const float width = std::strtof(argv[2], nullptr), step = std::strtof(argv[3], nullptr), end = std::strtof(argv[4], nullptr);
+    const float width = std::strtof(argv[2], nullptr), step = std::strtof(argv[3], nullptr),
+                end = std::strtof(argv[4], nullptr);
     b2World world({0, -9.81f});
     world.SetAllowSleeping(false);
     add_wall(world, {-1, 0}, {width + 1, 0});
