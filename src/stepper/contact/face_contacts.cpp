@@ -8,13 +8,13 @@
 namespace knap {
 namespace {
 
-constexpr double touching = 1e-3;        // [-] of an edge: gaps and penetrations that count as rounding of the geometry
-constexpr double reach_in_steps = 4;     // distances covered in a step at the speeds of its start
-constexpr double deep_in_steps = 2;      // likewise, for a penetration without a history
-constexpr double beyond_end = 0.25;      // [-] of an edge
-constexpr double reflex_turn = -0.02;    // sine of a turn to the right that still counts as flat
-constexpr double flat_turn = 0.2;        // sine of a turn of a flat vertex
-constexpr double cone = 0.26;            // sine of 15 degrees
+constexpr double touching = 1e-3;      // [-] of an edge: gaps and penetrations that count as rounding of the geometry
+constexpr double reach_in_steps = 4;   // distances covered in a step at the speeds of its start
+constexpr double deep_in_steps = 2;    // likewise, for a penetration without a history
+constexpr double beyond_end = 0.25;    // [-] of an edge
+constexpr double reflex_turn = -0.02;  // sine of a turn to the right that still counts as flat
+constexpr double flat_turn = 0.2;      // sine of a turn of a flat vertex
+constexpr double cone = NearbyEdges::cone;
 constexpr double opposite = -0.9;        // product of the normals of two contacts between the same faces
 constexpr double parallel = 0.97;        // likewise for two edges that are one face
 constexpr double beside_end = 0.05;      // [-] of an edge: there a vertex and the end of the edge are twins

@@ -104,14 +104,35 @@ Vec2 NearbyEdges::place_of_vertex(std::span<const FreeEdge> edges, Index i) cons
     return 0.5 * (x_[edges[edges[i].entering].end_place] + x_[edges[i].start_place]);
 }
 
-bool NearbyEdges::is_near(std::span<const FreeEdge> edges, Index i, const Vec2& x, Index e) const {
+/// [-] Of the direction of an edge, until its ends have moved by margin/2.5.
+double NearbyEdges::largest_turn(double length) const {
+    const double ends = 2 * margin_ / 2.5;
+    return length > 2 * ends ? ends / (length - ends) : 2;
+}
+
+NearbyEdges::Corner NearbyEdges::corner(std::span<const FreeEdge> edges, Index i) const {
+    const FreeEdge &out = edges[i], &in = edges[out.entering];
+    const Vec2 along_in = x_[in.end_place] - x_[in.start_place], along_out = x_[out.end_place] - x_[out.start_place];
+    const double l_in = along_in.norm(), l_out = along_out.norm();
+    return {.x = place_of_vertex(edges, i),
+            .t_in = along_in / l_in,
+            .t_out = along_out / l_out,
+            .turn_in = largest_turn(l_in),
+            .turn_out = largest_turn(l_out)};
+}
+
+bool NearbyEdges::is_near(std::span<const FreeEdge> edges, Index i, const Corner& at, Index e) const {
     const FreeEdge& edge = edges[e];
     if (edge.piece_start == i || edge.piece_end == i || edge.on_support) return false;
     const Vec2& a = x_[edge.start_place];
-    const Vec2 along = x_[edge.end_place] - a, from_a = x - a;
+    const Vec2 along = x_[edge.end_place] - a, from_a = at.x - a;
     const double length = along.norm();
-    return length > 0 && cross(from_a, along) <= margin_ * length &&
-           distance_to_segment(x, a, along, length) <= edge.depth + margin_;
+    if (!(length > 0) || cross(from_a, along) > margin_ * length ||
+        distance_to_segment(at.x, a, along, length) > edge.depth + margin_)
+        return false;
+    const double least = cone + largest_turn(length);
+    const Vec2 normal = -turned_left(along) / length;
+    return !(normal.dot(at.t_in) > least + at.turn_in || normal.dot(at.t_out) < -least - at.turn_out);
 }
 
 void NearbyEdges::find(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners, double margin) {
@@ -129,10 +150,10 @@ void NearbyEdges::find(std::span<const FreeEdge> edges, std::span<const CornerMo
         for (auto i = static_cast<Index>(b * block); i < static_cast<Index>(std::min(n_listed_, (b + 1) * block));
              ++i) {
             if (!is_vertex(edges, i)) continue;
-            const Vec2 x = place_of_vertex(edges, i);
-            const auto [cell_x, cell_y] = cell(x);
+            const Corner at = corner(edges, i);
+            const auto [cell_x, cell_y] = cell(at.x);
             for_entries_at(edge_cells_, cell_x, cell_y, [&](Index e) {
-                if (is_near(edges, i, x, e)) pairs.push_back({i, e});
+                if (is_near(edges, i, at, e)) pairs.push_back({i, e});
             });
         }
     });
@@ -152,19 +173,19 @@ bool NearbyEdges::add(std::span<const FreeEdge> edges, std::span<const CornerMot
     for (std::size_t b = 0; b < n_blocks_; ++b)
         std::erase_if(pairs_[b],
                       [&](const NearbyEdge& pair) { return is_changed_[pair.vertex] || is_changed_[pair.edge]; });
-    const auto try_pair = [&](Index i, const Vec2& x, Index e) {
-        if (is_near(edges, i, x, e)) pairs_[n_blocks_ - 1].push_back({i, e});
+    const auto try_pair = [&](Index i, const Corner& at, Index e) {
+        if (is_near(edges, i, at, e)) pairs_[n_blocks_ - 1].push_back({i, e});
     };
     for (const Index i : changed) {
         if (!is_vertex(edges, i)) continue;
-        const Vec2 x = place_of_vertex(edges, i);
-        const auto [cell_x, cell_y] = cell(x);
-        for_entries_at(edge_cells_, cell_x, cell_y, [&](Index e) { try_pair(i, x, e); });
-        for (const Index e : late_edges_) try_pair(i, x, e);
+        const Corner at = corner(edges, i);
+        const auto [cell_x, cell_y] = cell(at.x);
+        for_entries_at(edge_cells_, cell_x, cell_y, [&](Index e) { try_pair(i, at, e); });
+        for (const Index e : late_edges_) try_pair(i, at, e);
     }
     for (const Index e : changed) {  // with the vertices that have not changed
         const auto try_vertex = [&](Index i) {
-            if (!is_changed_[i] && is_vertex(edges, i)) try_pair(i, place_of_vertex(edges, i), e);
+            if (!is_changed_[i] && is_vertex(edges, i)) try_pair(i, corner(edges, i), e);
         };
         const auto [low, high] = cells_of(edges[e]);
         for_cells(low, high, [&](std::int32_t x, std::int32_t y) {

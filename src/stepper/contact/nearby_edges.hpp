@@ -20,9 +20,11 @@ struct NearbyEdge {
 /// penetration is at most FreeEdge::depth, and if the point lies beyond an end of the edge by at most L/4 and reach, or
 /// where it is deep reach + min(-g, depth + g). The list contains every near pair of a reach as long as all ends of
 /// edges have moved by at most (margin - 1.5 reach)/2.5 since it was made (the distance between a vertex and an edge
-/// changes by at most 2 moves, the gap of a point beside the prolonged edge by at most 2.5).
+/// changes by at most 2 moves, the gap of a point beside the prolonged edge by at most 2.5). Left out are pairs whose
+/// edge stays outside the cone of the vertex meanwhile (FaceContacts, rule 3).
 class NearbyEdges {
 public:
+    static constexpr double cone = 0.26;       // sine of 15 degrees, by which the cone of a vertex is widened
     static constexpr std::size_t block = 256;  // vertices
 
     void find(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners, double margin);
@@ -58,7 +60,14 @@ private:
     void for_entries_at(const Cells& cells, std::int32_t x, std::int32_t y, const Visit& visit) const;
     void fill_grid(std::span<const FreeEdge> edges);
     Vec2 place_of_vertex(std::span<const FreeEdge> edges, Index i) const;
-    bool is_near(std::span<const FreeEdge> edges, Index i, const Vec2& x, Index e) const;
+    /// A vertex with its edges, at the time of the search.
+    struct Corner {
+        Vec2 x, t_in, t_out;
+        double turn_in, turn_out;  // [-] how much t_in and t_out may turn until the next search
+    };
+    Corner corner(std::span<const FreeEdge> edges, Index i) const;
+    double largest_turn(double length) const;
+    bool is_near(std::span<const FreeEdge> edges, Index i, const Corner& corner, Index e) const;
 
     double margin_ = -1, cell_size_ = 1;
     std::size_t n_blocks_ = 0;

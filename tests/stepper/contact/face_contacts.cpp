@@ -340,6 +340,13 @@ TEST_CASE("the cell grid finds every pair that comes near before the list is mad
                 const double beyond =
                     std::min(reach + std::max(0., std::min(-gap, edges[e].depth + gap)), 0.25 * length);
                 if (gap > reach || gap < -edges[e].depth || s < -beyond || s > length + beyond) continue;
+                const auto direction = [&](Index of) {
+                    return (corners[edges[of].end_place].x - corners[edges[of].start_place].x).normalized();
+                };
+                const Vec2 normal = -turned_left(direction(e));
+                if (normal.dot(direction(edges[i].entering)) > NearbyEdges::cone ||
+                    normal.dot(direction(i)) < -NearbyEdges::cone)
+                    continue;  // outside the cone of the vertex
                 ++n_near;
                 CHECK(listed.contains({i, e}));
             }
