@@ -56,8 +56,14 @@ Surface surface_of(const std::vector<Vec2>& outline, const Vec2& x) {
 Box seen_part(const FigureOptions& options, const Frame& frame) {
     if (options.box) return *options.box;
     if (frame.position.empty()) return {{0, 0}, {1, 1}};
+    constexpr double far = 1000;  // [-] of the body: what a run that has failed throws further is not looked for
+    const Box start = bounding_box(frame.position);
     std::vector<Vec2> points;
-    for (Index c = 0; c < 3 * frame.n_triangles(); ++c) points.push_back(deformed(frame, c, options.deform));
+    for (Index c = 0; c < 3 * frame.n_triangles(); ++c) {
+        const Vec2 x = deformed(frame, c, options.deform);
+        if ((x - start.middle()).norm() < far * start.diagonal()) points.push_back(x);  // false if it is no number
+    }
+    if (points.empty()) return start;
     const Box body = bounding_box(points);
     const double size = body.extent().maxCoeff();
     const Box near{body.low.array() - 0.75 * size, body.high.array() + 0.75 * size};

@@ -14,6 +14,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <set>
 
 using namespace knap;
@@ -65,6 +66,18 @@ TEST_CASE("figures: every subject is drawn without a display at the requested wi
                                                                  : 100));  // materials are few
         CHECK(picture.inked() > (shows_body(subject) ? 0.4 : 0.02));
         CHECK(picture.inked() < 0.9);
+    }
+}
+
+TEST_CASE("figures: a body of which a failed run threw parts away is drawn where it is") {
+    Frame frame = synthetic::frame();
+    const std::array thrown{1e9, 1e300, std::numeric_limits<double>::quiet_NaN()};
+    for (Index c = 0; c < 9; ++c) frame.displacement[c] = Vec2(thrown[c / 3], -thrown[c / 3]);
+    const FigureContext context{.title = "Blown up", .rayleigh_speed = 2125};
+    for (const std::string show : {"cracks", "speed"}) {
+        const FigureOptions options{.file = "blown_up_" + show + ".png", .show = show, .at = {40e-6}, .width = 1200};
+        const Pixels picture(draw_figure(options, frame, synthetic::histories(), context, pictures()).file);
+        CHECK(picture.inked() > 0.4);
     }
 }
 
