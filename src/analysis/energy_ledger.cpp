@@ -1,7 +1,7 @@
 #include "analysis/energy_ledger.hpp"
 
-#include "element/elastic_forces.hpp"
 #include "element/triangle_matrices.hpp"
+#include "stepper/common/elastic_energy.hpp"
 #include "stepper/excavation.hpp"
 
 #include <cmath>
@@ -9,19 +9,6 @@
 
 namespace knap {
 namespace {
-
-/// 1/2 u' K u, with large rotations U [J]
-double strain_energy(const Model& model, const State& state) {
-    const ElasticForces elastic(model.mesh, model.materials, model.plane, model.thickness, model.large_rotation);
-    std::vector<Vec2> force(model.mesh.n_corners());
-    std::vector<std::uint8_t> unused;
-    double energy =
-        elastic.evaluate(0, model.mesh.n_triangles(), state.displacement, state.node_of_corner, force.data(), unused);
-    if (model.large_rotation) return energy;
-    for (Index c = 0; c < model.mesh.n_corners(); ++c)
-        energy -= 0.5 * force[c].dot(state.displacement[state.node_of_corner[c]]);
-    return energy;
-}
 
 /// 1/2 v' M v [J]
 double kinetic_energy(const Model& model, const State& state, MassMatrix mass) {
@@ -47,7 +34,8 @@ EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix ma
     : smallest_mass_(*std::ranges::min_element(model.corner_mass)), weakest_point_(weakest_point) {
     row_ = {.time = start.time, .step = start.last_step};
     row_.kinetic = kinetic_energy(model, start, mass);
-    row_.strain = strain_energy(model, start);
+    std::vector<Vec2> force;
+    row_.strain = elastic_energy(model, start, force);
     for (std::size_t o = 0; o < model.obstacles.size(); ++o)
         row_.kinetic += kinetic_energy(model.obstacles[o], start.obstacles[o].velocity);
     start_energy_ = largest_energy_ = supplied_ = row_.kinetic + row_.strain;

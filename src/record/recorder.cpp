@@ -116,7 +116,8 @@ void Recorder::open_files() {
     writer_.emplace([this](const State& then) {
         Frame frame = make_frame(model_, then, false);
         const std::vector<Index> of_triangle = find_fragments(model_, then).piece_of_triangle;
-        const std::size_t n_drawn = model_.mesh.order == 2 ? 6 : 1;
+        const auto n_left = std::ranges::count_if(of_triangle, [](Index fragment) { return fragment >= 0; });
+        const std::size_t n_drawn = frame.region.size() / n_left;  // pieces of a triangle of second order
         for (const Index fragment : of_triangle)
             if (fragment >= 0) frame.fragment.insert(frame.fragment.end(), n_drawn, fragment);
         series_->write(frame);

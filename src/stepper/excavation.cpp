@@ -1,26 +1,15 @@
 #include "stepper/excavation.hpp"
 
-#include "element/elastic_forces.hpp"
 #include "model/successor.hpp"
+#include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/point_work.hpp"
+#include "stepper/explicit/explicit_step.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace knap {
 namespace {
-
-/// U [J], and the forces of the triangles on their corners [N].
-double elastic_energy(const Model& model, const State& state, std::vector<Vec2>& force) {
-    const ElasticForces elastic(model.mesh, model.materials, model.plane, model.thickness, model.large_rotation);
-    force.resize(model.mesh.n_corners());
-    std::vector<std::uint8_t> unused;
-    double energy =
-        elastic.evaluate(0, model.mesh.n_triangles(), state.displacement, state.node_of_corner, force.data(), unused);
-    for (Index c = 0; c < model.mesh.n_corners() && !model.large_rotation; ++c)
-        energy -= 0.5 * force[c].dot(state.displacement[state.node_of_corner[c]]);
-    return energy;
-}
 
 double smaller(double a, double b) { return a * b > 0 ? std::copysign(std::min(std::abs(a), std::abs(b)), a) : 0; }
 
@@ -109,8 +98,7 @@ private:
             const Index c = at(corners, i);
             const Vec2 before = begin_.velocity[begin_.node_of_corner[c]],
                        after = end_.velocity[end_.node_of_corner[c]];
-            missing +=
-                given_[c] - model_.corner_mass[c] / kick_time_ * ((1 + damping_) * after - (1 - damping_) * before);
+            missing += given_[c] - damped_impulse(model_.corner_mass[c] / kick_time_, before, after, damping_);
         }
         std::array<const FanPoint*, 2> ends{};
         int n_ends = 0;

@@ -368,7 +368,9 @@ bool FaceContacts::was_beside(const State& begin, const NearbyEdge& pair) const 
     const auto near_edge = [&](Index e) {
         return e == edge.start || e == edges[edge.prev].start || e == edges[edge.next].start;
     };
-    const auto at_vertex = [&](Index e) { return fan_of(e) == fan || fan_of(e % 3 == 2 ? e - 2 : e + 1) == fan; };
+    const auto at_vertex = [&](Index e) {
+        return fan_of(e) == fan || fan_of(FreeBoundary::next_in_triangle(e)) == fan;
+    };
     return start == fan || end == fan || met(fan, near_edge) || met(start, at_vertex) || met(end, at_vertex);
 }
 

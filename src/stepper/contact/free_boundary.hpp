@@ -48,11 +48,12 @@ public:
     std::span<const FreeEdge> edges() const { return edges_; }
     /// The corners at the ends of the edges.
     std::span<const Index> corners() const { return corners_; }
+    /// The number of the edge that follows in the triangle, which is its corner at the end of this one.
+    static Index next_in_triangle(Index h) { return h % 3 == 2 ? h - 2 : h + 1; }
     /// Of the edge with this number in edges(); -1 where it is not free.
     Index place_of(Index start) const { return is_free(start) ? place_[start] : -1; }
 
 private:
-    static Index next_in_triangle(Index h) { return h % 3 == 2 ? h - 2 : h + 1; }
     static Index previous_in_triangle(Index h) { return h % 3 == 0 ? h + 2 : h - 1; }
     bool retired_at_start(Index h) const { return twin_[h] >= 0 && retired_[point_[h]]; }
     bool is_free(Index h) const {

@@ -1,6 +1,7 @@
 #include "stepper/contact/nearby_edges.hpp"
 
 #include "base/parallel.hpp"
+#include "mesh/polygon.hpp"
 
 #include <bit>
 #include <cmath>
@@ -21,11 +22,6 @@ void for_cells(const std::array<std::int32_t, 2>& low, const std::array<std::int
 /// It leaves a contact piece, and not from support to support.
 bool is_vertex(std::span<const FreeEdge> edges, Index i) {
     return edges[i].entering >= 0 && !(edges[i].on_support && edges[edges[i].entering].on_support);
-}
-
-double distance_to_segment(const Vec2& x, const Vec2& a, const Vec2& along, double length) {
-    const double s = std::clamp(along.dot(x - a) / (length * length), 0.0, 1.0);
-    return (x - a - s * along).norm();
 }
 
 }  // namespace
@@ -128,7 +124,7 @@ bool NearbyEdges::is_near(std::span<const FreeEdge> edges, Index i, const Corner
     const Vec2 along = x_[edge.end_place] - a, from_a = at.x - a;
     const double length = along.norm();
     if (!(length > 0) || cross(from_a, along) > margin_ * length ||
-        distance_to_segment(at.x, a, along, length) > edge.depth + margin_)
+        distance_to_segment(a, x_[edge.end_place], at.x) > edge.depth + margin_)
         return false;
     const double least = cone + largest_turn(length);
     const Vec2 normal = -turned_left(along) / length;

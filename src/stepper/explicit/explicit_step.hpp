@@ -15,6 +15,11 @@
 
 namespace knap {
 
+/// [N s] That takes a mass [kg] from `before` to `after` [m/s], against the damping d [-].
+inline Vec2 damped_impulse(double mass, const Vec2& before, const Vec2& after, double damping) {
+    return mass * ((1 + damping) * after - (1 - damping) * before);
+}
+
 struct ExplicitStep {
     const State& begin;
     State& end;
@@ -39,7 +44,7 @@ struct ExplicitStep {
     }
     /// [N s] That takes a mass from `before` to `after` [m/s], against the damping.
     Vec2 impulse(double mass, const Vec2& before, const Vec2& after) const {
-        return mass * ((1 + damping) * after - (1 - damping) * before);
+        return damped_impulse(mass, before, after, damping);
     }
     /// [s] Times a change of velocity and a force: the work of a change of the step size in the leapfrog energy.
     double change_time() const { return 0.25 * (drift_time - begin.last_step); }

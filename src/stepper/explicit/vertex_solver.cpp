@@ -243,8 +243,9 @@ FanSolution VertexSolver::solve_for_mean(Index f, const ExplicitStep& step, Work
     const auto rebounds = [](const FanLink& link) { return link.restitution > 0; };
     if (best.residual > contradiction && std::ranges::any_of(work.problem.links, rebounds)) try_without_rebounds(0);
     if (best.residual > (model_.large_rotation ? contradiction : 0.5 * max_residual)) try_without_rebounds(slow);
-    for (double rest = 10 * slow; model_.large_rotation && rest <= slowest && best.residual > 0.1 * max_residual;)
-        try_without_rebounds(std::exchange(rest, 10 * rest));
+    for (double rest = 10 * slow; model_.large_rotation && rest <= slowest && best.residual > 0.1 * max_residual;
+         rest *= 10)
+        try_without_rebounds(rest);
     return best;
 }
 
