@@ -96,6 +96,16 @@ std::vector<Index> triangles_in(const Mesh& mesh, const std::vector<Vec2>& polyg
     return found;
 }
 
+std::vector<InteriorEdge> edges_around(const Mesh& mesh, const std::vector<Index>& triangles) {
+    std::vector<std::uint8_t> inside(mesh.n_triangles(), 0);
+    for (const Index t : triangles) inside[t] = 1;
+    std::vector<InteriorEdge> found;
+    std::ranges::copy_if(mesh.interior_edges, std::back_inserter(found), [&](const InteriorEdge& edge) {
+        return inside[edge.triangle[0]] != inside[edge.triangle[1]];
+    });
+    return found;
+}
+
 Grouped<Index> vertex_stars(const Mesh& mesh) {
     return {mesh.vertices.size(), [&](const auto& visit) {
                 for (Index t = 0; t < mesh.n_triangles(); ++t)

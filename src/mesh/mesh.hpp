@@ -95,6 +95,9 @@ inline std::uint64_t edge_key(std::array<Index, 2> ends) {
 /// The triangles whose centroids lie in a polygon [m], ascending.
 std::vector<Index> triangles_in(const Mesh& mesh, const std::vector<Vec2>& polygon);
 
+/// The edges between these triangles and others.
+std::vector<InteriorEdge> edges_around(const Mesh& mesh, const std::vector<Index>& triangles);
+
 /// The triangles around every vertex. Reads vertices and triangles only.
 Grouped<Index> vertex_stars(const Mesh& mesh);
 

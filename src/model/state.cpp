@@ -46,15 +46,14 @@ void split(const Model& model, Index f, State& state) {
     }
 }
 
-namespace {
-
-/// Null in a bonded fan.
 const PointState* state_of(const Model& model, const State& state, Index point) {
     const Index in_fans = model.fan_point_of[point], fan = model.fan_of_corner[model.fan_points[in_fans].corner()];
     const Index rank = state.split_rank[fan];
     if (rank < 0) return nullptr;
     return &state.points[state.first_point[rank] + in_fans - model.fans[fan].first_point];
 }
+
+namespace {
 
 // In 2D, R turns by the angle atan2(F_yx - F_xy, F_xx + F_yy). With the edges e_1, e_2 from vertex 0 of a triangle and
 // the differences a, b of displacement along them, H = (a (x) -turned(e_2) + b (x) turned(e_1))/(2 A), so that

@@ -93,6 +93,9 @@ inline Vec2 force_of(const Model& model, const CornerLoad& load, const State& st
     return load.force - 0.5 * model.thickness * stress_times(stress, turned_left(moved));
 }
 
+/// Of a point; null in a bonded fan.
+const PointState* state_of(const Model& model, const State& state, Index point);
+
 /// [m] (u_N, u_T) of a point in the frame of its interface (A to B), where it has the same components.
 Vec2 opening(const Model& model, const State& state, Index point);
 /// [m] The rounding error of a closed gap; a smaller opening counts as none. Without this tolerance a point with

@@ -72,11 +72,8 @@ State carried_over(const Model& from, const State& state, const Model& to) {
     }
     for (std::size_t s = 0; s < next.split_fans.size(); ++s) {
         const auto points = to.points(to.fans[next.split_fans[s]]);
-        for (std::size_t j = 0; j < points.size(); ++j) {
-            const Index in_fans = from.fan_point_of[points[j].point], old = from.fan_of_corner[points[j].corner()];
-            next.points[next.first_point[s] + j] =
-                state.points[state.first_point[state.split_rank[old]] + in_fans - from.fans[old].first_point];
-        }
+        for (std::size_t j = 0; j < points.size(); ++j)
+            next.points[next.first_point[s] + j] = *state_of(from, state, points[j].point);
     }
     next.retired = state.retired;
     for (std::size_t p = 0; p < next.retired.size(); ++p)

@@ -60,12 +60,9 @@ void refuse_lost_absorption(const ReadResult& read, const Model& rest) {
 
 /// Largest distance between a polygon and the middle of an edge between triangles in it and others [edge].
 double distance_from_outline(const Mesh& mesh, const std::vector<Vec2>& outline, const std::vector<Index>& triangles) {
-    std::vector<char> inside(mesh.n_triangles(), 0);
-    for (const Index t : triangles) inside[t] = 1;
     const std::vector<Segment> sides = sides_of(outline, true);
     double largest = 0;
-    for (const InteriorEdge& edge : mesh.interior_edges) {
-        if (inside[edge.triangle[0]] == inside[edge.triangle[1]]) continue;
+    for (const InteriorEdge& edge : edges_around(mesh, triangles)) {
         const Vec2 along = mesh.side_vector(edge.triangle[0], edge.side[0]),
                    middle = mesh.corner(edge.triangle[0], edge.side[0]) + 0.5 * along;
         double distance = std::numeric_limits<double>::infinity();

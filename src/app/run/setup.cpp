@@ -15,13 +15,9 @@ namespace {
 /// The vertices between the triangles of excavated regions and others.
 std::vector<Index> outline_vertices(const Scenario& scenario, const Mesh& mesh) {
     std::vector<Index> found;
-    for (const Excavation& excavation : scenario.excavations) {
-        std::vector<char> inside(mesh.n_triangles(), 0);
-        for (const Index t : triangles_in(mesh, excavation.outline)) inside[t] = 1;
-        for (const InteriorEdge& edge : mesh.interior_edges)
-            if (inside[edge.triangle[0]] != inside[edge.triangle[1]])
-                for (const Index v : mesh.side_vertices(edge.triangle[0], edge.side[0])) found.push_back(v);
-    }
+    for (const Excavation& excavation : scenario.excavations)
+        for (const InteriorEdge& edge : edges_around(mesh, triangles_in(mesh, excavation.outline)))
+            for (const Index v : mesh.side_vertices(edge.triangle[0], edge.side[0])) found.push_back(v);
     return found;
 }
 
