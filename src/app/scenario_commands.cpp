@@ -44,9 +44,11 @@ void print_materials(const Scenario& scenario) {
 }
 
 /// [s] Step of an implicit cohesion up to which Assumption 1 certainly holds on a mesh of breakable edges of length
-/// `edge` [m]: h <= (0.43/theta) sqrt(l_coh/l) l/c. It may hold for larger steps.
+/// `edge` [m]: h <= (0.43/theta) sqrt(l_coh/l) l/c, with l_coh over the steepness of the softening. It may hold for
+/// larger steps.
 double assumption_1_step(const Resolution& resolution, double edge, double theta) {
-    return 0.43 / theta * std::sqrt(resolution.cohesive_length / edge) * edge / resolution.wave_speed;
+    return 0.43 / theta * std::sqrt(resolution.cohesive_length / resolution.steepness / edge) * edge /
+           resolution.wave_speed;
 }
 
 /// `step`: [s] that in which cohesion may decrease.
@@ -55,7 +57,7 @@ void print_resolution(const Scenario& scenario, double mean_edge, double step) {
     std::printf("interfaces\n");
     for (const Resolution& r : found)
         std::printf("  %-12s law %s: process zone %.3g mm (at rest), %.1f edges; cohesive length %.3g mm\n",
-                    r.material.c_str(), r.law.c_str(), 1e3 * r.process_zone, r.n_edges, 1e3 * r.cohesive_length);
+                    r.material.c_str(), r.law.c_str(), 1e3 * r.steep_zone(), r.n_edges, 1e3 * r.cohesive_length);
     const SchemeOptions& scheme = scenario.time.scheme;
     for (const Resolution& r : found) {
         const double limit = assumption_1_step(r, finest_edge(scenario, mean_edge), scheme.theta);
@@ -193,7 +195,7 @@ ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& outp
                 std::ranges::min(stable_steps(model.mesh, model.materials, model.plane)));
     for (const Resolution& r : judge_resolution(read.scenario, mean_edge(model.mesh)))
         std::printf("%-28s %.1f (%s, %.3g m)\n", "edges per process zone", r.n_edges, r.material.c_str(),
-                    r.process_zone);
+                    r.steep_zone());
     if (report.n_paths > 0) {
         std::printf("%-28s %.4f, spread over directions %.4f; without the ends of the paths %.4f\n", "path excess",
                     report.mean_path_excess, report.path_excess_spread, report.far_path_excess);

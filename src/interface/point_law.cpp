@@ -11,6 +11,7 @@ void update_cohesion(const PointLaw& law, double u_N, double u_T, PointResponse&
     r.end_cohesion = law.step->implicit_beta ? law.material->next_cohesion(law.cohesion, u_N, u_T) : law.cohesion;
     r.softens = r.end_cohesion < law.cohesion && r.end_cohesion > 0;
     r.breaks = r.end_cohesion < law.cohesion && r.end_cohesion == 0;
+    r.piece = r.softens ? law.material->piece_at(law.material->equivalent_opening(u_N, u_T)) : 0;
     r.cohesion_theta = law.step->theta * r.end_cohesion + (1 - law.step->theta) * law.cohesion;
     r.opens = u_N > 0;
 }
@@ -56,7 +57,8 @@ std::uint32_t piece(const PointLaw& law, const PointResponse& r) {
     const auto digit = [](double sign) { return static_cast<std::uint32_t>(sign + 1); };
     std::uint32_t state = r.closed | (r.sticks << 1);
     if (r.closed && !r.sticks && law.friction_follows) state |= digit(r.friction_sign) << 2;
-    if (r.softens) state |= 16u | (r.opens << 5) | (digit(r.cohesion_sign) << 6);
+    if (r.softens)
+        state |= 16u | (r.opens << 5) | (digit(r.cohesion_sign) << 6) | (static_cast<std::uint32_t>(r.piece) << 8);
     return state;
 }
 
@@ -86,8 +88,10 @@ PointResponse respond(const PointLaw& law, double w_N, double w_T) {
     return r;
 }
 
-double softening_modulus(const PointLaw& law) {
-    return law.strength * law.step->theta * law.step->h / law.material->softening_length(law.cohesion);
+double softening_modulus(const PointLaw& law, const PointResponse& r, Softening softening) {
+    const bool one_piece = r.softens && softening == Softening::now;
+    return law.strength * law.step->theta * law.step->h /
+           (one_piece ? law.material->piece_length(r.piece) : law.material->softening_length(law.cohesion));
 }
 
 Vec2 loss_direction(const PointLaw& law, const PointResponse& r) {
@@ -101,11 +105,12 @@ Eigen::Matrix2d tangent(const PointLaw& law, const PointResponse& r, Softening s
     if (r.sticks) D(1, 1) = std::isinf(law.rho_T) ? 0 : law.rho_T;
     else if (with_friction) D(1, 0) = -law.friction * r.friction_sign * law.rho_N;  // -q_T = mu p sgn, dp = -rho dw_N
     if ((softening != Softening::none && r.softens) || (softening == Softening::at_all && r.breaks)) {
-        // q = -C beta_theta (1, gamma sgn), d beta_theta = -theta h/delta_c (opens, gamma sgn) . dw
+        // q = -C beta_theta (1, gamma sgn), d beta_theta = theta h d beta/ds (opens, gamma sgn) . dw
         const Vec2 loss = loss_direction(law, r);
-        D -= softening_modulus(law) * loss * loss.transpose();
+        const double modulus = softening_modulus(law, r, softening);
+        D -= modulus * loss * loss.transpose();
         // the contact of a closed point carries the lost tension, and its friction grows with it
-        if (with_friction) D(0, 1) -= softening_modulus(law) * loss.y();
+        if (with_friction) D(0, 1) -= modulus * loss.y();
     }
     return D;
 }

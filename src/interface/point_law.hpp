@@ -56,6 +56,7 @@ struct PointResponse {
     double tangential = 0;                        // [N s] q_T
     double friction_part = 0;                     // [N s] friction of q_T
     double cohesion_theta = 0, end_cohesion = 0;  // [-] beta_theta, beta+
+    int piece = 0;                                // of the softening branch, where it softens
     std::uint32_t state = 0;                      // identifies the smooth piece of the law
     bool closed = false, sticks = false, softens = false, breaks = false, opens = false;
     double friction_sign = 0, cohesion_sign = 0;  // of the two tangential forces, negative; 0 where they are free
@@ -73,8 +74,10 @@ enum class Softening {
             // friction that the contact carries, which does not affect definiteness
 };
 
-/// Slope of the cohesive impulse on the descending branch [kg] and its direction; a fixed component takes no part.
-double softening_modulus(const PointLaw& law);
+/// Slope of the cohesive impulse on the descending branch [kg] and its direction; a fixed component takes no part. The
+/// slope is that of the piece at the end of the step, or, where all cohesion was lost or `at_all`, the steepest one of
+/// the cohesions that the step may pass.
+double softening_modulus(const PointLaw& law, const PointResponse& response, Softening softening);
 Vec2 loss_direction(const PointLaw& law, const PointResponse& response);
 
 /// -dq/dw in (N, T) of the piece of `response`; with softening it may be indefinite.

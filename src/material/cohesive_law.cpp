@@ -12,12 +12,15 @@ double CohesiveLaw::equivalent_opening(double u_N, double u_T) const {
 double CohesiveLaw::next_cohesion(double cohesion, double u_N, double u_T) const {
     // 0 <= A  perp  -d beta/dt >= 0,  A = sigma_c delta_c (1 - beta) - sigma_c s + xi,  0 <= xi perp beta >= 0
     if (cohesion == 0) return 0;
+    if (softening) return std::min(cohesion, softening->traction(equivalent_opening(u_N, u_T) * sigma_c / G_c));
     return std::min(cohesion, std::max(0.0, 1 - equivalent_opening(u_N, u_T) / delta_c()));
 }
 
 double CohesiveLaw::surface_energy(double cohesion, double u_N, double u_T) const {
     if (cohesion == 0) return G_c;
-    return cohesion * sigma_c * equivalent_opening(u_N, u_T) + G_c * (1 - cohesion) * (1 - cohesion);
+    const double recoverable = cohesion * sigma_c * equivalent_opening(u_N, u_T);
+    if (softening) return recoverable + G_c * softening->dissipated(cohesion);
+    return recoverable + G_c * (1 - cohesion) * (1 - cohesion);
 }
 
 }  // namespace knap

@@ -1,7 +1,10 @@
 #pragma once
 // The extrinsic cohesive law with contact, Coulomb friction and impact (Acary, Collins-Craft, Bourrier).
-//     Psi(u_N, u_T, beta) = beta sigma_c s + w (1 - beta)^2,     s = u_N + gamma |u_T|,     w = G_c
-//     on first loading  beta = 1 - s/delta_c,   delta_c = 2 w/sigma_c,   and beta never grows
+//     Psi(u_N, u_T, beta) = beta sigma_c s + w f(beta),     s = u_N + gamma |u_T|,     w = G_c
+//     on first loading  beta = B(s sigma_c/w),   and beta never grows
+// Linear softening: f = (1 - beta)^2, beta = 1 - s/delta_c, delta_c = 2 w/sigma_c. Other shapes: softening_shape.hpp.
+#include "material/softening_shape.hpp"
+
 #include <limits>
 
 namespace knap {
@@ -12,15 +15,28 @@ struct CohesiveLaw {
     double gamma = 1;        // [-]    mode II over mode I traction
     double friction = 0;     // [-]    Coulomb coefficient mu
     double restitution = 0;  // [-]    Newton's e
+    std::shared_ptr<const SofteningShape> softening = nullptr;  // null: linear; shared by laws that differ in strength
 
     /// An interface that cannot break; it costs nothing.
     static CohesiveLaw unbreakable() { return {.sigma_c = std::numeric_limits<double>::infinity()}; }
     bool breakable() const { return sigma_c < std::numeric_limits<double>::infinity(); }
 
-    double delta_c() const { return sigma_c > 0 ? 2 * G_c / sigma_c : 0; }  // [m]
-
-    /// [m] -ds/d beta on the softening branch at this cohesion.
-    double softening_length(double /*cohesion*/) const { return delta_c(); }
+    /// [m] Opening at which the cohesion is lost; 2 G_c/sigma_c of linear softening.
+    double delta_c() const {
+        if (sigma_c <= 0) return 0;
+        return softening ? softening->final_opening() * G_c / sigma_c : 2 * G_c / sigma_c;
+    }
+    /// [m] Smallest -ds/d beta of all cohesions below `cohesion`: of the steepest part of the softening branch.
+    double softening_length(double cohesion = 1) const {
+        return softening ? G_c / (sigma_c * softening->steepest(cohesion)) : delta_c();
+    }
+    /// The piece of the softening branch at the equivalent opening s [m], and its -ds/d beta [m].
+    int piece_at(double s) const { return softening ? softening->piece_at(s * sigma_c / G_c) : 0; }
+    double piece_length(int piece) const { return softening ? G_c / (sigma_c * softening->slope(piece)) : delta_c(); }
+    /// [-] Half the opening, in units of G_c/sigma_c, over which the cohesion falls; linear softening: before - after.
+    double opening_of_fall(double before, double after) const {
+        return softening ? 0.5 * (softening->opening(after) - softening->opening(before)) : before - after;
+    }
     /// [-] Newton's e in a step that begins with this cohesion. Restitution is for faces that meet: cohesion would pull
     /// a damaged point that is thrown back into the other side by the whole of its approach.
     double restitution_at(double cohesion) const { return cohesion > 0 ? 0 : restitution; }

@@ -249,10 +249,26 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.flag("breakable", "false: the interface never breaks").otherwise("true");
     t.number("sigma_c", "Pa", "tensile strength; 0: contact and friction only; required unless breakable = false")
         .at_least(0);
-    t.number("G_c", "J/m2", "fracture energy, dissipated as G_c (1 - beta)^2; unloading keeps the cohesion beta and "
-        "the traction beta sigma_c; either G_c or delta_c").above(0);
-    t.number("delta_c", "m", "critical opening 2 G_c/sigma_c, at which the cohesion is lost; either G_c or delta_c")
-        .above(0);
+    t.number("G_c", "J/m2", "fracture energy, dissipated as G_c (1 - beta)^2 with linear softening; unloading keeps "
+        "the cohesion beta and the traction beta sigma_c; either G_c or delta_c").above(0);
+    t.number("delta_c", "m", "opening at which the cohesion is lost, 2 G_c/sigma_c with linear softening; either G_c "
+        "or delta_c").above(0);
+    using Shape = SofteningOptions::Shape;
+    t.word("softening", {"linear", "petersson", "mc2010", "exponential", "trapezoid", "power", "table"},
+        "traction over opening after the strength is reached, with the area G_c: petersson and mc2010 are bilinear "
+        "(1/3 of the strength at 0.8 G_c/sigma_c, 1/5 at G_c/sigma_c), exponential is cut at 1 % of the strength; "
+        "curves are polygons of 12 pieces").otherwise("linear")
+        .to(&SofteningOptions::shape, {Shape::linear, Shape::petersson, Shape::mc2010, Shape::exponential,
+            Shape::trapezoid, Shape::power, Shape::table});
+    t.number("plateau", "", "part of delta_c at full strength; 1: the traction drops from the strength to 0 (Dugdale), "
+        "with cohesion = \"explicit\" only")
+        .at_least(0).at_most(1).otherwise("0.5").only_with("softening", {"trapezoid"}).to(&SofteningOptions::plateau);
+    t.number("exponent", "", "n of the traction sigma_c (1 - s/delta_c)^n; 1: linear, above: convex")
+        .at_least(0.1).at_most(10).otherwise("2").only_with("softening", {"power"}).to(&SofteningOptions::exponent);
+    t.number("table", "", "2 to 13 pairs [opening, traction] from opening 0 down to traction 0, in any units: scaled "
+        "to sigma_c and G_c").points().second("").only_with("softening", {"table"}).to(&SofteningOptions::table);
+    t.text("csv", "file with lines `opening, traction` instead of a table, relative to the scenario file; # starts a "
+        "comment").only_with("softening", {"table"});
     t.number("gamma", "", "shear strength over tensile strength, without friction; 0: cohesion in mode I only")
         .at_least(0).otherwise("1").to(&CohesiveLaw::gamma);
     add_contact(t);

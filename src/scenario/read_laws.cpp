@@ -2,16 +2,35 @@
 #include "scenario/reading.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
 namespace knap {
 namespace {
 
+std::shared_ptr<const SofteningShape> read_softening(const Table& table) {
+    SofteningOptions options;
+    table.fill(options);
+    if (options.shape != SofteningOptions::Shape::table) return make_softening(options);
+    const auto form = table.one_of({"table", "csv"}, true);
+    if (form == "csv" && table.has("csv"))
+        options.table = read_pairs(table, {.line = "opening, traction", .first = "openings"});
+    if (!form || options.table.empty()) return nullptr;  // reported
+    if (const std::string fault = fault_of_softening(options.table); !fault.empty()) {
+        table.error("out-of-range", "table", fault,
+                    "pairs [opening, traction] from opening 0 down to traction 0, as [[0, 3], [0.1, 1], [0.5, 0]]");
+        return nullptr;
+    }
+    return make_softening(options);
+}
+
 CohesiveLaw read_law(const Table& table) {
     CohesiveLaw law;
     table.fill(law);
     if (!table.get<bool>("breakable").value_or(true)) {
+        if (table.given("softening") && table.text("softening") != "linear")
+            table.error("exclusive-keys", "softening", "belongs to a law that never breaks");
         law.sigma_c = CohesiveLaw::unbreakable().sigma_c;
         return law;
     }
@@ -24,8 +43,12 @@ CohesiveLaw read_law(const Table& table) {
     const auto energy = table.one_of({"G_c", "delta_c"}, has_cohesion && given);
     if (energy && !has_cohesion)
         table.error("exclusive-keys", *energy, "belongs to a law with cohesion, and this one has no strength");
-    law.G_c =
-        energy == "delta_c" ? 0.5 * law.sigma_c * table.number("delta_c").value_or(0) : table.number("G_c").value_or(0);
+    law.softening = read_softening(table);
+    if (law.softening && !has_cohesion)
+        table.error("exclusive-keys", "softening", "belongs to a law with cohesion, and this one has no strength");
+    const double mean = law.softening ? 1 / law.softening->final_opening() : 0.5;  // [-] traction, up to delta_c
+    law.G_c = energy == "delta_c" ? mean * law.sigma_c * table.number("delta_c").value_or(0)
+                                  : table.number("G_c").value_or(0);
     return law;
 }
 
@@ -138,6 +161,18 @@ void read_materials(Reading& reading) {
     }
     if (reading.values.has("material") && materials.empty())
         reading.table("material").error("missing-key", "", "has no material", "write [material.NAME]");
+}
+
+void check_softening(Reading& reading) {
+    if (reading.scenario.time.scheme.cohesion != CohesionScheme::implicit_beta) return;
+    std::size_t i = 0;
+    for (const Table& table : reading.list("interface")) {
+        const auto& softening = reading.scenario.laws[i++].law.softening;
+        if (softening && std::isinf(softening->steepest()))
+            table.error("exclusive-keys", "softening",
+                        "has a traction that drops at once, and an implicit cohesion needs a slope",
+                        "plateau = 0.9 or a point farther on in the table, or cohesion = \"explicit\" in [time]");
+    }
 }
 
 void read_laws(Reading& reading) {

@@ -1,63 +1,13 @@
 // [[support]], [[load]], [[initial]] and [[obstacle]]: place, value and history of what acts on the body.
 #include "scenario/reading.hpp"
-#include "scenario/units.hpp"
 
 #include <algorithm>
 #include <numbers>
-#include <sstream>
 
 namespace knap {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
-constexpr int max_reports = 5;  // of wrong lines in a file
-
-std::optional<double> plain_number(const std::string& text) {
-    const Quantity quantity = parse_quantity(text);
-    return quantity.problem.empty() && quantity.unit.empty() ? std::optional(quantity.value) : std::nullopt;
-}
-
-/// A history from a CSV file: lines `time, factor` in seconds and without unit; a first line of names and # comments
-/// are skipped. Empty after an error.
-TimeFunction read_factor_table(const Table& table) {
-    const auto bytes = table.bytes_of("csv");
-    if (!bytes) return {};
-    TimeFunction history;
-    int n_reports = 0, number = 0;
-    std::istringstream in(*bytes);
-    for (std::string line; std::getline(in, line);) {
-        const auto report = [&](const std::string& problem) {
-            if (++n_reports > max_reports) return;
-            table.reading().findings.add({.code = "bad-csv",
-                                          .message = problem,
-                                          .file = (table.reading().files.directory / table.text("csv")).string(),
-                                          .line = number,
-                                          .column = 1,
-                                          .length = std::max<int>(1, static_cast<int>(line.size())),
-                                          .source_line = line,
-                                          .note = "each line: time [s], factor"});
-        };
-        ++number;
-        if (line.ends_with('\r')) line.pop_back();
-        const std::string content = line.substr(0, line.find('#'));
-        if (trimmed(content).empty()) continue;
-        const std::size_t comma = std::min(content.find_first_of(",;\t"), content.size());
-        const auto time = plain_number(content.substr(0, comma));
-        const auto factor = plain_number(content.substr(std::min(comma + 1, content.size())));
-        if (!time && number == 1) continue;  // names
-        if (!time || !factor) {
-            report("this line is not `time, factor`");
-        } else if (!history.time.empty() && *time < history.time.back()) {
-            report("the times do not ascend");
-        } else {
-            history.time.push_back(*time);
-            history.value.push_back(*factor);
-        }
-    }
-    if (history.time.empty() && n_reports == 0) table.error("bad-csv", "csv", "has no line `time, factor`");
-    return n_reports == 0 ? history : TimeFunction{};
-}
-
 /// The factor over time of a load or an obstacle: its ramp, table or csv.
 TimeFunction read_history(const Table& table) {
     const auto form = table.one_of({"ramp", "table", "csv"}, false);
@@ -70,13 +20,12 @@ TimeFunction read_history(const Table& table) {
         }
         if (!std::ranges::is_sorted(history.time)) table.error("out-of-range", "table", "has times that do not ascend");
     }
-    if (form == "csv" && table.has("csv")) {
-        history = read_factor_table(table);
-        std::vector<Node> points;  // the resolved scenario needs no other file
-        for (std::size_t i = 0; i < history.time.size(); ++i)
-            points.push_back(Node::of_list({Node::of_number(history.time[i]), Node::of_number(history.value[i])}));
-        if (!points.empty()) table.replace("csv", "table", Node::of_list(std::move(points)));
-    }
+    if (form == "csv" && table.has("csv"))
+        for (const Vec2& point :
+             read_pairs(table, {.line = "time, factor", .first = "times", .note = "each line: time [s], factor"})) {
+            history.time.push_back(point.x());
+            history.value.push_back(point.y());
+        }
     return history;
 }
 

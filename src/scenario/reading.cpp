@@ -3,8 +3,10 @@
 #include "base/whole_file.hpp"
 #include "record/outputs.hpp"
 #include "scenario/built_in.hpp"
+#include "scenario/units.hpp"
 
 #include <algorithm>
+#include <sstream>
 
 namespace knap {
 
@@ -26,6 +28,50 @@ Index boundary_index(Shape& shape, const std::string& name) {
     const auto found = std::ranges::find(shape.boundary_names, name) - shape.boundary_names.begin();
     if (found == std::ssize(shape.boundary_names)) shape.boundary_names.push_back(name);
     return static_cast<Index>(found);
+}
+
+std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
+    constexpr int max_reports = 5;
+    const auto bytes = table.bytes_of("csv");
+    if (!bytes) return {};
+    const auto plain_number = [](const std::string& text) {
+        const Quantity quantity = parse_quantity(text);
+        return quantity.problem.empty() && quantity.unit.empty() ? std::optional(quantity.value) : std::nullopt;
+    };
+    std::vector<Vec2> pairs;
+    int n_reports = 0, number = 0;
+    std::istringstream in(*bytes);
+    for (std::string line; std::getline(in, line);) {
+        const auto report = [&](const std::string& problem) {
+            if (++n_reports > max_reports) return;
+            table.reading().findings.add({.code = "bad-csv",
+                                          .message = problem,
+                                          .file = (table.reading().files.directory / table.text("csv")).string(),
+                                          .line = number,
+                                          .column = 1,
+                                          .length = std::max<int>(1, static_cast<int>(line.size())),
+                                          .source_line = line,
+                                          .note = file.note});
+        };
+        ++number;
+        if (line.ends_with('\r')) line.pop_back();
+        const std::string content = line.substr(0, line.find('#'));
+        if (trimmed(content).empty()) continue;
+        const std::size_t comma = std::min(content.find_first_of(",;\t"), content.size());
+        const auto first = plain_number(content.substr(0, comma));
+        const auto second = plain_number(content.substr(std::min(comma + 1, content.size())));
+        if (!first && number == 1) continue;  // names
+        if (!first || !second) report("this line is not `" + file.line + "`");
+        else if (!pairs.empty() && *first < pairs.back().x()) report("the " + file.first + " do not ascend");
+        else pairs.emplace_back(*first, *second);
+    }
+    if (pairs.empty() && n_reports == 0) table.error("bad-csv", "csv", "has no line `" + file.line + "`");
+    if (n_reports > 0) return {};
+    std::vector<Node> points;
+    for (const Vec2& pair : pairs)
+        points.push_back(Node::of_list({Node::of_number(pair.x()), Node::of_number(pair.y())}));
+    if (!points.empty()) table.replace("csv", "table", Node::of_list(std::move(points)));
+    return pairs;
 }
 
 std::string first_of(std::vector<std::string> names) {
@@ -152,8 +198,9 @@ void read_all(Reading& reading) {
     const std::string& name = scenario.name;
     if (top.has("name") && (name.empty() || name.front() == '.' || !std::ranges::all_of(name, is_plain)))
         top.error("bad-name", "name", "= \"" + name + "\" cannot name a run directory", "letters, digits, - _ and .");
-    for (const auto read : {read_materials, read_body, read_microstructure, read_supports, read_laws, read_loads,
-                            read_run, read_contact, read_excavations, read_study, read_sweep, warn_of_implausible})
+    for (const auto read :
+         {read_materials, read_body, read_microstructure, read_supports, read_laws, read_loads, read_run,
+          check_softening, read_contact, read_excavations, read_study, read_sweep, warn_of_implausible})
         read(reading);
 }
 

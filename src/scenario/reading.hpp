@@ -118,6 +118,16 @@ private:
     Node& node_;
 };
 
+/// What a file of pairs contains, for messages.
+struct PairsFile {
+    std::string line;   // "time, factor"
+    std::string first;  // the first numbers, which must ascend: "times"
+    std::string note = "each line: " + line;
+};
+/// The pairs in the file that the key `csv` of a table names; lines of names at the start and # comments are skipped.
+/// They replace the key by `table`, so that the resolved scenario needs no other file. Empty after an error.
+std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file);
+
 /// "a, b, c"; of many names the first ones, and their number.
 std::string first_of(std::vector<std::string> names);
 
@@ -138,6 +148,7 @@ void read_body(Reading& reading);            // [domain], [mesh], [[body]]: befo
 void read_microstructure(Reading& reading);  // inclusions and joints, which change the shape; maps; grains
 void read_supports(Reading& reading);        // before laws: a law may have the name that a support uses
 void read_laws(Reading& reading);
+void check_softening(Reading& reading);   // after laws and time
 void read_loads(Reading& reading);        // loads, initial velocities, obstacles
 void read_run(Reading& reading);          // time, output, probes, specimen, figures, limits, expectations
 void read_contact(Reading& reading);      // after laws and time

@@ -381,14 +381,20 @@ assumption_1 = "ignore"
 )";
 
 const std::string rock = samples::changed("G_c = 3\n", R"(G_c = 3
+softening = "power"
+exponent = 3
 scatter = { kind = "weibull", modulus = 8, of = ["sigma_c", "G_c"], length = "1 mm", lowest = 0.1, highest = 3 }
 [interface.within]
 sigma_c = 1e7
 G_c = 10
+softening = "trapezoid"
+plateau = 0.6
 scatter = { kind = "normal", deviation = "5 %", area = "2 mm2" }
 [interface.weak]
 sigma_c = 1e6
 G_c = 1
+softening = "table"
+table = [[0, 3], [0.5, 1], [2, 0]]
 scatter = { kind = "lognormal", deviation = 0.2, correlation = "3 mm" }
 [material.quartz]
 density = 2650
@@ -722,6 +728,10 @@ const Case cases[] = {
     {mesh_file, "mesh.file", "\"" KNAP_SOURCE_DIR "/tests/mesh/data/block_41_ascii.msh\""},
     {mesh_file, "mesh.unit", "0.001"},
     {mesh_file, "mesh.cracks", "[\"crack\"]"},
+    {rock, "interface.default.softening", "\"power\""},
+    {rock, "interface.default.exponent", "3"},
+    {rock, "interface.within.plateau", "0.6"},
+    {rock, "interface.weak.table", "[[0, 3], [0.5, 1], [2, 0]]"},
     {rock, "interface.default.scatter.kind", "\"weibull\""},
     {rock, "interface.default.scatter.modulus", "8"},
     {rock, "interface.default.scatter.of", "[\"sigma_c\", \"G_c\"]"},
@@ -781,7 +791,8 @@ TEST_CASE("keys: each is read and survives the resolved scenario") {
 }
 
 TEST_CASE("keys: each is in the test above and is found by its pattern") {
-    std::set<std::string> tested{"load[].csv", "obstacle[].csv"};  // the same history, which has a test of its own
+    std::set<std::string> tested{"load[].csv", "obstacle[].csv",
+                                 "interface.*.csv"};  // the same reader, with tests of its own
     for (const Case& c : cases) tested.insert(pattern_of(c.path));
     std::set<std::string_view> seen;
     for (const Key& key : keys()) {
@@ -810,7 +821,7 @@ TEST_CASE("scenario: the structs hold the values of the file") {
     CHECK(s.bodies.at(0).shape.holes[0].boundary == std::vector<Index>(s.bodies.at(0).shape.holes[0].points.size(), 4));
     CHECK(s.bodies.at(0).shape.holes[0].points.size() == 3 + 4);  // an arc of 2.32 mm in sides of 0.5 mm
     CHECK(s.bodies.at(0).shape.holes[1].points.size() == 13);     // 2 pi 2 mm / 1 mm
-    REQUIRE(s.bodies.at(0).shape.regions.size() == 3 + 3);  // those of excavations follow
+    REQUIRE(s.bodies.at(0).shape.regions.size() == 3 + 3);        // those of excavations follow
     CHECK(s.bodies.at(0).shape.regions[3].only_line);
     REQUIRE(s.materials.size() == 2);
     CHECK(s.materials[0].name == "steel");  // the order of the file, not of the alphabet
@@ -955,6 +966,36 @@ TEST_CASE("scenario: polygon and disc") {
     CHECK(d.boundary_names() == std::vector<std::string>{"rim"});
     for (const Vec2& point : d.bodies.at(0).shape.outer.points)
         CHECK((point - Vec2(1e-3, 2e-3)).norm() == tests::relative(10e-3));
+}
+
+TEST_CASE("scenario: a softening law from a csv file is part of the resolved scenario") {
+    const std::filesystem::path directory = std::filesystem::path(KNAP_BINARY_DIR) / "test_scenario_softening";
+    std::filesystem::create_directories(directory);
+    const auto write = [&](const char* content) { std::ofstream(directory / "curve.csv") << content; };
+    std::ofstream(directory / "s.toml") << samples::changed("G_c = 3\n",
+                                                            "G_c = 3\nsoftening = \"table\"\ncsv = \"curve.csv\"\n");
+    const auto read = [&] { return read_scenario(directory / "s.toml"); };
+    write("opening [mm], stress [MPa]\n0, 3\n0.1, 1\n0.5, 0\n");
+    const ReadResult found = read();
+    REQUIRE(found.scenario.laws[0].law.softening);
+    CHECK(found.scenario.laws[0].law.softening->traction(found.scenario.laws[0].law.softening->final_opening() / 5) ==
+          tests::relative(1. / 3, 1e-12));
+    CHECK(found.values.find("interface.default.csv") == nullptr);
+    const ReadResult again = samples::read(resolved_toml(found));
+    CHECK(again.scenario.laws[0].law.softening->knots() == found.scenario.laws[0].law.softening->knots());
+    for (const auto& [content, code] : {std::pair{"0, 3\n0.1, 4\n0.5, 0\n", "out-of-range"},
+                                        {"0, 3\n0.1, 1\n0.05, 0\n", "bad-csv"},
+                                        {"0, 3\n0.5, one\n", "bad-csv"}}) {
+        write(content);
+        CAPTURE(content);
+        try {
+            read();
+            FAIL("no error");
+        } catch (const UserError& error) {
+            CHECK(error.diagnostics[0].code == code);
+        }
+    }
+    std::filesystem::remove_all(directory);
 }
 
 TEST_CASE("scenario: a history from a csv file is part of the resolved scenario") {

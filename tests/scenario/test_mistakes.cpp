@@ -222,6 +222,17 @@ const Case cases[] = {
     {"a unit in the wrong case", changed("32e9", "\"32 Gpa\""), "wrong-unit", 9, 5, 8, "did you mean `GPa`?"},
     {"a unit in small letters", changed("32e9", "\"32 mpa\""), "wrong-unit", 9, 5, 8, "did you mean `MPa`?"},
     {"a unit as a word", changed("80e-6", "\"80 microns\""), "wrong-unit", 15, 7, 12, "did you mean `um`?"},
+    {"softening without a table", changed("G_c = 3", "G_c = 3\nsoftening = \"table\""), "missing-key", 11, 1, 19,
+     "exactly one of: table, csv"},
+    {"a parameter of another softening", changed("G_c = 3", "G_c = 3\nsoftening = \"power\"\nplateau = 0.5"),
+     "exclusive-keys", 15, 1, 7, "softening = \"trapezoid\""},
+    {"a traction that grows", changed("G_c = 3", "G_c = 3\nsoftening = \"table\"\ntable = [[0, 1], [1, 2], [2, 0]]"),
+     "out-of-range", 15, 9, 24, "opening 0"},
+    {"softening without strength", changed("sigma_c = 3.08e6\nG_c = 3", "sigma_c = 0\nsoftening = \"power\""),
+     "exclusive-keys", 13, 1, 9, "no strength"},
+    {"softening that drops",
+     changed("G_c = 3", "G_c = 3\nsoftening = \"trapezoid\"\nplateau = 1", with("cohesion = \"implicit\"\n")),
+     "exclusive-keys", 14, 1, 9, "plateau = 0.9"},
     {"a unit in a fraction", changed("G_c = 3", "G_c = \"3 Joule/m2\""), "wrong-unit", 13, 7, 12,
      "did you mean `J/m2`?"},
     {"a unit with a raised two", changed("G_c = 3", "G_c = \"3 J/m\u00b2\""), "wrong-unit", 13, 7, 8,
@@ -345,13 +356,15 @@ TEST_CASE("mistakes: all at once and in the order of the file") {
 TEST_CASE("mistakes: as the user sees them") {
     const std::vector<Diagnostic> found = mistakes(changed("sigma_c", "sigmac "));
     REQUIRE(found.size() == 1);
-    CHECK(format(found[0]) ==
-          "error[unknown-key]: `interface.default.sigmac` is not a key of a scenario\n"
-          "   --> sample.toml:12:1\n"
-          "    |\n"
-          "12 | sigmac  = 3.08e6\n"
-          "   | ^^^^^^ did you mean `sigma_c`?\n"
-          "   = keys here: breakable, sigma_c, G_c, delta_c, gamma, friction, restitution, scatter\n");
+    CHECK(
+        format(found[0]) ==
+        "error[unknown-key]: `interface.default.sigmac` is not a key of a scenario\n"
+        "   --> sample.toml:12:1\n"
+        "    |\n"
+        "12 | sigmac  = 3.08e6\n"
+        "   | ^^^^^^ did you mean `sigma_c`?\n"
+        "   = keys here: breakable, sigma_c, G_c, delta_c, softening, plateau, exponent, table, csv, gamma, friction, "
+        "restitution, scatter\n");
 }
 
 TEST_CASE("mistakes: very many in one line and very long ones are short messages") {

@@ -152,7 +152,7 @@ std::vector<Index> triangles_near(const Vec2& place, double distance, const Mesh
     return triangles_in(mesh, circle(place, distance, 12));
 }
 
-constexpr CohesiveLaw strong{.sigma_c = 1, .G_c = 1, .gamma = 1, .friction = 0.5};
+const CohesiveLaw strong{.sigma_c = 1, .G_c = 1, .gamma = 1, .friction = 0.5};
 const Box gallery{{0.30, 0.30}, {0.70, 0.55}};
 
 }  // namespace

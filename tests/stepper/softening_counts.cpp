@@ -15,7 +15,7 @@ using namespace knap::tests;
 
 namespace {
 
-constexpr CohesiveLaw glue{.sigma_c = 0.5, .G_c = 0.25};  // delta_c = 1
+const CohesiveLaw glue{.sigma_c = 0.5, .G_c = 0.25};  // delta_c = 1
 
 /// Two points of area 1 on a support: opened half way, closed, opened until they break at t = 4, and further.
 ModelInput cycled() {

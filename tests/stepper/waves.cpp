@@ -5,6 +5,7 @@
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
 #include "support/relative.hpp"
+#include "support/softening_shapes.hpp"
 
 #include <doctest/doctest.h>
 
@@ -32,8 +33,9 @@ ModelInput bar(int n, const std::vector<CohesiveLaw>& laws = {CohesiveLaw::unbre
 /// A bar pulled at its left end with one breakable interface in its middle.
 class PulledBar {
 public:
-    PulledBar(int n, const TimeFunction& tension, const SchemeOptions& scheme = both_explicit, Index order = 1)
-        : run(input(n, tension, order), scheme) {
+    PulledBar(int n, const TimeFunction& tension, const SchemeOptions& scheme = both_explicit, Index order = 1,
+              const CohesiveLaw& law = {.sigma_c = sigma_c, .G_c = 0.5 * sigma_c * delta})
+        : run(input(n, tension, order, law), scheme) {
         for (std::size_t i = 0; i < run.model.interfaces.size(); ++i)
             if (run.model.interfaces[i].law == 1) point_ = run.model.points_per_interface() * static_cast<Index>(i);
         h_ = scheme.bulk == BulkScheme::explicit_lumped ? 0.5 * run.stepper.stable_step()
@@ -53,9 +55,8 @@ public:
     Run run;
 
 private:
-    static ModelInput input(int n, const TimeFunction& tension, Index order) {
-        ModelInput input =
-            bar(n, {CohesiveLaw::unbreakable(), {.sigma_c = sigma_c, .G_c = 0.5 * sigma_c * delta}}, 1, 1, n / 2);
+    static ModelInput input(int n, const TimeFunction& tension, Index order, const CohesiveLaw& law) {
+        ModelInput input = bar(n, {CohesiveLaw::unbreakable(), law}, 1, 1, n / 2);
         input.mesh.order = order;
         input.law_of_pair = {{0, 1}, {1, 0}};
         input.loads = {load(Load::Kind::traction, "left", -1.0, std::nullopt, tension)};
@@ -166,6 +167,38 @@ TEST_CASE("B7 a ramp wave opens an interface and breaks it on time") {
         chart.curves = {{"exact", time, exact_opening, Colour{0.75, 0.75, 0.75}, 4},
                         {"knap", time, opened, curve_colour(0)}};
         draw_chart(chart, *file, 640);
+    }
+}
+
+TEST_CASE("B7 with other softening shapes the opening follows its differential equation") {
+    describe(
+        "Bilinear, exponential, power and trapezoidal softening: u' = 2 (10 t - B(u)) after the arrival, integrated by "
+        "a "
+        "Runge-Kutta method.");
+    for (const SchemeOptions& path : both_paths()) {
+        on_path(path);
+        const int n = path.bulk == BulkScheme::explicit_lumped ? 400 : 200;
+        for (const auto& [name, softening] : all_softening_shapes()) {
+            const CohesiveLaw law{.sigma_c = sigma_c, .G_c = 0.5 * sigma_c * delta, .softening = softening};
+            PulledBar bar(n, {{0, 1}, {0, 10}}, path, 1, law);
+            const auto rate = [&](double t, double u) {
+                return 2 * std::max(0.0, 10 * t - (u > 0 ? law.next_cohesion(1, u, 0) : 1));
+            };
+            double worst = 0, t = 0, u = 0;
+            while (bar.beta() > 0) {
+                bar.step();
+                for (const double h = 1e-5; t + h <= bar.since_arrival(); t += h) {
+                    const double a = rate(t, u), b = rate(t + h / 2, u + h / 2 * a), c = rate(t + h / 2, u + h / 2 * b),
+                                 d = rate(t + h, u + h * c);
+                    u += h / 6 * (a + 2 * b + 2 * c + d);
+                }
+                if (bar.beta() > 0) worst = std::max(worst, std::abs(bar.opened() - u) / law.delta_c());
+                REQUIRE(bar.since_arrival() < 0.6);
+            }
+            verify_small("largest error of the opening over delta_c, " + name, worst, {1e-2, 5e-3});
+            verify("G/G_c, " + name, bar.run.ledger.row().surface() / (law.G_c / n), 1, {1e-12});
+            CHECK(bar.run.ledger.largest_residual() <= 1e-12 * bar.run.ledger.largest_energy());
+        }
     }
 }
 

@@ -15,6 +15,7 @@ struct RandomBodyOptions {
     bool units = true;     // any units of length, mass and time
     int most_cells = 3;    // each way, of two triangles
     Index order = 1;       // of the triangles
+    std::shared_ptr<const SofteningShape> softening = nullptr;
     double longest = 1.2;  // step, as a part of what Assumption 1 asks of the smallest triangle alone
 };
 
@@ -106,7 +107,7 @@ private:
     }
 
     void make_laws(RandomBody& made) {
-        CohesiveLaw law{.sigma_c = 1, .G_c = std::pow(10, random_.uniform(-2, 0)), .gamma = 0, .friction = 0, .restitution = 0};
+        CohesiveLaw law{.sigma_c = 1, .G_c = std::pow(10, random_.uniform(-2, 0)), .gamma = 0, .friction = 0, .restitution = 0, .softening = options_.softening};
         if (options_.tangential) law.gamma = one_of({0.0, 1.0, random_.uniform(0, 2)});
         if (options_.friction) law.friction = one_of({0.0, 0.3, random_.uniform(0, 1)});
         if (options_.restitution) law.restitution = one_of({0.0, 0.5, random_.uniform(0, 1)});
@@ -150,7 +151,7 @@ private:
             const double m = input.mesh.area(t) * input.thickness / 3 * (options_.order == 1 ? 1 : 0.3);
             for (Index k = 0; k < 3; ++k) {
                 const double S = 0.5 * input.thickness * (input.mesh.corner(t, k) - input.mesh.corner(t, (k + 1) % 3)).norm();
-                least = std::min(least, std::sqrt(m * law.delta_c() / (4 * law.sigma_c * S * (1 + law.gamma * law.gamma))));
+                least = std::min(least, std::sqrt(m * law.softening_length() / (4 * law.sigma_c * S * (1 + law.gamma * law.gamma))));
             }
             mass = std::min(mass, m);
         }

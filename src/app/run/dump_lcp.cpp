@@ -21,14 +21,17 @@ constexpr double max_entries = 2e7;  // of a stored matrix: about half a gigabyt
 double upper_bound_of_entries(const Model& model, const SchemeOptions& scheme) {
     UnionFind parts(model.mesh.triangles.size());
     bool friction = false, gamma = false;
+    double n_layers = 1;  // of the cohesion of a point
+    for (const CohesiveLaw& law : model.laws)
+        if (law.softening) n_layers = std::max(n_layers, static_cast<double>(law.softening->knots().size() - 1));
     for (const FanPoint& point : model.fan_points) {
         if (unbreakable(model, point) && point.before != rigid_support && point.after != rigid_support)
             parts.join(model.mesh.triangle_of(point.before), model.mesh.triangle_of(point.after));
         friction = friction || model.laws[point.law].friction > 0;
         gamma = gamma || model.laws[point.law].gamma > 0;
     }
-    const double rows =
-        (scheme.cohesion == CohesionScheme::implicit_beta ? 3 : 1) + (friction ? 3 : 0) + (gamma ? 3 : 0);
+    const double rows = (scheme.cohesion == CohesionScheme::implicit_beta ? 2 * n_layers + 1 : 1) + (friction ? 3 : 0) +
+                        (gamma ? 3 : 0);
     std::vector<double> n_points(model.mesh.triangles.size(), 0);
     for (const FanPoint& point : model.fan_points)
         for (const Index corner : {point.before, point.after})

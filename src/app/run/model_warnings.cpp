@@ -143,14 +143,22 @@ public:
 
     void on_resolution() {
         for (const Resolution& r : judge_resolution(scenario_, mean_edge(mesh_)))
-            if (r.n_edges < 5)
+            if (r.steep_zone() == 0)
                 add(scenario_.given ? "mesh.file" : "mesh.size", "resolution",
-                    formatted("the process zone of `%s` (%.3g m for a crack at rest) is covered by %.1f edges; crack "
+                    formatted(
+                        "the traction of the law `%s` (`%s`) drops at once, which no mesh resolves: crack speed and "
+                        "branching will depend on the mesh",
+                        r.law.c_str(), r.material.c_str()),
+                    "help: a short slope instead of the drop, as plateau = 0.9, or accept the dependence on the mesh");
+            else if (r.n_edges < 5)
+                add(scenario_.given ? "mesh.file" : "mesh.size", "resolution",
+                    formatted("the process zone of `%s` (%.3g m for a crack at rest%s) is covered by %.1f edges; crack "
                               "speed and branching will depend on the mesh",
-                              r.material.c_str(), r.process_zone, r.n_edges),
+                              r.material.c_str(), r.steep_zone(),
+                              r.steepness != 1 ? ", where the traction falls fastest" : "", r.n_edges),
                     formatted(
                         "help: use a size of at most %.2g m where cracks run, or accept the dependence on the mesh",
-                        r.process_zone / 5));
+                        r.steep_zone() / 5));
     }
 
     void on_jumps(double step) {

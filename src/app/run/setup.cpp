@@ -94,8 +94,9 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_e
     const auto judge_law = [&](const std::string& where, const NamedLaw& law, double modulus, double wave_speed) {
         if (!law.law.breakable() || law.law.sigma_c <= 0) return;
         const double length = modulus * law.law.G_c / (law.law.sigma_c * law.law.sigma_c),
-                     zone = 9 * std::numbers::pi / 32 * length;
-        found.push_back({where, law.name, length, zone, zone / edge, wave_speed});
+                     zone = 9 * std::numbers::pi / 32 * length,
+                     steepness = law.law.softening ? 2 * law.law.softening->steepest() : 1;
+        found.push_back({where, law.name, length, zone, zone / steepness / edge, wave_speed, steepness});
     };
     const auto modulus = [&](const NamedMaterial& material) { return material.elastic.plane_modulus(scenario.plane); };
     const auto speed = [&](const NamedMaterial& material) {

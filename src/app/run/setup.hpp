@@ -15,8 +15,12 @@ struct Resolution {
     std::string material, law;
     double cohesive_length;  // [m] E' G_c/sigma_c^2
     double process_zone;     // [m] 9 pi/32 of it: a crack at rest (J. R. Rice 1968); shorter for a faster crack
-    double n_edges;          // edges along it, where cracks are expected
+    double n_edges;          // edges along its steep part, where cracks are expected
     double wave_speed;       // [m/s] dilatational, of the faster material
+    double steepness;        // [-] steepest slope of the softening over that of linear softening
+
+    /// [m] The part in which the traction falls fastest; a mesh that does not resolve it breaks edge by edge.
+    double steep_zone() const { return process_zone / steepness; }
 };
 /// `mean_edge` [m] of the mesh; compared with finest_edge().
 std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_edge);

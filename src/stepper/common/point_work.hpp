@@ -42,7 +42,7 @@ inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, doub
                              double u_T, StepReport& report) {
     if (const double fall = before - after; fall > min_softening) {
         ++report.softened;
-        const double drop = point.area * law.G_c * fall * fall;
+        const double drop = point.area * law.G_c * fall * law.opening_of_fall(before, after);
         if (drop > report.largest_drop) report.largest_drop = drop, report.drop_corner = point.corner();
     }
     report.largest_beta_growth = std::max(report.largest_beta_growth, after - before);

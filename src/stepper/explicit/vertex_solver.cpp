@@ -12,8 +12,8 @@ namespace {
 constexpr double contradiction = 1e-12;  // [-] residual of a fan whose rebounds contradict each other; rounding is less
 constexpr double slow = 1e-9, slowest = 1e-6;  // [-] of the largest speed
 constexpr double rounding = 1e-14;             // [-] of the velocities of a fan
-constexpr double closed = 1e-5;                // [-] of delta_c: where fans turn, an opening below it counts as none
-constexpr double mean_tolerance = 1e-14;       // [-] of the velocities of a fan on an absorbing boundary
+constexpr double closed = 1e-5;  // [-] of the softening length: where fans turn, an opening below it counts as none
+constexpr double mean_tolerance = 1e-14;  // [-] of the velocities of a fan on an absorbing boundary
 constexpr int max_sweeps = 100;
 constexpr double caught = 1e-9;  // [-] of the tangential cohesion: a force smaller by more holds the slip at zero
 
@@ -40,8 +40,8 @@ double far(const Model& model, const FanPoint& point) {
 
 /// Large rotations: what is left of the opening of a point that cohesion has closed turns from one component into the
 /// other. The rates that would close it again contradict each other round the vertex, by next to nothing: too little to
-/// tell which of them hold. A component below a fraction of delta_c is zero.
-double closed_below(double delta_c, double u) { return std::abs(u) <= closed * delta_c ? 0 : u; }
+/// tell which of them hold. A component below a fraction of the softening length is zero.
+double closed_below(double length, double u) { return std::abs(u) <= closed * length ? 0 : u; }
 
 /// [m/s] Size of the terms of which the velocities of a fan are sums: impulses that hold a body together cancel.
 double speed_scale(const FanProblem& problem) {
@@ -162,7 +162,7 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
                                  .unbreakable = sticks});
         FanLink& link = problem.links.back();
         if (frame.sine != 0 && beta > 0)
-            link.u_N = closed_below(law.delta_c(), link.u_N), link.u_T = closed_below(law.delta_c(), link.u_T);
+            for (double* u : {&link.u_N, &link.u_T}) *u = closed_below(law.softening_length(), *u);
         if (link.restitution == 0 || begin.split_rank[f] < 0) continue;
         const Vec2 mobility = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
         const double pressure =

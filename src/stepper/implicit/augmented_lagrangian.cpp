@@ -220,8 +220,11 @@ bool AugmentedLagrangian::prepare_matrix() {
 
 bool AugmentedLagrangian::violates_assumption_1() {
     if (indefinite_) return true;
-    const auto lost_all = [](const ActivePoint& p) { return p.response.breaks && p.law.cohesion > 0; };
-    if (std::ranges::none_of(x_.points, lost_all)) return false;
+    // the factor has the slope at the end of the step; the step may pass steeper ones
+    const auto may_be_steeper = [](const ActivePoint& p) {
+        return (p.response.breaks && p.law.cohesion > 0) || (p.response.softens && p.law.material->softening);
+    };
+    if (std::ranges::none_of(x_.points, may_be_steeper)) return false;
     make_tangents(Softening::at_all);
     forget_factor();
     return !matrix_.factorise(tangents_);

@@ -120,20 +120,38 @@ void StepLcp::lay_out() {
         if (law.contact.may_touch) contacts_.push_back(p);
         if (law.cohesion == 0) continue;
         cohesive_.push_back(p);
+        if (step_.implicit_beta) add_layers(law);
         const double end_at_bound = law.u_N + step_.h * law.contact.rate;
         const bool lands = !law.contact.may_touch || end_at_bound < -rounding * law.material->delta_c();
         if (step_.implicit_beta && lands) landing_.push_back(p);
     }
     const auto group = [&](std::size_t n) { return std::exchange(size_, size_ + static_cast<int>(n)); };
     const std::size_t m = cohesive_.size(), c = contacts_.size();
-    loss_ = group(step_.implicit_beta ? m : 0);
-    beta_ = group(step_.implicit_beta ? m : 0);
+    loss_ = group(layers_.size());
+    beta_ = group(layers_.size());
     normal_ = group(c);
     slip_ = group(friction_ ? 2 * c : 0);
     slip_rate_ = group(friction_ ? c : 0);
     tangent_ = group(tangential_ ? 2 * m : 0);
     offset_ = group(tangential_ ? m : 0);
     opening_ = group(landing_.size());
+}
+
+/// The layers of the last point of `cohesive_`.
+void StepLcp::add_layers(const PointLaw& law) {
+    const CohesiveLaw& material = *law.material;
+    const int i = static_cast<int>(cohesive_.size()) - 1;
+    if (!material.softening) {
+        layers_.push_back({i, law.cohesion, material.delta_c(), material.delta_c()});
+        return;
+    }
+    const std::vector<Vec2>& knots = material.softening->knots();
+    for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+        const double low = knots[k + 1].y(), start = std::min(law.cohesion, knots[k].y()) - low;
+        if (start > 0)
+            layers_.push_back({i, start, knots[k + 1].x() * material.G_c / material.sigma_c,
+                               material.piece_length(static_cast<int>(k))});
+    }
 }
 
 /// Two unknowns r+, r- >= 0 of a tangential force r+ - r-, with |r| <= the bound whose row is `bound`; rows: the
@@ -159,27 +177,37 @@ void StepLcp::add_cohesion() {
             known_impulse_[2 * p] = -h * S * strength * law.cohesion;
             continue;
         }
-        const int loss = loss_ + i, beta = beta_ + i;
+        known_impulse_[2 * p] = -h * strength * (1 - theta) * S * law.cohesion;
+    }
+    for (int k = 0; k < static_cast<int>(landing_.size()); ++k) {
+        const Index p = landing_[k];
+        const PointLaw& law = points_[p].law;
+        const double S = model_.fan_points[points_[p].sides.fan_point].area,
+                     stiffness = S * law.material->sigma_c / law.material->delta_c();  // [N/m]
+        coupling_.emplace_back(opening_ + k, opening_ + k, stiffness);
+        rows_of_rate_.emplace_back(opening_ + k, 2 * p, -stiffness * h);
+        constant_[opening_ + k] = -stiffness * law.u_N;
+    }
+    for (int l = 0; l < static_cast<int>(layers_.size()); ++l) {
+        const Layer& layer = layers_[l];
+        const Index p = cohesive_[layer.cohesive];
+        const PointLaw& law = points_[p].law;
+        const double S = model_.fan_points[points_[p].sides.fan_point].area, strength = law.material->sigma_c;
+        const int loss = loss_ + l, beta = beta_ + l;
         coupling_.emplace_back(loss, beta, -theta / S);
-        constant_[loss] = theta * law.cohesion;
+        constant_[loss] = theta * layer.start;
         coupling_.emplace_back(beta, loss, theta / S);
-        coupling_.emplace_back(beta, beta, theta * strength * law.material->delta_c() / S);
-        constant_[beta] = -theta * strength * law.material->delta_c();
-        if (tangential_) coupling_.emplace_back(beta, offset_ + i, theta * strength * law.material->gamma);
+        coupling_.emplace_back(beta, beta, theta * strength * layer.length / S);
+        constant_[beta] = -theta * strength * layer.end;
+        if (tangential_) coupling_.emplace_back(beta, offset_ + layer.cohesive, theta * strength * law.material->gamma);
         const auto landing = std::ranges::lower_bound(landing_, p);
         if (landing != landing_.end() && *landing == p) {
-            const int o = opening_ + static_cast<int>(landing - landing_.begin());
-            const double stiffness = S * strength / law.material->delta_c();  // [N/m]
-            coupling_.emplace_back(beta, o, theta * strength);
-            coupling_.emplace_back(o, o, stiffness);
-            rows_of_rate_.emplace_back(o, 2 * p, -stiffness * h);
-            constant_[o] = -stiffness * law.u_N;
+            coupling_.emplace_back(beta, opening_ + static_cast<int>(landing - landing_.begin()), theta * strength);
         } else {
             rows_of_rate_.emplace_back(beta, 2 * p, theta * strength * h);
             constant_[beta] += theta * strength * law.u_N;
         }
         impulse_of_unknown_.emplace_back(2 * p, beta, -h * strength * theta);
-        known_impulse_[2 * p] = -h * strength * (1 - theta) * S * law.cohesion;
     }
 }
 
@@ -201,9 +229,13 @@ void StepLcp::add_tangential_cohesion() {
         const PointLaw& law = points_[p].law;
         const double S = model_.fan_points[points_[p].sides.fan_point].area;
         const double traction = law.material->gamma * law.material->sigma_c;
-        if (step_.implicit_beta) coupling_.emplace_back(offset_ + i, beta_ + i, step_.theta * traction);
         constant_[offset_ + i] = traction * (step_.implicit_beta ? 1 - step_.theta : 1) * S * law.cohesion;
         add_sign(tangent_ + 2 * i, offset_ + i, p, step_.h, law.u_T);
+    }
+    for (int l = 0; l < static_cast<int>(layers_.size()); ++l) {
+        const int i = layers_[l].cohesive;
+        const CohesiveLaw& law = *points_[cohesive_[i]].law.material;
+        coupling_.emplace_back(offset_ + i, beta_ + l, step_.theta * law.gamma * law.sigma_c);
     }
 }
 
@@ -225,8 +257,11 @@ StepLcpEnd StepLcp::end(const Eigen::VectorXd& z) const {
     }
     end.contact.assign(model_.n_points(), 0);
     for (int k = 0; k < static_cast<int>(contacts_.size()); ++k) end.contact[contacts_[k]] = z[normal_ + k];
-    for (int i = 0; i < static_cast<int>(cohesive_.size()) && step_.implicit_beta; ++i)
-        end.cohesion[cohesive_[i]] = z[beta_ + i] / model_.fan_points[points_[cohesive_[i]].sides.fan_point].area;
+    for (const Layer& layer : layers_) end.cohesion[cohesive_[layer.cohesive]] = 0;
+    for (int l = 0; l < static_cast<int>(layers_.size()); ++l) {
+        const Index p = cohesive_[layers_[l].cohesive];
+        end.cohesion[p] += z[beta_ + l] / model_.fan_points[points_[p].sides.fan_point].area;
+    }
     return end;
 }
 

@@ -22,6 +22,10 @@
 // Every row times its unknown is an energy [J]: only then does the scaling of lcp/scaling.hpp give the same bits in all
 // units of length, mass and time.
 //
+// A softening polygon is the sum of its pieces (layers): each has its own S A and S beta+, starts with the part of beta
+// that lies in it and falls over its own interval of s; beta+ is their sum. Since x(b) falls, the potential is convex
+// in each of them, and they empty in their order.
+//
 // Only the rows that a scene needs are there: p_T, zeta with friction; r_T, chi with gamma > 0; A, beta+, o with
 // implicit beta. Points without cohesion have p_N, p_T, zeta alone. o is needed where a cohesive point can end the step
 // with u_N+ < 0, because it lands faster than the scheme can stop it; without such points, and with friction and gamma,
@@ -64,6 +68,7 @@ private:
     void factorise(MassMatrix mass);
     void make_points();
     void lay_out();
+    void add_layers(const PointLaw& law);
     void add_cohesion();
     void add_contacts();
     void add_tangential_cohesion();
@@ -83,6 +88,13 @@ private:
 
     // the layout: points, and the first row of every group, which may be empty
     std::vector<Index> cohesive_, contacts_, landing_;  // points with cohesion; that may touch; that need o
+    /// A part of the cohesion of a point that falls by itself: from `start`, its value at the start of the step, to 0
+    /// at the equivalent opening `end` [m], by 1/length per opening. A polygon has one for each piece that falls.
+    struct Layer {
+        int cohesive;  // into cohesive_
+        double start, end, length;
+    };
+    std::vector<Layer> layers_;  // with implicit beta
     bool friction_ = false, tangential_ = false;
     int loss_, beta_, normal_, slip_, slip_rate_, tangent_, offset_, opening_, size_ = 0;
 

@@ -17,7 +17,7 @@ using namespace knap::tests;
 
 namespace {
 
-constexpr CohesiveLaw glue{.sigma_c = 1, .G_c = 0.5, .gamma = 1, .friction = 0.5};
+const CohesiveLaw glue{.sigma_c = 1, .G_c = 0.5, .gamma = 1, .friction = 0.5};
 
 /// A square of four triangles round a vertex (symmetric_bar_mesh, one cell), all edges cohesive, of size 1.
 ModelInput square(const CohesiveLaw& law, int n_cells = 1) {

@@ -2,6 +2,7 @@
 // method: on random small bodies both find the same motion and the same cohesion. Where they do not, both must satisfy
 // the equations: with friction a step may have several solutions.
 #include "support/random_bodies.hpp"
+#include "support/softening_shapes.hpp"
 #include "support/step_lcp_run.hpp"
 
 #include <doctest/doctest.h>
@@ -149,6 +150,22 @@ TEST_CASE("implicit stepper: bodies of second order move as the full complementa
     CHECK(tally.n_steps > 140);
     CHECK(tally.n_damaged > 400);
     CHECK(tally.n_broken > 80);
+}
+
+TEST_CASE("implicit stepper: with every softening shape bodies move as the full complementarity problem says") {
+    std::uint64_t seed = 5000;
+    for (const auto& [name, softening] : all_softening_shapes()) {
+        CAPTURE(name);
+        Tally tally;
+        for (int i = 0; i < 12; ++i, ++seed)
+            compare(seed, {.friction = seed % 3 == 0, .most_cells = 2, .softening = softening}, 8, tally);
+        CHECK(tally.n_wrong == 0);
+        CHECK(tally.n_several <= 1);
+        CHECK(tally.n_unsolved + tally.n_not_converged + tally.n_refused + tally.n_inexact <= 2);
+        CHECK(tally.n_steps > 60);
+        CHECK(tally.n_damaged > 60);
+        CHECK(tally.n_broken > 20);
+    }
 }
 
 TEST_CASE("implicit stepper: two thousand random bodies move as the full complementarity problem says" *
