@@ -22,26 +22,36 @@ std::vector<LameConstants> lame_constants(const std::vector<Elastic>& materials,
     return constants;
 }
 
+/// The fastest kernel that this machine can run.
+ConstantStrainForces kernel_of(StrainMeasure measure) {
+    const bool is_small = measure == StrainMeasure::small;
+#ifdef KNAP_AVX2
+    if (__builtin_cpu_supports("avx2"))
+        return is_small ? &constant_strain_forces<4, StrainMeasure::small>
+                        : &constant_strain_forces<4, StrainMeasure::green>;
+#endif
+    return is_small ? &constant_strain_forces<2, StrainMeasure::small>
+                    : &constant_strain_forces<2, StrainMeasure::green>;
+}
+
 }  // namespace
 
-template <StrainMeasure measure>
-ConstantStrainTriangles<measure>::ConstantStrainTriangles(const Mesh& mesh, const std::vector<Elastic>& materials,
-                                                          PlaneModel plane, double thickness)
-    : stiffness_(lame_constants(materials, plane)) {
+ConstantStrainTriangles::ConstantStrainTriangles(const Mesh& mesh, const std::vector<Elastic>& materials,
+                                                 PlaneModel plane, double thickness, StrainMeasure measure)
+    : forces_(kernel_of(measure)), stiffness_(lame_constants(materials, plane)) {
     triangles_.reserve(mesh.n_triangles());
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const auto g = shape_gradients(mesh, t);
-        triangles_.push_back({.gradient1 = g[1],
-                              .gradient2 = g[2],
+        triangles_.push_back({.gradient1 = {g[1].x(), g[1].y()},
+                              .gradient2 = {g[2].x(), g[2].y()},
                               .volume = mesh.area(t) * thickness,
                               .threshold = infinite,
                               .material = mesh.region[t]});
     }
 }
 
-template <StrainMeasure measure>
-void ConstantStrainTriangles<measure>::set_stress_criterion(const std::vector<double>& threshold_of_fan,
-                                                            const std::vector<Index>& fan_of_corner) {
+void ConstantStrainTriangles::set_stress_criterion(const std::vector<double>& threshold_of_fan,
+                                                   const std::vector<Index>& fan_of_corner) {
     threshold_of_fan_ = threshold_of_fan;
     fan_of_corner_ = fan_of_corner;
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
@@ -51,58 +61,16 @@ void ConstantStrainTriangles<measure>::set_stress_criterion(const std::vector<do
     }
 }
 
-template <StrainMeasure measure>
-double ConstantStrainTriangles<measure>::evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
-                                                  const std::vector<Index>& node_of_corner, Vec2* force,
-                                                  std::vector<std::uint8_t>& fan_is_candidate) const {
-    using Pair = Eigen::Array2d;  // x and y at once
-    double energy = 0;
-    for (std::ptrdiff_t t = first; t < last; ++t, force += 3) {
-        const Triangle& here = triangles_[t];
-        const Index* node = &node_of_corner[3 * t];
-        const Pair u0 = displacement[node[0]], a = displacement[node[1]].array() - u0,
-                   b = displacement[node[2]].array() - u0;
-        const Pair g1 = here.gradient1, g2 = here.gradient2;
-        const LameConstants& elastic = stiffness_[here.material];
-        Pair f1, f2;
-        double norm2;
-        if constexpr (measure == StrainMeasure::small) {
-            const Pair turned1 = g1.reverse(), turned2 = g2.reverse();
-            const Pair strain = g1 * a + g2 * b;  // xx, yy
-            const Pair shear1 = turned1 * a, shear2 = turned2 * b;
-            const double xy = 0.5 * (shear1[0] + shear1[1] + shear2[0] + shear2[1]);
-            const Pair s = elastic.lambda * (strain[0] + strain[1]) + elastic.twice_shear * strain;
-            const double s_xy = elastic.twice_shear * xy;
-            f1 = -here.volume * (s * g1 + s_xy * turned1), f2 = -here.volume * (s * g2 + s_xy * turned2);
-            const Pair squares = s * s;
-            norm2 = squares[0] + squares[1] + 2 * s_xy * s_xy;
-        } else {
-            const Pair H_x = g1[0] * a + g2[0] * b, H_y = g1[1] * a + g2[1] * b;  // columns: u_,x and u_,y
-            const double xx = H_x[0] + 0.5 * (H_x * H_x).sum(), yy = H_y[1] + 0.5 * (H_y * H_y).sum(),
-                         twice_xy = H_x[1] + H_y[0] + (H_x * H_y).sum();  // of E
-            const double trace = elastic.lambda * (xx + yy), s_xx = trace + elastic.twice_shear * xx,
-                         s_yy = trace + elastic.twice_shear * yy, s_xy = 0.5 * elastic.twice_shear * twice_xy;
-            energy += 0.5 * here.volume * (s_xx * xx + s_yy * yy + s_xy * twice_xy);  // V/2 S:E
-            const Pair F_x = H_x + Pair(1, 0), F_y = H_y + Pair(0, 1);
-            const Pair P_x = s_xx * F_x + s_xy * F_y, P_y = s_xy * F_x + s_yy * F_y;
-            f1 = -here.volume * (g1[0] * P_x + g1[1] * P_y), f2 = -here.volume * (g2[0] * P_x + g2[1] * P_y);
-            norm2 = (P_x * P_x + P_y * P_y).sum();
-        }
-        force[0] = -(f1 + f2);
-        force[1] = f1;
-        force[2] = f2;
-        if (norm2 > static_cast<double>(here.threshold)) {
-            for (int k = 0; k < 3; ++k) {
-                const Index fan = fan_of_corner_[3 * t + k];
-                if (norm2 > threshold_of_fan_[fan]) mark(fan_is_candidate[fan]);
-            }
-        }
-    }
-    return energy;
+double ConstantStrainTriangles::evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
+                                         const std::vector<Index>& node_of_corner, Vec2* force,
+                                         std::vector<std::uint8_t>& fan_is_candidate) const {
+    return forces_(first, last,
+                   {.triangles = triangles_.data(),
+                    .stiffness = stiffness_.data(),
+                    .fan_of_corner = fan_of_corner_.data(),
+                    .threshold_of_fan = threshold_of_fan_.data()},
+                   displacement.data()->data(), node_of_corner.data(), force->data(), fan_is_candidate.data());
 }
-
-template class ConstantStrainTriangles<StrainMeasure::small>;
-template class ConstantStrainTriangles<StrainMeasure::green>;
 
 QuadraticTriangles::QuadraticTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
                                        double thickness)
@@ -188,12 +156,11 @@ double QuadraticTriangles::evaluate(Index first, Index last, const std::vector<V
 
 ElasticForces::ElasticForces(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
                              double thickness, bool large_rotation)
-    : triangles_(LinearTriangles({}, {}, plane, thickness)),
+    : triangles_(ConstantStrainTriangles(mesh, materials, plane, thickness,
+                                         large_rotation ? StrainMeasure::green : StrainMeasure::small)),
       n_triangles_(mesh.n_triangles()),
       corners_per_triangle_(mesh.corners_per_triangle()) {
-    if (large_rotation) triangles_ = TurningTriangles(mesh, materials, plane, thickness);
-    else if (mesh.order == 1) triangles_ = LinearTriangles(mesh, materials, plane, thickness);
-    else triangles_ = QuadraticTriangles(mesh, materials, plane, thickness);
+    if (mesh.order == 2) triangles_ = QuadraticTriangles(mesh, materials, plane, thickness);
 }
 
 void ElasticForces::set_stress_criterion(const std::vector<double>& threshold_of_fan,

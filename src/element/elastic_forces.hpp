@@ -1,5 +1,6 @@
 #pragma once
 // Internal forces of the bulk on the corners of its triangles, and the stress criterion of the interfaces.
+#include "element/constant_strain.hpp"
 #include "material/elastic.hpp"
 #include "mesh/mesh.hpp"
 
@@ -10,47 +11,23 @@
 
 namespace knap {
 
-/// [Pa] lambda of the plane law and 2 mu of a material.
-struct LameConstants {
-    double lambda, twice_shear;
-};
-
-/// Which strain a triangle has, from H = grad u = sum_k u_k (x) grad l_k; F = I + H.
-///     small  strain = sym H,                       sigma = D strain,         f_k = -V sigma grad l_k
-///     green  E = 1/2 (H + H' + H' H),   S = D E,   P = F S,                  f_k = -V P grad l_k = -dU/du_k
-/// green (St. Venant-Kirchhoff): a turned body has the turned forces, and where nothing turns it is linear elasticity
-/// plus terms of second order in H. It is meant for small strains: compression softens from 42 % on. H instead of F:
-/// small strains do not cancel.
-enum class StrainMeasure { small, green };
-
-/// Constant strain in a triangle; sum_k f_k = 0.
-template <StrainMeasure measure>
+/// Constant strain in a triangle (constant_strain.hpp).
 class ConstantStrainTriangles {
 public:
-    ConstantStrainTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
-                            double thickness);
-    /// Compares |sigma|_F^2 with the threshold; with Green's strain |P|_F^2, since |f_k| <= V |P|_F |grad l_k| at any
-    /// strain.
+    ConstantStrainTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness,
+                            StrainMeasure measure);
     void set_stress_criterion(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner);
     double evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
                     const std::vector<Index>& node_of_corner, Vec2* force,
                     std::vector<std::uint8_t>& fan_is_candidate) const;
 
 private:
-    struct Triangle {
-        Vec2 gradient1, gradient2;  // [1/m] of l_1 and l_2; that of l_0 is minus their sum
-        double volume;              // [m3]
-        float threshold;            // [Pa^2] smallest of the three fans, rounded down
-        Index material;
-    };
-    static_assert(sizeof(Triangle) == 48);  // on large meshes the step is limited by memory bandwidth
-    std::vector<Triangle> triangles_;
+    ConstantStrainForces forces_;
+    std::vector<ConstantStrainTriangle> triangles_;
     std::vector<LameConstants> stiffness_;  // per material
     std::vector<double> threshold_of_fan_;
     std::vector<Index> fan_of_corner_;
 };
-using LinearTriangles = ConstantStrainTriangles<StrainMeasure::small>;
-using TurningTriangles = ConstantStrainTriangles<StrainMeasure::green>;
 
 /// Order 2: three stresses at the middles of the edges and the stiffness R of the bubble (shape_functions.hpp).
 class QuadraticTriangles {
@@ -102,7 +79,7 @@ public:
                   std::vector<Vec2>& corner_force, std::vector<std::uint8_t>& fan_is_candidate) const;
 
 private:
-    std::variant<LinearTriangles, TurningTriangles, QuadraticTriangles> triangles_;
+    std::variant<ConstantStrainTriangles, QuadraticTriangles> triangles_;
     Index n_triangles_, corners_per_triangle_;
 };
 

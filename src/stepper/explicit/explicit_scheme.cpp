@@ -5,9 +5,11 @@
 #include "element/triangle_matrices.hpp"
 #include "stepper/explicit/partition.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <numeric>
+#include <type_traits>
 
 namespace knap {
 namespace {
@@ -28,7 +30,7 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
       solver_(model, options, obstacle_step_, absorbing_),
       obstacles_(model, solver_, obstacle_step_),
       amplitude_(model.histories.size()),
-      corner_force_(model.mesh.n_corners()),
+      corner_force_(model.mesh.n_corners() + 1, Vec2::Zero()),  // the last: BlockFans::no_force
       elastic_energy_(blocks_.size()),
       fan_is_candidate_(model.fans.size(), 0),
       splits_(model.fans.size(), 0),
@@ -40,7 +42,7 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
     forces_.set_stress_criterion(stress_thresholds(model, absorbing_.dashpots()), model.fan_of_corner);
     for (const Index corner : model.fan_corners) mass_.push_back(model.corner_mass[corner]);
     for (ThreadWorkspace& work : workspaces_) {
-        work.force.resize(model.mesh.corners_per_triangle() * blocks_.front().last);
+        work.force.resize(model.mesh.corners_per_triangle() * blocks_.front().last + 1, Vec2::Zero());
         VertexSolver::Workspace& split = work.split;  // more corners and points than most vertices have
         make_room(16, work.required, split.stationary.required, split.stationary.impulse);
         make_room(16, split.problem.bodies, split.problem.links, split.kept.bodies, split.kept.links);
@@ -84,6 +86,108 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
     return report;
 }
 
+template <class Corner>
+struct ExplicitScheme::Sweep {
+    const BlockFans<Corner>& block;
+    const Vec2* on_corner;  // [N]
+    Vec2* kept;             // [N] per corner, where those of fans that come apart are kept; null: all are
+    const ExplicitStep& step;
+    NodeMotion& nodes;
+    ThreadWorkspace& work;
+    StepReport& report;
+};
+
+/// The motion of fans, a few at a time: the forces on them, a closer look where it is needed, and the others move.
+template <class Corner>
+void ExplicitScheme::move_fans(const Sweep<Corner>& sweep) {
+    using Fan = typename BlockFans<Corner>::BlockFan;
+    constexpr std::size_t few = 64;
+    std::array<Vec2, few> force;  // [N] on the fans
+    std::array<std::uint8_t, few> is_closer;
+    std::array<Fan, few> free;
+    const BlockFans<Corner>& block = sweep.block;
+    const Corner* corner = block.corners.data();
+    for (std::size_t first = 0; first < block.fans.size(); first += few) {
+        const auto fans = std::span(block.fans).subspan(first, std::min(few, block.fans.size() - first));
+        const Corner* of_fan = corner;
+        std::uint8_t any_closer = 0;
+        for (std::size_t i = 0; i < fans.size(); ++i) {
+            const Index f = fans[i].fan;
+            is_closer[i] = fan_is_candidate_[f] | splits_[f] | (sweep.step.begin.split_rank[f] >= 0) | !fans[i].is_free;
+            any_closer |= is_closer[i];
+            if constexpr (std::is_same_v<Corner, Index>)  // the forces on all corners may be more than the cache holds
+                for (Index k = 0; k < 2 * block.group; ++k)
+                    __builtin_prefetch(&sweep.on_corner[corner[block.look_ahead - block.group + k]]);
+            Pair sum{};
+            for (const Corner* end = corner + block.n_places(fans[i]); corner < end; corner += block.group)
+                sum = sum + load(sweep.on_corner[corner[0]]) + load(sweep.on_corner[corner[1]]) +
+                      load(sweep.on_corner[corner[2]]) + load(sweep.on_corner[corner[3]]);
+            store(sum, force[i]);
+        }
+        if (!any_closer) {
+            sweep.nodes.move_freely(fans, force.data());
+            continue;
+        }
+        std::size_t n_free = 0;
+        const auto move_free = [&] {
+            sweep.nodes.move_freely(std::span<const Fan>(free.data(), n_free), force.data());
+            n_free = 0;
+        };
+        for (std::size_t i = 0; i < fans.size(); of_fan += block.n_places(fans[i]), ++i) {
+            if (i + soon < fans.size() && fan_is_candidate_[fans[i + soon].fan]) {
+                const InscribedCircle* circle = block.circles.data() + (of_fan - block.corners.data());
+                __builtin_prefetch(circle + block.look_ahead);
+                __builtin_prefetch(circle + block.look_ahead + 4);  // the next cache line
+            }
+            if (!fans[i].is_free) move_free();
+            if (!is_closer[i] || moves_freely(sweep, fans[i], of_fan, force[i]))
+                free[n_free] = fans[i], force[n_free++] = force[i];
+        }
+        move_free();
+    }
+}
+
+/// Whether a fan moves as one under `force` [N] alone. If not, it is moved here, or later if it splits.
+template <class Corner>
+bool ExplicitScheme::moves_freely(const Sweep<Corner>& sweep, const typename BlockFans<Corner>::BlockFan& fan,
+                                  const Corner* corner, const Vec2& force) {
+    const auto& [block, on_corner, kept, step, nodes, work, report] = sweep;
+    const State& begin = step.begin;
+    const Index f = fan.fan;
+    if (splits_[f]) return false;
+    const auto keep = [&, corner = corner, kept = kept, on_corner = on_corner] {
+        for (Index k = 0; kept && k < fan.n_corners; ++k) kept[corner[k]] = on_corner[corner[k]];
+    };
+    if (const Index rank = begin.split_rank[f]; rank >= 0) {
+        keep();
+        if (fans_are_independent()) solver_.advance(rank, step, work.split, report);
+        return false;
+    }
+    const InscribedCircle* circles = block.circles.data() + (corner - block.corners.data());
+    const auto is_held = [&, &work = work, &report = report](const auto& force_on, const Vec2& total) {
+        return !fan_is_candidate_[f] ||
+               is_bonded(f, {circles, static_cast<std::size_t>(fan.n_corners)}, force_on, total, begin, work, report);
+    };
+    const auto force_on = [&, on_corner = on_corner](Index k) -> const Vec2& { return on_corner[corner[k]]; };
+    if (fan.is_free) {
+        if (is_held(force_on, force)) return true;
+        keep();
+        return false;
+    }
+    const auto corners = model_.corners(model_.fans[f]);
+    const auto dashpots = absorbing_.of_fan(f);
+    if (!dashpots.empty()) {  // they are forces at the mean velocity that the fan has as one
+        const Vec2 after = velocity_as_one(corners[0], force, Vec2::Zero(), step),
+                   mean = 0.5 * (begin.velocity[f] + after);
+        const auto resisted = [&](Index k) -> Vec2 { return force_on(k) + dashpot_force(corners[k], dashpots, mean); };
+        if (!is_held(resisted, force + absorbing_.force_on_fan(f, mean))) return false;
+    } else if (!is_held(force_on, force)) {
+        return false;
+    }
+    move_bonded(corners[0], force, Vec2::Zero(), step, nodes, report);
+    return false;
+}
+
 /// Forces of the triangles of a block and loads on their corners, and the motion of the fans inside.
 StepReport ExplicitScheme::sweep_blocks(const ExplicitStep& step) {
     return sum_over_blocks(blocks_.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
@@ -97,47 +201,16 @@ StepReport ExplicitScheme::sweep_blocks(const ExplicitStep& step) {
             const CornerLoad& load = model_.corner_loads[i];
             corner_force_[load.corner] += amplitude_[load.history] * force_of(model_, load, step.begin);
         }
-        sweep_inner(block, step, work, report);
+        NodeMotion nodes(step);
+        move_fans<MeshBlock::Corner>({.block = block.inner,
+                                      .on_corner = work.force.data(),
+                                      .kept = kept,
+                                      .step = step,
+                                      .nodes = nodes,
+                                      .work = work,
+                                      .report = report});
+        nodes.add_to(report);
     });
-}
-
-void ExplicitScheme::sweep_inner(const MeshBlock& block, const ExplicitStep& step, ThreadWorkspace& work,
-                                 StepReport& report) {
-    const State& begin = step.begin;
-    NodeMotion motion(step);
-    const double response = step.mobility * step.kick_time;  // [s]
-    Vec2* kept = &corner_force_[model_.mesh.corners_per_triangle() * block.first];
-    const Vec2* on_corner = work.force.data();
-    const MeshBlock::Corner* last = block.inner_corners.data();
-    const InscribedCircle* circles = block.inner_circles.data();
-    for (std::size_t i = 0; i < block.inner.size(); ++i) {
-        const MeshBlock::BlockFan& fan = block.inner[i];
-        const MeshBlock::Corner* corner = last;
-        const InscribedCircle* circle = circles + (corner - block.inner_corners.data());
-        last += fan.n_corners;
-        if (i + soon < block.inner.size() && fan_is_candidate_[block.inner[i + soon].fan]) {
-            __builtin_prefetch(circle + MeshBlock::look_ahead);
-            __builtin_prefetch(circle + MeshBlock::look_ahead + 4);  // the next cache line
-        }
-        const auto keep = [&] {
-            for (const MeshBlock::Corner* c = corner; c < last; ++c) kept[*c] = on_corner[*c];
-        };
-        if (const Index rank = begin.split_rank[fan.fan]; rank >= 0) {
-            keep();
-            if (fans_are_independent()) solver_.advance(rank, step, work.split, report);
-            continue;
-        }
-        Vec2 force = Vec2::Zero();
-        for (const MeshBlock::Corner* c = corner; c < last; ++c) force += on_corner[*c];
-        const auto force_on = [&](Index c) -> const Vec2& { return on_corner[corner[c]]; };
-        if (fan_is_candidate_[fan.fan] && !is_bonded(fan, circle, force_on, force, begin, work, report)) {
-            keep();
-            continue;
-        }
-        motion.move(fan.fan, fan.fan, fan.mass, force,
-                    step.decay * begin.velocity[fan.fan] + response / fan.mass * force);
-    }
-    motion.add_to(report);
 }
 
 /// A fan near an obstacle is solved as a split one, in which the fan solver finds what sticks.
@@ -150,46 +223,14 @@ void ExplicitScheme::split_at_contacts(const State& begin) {
 /// The motion of the fans across borders of blocks, and of those with loads, prescribed motion and obstacles.
 StepReport ExplicitScheme::sweep_bordering(const ExplicitStep& step) {
     return sum_over_blocks(blocks_.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
-        const State& begin = step.begin;
-        const MeshBlock& block = blocks_[b];
-        ThreadWorkspace& work = workspaces_[omp_get_thread_num()];
         NodeMotion nodes(step);
-        const Index* next = block.bordering_corners.data();
-        for (std::size_t i = 0; i < block.bordering.size(); ++i) {
-            if (i + soon < block.bordering.size()) {
-                __builtin_prefetch(&begin.velocity[block.bordering[i + soon].fan]);
-                __builtin_prefetch(&begin.displacement[block.bordering[i + soon].fan]);
-            }
-            const MeshBlock::BlockFan& fan = block.bordering[i];
-            const Index* corner = next;
-            next += fan.n_corners;
-            for (const Index* c = corner; c < next; ++c) __builtin_prefetch(&corner_force_[c[MeshBlock::look_ahead]]);
-            const Index f = fan.fan;
-            if (splits_[f]) continue;
-            if (const Index rank = begin.split_rank[f]; rank >= 0) {
-                if (fans_are_independent()) solver_.advance(rank, step, work.split, report);
-                continue;
-            }
-            Vec2 force = Vec2::Zero();
-            for (const Index* c = corner; c < next; ++c) force += corner_force_[*c];
-            const InscribedCircle* circle = &block.bordering_circles[corner - block.bordering_corners.data()];
-            const auto is_held = [&](const auto& force_on, const Vec2& total) {
-                return !fan_is_candidate_[f] || is_bonded(fan, circle, force_on, total, begin, work, report);
-            };
-            const auto force_on = [&](Index c) -> const Vec2& { return corner_force_[corner[c]]; };
-            const auto dashpots = absorbing_.of_fan(f);
-            if (!dashpots.empty()) {  // they are forces at the mean velocity that the fan has as one
-                const Vec2 after = velocity_as_one(*corner, force, Vec2::Zero(), step),
-                           mean = 0.5 * (begin.velocity[f] + after);
-                const auto resisted = [&](Index c) -> Vec2 {
-                    return force_on(c) + dashpot_force(corner[c], dashpots, mean);
-                };
-                if (!is_held(resisted, force + absorbing_.force_on_fan(f, mean))) continue;
-            } else if (!is_held(force_on, force)) {
-                continue;
-            }
-            move_bonded(*corner, force, Vec2::Zero(), step, nodes, report);
-        }
+        move_fans<Index>({.block = blocks_[b].bordering,
+                          .on_corner = corner_force_.data(),
+                          .kept = nullptr,
+                          .step = step,
+                          .nodes = nodes,
+                          .work = workspaces_[omp_get_thread_num()],
+                          .report = report});
         nodes.add_to(report);
     });
 }
@@ -197,14 +238,14 @@ StepReport ExplicitScheme::sweep_bordering(const ExplicitStep& step) {
 /// Tests a candidate of the stress criterion, by the inscribed circles and then by BondCheck. `force` [N]: on the whole
 /// fan.
 template <class Force>
-bool ExplicitScheme::is_bonded(const MeshBlock::BlockFan& of, const InscribedCircle* circle, const Force& force_on,
+bool ExplicitScheme::is_bonded(Index f, std::span<const InscribedCircle> circles, const Force& force_on,
                                const Vec2& force, const State& begin, ThreadWorkspace& work, StepReport& report) {
-    fan_is_candidate_[of.fan] = 0;
-    if (contacts_ && contacts_->touches(of.fan)) return false;  // their impulses decide
-    if (within_inscribed_circles(circle, of.n_corners, force_on, force)) return true;
+    fan_is_candidate_[f] = 0;
+    if (contacts_ && contacts_->touches(f)) return false;  // their impulses decide
+    if (within_inscribed_circles(circles.data(), static_cast<Index>(circles.size()), force_on, force)) return true;
     ++report.bond_checks;
-    const bool bonded = work.is_bonded(model_, of.fan, begin, mass_, force_on, force);
-    splits_[of.fan] = !bonded;
+    const bool bonded = work.is_bonded(model_, f, begin, mass_, force_on, force);
+    splits_[f] = !bonded;
     return bonded;
 }
 

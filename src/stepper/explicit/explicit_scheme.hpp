@@ -22,12 +22,18 @@ public:
 
 private:
     StepReport sweep_blocks(const ExplicitStep& step);
-    void sweep_inner(const MeshBlock& block, const ExplicitStep& step, ThreadWorkspace& work, StepReport& report);
+    template <class Corner>
+    struct Sweep;
+    template <class Corner>
+    void move_fans(const Sweep<Corner>& sweep);
+    template <class Corner>
+    bool moves_freely(const Sweep<Corner>& sweep, const typename BlockFans<Corner>::BlockFan& fan, const Corner* corner,
+                      const Vec2& force);
     void split_at_contacts(const State& begin);
     StepReport sweep_bordering(const ExplicitStep& step);
     template <class Force>
-    bool is_bonded(const MeshBlock::BlockFan& fan, const InscribedCircle* circle, const Force& force_on,
-                   const Vec2& force, const State& begin, ThreadWorkspace& work, StepReport& report);
+    bool is_bonded(Index fan, std::span<const InscribedCircle> circles, const Force& force_on, const Vec2& force,
+                   const State& begin, ThreadWorkspace& work, StepReport& report);
     Vec2 velocity_as_one(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step) const;
     void move_bonded(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step, NodeMotion& nodes,
                      StepReport& report) const;

@@ -8,10 +8,12 @@
 // no reaction of a fan that moves as one. With d = k alpha/2,
 //
 //     v+ = decay v + mobility M^-1 (k (F - K u) + H' P),     decay = (1 - d)/(1 + d),     mobility = 1/(1 + d)
+#include "base/pair.hpp"
 #include "model/state.hpp"
 #include "stepper/common/step_report.hpp"
 
 #include <algorithm>
+#include <span>
 
 namespace knap {
 
@@ -50,8 +52,8 @@ struct ExplicitStep {
     double change_time() const { return 0.25 * (drift_time - begin.last_step); }
 };
 
-/// Moves nodes and sums up their energies, in registers. The largest speed of the report is squared here. With large
-/// rotations U is not quadratic, and the energy of the leapfrog and its defect are
+/// Moves nodes and sums up their energies. The largest speed of the report is squared here. With large rotations U is
+/// not quadratic, and the energy of the leapfrog and its defect are
 ///
 ///     E_n+1/2 = 1/2 v' M v + U_n - 1/2 f_n . Delta_n+1/2,     f = -grad U,     Delta = h v
 ///     rotation work = U_n - U_n-1 + 1/2 (f_n-1 + f_n) . Delta_n-1/2
@@ -59,46 +61,72 @@ struct ExplicitStep {
 /// of which the terms with f_n are summed here (without rotations E is the same, and the defect is zero).
 class NodeMotion {
 public:
-    explicit NodeMotion(const ExplicitStep& step)
-        : begin_(step.begin),
-          end_(step.end),
-          h_(step.drift_time),
-          change_time_(step.change_time()),
-          damping_(step.damping),
-          large_rotation_(step.large_rotation) {}
+    explicit NodeMotion(const ExplicitStep& step) : step_(step) {}
 
-    /// To the end velocity v+ [m/s]; `force` [N] F - K u.
-    [[gnu::always_inline]] void move(Index from, Index to, double mass, const Vec2& force, const Vec2& velocity) {
-        const Vec2 u = begin_.displacement[from] + h_ * velocity;
-        const double speed2 = velocity.squaredNorm();
-        kinetic_ += 0.5 * mass * speed2;
-        if (large_rotation_) {
-            strain_ -= 0.5 * h_ * force.dot(velocity);
-            rotation_work_ += 0.5 * begin_.last_step * force.dot(begin_.velocity[from]);
-        } else {
-            strain_ -= 0.5 * force.dot(u);
-        }
-        step_change_work_ -= change_time_ * force.dot(velocity - begin_.velocity[from]);
-        if (damping_ != 0) damping_work_ -= 0.5 * damping_ * mass * (begin_.velocity[from] + velocity).squaredNorm();
-        largest_speed2_ = std::max(largest_speed2_, speed2);
-        end_.velocity[to] = velocity;
-        end_.displacement[to] = u;
+    /// From node `from` to node `to` with the end velocity v+ [m/s]; `force` [N] F - K u.
+    void move(Index from, Index to, double mass, const Vec2& force, const Vec2& velocity) {
+        with_options([&]<bool large_rotation, bool damped>() {
+            move_to<large_rotation, damped>(from, to, mass, load(force), load(velocity), sums_);
+        });
+    }
+    /// Nodes that nothing but a force [N] acts on; a Fan has its mass and its node `fan`.
+    template <class Fan>
+    void move_freely(std::span<const Fan> fans, const Vec2* force) {
+        with_options([&]<bool large_rotation, bool damped>() {
+            Sums sums = sums_;
+            const double response = step_.mobility * step_.kick_time, decay = step_.decay;  // [s], [-]
+            const Vec2* velocity = step_.begin.velocity.data();
+            for (const Fan& fan : fans) {
+                const Pair f = load(*force++), v = load(velocity[fan.fan]);
+                move_to<large_rotation, damped>(fan.fan, fan.fan, fan.mass, f,
+                                                (damped ? decay * v : v) + response / fan.mass * f, sums);
+            }
+            sums_ = sums;
+        });
     }
     void add_to(StepReport& report) const {
-        report.kinetic += kinetic_;
-        report.strain += strain_;
-        report.step_change_work += step_change_work_;
-        report.damping_work += damping_work_;
-        report.rotation_work += rotation_work_;
-        report.largest_speed = std::max(report.largest_speed, largest_speed2_);
+        report.kinetic += sums_.kinetic;
+        report.strain += sums_.strain;
+        report.step_change_work += sums_.step_change_work;
+        report.damping_work += sums_.damping_work;
+        report.rotation_work += sums_.rotation_work;
+        report.largest_speed = std::max(report.largest_speed, sums_.largest_speed2);
     }
 
 private:
-    const State& begin_;
-    State& end_;
-    double h_, change_time_, damping_;
-    bool large_rotation_;
-    double kinetic_ = 0, strain_ = 0, step_change_work_ = 0, damping_work_ = 0, rotation_work_ = 0, largest_speed2_ = 0;
+    struct Sums {
+        double kinetic = 0, strain = 0, step_change_work = 0, damping_work = 0, rotation_work = 0, largest_speed2 = 0;
+    };
+    template <class Body>
+    void with_options(const Body& body) {
+        const bool damped = step_.damping != 0;
+        if (step_.large_rotation)
+            damped ? body.template operator()<true, true>() : body.template operator()<true, false>();
+        else damped ? body.template operator()<false, true>() : body.template operator()<false, false>();
+    }
+    template <bool large_rotation, bool damped>
+    [[gnu::always_inline]] void move_to(Index from, Index to, double mass, const Pair& force, const Pair& velocity,
+                                        Sums& sums) const {
+        const double h = step_.drift_time;
+        const Pair before = load(step_.begin.velocity[from]), u = load(step_.begin.displacement[from]) + h * velocity;
+        const double speed2 = dot(velocity, velocity);
+        sums.kinetic += 0.5 * mass * speed2;
+        if constexpr (large_rotation) {
+            sums.strain -= 0.5 * h * dot(force, velocity);
+            sums.rotation_work += 0.5 * step_.begin.last_step * dot(force, before);
+        } else {
+            sums.strain -= 0.5 * dot(force, u);
+        }
+        sums.step_change_work -= step_.change_time() * dot(force, velocity - before);
+        if constexpr (damped)
+            sums.damping_work -= 0.5 * step_.damping * mass * dot(before + velocity, before + velocity);
+        sums.largest_speed2 = std::max(sums.largest_speed2, speed2);
+        store(velocity, step_.end.velocity[to]);
+        store(u, step_.end.displacement[to]);
+    }
+
+    const ExplicitStep& step_;
+    Sums sums_;
 };
 
 }  // namespace knap

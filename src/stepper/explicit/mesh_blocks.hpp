@@ -8,26 +8,36 @@
 
 namespace knap {
 
-/// The blocks do not depend on the number of threads, so neither do sums over them.
-struct MeshBlock {
+/// Fans of a block with their corners. The corners of a fan are filled up to a multiple of `group` by a place that has
+/// no force: most fans have 5 to 7, and a processor that cannot foresee where a sum ends loses more than it takes.
+template <class Corner>
+struct BlockFans {
     struct BlockFan {
         double mass;  // [kg]
-        Index fan, n_corners;
+        Index fan;
+        std::int16_t n_corners;
+        bool is_free;  // without prescribed motion and dashpots
     };
+    static constexpr Index group = 4, look_ahead = 24;  // places
+    static Index n_places(const BlockFan& fan) { return (fan.n_corners + group - 1) / group * group; }
+
+    std::vector<BlockFan> fans;            // ascending
+    std::vector<Corner> corners;           // fan by fan; of bordering ones look_ahead more, to prefetch
+    std::vector<InscribedCircle> circles;  // of corners
+    Corner no_force = 0;
+
+    void add(const Model& model, Index fan, Index first_corner, bool is_free);
+};
+
+/// The blocks do not depend on the number of threads, so neither do sums over them.
+struct MeshBlock {
     using Corner = std::uint16_t;  // from the first corner of the block on
-    static constexpr Index look_ahead = 24;
 
     Index first, last;            // triangles from `first` to before `last`
     Index first_load, last_load;  // on their corners, into Model::corner_loads
-    // fans with all corners in the block and without loads, dashpots, prescribed motion and obstacles; by fan
-    std::vector<BlockFan> inner;
-    std::vector<Corner> inner_corners;
-    std::vector<InscribedCircle> inner_circles;
-    // all other fans whose first corner is in the block; corners fan by fan, and look_ahead more to prefetch
-    std::vector<BlockFan> bordering;
-    std::vector<Index> bordering_corners;
-    std::vector<InscribedCircle> bordering_circles;
-    std::vector<Corner> kept;  // the corners of the block that belong to bordering fans of any block
+    BlockFans<Corner> inner;      // all corners in the block; without loads, dashpots, prescribed motion and obstacles
+    BlockFans<Index> bordering;   // all others whose first corner is in the block
+    std::vector<Corner> kept;     // the corners of the block that belong to bordering fans of any block
 };
 
 std::vector<MeshBlock> make_blocks(const Model& model, std::span<const Dashpot> dashpots = {});

@@ -25,7 +25,7 @@ struct Cost {
 Cost measure(Pieces& scene, int n_steps) {
     const Model& model = scene.model;
     const Index n = model.mesh.n_triangles();
-    const LinearTriangles bulk(model.mesh, model.materials, model.plane, model.thickness);
+    const ElasticForces bulk(model.mesh, model.materials, model.plane, model.thickness);
     std::vector<Vec2> force(3 * n);
     std::vector<std::uint8_t> candidate(model.fans.size());
     FaceContacts contacts(model);

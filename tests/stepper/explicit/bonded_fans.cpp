@@ -53,13 +53,18 @@ TEST_CASE("every fan is inside one block of triangles or borders on several") {
             CHECK(block.first == next);
             CHECK(block.last - block.first <= blocks.front().last);
             next = block.last;
-            const MeshBlock::Corner* corner = block.inner_corners.data();
-            bool same = true;
-            for (const MeshBlock::BlockFan& inner : block.inner) {
+            const MeshBlock::Corner* corner = block.inner.corners.data();
+            bool same = block.inner.no_force == per_triangle * blocks.front().last;
+            for (const auto& inner : block.inner.fans) {
                 const Fan& fan = model.fans[inner.fan];
                 ++n_found[inner.fan];
-                for (const Index c : model.corners(fan)) same = same && *corner++ + per_triangle * block.first == c;
-                same = same && inner.n_corners == fan.n_corners && inner.mass == fan.mass;
+                const Index n_places = block.inner.n_places(inner);
+                const auto corners = model.corners(fan);
+                for (Index i = 0; i < fan.n_corners; ++i)
+                    same = same && corner[i] + per_triangle * block.first == corners[i];
+                for (Index i = fan.n_corners; i < n_places; ++i) same = same && corner[i] == block.inner.no_force;
+                corner += n_places;
+                same = same && inner.is_free && inner.n_corners == fan.n_corners && inner.mass == fan.mass;
             }
             CHECK(same);
             for (const MeshBlock::Corner c : block.kept) ++n_kept[per_triangle * block.first + c];
@@ -75,9 +80,9 @@ TEST_CASE("every fan is inside one block of triangles or borders on several") {
         CHECK(next_load == static_cast<Index>(model.corner_loads.size()));
         bool kept = true;
         for (const MeshBlock& block : blocks)
-            for (const auto& [mass, f, n_corners] : block.bordering) {
-                ++n_found[f];
-                for (const Index c : model.corners(model.fans[f])) kept = kept && n_kept[c]-- == 1;
+            for (const auto& bordering : block.bordering.fans) {
+                ++n_found[bordering.fan];
+                for (const Index c : model.corners(model.fans[bordering.fan])) kept = kept && n_kept[c]-- == 1;
             }
         CHECK(kept);
         CHECK(std::ranges::count(n_found, 1) == static_cast<std::ptrdiff_t>(n_found.size()));

@@ -1,0 +1,14 @@
+#include "element/constant_strain_kernel.hpp"
+
+#ifdef __AVX2__
+namespace knap {
+
+template double constant_strain_forces<4, StrainMeasure::small>(std::int32_t, std::int32_t, const ConstantStrainBody&,
+                                                                const double*, const std::int32_t*, double*,
+                                                                std::uint8_t*);
+template double constant_strain_forces<4, StrainMeasure::green>(std::int32_t, std::int32_t, const ConstantStrainBody&,
+                                                                const double*, const std::int32_t*, double*,
+                                                                std::uint8_t*);
+
+}  // namespace knap
+#endif
