@@ -10,13 +10,16 @@
 namespace knap {
 namespace {
 
-constexpr int first_sweeps = 12, last_sweeps = 200;
+constexpr int first_sweeps = 12, last_sweeps = 100;
 constexpr double exact = 1e-13;        // [-] of the speeds: a residual at rounding
-constexpr double good_enough = 1e-11;  // [-] of the speeds: not worth Lemke's pivots
+constexpr double good_enough = 1e-11;  // [-] of the speeds: not worth proximal points
 constexpr double too_strong = 20;      // impulses of the last step that would cause larger rates are dropped
-constexpr std::size_t bold_attempts = 6, max_attempts = 60;  // of the active set
+constexpr std::size_t bold_attempts = 6, max_attempts = 20;  // of the active set
 constexpr Eigen::Index max_dense = 60;                       // unknowns of a factor that does not use zeros
-constexpr std::size_t max_pivoted = 24;                      // contacts of a tableau
+
+constexpr int proximal_points = 40;
+constexpr double first_weight = 1e-2, least_weight = 1e-10, largest_weight = 1;  // alpha
+constexpr double lighter = 0.3, heavier = 10;  // after a problem that was solved, or was not
 
 /// The link of a contact in its own frame: N and T are x and y.
 const FanLink link_in_frame{.before = 0,
@@ -129,33 +132,66 @@ double ContactCluster::solve(double speed, double rounding) {
     for (Index i = 0; i < size(); ++i) strongest = std::max(strongest, error(i, contacts[i].impulse));
     if (strongest > too_strong * speed)
         for (ClusterContact& c : contacts) c.impulse.setZero();
-    find_velocities();
-    for (int k = 0; k < first_sweeps; ++k)
-        if (sweep() <= exact * speed) break;  // beyond the rounding of gaps, so that what rests does not creep
-    find_velocities();
-    double best = residual();
+    // beyond the rounding of gaps, so that what rests does not creep
+    double best = sweep_to(exact * speed, first_sweeps);
     if (best <= tolerance) return best;
     best_ = contacts;
-    const auto try_other = [&](bool found) {
-        if (!found) return;
+    if (settle_states(speed, tolerance))
+        if (const double now = residual(); now < best) best = now, best_ = contacts;
+    contacts = best_;
+    return best > good_enough * speed + rounding ? approach(best, speed, rounding) : best;
+}
+
+/// Sweeps until no rate changes by more than `change` [m/s]; returns the residual.
+double ContactCluster::sweep_to(double change, int max_sweeps) {
+    find_velocities();
+    for (int k = 0; k < max_sweeps; ++k)
+        if (sweep() <= change) break;
+    find_velocities();
+    return residual();
+}
+
+/// Proximal points (R. T. Rockafellar, SIAM J. Control Optim. 14, 1976, 877): P_k+1 solves the problem with the rates
+///
+///     V = V_free + W P + alpha D (P - P_k),     D: diagonal of the own blocks
+///
+/// whose operator is definite even where contacts are redundant, so that the states seldom cycle. A solution of the
+/// problem itself is a fixed point for any alpha, and the nearer to it, the smaller alpha may be.
+double ContactCluster::approach(double best, double speed, double rounding) {
+    const double tolerance = exact * speed + rounding, enough = good_enough * speed + rounding;
+    exact_own_ = own_;
+    free_.clear();
+    for (const ClusterContact& c : contacts) free_.push_back(c.free);
+    double alpha = first_weight;
+    for (int k = 0; k < proximal_points && best > enough; ++k) {
+        start_ = contacts;
+        bring_near(alpha);
+        bool found = sweep_to(0.1 * tolerance, first_sweeps) <= tolerance || settle_states(speed, tolerance);
+        if (!found) {
+            contacts = start_;
+            bring_near(alpha);
+            found = sweep_to(0.1 * tolerance, last_sweeps) <= tolerance;
+        }
+        bring_near(0);
+        find_velocities();
         const double now = residual();
         if (now < best) best = now, best_ = contacts;
-    };
-    try_other(settle_states(speed, tolerance));
-    if (best > good_enough * speed + rounding) {
-        contacts = best_;
-        for (int k = 0; k < last_sweeps; ++k)
-            if (sweep() <= tolerance) break;
-        find_velocities();
-        try_other(true);
-        if (best > tolerance) try_other(settle_states(speed, tolerance));
-    }
-    if (best > good_enough * speed + rounding && contacts.size() <= max_pivoted && solve_by_lemke(speed)) {
-        try_other(true);
-        try_other(settle_states(speed, tolerance));
+        else if (!found && now > 10 * best) contacts = best_;
+        alpha = found ? std::max(lighter * alpha, least_weight) : std::min(heavier * alpha, largest_weight);
     }
     contacts = best_;
     return best;
+}
+
+/// The problem of the next proximal point from the present impulses; with alpha = 0 the given problem.
+void ContactCluster::bring_near(double alpha) {
+    for (Index i = 0; i < size(); ++i) {
+        const Vec2 weight = alpha * exact_own_[i].diagonal();
+        own_[i] = exact_own_[i] + Eigen::Matrix2d(weight.asDiagonal());
+        contacts[i].free = free_[i] - weight.cwiseProduct(contacts[i].impulse);
+    }
+    for (ContactCoupling& c : couplings)
+        if (c.of == c.on) c.W = own_[c.of];
 }
 
 /// The active set: in given states the problem is linear. At first every contact that violates its law changes its
@@ -258,24 +294,6 @@ bool ContactCluster::solve_states() {
         const StaircasePiece& piece = states[unknown_[r] / 2].tangential;
         if (unknown_[r] % 2 == 0 && !piece.stick) impulse.y() = -piece.contact_offset * p_[r];
     }
-    find_velocities();
-    return true;
-}
-
-/// As one complementarity problem (interface/staircase_lcp.hpp).
-bool ContactCluster::solve_by_lemke(double speed) {
-    lcp_.clear();
-    for (std::size_t i = 0; i < contacts.size(); ++i)
-        if (contacts[i].law.contact.may_touch && own_[i].trace() > 0) lcp_.add(i, contacts[i].law, own_[i].trace());
-    W_.setZero(2 * size(), 2 * size());
-    for (const ContactCoupling& c : couplings) W_.block<2, 2>(2 * c.on, 2 * c.of) = c.W;
-    const auto response = [&](std::size_t i, int along, std::size_t j, int on) {
-        return W_(2 * static_cast<Eigen::Index>(i) + along, 2 * static_cast<Eigen::Index>(j) + on);
-    };
-    const auto free = [&](std::size_t i, int along) { return contacts[i].free[along]; };
-    if (!lcp_.solve(speed, response, free)) return false;
-    for (ClusterContact& c : contacts) c.impulse.setZero();
-    lcp_.for_impulses([&](std::size_t i, int along, double part) { contacts[i].impulse[along] += part; });
     find_velocities();
     return true;
 }

@@ -5,7 +5,7 @@
 namespace knap {
 namespace {
 
-constexpr double turn_limit = 0.01;    // [rad]
+constexpr double turn_limit = 0.002;   // [rad]
 constexpr std::ptrdiff_t block = 256;  // fans
 
 Index next_in_triangle(Index c) { return c % 3 == 2 ? c - 2 : c + 1; }

@@ -4,12 +4,14 @@
 
 namespace knap {
 
-/// [-] Of the edge: with 0.05 triangles of a star of cracks overlap by 0.1 edge.
-constexpr double retirement_slip = 0.01;
+/// [-] Of the edge. The points of a fan keep only neighbours apart, so corners of a star of cracks that are no neighbours
+/// overlap by up to three times this before they meet as free faces: by 0.1 edge with 0.05, 0.028 with 0.01, 0.006 with
+/// 0.002 (protection_wall), and such overlaps jam. Below 0.001, which is rounding for the search, nothing is gained.
+constexpr double retirement_slip = 0.002;
 
 /// Marks in end.retired the points that retire: nothing holds them any more (beta = 0), and their sides have moved
 /// apart or along each other by more than this part of the edge, or have turned against each other by more than
-/// 0.01 rad.
+/// 0.002 rad.
 /// The fixed normal of a point errs by (slip/length)^2; penetration in general contact falls with the threshold, forces
 /// do not depend on it between 0.02 and 0.5. Positions, velocities and energies are untouched. A point on a support
 /// never retires: a rigid plane serves any slip.

@@ -135,7 +135,7 @@ TEST_CASE("a crack that reaches the outer boundary splits its vertex when its po
     CHECK(n_vertices(boundary) == 8);
 }
 
-TEST_CASE("a point retires beyond a slip or opening of a hundredth of its edge and beyond a hundredth of a radian") {
+TEST_CASE("a point retires beyond a slip or opening of two thousandths of its edge and beyond as many radians") {
     const auto retired = [](const Vec2& shift, double angle, double cohesion) {
         Pieces scene({bar_mesh(1, 1, 1, 1)});
         break_all(scene);
@@ -146,12 +146,12 @@ TEST_CASE("a point retires beyond a slip or opening of a hundredth of its edge a
         return int(std::ranges::count(scene.state.retired, 1));
     };
     const Vec2 along = Vec2(1, 1), across = Vec2(-1, 1) / std::sqrt(2.0);  // of the diagonal, whose length is sqrt(2)
-    CHECK(retired(0.008 * along, 0, 0) == 0);
-    CHECK(retired(0.012 * along, 0, 0) == 2);
-    CHECK(retired(0.012 * along, 0, 0.01) == 0);
-    CHECK(retired(0.008 * std::sqrt(2.0) * across, 0, 0) == 0);
-    CHECK(retired(0.012 * std::sqrt(2.0) * across, 0, 0) == 2);
-    CHECK(retired({0, 0}, 0.008, 0) == 0);
-    CHECK(retired({0, 0}, 0.012, 0) == 2);
-    CHECK(retired({0, 0}, -0.012, 0) == 2);
+    CHECK(retired(0.0016 * along, 0, 0) == 0);
+    CHECK(retired(0.0024 * along, 0, 0) == 2);
+    CHECK(retired(0.0024 * along, 0, 0.01) == 0);
+    CHECK(retired(0.0016 * std::sqrt(2.0) * across, 0, 0) == 0);
+    CHECK(retired(0.0024 * std::sqrt(2.0) * across, 0, 0) == 2);
+    CHECK(retired({0, 0}, 0.0016, 0) == 0);
+    CHECK(retired({0, 0}, 0.0024, 0) == 2);
+    CHECK(retired({0, 0}, -0.0024, 0) == 2);
 }
