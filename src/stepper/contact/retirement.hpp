@@ -4,7 +4,7 @@
 
 namespace knap {
 
-/// [-] Of the edge. The points of a fan keep only neighbours apart, so corners of a star of cracks that are no neighbours
+/// [-] Of the edge. The points of a fan keep neighbours apart. Corners of a star of cracks that are no neighbours
 /// overlap by up to three times this before they meet as free faces: by 0.1 edge with 0.05, 0.028 with 0.01, 0.006 with
 /// 0.002 (protection_wall), and such overlaps jam. Below 0.001, which is rounding for the search, nothing is gained.
 constexpr double retirement_slip = 0.002;
