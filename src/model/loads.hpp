@@ -68,6 +68,15 @@ struct Load {
     Vec2 vector() const { return {value[0].value_or(0), value[1].value_or(0)}; }
 };
 
+/// A fluid in cracks: it presses on both faces of all broken interfaces that broken interfaces connect to its source,
+/// and on those of the joints that it fills, broken or not.
+struct CrackPressure {
+    double pressure = 0;            // [Pa]
+    std::optional<Selection> from;  // the source: cracks that begin on this boundary or in this box
+    Index joint_law = -1;           // the source: all joints with this law; neither: all cracks
+    TimeFunction history;           // multiplies the pressure
+};
+
 /// A rigid, fixed support of a boundary, glued by a cohesive law or in contact only.
 struct Support {
     Selection on;

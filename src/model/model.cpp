@@ -129,6 +129,32 @@ private:
     const Mesh& mesh_;
 };
 
+/// Vertices where a fluid enters cracks, and the points of the joints that it fills.
+CrackFluid fluid_of(const CrackPressure& given, const ModelInput& input, std::size_t number, const Model& model) {
+    const Mesh& mesh = model.mesh;
+    CrackFluid fluid{.pressure = given.pressure, .history = static_cast<Index>(model.histories.size())};
+    fluid.is_source.assign(mesh.vertices.size(), !given.from && given.joint_law < 0);
+    if (given.from) {
+        const std::vector<char> selected = selected_corners(mesh, *given.from);
+        std::vector<Index> corners;
+        for (Index c = 0; c < mesh.n_corners(); ++c)
+            if (selected[c] && mesh.place_in_triangle(c) < 3) corners.push_back(c);
+        for (const Index c :
+             not_empty(corners, "a pressure in cracks from", *given.from, EmptySelection::crack_pressures, number))
+            fluid.is_source[mesh.triangles[mesh.triangle_of(c)][mesh.place_in_triangle(c)]] = 1;
+    }
+    if (given.joint_law < 0) return fluid;
+    for (std::size_t i = 0; i < mesh.interior_edges.size(); ++i) {
+        const Index joint = mesh.interior_edges[i].joint, n = model.points_per_interface();
+        if (joint < 0 || input.law_of_joint[joint] != given.joint_law) continue;
+        for (const Index v : model.interfaces[i].vertex) fluid.is_source[v] = 1;
+        for (Index k = 0; k < n; ++k) fluid.joint_points.push_back(static_cast<Index>(i) * n + k);
+    }
+    if (fluid.joint_points.empty())
+        throw EmptySelection(EmptySelection::crack_pressures, number, "no joint of the mesh has the law of a pressure");
+    return fluid;
+}
+
 SupportOfEdge supports_of(const Mesh& mesh, const std::vector<Support>& supports) {
     SupportOfEdge of_edge(mesh.boundary_edges.size(), -1);
     for (std::size_t s = 0; s < supports.size(); ++s) {
@@ -267,6 +293,11 @@ Model make_model(ModelInput input) {
     LoadMaker loads(model);
     for (const Load& load : input.loads) loads.add(load);
     std::ranges::stable_sort(model.corner_loads, {}, &CornerLoad::corner);
+    for (std::size_t i = 0; i < input.crack_pressures.size(); ++i) {
+        model.crack_fluids.push_back(fluid_of(input.crack_pressures[i], input, i, model));
+        model.histories.push_back(input.crack_pressures[i].history);
+        model.load_names.push_back("pressure" + std::to_string(i));
+    }
     set_initial_velocities(input.initial_velocities, model);
     start_as_driven(model);
     model.obstacles = std::move(input.obstacles);

@@ -74,6 +74,14 @@ struct FaceStress {
     std::array<double, 3> stress;  // [Pa] xx, yy, xy
 };
 
+/// A fluid in cracks on the mesh (CrackPressure).
+struct CrackFluid {
+    double pressure;                      // [Pa]
+    Index history;                        // into Model::histories
+    std::vector<std::uint8_t> is_source;  // [0/1] per mesh vertex
+    std::vector<Index> joint_points;      // it presses on them, broken or not
+};
+
 /// Prescribed motion of a corner in x, y or both. All corners of a bonded fan have the same.
 struct PrescribedMotion {
     Index fan;
@@ -107,6 +115,7 @@ struct ModelInput {
     std::vector<Scatter> scatter;                 // by law; empty = no law scatters
     std::uint64_t seed = 1;                       // of the scatter
     std::vector<Load> loads;
+    std::vector<CrackPressure> crack_pressures;
     std::vector<Support> supports;
     std::vector<InitialVelocity> initial_velocities;
     std::vector<Obstacle> obstacles;
@@ -129,10 +138,11 @@ struct Model {
     std::vector<Index> fan_of_corner;
     std::vector<Index> fan_point_of;  // per point: its index in fan_points; -1 on an interface that is gone
 
-    std::vector<TimeFunction> histories;  // of the loads, in their order; then those of excavations
-    std::vector<std::string> load_names;
+    std::vector<TimeFunction> histories;   // of the loads and crack fluids, in their order; then those of excavations
+    std::vector<std::string> load_names;   // likewise
     std::vector<CornerLoad> corner_loads;  // in the order of the corners
     std::vector<FaceStress> face_stresses;
+    std::vector<CrackFluid> crack_fluids;
     std::vector<PrescribedMotion> prescribed;
     std::vector<Index> prescribed_of_corner;  // per corner: into `prescribed`, or -1
     std::vector<Vec2> initial_velocity;       // [m/s] per corner; equal where corners move as one
@@ -180,7 +190,7 @@ inline bool unbreakable(const Model& model, const FanPoint& point) {
 /// A load, support or initial velocity acts nowhere on the mesh.
 class EmptySelection : public UserError {
 public:
-    enum List { loads, supports, initial_velocities };
+    enum List { loads, supports, initial_velocities, crack_pressures };
     EmptySelection(List list, std::size_t number, const std::string& message)
         : UserError("empty-selection", message), list(list), number(number) {}
     List list;           // of ModelInput

@@ -334,6 +334,19 @@ void add_keys_of_loads(KeyTable& t) {
     t.number("acceleration", "m/s2", "force per mass, x and y, as gravity").pair();
     add_history(t, "rise time: the factor grows linearly from 0 to 1 and stays 1");
 
+    t.list("pressure[]", "the pressure of a fluid (water, gas, ice) in cracks: it acts on both faces of every broken "
+        "interface that others connect to the source, and follows a crack that grows; without from and joints in all "
+        "cracks. Its factor over time by at most one of ramp, table, csv, otherwise constant");
+    t.number("pressure", "Pa", "pressure").required().to(&CrackPressure::pressure);
+    t.table("pressure[].from", "the source: cracks that begin on a boundary, in a box, or on what they have in common")
+        .or_text("boundary");
+    t.text("boundary", "name of a boundary").to(&Selection::boundary);
+    t.number("box", "m", "lower left and upper right corner").box().to(&Selection::box);
+    t.in("pressure[]");
+    t.text("joints", "the source: all joints with the interface law of this name, which the fluid fills also where "
+        "they hold");
+    add_history(t, "rise time: the factor grows linearly from 0 to 1 and stays 1");
+
     t.list("obstacle[]", "a rigid body in contact with the meshed body: fixed, driven (velocity or displacement), or "
         "free if it has a mass and nothing is prescribed");
     t.text("name", "name in reactions.csv").a_name().computed("obstacle1, obstacle2, ...").to(&Obstacle::name);

@@ -52,6 +52,9 @@ void read_excavations(Reading& reading) {
     if (reading.table("specimen").given())
         first.error("exclusive-keys", "", "has no meaning with [specimen]: a specimen keeps its shape",
                     "probes and reactions watch what remains");
+    if (!reading.scenario.crack_pressures.empty())
+        first.error("exclusive-keys", "", "has no meaning with [[pressure]]: a fluid in cracks would flow out",
+                    "one of them");
     for (const Table& table : tables) read_excavation(table);
 }
 

@@ -1,4 +1,4 @@
-// [[support]], [[load]], [[initial]] and [[obstacle]]: place, value and history of what acts on the body.
+// [[support]], [[load]], [[pressure]], [[initial]] and [[obstacle]]: place, value and history of what acts on the body.
 #include "scenario/reading.hpp"
 
 #include <algorithm>
@@ -200,6 +200,22 @@ void read_supports(Reading& reading) {
         table.fill(support);
         if (support.glued && support.gap > 0)
             table.error("exclusive-keys", "gap", "belongs to a support that is not glued", "gap = 0, or glued = false");
+    }
+}
+
+void read_pressures(Reading& reading) {
+    for (const Table& table : reading.list("pressure")) {
+        Scenario& scenario = reading.scenario;
+        CrackPressure& pressure = scenario.crack_pressures.emplace_back();
+        table.fill(pressure);
+        if (table.given("from")) pressure.from = read_selection(table.table("from"));
+        if (const auto name = table.get<std::string>("joints"); name && table.has("joints")) {
+            std::vector<std::string> known;
+            for (const Index law : scenario.law_of_joint) known.push_back(law < 0 ? "" : scenario.laws[law].name);
+            if (reading.find(table.path("joints"), "interface law of a joint set", *name, known))
+                pressure.joint_law = scenario.law_of_joint[std::ranges::find(known, *name) - known.begin()];
+        }
+        pressure.history = read_history(table);
     }
 }
 

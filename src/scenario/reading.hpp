@@ -152,6 +152,7 @@ void check_softening(Reading& reading);   // after laws and time
 void read_loads(Reading& reading);        // loads, initial velocities, obstacles
 void read_run(Reading& reading);          // time, output, probes, specimen, figures, limits, expectations
 void read_contact(Reading& reading);      // after laws and time
+void read_pressures(Reading& reading);    // after laws and microstructure: joints have laws
 void read_excavations(Reading& reading);  // after microstructure and time: outlines that the mesh follows
 void read_study(Reading& reading);        // after everything that a study may name: probes, loads, expectations
 void read_sweep(Reading& reading);

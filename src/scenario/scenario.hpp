@@ -135,6 +135,7 @@ struct Scenario {
     std::vector<MaterialMap> maps;
     std::vector<NamedFile> files;  // copied to the run directory
     std::vector<Load> loads;
+    std::vector<CrackPressure> crack_pressures;
     std::vector<Support> supports;
     std::vector<InitialVelocity> initial_velocities;  // those of the bodies, then [[initial]]
     std::vector<Obstacle> obstacles;

@@ -1,6 +1,7 @@
 #include "stepper/moreau_jean.hpp"
 
 #include "base/error.hpp"
+#include "stepper/common/crack_forces.hpp"
 #include "stepper/explicit/explicit_scheme.hpp"
 #include "stepper/implicit/implicit_scheme.hpp"
 #include "stepper/step_control.hpp"
@@ -101,6 +102,9 @@ Inertia inertia_of(const Model& model, const State& state, double h) {
 double load_of(const Model& model, const State& state) {
     double load = 0;
     for (const CornerLoad& at : model.corner_loads) load += std::abs(model.histories[at.history](0)) * at.force.norm();
+    CrackForces in_cracks(model);
+    for (const CornerLoad& at : in_cracks.find(state))
+        load += std::abs(model.histories[at.history](0)) * at.force.norm();
     for (const Vec2& reaction : state.reaction) load += reaction.norm();
     for (std::size_t o = 0; o < model.obstacles.size(); ++o)
         load += state.obstacles[o].reaction.head<2>().norm() + force_at(model.obstacles[o], 0).head<2>().norm();

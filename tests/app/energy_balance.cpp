@@ -94,6 +94,13 @@ TEST_CASE("energy balance: a block that turns and breaks") {
     CHECK(balance.end_of("dissipated") > 0);
 }
 
+TEST_CASE("energy balance: water that drives a crack") {
+    const Balance balance =
+        balance_of(Folder("energy water"), "hydraulic_fracture -s 'mesh.size=10 mm' -s 'output.history_every=1 us'");
+    check_closes(balance);
+    CHECK(balance.end_of("dissipated") > 0);
+}
+
 TEST_CASE("energy balance: a gallery that is excavated while the rock breaks") {
     const Balance balance = balance_of(Folder("energy gallery"),
                                        "excavated_gallery -s 'mesh.refine=[]' -s 'mesh.size=0.6 m' -s 'time.end=15 ms' "

@@ -422,6 +422,14 @@ material = "quartz"
 size = "3 mm"
 number = 12
 name = "bubbles"
+[[pressure]]
+pressure = "2 MPa"
+from = { boundary = "top", box = ["0 mm", "40 mm", "10 mm", "42 mm"] }
+ramp = "10 us"
+[[pressure]]
+pressure = "3 MPa"
+joints = "weak"
+table = [[0, 0], ["10 us", 1]]
 [[joints]]
 direction = "60 deg"
 spread = 5
@@ -766,6 +774,12 @@ const Case cases[] = {
     {rock, "joints[0].length", "0.01"},
     {rock, "joints[0].interface", "\"weak\""},
     {rock, "joints[1].thickness", "0.002"},
+    {rock, "pressure[0].pressure", "2e+06"},
+    {rock, "pressure[0].from.boundary", "\"top\""},
+    {rock, "pressure[0].from.box", "[0, 0.04, 0.01, 0.042]"},
+    {rock, "pressure[0].ramp", "1e-05"},
+    {rock, "pressure[1].joints", "\"weak\""},
+    {rock, "pressure[1].table", "[[0, 0], [1e-05, 1]]"},
     {rock, "joints[1].material", "\"quartz\""},
     {painted, "map[0].file", "\"" KNAP_SOURCE_DIR "/tests/scenario/data/two_halves.png\""},
     {painted, "map[0].box", "[0, 0, 0.1, 0.04]"},
@@ -791,7 +805,7 @@ TEST_CASE("keys: each is read and survives the resolved scenario") {
 }
 
 TEST_CASE("keys: each is in the test above and is found by its pattern") {
-    std::set<std::string> tested{"load[].csv", "obstacle[].csv",
+    std::set<std::string> tested{"load[].csv", "obstacle[].csv", "pressure[].csv",
                                  "interface.*.csv"};  // the same reader, with tests of its own
     for (const Case& c : cases) tested.insert(pattern_of(c.path));
     std::set<std::string_view> seen;

@@ -156,7 +156,7 @@ Model model_of(const ReadResult& read) {
     } catch (const ShapeError& error) {
         throw UserError({read.at_shape(error)});
     } catch (const EmptySelection& error) {
-        const char* const lists[] = {"load", "support", "initial"};  // in the order of EmptySelection::List
+        const char* const lists[] = {"load", "support", "initial", "pressure"};  // in the order of EmptySelection::List
         const bool initial = error.list == EmptySelection::initial_velocities;
         const std::size_t n_of_bodies =  // they come first
             initial ? read.scenario.initial_velocities.size() - read.values.count("initial") : 0;

@@ -81,6 +81,7 @@ Model build_model(const Scenario& scenario) {
     input.law_of_joint = scenario.law_of_joint;
     input.seed = scenario.seed;
     input.loads = scenario.loads;
+    input.crack_pressures = scenario.crack_pressures;
     input.supports = scenario.supports;
     input.initial_velocities = scenario.initial_velocities;
     input.obstacles = scenario.obstacles;

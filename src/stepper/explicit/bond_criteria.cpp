@@ -60,6 +60,9 @@ std::vector<double> stress_thresholds(const Model& model, std::span<const Dashpo
         if (thresholds[fan] < infinite) thresholds[fan] = -1;
     };
     for (const CornerLoad& load : model.corner_loads) always_test(model.fan_of_corner[load.corner]);
+    for (const CrackFluid& fluid : model.crack_fluids)
+        for (const Index p : fluid.joint_points)
+            always_test(model.fan_of_corner[model.fan_points[model.fan_point_of[p]].corner()]);
     for (const PrescribedMotion& motion : model.prescribed) always_test(motion.fan);
     for (const Dashpot& dashpot : dashpots) always_test(dashpot.fan);
     return thresholds;

@@ -24,6 +24,7 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
       damping_(options.damping),
       forces_(model.mesh, model.materials, model.plane, model.thickness, model.large_rotation),
       stable_step_(std::ranges::min(stable_steps(model.mesh, model.materials, model.plane))),
+      crack_forces_(model),
       absorbing_(model, options.absorbing),
       blocks_(make_blocks(model, absorbing_.dashpots())),
       obstacle_step_(model),
@@ -68,6 +69,8 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
         for (const Index f : contacts_->fans()) fan_is_candidate_[f] = 1;
     }
     report += sweep_blocks(step);
+    for (const CornerLoad& load : crack_forces_.find(begin))
+        corner_force_[load.corner] += amplitude_[load.history] * load.force;
     obstacles_.begin(step);
     split_at_contacts(begin);
     report += sweep_bordering(step);
@@ -341,24 +344,33 @@ StepReport ExplicitScheme::advance_split(const ExplicitStep& step) {
 /// Works of the loads, and their part in the energies that the report has of all forces; by the threads that moved
 /// these corners, since a load on a long boundary has many.
 StepReport ExplicitScheme::account_loads(const ExplicitStep& step) {
-    if (model_.corner_loads.empty()) return {};
+    StepReport of_cracks;
+    for (const CornerLoad& load : crack_forces_.found()) account_load(load, load.force, step, of_cracks);
+    if (model_.corner_loads.empty()) return of_cracks;
+    return of_cracks +=
+           sum_over_blocks(blocks_.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
+               for (Index i = blocks_[b].first_load; i < blocks_[b].last_load; ++i) {
+                   const CornerLoad& load = model_.corner_loads[i];
+                   account_load(load, force_of(model_, load, step.begin), step, report);
+               }
+           });
+}
+
+/// `of_one` [N]: the force for amplitude 1.
+void ExplicitScheme::account_load(const CornerLoad& load, const Vec2& of_one, const ExplicitStep& step,
+                                  StepReport& report) const {
     const State &begin = step.begin, &end = step.end;
-    return sum_over_blocks(blocks_.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
-        for (Index i = blocks_[b].first_load; i < blocks_[b].last_load; ++i) {
-            const CornerLoad& load = model_.corner_loads[i];
-            const Vec2 force = amplitude_[load.history] * force_of(model_, load, begin);
-            const Index from = begin.node_of_corner[load.corner], to = end.node_of_corner[load.corner];
-            double& work = model_.is_release(load) ? report.excavation_work : report.external_work;
-            work += step.kick_time * force.dot(0.5 * (begin.velocity[from] + end.velocity[to]));
-            if (model_.large_rotation) {
-                report.strain += 0.5 * step.drift_time * force.dot(end.velocity[to]);
-                report.rotation_work -= 0.5 * begin.last_step * force.dot(begin.velocity[from]);
-            } else {
-                report.strain += 0.5 * force.dot(end.displacement[to]);
-            }
-            report.step_change_work += step.change_time() * force.dot(end.velocity[to] - begin.velocity[from]);
-        }
-    });
+    const Vec2 force = amplitude_[load.history] * of_one;
+    const Index from = begin.node_of_corner[load.corner], to = end.node_of_corner[load.corner];
+    double& work = model_.is_release(load) ? report.excavation_work : report.external_work;
+    work += step.kick_time * force.dot(0.5 * (begin.velocity[from] + end.velocity[to]));
+    if (model_.large_rotation) {
+        report.strain += 0.5 * step.drift_time * force.dot(end.velocity[to]);
+        report.rotation_work -= 0.5 * begin.last_step * force.dot(begin.velocity[from]);
+    } else {
+        report.strain += 0.5 * force.dot(end.displacement[to]);
+    }
+    report.step_change_work += step.change_time() * force.dot(end.velocity[to] - begin.velocity[from]);
 }
 
 /// U_n and the terms of the step before complete the energies of NodeMotion. The first step has none before.

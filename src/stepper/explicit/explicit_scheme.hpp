@@ -3,6 +3,7 @@
 // problem of the step falls apart into one small problem per vertex.
 #include "element/elastic_forces.hpp"
 #include "stepper/common/bond_check.hpp"
+#include "stepper/common/crack_forces.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/explicit/absorbing_boundary.hpp"
 #include "stepper/explicit/mesh_blocks.hpp"
@@ -44,6 +45,7 @@ private:
     void release(const ExplicitStep& step, StepReport& report);
     StepReport advance_split(const ExplicitStep& step);
     StepReport account_loads(const ExplicitStep& step);
+    void account_load(const CornerLoad& load, const Vec2& of_one, const ExplicitStep& step, StepReport& report) const;
     void account_rotation(const ExplicitStep& step, StepReport& report) const;
     /// No contact acts on several fans.
     bool fans_are_independent() const { return model_.obstacles.empty() && !contacts_; }
@@ -52,6 +54,7 @@ private:
     double damping_;  // [1/s]
     ElasticForces forces_;
     double stable_step_;  // [s] of the worst free triangle
+    CrackForces crack_forces_;
     AbsorbingBoundary absorbing_;
     std::vector<MeshBlock> blocks_;
     ObstacleStep obstacle_step_;

@@ -43,7 +43,8 @@ std::vector<MeshBlock> make_blocks(const Model& model, std::span<const Dashpot> 
         block.inner.no_force = static_cast<MeshBlock::Corner>(per_triangle * blocks.front().last);
         block.bordering.no_force = model.mesh.n_corners();
     }
-    std::vector<std::uint8_t> is_free(model.fans.size(), 1), is_loaded(model.fans.size(), 0);
+    std::vector<std::uint8_t> is_free(model.fans.size(), 1),
+        is_loaded(model.fans.size(), !model.crack_fluids.empty());  // where a crack may come, a fluid may follow
     for (const CornerLoad& load : model.corner_loads) is_loaded[model.fan_of_corner[load.corner]] = 1;
     for (const PrescribedMotion& motion : model.prescribed) is_free[motion.fan] = 0;
     for (const Dashpot& dashpot : dashpots) is_free[dashpot.fan] = 0;

@@ -19,7 +19,10 @@ ElementMatrix theta_element(const Model& model, Index t, double stiffness_factor
 }
 
 ImplicitBulk::ImplicitBulk(const Model& model, MassMatrix mass)
-    : model_(model), mass_(mass), forces_(model.mesh, model.materials, model.plane, model.thickness) {
+    : model_(model),
+      mass_(mass),
+      crack_forces_(model),
+      forces_(model.mesh, model.materials, model.plane, model.thickness) {
     const Index n = model.mesh.corners_per_triangle();
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
         const Elastic& material = model.materials[model.mesh.region[t]];
@@ -48,6 +51,8 @@ void ImplicitBulk::begin_step(const StepContext& step) {
         amplitude_.push_back(step.theta * history(begin.time + step.h) + (1 - step.theta) * history(begin.time));
     std::ranges::fill(load_, Vec2::Zero());
     for (const CornerLoad& load : model_.corner_loads) load_[load.corner] += amplitude_[load.history] * load.force;
+    for (const CornerLoad& load : crack_forces_.find(begin))
+        load_[load.corner] += amplitude_[load.history] * load.force;
     elastic_force(begin.displacement, begin.node_of_corner, begin_force_);
     // largest terms of the balance: a difference below their rounding has no meaning
     begin_impulse_ = 0;

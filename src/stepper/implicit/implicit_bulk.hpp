@@ -10,6 +10,7 @@
 #include "element/triangle_matrices.hpp"
 #include "interface/point_law.hpp"
 #include "model/state.hpp"
+#include "stepper/common/crack_forces.hpp"
 #include "stepper/common/step_report.hpp"
 #include "stepper/implicit/corner_partition.hpp"
 
@@ -58,6 +59,7 @@ private:
 
     const Model& model_;
     MassMatrix mass_;
+    CrackForces crack_forces_;
     ElasticForces forces_;
     std::vector<double> corner_stiffness_;  // [N/m] mean of the diagonal of K
     const StepContext* step_ = nullptr;
