@@ -52,15 +52,15 @@ double assumption_1_step(const Resolution& resolution, double edge, double theta
 }
 
 /// `step`: [s] that in which cohesion may decrease.
-void print_resolution(const Scenario& scenario, double mean_edge, double step) {
-    const std::vector<Resolution> found = judge_resolution(scenario, mean_edge);
+void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
+    const std::vector<Resolution> found = judge_resolution(scenario, mesh);
     std::printf("interfaces\n");
     for (const Resolution& r : found)
         std::printf("  %-12s law %s: process zone %.3g mm (at rest), %.1f edges; cohesive length %.3g mm\n",
                     r.material.c_str(), r.law.c_str(), 1e3 * r.steep_zone(), r.n_edges, 1e3 * r.cohesive_length);
     const SchemeOptions& scheme = scenario.time.scheme;
     for (const Resolution& r : found) {
-        const double limit = assumption_1_step(r, finest_edge(scenario, mean_edge), scheme.theta);
+        const double limit = assumption_1_step(r, finest_edge(scenario, mean_edge(mesh)), scheme.theta);
         const char* what = scheme.cohesion == CohesionScheme::explicit_beta
                                ? "of an implicit cohesion; explicit beta has no such limit"
                            : limit >= step ? "holds for every step"
@@ -165,7 +165,7 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     print_mesh(judge(model.mesh));
     std::fputs(random_sets_text(scenario).c_str(), stdout);
     print_materials(scenario);
-    print_resolution(scenario, mean_edge(model.mesh), plan.limits.cracking);
+    print_resolution(scenario, model.mesh, plan.limits.cracking);
     print_methods(scenario, model);
     for (const PlannedExcavation& one : excavations)
         std::printf("  excavation[%zu]: %zu triangles vanish at %.6g s, their forces within %.6g s\n", one.number,
@@ -193,7 +193,7 @@ ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& outp
     std::printf("%-28s %.2f\n", "largest angle [degree]", report.largest_angle);
     std::printf("%-28s %.4g\n", "stable step [s]",
                 std::ranges::min(stable_steps(model.mesh, model.materials, model.plane)));
-    for (const Resolution& r : judge_resolution(read.scenario, mean_edge(model.mesh)))
+    for (const Resolution& r : judge_resolution(read.scenario, model.mesh))
         std::printf("%-28s %.1f (%s, %.3g m)\n", "edges per process zone", r.n_edges, r.material.c_str(),
                     r.steep_zone());
     if (report.n_paths > 0) {

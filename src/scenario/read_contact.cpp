@@ -20,7 +20,7 @@ void read_contact(Reading& reading) {
     Scenario& scenario = reading.scenario;
     const Table table = reading.table("contact");
     if (!table.given()) return warn_of_ghosts(reading);
-    if (reading.table("domain").text("rotation") != "large")
+    if (reading.table("domain").text("rotation") == "small")  // any other word has its own error
         table.error("exclusive-keys", "", "needs large rotations", "rotation = \"large\" in [domain]");
     if (scenario.time.scheme.cohesion != CohesionScheme::explicit_beta)
         table.error("exclusive-keys", "", "needs the explicit cohesion", "time.cohesion = \"explicit\"");

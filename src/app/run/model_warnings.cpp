@@ -142,7 +142,7 @@ public:
     Warnings(const ReadResult& read, const Model& model) : read_(read), scenario_(read.scenario), model_(model) {}
 
     void on_resolution() {
-        for (const Resolution& r : judge_resolution(scenario_, mean_edge(mesh_)))
+        for (const Resolution& r : judge_resolution(scenario_, mesh_))
             if (r.steep_zone() == 0)
                 add(scenario_.given ? "mesh.file" : "mesh.size", "resolution",
                     formatted(

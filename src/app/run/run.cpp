@@ -36,7 +36,7 @@ struct RunSetup {
 RecorderOptions recorder_options(const RunSetup& setup, bool resumes) {
     const auto& [scenario, model, plan, options, directory] = setup;
     double process_zone = 0, fastest = 0, critical_opening = 0;
-    for (const Resolution& r : judge_resolution(scenario, mean_edge(model.mesh)))
+    for (const Resolution& r : judge_resolution(scenario, model.mesh))
         process_zone = std::max(process_zone, r.process_zone);
     for (const NamedMaterial& material : scenario.materials)
         fastest = std::max(fastest, material.elastic.dilatational_speed(scenario.plane));
@@ -379,8 +379,10 @@ ExitCode run_scenario(const ReadResult& requested, const RunOptions& options) {
                      .materials = scenario.material_names()};
     std::string warnings;
     for (const auto& found : {findings_of_model(read, model, plan), read.warnings})
-        for (const Diagnostic& warning : found) warnings += format(warning), record.warnings.push_back(warning.message);
-    if (!options.quiet) std::fputs(warnings.c_str(), stderr);
+        for (const Diagnostic& warning : found) {
+            warnings += format(warning), record.warnings.push_back(warning.message);
+            if (!options.quiet || warning.code == "no-contact") std::fputs(format(warning).c_str(), stderr);
+        }
     FirstFiles files{{"scenario.toml", read.source.text()}, {"resolved.toml", resolved_for_run(read)}};
     for (const NamedFile& file : scenario.files) files.emplace_back(file.name, file.bytes);
 

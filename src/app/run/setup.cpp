@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 
 namespace knap {
 
@@ -89,9 +90,12 @@ Model build_model(const Scenario& scenario) {
     return make_model(std::move(input));
 }
 
-std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_edge) {
+std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& mesh) {
     std::vector<Resolution> found;
-    const double edge = finest_edge(scenario, mean_edge);
+    const double edge = finest_edge(scenario, mean_edge(mesh));
+    std::set<std::pair<Index, Index>> meeting;  // materials of separate bodies have no interface
+    for (const InteriorEdge& interface : mesh.interior_edges)
+        meeting.insert(std::minmax(mesh.region[interface.triangle[0]], mesh.region[interface.triangle[1]]));
     const auto judge_law = [&](const std::string& where, const NamedLaw& law, double modulus, double wave_speed) {
         if (!law.law.breakable() || law.law.sigma_c <= 0) return;
         const double length = modulus * law.law.G_c / (law.law.sigma_c * law.law.sigma_c),
@@ -105,6 +109,7 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_e
     };
     for (std::size_t a = 0; a < scenario.materials.size(); ++a)
         for (std::size_t b = a; b < scenario.materials.size(); ++b) {
+            if (!meeting.contains({static_cast<Index>(a), static_cast<Index>(b)})) continue;
             const NamedMaterial &one = scenario.materials[a], &other = scenario.materials[b];
             judge_law(a == b ? one.name : one.name + "-" + other.name, scenario.laws[scenario.law_of_pair[a][b]],
                       std::min(modulus(one), modulus(other)), std::max(speed(one), speed(other)));

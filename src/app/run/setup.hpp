@@ -22,8 +22,8 @@ struct Resolution {
     /// [m] The part in which the traction falls fastest; a mesh that does not resolve it breaks edge by edge.
     double steep_zone() const { return process_zone / steepness; }
 };
-/// `mean_edge` [m] of the mesh; compared with finest_edge().
-std::vector<Resolution> judge_resolution(const Scenario& scenario, double mean_edge);
+/// Of the pairs of materials with a common interface in the mesh; compared with finest_edge().
+std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& mesh);
 
 /// [m] Mean length of the interior edges.
 double mean_edge(const Mesh& mesh);
