@@ -53,6 +53,31 @@ show = "speed"
 
 }  // namespace
 
+TEST_CASE("bodies: the warning that bodies pass through each other is printed with -q") {
+    const Folder folder("no_contact");
+    std::ofstream(folder.path / "three.toml") << scene;
+    const Answer run = command("run -q -j 1 " + folder.in_shell("three.toml") + " -o " + folder.in_shell("run"));
+    CHECK(run.text.find("warning[no-contact]") != std::string::npos);
+    CHECK(run.text.find("warning[resolution]") == std::string::npos);
+}
+
+TEST_CASE("bodies: check lists no interface between materials of separate bodies") {
+    const Folder folder("pairs");
+    std::string two = scene + "[material.ice]\ndensity = 900\nE = \"9 GPa\"\nnu = 0.3\n";
+    for (const std::string name : {"plate", "boulder", "block"}) {
+        const std::string line = "name = \"" + name + "\"\n";
+        const std::string material = name == "boulder" ? "ice" : "rock";
+        two.replace(two.find(line), line.size(), line + "material = \"" + material + "\"\n");
+    }
+    std::ofstream(folder.path / "two.toml") << two;
+    const Answer check = command("check " + folder.in_shell("two.toml"));
+    CHECK(check.code == 0);
+    CHECK(check.text.find("  ice          law default") != std::string::npos);
+    CHECK(check.text.find("  rock         law default") != std::string::npos);
+    CHECK(check.text.find("ice-rock") == std::string::npos);
+    CHECK(check.text.find("rock-ice") == std::string::npos);
+}
+
 TEST_CASE("bodies: three in one run") {
     const Folder folder("bodies");
     std::ofstream(folder.path / "three.toml") << scene;

@@ -163,6 +163,7 @@ TEST_CASE("contact: laws of pairs of materials") {
     CHECK(samples::read(two).scenario.contact_of_pair.empty());
     REQUIRE(samples::read(two).warnings.size() == 1);
     CHECK(samples::read(two).warnings[0].code == "no-contact");
+    reports(changed("large", "big", two) + "[contact]\n", "unknown-word", "rotation");
     const auto laws = [&](const std::string& contact) {
         std::vector<std::pair<double, double>> found;
         const auto pairs = samples::read(two + contact).scenario.contact_of_pair;
