@@ -42,7 +42,7 @@ EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix ma
 }
 
 void EnergyLedger::add(const State& end, const StepReport& report) {
-    const double surface_before = row_.surface();
+    const double at_end_before = row_.surface() - row_.interface_elastic;
     ++n_steps_;
     supplied_ += std::max(0.0, report.external_work) + std::max(0.0, report.excavation_work);
     row_.time = end.time, row_.step = end.last_step;
@@ -50,6 +50,7 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.strain = report.strain;
     row_.dissipated = report.dissipated + excavated_dissipated_;
     row_.recoverable = report.recoverable;
+    row_.interface_elastic = report.interface_elastic;
     row_.external_work += report.external_work;
     row_.cohesive_work += report.cohesive_work;
     row_.friction_work += report.friction_work;
@@ -68,12 +69,13 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.law_lag = row_.cohesive_work - row_.crossing_loss - row_.surface() - row_.excavated_recoverable;
     largest_energy_ =
         std::max({largest_energy_, row_.kinetic, row_.strain, std::abs(row_.external_work), row_.surface()});
-    largest_recoverable_ = std::max(largest_recoverable_, row_.recoverable);
+    largest_recoverable_ = std::max(largest_recoverable_, row_.recoverable + row_.interface_elastic);
     // comparisons with NaN are false: NaN counts as the largest value
     if (!(std::abs(row_.residual) <= largest_residual_)) largest_residual_ = std::abs(row_.residual);
     largest_rotation_work_ = std::max(largest_rotation_work_, std::abs(row_.rotation_work));
     const bool explicit_bulk = end.rate.empty();
-    const double lag = row_.law_lag + (explicit_bulk ? 0.5 * (row_.surface() - surface_before) : 0);
+    const double lag =
+        row_.law_lag + (explicit_bulk ? 0.5 * (row_.surface() - row_.interface_elastic - at_end_before) : 0);
     law_lag_ = over_dissipated(lag);
     if (const double now = over_dissipated(lag, 1e-2); !(std::abs(now) <= std::abs(largest_law_lag_)))
         largest_law_lag_ = now;
@@ -85,9 +87,10 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
 
 void EnergyLedger::excavate(const ExcavationEnergies& energies) {
     row_.excavated_energy += row_.kinetic + row_.strain - (energies.kinetic + energies.strain);
-    row_.excavated_recoverable += energies.recoverable;
+    row_.excavated_recoverable += energies.recoverable + energies.interface_elastic;
     row_.kinetic = energies.kinetic, row_.strain = energies.strain;
     row_.recoverable -= energies.recoverable;
+    row_.interface_elastic -= energies.interface_elastic;
     excavated_dissipated_ += energies.dissipated;
 }
 
@@ -101,12 +104,19 @@ std::span<const Measure<EnergyRow>> energy_columns() {
          "elastic energy; with the explicit bulk 1/2 u_n' K u_{n+1}, with large rotations U_n - 1/2 f_n . (u_{n+1} - "
          "u_n)",
          [](const R& r) { return r.strain; }},
-        {"surface", "J", "energy Psi of broken and damaged interfaces: dissipated + recoverable",
+        {"surface", "J", "energy Psi of broken and damaged interfaces: dissipated + recoverable + interface_elastic",
          [](const R& r) { return r.surface(); }},
-        {"dissipated", "J", "energy that damage has consumed irreversibly: G_c (1 - beta)^2 over all interface points",
+        {"dissipated", "J",
+         "energy that damage has consumed irreversibly: G_c (1 - beta)^2 over all interface points with linear "
+         "softening",
          [](const R& r) { return r.dissipated; }},
         {"recoverable", "J", "energy that damaged interfaces return when they close: beta sigma_c s",
          [](const R& r) { return r.recoverable; }},
+        {"interface_elastic", "J",
+         "energy that damaged interfaces with secant unloading return when they close: beta sigma_c s^2/(2 kappa); "
+         "where "
+         "there is some",
+         [](const R& r) { return r.interface_elastic; }},
         {"external_work", "J", "work of loads and prescribed motions so far",
          [](const R& r) { return r.external_work; }},
         {"cohesive_work", "J", "work against the cohesion so far", [](const R& r) { return r.cohesive_work; }},
@@ -151,6 +161,7 @@ std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works) {
         return (column.name == "rotation_work" && !works.rotation) ||
                (column.name == "damping_work" && !works.damping) ||
                (column.name == "radiated_work" && !works.radiation) ||
+               (column.name == "interface_elastic" && !works.secant) ||
                (column.name.starts_with("excavat") && !works.excavation);
     });
     return columns;

@@ -8,7 +8,8 @@
 //                     tau = U_n - U_n-1 + 1/2 (f_n-1 + f_n) . (u_n - u_n-1),  f = -grad U; O(h^3) a step. Its sum stays
 //                     bounded (central differences are symplectic) and is of second order in h; zero where rotations
 //                     are small, or a strained body turns rigidly
-//     surface energy  Psi = dissipated + recoverable = sum over points of S (G_c f(beta) + beta sigma_c s)
+//     surface energy  Psi = dissipated + recoverable = sum over points of S (G_c f(beta) + beta sigma_c s); with secant
+//                     unloading dissipated + interface_elastic = S (G_c f + beta sigma_c (kappa + s^2/kappa)/2)
 //     crossing loss   part of the cohesive work that is stored nowhere: where a slip crosses zero within a step, the
 //                     implicit sign of the tangential cohesion takes some of its kinetic energy (slip-reversal loss);
 //                     high-frequency slips die by it
@@ -37,25 +38,27 @@ struct EnergyRow {
     double time = 0, step = 0;  // [s] end and size of the last step
     double kinetic = 0, strain = 0;
     double dissipated = 0, recoverable = 0;  // by the interfaces; closing them gives the recoverable energy back
+    double interface_elastic = 0;            // likewise, of secant unloading
     double external_work = 0, cohesive_work = 0, friction_work = 0, impact_work = 0, step_change_work = 0;
     double rotation_work = 0, damping_work = 0, radiated_work = 0, excavation_work = 0;
     double excavated_energy = 0, excavated_recoverable = 0;  // that left with excavated regions
     double scheme_dissipation = 0;                           // by theta > 1/2
     double residual = 0, crossing_loss = 0, law_lag = 0;
 
-    double surface() const { return dissipated + recoverable; }  // Psi
+    double surface() const { return dissipated + recoverable + interface_elastic; }  // Psi
 
     void serialize(auto& archive) {
-        archive(time, step, kinetic, strain, dissipated, recoverable, external_work, cohesive_work, friction_work,
-                impact_work, step_change_work, rotation_work, damping_work, radiated_work, excavation_work,
-                excavated_energy, excavated_recoverable, scheme_dissipation, residual, crossing_loss, law_lag);
+        archive(time, step, kinetic, strain, dissipated, recoverable, interface_elastic, external_work, cohesive_work,
+                friction_work, impact_work, step_change_work, rotation_work, damping_work, radiated_work,
+                excavation_work, excavated_energy, excavated_recoverable, scheme_dissipation, residual, crossing_loss,
+                law_lag);
     }
 };
 std::span<const Measure<EnergyRow>> energy_columns();
 
 /// Works that only some scenes have; energy.csv of the others has no columns for them.
 struct RareWorks {
-    bool rotation = false, damping = false, radiation = false, excavation = false;
+    bool rotation = false, damping = false, radiation = false, excavation = false, secant = false;
 };
 std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works);
 

@@ -11,7 +11,7 @@ std::optional<double> FanLcp::solve(const FanProblem& problem, const std::vector
     clusters_.find_velocities({}, {}, 0, true);
     lcp_.clear();
     for (std::size_t i = 0; i < links.size(); ++i)
-        if (!links[i].unbreakable) lcp_.add(i, states[i].law, clusters_.inverse_mass(links[i]).sum());
+        if (!links[i].unbreakable) lcp_.add(i, links[i], states[i].law, clusters_.inverse_mass(links[i]).sum());
     const auto direction = [&](std::size_t i, int along) { return along == 0 ? links[i].normal : links[i].tangent(); };
     const auto response = [&](std::size_t i, int along, std::size_t j, int on) {
         return direction(i, along).dot(clusters_.response(links[i], links[j], direction(j, on)));
@@ -26,6 +26,9 @@ std::optional<double> FanLcp::solve(const FanProblem& problem, const std::vector
 
     for (std::size_t i = 0; i < links.size(); ++i) motion.impulse[i] = -links[i].cohesive * links[i].normal;
     lcp_.for_impulses([&](std::size_t i, int along, double part) { motion.impulse[i] += part * direction(i, along); });
+    motion.borne.resize(links.size());
+    for (std::size_t i = 0; i < links.size(); ++i) motion.borne[i] = links[i].cohesive;
+    lcp_.for_lacks([&](std::size_t i, double lack) { motion.borne[i] -= lack; });
     for (std::size_t i = 0; i < links.size(); ++i) clusters_.apply(links[i], motion.impulse[i]);
     for (std::size_t b = 0; b < problem.bodies.size(); ++b)
         motion.velocity[b] = clusters_.velocity_of(static_cast<Index>(b));

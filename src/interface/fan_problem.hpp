@@ -7,11 +7,20 @@
 //     P_N = -C + p,           0 <= p  perp  V_N - b >= 0   where the point may touch, else p = 0;  C = k S beta sigma_c
 //    -P_T in gamma C sgn(u_T + h V_T) + mu p 1/2 [ sgn(V_T) + sgn(V_T + V_T-) ]
 //
+// Secant unloading: C r instead of C, with the part r that belongs to the mean of the openings at the middle of the
+// last step and of this one, and the sign of the slip there,
+//
+//     r = clamp(s/kappa, 0, 1),    s = u_N + gamma |u_T| at  u + (h V - h- V-)/4        h-: the last step
+//
+// It is the derivative of a convex function of V, so the law stays monotone, and its work is exactly the change of
+// C s^2/(2 k kappa) between the middles of the steps as long as beta and the sign of the slip stand and h- = h.
+//
 // k is the time over which forces act on the velocity, h the time over which the velocity moves the points (equal at
 // constant step). The bound b and the two signs of friction make the work of every contact with the mean velocity
 // (V+ + V-)/2 non-positive, as the leapfrog energy requires, and still let a sliding point come to exact rest.
 #include "base/vec.hpp"
 
+#include <cmath>
 #include <vector>
 
 namespace knap {
@@ -31,21 +40,29 @@ struct FanBody {
 
 /// An interface point of the chain.
 struct FanLink {
-    Index before, after;          // neighbouring bodies, or -1 = support (at rest)
-    Vec2 normal;                  // N; T = turned_left(N)
-    double u_N, u_T;              // [m] opening and slip before the step
-    double cohesive;              // [N s] C
-    double gamma;                 // [-]
-    double friction;              // [-]
-    double restitution;           // [-]
-    bool unbreakable;             // sticks for ever
-    double contact = 0;           // [N s] result: p
-    double tangential = 0;        // [N s] result: P_T = cohesive part + friction
-    double friction_part = 0;     // [N s] result: friction of P_T
-    Vec2 impulse = Vec2::Zero();  // [N s] result: P
-    bool stuck = false;           // result: closed, at a kink of its staircase
+    Index before, after;             // neighbouring bodies, or -1 = support (at rest)
+    Vec2 normal;                     // N; T = turned_left(N)
+    double u_N, u_T;                 // [m] opening and slip before the step
+    double cohesive;                 // [N s] C
+    double gamma;                    // [-]
+    double friction;                 // [-]
+    double restitution;              // [-]
+    bool unbreakable;                // sticks for ever
+    double ramp = 0;                 // [m/s] 4 kappa/h of secant unloading; 0: the cohesion is C at all openings
+    Vec2 ramp_start = Vec2::Zero();  // [m/s] (N, T): 4/h of the mean opening, without V
+    double borne = 0;                // [N s] result: cohesion, C or its part on the ramp
+    double contact = 0;              // [N s] result: p
+    double tangential = 0;           // [N s] result: P_T = cohesive part + friction
+    double friction_part = 0;        // [N s] result: friction of P_T
+    Vec2 impulse = Vec2::Zero();     // [N s] result: P
+    bool stuck = false;              // result: closed, at a kink of its staircase
 
     Vec2 tangent() const { return turned_left(normal); }
+    /// [-] s/kappa on the ramp at this relative velocity.
+    double ramp_part(const Vec2& velocity) const {
+        return (ramp_start.x() + normal.dot(velocity) + gamma * std::abs(ramp_start.y() + tangent().dot(velocity))) /
+               ramp;
+    }
     Vec2 vector(double along_normal, double along_tangent) const {
         return along_normal * normal + along_tangent * tangent();
     }
@@ -70,6 +87,7 @@ struct FanProblem {
 struct FanMotion {
     std::vector<Vec2> velocity;  // [m/s] end velocity per body
     std::vector<Vec2> impulse;   // [N s] per link
+    std::vector<double> borne;   // [N s] per link on its ramp: C r
 
     Vec2 velocity_of(Index body) const { return body < 0 ? Vec2::Zero() : velocity[body]; }
     Vec2 across(const FanLink& link) const { return velocity_of(link.after) - velocity_of(link.before); }

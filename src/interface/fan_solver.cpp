@@ -13,6 +13,11 @@ constexpr double max_violation = 1e-10;         // relative, of a solution of th
 constexpr double usual_violation = 1e-11;       // above it the pivots may be more accurate: contacts that disagree
 constexpr double max_pivoted_violation = 1e-8;  // of a solution of the pivots
 
+void apply(const StateChange& change, LinkState& state) {
+    state.set(change.closed, change.tangential_state);
+    state.bearing = change.bearing;
+}
+
 }  // namespace
 
 FanSolution FanSolver::solve(FanProblem& problem, double rest) {
@@ -25,6 +30,7 @@ FanSolution FanSolver::solve(FanProblem& problem, double rest) {
     now_.motion.velocity.clear();  // as if no interface acted, until a solution is found
     for (const FanBody& body : problem.bodies) now_.motion.velocity.push_back(body.free_velocity);
     now_.motion.impulse.assign(problem.links.size(), Vec2::Zero());
+    now_.motion.borne.assign(problem.links.size(), 0);
 
     FanSolution solution;
     if (!settle_states(max_corrections, solution.iterations)) {
@@ -49,6 +55,8 @@ bool FanSolver::settle_states(int correction_limit, int& n_solves) {
         double mismatch = 0;
         if (!linear_.solve(now_.states, now_.motion, mismatch)) return false;
         now_.violation = mismatch / scales_.impulse;
+        for (std::size_t i = 0; i < now_.states.size(); ++i)
+            now_.states[i].find_part(problem_->links[i], now_.motion.across(problem_->links[i]), now_.motion.borne[i]);
         if (!settle_self_stress()) continue;
         if (correct_states(correction >= patient_corrections) > 0) continue;
         return now_.violation <= max_violation;  // else a law or the balance is violated, and no state repairs it
@@ -63,14 +71,16 @@ bool FanSolver::settle_self_stress() {
     const std::vector<FanLink>& links = problem_->links;
     const Index n_links = static_cast<Index>(links.size());
     LeastNormSelfStress least_norm;
-    for (Index i = 0; i < n_links; ++i)
-        least_norm.add(links[i].cohesive > 0 ? 1 / links[i].cohesive : 1 / scales_.impulse, now_.motion.impulse[i],
-                       linear_.undetermined(i));
+    for (Index i = 0; i < n_links; ++i) {
+        const double borne = now_.states[i].borne(links[i]);
+        least_norm.add(borne > 0 ? 1 / borne : 1 / scales_.impulse, now_.motion.impulse[i], linear_.undetermined(i));
+    }
     if (!least_norm.is_free()) return true;
     planes_.clear();
     for (Index i = 0; i < n_links; ++i) {
         if (links[i].unbreakable || linear_.undetermined(i).isZero(0)) continue;
-        StrengthPolygon{now_.states[i].tangential, links[i].normal, links[i].cohesive}.add_half_planes(
+        const LinkState& state = now_.states[i];
+        StrengthPolygon{state.range(), links[i].normal, state.borne(links[i])}.add_half_planes(
             i, now_.motion.impulse[i], linear_.undetermined(i), planes_);
     }
     const SelfStress found = find_self_stress(planes_, least_norm.c());
@@ -102,15 +112,20 @@ int FanSolver::correct_states(bool only_worst) {
         now_.violation = std::max({now_.violation, change.violation, change.irreparable});
         if (change.violation == 0) continue;
         ++n_changes;
-        if (!only_worst) state.set(change.closed, change.tangential_state);
+        if (!only_worst) apply(change, state);
         else if (change.violation > worst.violation) worst = change, worst_link = i;
     }
-    if (only_worst && n_changes > 0) now_.states[worst_link].set(worst.closed, worst.tangential_state);
+    if (only_worst && n_changes > 0) apply(worst, now_.states[worst_link]);
     return n_changes;
 }
 
 FanSolution::Status FanSolver::find_states_by_lemke() {
     if (solve_by_lemke()) return FanSolution::Status::pivoted;
+    // on ramps much smaller than what they could bear the pivots lose digits; their states are right
+    int n_solves = 0;
+    const auto has_ramp = [](const FanLink& link) { return link.ramp > 0; };
+    if (std::ranges::any_of(problem_->links, has_ramp) && settle_states(max_corrections, n_solves))
+        return FanSolution::Status::pivoted;
     if (search_states()) return FanSolution::Status::searched;
     for (LinkState& state : now_.states) state.law.contact.rate = std::min(state.law.contact.rate, 0.0);
     if (solve_by_lemke()) return FanSolution::Status::relaxed;
@@ -130,7 +145,8 @@ bool FanSolver::solve_by_lemke() {
     if (!residual) return false;
     for (std::size_t i = 0; i < now_.states.size(); ++i) {
         const FanLink& link = problem_->links[i];
-        if (!link.unbreakable) now_.states[i].fit(link, now_.motion.across(link), now_.motion.impulse[i], scales_);
+        if (!link.unbreakable)
+            now_.states[i].fit(link, now_.motion.across(link), now_.motion.impulse[i], scales_, now_.motion.borne[i]);
     }
     now_.violation = std::max(*residual, linear_.find_unbreakable_impulses(now_.motion) / scales_.impulse);
     return now_.violation <= max_pivoted_violation;
@@ -192,7 +208,8 @@ void FanSolver::store(FanProblem& problem) const {
         FanLink& link = problem.links[i];
         const LinkState& state = now_.states[i];
         link.impulse = now_.motion.impulse[i];
-        const double contact = link.normal.dot(link.impulse) + link.cohesive;
+        link.borne = state.borne(link);
+        const double contact = link.normal.dot(link.impulse) + link.borne;
         link.contact = state.closed && !link.unbreakable ? std::max(0.0, contact) : 0;
         link.tangential = link.tangent().dot(link.impulse);
         link.friction_part = state.friction_part(link);

@@ -73,12 +73,33 @@ double LinearFan::find_unbreakable_impulses(FanMotion& motion) {
     return walk_chain(motion);
 }
 
-/// One for each closed sliding link (along N - s mu T, for V_N) and each open link at its kink (along T, for V_T).
+/// Secant unloading: the cohesion C r between its bounds, along -d, d = N + gamma sgn T,
+///     (4 kappa/(h C)) C r - d . V = 4/h of the mean opening without V,
+/// where d . V is gamma sgn V_T if the link is closed, and V_N at the kink of an open one.
+void LinearFan::add_ramp(Index i, const LinkState& state, FanMotion& motion) {
+    const FanLink& link = problem_->links[i];
+    const double slope = state.tangential.offset / link.cohesive,  // gamma sgn
+        compliance = link.ramp / link.cohesive, mobility = clusters_.inverse_mass(link).sum();
+    const Vec2 force = link.vector(-1, -slope), row = link.vector(state.closed ? 0 : -1, -slope);
+    const double start =
+        link.ramp_start.x() + (state.closed ? state.law.contact.rate : 0) + slope * link.ramp_start.y();
+    if (mobility == 0 || clusters_.has_one(link)) {  // the velocity is known
+        motion.borne[i] = (start - row.dot(clusters_.across(link))) / compliance;
+        motion.impulse[i] += motion.borne[i] * force;
+        return;
+    }
+    const double unit = std::sqrt(mobility / (mobility + compliance));  // a row of the size of the others
+    multipliers_.push_back({i, unit * row, unit * force, unit * start, unit * unit * compliance, unit});
+}
+
+/// One for each link on its ramp, for each closed sliding link (along N - s mu T, for V_N) and for each open link at
+/// its kink (along T, for V_T).
 bool LinearFan::find_multipliers(const std::vector<LinkState>& states, FanMotion& motion) {
     multipliers_.clear();
     for (Index i = 0; i < n_links(); ++i) {
         const LinkState& state = states[i];
         const FanLink& link = problem_->links[i];
+        if (state.is_on_ramp(link)) add_ramp(i, state, motion);
         if (!state.partial() || clusters_.has_one(link)) continue;
         if (state.closed)
             multipliers_.push_back(
@@ -91,17 +112,19 @@ bool LinearFan::find_multipliers(const std::vector<LinkState>& states, FanMotion
     Matrix<max_multipliers> A(n, n);
     Vector<max_multipliers> rhs(n), size(n);
     for (int a = 0; a < n; ++a) {
-        const auto& [i, row, force, target] = multipliers_[a];
+        const auto& [i, row, force, target, compliance, unit] = multipliers_[a];
         rhs[a] = target - row.dot(clusters_.across(problem_->links[i]));
         for (int b = 0; b < n; ++b)
             A(a, b) = row.dot(
                 clusters_.response(problem_->links[i], problem_->links[multipliers_[b].link], multipliers_[b].force));
+        A(a, a) += compliance;
     }
     // redundant contacts (both ends of a fan on an obstacle) share their load
     if (n == 1) size[0] = A(0, 0) != 0 ? rhs[0] / A(0, 0) : 0;
     else size = solution_of_least_norm<max_multipliers>(A, rhs);
     for (int a = 0; a < n; ++a) {
         const Vec2 added = size[a] * multipliers_[a].force;
+        if (multipliers_[a].compliance > 0) motion.borne[multipliers_[a].link] = multipliers_[a].unit * size[a];
         motion.impulse[multipliers_[a].link] += added;
         clusters_.apply(problem_->links[multipliers_[a].link], added);
     }

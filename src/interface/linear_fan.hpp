@@ -24,11 +24,12 @@ public:
     const Vec2& undetermined(Index link) const { return undetermined_[link]; }
 
 private:
-    /// An impulse along `force` that gives the relative velocity along `row` its `target` [m/s].
+    /// An impulse x along `force` such that the relative velocity along `row`, and compliance x, is `target` [m/s].
     struct Multiplier {
         Index link;
         Vec2 row, force;
         double target;
+        double compliance = 0, unit = 1;  // [1/kg]; on a ramp `unit` x is the cohesion that is borne
     };
 
     /// A link at one of its bodies.
@@ -37,6 +38,7 @@ private:
         double sign;  // +1 at the body after it
     };
 
+    void add_ramp(Index link, const LinkState& state, FanMotion& motion);
     bool find_multipliers(const std::vector<LinkState>& states, FanMotion& motion);
     double walk_chain(FanMotion& motion);
     double walk_component(int k, FanMotion& motion);

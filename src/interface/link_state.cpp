@@ -7,6 +7,8 @@
 namespace knap {
 namespace {
 
+Bearing bearing_of(double part) { return part >= 1 ? Bearing::full : part > 0 ? Bearing::part : Bearing::none; }
+
 constexpr double found_at = 1e-9;  // of speed and impulse: a link within this distance of a kink is at it
 
 }  // namespace
@@ -42,7 +44,9 @@ FanScales scales_of(const FanProblem& problem, double rest) {
 
 InterfaceLaw law_of(const FanLink& link, const Vec2& velocity_before, double h, double tolerance) {
     const double V_N = link.normal.dot(velocity_before), V_T = link.tangent().dot(velocity_before);
-    const Staircase::Kink zero_slip{.rate = -link.u_T / h, .cohesive = link.gamma * link.cohesive, .friction = 0};
+    const Staircase::Kink zero_slip{.rate = link.ramp > 0 ? -link.ramp_start.y() : -link.u_T / h,
+                                    .cohesive = link.gamma * link.cohesive,
+                                    .friction = 0};
     InterfaceLaw law{.contact = contact_bound_explicit(link.u_N, V_N, link.restitution, h, tolerance * h)};
     law.open.add(zero_slip, tolerance);
     // rest comes first: where kinks are merged, exact rest remains
@@ -58,8 +62,17 @@ void LinkState::set(bool to_closed, int to_tangential_state) {
     tangential = law.staircase(closed).piece(tangential_state);
 }
 
+void LinkState::find_part(const FanLink& link, const Vec2& velocity, double on_ramp) {
+    if (!(link.ramp > 0)) return;
+    const bool is_on_ramp = this->is_on_ramp(link);
+    const double at = is_on_ramp ? on_ramp / link.cohesive : std::clamp(link.ramp_part(velocity), 0.0, 1.0);
+    if (sticks()) bearing = bearing_of(at);
+    part = bearing == Bearing::full ? 1 : bearing == Bearing::none ? 0 : at;
+}
+
 void LinkState::guess(const FanProblem& problem, const FanLink& link, const FanScales& scales) {
     imposed = led = false;
+    bearing = Bearing::full, part = 1;
     if (link.unbreakable) {
         closed = true;
         tangential = {};
@@ -80,10 +93,16 @@ void LinkState::guess(const FanProblem& problem, const FanLink& link, const FanS
     const bool touches =
         law.contact.may_touch && link.normal.dot(expected) <= law.contact.rate + scales.speed_tolerance;
     set(touches, state_of(touches, link.tangent().dot(expected), scales.speed_tolerance));
+    if (link.ramp > 0) bearing = bearing_of(link.ramp_part(expected) + relative_tolerance);
 }
 
-void LinkState::fit(const FanLink& link, const Vec2& velocity, const Vec2& impulse, const FanScales& scales) {
-    const double p = link.normal.dot(impulse) + link.cohesive, v_T = link.tangent().dot(velocity),
+void LinkState::fit(const FanLink& link, const Vec2& velocity, const Vec2& impulse, const FanScales& scales,
+                    double on_ramp) {
+    if (link.ramp > 0) {
+        part = link.cohesive > 0 ? std::clamp(on_ramp / link.cohesive, 0.0, 1.0) : 0;
+        bearing = bearing_of(part + (part > 0.5 ? found_at : -found_at));
+    }
+    const double p = link.normal.dot(impulse) + borne(link), v_T = link.tangent().dot(velocity),
                  P_T = link.tangent().dot(impulse);
     const bool presses = p > scales.impulse_tolerance;
     int nearest = 0;
@@ -91,8 +110,8 @@ void LinkState::fit(const FanLink& link, const Vec2& velocity, const Vec2& impul
     for (int i = 0; i < law.staircase(presses).n_states(); ++i) {
         const StaircasePiece at = law.staircase(presses).piece(i);
         const double off = at.stick ? std::abs(v_T - at.kink) : std::max({at.low - v_T, v_T - at.high, 0.0});
-        const double force = P_T + at.offset + at.contact_offset * (presses ? p : 0),
-                     jump = at.jump + at.contact_jump * (presses ? p : 0);
+        const double force = P_T + part * at.offset + at.contact_offset * (presses ? p : 0),
+                     jump = part * at.jump + at.contact_jump * (presses ? p : 0);
         double distance = std::max(off / scales.speed, std::max(std::abs(force) - jump, 0.0) / scales.impulse);
         if (!at.stick) distance = std::max(distance, found_at);
         if (distance < smallest) smallest = distance, nearest = i;
@@ -105,15 +124,19 @@ Vec2 LinkState::target(const FanLink& link) const {
     return link.vector(law.contact.rate, tangential.kink);
 }
 
-Vec2 LinkState::known_impulse(const FanLink& link) const { return link.vector(-link.cohesive, -tangential.offset); }
+Vec2 LinkState::known_impulse(const FanLink& link) const {
+    if (bearing != Bearing::full) return Vec2::Zero();
+    return link.vector(-link.cohesive, -tangential.offset);
+}
 
 double LinkState::friction_part(const FanLink& link) const {
     if (link.unbreakable) return 0;
     const double friction = -tangential.contact_offset * link.contact;  // of the signs that are known
     if (!tangential.stick || tangential.contact_jump == 0) return friction;
     // at rest both may jump: cohesion bears as much as it can, friction the rest
-    const double lambda = link.tangential + tangential.offset + tangential.contact_offset * link.contact;
-    return friction + lambda - std::clamp(lambda, -tangential.jump, tangential.jump);
+    const TangentialRange range = this->range();
+    const double lambda = link.tangential + range.offset + range.contact_offset * link.contact;
+    return friction + lambda - std::clamp(lambda, -range.jump, range.jump);
 }
 
 StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& velocity, const Vec2& impulse,
@@ -121,8 +144,8 @@ StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& v
     const ContactBound& contact = state.law.contact;
     const StaircasePiece& tangential = state.tangential;
     const double v_N = link.normal.dot(velocity), v_T = link.tangent().dot(velocity);
-    const double p = state.closed ? link.normal.dot(impulse) + link.cohesive : 0;
-    StateChange change{.closed = state.closed, .tangential_state = state.tangential_state};
+    const double p = state.closed ? link.normal.dot(impulse) + state.borne(link) : 0;
+    StateChange change{.closed = state.closed, .tangential_state = state.tangential_state, .bearing = state.bearing};
     const auto violates = [&](double amount, double tolerance, double unit) {
         if (amount <= tolerance) return false;
         change.violation = std::max(change.violation, amount / unit);
@@ -134,8 +157,9 @@ StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& v
     const auto too_strong = [&](double excess) { return violates(excess, scales.impulse_tolerance, scales.impulse); };
 
     if (tangential.stick) {
-        const double q = link.tangent().dot(impulse) + tangential.offset + tangential.contact_offset * p;
-        const double bound = tangential.jump + tangential.contact_jump * std::max(p, 0.0);
+        const TangentialRange range = state.range();
+        const double q = link.tangent().dot(impulse) + range.offset + range.contact_offset * p;
+        const double bound = range.jump + range.contact_jump * std::max(p, 0.0);
         if (too_strong(std::abs(q) - bound)) change.tangential_state += q > 0 ? -1 : 1;
         // its cluster may already fix its slip elsewhere than at the kink
         if (!state.closed && too_fast(std::abs(v_T - tangential.kink), 10))
@@ -160,6 +184,17 @@ StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& v
         change.tangential_state = state.state_of(false, v_T, scales.speed_tolerance);
     } else if (state.closed) {
         change.irreparable = (contact.rate - v_N) / scales.speed;
+    }
+    if (link.ramp > 0 && !state.sticks()) {
+        const double at = link.ramp_part(velocity);
+        if (state.bearing == Bearing::full && too_fast((1 - at) * link.ramp)) change.bearing = Bearing::part;
+        if (state.bearing == Bearing::none && too_fast(at * link.ramp)) change.bearing = Bearing::part;
+        // its clusters may already fix its velocity elsewhere than on the ramp
+        if (state.bearing == Bearing::part && too_fast(std::abs(at - state.part) * link.ramp, 10))
+            change.bearing = bearing_of(at);
+        if (state.bearing == Bearing::part && too_strong((state.part - 1) * link.cohesive))
+            change.bearing = Bearing::full;
+        if (state.bearing == Bearing::part && too_strong(-state.part * link.cohesive)) change.bearing = Bearing::none;
     }
     return change;
 }

@@ -27,10 +27,15 @@ FanScales scales_of(const FanProblem& problem, double rest);
 /// end of the step. `tolerance` [m/s]: kinks that are nearer to each other are merged.
 InterfaceLaw law_of(const FanLink& link, const Vec2& velocity_before, double h, double tolerance);
 
+/// How much of its cohesion a link with secant unloading bears: all, a part in proportion to its opening, nothing.
+enum class Bearing { full, part, none };
+
 struct LinkState {
     InterfaceLaw law;  // not of an unbreakable link, which is closed and sticks for ever
     StaircasePiece tangential;
     int tangential_state = 0;
+    Bearing bearing = Bearing::full;
+    double part = 1;  // [-] of the cohesion that is borne; of the last solution
     bool closed = false;
     bool imposed = false;  // both sides fully prescribed: nothing to decide
     bool led = false;      // both sides prescribed in one component: the normal velocity determines the slip
@@ -41,6 +46,19 @@ struct LinkState {
     bool partial() const { return closed != tangential.stick && !imposed; }
 
     void set(bool to_closed, int to_tangential_state);
+    /// [N s]
+    double borne(const FanLink& link) const { return part * link.cohesive; }
+    /// The tangential law with the cohesion that is borne.
+    TangentialRange range() const {
+        return {part * tangential.offset, tangential.contact_offset, part * tangential.jump, tangential.contact_jump};
+    }
+    /// An impulse along the ramp is unknown; of a link that sticks it follows from the velocity.
+    bool is_on_ramp(const FanLink& link) const {
+        return link.ramp > 0 && link.cohesive > 0 && bearing == Bearing::part && !sticks();
+    }
+    /// Finds `part` from what a link on its ramp bears [N s], and of a link that sticks part and bearing from its
+    /// relative velocity [m/s].
+    void find_part(const FanLink& link, const Vec2& velocity, double on_ramp);
     int state_of(bool if_closed, double rate_T, double tolerance) const {
         return law.staircase(if_closed).state_of(rate_T, tolerance);
     }
@@ -48,7 +66,8 @@ struct LinkState {
     void guess(const FanProblem& problem, const FanLink& link, const FanScales& scales);
     /// The state that is nearest to this relative velocity [m/s] and impulse [N s]: between kinks that rounding cannot
     /// tell apart only the force decides.
-    void fit(const FanLink& link, const Vec2& velocity, const Vec2& impulse, const FanScales& scales);
+    void fit(const FanLink& link, const Vec2& velocity, const Vec2& impulse, const FanScales& scales,
+             double on_ramp = 0);
 
     Vec2 target(const FanLink& link) const;           // [m/s] relative velocity of a link that sticks
     Vec2 known_impulse(const FanLink& link) const;    // [N s] of a link that does not stick, without its multiplier
@@ -60,6 +79,7 @@ struct StateChange {
     double irreparable = 0;  // violation that no state removes, relative
     bool closed = false;
     int tangential_state = 0;
+    Bearing bearing = Bearing::full;
 };
 
 /// The state that the law requires at this relative velocity [m/s] and impulse [N s]; not for unbreakable links.

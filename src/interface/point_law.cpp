@@ -14,6 +14,14 @@ void update_cohesion(const PointLaw& law, double u_N, double u_T, PointResponse&
     r.piece = r.softens ? law.material->piece_at(law.material->equivalent_opening(u_N, u_T)) : 0;
     r.cohesion_theta = law.step->theta * r.end_cohesion + (1 - law.step->theta) * law.cohesion;
     r.opens = u_N > 0;
+    if (!(law.ramp > 0)) return;
+    const double theta = law.step->theta, mean_N = law.u_N + theta * (u_N - law.u_N),
+                 mean_T = law.u_T + theta * (u_T - law.u_T);
+    const double at = law.material->equivalent_opening(mean_N, mean_T) / law.ramp;
+    r.on_ramp = at > 0 && at < 1;
+    r.opens_on_ramp = mean_N > 0;
+    r.ramp_part = std::min(at, 1.0);
+    r.cohesion_theta *= r.ramp_part;
 }
 
 /// The resolvent of the staircase  -q_T in sum W_i sgn(w_T - kink_i): its force and its signs (0 at their kink).
@@ -57,6 +65,7 @@ std::uint32_t piece(const PointLaw& law, const PointResponse& r) {
     const auto digit = [](double sign) { return static_cast<std::uint32_t>(sign + 1); };
     std::uint32_t state = r.closed | (r.sticks << 1);
     if (r.closed && !r.sticks && law.friction_follows) state |= digit(r.friction_sign) << 2;
+    if (r.on_ramp) state |= (r.opens_on_ramp << 13) | (1u << 12) | (digit(r.cohesion_sign) << 6);
     if (r.softens)
         state |= 16u | (r.opens << 5) | (digit(r.cohesion_sign) << 6) | (static_cast<std::uint32_t>(r.piece) << 8);
     return state;
@@ -67,7 +76,8 @@ std::uint32_t piece(const PointLaw& law, const PointResponse& r) {
 void PointLaw::set_staircase() {
     tangential = {};
     tangential.add({.rate = 0, .cohesive = 0, .friction = friction}, 0);
-    tangential.add({.rate = u_T == 0 ? 0 : -u_T / step->h, .cohesive = material->gamma * strength, .friction = 0}, 0);
+    const double until = ramp > 0 ? step->theta * step->h : step->h;  // [s] the slip at this time has the sign
+    tangential.add({.rate = u_T == 0 ? 0 : -u_T / until, .cohesive = material->gamma * strength, .friction = 0}, 0);
 }
 
 PointResponse respond(const PointLaw& law, double w_N, double w_T) {
@@ -79,7 +89,7 @@ PointResponse respond(const PointLaw& law, double w_N, double w_T) {
     update_cohesion(law, u_N, u_T, r);
     find_tangential(law, w_T, r);
     if (r.sticks) {
-        update_cohesion(law, u_N, r.kink == 0 ? law.u_T : 0, r);
+        update_cohesion(law, u_N, law.ramp > 0 ? law.u_T + law.step->h * r.kink : r.kink == 0 ? law.u_T : 0, r);
         const double kink = r.kink;
         find_tangential(law, w_T, r);
         if (!r.sticks || r.kink != kink) update_cohesion(law, u_N, u_T, r);
@@ -107,10 +117,18 @@ Eigen::Matrix2d tangent(const PointLaw& law, const PointResponse& r, Softening s
     if ((softening != Softening::none && r.softens) || (softening == Softening::at_all && r.breaks)) {
         // q = -C beta_theta (1, gamma sgn), d beta_theta = theta h d beta/ds (opens, gamma sgn) . dw
         const Vec2 loss = loss_direction(law, r);
-        const double modulus = softening_modulus(law, r, softening);
+        const double modulus = r.ramp_part * softening_modulus(law, r, softening);
         D -= modulus * loss * loss.transpose();
         // the contact of a closed point carries the lost tension, and its friction grows with it
         if (with_friction) D(0, 1) -= modulus * loss.y();
+    }
+    if (r.on_ramp) {  // q = -C beta r (1, gamma sgn), dr = theta h/kappa (opens, gamma sgn) . dw
+        const Vec2 along(r.opens_on_ramp && !r.closed ? 1.0 : 0.0,
+                         r.sticks ? 0 : law.material->gamma * r.cohesion_sign);
+        const double stiffness =
+            law.strength * r.cohesion_theta / r.ramp_part * law.step->theta * law.step->h / law.ramp;
+        D += stiffness * along * along.transpose();
+        if (with_friction) D(0, 1) += stiffness * along.y();
     }
     return D;
 }

@@ -5,6 +5,9 @@
 //     p = max(0, p^ - rho (w_N - bound)),
 //     q_T = t^ - rho (w_T - omega)   with   -q_T in F sgn(omega) + G sgn(omega + u_T/h),
 //
+// Secant unloading: beta_theta is multiplied by clamp(s/kappa, 0, 1) with s at u + theta h w, the mean of the step for
+// theta = 1/2, where its work is then the change of the elastic energy.
+//
 // with multipliers p^, t^ from the iterate before: a fixed point satisfies the law itself, whatever rho > 0 (method of
 // multipliers: Hestenes, Powell, Rockafellar; for contact P. Alart, A. Curnier 1991). Redundant points do no harm, and
 // the derivative is definite.
@@ -35,6 +38,7 @@ struct PointLaw {
     double strength;  // [N s] C = theta h S sigma_c; 0: no cohesion left
     double cohesion;  // [-] beta at its start
     const CohesiveLaw* material;
+    double ramp = 0;  // [m] kappa of secant unloading; 0: none
     double friction;  // [-] Coulomb's mu; 0 where the scheme neglects friction
     ContactBound contact;
     const ThetaStep* step;
@@ -56,6 +60,8 @@ struct PointResponse {
     double tangential = 0;                        // [N s] q_T
     double friction_part = 0;                     // [N s] friction of q_T
     double cohesion_theta = 0, end_cohesion = 0;  // [-] beta_theta, beta+
+    double ramp_part = 1;                         // [-] of the cohesion that secant unloading leaves; in cohesion_theta
+    bool on_ramp = false, opens_on_ramp = false;  // 0 < ramp_part < 1; its u_N > 0
     int piece = 0;                                // of the softening branch, where it softens
     std::uint32_t state = 0;                      // identifies the smooth piece of the law
     bool closed = false, sticks = false, softens = false, breaks = false, opens = false;

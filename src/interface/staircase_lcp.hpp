@@ -4,6 +4,9 @@
 // 1996):
 //     0 <= p  perp  V_N - b >= 0,               0 <= a  perp  V_T - k + y >= 0,
 //     0 <= c  perp  -(V_T - k) + y >= 0,        0 <= y  perp  w - a - c >= 0
+//
+// Secant unloading: l is what of the cohesion C is not borne, w = w0 (1 - l/C) of its sign, whose y is |V_T - k|:
+//     0 <= l  perp  V_N + start + gamma y + ramp (l/C - 1) + m >= 0,           0 <= m  perp  C - l >= 0
 #include "interface/link_state.hpp"
 #include "lcp/solvers.hpp"
 
@@ -21,6 +24,8 @@ public:
     void clear() { rows_.clear(), largest_unit_ = 0; }
     /// Adds a link with a law; `mobility` [1/kg]: trace of its own response.
     void add(std::size_t link, const InterfaceLaw& law, double mobility);
+    /// Likewise with secant unloading, if it has that.
+    void add(std::size_t number, const FanLink& link, const InterfaceLaw& law, double mobility);
 
     /// response(i, along, j, on) [1/kg]: what an impulse on link j in direction `on` (0: N, 1: T) adds to the rate of
     /// link i; free(i, along) [m/s]: its rate without impulses; `speed` [m/s]: the scale of the problem. False where
@@ -34,6 +39,12 @@ public:
             if (const Row& row = rows_[r]; row.sign != 0)
                 add(row.link, row.along, scale_ * row.unit * z_[r] * row.sign);
     }
+    /// Calls add(link, C - C r [N s]) for every link on a ramp.
+    template <class Add>
+    void for_lacks(const Add& add) const {
+        for (std::size_t r = 0; r < rows_.size(); ++r)
+            if (const Row& row = rows_[r]; row.cohesion > 0 && row.sign != 0) add(row.link, scale_ * row.unit * z_[r]);
+    }
     /// Of the scaled problem.
     double residual() const { return residual_; }
 
@@ -46,6 +57,8 @@ private:
         double rate;                // [m/s] b of a contact, k of a sign
         double cohesive, friction;  // [N s], [-] w0, w1 of a sign
         std::size_t first;          // of the three rows of a sign
+        double cohesion;            // [N s] C of the rows l, m of a ramp; else 0
+        double ramp;                // [m/s] of the row l
         double unit;                // [sqrt kg] scales impulses up and velocities down: W has a unit diagonal
     };
     template <class Response>
@@ -68,7 +81,7 @@ bool StaircaseLcp::solve(double speed, const Response& response, const Free& fre
     for (Eigen::Index i = 0; i < n; ++i) {
         const Row& row = rows_[i];
         for (Eigen::Index j = 0; j < n; ++j) M(i, j) = coefficient(row, rows_[j], response);
-        q[i] = row.sign == 0 ? row.cohesive / (scale_ * row.unit)
+        q[i] = row.sign == 0 ? (row.cohesive + row.cohesion) / (scale_ * row.unit)
                              : row.sign * row.unit * (free(row.link, row.along) - row.rate) / scale_;
     }
     if (!solve_lcp_by_lemke(M, q, z)) return false;
@@ -80,6 +93,18 @@ bool StaircaseLcp::solve(double speed, const Response& response, const Free& fre
 
 template <class Response>
 double StaircaseLcp::coefficient(const Row& row, const Row& column, const Response& response) const {
+    if (row.link == column.link && (row.cohesion > 0 || column.cohesion > 0)) {
+        const auto is_cap = [](const Row& r) { return r.cohesion > 0 && r.sign == 0; };
+        const auto is_lack = [](const Row& r) { return r.cohesion > 0 && r.sign != 0; };
+        const auto is_slack = [](const Row& r) { return r.cohesion == 0 && r.sign == 0; };
+        if (is_cap(row)) return is_lack(column) ? -1 : 0;
+        if (is_cap(column)) return is_lack(row) ? 1 : 0;
+        if (is_slack(row)) return -row.cohesive / column.cohesion;
+        if (is_slack(column)) return column.cohesive / row.cohesion;
+        const double by_impulse =
+            row.unit * column.unit * row.sign * column.sign * response(row.link, row.along, column.link, column.along);
+        return by_impulse + (is_lack(row) && is_lack(column) ? row.unit * row.unit * row.ramp / row.cohesion : 0);
+    }
     const bool same_sign = row.along == 1 && column.along == 1 && row.first == column.first;
     if (row.sign == 0) {
         if (row.link == column.link && column.along == 0) return row.friction;

@@ -23,4 +23,13 @@ double CohesiveLaw::surface_energy(double cohesion, double u_N, double u_T) cons
     return recoverable + G_c * (1 - cohesion) * (1 - cohesion);
 }
 
+double CohesiveLaw::consumed(double cohesion) const {
+    return surface_energy(cohesion, 0, 0) + 0.5 * cohesion * sigma_c * ramp(cohesion);
+}
+
+double CohesiveLaw::elastic_energy(double cohesion, double s) const {
+    const double kappa = ramp(cohesion);
+    return kappa > 0 ? 0.5 * cohesion * sigma_c * s * s / kappa : 0;
+}
+
 }  // namespace knap

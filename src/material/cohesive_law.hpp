@@ -2,12 +2,17 @@
 // The extrinsic cohesive law with contact, Coulomb friction and impact (Acary, Collins-Craft, Bourrier).
 //     Psi(u_N, u_T, beta) = beta sigma_c s + w f(beta),     s = u_N + gamma |u_T|,     w = G_c
 //     on first loading  beta = B(s sigma_c/w),   and beta never grows
+// Unloading keeps beta and the traction beta sigma_c, or (secant) the traction falls with the opening:
+//     sigma = beta sigma_c min(1, s/kappa),  kappa = s(beta), the largest s so far
 // Linear softening: f = (1 - beta)^2, beta = 1 - s/delta_c, delta_c = 2 w/sigma_c. Other shapes: softening_shape.hpp.
 #include "material/softening_shape.hpp"
 
 #include <limits>
 
 namespace knap {
+
+/// What the traction of a damaged point does at openings below its largest one.
+enum class Unloading { constant, secant };
 
 struct CohesiveLaw {
     double sigma_c = 0;      // [Pa]   tensile strength; 0 = no cohesion (contact and friction only)
@@ -16,6 +21,8 @@ struct CohesiveLaw {
     double friction = 0;     // [-]    Coulomb coefficient mu
     double restitution = 0;  // [-]    Newton's e
     std::shared_ptr<const SofteningShape> softening = nullptr;  // null: linear; shared by laws that differ in strength
+
+    Unloading unloading = Unloading::constant;
 
     /// An interface that cannot break; it costs nothing.
     static CohesiveLaw unbreakable() { return {.sigma_c = std::numeric_limits<double>::infinity()}; }
@@ -37,6 +44,11 @@ struct CohesiveLaw {
     double opening_of_fall(double before, double after) const {
         return softening ? 0.5 * (softening->opening(after) - softening->opening(before)) : before - after;
     }
+    /// [m] kappa of a damaged point with secant unloading: the opening at which its traction is beta sigma_c; else 0.
+    double ramp(double cohesion) const {
+        if (unloading == Unloading::constant || cohesion >= 1 || cohesion <= 0) return 0;
+        return softening ? softening->opening(cohesion) * G_c / sigma_c : (1 - cohesion) * delta_c();
+    }
     /// [-] Newton's e in a step that begins with this cohesion. Restitution is for faces that meet: cohesion would pull
     /// a damaged point that is thrown back into the other side by the whole of its approach.
     double restitution_at(double cohesion) const { return cohesion > 0 ? 0 : restitution; }
@@ -44,8 +56,12 @@ struct CohesiveLaw {
     double equivalent_opening(double u_N, double u_T) const;
     /// Cohesion at the end of a step that began with `cohesion` and ends at opening (u_N, u_T).
     double next_cohesion(double cohesion, double u_N, double u_T) const;
-    /// Psi [J/m2] of the state.
+    /// Psi [J/m2] of the state, with constant unloading.
     double surface_energy(double cohesion, double u_N, double u_T) const;
+    /// [J/m2] What a point that closes has lost for good: G_c f(beta), with secant unloading beta sigma_c kappa/2 more.
+    double consumed(double cohesion) const;
+    /// [J/m2] Secant unloading: beta sigma_c s^2/(2 kappa), which a point that closes gives back.
+    double elastic_energy(double cohesion, double s) const;
 };
 
 }  // namespace knap

@@ -105,6 +105,8 @@ double SofteningShape::steepest(double beta) const {
     return steepest;
 }
 
+bool SofteningShape::has_plateau() const { return std::ranges::count(slopes_, 0.0) > 0; }
+
 std::string fault_of_softening(const std::vector<Vec2>& knots) {
     if (knots.size() < 2) return "has less than two points";
     if (knots.size() > SofteningShape::max_pieces + 1)

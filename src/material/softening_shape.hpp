@@ -40,6 +40,7 @@ public:
     int piece_at(double x) const;                               // number of the piece, the last one beyond x_f
     double slope(int piece) const { return slopes_[piece]; }    // [-] -dB/dx; infinite where B drops
     double steepest(double beta = 1) const;                     // [-] largest slope below this cohesion
+    bool has_plateau() const;                                   // the opening does not follow from the cohesion
     const std::vector<Vec2>& knots() const { return knots_; }   // (x, B)
 
 private:

@@ -249,8 +249,8 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.flag("breakable", "false: the interface never breaks").otherwise("true");
     t.number("sigma_c", "Pa", "tensile strength; 0: contact and friction only; required unless breakable = false")
         .at_least(0);
-    t.number("G_c", "J/m2", "fracture energy, dissipated as G_c (1 - beta)^2 with linear softening; unloading keeps "
-        "the cohesion beta and the traction beta sigma_c; either G_c or delta_c").above(0);
+    t.number("G_c", "J/m2", "fracture energy, dissipated as G_c (1 - beta)^2 with linear softening; either G_c or "
+        "delta_c").above(0);
     t.number("delta_c", "m", "opening at which the cohesion is lost, 2 G_c/sigma_c with linear softening; either G_c "
         "or delta_c").above(0);
     using Shape = SofteningOptions::Shape;
@@ -269,6 +269,9 @@ void add_keys_of_microstructure(KeyTable& t) {
         "to sigma_c and G_c").points().second("").only_with("softening", {"table"}).to(&SofteningOptions::table);
     t.text("csv", "file with lines `opening, traction` instead of a table, relative to the scenario file; # starts a "
         "comment").only_with("softening", {"table"});
+    t.word("unloading", {"constant", "secant"}, "traction of a damaged interface that closes: constant beta sigma_c, "
+        "or secant: falls to 0 with the opening").otherwise("constant")
+        .to(&CohesiveLaw::unloading, {Unloading::constant, Unloading::secant});
     t.number("gamma", "", "shear strength over tensile strength, without friction; 0: cohesion in mode I only")
         .at_least(0).otherwise("1").to(&CohesiveLaw::gamma);
     add_contact(t);

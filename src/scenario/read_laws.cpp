@@ -46,6 +46,10 @@ CohesiveLaw read_law(const Table& table) {
     law.softening = read_softening(table);
     if (law.softening && !has_cohesion)
         table.error("exclusive-keys", "softening", "belongs to a law with cohesion, and this one has no strength");
+    if (law.softening && law.unloading == Unloading::secant && law.softening->has_plateau())
+        table.error("exclusive-keys", "unloading",
+                    "= \"secant\" needs a traction that falls with every opening, and this softening has a plateau",
+                    "a slight slope in a table instead of the plateau, or unloading = \"constant\"");
     const double mean = law.softening ? 1 / law.softening->final_opening() : 0.5;  // [-] traction, up to delta_c
     law.G_c = energy == "delta_c" ? mean * law.sigma_c * table.number("delta_c").value_or(0)
                                   : table.number("G_c").value_or(0);

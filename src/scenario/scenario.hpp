@@ -169,7 +169,10 @@ struct Scenario {
         return {.rotation = large_rotation,
                 .damping = time.scheme.damping > 0,
                 .radiation = !time.scheme.absorbing.empty(),
-                .excavation = !excavations.empty()};
+                .excavation = !excavations.empty(),
+                .secant = std::ranges::any_of(laws, [](const NamedLaw& named) {
+                    return named.law.unloading == Unloading::secant && named.law.breakable();
+                })};
     }
     std::vector<std::string> material_names() const {
         std::vector<std::string> names;

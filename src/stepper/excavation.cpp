@@ -136,10 +136,17 @@ void add_lost_surface(const Model& model, const State& state, const Model& rest,
             if (rest.fan_point_of[points[j].point] >= 0 || unbreakable(model, points[j])) continue;
             const Vec2 u = state.opening_of(points[j], point_frame(model, state, points[j]));
             const double beta = state.points[state.first_point[s] + j].cohesion;
-            account_cohesion(points[j], model.laws[points[j].law], beta, beta, u.x(), u.y(), lost);
+            const auto rate = [&](Index corner) -> Vec2 {
+                return corner == rigid_support ? Vec2::Zero() : state.velocity[state.node_of_corner[corner]];
+            };
+            const Vec2 n = point_frame(model, state, points[j]).turned(points[j].normal),
+                       half = 0.5 * state.last_step * (rate(points[j].after) - rate(points[j].before));
+            account_cohesion(points[j], model.laws[points[j].law], beta, beta, u,
+                             u - Vec2(n.dot(half), turned_left(n).dot(half)), lost);
         }
     }
     energies.dissipated = lost.dissipated, energies.recoverable = lost.recoverable;
+    energies.interface_elastic = lost.interface_elastic;
 }
 
 }  // namespace

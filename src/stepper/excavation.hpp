@@ -35,7 +35,7 @@ std::vector<CornerLoad> released_forces(const Model& model, const State& begin, 
 /// [J] Of what stays, and of the points that vanish.
 struct ExcavationEnergies {
     double kinetic = 0, strain = 0;
-    double dissipated = 0, recoverable = 0;
+    double dissipated = 0, recoverable = 0, interface_elastic = 0;
 };
 
 struct Excavated {

@@ -58,6 +58,11 @@ double convex_energy(const FanProblem& fan, const std::vector<Vec2>& velocity) {
     for (const FanLink& link : fan.links) {
         const Vec2 V = (link.after < 0 ? Vec2(Vec2::Zero()) : velocity[link.after]) -
                        (link.before < 0 ? Vec2(Vec2::Zero()) : velocity[link.before]);
+        if (link.ramp > 0) {
+            const double part = link.ramp_part(V);
+            energy += link.cohesive * link.ramp * (part > 1 ? part - 0.5 : part > 0 ? 0.5 * part * part : 0);
+            continue;
+        }
         energy += link.cohesive * (link.normal.dot(V) +
                                    link.gamma * std::abs(turned_left(link.normal).dot(V) + link.u_T / fan.drift_time));
     }
@@ -117,35 +122,76 @@ TEST_CASE("random fans meet every law and no impact or friction gives energy") {
         }
 }
 
+TEST_CASE("random fans with secant unloading meet every law") {
+    FanSolver solver;
+    for (const bool prescribed : {false, true})
+        for (const bool friction : {false, true}) {
+            const int n = 6000;
+            int n_fallback = 0, n_unsolved = 0, n_on_ramp = 0, n_empty = 0, n_full = 0;
+            double worst = 0;
+            std::uint64_t worst_seed = 0;
+            for (int seed = 0; seed < n; ++seed) {
+                FanProblem fan =
+                    RandomFan(seed, {.friction = friction, .prescribed = prescribed, .secant = true}).problem();
+                const FanSolution solution = solver.solve(fan);
+                if (solution.residual >= 1) {  // said so: relaxed or failed
+                    ++n_unsolved;
+                    continue;
+                }
+                n_fallback += solution.status != FanSolution::Status::exact;
+                const double violation = FanJudge(fan).verdict().worst();
+                if (violation > worst) worst = violation, worst_seed = seed;
+                for (const FanLink& link : fan.links)
+                    if (link.ramp > 0) ++(link.borne >= link.cohesive ? n_full : link.borne > 0 ? n_on_ramp : n_empty);
+            }
+            CHECK_MESSAGE(worst <= 1e-10, "seed ", worst_seed, ", friction ", friction, ", prescribed ", prescribed);
+            MESSAGE("friction ", friction, ", prescribed ", prescribed, ": ", n_fallback, " of ", n,
+                    " needed pivots, worst violation ", worst, " at seed ", worst_seed, "; links full ", n_full,
+                    ", on the ramp ", n_on_ramp, ", empty ", n_empty, ", unsolved ", n_unsolved);
+            CHECK(n_fallback < (friction ? 0.2 : 0.1) * n);
+            // ramps of 1e-12 of the others, or large friction
+            CHECK(n_unsolved <= (friction && prescribed ? 0.002 * n : 2));
+            CHECK(n_on_ramp > 1000);
+        }
+}
+
 TEST_CASE("the active set and Lemke's pivots find the same velocities where they are unique") {
     FanSolver solver;
     FanLcp pivots;
-    int n_compared = 0;
-    for (int seed = 0; seed < 3000; ++seed) {
-        FanProblem fan = RandomFan(seed, {.friction = false, .prescribed = true}).problem();
+    int n_compared = 0, n_inexact = 0;
+    for (int seed = 0; seed < 4000; ++seed) {
+        FanProblem fan = RandomFan(seed, {.friction = false, .prescribed = true, .secant = seed >= 3000}).problem();
         if (solver.solve(fan).status != FanSolution::Status::exact) continue;
         const FanJudge judge(fan);
         std::vector<LinkState> states;
         for (const FanLink& link : fan.links)
             states.push_back({.law = law_of(link, fan.velocity_before(link.after) - fan.velocity_before(link.before),
                                             fan.drift_time, 1e-12 * judge.speed_scale())});
-        FanMotion other{std::vector<Vec2>(fan.bodies.size()), std::vector<Vec2>(fan.links.size())};
-        REQUIRE(pivots.solve(fan, states, judge.speed_scale(), other));
+        FanMotion other{std::vector<Vec2>(fan.bodies.size()), std::vector<Vec2>(fan.links.size()), {}};
+        const std::optional<double> residual = pivots.solve(fan, states, judge.speed_scale(), other);
+        REQUIRE(residual);
+        // ramps of 1e-12 of the others cost the pivots digits, and their residual says so
+        if (seed >= 3000 && *residual > 1e-11) {
+            ++n_inexact;
+            continue;
+        }
         double difference = 0;
         for (std::size_t b = 0; b < fan.bodies.size(); ++b)
             difference = std::max(difference, (other.velocity[b] - fan.bodies[b].end_velocity).cwiseAbs().maxCoeff());
         CHECK_MESSAGE(difference <= 1e-10 * judge.speed_scale(), "seed ", seed);
         ++n_compared;
     }
-    CHECK(n_compared > 2800);
+    CHECK(n_compared > 3600);
+    CHECK(n_inexact < 25);
 }
 
 TEST_CASE("without friction no other admissible velocities have less energy") {
     FanSolver solver;
     Random random(1, "perturbation");
     int n_tried = 0;
-    for (int seed = 0; seed < 1000; ++seed) {
-        FanProblem fan = RandomFan(seed, {.friction = false, .prescribed = false, .units = false}).problem();
+    for (int seed = 0; seed < 2000; ++seed) {
+        FanProblem fan =
+            RandomFan(seed, {.friction = false, .prescribed = false, .units = false, .secant = seed >= 1000}).problem();
         solver.solve(fan);
         const FanJudge judge(fan);
         std::vector<Vec2> found;
@@ -163,7 +209,7 @@ TEST_CASE("without friction no other admissible velocities have less energy") {
             ++n_tried;
         }
     }
-    CHECK(n_tried > 3000);
+    CHECK(n_tried > 6000);
 }
 
 TEST_CASE("velocities do not depend on the first body of a closed chain") {

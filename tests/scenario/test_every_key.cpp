@@ -383,6 +383,7 @@ assumption_1 = "ignore"
 const std::string rock = samples::changed("G_c = 3\n", R"(G_c = 3
 softening = "power"
 exponent = 3
+unloading = "secant"
 scatter = { kind = "weibull", modulus = 8, of = ["sigma_c", "G_c"], length = "1 mm", lowest = 0.1, highest = 3 }
 [interface.within]
 sigma_c = 1e7
@@ -738,6 +739,7 @@ const Case cases[] = {
     {mesh_file, "mesh.cracks", "[\"crack\"]"},
     {rock, "interface.default.softening", "\"power\""},
     {rock, "interface.default.exponent", "3"},
+    {rock, "interface.default.unloading", "\"secant\""},
     {rock, "interface.within.plateau", "0.6"},
     {rock, "interface.weak.table", "[[0, 3], [0.5, 1], [2, 0]]"},
     {rock, "interface.default.scatter.kind", "\"weibull\""},

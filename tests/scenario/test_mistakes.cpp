@@ -228,6 +228,8 @@ const Case cases[] = {
      "exclusive-keys", 15, 1, 7, "softening = \"trapezoid\""},
     {"a traction that grows", changed("G_c = 3", "G_c = 3\nsoftening = \"table\"\ntable = [[0, 1], [1, 2], [2, 0]]"),
      "out-of-range", 15, 9, 24, "opening 0"},
+    {"secant unloading of a plateau", changed("G_c = 3", "G_c = 3\nsoftening = \"trapezoid\"\nunloading = \"secant\""),
+     "exclusive-keys", 15, 1, 9, "plateau"},
     {"softening without strength", changed("sigma_c = 3.08e6\nG_c = 3", "sigma_c = 0\nsoftening = \"power\""),
      "exclusive-keys", 13, 1, 9, "no strength"},
     {"softening that drops",
@@ -363,8 +365,8 @@ TEST_CASE("mistakes: as the user sees them") {
         "    |\n"
         "12 | sigmac  = 3.08e6\n"
         "   | ^^^^^^ did you mean `sigma_c`?\n"
-        "   = keys here: breakable, sigma_c, G_c, delta_c, softening, plateau, exponent, table, csv, gamma, friction, "
-        "restitution, scatter\n");
+        "   = keys here: breakable, sigma_c, G_c, delta_c, softening, plateau, exponent, table, csv, unloading, gamma, "
+        "friction, restitution, scatter\n");
 }
 
 TEST_CASE("mistakes: very many in one line and very long ones are short messages") {

@@ -262,6 +262,39 @@ TEST_CASE("B8 a smooth pulse opens an interface by part and closes it for good")
     }
 }
 
+TEST_CASE("B8 with secant unloading the interface keeps closing and never closes") {
+    TimeFunction pulse;
+    for (int i = 0; i <= 2000; ++i) {
+        pulse.time.push_back(1e-4 * i);
+        pulse.value.push_back(1.2 * std::pow(std::sin(M_PI * i / 2000), 2));
+    }
+    describe(
+        "The same pulse with secant unloading: the same peak and beta; then u' = -2 beta u/kappa once the pulse has "
+        "passed, so "
+        "it closes in no finite time: u(.2) = .00699562, G/G_c = 1 - beta.");
+    const int n = 200;
+    for (const SchemeOptions& path : both_paths()) {
+        on_path(path);
+        PulledBar bar(n, pulse, path, 1,
+                      {.sigma_c = sigma_c, .G_c = 0.5 * sigma_c * delta, .unloading = Unloading::secant});
+        double peak = 0, peak_time = 0, at_2 = 0;
+        bool open = true;
+        while (bar.since_arrival() < 0.45) {
+            bar.step();
+            if (bar.opened() > peak) peak = bar.opened(), peak_time = bar.since_arrival();
+            if (at_2 == 0 && bar.since_arrival() >= 0.2) at_2 = bar.opened();
+            if (bar.since_arrival() < 0.25) open = open && (peak == 0 || bar.opened() > 0);
+        }
+        verify_near("time of the peak", peak_time, 0.14449425, {0.5 / n, 0.25 / n});
+        verify("largest opening", peak, 0.02967358, {1e-2, 5e-3});
+        verify_near("beta", bar.beta(), 0.70326424, {1e-3, 5e-4});
+        verify("opening at .2", at_2, 0.00699562, {0.1, 0.05});
+        verify_near("G/G_c", bar.run.ledger.row().dissipated * n / (0.5 * sigma_c * delta), 0.296736, {1e-3, 5e-4});
+        verify_that("it is open until .25, when constant unloading has long closed it", open);
+        CHECK(bar.run.ledger.largest_residual() <= 1e-12 * bar.run.ledger.largest_energy());
+    }
+}
+
 TEST_CASE("B10 a bar hits a rigid wall and rebounds") {
     describe(
         "A bar with E = rho = L = v = 1 meets a rigid wall: in contact for 2 L/c at the pressure rho c v, then it "

@@ -90,21 +90,34 @@ private:
         return link.restitution == 0 ? -std::max(link.u_N / problem_.drift_time, v) : -INFINITY;
     }
 
-    double contact(const FanLink& link) const { return normal_part(link, link.impulse) + link.cohesive; }
+    double cohesion(const FanLink& link) const { return link.ramp > 0 ? link.borne : link.cohesive; }
+
+    /// Distance of (s, borne) from  C clamp(s/kappa, 0, 1)  at the mean opening of the half steps.
+    double ramp_distance(const FanLink& link) const {
+        if (!(link.ramp > 0) || link.cohesive == 0) return 0;
+        const Vec2 V = after(link);
+        const double s = link.ramp_start.x() + normal_part(link, V) +
+                         link.gamma * std::abs(link.ramp_start.y() + tangential_part(link, V)),
+                     part = link.borne / link.cohesive;
+        const double off = part >= 1 ? std::max(link.ramp - s, 0.0) : part <= 0 ? std::max(s, 0.0) : std::abs(s - part * link.ramp);
+        return std::max(std::min(off / speed_, std::abs(link.borne - link.cohesive * std::clamp(s / link.ramp, 0.0, 1.0)) / impulse_),
+                        std::max(part - 1, -part) * link.cohesive / impulse_);
+    }
+    double contact(const FanLink& link) const { return normal_part(link, link.impulse) + cohesion(link); }
 
     double law_distance(const FanLink& link) const {
         const Vec2 V = after(link);
         if (link.unbreakable) return V.cwiseAbs().maxCoeff() / speed_;
         const double p = contact(link), b = bound(link);
         const double normal = b == -INFINITY ? std::abs(p) / impulse_ : std::abs(std::min(p / impulse_, (normal_part(link, V) - b) / speed_));
-        return std::max(normal, tangential_distance(link, std::max(p, 0.0)));
+        return std::max({normal, tangential_distance(link, std::max(p, 0.0)), ramp_distance(link)});
     }
 
     /// Distance of (V_T, -P_T) from  gamma C sgn(u_T + h V_T) + mu p 1/2 [ sgn(V_T) + sgn(V_T + V_T-) ]
     double tangential_distance(const FanLink& link, double p) const {
         const double V = tangential_part(link, after(link)), V_before = tangential_part(link, before(link));
-        const double weight[3] = {link.gamma * link.cohesive, 0.5 * link.friction * p, 0.5 * link.friction * p};
-        const double kink[3] = {-link.u_T / problem_.drift_time, 0, -V_before};
+        const double weight[3] = {link.gamma * cohesion(link), 0.5 * link.friction * p, 0.5 * link.friction * p};
+        const double kink[3] = {link.ramp > 0 ? -link.ramp_start.y() : -link.u_T / problem_.drift_time, 0, -V_before};
         const double held = -link.impulse.dot(turned_left(link.normal));
         const auto off_graph = [&](double at) {  // distance of `held` from the values of the law at velocity `at`
             double low = 0, high = 0;

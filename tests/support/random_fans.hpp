@@ -13,6 +13,7 @@ struct RandomFanOptions {
     bool friction = true;
     bool prescribed = true;  // some bodies driven
     bool units = true;       // random units of length, mass, time
+    bool secant = false;     // most links with cohesion have secant unloading
     int most_bodies = 12;
 };
 
@@ -142,6 +143,13 @@ private:
             const Vec2 jump = at(link.after) - at(link.before);
             link.u_N = link.normal.dot(jump);
             link.u_T = turned_left(link.normal).dot(jump);
+            if (!options_.secant || link.cohesive == 0 || chance(0.2)) continue;
+            // from next to nothing, which is rigid, to far beyond what the step moves
+            const Vec2 rate = fan.velocity_before(link.after) - fan.velocity_before(link.before);
+            link.restitution = 0;
+            link.ramp = std::max(speed_, 4 * reach / fan.drift_time) * one_of({1e-12, 1e-6, 1e-2, 1.0, 1.0, 10.0, 1e3});
+            link.ramp_start = 4 / fan.drift_time * Vec2(link.u_N, link.u_T) -
+                              one_of({1.0, 1.0, 0.0, 0.7}) * Vec2(link.normal.dot(rate), link.tangent().dot(rate));
         }
     }
 

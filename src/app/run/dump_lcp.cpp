@@ -94,6 +94,11 @@ void check_dump(const Model& model, const SchemeOptions& scheme) {
     if (scheme.bulk != BulkScheme::implicit_theta)
         throw UserError("exclusive-keys", "--dump-lcp stores the complementarity problem of the implicit bulk",
                         "set time.bulk = \"implicit\"");
+    if (!StepLcp::fits(model))
+        throw UserError(
+            "exclusive-keys",
+            "--dump-lcp stores a linear problem, and a law with unloading = \"secant\" multiplies two unknowns",
+            "use unloading = \"constant\"");
     const double entries = upper_bound_of_entries(model, scheme);
     if (entries > max_entries)
         throw UserError(

@@ -4,7 +4,7 @@
 // Contact and friction impulses work with the rate of the scheme: the mean velocity (V+ + V-)/2 in the leapfrog energy,
 // w/theta in the theta scheme. The energy Psi = beta sigma_c s + G_c f(beta) of a point has two parts: G_c f(beta),
 // which remains when the point closes, is dissipated; beta sigma_c s, the work of the constant traction, is
-// recoverable.
+// recoverable. With secant unloading half of that is dissipated where beta falls, and the rest is elastic.
 #include "material/cohesive_law.hpp"
 #include "model/model.hpp"
 #include "stepper/common/step_report.hpp"
@@ -33,13 +33,13 @@ inline void account_contact(const ContactWork& at, StepReport& report) {
 
 /// Of a point that keeps its beta and does not open with cohesion.
 inline void account_rest(const FanPoint& point, const CohesiveLaw& law, double beta, StepReport& report) {
-    if (!point.cracked && law.sigma_c > 0)
-        report.dissipated += point.area * (beta == 0 ? law.G_c : law.surface_energy(beta, 0, 0));
+    if (!point.cracked && law.sigma_c > 0) report.dissipated += point.area * law.consumed(beta);
 }
 
-/// `before`, `after` [-]: beta at the start and at the end of the step; u_N, u_T [m]: opening at its end.
-inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, double before, double after, double u_N,
-                             double u_T, StepReport& report) {
+/// `before`, `after` [-]: beta at the start and at the end of the step; u [m]: opening at its end; `at_works` [m]:
+/// where the works of the scheme end, in the middle of the step with the explicit bulk.
+inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, double before, double after, const Vec2& u,
+                             const Vec2& at_works, StepReport& report) {
     if (const double fall = before - after; fall > min_softening) {
         ++report.softened;
         const double drop = point.area * law.G_c * fall * law.opening_of_fall(before, after);
@@ -47,7 +47,10 @@ inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, doub
     }
     report.largest_beta_growth = std::max(report.largest_beta_growth, after - before);
     account_rest(point, law, after, report);
-    if (after > 0) report.recoverable += point.area * after * law.sigma_c * law.equivalent_opening(u_N, u_T);
+    if (law.unloading == Unloading::secant)
+        report.interface_elastic +=
+            point.area * law.elastic_energy(after, law.equivalent_opening(at_works.x(), at_works.y()));
+    else if (after > 0) report.recoverable += point.area * after * law.sigma_c * law.equivalent_opening(u.x(), u.y());
 }
 
 }  // namespace knap

@@ -29,6 +29,7 @@ struct StepReport {
     double strain = 0;             // 1/2 u_n' K u_{n+1}
     double dissipated = 0;         // sum of S G_c f(beta) over all points: not given back when they close
     double recoverable = 0;        // sum of S beta sigma_c s: given back when they close
+    double interface_elastic = 0;  // sum of S beta sigma_c s^2/(2 kappa): of points with secant unloading
     double external_work = 0;      // of loads and prescribed motions
     double cohesive_work = 0;      // against the interface forces that Psi belongs to (positive: taken from the body)
     double crossing_loss = 0;      // part of cohesive_work: lost where a slip changes its sign within a step
@@ -69,14 +70,19 @@ struct StepReport {
     template <class Visit>
     static constexpr void for_each_number(const Visit& visit) {
         using R = StepReport;
-        constexpr auto sums =
-            std::tuple{&R::kinetic,           &R::strain,           &R::dissipated,         &R::recoverable,
-                       &R::external_work,     &R::cohesive_work,    &R::crossing_loss,      &R::impact_work,
-                       &R::friction_work,     &R::step_change_work, &R::scheme_dissipation, &R::rotation_work,
-                       &R::contact_injection, &R::damping_work,     &R::radiated_work,      &R::excavation_work,
-                       &R::fan_solves,        &R::fan_iterations,   &R::fan_fallbacks,      &R::face_contacts,
-                       &R::bond_checks,       &R::released,         &R::softened,           &R::linear_solves,
-                       &R::factorisations};
+        constexpr auto sums = std::tuple{&R::kinetic,           &R::strain,
+                                         &R::dissipated,        &R::recoverable,
+                                         &R::interface_elastic, &R::external_work,
+                                         &R::cohesive_work,     &R::crossing_loss,
+                                         &R::impact_work,       &R::friction_work,
+                                         &R::step_change_work,  &R::scheme_dissipation,
+                                         &R::rotation_work,     &R::contact_injection,
+                                         &R::damping_work,      &R::radiated_work,
+                                         &R::excavation_work,   &R::fan_solves,
+                                         &R::fan_iterations,    &R::fan_fallbacks,
+                                         &R::face_contacts,     &R::bond_checks,
+                                         &R::released,          &R::softened,
+                                         &R::linear_solves,     &R::factorisations};
         constexpr auto maxima =
             std::tuple{&R::worst_impact_work, &R::worst_friction_work, &R::residual,      &R::penetration,
                        &R::contact_residual,  &R::contact_depth,       &R::largest_speed, &R::largest_beta_growth};

@@ -46,7 +46,7 @@ bool find_parts(const Model& model, const Fan& fan, const PointState* state, con
         const Vec2 u = u_after - begin.displacement[work.node[at.before]];
         const Vec2 v = begin.velocity[work.node[at.after]] - begin.velocity[work.node[at.before]];
         const bool held = law.breakable() && law.sigma_c > 0 && !points[j].cracked && state[j].cohesion > 0 &&
-                          law.gamma > 0 && u.isZero(0) && v.isZero(0);
+                          law.ramp(state[j].cohesion) == 0 && law.gamma > 0 && u.isZero(0) && v.isZero(0);
         const Vec2& normal = work.normal[j];
         const double u_N = normal.dot(u), v_N = normal.dot(v);
         const bool open = state[j].cohesion == 0 && law.restitution == 0 &&

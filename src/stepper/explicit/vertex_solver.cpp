@@ -60,6 +60,7 @@ double speed_scale(const FanProblem& problem) {
 double crossing_loss(const FanLink& link, double V_T_before, double V_T_after, const ExplicitStep& step) {
     const double from = link.u_T - 0.5 * step.begin.last_step * V_T_before,
                  to = link.u_T + 0.5 * step.drift_time * V_T_after;
+    if (link.ramp > 0 && link.borne < link.cohesive) return 0;  // in the law lag
     const double force = link.friction_part - link.tangential, full = link.gamma * link.cohesive * (1 - caught);
     if (link.cohesive == 0 || (from >= 0 && to >= 0 && force >= full) || (from <= 0 && to <= 0 && force <= -full))
         return 0;
@@ -163,6 +164,12 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
         FanLink& link = problem.links.back();
         if (frame.sine != 0 && beta > 0)
             for (double* u : {&link.u_N, &link.u_T}) *u = closed_below(law.softening_length(), *u);
+        if (const double kappa = law.ramp(beta); kappa > 0) {
+            const Vec2 rate = problem.velocity_before(link.after) - problem.velocity_before(link.before),
+                       before = 0.25 * begin.last_step * Vec2(link.normal.dot(rate), link.tangent().dot(rate));
+            link.ramp = 4 / step.drift_time * kappa;
+            link.ramp_start = 4 / step.drift_time * (Vec2(link.u_N, link.u_T) - before);
+        }
         if (link.restitution == 0 || begin.split_rank[f] < 0) continue;
         const Vec2 mobility = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
         const double pressure =
@@ -323,11 +330,15 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
         const Vec2 after = problem.velocity_after(link.after) - problem.velocity_after(link.before);
         const double mean_N = 0.5 * n.dot(before + after), mean_T = 0.5 * t.dot(before + after);
         const double u_N = link.u_N + step.drift_time * n.dot(after), u_T = link.u_T + step.drift_time * t.dot(after);
+        // the middle of the step, where the works of the leapfrog end
+        const auto half_way = [&](double at_N, double at_T) {
+            return Vec2(at_N - 0.5 * step.drift_time * n.dot(after), at_T - 0.5 * step.drift_time * t.dot(after));
+        };
         if (i < fan.n_points) {
             const FanPoint& point = model_.points(fan)[i];
             const CohesiveLaw& law = model_.laws[point.law];
             PointState& state = end.points[end.first_point[rank] + i];
-            state.traction = Vec2(link.contact - link.cohesive, link.tangential) / (step.kick_time * point.area);
+            state.traction = Vec2(link.contact - link.borne, link.tangential) / (step.kick_time * point.area);
             if (link.unbreakable) {
                 state.cohesion = 1;
                 continue;
@@ -336,11 +347,11 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
                 account_rest(point, law, state.cohesion = 0, report);
                 continue;
             }
-            report.cohesive_work += link.cohesive * mean_N - (link.tangential - link.friction_part) * mean_T;
+            report.cohesive_work += link.borne * mean_N - (link.tangential - link.friction_part) * mean_T;
             report.crossing_loss += crossing_loss(link, t.dot(before), t.dot(after), step);
             const double beta = point.cracked ? 0 : cohesion_before(model_, f, i, step.begin);
             state.cohesion = law.next_cohesion(beta, u_N, u_T);
-            account_cohesion(point, law, beta, state.cohesion, u_N, u_T, report);
+            account_cohesion(point, law, beta, state.cohesion, {u_N, u_T}, half_way(u_N, u_T), report);
         } else {
             obstacles_.impulse[&contacts[i - fan.n_points] - obstacles_.contacts.all().data()] = link.impulse;
         }

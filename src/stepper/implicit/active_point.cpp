@@ -29,6 +29,7 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
                              .strength = beta > 0 ? step.kick() * at.area * law.sigma_c : 0,
                              .cohesion = beta,
                              .material = &law,
+                             .ramp = law.ramp(beta),
                              .friction = law.friction,
                              .contact = contact_bound_theta(u.x(), u_rate, law.restitution_at(beta), step.h, step.theta,
                                                             touching_gap(model, *step.begin, at)),

@@ -122,7 +122,7 @@ void ImplicitScheme::solve_free_obstacles(StepReport& report) {
 /// In small bodies: rates and multipliers from the step's complementarity problem, with all fans active. The method of
 /// multipliers starts again from them, so the step is found to its tolerance and judged like any other.
 bool ImplicitScheme::start_from_lemke() {
-    if (model_.fan_points.size() > max_lcp_points || !model_.obstacles.empty()) return false;
+    if (model_.fan_points.size() > max_lcp_points || !model_.obstacles.empty() || !StepLcp::fits(model_)) return false;
     const std::optional<StepLcpEnd> found = StepLcp(model_, *step_.begin, step_.h, options_).solve();
     if (!found) return false;
     corner_rate_ = found->rate;
@@ -343,6 +343,15 @@ void ImplicitScheme::account_points(StepReport& report) const {
                          .opening = u_N},
                         report);
         if (point.fan < 0) continue;
+        if (law.ramp > 0) {  // secant unloading: the works of both components, where the slip changes its sign
+            const double s = law.material->equivalent_opening(law.u_N, law.u_T),
+                         s_end = law.material->equivalent_opening(u_N, u_T);
+            if (law.u_T * u_T < 0 && s_end < law.ramp)
+                report.crossing_loss +=
+                    (cohesive_N * w.x() + cohesive_T * w.y()) / theta -
+                    law.strength * law.cohesion / step_.kick() * (s_end * s_end - s * s) / (2 * law.ramp);
+            continue;
+        }
         const double stored_T = law.material->gamma * cohesive_N * (std::abs(u_T) - std::abs(law.u_T)) / step_.h;
         report.crossing_loss += (cohesive_T * w.y() - stored_T) / theta;
     }
@@ -389,7 +398,7 @@ void ImplicitScheme::store(State& end, StepReport& report) const {
             state.traction =
                 Vec2(point.response.normal(point.law), point.response.tangential) / (step_.kick() * at.area);
             state.cohesion = point.law.material->next_cohesion(point.law.cohesion, u.x(), u.y());
-            account_cohesion(at, *point.law.material, point.law.cohesion, state.cohesion, u.x(), u.y(), report);
+            account_cohesion(at, *point.law.material, point.law.cohesion, state.cohesion, u, u, report);
         }
     }
 }

@@ -50,6 +50,10 @@ StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeO
     problem_.q = constant_ + rows_of_rate * free_jump + of_impulse * known_impulse_;
 }
 
+bool StepLcp::fits(const Model& model) {
+    return std::ranges::none_of(model.laws, [](const CohesiveLaw& law) { return law.unloading == Unloading::secant; });
+}
+
 void StepLcp::factorise(MassMatrix mass) {
     for (const std::array<bool, 2>& prescribed : nodes_.prescribed)
         for (const bool known : prescribed) unknown_.push_back(known ? -1 : n_unknowns_++);

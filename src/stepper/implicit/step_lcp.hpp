@@ -56,6 +56,9 @@ public:
     StepLcp(const Model& model, const State& begin, double h, const SchemeOptions& options);
     StepLcp(const StepLcp&) = delete;
 
+    /// Secant unloading multiplies beta_theta by the opening: no linear problem.
+    static bool fits(const Model& model);
+
     const LcpProblem& problem() const { return problem_; }
     StepLcpEnd end(const Eigen::VectorXd& z) const;
     /// By the default solver, at last Lemke's method; nothing where it finds no solution.

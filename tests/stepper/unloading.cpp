@@ -1,0 +1,163 @@
+// Secant unloading on one point: the cycle of A1, a mass that closes, a mass that vibrates on its ramp, and a block.
+#include "support/bodies.hpp"
+#include "support/paths.hpp"
+#include "support/relative.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+/// Both points of the mass on its support, damaged to beta and displaced by u, at rest.
+void damage(Run& run, double beta, const Vec2& u) {
+    for (PointState& point : run.now.points) point.cohesion = beta;
+    for (Vec2& displacement : run.now.displacement) displacement = u;
+}
+
+}  // namespace
+
+TEST_CASE("A1 with secant unloading a cycle costs what the envelope encloses") {
+    describe(
+        "The same cycle with secant unloading: the work of the point is .1875, .125, .1875 and .25 at t = 1 to 4, and "
+        "on the ramp (1 < t < 3) it is the change of the elastic energy to rounding.");
+    for (const SchemeOptions& path : all_paths()) {
+        on_path(path);
+        const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .unloading = Unloading::secant};
+        ModelInput input = point_masses(law, true);
+        input.loads = {load(Load::Kind::displacement, "base", 0.0, 1.0, {{0, 1, 2, 3, 5}, {0, 0.5, 0, 0.5, 1.5}})};
+        Run run(input, path);
+        constexpr int n = 1024;
+        const auto work = [&] {
+            const double beta = cohesion(run.model, run.now, 0);
+            return law.consumed(beta) + law.elastic_energy(beta, opening(run.model, run.now, 0).x());
+        };
+        const auto go_on = [&] {
+            for (int i = 0; i < n; ++i) run.step(1.0 / n);
+        };
+        go_on();
+        verify("work at t = 1", work(), 0.1875, {1e-12});
+        // with the explicit bulk works end in the middle of a step: those of the first step back turn round
+        run.step(1.0 / n), run.step(1.0 / n);
+        const double lag = run.ledger.row().law_lag;
+        for (int i = 2; i < n - 2; ++i) run.step(1.0 / n);
+        verify_small("change of the law lag on the way back", run.ledger.row().law_lag - lag, {1e-14, 1e-15});
+        run.step(1.0 / n), run.step(1.0 / n);
+        verify("work at t = 2", work(), 0.125, {1e-12});
+        verify("energy consumed at t = 2", run.ledger.row().dissipated, 2 * 0.125, {1e-12});
+        verify_small("elastic energy at t = 2", run.ledger.row().interface_elastic, {1.0 / n});
+        go_on();
+        verify("work at t = 3", work(), 0.1875, {1e-12});
+        go_on();
+        verify("work at t = 4", work(), 0.25, {1e-12});
+        CHECK(cohesion(run.model, run.now, 0) == 0);
+        CHECK(std::abs(run.ledger.row().cohesive_work - 0.5) < 4.0 / n);
+        CHECK(run.ledger.largest_residual() < 1e-12 * run.ledger.largest_energy());
+    }
+}
+
+TEST_CASE("B1 a mass that closes from half its cohesion takes a quarter of a period of its ramp") {
+    describe(
+        "m = S = 1, released at beta = 1/2: secant unloading closes after (pi/2) sqrt(m/(K S)), K = beta "
+        "sigma_c/kappa, "
+        "and the impact takes G_c beta (1 - beta) a point; constant unloading after sqrt(2 s m/(beta sigma_c S)), and "
+        "twice as much.");
+    for (const Unloading unloading : {Unloading::secant, Unloading::constant})
+        for (const SchemeOptions& path : both_paths()) {
+            on_path(path);
+            const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .unloading = unloading};
+            Run run(point_masses(law, true), path);
+            const double beta = 0.5, s = 0.5, h = 1e-3;
+            damage(run, beta, {0, s});
+            double closes = 0;
+            while (closes == 0 || std::abs(run.v(0, 0).y()) > 1e-9) {
+                run.step(h);
+                REQUIRE(run.last.rejection == Rejection::none);
+                REQUIRE(run.now.time < 3);
+                if (closes == 0 && run.u(0, 0).y() <= 1e-3) closes = run.now.time;
+            }
+            const bool secant = unloading == Unloading::secant;
+            const double time = secant ? M_PI / 2 * std::sqrt(s / (beta * law.sigma_c))
+                                       : std::sqrt(2 * s / (beta * law.sigma_c)),
+                         loss = (secant ? 1 : 2) * law.G_c * beta * (1 - beta);
+            const std::string at = secant ? ", secant" : ", constant";
+            verify_near("closes" + at, closes, time, {5 * h, 2 * h});
+            verify("loss of the impacts" + at, -run.ledger.row().impact_work, 2 * loss, {2e-2, 2e-3});
+            CHECK(cohesion(run.model, run.now, 0) == beta);
+        }
+}
+
+TEST_CASE("B1 a mass on the ramp of its shear vibrates for ever whatever the step") {
+    describe(
+        "A point with gamma = 1 and beta = 1/2 closed in N and displaced by kappa/2 in T: it vibrates with K S = .5, m "
+        "= 1 "
+        "on the ramp, across zero slip. Its energy stays for K h^2/m from .01 to 100.");
+    for (const SchemeOptions& path : both_paths())
+        for (const double stiffness : {0.01, 1.0, 100.0}) {
+            on_path(path);
+            const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .unloading = Unloading::secant};
+            Run run(point_masses(law, true), path);
+            const double h = std::sqrt(stiffness / 0.5);
+            // half a kick at the start of the leapfrog: a long first step reaches far beyond the first displacement
+            const bool is_explicit = path.bulk == BulkScheme::explicit_lumped;
+            damage(run, 0.5, {is_explicit ? 0.05 : 0.25, 0});
+            run.step(h);
+            const double lag = run.ledger.row().law_lag,
+                         energy = run.ledger.row().kinetic + run.ledger.row().interface_elastic;
+            double worst = 0, furthest = 0;
+            int n_crossings = 0;
+            for (int i = 0; i < 2000; ++i) {
+                const double before = run.u(0, 0).x();
+                run.step(h);
+                const EnergyRow& row = run.ledger.row();
+                worst = std::max({worst, std::abs(row.kinetic + row.interface_elastic - energy),
+                                  std::abs(row.law_lag - lag), std::abs(row.crossing_loss)});
+                furthest = std::max(furthest, std::abs(run.u(0, 0).x()));
+                n_crossings += before * run.u(0, 0).x() < 0;
+            }
+            verify_small(
+                "change of the energy in 2000 steps over it, K h^2/m = " + digits(stiffness), worst / energy,
+                {is_explicit ? 1e-12 * std::max(1.0, stiffness) : 1e-8});  // rounding; tolerance of Newton's method
+            CHECK(n_crossings > 60);
+            CHECK(cohesion(run.model, run.now, 0) == 0.5);
+            CHECK(run.ledger.largest_residual() <= (is_explicit ? 1e-12 : 1e-8) * energy);
+        }
+}
+
+TEST_CASE("a pulled block breaks with secant unloading and its energies balance") {
+    for (const SchemeOptions& path : both_paths()) {
+        const CohesiveLaw law{.sigma_c = 8e6, .G_c = 60, .gamma = 1, .friction = 0.5, .unloading = Unloading::secant};
+        ModelInput input;
+        input.mesh = bar_mesh(12, 6, 0.04, 0.02);
+        input.thickness = 1e-3;
+        input.materials = {{.density = 2450, .E = 32e9, .nu = 0.2}};
+        input.laws = {law};
+        input.law_of_pair = {{0}};
+        input.loads = {load(Load::Kind::traction, "top", 0.0, 8e6, {{0, 5e-6}, {0, 1}}),
+                       load(Load::Kind::traction, "bottom", 0.0, -8e6, {{0, 5e-6}, {0, 1}})};
+        Run run(input, path);
+        const double h = 0.6 * MoreauJean(run.model, both_explicit).stable_step();
+        double elastic = 0;
+        while (run.now.time < 25e-6) {
+            run.step(h);
+            REQUIRE(run.last.rejection == Rejection::none);
+            elastic = std::max(elastic, run.ledger.row().interface_elastic);
+        }
+        const double scale = run.ledger.largest_energy();
+        CHECK(elastic > 1e-6 * scale);
+        CHECK(run.ledger.row().recoverable == 0);
+        CHECK(run.ledger.row().dissipated > 0);
+        CHECK(run.ledger.largest_residual() <= 1e-11 * scale);
+        CHECK(run.ledger.worst().residual <= 1e-10);
+        CHECK(run.ledger.worst().worst_impact_work <= 1e-14 * scale);
+        CHECK(run.ledger.worst().worst_friction_work <= 1e-14 * scale);
+        CHECK(run.ledger.worst().largest_beta_growth == 0);
+        CHECK(std::abs(run.ledger.row().law_lag) < 0.05 * run.ledger.row().dissipated);
+        MESSAGE(name_of(path), ": law lag over dissipated ", run.ledger.row().law_lag / run.ledger.row().dissipated,
+                ", crossing loss ", run.ledger.row().crossing_loss / run.ledger.row().dissipated, ", pivots ",
+                run.ledger.worst().fan_fallbacks, " of ", run.ledger.worst().fan_solves);
+    }
+}
