@@ -10,8 +10,7 @@
 // Gauss-Seidel sweeps solve one contact after the other in closed form; where they are slow, an active set over the
 // states of the contacts (interface/link_state.hpp) starts from their result; where that cycles, proximal points. Of
 // 365 problems that the active set, 200 sweeps and Lemke's pivots left unsolved (jams of up to 290 contacts), proximal
-// points solve all, in a tenth to half of the time. The impulses of redundant contacts are not unique; the velocities
-// are.
+// points solve all. The impulses of redundant contacts are not unique; the velocities are.
 #include "interface/link_state.hpp"
 
 #include <Eigen/Core>
