@@ -44,7 +44,8 @@ EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix ma
 void EnergyLedger::add(const State& end, const StepReport& report) {
     const double at_end_before = row_.surface() - row_.interface_elastic;
     ++n_steps_;
-    supplied_ += std::max(0.0, report.external_work) + std::max(0.0, report.excavation_work);
+    supplied_ += std::max(0.0, report.external_work) + std::max(0.0, report.excavation_work) +
+                 std::max(0.0, report.thermal_work);
     row_.time = end.time, row_.step = end.last_step;
     row_.kinetic = report.kinetic;
     row_.strain = report.strain;
@@ -61,10 +62,11 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.radiated_work += report.radiated_work;
     row_.excavation_work += report.excavation_work;
     row_.scheme_dissipation += report.scheme_dissipation;
+    row_.thermal_work += report.thermal_work;
     row_.crossing_loss += report.crossing_loss;
     const double work = row_.external_work - row_.cohesive_work + row_.friction_work + row_.impact_work +
                         row_.step_change_work + row_.rotation_work + row_.damping_work + row_.radiated_work -
-                        row_.scheme_dissipation + row_.excavation_work - row_.excavated_energy;
+                        row_.scheme_dissipation + row_.excavation_work - row_.excavated_energy + row_.thermal_work;
     row_.residual = row_.kinetic + row_.strain - start_energy_ - work;
     row_.law_lag = row_.cohesive_work - row_.crossing_loss - row_.surface() - row_.excavated_recoverable;
     largest_energy_ =
@@ -80,6 +82,12 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     if (const double now = over_dissipated(lag, 1e-2); !(std::abs(now) <= std::abs(largest_law_lag_)))
         largest_law_lag_ = now;
 
+    if (const SharedTemperatures& heat = end.temperature; heat && heat->heat_scale > 0) {
+        row_.heat = heat->heat, row_.heat_in = heat->heat_in;
+        largest_heat_residual_ = std::max(largest_heat_residual_,
+                                          std::abs(heat->heat - heat->heat_in) / (heat->heat_scale + heat->heat_moved));
+        if (heat->range > 0) largest_overshoot_ = std::max(largest_overshoot_, heat->overshoot / heat->range);
+    }
     StepReport extremes = report;
     extremes.largest_speed = std::max(worst_.largest_speed, report.largest_speed);
     worst_ += extremes;
@@ -150,6 +158,12 @@ std::span<const Measure<EnergyRow>> energy_columns() {
          [](const R& r) { return r.excavated_energy; }},
         {"excavated_recoverable", "J", "recoverable energy of their interfaces that left with them; likewise",
          [](const R& r) { return r.excavated_recoverable; }},
+        {"thermal_work", "J", "work of thermal strains that change so far; with heat",
+         [](const R& r) { return r.thermal_work; }},
+        {"heat", "J", "heat stored since the start, sum of C (T - T at the start); with conduction",
+         [](const R& r) { return r.heat; }},
+        {"heat_in", "J", "heat that came through boundaries and from sources so far; with conduction",
+         [](const R& r) { return r.heat_in; }},
         {"step", "s", "size of the last step", [](const R& r) { return r.step; }}};
     return columns;
 }
@@ -162,6 +176,8 @@ std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works) {
                (column.name == "damping_work" && !works.damping) ||
                (column.name == "radiated_work" && !works.radiation) ||
                (column.name == "interface_elastic" && !works.secant) ||
+               (column.name == "thermal_work" && !works.heat) ||
+               (column.name.starts_with("heat") && !works.conduction) ||
                (column.name.starts_with("excavat") && !works.excavation);
     });
     return columns;

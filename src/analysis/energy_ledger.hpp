@@ -2,7 +2,8 @@
 // The energy balance of a run.
 //
 //     residual        kinetic + strain - (both at the start) - (external - cohesive + friction + impact + step change
-//                     + rotation + damping + radiated + excavation works - excavated energy - scheme dissipation): zero
+//                     + rotation + damping + radiated + excavation + thermal works - excavated energy - scheme
+//                     dissipation): zero
 //                     to rounding, the energy identity of the discrete scheme
 //     rotation work   large rotations: the trapezoidal defect of the elastic energy U, which is not quadratic,
 //                     tau = U_n - U_n-1 + 1/2 (f_n-1 + f_n) . (u_n - u_n-1),  f = -grad U; O(h^3) a step. Its sum stays
@@ -10,6 +11,8 @@
 //                     are small, or a strained body turns rigidly
 //     surface energy  Psi = dissipated + recoverable = sum over points of S (G_c f(beta) + beta sigma_c s); with secant
 //                     unloading dissipated + interface_elastic = S (G_c f + beta sigma_c (kappa + s^2/kappa)/2)
+//     thermal work    of thermal strains e that change, -int sigma : de (src/heat/README.md has the stresses); the
+//                     elastic energy is that of eps - e. Stored heat is another book: heat = heat in, to rounding
 //     crossing loss   part of the cohesive work that is stored nowhere: where a slip crosses zero within a step, the
 //                     implicit sign of the tangential cohesion takes some of its kinetic energy (slip-reversal loss);
 //                     high-frequency slips die by it
@@ -43,6 +46,8 @@ struct EnergyRow {
     double rotation_work = 0, damping_work = 0, radiated_work = 0, excavation_work = 0;
     double excavated_energy = 0, excavated_recoverable = 0;  // that left with excavated regions
     double scheme_dissipation = 0;                           // by theta > 1/2
+    double thermal_work = 0;                                 // of thermal strains that change
+    double heat = 0, heat_in = 0;                            // with conduction: stored, and what came in
     double residual = 0, crossing_loss = 0, law_lag = 0;
 
     double surface() const { return dissipated + recoverable + interface_elastic; }  // Psi
@@ -50,15 +55,16 @@ struct EnergyRow {
     void serialize(auto& archive) {
         archive(time, step, kinetic, strain, dissipated, recoverable, interface_elastic, external_work, cohesive_work,
                 friction_work, impact_work, step_change_work, rotation_work, damping_work, radiated_work,
-                excavation_work, excavated_energy, excavated_recoverable, scheme_dissipation, residual, crossing_loss,
-                law_lag);
+                excavation_work, excavated_energy, excavated_recoverable, scheme_dissipation, thermal_work, heat,
+                heat_in, residual, crossing_loss, law_lag);
     }
 };
 std::span<const Measure<EnergyRow>> energy_columns();
 
 /// Works that only some scenes have; energy.csv of the others has no columns for them.
 struct RareWorks {
-    bool rotation = false, damping = false, radiation = false, excavation = false, secant = false;
+    bool rotation = false, damping = false, radiation = false, excavation = false, secant = false, heat = false,
+         conduction = false;
 };
 std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works);
 
@@ -96,18 +102,24 @@ public:
     double largest_law_lag() const { return largest_law_lag_; }
 
     double supplied() const { return supplied_; }  // [J] energy at the start and positive external work since
+    /// Of conduction, over all steps: error of the balance of heat over its contents and flows, and excess of a
+    /// temperature over those around it, over the largest difference.
+    double largest_heat_residual() const { return largest_heat_residual_; }
+    double largest_overshoot() const { return largest_overshoot_; }
     std::int64_t n_steps() const { return n_steps_; }
     double smallest_mass() const { return smallest_mass_; }  // [kg] of a corner
 
     void serialize(auto& archive) {
         archive(start_energy_, excavated_dissipated_, largest_energy_, largest_recoverable_, largest_residual_,
-                largest_rotation_work_, law_lag_, largest_law_lag_, supplied_, n_steps_, row_, worst_);
+                largest_rotation_work_, law_lag_, largest_law_lag_, supplied_, n_steps_, row_, worst_,
+                largest_heat_residual_, largest_overshoot_);
     }
 
 private:
     double start_energy_, largest_energy_, largest_recoverable_ = 0, largest_residual_ = 0, largest_rotation_work_ = 0,
                                            law_lag_ = 0, largest_law_lag_ = 0, supplied_, smallest_mass_,
-                                           weakest_point_, excavated_dissipated_ = 0;
+                                           weakest_point_, excavated_dissipated_ = 0, largest_heat_residual_ = 0,
+                                           largest_overshoot_ = 0;
     std::int64_t n_steps_ = 0;
     EnergyRow row_;
     StepReport worst_;

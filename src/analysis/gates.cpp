@@ -171,6 +171,18 @@ const GateRule rules[] = {
       "Try a smaller time.step or time.safety, or a slower motion."},
      {none, 1e-3, allowed},
      [](const GateView& run) { return GateValue{run.ledger.largest_rotation_work() / energy_scale(run.ledger)}; }},
+    {{"heat_residual", "", "error of the balance of heat over its contents and flows; with conduction",
+      "The equations of heat conduction were not solved to rounding: look for flat triangles (mesh.quality) and "
+      "conductivities that differ by many powers of ten."},
+     {none, 1e-10, fixed},
+     [](const GateView& run) { return GateValue{run.ledger.largest_heat_residual()}; }},
+    {{"temperature_overshoot", "",
+      "largest excess of a temperature over those around it and before, over the largest difference of temperatures, "
+      "where nothing is heated: conduction has none (maximum principle)",
+      "Usual cause: obtuse triangles at inner borders or in a mesh from a file, also beside cracks. Use a finer or "
+      "better mesh there; [limits] temperature_overshoot sets another limit."},
+     {1e-3, 0.05, allowed},
+     [](const GateView& run) { return GateValue{run.ledger.largest_overshoot()}; }},
     {{"rotation", "deg",
       "largest rotation of a triangle; knap assumes small rotations, and a body that turns by an angle a grows by tan "
       "a "

@@ -92,8 +92,9 @@ CornerMean::CornerMean(const Mesh& mesh, const std::string& boundary) {
 }
 
 template <class Value>
-Vec2 CornerMean::mean(Value value) const {
-    Vec2 sum = Vec2::Zero();
+auto CornerMean::mean(Value value) const {
+    std::decay_t<decltype(value(0))> sum{};
+    if constexpr (requires { sum.setZero(); }) sum.setZero();
     for (const Weight& weight : weights_) sum += weight.part * value(weight.corner);
     return sum;
 }
@@ -110,13 +111,18 @@ Vec2 CornerMean::velocity(const State& state) const {
     return mean([&](Index corner) -> Vec2 { return state.velocity[state.node_of_corner[corner]]; });
 }
 
+double CornerMean::temperature(const State& state) const {
+    return mean([&](Index corner) -> double { return state.temperature->of_corner[corner]; });
+}
+
 std::span<const Measure<PlaceMotion>> place_columns() {
     using M = PlaceMotion;
     static constexpr Measure<M> columns[] = {
         {"_u_x", "m", "displacement of the place of a probe, x", [](const M& m) { return m.displacement.x(); }},
         {"_u_y", "m", "displacement of the place of a probe, y", [](const M& m) { return m.displacement.y(); }},
         {"_v_x", "m/s", "velocity of the place of a probe, x", [](const M& m) { return m.velocity.x(); }},
-        {"_v_y", "m/s", "velocity of the place of a probe, y", [](const M& m) { return m.velocity.y(); }}};
+        {"_v_y", "m/s", "velocity of the place of a probe, y", [](const M& m) { return m.velocity.y(); }},
+        {"_T", "K", "temperature of the place of a probe; with heat", [](const M& m) { return m.temperature; }}};
     return columns;
 }
 
@@ -131,8 +137,16 @@ std::span<const Measure<InterfaceMean>> interface_columns() {
     return columns;
 }
 
+namespace {
+
+std::span<const Measure<PlaceMotion>> columns_of_place(const ProbeOptions& probe) {
+    return place_columns().first(place_columns().size() - !probe.heat);
+}
+
+}  // namespace
+
 std::vector<std::string> probe_columns(const ProbeOptions& probe) {
-    return probe.interface ? names_of(interface_columns(), probe.name) : names_of(place_columns(), probe.name);
+    return probe.interface ? names_of(interface_columns(), probe.name) : names_of(columns_of_place(probe), probe.name);
 }
 
 Probes::Probes(const Model& model, const std::vector<ProbeOptions>& probes) : model_(model) {
@@ -165,7 +179,11 @@ std::vector<double> Probes::line(const State& state) const {
     std::vector<double> row{state.time};
     for (const Probe& probe : probes_) {
         if (probe.options.interface) add_values(interface_columns(), mean_of(model_, state, probe.interface), row);
-        else add_values(place_columns(), {probe.place.displacement(state), probe.place.velocity(state)}, row);
+        else
+            add_values(columns_of_place(probe.options),
+                       {probe.place.displacement(state), probe.place.velocity(state),
+                        probe.options.heat ? probe.place.temperature(state) : 0},
+                       row);
     }
     return row;
 }

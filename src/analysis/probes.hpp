@@ -18,9 +18,10 @@ public:
     CornerMean(const Mesh& mesh, const std::string& boundary);
 
     bool empty() const { return weights_.empty(); }
-    Vec2 place(const Mesh& mesh) const;           // [m] reference
-    Vec2 displacement(const State& state) const;  // [m]
-    Vec2 velocity(const State& state) const;      // [m/s]
+    Vec2 place(const Mesh& mesh) const;            // [m] reference
+    Vec2 displacement(const State& state) const;   // [m]
+    Vec2 velocity(const State& state) const;       // [m/s]
+    double temperature(const State& state) const;  // [K] with heat
 
 private:
     struct Weight {
@@ -28,7 +29,7 @@ private:
         double part;  // their sum is 1
     };
     template <class Value>
-    Vec2 mean(Value value) const;
+    auto mean(Value value) const;
 
     std::vector<Weight> weights_;
 };
@@ -37,11 +38,13 @@ struct ProbeOptions {
     std::string name;
     Vec2 at;                 // [m]
     bool interface = false;  // the nearest interface that can break, not a place
+    bool heat = false;       // with the temperature of the place
 };
 
 /// Motion of a place, and mean of an interface over its points.
 struct PlaceMotion {
     Vec2 displacement, velocity;  // [m], [m/s]
+    double temperature = 0;       // [K]
 };
 struct InterfaceMean {
     double opening = 0, slip = 0, cohesion = 0;  // [m], [m], [-]

@@ -35,6 +35,12 @@ const std::vector<BodyField>& body_fields() {
         {"stress_xx", "stress σ_{xx}", "Pa", true, [](F f, Index t) { return f.stress[t][0]; }},
         {"stress_yy", "stress σ_{yy}", "Pa", true, [](F f, Index t) { return f.stress[t][1]; }},
         {"stress_xy", "stress σ_{xy}", "Pa", true, [](F f, Index t) { return f.stress[t][2]; }},
+        {"temperature", "temperature T", "K", false,
+         [](F f, Index t) {
+             if (f.temperature.empty())
+                 throw UserError("no-heat", "a figure shows `temperature`, and the run has none", "[heat]");
+             return (f.temperature[3 * t] + f.temperature[3 * t + 1] + f.temperature[3 * t + 2]) / 3;
+         }},
         {"principal_stress", "largest principal stress σ_{1}", "Pa", false,
          [](F f, Index t) { return largest_principal(f.stress[t]); }},
     };

@@ -302,6 +302,9 @@ Model make_model(ModelInput input) {
     start_as_driven(model);
     model.obstacles = std::move(input.obstacles);
     model.contact_of_pair = std::move(input.contact_of_pair);
+    model.heat = std::move(input.heat);
+    if (model.heat && model.large_rotation)
+        throw UserError("heat-rotation", "thermal strain needs small rotations", "rotation = \"small\" in [domain]");
     weigh_obstacles(input.loads, model);
     check_obstacles(model);
     return model;

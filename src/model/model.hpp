@@ -14,6 +14,7 @@
 #include "material/elastic.hpp"
 #include "mesh/mesh.hpp"
 #include "microstructure/scatter.hpp"
+#include "model/heat.hpp"
 #include "model/loads.hpp"
 #include "model/obstacle.hpp"
 
@@ -121,6 +122,7 @@ struct ModelInput {
     std::vector<Obstacle> obstacles;
     bool large_rotation = false;                           // as in Model
     std::vector<std::vector<ContactLaw>> contact_of_pair;  // as in Model
+    std::shared_ptr<const Heat> heat;                      // as in Model
 };
 
 struct Model {
@@ -150,6 +152,7 @@ struct Model {
     bool large_rotation = false;  // Green's strain and turned fans; else all rotations are small
     std::vector<std::vector<ContactLaw>> contact_of_pair;  // [material][material], symmetric; empty: faces that are no
                                                            // neighbours pass through each other
+    std::shared_ptr<const Heat> heat;                      // null: no temperatures
     // Excavated triangles keep their numbers, and so do their corners and interfaces, so that all numbers hold for the
     // whole run. Their interfaces have no points, and each of their corners is a fan of its own without forces, at rest
     // in its first place: a step does nothing there.

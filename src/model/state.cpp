@@ -21,6 +21,7 @@ State initial_state(const Model& model) {
     if (!model.contact_of_pair.empty()) state.retired.assign(model.n_points(), 0);
     for (std::size_t f = 0; f < n_fans; ++f)
         if (model.fans[f].split_at_start) split(model, static_cast<Index>(f), state);
+    if (model.heat) state.temperature = state.temperature_before = field_at(model, 0);
     for (Index c = 0; c < model.mesh.n_corners(); ++c)  // equal at all corners of a node
         state.velocity[state.node_of_corner[c]] = model.initial_velocity[c];
     return state;
@@ -142,6 +143,12 @@ Eigen::Vector3d stress(const Model& model, const State& state, Index t, const Ei
             const std::array<Vec2, 7> weight = middle_gradients(g, k);
             for (Index c = 0; c < 7; ++c) add(1 - 2 * at[k], weight[c], state.displacement_of(7 * t + c));
         }
+    }
+    if (state.temperature) {  // sigma = D (eps - e)
+        const double* e = &state.temperature->strain[(mesh.order == 1 ? 1 : 3) * t];
+        double here = mesh.order == 1 ? e[0] : 0;
+        for (Index k = 0; k < 3 && mesh.order == 2; ++k) here += (1 - 2 * at[k]) * e[k];
+        strain -= Eigen::Vector3d(here, here, 0);
     }
     const Eigen::Matrix3d D = model.materials[mesh.region[t]].stiffness(model.plane);
     if (!model.large_rotation) return D * strain;

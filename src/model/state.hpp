@@ -52,6 +52,9 @@ struct State {
                                                   // where Model::contact_of_pair is
     std::vector<FaceContactState> face_contacts;  // of the last step, in the order of (vertex, edge)
 
+    SharedTemperatures temperature;         // null: no heat
+    SharedTemperatures temperature_before;  // one step before, or the same object where it has not changed
+
     /// [m] Zero for the support.
     Vec2 displacement_of(Index corner) const {
         return corner == rigid_support ? Vec2::Zero() : displacement[node_of_corner[corner]];
@@ -70,6 +73,14 @@ struct State {
     void serialize(Archive& archive) {
         archive(time, last_step, n_steps, displacement, velocity, rate, node_of_corner, split_fans, first_point, points,
                 split_rank, reaction, obstacles, elastic_energy, elastic_work, retired, face_contacts);
+        const bool same = temperature == temperature_before;
+        for (SharedTemperatures* shared : {&temperature, &temperature_before}) {
+            Temperatures values = *shared && (!same || shared == &temperature) ? **shared : Temperatures{};
+            archive(values);
+            if constexpr (Archive::is_loading::value)
+                *shared = values.of_corner.empty() ? nullptr : std::make_shared<Temperatures>(std::move(values));
+        }
+        if (!temperature_before) temperature_before = temperature;
     }
 };
 

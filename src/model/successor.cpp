@@ -52,6 +52,7 @@ State carried_over(const Model& from, const State& state, const Model& to) {
     next.time = state.time, next.last_step = state.last_step, next.n_steps = state.n_steps;
     next.elastic_energy = state.elastic_energy, next.elastic_work = state.elastic_work;
     next.obstacles = state.obstacles;
+    next.temperature = state.temperature, next.temperature_before = state.temperature_before;
     const std::size_t n_fans = to.fans.size();
     next.displacement.assign(n_fans, Vec2::Zero()), next.velocity = next.displacement;
     if (!state.rate.empty()) next.rate = next.displacement;

@@ -74,6 +74,8 @@ void add_bulk(const Model& model, const State& state, Frame& frame) {
                 frame.position.push_back(mesh.corner(t, k));
                 frame.displacement.push_back(state.displacement[node]);
                 frame.velocity.push_back(state.velocity[node]);
+                if (state.temperature)
+                    frame.temperature.push_back(state.temperature->of_corner[mesh.corners_per_triangle() * t + k]);
             }
             frame.stress.push_back(stress(model, state, t, middle[i]));
             frame.region.push_back(mesh.region[t]);

@@ -31,6 +31,7 @@ struct Frame {
     std::vector<Vec2> displacement;       // [m] per corner
     std::vector<Vec2> velocity;           // [m/s] per corner
     std::vector<Eigen::Vector3d> stress;  // [Pa] per triangle: xx, yy, xy
+    std::vector<double> temperature;      // [K] per corner; empty without heat
     std::vector<std::int32_t> region;     // per triangle
     std::vector<std::int32_t> grain;      // per triangle, -1: in none; empty where the body has no grains
     std::vector<std::int32_t> fragment;   // per triangle, 0 the heaviest; empty where it is not known

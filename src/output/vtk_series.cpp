@@ -145,6 +145,8 @@ const std::vector<Part>& parts() {
          {&F::position, VTK_TRIANGLE, 3},
          {stored<Float, 3, &F::displacement>(points, "displacement", "m", "displacement of a corner"),
           stored<Float, 3, &F::velocity>(points, "velocity", "m/s", "velocity of a corner"),
+          stored<Float, 1, &F::temperature>(points, "temperature", "K", "temperature of a corner; only with heat",
+                                            true),
           stored<Float, 3, &F::stress>(cells, "stress", "Pa", "xx, yy, xy, mean over a triangle; tension is positive"),
           {{"principal_stress", "Pa", "largest principal stress of a triangle"}, cells, 1, make_principal_stress},
           stored<Int, 1, &F::region>(cells, "region", "",

@@ -73,14 +73,6 @@ void add_contact(KeyTable& t) {
         .at_least(0).at_most(1).otherwise("0").to(&CohesiveLaw::restitution);
 }
 
-void add_history(KeyTable& t, std::string_view what) {
-    t.number("ramp", "s", what).above(0);
-    t.number("table", "s", "factor over time as pairs [time, factor], linear between them and constant outside")
-        .points().second("");
-    t.text("csv", "file with lines `time, factor` [s, -], instead of a table, relative to the scenario file; # starts "
-        "a comment");
-}
-
 void add_keys_of_body(KeyTable& t) {
     t.integer("knap", "version of the scenario format; this program reads version 1").at_least(1).required();
     t.text("name", "name of the run directory: letters, digits, - _ and .")
@@ -180,6 +172,7 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.number("density", "kg/m3", "mass density").above(0).required().to(&Elastic::density);
     t.number("E", "Pa", "Young's modulus").above(0).required().to(&Elastic::E);
     t.number("nu", "", "Poisson's ratio").above(-1).below(0.5).required().to(&Elastic::nu);
+    add_thermal(t);
 
     t.list("inclusions[]", "random discs or polygons of a material, or pores, that touch neither each other nor "
         "boundaries nor cracks");
@@ -415,8 +408,8 @@ void add_keys_of_loads(KeyTable& t) {
 std::span<const Key> keys() {
     static const std::vector<Key> rows = [] {
         KeyTable t;
-        for (const auto add :
-             {add_keys_of_body, add_keys_of_microstructure, add_keys_of_loads, add_keys_of_run, add_keys_of_ensembles})
+        for (const auto add : {add_keys_of_body, add_keys_of_microstructure, add_keys_of_loads, add_keys_of_heat,
+                               add_keys_of_run, add_keys_of_ensembles})
             add(t);
         return std::move(t.rows);
     }();

@@ -40,6 +40,11 @@ private:
     std::string table_;
 };
 
+/// ramp, table and csv of a factor over time.
+void add_history(KeyTable& t, std::string_view what);
+/// Of [material.NAME].
+void add_thermal(KeyTable& t);
+void add_keys_of_heat(KeyTable& t);
 void add_keys_of_run(KeyTable& t);
 void add_keys_of_ensembles(KeyTable& t);
 

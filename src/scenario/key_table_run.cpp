@@ -136,6 +136,8 @@ void add_keys_of_run(KeyTable& t) {
         .above(0).or_word("none").computed("1/3, warning from 5 %; 0.7 with domain.rotation = \"large\"");
     t.number("rotation_work_part", "", "maximum defect of the elastic energy by large rotations over the largest "
         "energy").above(0).or_word("none").otherwise("0.001");
+    t.number("temperature_overshoot", "", "maximum excess of a temperature over those around it, over the largest "
+        "difference; with conduction").above(0).or_word("none").computed("0.05, warning from 0.001");
     t.number("slip", "", "maximum slip of a point under pressure over the length of its edge; not of sliding along "
         "straight supports and obstacles").above(0).or_word("none").computed("1, warning from 0.5");
     t.number("overlap", "m2", "maximum area that the deformed body covers twice").above(0).or_word("none")

@@ -8,7 +8,9 @@ namespace knap {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
-/// The factor over time of a load or an obstacle: its ramp, table or csv.
+
+}  // namespace
+
 TimeFunction read_history(const Table& table) {
     const auto form = table.one_of({"ramp", "table", "csv"}, false);
     TimeFunction history;
@@ -29,9 +31,13 @@ TimeFunction read_history(const Table& table) {
     return history;
 }
 
+namespace {
+
 void check_body(const Table& table, const Selection& on) {
     if (!on.body.empty()) table.reading().find(table.path("body"), "body", on.body, table.scenario().body_names());
 }
+
+}  // namespace
 
 Selection read_selection(const Table& table) {
     Selection on;
@@ -47,6 +53,8 @@ Selection read_selection(const Table& table) {
     else table.reading().find(table.path("boundary"), "boundary", on.boundary, known);
     return on;
 }
+
+namespace {
 
 struct KindOfLoad {
     const char* key;

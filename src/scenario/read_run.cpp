@@ -83,6 +83,7 @@ void read_probe(const Table& table, std::size_t number) {
     if (!table.has("at")) return;
     ProbeOptions probe{.name = {}, .at = Vec2::Zero()};
     table.fill(probe);
+    probe.heat = table.reading().table("heat").given();
     table.scenario().probes.push_back(std::move(probe));
 }
 
@@ -94,6 +95,7 @@ void check_subject(const Table& figure) {
     const auto error = [&](const std::string& text, const std::string& cure) {
         figure.error("nothing-to-show", "show", "= \"" + show + "\", but " + text, cure);
     };
+    if (show == "temperature" && !figure.reading().table("heat").given()) error("nothing has a temperature", "[heat]");
     if (show == "reactions" && figure.reading().drivers().empty())
         error("no load prescribes a motion and there is no obstacle",
               "a reaction is the force of a load with velocity or displacement");

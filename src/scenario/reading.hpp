@@ -139,6 +139,10 @@ Index boundary_index(Shape& shape, const std::string& name);
 void read_shape(const Table& table, const MeshOptions& mesh, const std::string& prefix, Shape& shape);
 /// A closed curve by points, by centre and radius, or by a box; empty, and an error, where it is none.
 std::vector<Vec2> read_curve(const Table& table, const MeshOptions& mesh);
+/// The factor over time of a load, an obstacle or a temperature: its ramp, table or csv.
+TimeFunction read_history(const Table& table);
+/// A place: boundary, box, body.
+Selection read_selection(const Table& table);
 /// The body of mesh.file.
 void read_mesh_file(Reading& reading);
 
@@ -151,6 +155,7 @@ void read_laws(Reading& reading);
 void check_softening(Reading& reading);   // after laws and time
 void read_loads(Reading& reading);        // loads, initial velocities, obstacles
 void read_run(Reading& reading);          // time, output, probes, specimen, figures, limits, expectations
+void read_heat(Reading& reading);         // after materials, body and time
 void read_contact(Reading& reading);      // after laws and time
 void read_pressures(Reading& reading);    // after laws and microstructure: joints have laws
 void read_excavations(Reading& reading);  // after microstructure and time: outlines that the mesh follows

@@ -148,6 +148,7 @@ struct Scenario {
     std::vector<AllowedLimit> allowed_limits;  // of [limits]
     std::vector<Expectation> expect;
     StudyOptions study;
+    std::optional<Heat> heat;
     SweepOptions sweep;
 
     std::vector<std::string> boundary_names() const {
@@ -172,7 +173,9 @@ struct Scenario {
                 .excavation = !excavations.empty(),
                 .secant = std::ranges::any_of(laws, [](const NamedLaw& named) {
                     return named.law.unloading == Unloading::secant && named.law.breakable();
-                })};
+                }),
+                .heat = heat.has_value(),
+                .conduction = heat && heat->conduction};
     }
     std::vector<std::string> material_names() const {
         std::vector<std::string> names;

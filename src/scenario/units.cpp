@@ -22,7 +22,8 @@ struct Unit {
     std::string_view prefixes;  // usual ones, the likelier of two that differ by case only first; "": takes none
 };
 
-constexpr Dimension length{.length = 1}, mass{.mass = 1}, time{.time = 1}, angle{.angle = 1};
+constexpr Dimension length{.length = 1}, mass{.mass = 1}, time{.time = 1}, angle{.angle = 1},
+    temperature{.temperature = 1};
 constexpr Dimension force{.length = 1, .mass = 1, .time = -2}, pressure{.length = -1, .mass = 1, .time = -2};
 constexpr Dimension energy{.length = 2, .mass = 1, .time = -2}, power{.length = 2, .mass = 1, .time = -3};
 
@@ -41,6 +42,7 @@ constexpr std::array units{
     Unit{"W", power, 0, 1, "MGkmu"},
     Unit{"deg", angle, 0, 1, ""},
     Unit{"rad", angle, 0, 180 / std::numbers::pi, ""},
+    Unit{"K", temperature, 0, 1, "m"},
     Unit{"%", {}, -2, 1, ""},
     Unit{"cR", {.rayleigh = 1}, 0, 1, ""},
     Unit{"CFL", {.courant = 1}, 0, 1, ""},
@@ -57,20 +59,25 @@ constexpr std::pair<std::string_view, std::string_view> kinds[] = {
     {"deg", "an angle"}, {"deg/s", "an angular velocity"}, {"Hz", "a rate"}, {"m/s", "a speed"},
     {"m/s2", "an acceleration"}, {"N", "a force"}, {"Pa", "a pressure"}, {"J", "an energy"},
     {"J/m2", "an energy per area"}, {"N/m3", "a force per volume"}, {"kg/m3", "a density"}, {"W", "a power"},
+    {"K", "a temperature"}, {"1/K", "an expansion per temperature"},
+    {"W/m/K", "a conductivity of heat"},
+    {"J/kg/K", "a heat capacity"}, {"W/m2", "a flux of heat"}, {"W/m3", "a source of heat"},
+    {"W/m2/K", "a transfer coefficient of heat"},
     {"cR", "a multiple of the Rayleigh speed"}, {"CFL", "a multiple of the stable step"}};
 // clang-format on
 
 /// The base units, in the order in which a unit without a name is printed.
 constexpr std::pair<const char*, int Dimension::*> base_units[] = {
-    {"kg", &Dimension::mass},   {"m", &Dimension::length},    {"s", &Dimension::time},
-    {"deg", &Dimension::angle}, {"cR", &Dimension::rayleigh}, {"CFL", &Dimension::courant}};
+    {"kg", &Dimension::mass},    {"m", &Dimension::length},      {"s", &Dimension::time},
+    {"deg", &Dimension::angle},  {"K", &Dimension::temperature}, {"cR", &Dimension::rayleigh},
+    {"CFL", &Dimension::courant}};
 
 /// Common spellings that are not unit symbols, in small letters.
 constexpr std::pair<std::string_view, std::string_view> misspellings[] = {
-    {"sec", "s"},     {"second", "s"},   {"msec", "ms"},  {"usec", "us"}, {"micron", "um"},  {"meter", "m"},
-    {"metre", "m"},   {"pascal", "Pa"},  {"newton", "N"}, {"joule", "J"}, {"degree", "deg"}, {"\u00b0", "deg"},
-    {"hour", "h"},    {"minute", "min"}, {"tonne", "t"},  {"ton", "t"},   {"gram", "g"},     {"kilogram", "kg"},
-    {"percent", "%"}, {"radian", "rad"}, {"cc", "cm3"}};
+    {"sec", "s"},     {"second", "s"},   {"msec", "ms"},  {"usec", "us"},  {"micron", "um"},  {"meter", "m"},
+    {"metre", "m"},   {"pascal", "Pa"},  {"newton", "N"}, {"joule", "J"},  {"degree", "deg"}, {"\u00b0", "deg"},
+    {"hour", "h"},    {"minute", "min"}, {"tonne", "t"},  {"ton", "t"},    {"gram", "g"},     {"kilogram", "kg"},
+    {"percent", "%"}, {"radian", "rad"}, {"cc", "cm3"},   {"kelvin", "K"}, {"degc", "K"},     {"celsius", "K"}};
 
 /// Dimension of a unit expression such as kg/m3, and its value in SI: factor * 10^power_of_ten.
 struct Scale {

@@ -8,7 +8,7 @@ namespace knap {
 /// Powers of the base units. `rayleigh` counts the unit cR, the Rayleigh wave speed of the material; `courant` the unit
 /// CFL, the stable step of the explicit bulk.
 struct Dimension {
-    int length = 0, mass = 0, time = 0, angle = 0, rayleigh = 0, courant = 0;
+    int length = 0, mass = 0, time = 0, angle = 0, temperature = 0, rayleigh = 0, courant = 0;
     bool operator==(const Dimension&) const = default;
 };
 

@@ -106,6 +106,12 @@ double load_of(const Model& model, const State& state) {
     for (const CornerLoad& at : in_cracks.find(state))
         load += std::abs(model.histories[at.history](0)) * at.force.norm();
     for (const Vec2& reaction : state.reaction) load += reaction.norm();
+    if (state.temperature) {
+        std::vector<Vec2> force(model.mesh.n_corners(), Vec2::Zero());
+        ThermalStress(model.mesh, model.materials, model.plane, model.thickness)
+            .add_forces(state.temperature->strain, 1, force);
+        for (const Vec2& of_corner : force) load += of_corner.norm();
+    }
     for (std::size_t o = 0; o < model.obstacles.size(); ++o)
         load += state.obstacles[o].reaction.head<2>().norm() + force_at(model.obstacles[o], 0).head<2>().norm();
     return load;
@@ -120,10 +126,14 @@ double load_of(const Model& model, const State& state) {
 }  // namespace
 
 MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options)
-    : model_(model), options_(options), scheme_(make_scheme(model, options)) {}
+    : model_(model), options_(options), scheme_(make_scheme(model, options)) {
+    if (model.heat) heat_.emplace(model, options.bulk == BulkScheme::implicit_theta);
+}
 
 StepReport MoreauJean::step(const State& begin, double h, State& end) {
+    if (heat_) end.temperature = heat_->after(begin, h);
     StepReport report = scheme_->step(begin, h, end);
+    if (heat_) end.temperature_before = begin.temperature;
     if (report.rejection != Rejection::none) return report;
     end.time = begin.time + h;
     end.last_step = h;
@@ -152,6 +162,7 @@ void MoreauJean::start_in_equilibrium(State& start) const {
     double h = first_step * passage, part = 1;  // of the loads, carried by inertia
     int patience = 2, wait = 0;                 // steps without growth after a rejection
     for (int step = 0; part > in_equilibrium; ++step) {
+        next.temperature = now.temperature;
         const StepReport report = scheme.step(now, h, next);
         const bool rejected = report.rejection != Rejection::none, smallest = h < 2 * first_step * passage;
         const Inertia inertia = rejected ? Inertia{} : inertia_of(still, next, h);

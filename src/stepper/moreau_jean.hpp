@@ -7,10 +7,12 @@
 // with unknown impulses P. Two schemes solve it: explicit_scheme.hpp (lumped mass, forces at the start of the step, one
 // problem per vertex) and implicit_scheme.hpp (all interfaces and the stiffness together), each with explicit or
 // implicit cohesion.
+#include "heat/heat_step.hpp"
 #include "stepper/common/scheme_options.hpp"
 #include "stepper/common/step_scheme.hpp"
 
 #include <memory>
+#include <optional>
 
 namespace knap {
 
@@ -38,6 +40,7 @@ private:
     const Model& model_;
     SchemeOptions options_;
     std::unique_ptr<StepScheme> scheme_;
+    std::optional<HeatStep> heat_;
 };
 
 }  // namespace knap

@@ -10,13 +10,28 @@ using source_tree::File;
 
 namespace {
 
-const std::map<std::string, int> floor_of{
-    {"base", 0},           {"mesh", 1},             {"material", 1},         {"lcp", 1},
-    {"microstructure", 2}, {"element", 2},          {"interface", 2},        {"model", 3},
-    {"stepper/common", 4}, {"stepper/contact", 5},  {"stepper/explicit", 6}, {"stepper/implicit", 6},
-    {"stepper", 7},        {"output", 8},           {"analysis", 9},         {"figures", 10},
-    {"record", 11},        {"scenario", 12},        {"app/run", 13},         {"app/ensemble", 14},
-    {"app", 15}};
+const std::map<std::string, int> floor_of{{"base", 0},
+                                          {"mesh", 1},
+                                          {"material", 1},
+                                          {"lcp", 1},
+                                          {"microstructure", 2},
+                                          {"element", 2},
+                                          {"interface", 2},
+                                          {"model", 3},
+                                          {"heat", 4},
+                                          {"stepper/common", 4},
+                                          {"stepper/contact", 5},
+                                          {"stepper/explicit", 6},
+                                          {"stepper/implicit", 6},
+                                          {"stepper", 7},
+                                          {"output", 8},
+                                          {"analysis", 9},
+                                          {"figures", 10},
+                                          {"record", 11},
+                                          {"scenario", 12},
+                                          {"app/run", 13},
+                                          {"app/ensemble", 14},
+                                          {"app", 15}};
 
 /// What a file includes in quotes or brackets, as written.
 std::vector<std::string> includes(const File& file, char open) {

@@ -470,6 +470,48 @@ rgb = "#C01020"
 material = "glass"
 )";
 
+const std::string warm = samples::changed("nu = 0.2\n", R"(nu = 0.2
+conductivity = "30 W/m/K"
+heat_capacity = "880 J/kg/K"
+expansion = 8e-6
+[material.steel]
+density = 7800
+E = "210 GPa"
+nu = 0.3
+expansion_table = [[20, 0], [573, 0.009], [583, 0.015]]
+conductivity = 45
+heat_capacity = 460
+[heat]
+reference = "20 K"
+temperature = "20 + 100*x"
+ramp = "2 ms"
+conduction = true
+every = 5
+time_factor = 100
+gap_conductivity = 0.6
+closed_conductance = 1e5
+[[heat.exchange]]
+on = "left"
+temperature = 300
+table = [[0, 0], ["1 ms", 1]]
+[[heat.exchange]]
+on = { boundary = "top", box = [0, 0, 1, 1] }
+outside = 20
+transfer = "5e4 W/m2/K"
+ramp = "1 us"
+[[heat.exchange]]
+on = "right"
+flux = "1 kW/m2"
+[[heat.exchange]]
+source = "2 MW/m3"
+[limits]
+temperature_overshoot = 0.01
+[[probe]]
+at = [0.01, 0.01]
+[[figure]]
+show = "temperature"
+file = "T.png"
+)");
 const std::string turning = samples::changed("[mesh]", "rotation = \"large\"\n[mesh]");
 
 struct Case {
@@ -734,6 +776,28 @@ const Case cases[] = {
     {patterns, "contact.pair[0].friction", "0.4"},
     {patterns, "contact.pair[0].restitution", "0.1"},
     {patterns, "limits.contact_depth", "0.05"},
+    {warm, "material.steel.expansion_table", "[[20, 0], [573, 0.009], [583, 0.015]]"},
+    {warm, "material.glass.expansion", "8e-06"},
+    {warm, "material.steel.conductivity", "45"},
+    {warm, "material.steel.heat_capacity", "460"},
+    {warm, "heat.reference", "20"},
+    {warm, "heat.temperature", "\"20 + 100*x\""},
+    {warm, "heat.ramp", "0.002"},
+    {warm, "heat.conduction", "true"},
+    {warm, "heat.every", "5"},
+    {warm, "heat.time_factor", "100"},
+    {warm, "heat.gap_conductivity", "0.6"},
+    {warm, "heat.closed_conductance", "1e+05"},
+    {warm, "heat.exchange[0].temperature", "300"},
+    {warm, "heat.exchange[0].on.boundary", "\"left\""},
+    {warm, "heat.exchange[0].table", "[[0, 0], [0.001, 1]]"},
+    {warm, "heat.exchange[1].on.box", "[0, 0, 1, 1]"},
+    {warm, "heat.exchange[1].outside", "20"},
+    {warm, "heat.exchange[1].transfer", "50000"},
+    {warm, "heat.exchange[1].ramp", "1e-06"},
+    {warm, "heat.exchange[2].flux", "1000"},
+    {warm, "heat.exchange[3].source", "2e+06"},
+    {warm, "limits.temperature_overshoot", "0.01"},
     {mesh_file, "mesh.file", "\"" KNAP_SOURCE_DIR "/tests/mesh/data/block_41_ascii.msh\""},
     {mesh_file, "mesh.unit", "0.001"},
     {mesh_file, "mesh.cracks", "[\"crack\"]"},
@@ -807,8 +871,9 @@ TEST_CASE("keys: each is read and survives the resolved scenario") {
 }
 
 TEST_CASE("keys: each is in the test above and is found by its pattern") {
-    std::set<std::string> tested{"load[].csv", "obstacle[].csv", "pressure[].csv",
-                                 "interface.*.csv"};  // the same reader, with tests of its own
+    std::set<std::string> tested{"load[].csv", "obstacle[].csv", "pressure[].csv", "interface.*.csv",
+                                 "heat.csv", "heat.table", "heat.exchange[].csv",
+                                 "heat.exchange[].on.body"};  // the same readers, with tests of their own
     for (const Case& c : cases) tested.insert(pattern_of(c.path));
     std::set<std::string_view> seen;
     for (const Key& key : keys()) {

@@ -34,7 +34,21 @@ const std::string disc = "[[obstacle]]\nshape = \"disc\"\ncentre = [0, -1]\nradi
 const std::string driven = "[[load]]\non = \"top\"\nvelocity = [0, 1]\n";                     // lines 16 to 18
 const std::string specimen = driven + "[specimen]\ntest = \"tension\"\nforce = \"load0\"\n";  // lines 19 to 21
 
+const std::string heat = "[heat]\ntemperature = \"20\"\n";  // lines 16, 17
+
 const Case cases[] = {
+    {"a temperature that is no formula", with("[heat]\ntemperature = \"20 + z\"\n"), "bad-formula", 17, 15, 8,
+     "unknown at `z`"},
+    {"an exchange of heat without conduction", with(heat + "[[heat.exchange]]\non = \"top\"\nflux = 1\n"),
+     "exclusive-keys", 18, 8, 8, "conduction = true"},
+    {"conduction without conductivity", changed("nu = 0.2\n", "nu = 0.2\nheat_capacity = 900\n", with(heat + "conduction = true\n")), "missing-key", 7, 1, 16,
+     "conductivity"},
+    {"convection without a coefficient",
+     changed("nu = 0.2\n", "nu = 0.2\nheat_capacity = 900\nconductivity = 1\n",
+             with(heat + "conduction = true\n[[heat.exchange]]\non = \"top\"\noutside = 20\n")),
+     "missing-key", 23, 11, 2, "transfer"},
+    {"heat with large rotations", changed("[mesh]", "rotation = \"large\"\n[mesh]", with(heat)), "exclusive-keys", 17, 2,
+     4, "small"},
     {"a sweep for nothing known", with("[sweep]\nquantities = [\"broken_lenght\"]\n"), "unknown-word", 17, 15, 15,
      "did you mean `broken_length`?"},
     {"a sweep without seeds", with("[sweep]\nseeds = 0\n"), "out-of-range", 17, 9, 1, "at least 1"},

@@ -87,6 +87,7 @@ Model build_model(const Scenario& scenario) {
     input.initial_velocities = scenario.initial_velocities;
     input.obstacles = scenario.obstacles;
     input.contact_of_pair = scenario.contact_of_pair;
+    if (scenario.heat) input.heat = std::make_shared<Heat>(*scenario.heat);
     return make_model(std::move(input));
 }
 

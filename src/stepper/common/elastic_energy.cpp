@@ -1,6 +1,7 @@
 #include "stepper/common/elastic_energy.hpp"
 
 #include "element/elastic_forces.hpp"
+#include "element/thermal_stress.hpp"
 
 namespace knap {
 
@@ -10,6 +11,12 @@ double elastic_energy(const Model& model, const State& state, std::vector<Vec2>&
     std::vector<std::uint8_t> unused;
     double energy =
         elastic.evaluate(0, model.mesh.n_triangles(), state.displacement, state.node_of_corner, force.data(), unused);
+    if (state.temperature) {  // 1/2 int sigma : (eps - e)
+        const ThermalStress thermal(model.mesh, model.materials, model.plane, model.thickness);
+        const std::vector<double>& strain = state.temperature->strain;
+        thermal.add_forces(strain, 1, force);
+        energy -= 0.5 * thermal.product(state.displacement, state.node_of_corner, strain, strain);
+    }
     for (Index c = 0; c < model.mesh.n_corners() && !model.large_rotation; ++c)
         energy -= 0.5 * force[c].dot(state.displacement[state.node_of_corner[c]]);
     return energy;

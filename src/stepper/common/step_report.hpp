@@ -41,6 +41,7 @@ struct StepReport {
     double damping_work = 0;       // <= 0: of mass-proportional damping
     double radiated_work = 0;      // <= 0: of absorbing boundaries
     double excavation_work = 0;    // of the forces of excavated regions while they decrease to zero
+    double thermal_work = 0;       // of thermal strains that change
     double scheme_dissipation = 0;  // >= 0: (theta - 1/2) (|dv|_M^2 + |du|_K^2) of the implicit bulk
     // of single points, beyond what the residual and rounding explain; must be <= 0
     double worst_impact_work = 0;
@@ -82,7 +83,8 @@ struct StepReport {
                                          &R::fan_iterations,    &R::fan_fallbacks,
                                          &R::face_contacts,     &R::bond_checks,
                                          &R::released,          &R::softened,
-                                         &R::linear_solves,     &R::factorisations};
+                                         &R::linear_solves,     &R::factorisations,
+                                         &R::thermal_work};
         constexpr auto maxima =
             std::tuple{&R::worst_impact_work, &R::worst_friction_work, &R::residual,      &R::penetration,
                        &R::contact_residual,  &R::contact_depth,       &R::largest_speed, &R::largest_beta_growth};

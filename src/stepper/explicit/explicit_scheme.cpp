@@ -40,7 +40,12 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
         corner_impulse_.assign(model.mesh.n_corners(), Vec2::Zero());
         contacts_.emplace(model, solver_, corner_impulse_);
     }
-    forces_.set_stress_criterion(stress_thresholds(model, absorbing_.dashpots()), model.fan_of_corner);
+    if (model.heat) {
+        thermal_.emplace(model.mesh, model.materials, model.plane, model.thickness);
+        thermal_->set_stress_criterion(stress_thresholds(model, absorbing_.dashpots()), model.fan_of_corner);
+    } else {
+        forces_.set_stress_criterion(stress_thresholds(model, absorbing_.dashpots()), model.fan_of_corner);
+    }
     for (const Index corner : model.fan_corners) mass_.push_back(model.corner_mass[corner]);
     for (ThreadWorkspace& work : workspaces_) {
         work.force.resize(model.mesh.corners_per_triangle() * blocks_.front().last + 1, Vec2::Zero());
@@ -198,6 +203,7 @@ StepReport ExplicitScheme::sweep_blocks(const ExplicitStep& step) {
         ThreadWorkspace& work = workspaces_[omp_get_thread_num()];
         elastic_energy_[b] = forces_.evaluate(block.first, block.last, step.begin.displacement,
                                               step.begin.node_of_corner, work.force.data(), fan_is_candidate_);
+        if (thermal_) add_thermal_forces(block, step, work.force.data(), report);
         Vec2* kept = &corner_force_[model_.mesh.corners_per_triangle() * block.first];
         for (const MeshBlock::Corner c : block.kept) kept[c] = work.force[c];
         for (Index i = block.first_load; i < block.last_load; ++i) {
@@ -214,6 +220,22 @@ StepReport ExplicitScheme::sweep_blocks(const ExplicitStep& step) {
                                       .report = report});
         nodes.add_to(report);
     });
+}
+
+/// With the stress sigma_n, the strain e_n and the strains before and after the step, the energy of the leapfrog is
+///
+///     E = 1/2 v' M v + 1/2 int sigma_n : (eps_n+1 - e_n+1),     W_th = -1/2 int sigma_n : (e_n+1 - e_n-1)
+void ExplicitScheme::add_thermal_forces(const MeshBlock& block, const ExplicitStep& step, Vec2* force,
+                                        StepReport& report) {
+    const State& begin = step.begin;
+    const auto &before = begin.temperature_before, &now = begin.temperature, &after = step.end.temperature;
+    const double of_end = thermal_->evaluate(block.first, block.last, begin.displacement, begin.node_of_corner,
+                                             now->strain, after->strain, force, fan_is_candidate_);
+    report.strain -= 0.5 * of_end;
+    if (before == after) return;
+    const double of_begin = thermal_->product(block.first, block.last, begin.displacement, begin.node_of_corner,
+                                              now->strain, before->strain);
+    report.thermal_work -= 0.5 * (of_end - of_begin);
 }
 
 /// A fan near an obstacle is solved as a split one, in which the fan solver finds what sticks.

@@ -2,6 +2,7 @@
 // Central differences with the lumped mass (explicit_step.hpp). The mass couples nothing beyond a fan, so the interface
 // problem of the step falls apart into one small problem per vertex.
 #include "element/elastic_forces.hpp"
+#include "element/thermal_stress.hpp"
 #include "stepper/common/bond_check.hpp"
 #include "stepper/common/crack_forces.hpp"
 #include "stepper/common/step_scheme.hpp"
@@ -30,6 +31,7 @@ private:
     template <class Corner>
     bool moves_freely(const Sweep<Corner>& sweep, const typename BlockFans<Corner>::BlockFan& fan, const Corner* corner,
                       const Vec2& force);
+    void add_thermal_forces(const MeshBlock& block, const ExplicitStep& step, Vec2* force, StepReport& report);
     void split_at_contacts(const State& begin);
     StepReport sweep_bordering(const ExplicitStep& step);
     template <class Force>
@@ -53,7 +55,8 @@ private:
     const Model& model_;
     double damping_;  // [1/s]
     ElasticForces forces_;
-    double stable_step_;  // [s] of the worst free triangle
+    std::optional<ThermalStress> thermal_;  // with heat
+    double stable_step_;                    // [s] of the worst free triangle
     CrackForces crack_forces_;
     AbsorbingBoundary absorbing_;
     std::vector<MeshBlock> blocks_;

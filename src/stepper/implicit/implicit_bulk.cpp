@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace knap {
 
@@ -29,6 +30,7 @@ ImplicitBulk::ImplicitBulk(const Model& model, MassMatrix mass)
         const ElementMatrix K = stiffness_matrix(model.mesh, t, material, model.plane, model.thickness);
         for (Index k = 0; k < n; ++k) corner_stiffness_.push_back(0.5 * (K(2 * k, 2 * k) + K(2 * k + 1, 2 * k + 1)));
     }
+    if (model.heat) thermal_.emplace(model.mesh, model.materials, model.plane, model.thickness);
     load_.resize(model.mesh.n_corners());
     begin_force_.resize(model.mesh.n_corners());
     make_room(model.mesh.n_corners(), velocity_, prescribed_end_);
@@ -54,6 +56,10 @@ void ImplicitBulk::begin_step(const StepContext& step) {
     for (const CornerLoad& load : crack_forces_.find(begin))
         load_[load.corner] += amplitude_[load.history] * load.force;
     elastic_force(begin.displacement, begin.node_of_corner, begin_force_);
+    if (thermal_) {
+        thermal_->add_forces(begin.temperature->strain, 1 - step.theta, begin_force_);
+        thermal_->add_forces(step.end_temperature->strain, step.theta, begin_force_);
+    }
     // largest terms of the balance: a difference below their rounding has no meaning
     begin_impulse_ = 0;
     for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
@@ -165,9 +171,12 @@ void ImplicitBulk::account(const std::vector<Vec2>& rate, const std::vector<Vec2
             sum += 0.5 * of_corner[c].dot(value(nodes_->node_of_corner[c]));
         return sum;
     };
-    const auto elastic_energy = [&] {  // 1/2 u' K u of the displacements in of_node
+    // 1/2 int (eps - e) : D : (eps - e) of the displacements in of_node
+    const auto elastic_energy = [&](const std::vector<double>* strain) {
         elastic_force(of_node, nodes_->node_of_corner, of_corner);
-        return -half_product([&](Index i) -> const Vec2& { return of_node[i]; });
+        if (strain) thermal_->add_forces(*strain, 1, of_corner);
+        const double energy = -half_product([&](Index i) -> const Vec2& { return of_node[i]; });
+        return strain ? energy - 0.5 * thermal_->product(of_node, nodes_->node_of_corner, *strain, *strain) : energy;
     };
 
     momentum(end);
@@ -177,10 +186,20 @@ void ImplicitBulk::account(const std::vector<Vec2>& rate, const std::vector<Vec2
         of_node[i] = begin.displacement[begin.node_of_corner[nodes_->corner_of_node[i]]] + h * rate[i];
         report.largest_speed = std::max(report.largest_speed, end(i).norm());
     }
-    report.strain += elastic_energy();
+    report.strain += elastic_energy(thermal_ ? &step_->end_temperature->strain : nullptr);
+    const bool heats = thermal_ && step_->end_temperature != begin.temperature;
+    std::vector<double> growth;  // e+ - e
+    if (heats) {
+        const std::vector<double>&before = begin.temperature->strain, &after = step_->end_temperature->strain;
+        growth.resize(after.size());
+        std::ranges::transform(after, before, growth.begin(), std::minus());
+        report.thermal_work -=
+            theta * thermal_->product(of_node, nodes_->node_of_corner, after, growth) +
+            (1 - theta) * thermal_->product(begin.displacement, begin.node_of_corner, before, growth);
+    }
     if (theta > 0.5) {  // scheme dissipation: (theta - 1/2) (|v+ - v|_M^2 + |h w|_K^2)
         for (Index i = 0; i < n; ++i) of_node[i] = h * rate[i];
-        report.scheme_dissipation += 2 * (theta - 0.5) * elastic_energy();
+        report.scheme_dissipation += 2 * (theta - 0.5) * elastic_energy(heats ? &growth : nullptr);
     }
     momentum(change);
     if (theta > 0.5) report.scheme_dissipation += 2 * (theta - 0.5) * half_product(change);

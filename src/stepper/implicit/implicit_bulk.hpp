@@ -5,8 +5,13 @@
 //     r(w) = theta M (v+ - v) + theta h K (u + theta h w) - theta h F_theta
 //     theta (v+ - v) = w - v   where w is free,
 //
-// its derivative M_hat = M + theta^2 h^2 K, and the energies of the step.
+// its derivative M_hat = M + theta^2 h^2 K, and the energies of the step. Thermal strains e add the theta mean of their
+// forces, and sigma = D (eps - e):
+//
+//     E = 1/2 v' M v + 1/2 int sigma : (eps - e),     W_th = -int sigma_theta : (e+ - e)
+//     scheme dissipation = (theta - 1/2) (|v+ - v|_M^2 + |(eps+ - e+) - (eps - e)|_D^2)
 #include "element/elastic_forces.hpp"
+#include "element/thermal_stress.hpp"
 #include "element/triangle_matrices.hpp"
 #include "interface/point_law.hpp"
 #include "model/state.hpp"
@@ -14,11 +19,14 @@
 #include "stepper/common/step_report.hpp"
 #include "stepper/implicit/corner_partition.hpp"
 
+#include <optional>
+
 namespace knap {
 
 /// What all parts of an implicit step share; the step owns it.
 struct StepContext : ThetaStep {
     const State* begin = nullptr;
+    SharedTemperatures end_temperature;  // null: no heat
     StepTimes times() const { return {.begin = begin->time, .h = h, .theta = theta}; }
 };
 
@@ -61,11 +69,12 @@ private:
     MassMatrix mass_;
     CrackForces crack_forces_;
     ElasticForces forces_;
+    std::optional<ThermalStress> thermal_;  // with heat
     std::vector<double> corner_stiffness_;  // [N/m] mean of the diagonal of K
     const StepContext* step_ = nullptr;
     const CornerPartition* nodes_ = nullptr;
     std::vector<double> amplitude_;         // [-] theta mean of each history
-    std::vector<Vec2> load_, begin_force_;  // [N] F_theta and -K u, per corner
+    std::vector<Vec2> load_, begin_force_;  // [N] F_theta; -K u and thermal forces, per corner
     std::vector<Vec2> velocity_;            // [m/s] v, per node
     std::vector<Vec2> prescribed_end_;      // [m/s] v+ of prescribed components, per node
     double begin_impulse_ = 0, largest_impulse_ = 0;

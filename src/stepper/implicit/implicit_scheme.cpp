@@ -44,9 +44,9 @@ ImplicitScheme::ImplicitScheme(const Model& model, const SchemeOptions& options)
 
 StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
     StepReport report;
-    begin_step(begin, h);          // K u, F_theta, contacts with obstacles, first guesses
-    solve_free_obstacles(report);  // rates of obstacles, each trial with a solution of the next line
-    solve_points(report);          // r(w) = H' q(w): impulses that the bulk needs, and those of the points
+    begin_step(begin, h, end.temperature);  // K u, F_theta, contacts with obstacles, first guesses
+    solve_free_obstacles(report);           // rates of obstacles, each trial with a solution of the next line
+    solve_points(report);                   // r(w) = H' q(w): impulses that the bulk needs, and those of the points
     if (report.rejection == Rejection::none && options_.respect_assumption_1 && solver_.violates_assumption_1())
         report.rejection = Rejection::assumption_1;
     if (report.rejection != Rejection::none) return rejected(report, report.rejection);
@@ -61,8 +61,9 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
     return report;
 }
 
-void ImplicitScheme::begin_step(const State& begin, double h) {
+void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures end_temperature) {
     step_.begin = &begin;
+    step_.end_temperature = std::move(end_temperature);
     step_.h = h;
     bulk_.begin_step(step_);
     obstacles_.begin_theta(begin, h, step_.theta);
@@ -123,7 +124,8 @@ void ImplicitScheme::solve_free_obstacles(StepReport& report) {
 /// multipliers starts again from them, so the step is found to its tolerance and judged like any other.
 bool ImplicitScheme::start_from_lemke() {
     if (model_.fan_points.size() > max_lcp_points || !model_.obstacles.empty() || !StepLcp::fits(model_)) return false;
-    const std::optional<StepLcpEnd> found = StepLcp(model_, *step_.begin, step_.h, options_).solve();
+    const std::optional<StepLcpEnd> found =
+        StepLcp(model_, *step_.begin, step_.h, options_, step_.end_temperature).solve();
     if (!found) return false;
     corner_rate_ = found->rate;
     active_.assign(model_.fans.size(), 1);
@@ -367,6 +369,7 @@ bool ImplicitScheme::opens(Index f) const {
 void ImplicitScheme::store(State& end, StepReport& report) const {
     const State& begin = *step_.begin;
     end = begin;
+    end.temperature = step_.end_temperature, end.temperature_before = begin.temperature;
     for (Index f = 0; f < static_cast<Index>(model_.fans.size()); ++f) {
         if (!active_[f] || end.split_rank[f] >= 0 || !opens(f)) continue;
         split(model_, f, end);

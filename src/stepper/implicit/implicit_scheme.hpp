@@ -39,7 +39,7 @@ public:
     FactorSize factor_size() const override { return matrix_.size(); }
 
 private:
-    void begin_step(const State& begin, double h);
+    void begin_step(const State& begin, double h, SharedTemperatures end_temperature);
     void solve_points(StepReport& report);
     void solve_free_obstacles(StepReport& report);
     bool start_from_lemke();

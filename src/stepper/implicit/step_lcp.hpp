@@ -53,7 +53,9 @@ struct StepLcpEnd {
 class StepLcp {
 public:
     /// `model` and `begin` must outlive it; `options.bulk` is taken as implicit_theta. Without obstacles.
-    StepLcp(const Model& model, const State& begin, double h, const SchemeOptions& options);
+    /// Without `end_temperature` the temperatures of the begin last.
+    StepLcp(const Model& model, const State& begin, double h, const SchemeOptions& options,
+            SharedTemperatures end_temperature = nullptr);
     StepLcp(const StepLcp&) = delete;
 
     /// Secant unloading multiplies beta_theta by the opening: no linear problem.

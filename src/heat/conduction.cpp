@@ -1,0 +1,359 @@
+#include "heat/conduction.hpp"
+
+#include "element/shape_functions.hpp"
+#include "element/triangle_matrices.hpp"
+#include "model/selections.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace knap {
+namespace {
+
+constexpr double safety = 0.8;                // of the stable explicit step
+constexpr double closed_conductivities = 50;  // h_0 of a closed point over k/l
+
+using Pair = std::array<Index, 2>;
+constexpr std::array<Pair, 3> linear_pairs{{{0, 1}, {1, 2}, {2, 0}}};
+/// Halves of the edges, then spokes to the centre: the sides of the six linear triangles round it.
+constexpr std::array<Pair, 12> quadratic_pairs{
+    {{0, 3}, {3, 1}, {1, 4}, {4, 2}, {2, 5}, {5, 0}, {0, 6}, {1, 6}, {2, 6}, {3, 6}, {4, 6}, {5, 6}}};
+std::span<const Pair> pairs_of(Index order) {
+    if (order == 1) return linear_pairs;
+    return quadratic_pairs;
+}
+
+/// [-] w/(k t) of the side opposite to `at` in a triangle: half the cotangent of the angle there.
+double half_cotangent(const Vec2& at, const Vec2& a, const Vec2& b) {
+    return 0.5 * (a - at).dot(b - at) / std::abs(cross(a - at, b - at));
+}
+
+std::array<double, 12> conductances(const Mesh& mesh, Index t) {
+    std::array<double, 12> w{};
+    if (mesh.order == 1) {
+        for (Index i = 0; i < 3; ++i)
+            w[i] = half_cotangent(mesh.corner(t, (i + 2) % 3), mesh.corner(t, i), mesh.corner(t, (i + 1) % 3));
+        return w;
+    }
+    for (Index side = 0; side < 6; ++side) {
+        const auto [a, b] = quadratic_pairs[side];
+        const Vec2 x = mesh.corner(t, a), y = mesh.corner(t, b), z = mesh.corner(t, 6);
+        w[side] += half_cotangent(z, x, y);
+        w[6 + a] += half_cotangent(y, x, z);
+        w[6 + b] += half_cotangent(x, y, z);
+    }
+    return w;
+}
+
+}  // namespace
+
+Conduction::Conduction(const Model& model) : model_(model) {
+    const Mesh& mesh = model.mesh;
+    const Heat& heat = *model.heat;
+    const auto pairs = pairs_of(mesh.order);
+    const Index n = mesh.corners_per_triangle();
+    diagonal_.assign(mesh.n_corners(), 0);
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        const Thermal& thermal = heat.materials[mesh.region[t]];
+        const auto w = conductances(mesh, t);
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            const double here = thermal.conductivity * model.thickness * w[i];
+            conductance_.push_back(here);
+            for (const Index k : pairs[i]) diagonal_[n * t + k] += std::abs(here);
+        }
+        for (Index k = 0; k < n; ++k)
+            capacity_.push_back(thermal.heat_capacity * corner_share(mesh.order, k, model.triangle_mass(t)) /
+                                heat.time_factor);
+    }
+    add_exchanges();
+    into_.resize(mesh.n_corners());
+    of_gaps_.resize(mesh.n_corners());
+}
+
+void Conduction::add_exchanges() {
+    const Mesh& mesh = model_.mesh;
+    const Index n = mesh.corners_per_triangle();
+    for (const HeatExchange& exchange : model_.heat->exchanges) {
+        using Kind = HeatExchange::Kind;
+        if (exchange.kind == Kind::temperature) {
+            prescription_.resize(mesh.n_corners(), nullptr);
+            const std::vector<char> selected = selected_corners(mesh, exchange.on);
+            for (Index c = 0; c < mesh.n_corners(); ++c)
+                if (selected[c]) prescription_[c] = &exchange;
+        } else if (exchange.kind == Kind::source) {
+            is_heated_ = true;
+            for (const Index t : selected_triangles(mesh, exchange.on))
+                for (Index k = 0; k < n; ++k) {
+                    const double volume = corner_share(mesh.order, k, mesh.area(t) * model_.thickness);
+                    exchanges_.push_back({n * t + k, 0, exchange.value * volume, &exchange});
+                }
+        } else {
+            is_heated_ = is_heated_ || exchange.kind == Kind::flux;
+            add_edges(exchange);
+        }
+    }
+    for (const CornerExchange& at : exchanges_) diagonal_[at.corner] += at.conductance;
+}
+
+/// Trapezoidal shares of an edge; of order 2 of its two halves.
+void Conduction::add_edges(const HeatExchange& exchange) {
+    const Mesh& mesh = model_.mesh;
+    for (const std::size_t i : selected_edges(mesh, exchange.on)) {
+        const auto& [triangle, side, boundary] = mesh.boundary_edges[i];
+        const Index first = mesh.corners_per_triangle() * triangle;
+        const double area = mesh.side_vector(triangle, side).norm() * model_.thickness;
+        const auto add = [&](Index k, double share) {
+            const bool convects = exchange.kind == HeatExchange::Kind::convection;
+            exchanges_.push_back({first + k, convects ? exchange.transfer * share * area : 0,
+                                  convects ? 0 : exchange.value * share * area, &exchange});
+        };
+        const double at_ends = mesh.order == 1 ? 0.5 : 0.25;
+        add(side, at_ends), add((side + 1) % 3, at_ends);
+        if (mesh.order == 2) add(3 + side, 0.5);
+    }
+}
+
+double Conduction::outside(const CornerExchange& at, double time) const {
+    return model_.heat->follow(at.of->value, at.of->history, time);
+}
+
+double Conduction::given(const CornerExchange& at, double time) const { return at.heat * at.of->history(time); }
+
+double Conduction::conductance_of(const FanPoint& point, double u_N) const {
+    const Heat& heat = *model_.heat;
+    double closed = heat.closed_conductance;
+    if (closed < 0) {
+        const auto conductivity = [&](Index corner) {
+            return heat.materials[model_.mesh.region[model_.mesh.triangle_of(corner)]].conductivity;
+        };
+        closed = closed_conductivities * std::min(conductivity(point.before), conductivity(point.after)) /
+                 model_.interfaces[model_.interface_of(point.point)].length;
+    }
+    if (u_N <= 0) return point.area * closed;
+    if (closed == 0 || heat.gap_conductivity == 0) return 0;
+    return point.area / (u_N / heat.gap_conductivity + 1 / closed);
+}
+
+/// Between the corners of split fans, at the openings of `begin`; not across supports, nor between faces that moved on.
+void Conduction::find_gaps(const State& begin) {
+    gaps_.clear();
+    std::ranges::fill(of_gaps_, 0.0);
+    for (std::size_t rank = 0; rank < begin.split_fans.size(); ++rank) {
+        const auto points = model_.points(model_.fans[begin.split_fans[rank]]);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const FanPoint& point = points[i];
+            if (point.on_support() || begin.has_retired(point.point)) continue;
+            if (is_intact(begin, static_cast<Index>(rank), i)) continue;  // one node
+            const double conductance = conductance_of(point, begin.opening_of(point, {}).x());
+            gaps_.push_back({point.before, point.after, conductance});
+            of_gaps_[point.before] += conductance, of_gaps_[point.after] += conductance;
+        }
+    }
+}
+
+double Conduction::add_heat(const std::vector<double>& T, double time, std::vector<double>& into) const {
+    const Mesh& mesh = model_.mesh;
+    const auto pairs = pairs_of(mesh.order);
+    const Index n = mesh.corners_per_triangle();
+#pragma omp parallel for schedule(static) if (mesh.n_triangles() > 4096)
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        double* here = &into[n * t];
+        std::fill_n(here, n, 0.0);
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            const auto [a, b] = pairs[i];
+            const double flow = conductance_[pairs.size() * t + i] * (T[n * t + b] - T[n * t + a]);
+            here[a] += flow, here[b] -= flow;
+        }
+    }
+    for (const Gap& gap : gaps_) {
+        const double flow = gap.conductance * (T[gap.b] - T[gap.a]);
+        into[gap.a] += flow, into[gap.b] -= flow;
+    }
+    double sum = 0;
+    for (const CornerExchange& at : exchanges_) {
+        const double flow = at.conductance > 0 ? at.conductance * (outside(at, time) - T[at.corner]) : given(at, time);
+        into[at.corner] += flow, sum += flow;
+    }
+    return sum;
+}
+
+/// Of a split fan.
+bool Conduction::is_intact(const State& begin, Index rank, std::size_t point) const {
+    const Fan& fan = model_.fans[begin.split_fans[rank]];
+    return unbreakable(model_, model_.points(fan)[point]) ||
+           begin.points[begin.first_point[rank] + point].cohesion == 1;
+}
+
+/// visit(corners of the node): all corners of a bonded fan; of a split fan those that intact points join.
+template <class Visit>
+void Conduction::for_each_node_of(Index f, const State& begin, std::vector<Index>& memory, const Visit& visit) const {
+    const auto corners = model_.corners(model_.fans[f]);
+    const Index rank = begin.split_rank[f];
+    if (rank < 0) return visit(corners);
+    const std::size_t n = corners.size();
+    memory.resize(2 * n);
+    const std::span<Index> group(memory.data(), n), node(memory.data() + n, n);
+    std::ranges::copy(corners, group.begin());  // the name of a group is one of its corners
+    const auto group_of = [&](Index corner) { return group[std::ranges::find(corners, corner) - corners.begin()]; };
+    const auto points = model_.points(model_.fans[f]);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (!points[i].on_support() && is_intact(begin, rank, i))
+            std::ranges::replace(group, group_of(points[i].after), group_of(points[i].before));
+    for (const Index name : corners) {
+        std::size_t size = 0;
+        for (std::size_t i = 0; i < n; ++i)
+            if (group[i] == name) node[size++] = corners[i];
+        if (size > 0) visit(std::span<const Index>(node.data(), size));
+    }
+}
+
+template <class Visit>
+void Conduction::for_each_node(const State& begin, const Visit& visit) const {
+    const auto n_fans = static_cast<Index>(model_.fans.size());
+#pragma omp parallel if (n_fans > 4096)
+    {
+        std::vector<Index> memory;
+#pragma omp for schedule(static)
+        for (Index f = 0; f < n_fans; ++f) for_each_node_of(f, begin, memory, visit);
+    }
+}
+
+void Conduction::set_prescribed(double time) {
+    prescribed_.resize(prescription_.size());
+    for (std::size_t c = 0; c < prescription_.size(); ++c)
+        if (const HeatExchange* of = prescription_[c])
+            prescribed_[c] = model_.heat->follow(of->value, of->history, time);
+}
+
+double Conduction::stable_step(const State& begin) {
+    find_gaps(begin);
+    into_.assign(model_.mesh.n_corners(), std::numeric_limits<double>::infinity());
+    for_each_node(begin, [&](std::span<const Index> corners) {
+        double C = 0, sum = 0;
+        for (const Index c : corners) C += capacity_[c], sum += diagonal_[c] + of_gaps_[c];
+        if (sum > 0) into_[corners[0]] = C / sum;
+    });
+    return std::ranges::min(into_);
+}
+
+SharedTemperatures Conduction::explicit_step(const State& begin, double end) {
+    const double start = begin.temperature->time, duration = end - start;
+    const double limit = safety * stable_step(begin);
+    const int n_steps = std::max(1, static_cast<int>(std::ceil(duration / limit)));
+    const double dt = duration / n_steps;
+    std::vector<double> T = begin.temperature->of_corner;
+    double heat_in = 0;
+    for (int i = 0; i < n_steps; ++i) {
+        const double time = start + i * dt;
+        heat_in += dt * add_heat(T, time, into_);
+        set_prescribed(time + dt);
+        for_each_node(begin, [&](std::span<const Index> corners) {
+            double C = 0, flow = 0, held = 0;
+            bool is_held = false;
+            for (const Index c : corners) {
+                C += capacity_[c], flow += into_[c];
+                if (!prescription_.empty() && prescription_[c]) is_held = true, held = prescribed_[c];
+            }
+            const double T_end = is_held ? held : T[corners[0]] + dt / C * flow;
+            // what the prescription supplies, kept to be summed in order
+            into_[corners[0]] = is_held ? C * (T_end - T[corners[0]]) - dt * flow : 0;
+            for (const Index c : corners) T[c] = T_end;
+            for (const Index c : corners.subspan(1)) into_[c] = 0;
+        });
+        if (!prescription_.empty())
+            for (const double supplied : into_) heat_in += supplied;
+    }
+    return finished(begin, end, std::move(T), heat_in);
+}
+
+/// (C + dt K) dT = dt (heat at T, with the exchanges of the end) for the free nodes; the prescribed ones are known.
+SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
+    const Mesh& mesh = model_.mesh;
+    const double dt = end - begin.temperature->time;
+    const std::vector<double>& T = begin.temperature->of_corner;
+    find_gaps(begin);
+    set_prescribed(end);
+    // unknowns: nodes that are not held
+    std::vector<Index> unknown(mesh.n_corners(), -1);
+    std::vector<double> dT(mesh.n_corners(), 0.0);
+    Index n_unknowns = 0;
+    std::vector<Index> memory;
+    for (Index f = 0; f < static_cast<Index>(model_.fans.size()); ++f)
+        for_each_node_of(f, begin, memory, [&](std::span<const Index> corners) {
+            const auto held = std::ranges::find_if(
+                corners, [&](Index c) { return !prescription_.empty() && prescription_[c] != nullptr; });
+            for (const Index c : corners)
+                if (held == corners.end()) unknown[c] = n_unknowns;
+                else dT[c] = prescribed_[*held] - T[c];
+            n_unknowns += held == corners.end();
+        });
+    add_heat(T, end, into_);
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(n_unknowns);
+    const auto couple = [&](Index a, Index b, double w) {
+        for (const auto& [i, j] : {std::pair{a, b}, {b, a}}) {
+            if (unknown[i] < 0) continue;
+            entries.emplace_back(unknown[i], unknown[i], dt * w);
+            if (unknown[j] >= 0) entries.emplace_back(unknown[i], unknown[j], -dt * w);
+            else right[unknown[i]] += dt * w * dT[j];
+        }
+    };
+    const auto pairs = pairs_of(mesh.order);
+    const Index n = mesh.corners_per_triangle();
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        for (std::size_t i = 0; i < pairs.size(); ++i)
+            couple(n * t + pairs[i][0], n * t + pairs[i][1], conductance_[pairs.size() * t + i]);
+    for (const Gap& gap : gaps_) couple(gap.a, gap.b, gap.conductance);
+    for (const CornerExchange& at : exchanges_)
+        if (unknown[at.corner] >= 0) entries.emplace_back(unknown[at.corner], unknown[at.corner], dt * at.conductance);
+    for (Index c = 0; c < mesh.n_corners(); ++c)
+        if (const Index i = unknown[c]; i >= 0) entries.emplace_back(i, i, capacity_[c]), right[i] += dt * into_[c];
+    if (n_unknowns > 0) {
+        Eigen::SparseMatrix<double> matrix(n_unknowns, n_unknowns);
+        matrix.setFromTriplets(entries.begin(), entries.end());
+        if (unknown != analysed_) factor_.analyzePattern(matrix), analysed_ = unknown;
+        factor_.factorize(matrix);
+        if (factor_.info() != Eigen::Success)
+            throw SimulationError(
+                "the equations of heat conduction have no solution: check conductivities and heat "
+                "capacities, and mesh.quality for flat triangles");
+        const Eigen::VectorXd found = factor_.solve(right);
+        for (Index c = 0; c < mesh.n_corners(); ++c)
+            if (unknown[c] >= 0) dT[c] = found[unknown[c]];
+    }
+    std::vector<double> T_end = T;
+    for (Index c = 0; c < mesh.n_corners(); ++c) T_end[c] += dT[c];
+    // through the boundary at T + dT, and what holds the prescribed nodes
+    double heat_in = dt * add_heat(T_end, end, into_);
+    for (Index c = 0; c < mesh.n_corners(); ++c)
+        if (unknown[c] < 0) heat_in += capacity_[c] * dT[c] - dt * into_[c];
+    return finished(begin, end, std::move(T_end), heat_in);
+}
+
+SharedTemperatures Conduction::finished(const State& begin, double end, std::vector<double> T, double heat_in) const {
+    const Temperatures& before = *begin.temperature;
+    double low = std::ranges::min(before.of_corner), high = std::ranges::max(before.of_corner), change = 0, moved = 0,
+           content = 0;
+    for (std::size_t c = 0; c < T.size(); ++c) {
+        const double heat = capacity_[c] * (T[c] - before.of_corner[c]);
+        change += heat, moved += std::abs(heat), content += capacity_[c] * std::abs(T[c]);
+    }
+    for (const CornerExchange& at : exchanges_)
+        if (at.conductance > 0)
+            for (const double time : {before.time, end})
+                low = std::min(low, outside(at, time)), high = std::max(high, outside(at, time));
+    for (std::size_t c = 0; c < prescription_.size(); ++c)
+        if (prescription_[c]) low = std::min(low, prescribed_[c]), high = std::max(high, prescribed_[c]);
+    const double overshoot = is_heated_ ? 0 : std::max({0.0, std::ranges::max(T) - high, low - std::ranges::min(T)});
+    const auto made = make_temperatures(model_, end, std::move(T));
+    made->heat = before.heat + change;
+    made->heat_in = before.heat_in + heat_in;
+    made->heat_moved = before.heat_moved + moved;
+    made->heat_scale = std::max(before.heat_scale, content);
+    made->range = std::max(before.range, high - low);
+    made->overshoot = std::max(before.overshoot, overshoot);
+    return made;
+}
+
+}  // namespace knap

@@ -1,0 +1,81 @@
+#pragma once
+// Conduction of heat, with the temperatures at the vertices. Corners round a vertex have one temperature (are a node)
+// while
+// intact points join them; where points are damaged each side keeps its own. Lumped capacity C = rho c V share (that
+// of the mass), over the time factor:
+//
+//     C_i dT_i/dt = sum_j w_ij (T_j - T_i)                                       w_ij = -k A t grad l_i . grad l_j
+//                 + sum_points S h(u_N) (T_other - T_i)                          h = 1/(max(u_N, 0)/k_f + 1/h_0)
+//                 + sum_edges L t/2 (q + a (T_outside - T_i)) + V Q/3            Q: source
+//
+// What one corner gives another one gets, so that the sum of C T changes by what comes through the boundary and from
+// sources only, to rounding. Order 2 conducts on its six linear triangles. On Delaunay meshes all w summed round an
+// edge
+// are >= 0; then an explicit step up to C_i/sum_j w_ij, and every implicit one, keeps T between its bounds (maximum
+// principle). Where single corners split off a mesh with obtuse triangles it may be exceeded; `overshoot` tells.
+#include "model/state.hpp"
+
+#include <Eigen/SparseCholesky>
+
+#include <memory>
+#include <vector>
+
+namespace knap {
+
+class Conduction {
+public:
+    explicit Conduction(const Model& model);
+
+    /// From the temperatures of `begin`, which may be older than its motion, to the time `end` [s]: forward steps of at
+    /// most 0.8 of the stable one.
+    SharedTemperatures explicit_step(const State& begin, double end);
+    /// One step of backward Euler.
+    SharedTemperatures implicit_step(const State& begin, double end);
+
+    double capacity(Index corner) const { return capacity_[corner]; }  // [J/K]
+    /// [s] C_i/sum_j |w_ij| of the worst node, with the openings of `begin`.
+    double stable_step(const State& begin);
+
+private:
+    struct CornerExchange {
+        Index corner;
+        double conductance;  // [W/K] to the outside
+        double heat;         // [W] given
+        const HeatExchange* of;
+    };
+    struct Gap {
+        Index a, b;          // corners
+        double conductance;  // [W/K]
+    };
+
+    void add_exchanges();
+    void add_edges(const HeatExchange& exchange);
+    double outside(const CornerExchange& at, double time) const;  // [K]
+    double given(const CornerExchange& at, double time) const;    // [W]
+    void find_gaps(const State& begin);
+    double conductance_of(const FanPoint& point, double u_N) const;
+    bool is_intact(const State& begin, Index rank, std::size_t point) const;
+    /// Heat [W] into every corner at these temperatures, and its sum over boundaries and sources.
+    double add_heat(const std::vector<double>& T, double time, std::vector<double>& into) const;
+    template <class Visit>
+    void for_each_node_of(Index fan, const State& begin, std::vector<Index>& memory, const Visit& visit) const;
+    template <class Visit>
+    void for_each_node(const State& begin, const Visit& visit) const;
+    void set_prescribed(double time);
+    SharedTemperatures finished(const State& begin, double end, std::vector<double> T, double heat_in) const;
+
+    const Model& model_;
+    std::vector<double> capacity_;     // [J/K] per corner
+    std::vector<double> conductance_;  // [W/K] w of the pairs of corners of each triangle
+    std::vector<double> diagonal_;     // [W/K] per corner: sum of |w| and of exchanges
+    std::vector<CornerExchange> exchanges_;
+    std::vector<const HeatExchange*> prescription_;  // per corner; null: free; empty: nothing is prescribed
+    std::vector<double> prescribed_;                 // [K] per corner, at the end of the step
+    bool is_heated_ = false;                         // flux or source: no maximum principle
+    std::vector<Gap> gaps_;
+    std::vector<double> into_, of_gaps_;  // [W], [W/K] per corner
+    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+    std::vector<Index> analysed_;  // the unknown of each corner that factor_ was analysed for
+};
+
+}  // namespace knap

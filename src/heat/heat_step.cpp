@@ -1,0 +1,21 @@
+#include "heat/heat_step.hpp"
+
+namespace knap {
+
+HeatStep::HeatStep(const Model& model, bool implicit_bulk)
+    : model_(model),
+      implicit_(implicit_bulk),
+      is_constant_(!model.heat->conduction && model.heat->field.history.time.empty() &&
+                   !model.heat->field.value.depends_on_time()) {
+    if (model.heat->conduction) conduction_.emplace(model);
+}
+
+SharedTemperatures HeatStep::after(const State& begin, double h) {
+    if (is_constant_) return begin.temperature;
+    if (!implicit_ && (begin.n_steps + 1) % model_.heat->every != 0) return begin.temperature;
+    const double end = begin.time + h;
+    if (!conduction_) return field_at(model_, end);
+    return implicit_ ? conduction_->implicit_step(begin, end) : conduction_->explicit_step(begin, end);
+}
+
+}  // namespace knap

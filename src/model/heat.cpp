@@ -1,0 +1,36 @@
+#include "model/heat.hpp"
+
+#include "model/model.hpp"
+
+namespace knap {
+
+std::shared_ptr<Temperatures> make_temperatures(const Model& model, double time, std::vector<double> of_corner) {
+    const Mesh& mesh = model.mesh;
+    const Index n = mesh.corners_per_triangle(), n_strains = mesh.order == 1 ? 1 : 3;
+    auto made = std::make_shared<Temperatures>();
+    made->time = time;
+    made->strain.resize(n_strains * mesh.n_triangles());
+#pragma omp parallel for schedule(static) if (mesh.n_triangles() > 4096)
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        const Elastic& elastic = model.materials[mesh.region[t]];
+        const Expansion& expansion = model.heat->materials[mesh.region[t]].expansion;
+        const double factor = model.plane == PlaneModel::strain ? 1 + elastic.nu : 1,
+                     zero = expansion(model.heat->reference);
+        std::array<double, 3> e;  // at the vertices
+        for (Index k = 0; k < 3; ++k) e[k] = factor * (expansion(of_corner[n * t + k]) - zero);
+        if (mesh.order == 1) made->strain[t] = (e[0] + e[1] + e[2]) / 3;
+        for (Index k = 0; k < 3 && mesh.order == 2; ++k)
+            made->strain[3 * t + k] = 0.5 * (e[(k + 1) % 3] + e[(k + 2) % 3]);
+    }
+    made->of_corner = std::move(of_corner);
+    return made;
+}
+
+SharedTemperatures field_at(const Model& model, double time) {
+    std::vector<double> of_corner(model.mesh.n_corners());
+#pragma omp parallel for schedule(static) if (model.mesh.n_corners() > 4096)
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) of_corner[c] = model.heat->field_at(model.mesh.corner(c), time);
+    return make_temperatures(model, time, std::move(of_corner));
+}
+
+}  // namespace knap

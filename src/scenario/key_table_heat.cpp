@@ -1,0 +1,73 @@
+// The rows of the key table for temperatures and heat.
+#include "scenario/key_table.hpp"
+#include "scenario/scenario.hpp"
+
+namespace knap {
+
+// clang-format off
+void add_history(KeyTable& t, std::string_view what) {
+    t.number("ramp", "s", what).above(0);
+    t.number("table", "s", "factor over time as pairs [time, factor], linear between them and constant outside")
+        .points().second("");
+    t.text("csv", "file with lines `time, factor` [s, -], instead of a table, relative to the scenario file; # starts "
+        "a comment");
+}
+
+void add_thermal(KeyTable& t) {
+    t.number("expansion", "1/K", "coefficient of thermal expansion, with [heat]; either expansion or expansion_table");
+    t.number("expansion_table", "K", "thermal strain over temperature as pairs [temperature, strain]: linear "
+        "between them, "
+        "with the end slopes outside; a transition of a crystal is a steep piece").points().second("");
+    t.number("conductivity", "W/m/K", "conductivity of heat, required with heat.conduction")
+        .above(0).to(&Thermal::conductivity);
+    t.number("heat_capacity", "J/kg/K", "heat capacity per mass, required with heat.conduction")
+        .above(0).to(&Thermal::heat_capacity);
+}
+
+void add_keys_of_heat(KeyTable& t) {
+    t.table("heat", "temperatures, which strain the body (thermal stress). They are counted from any zero, the same "
+        "in all "
+        "keys: absolute or Celsius. The motion does not heat the body. With small rotations only");
+    t.number("reference", "K", "temperature without thermal strain").otherwise("0").to(&Heat::reference);
+    t.text("temperature", "the temperature in K as a formula of x, y [m] and t [s], as \"20 + 300*exp(-x/0.01)\", "
+        "with + - * / "
+        "^ ( ) pi sin cos tan tanh exp log sqrt abs erf erfc min max; prescribed, with conduction that of the start; a "
+        "factor over time, by at most one of ramp, table, csv, multiplies its difference to the reference").required();
+    add_history(t, "rise time: the factor grows linearly from 0 to 1 and stays 1");
+    t.flag("conduction", "temperatures follow from conduction; without it they are prescribed")
+        .otherwise("false").to(&Heat::conduction);
+    t.integer("every", "steps of the explicit bulk for one of the temperature; the thermal strain is constant in "
+        "between")
+        .at_least(1).at_most(1000000).otherwise("10").to(&Heat::every);
+    t.number("time_factor", "", "heat runs so many times faster than the motion (heat capacities are divided by "
+        "it): t times "
+        "the factor is the time of the heat. The motion stays quasi-static while its kinetic energy is small "
+        "against the strain "
+        "energy").at_least(1).otherwise("1").to(&Heat::time_factor);
+    t.number("gap_conductivity", "W/m/K", "conductivity of what fills open cracks: air 0.025, water 0.6, ice 2.2; "
+        "0: none")
+        .at_least(0).otherwise("0.025").to(&Heat::gap_conductivity);
+    t.number("closed_conductance", "W/m2/K", "conductance of closed points of cracks; 0: cracks are insulated")
+        .at_least(0).computed("50 conductivities over the length of the edge").to(&Heat::closed_conductance);
+    t.list("heat.exchange[]", "heat through a boundary or into a region, with conduction: exactly one of temperature, "
+        "outside, flux, source; boundaries without one are insulated, and so are new faces of cracks; a factor over "
+        "time "
+        "by at most one of ramp, table, csv multiplies flux and source, and differences of temperatures to "
+        "heat.reference");
+    t.table("heat.exchange[].on", "place: a boundary, a box, a body, or what they have in common; source without it "
+        "acts "
+        "on all bodies").or_text("boundary");
+    t.text("boundary", "name of a boundary").to(&Selection::boundary);
+    t.number("box", "m", "lower left and upper right corner").box().to(&Selection::box);
+    t.text("body", "name of a body, or of a group of bodies").to(&Selection::body);
+    t.in("heat.exchange[]");
+    t.number("temperature", "K", "prescribed temperature of the vertices");
+    t.number("outside", "K", "temperature outside, of convection; needs transfer");
+    t.number("transfer", "W/m2/K", "transfer coefficient of convection").above(0).to(&HeatExchange::transfer);
+    t.number("flux", "W/m2", "heat per area and time into the body");
+    t.number("source", "W/m3", "heat per volume and time in the triangles");
+    add_history(t, "rise time: the factor grows linearly from 0 to 1 and stays 1");
+}
+// clang-format on
+
+}  // namespace knap

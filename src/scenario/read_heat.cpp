@@ -1,0 +1,121 @@
+// [heat]: temperatures, conduction, and the thermal properties of the materials.
+#include "base/error.hpp"
+#include "scenario/reading.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+namespace {
+
+struct KindOfExchange {
+    const char* key;
+    HeatExchange::Kind kind;
+};
+constexpr KindOfExchange kinds[] = {{"temperature", HeatExchange::Kind::temperature},
+                                    {"outside", HeatExchange::Kind::convection},
+                                    {"flux", HeatExchange::Kind::flux},
+                                    {"source", HeatExchange::Kind::source}};
+
+void read_exchange(const Table& table, Heat& heat) {
+    HeatExchange exchange{.on = read_selection(table.table("on"))};
+    table.fill(exchange);
+    std::vector<std::string> keys;
+    for (const KindOfExchange& kind : kinds) keys.emplace_back(kind.key);
+    const auto key = table.one_of(keys, true);
+    exchange.history = read_history(table);
+    for (const KindOfExchange& kind : kinds) {
+        if (key != kind.key) continue;
+        exchange.kind = kind.kind;
+        exchange.value = table.number(kind.key).value_or(0);
+        const Table on = table.table("on");
+        if (kind.kind == HeatExchange::Kind::source) {
+            if (on.given("boundary"))
+                table.error("exclusive-keys", "on", "names a boundary, but source acts in the body",
+                            "on = { box = [...] }, or no `on` for the whole body");
+        } else if (!on.given("boundary") && !on.given("box") && !on.given("body")) {
+            table.error("missing-key", "on", "names neither a boundary nor a box",
+                        "on = \"BOUNDARY\", { box = [...] } or both; boundaries: " +
+                            first_of(table.scenario().boundary_names()));
+        }
+        const bool convects = kind.kind == HeatExchange::Kind::convection;
+        if (convects && !table.given("transfer"))
+            table.error("missing-key", "outside", "needs the coefficient of convection", "transfer = ...");
+        if (!convects && table.given("transfer"))
+            table.error("exclusive-keys", "transfer", "belongs to convection, with `outside`");
+    }
+    heat.exchanges.push_back(std::move(exchange));
+}
+
+Thermal read_thermal(const Table& table, bool conduction) {
+    Thermal thermal;
+    table.fill(thermal);
+    thermal.expansion.coefficient = table.number("expansion").value_or(0);
+    table.one_of({"expansion", "expansion_table"}, false);
+    for (const Vec2& point : table.get<std::vector<Vec2>>("expansion_table").value_or(std::vector<Vec2>())) {
+        thermal.expansion.temperature.push_back(point.x());
+        thermal.expansion.strain.push_back(point.y());
+    }
+    const std::vector<double>& T = thermal.expansion.temperature;
+    if (T.size() == 1 || std::ranges::adjacent_find(T, std::greater_equal()) != T.end())
+        table.error("out-of-range", "expansion_table", "needs at least two pairs with temperatures that ascend",
+                    "[[20, 0], [573, 0.009], [583, 0.015]]");
+    for (const char* key : {"conductivity", "heat_capacity"})
+        if (conduction && !table.given(key))
+            table.error("missing-key", key, "is needed for heat.conduction", std::string(key) + " = ...");
+    return thermal;
+}
+
+}  // namespace
+
+void read_heat(Reading& reading) {
+    Scenario& scenario = reading.scenario;
+    const Table table = reading.table("heat");
+    if (!table.given()) {
+        for (const Table& material : reading.list("material"))
+            for (const char* key : {"expansion", "expansion_table", "conductivity", "heat_capacity"})
+                if (material.given(key)) {
+                    material.warning("no-heat", key, "has no effect without [heat]");
+                    break;
+                }
+        return;
+    }
+    Heat heat;
+    table.fill(heat);
+    heat.field.history = read_history(table);
+    try {
+        heat.field.value = Expression(table.text("temperature"));
+    } catch (const UserError& error) {
+        if (table.has("temperature"))
+            table.error("bad-formula", "temperature", "is no formula: " + error.diagnostics.front().message,
+                        error.diagnostics.front().note);
+    }
+    for (const Table& material : reading.list("material"))
+        heat.materials.push_back(read_thermal(material, heat.conduction));
+    for (const Table& exchange : table.list("exchange")) read_exchange(exchange, heat);
+    if (!heat.exchanges.empty() && !heat.conduction)
+        table.error("exclusive-keys", "exchange", "has no meaning where temperatures are prescribed",
+                    "conduction = true in [heat]");
+    if (std::ranges::all_of(heat.materials, [](const Thermal& m) {
+            return m.expansion.coefficient == 0 && m.expansion.temperature.empty();
+        }))
+        table.warning("no-expansion", "", "strains nothing: no material has an expansion",
+                      "expansion in [material.NAME]");
+    if (reading.table("domain").text("rotation") == "large")
+        table.error("exclusive-keys", "", "needs small rotations", "rotation = \"small\" in [domain]");
+    if (reading.values.has("excavation"))
+        table.error("exclusive-keys", "", "does not go together with [[excavation]]",
+                    "cracked interfaces or a region of small E in its place");
+    for (const Body& body : scenario.bodies)
+        if (body.shape.outer.points.empty()) return;  // reported
+    const Box box = scenario.given            ? bounding_box(scenario.given->mesh.vertices)
+                    : scenario.bodies.empty() ? Box{}
+                                              : bounding_box(scenario.bodies.front().shape.outer.points);
+    for (const double t : {0.0, scenario.time.end})
+        for (const Vec2& place : {box.low, box.high, box.middle()})
+            if (!std::isfinite(heat.field_at(place, t)))
+                return table.error("out-of-range", "temperature", "is no finite number everywhere in the body");
+    scenario.heat = std::move(heat);
+}
+
+}  // namespace knap
