@@ -96,6 +96,7 @@ struct InitialVelocity {
     Selection on;     // triangles of the body whose centroid lies inside the box
     Vec2 value;       // [m/s]
     double spin = 0;  // [rad/s] about the centre of mass of these triangles, counterclockwise
+    std::array<double, 3> strain_rate{};  // [1/s] xx, yy, xy, about the same centre
 };
 
 }  // namespace knap

@@ -195,18 +195,22 @@ Vec2 centre_of_mass(const Model& model, const std::vector<Index>& triangles) {
     return origin + moment / mass;
 }
 
-/// The velocity v + omega x (x - x_c) that the scenario gives to each corner.
+/// The velocity v + omega x (x - x_c) + D (x - x_c) that the scenario gives to each corner.
 std::vector<Vec2> given_velocities(const std::vector<InitialVelocity>& given, const Model& model) {
     std::vector<Vec2> of_corner(model.mesh.n_corners(), Vec2::Zero());
     for (std::size_t i = 0; i < given.size(); ++i) {
-        const auto& [on, value, spin] = given[i];
+        const auto& [on, value, spin, rate] = given[i];
         const std::vector<Index> triangles = not_empty(selected_triangles(model.mesh, on), "an initial velocity", on,
                                                        EmptySelection::initial_velocities, i);
-        const Vec2 centre = spin != 0 ? centre_of_mass(model, triangles) : Vec2(Vec2::Zero());
+        const bool is_uniform = spin == 0 && rate == std::array<double, 3>{};
+        const Vec2 centre = is_uniform ? Vec2(Vec2::Zero()) : centre_of_mass(model, triangles);
         const Index n = model.mesh.corners_per_triangle();
         for (const Index t : triangles)
-            for (Index c = n * t; c < n * (t + 1); ++c)
-                of_corner[c] = spin != 0 ? Vec2(value + spin * turned_left(model.mesh.corner(c) - centre)) : value;
+            for (Index c = n * t; c < n * (t + 1); ++c) {
+                const Vec2 arm = model.mesh.corner(c) - centre;
+                of_corner[c] = value;
+                if (!is_uniform) of_corner[c] += spin * turned_left(arm) + stress_times(rate, arm);
+            }
     }
     return of_corner;
 }

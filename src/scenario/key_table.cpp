@@ -394,9 +394,12 @@ void add_keys_of_loads(KeyTable& t) {
         .at_least(0).otherwise("0").to(&Excavation::ramp);
 
     t.list("initial[]", "an initial velocity; later entries overwrite earlier ones");
-    t.number("velocity", "m/s", "velocity, x and y; velocity, spin or both").pair().to(&InitialVelocity::value);
+    t.number("velocity", "m/s", "velocity, x and y; one or more of velocity, spin, strain_rate")
+        .pair().to(&InitialVelocity::value);
     t.number("spin", "deg/s", "angular velocity about the centre of mass of the selected triangles, counterclockwise")
         .to(&InitialVelocity::spin, radians);
+    t.number("strain_rate", "Hz", "rate of strain [xx, yy, xy] about the same centre: the body expands")
+        .triple().to(&InitialVelocity::strain_rate);
     t.number("box", "m", "box of the centroids of the triangles that have it; without it all")
         .box().to(&Selection::box);
     t.text("body", "name of a body, or of a group of bodies; without it all").to(&Selection::body);

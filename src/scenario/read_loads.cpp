@@ -234,8 +234,8 @@ void read_loads(Reading& reading) {
         table.fill(initial);
         table.fill(initial.on);
         check_body(table, initial.on);
-        if (!table.given("velocity") && !table.given("spin"))
-            table.error("missing-key", "", "has neither velocity nor spin", "velocity = [x, y], spin, or both");
+        if (!table.given("velocity") && !table.given("spin") && !table.given("strain_rate"))
+            table.error("missing-key", "", "has no velocity, spin or strain_rate", "one or more of them");
         reading.scenario.initial_velocities.push_back(initial);
     }
     for (const Table& table : reading.list("obstacle")) read_obstacle(table);
