@@ -137,6 +137,27 @@ std::span<const Measure<InterfaceMean>> interface_columns() {
     return columns;
 }
 
+std::span<const Measure<MeanStress>> stress_columns() {
+    using M = MeanStress;
+    static constexpr Measure<M> columns[] = {
+        {"_stress_xx", "Pa", "mean stress in the box of a probe, or in the whole body; tension is positive",
+         [](const M& m) { return m[0]; }},
+        {"_stress_yy", "Pa", "likewise", [](const M& m) { return m[1]; }},
+        {"_stress_xy", "Pa", "likewise", [](const M& m) { return m[2]; }}};
+    return columns;
+}
+
+MeanStress Probes::mean_stress(const State& state, std::span<const Index> triangles) const {
+    MeanStress sum = MeanStress::Zero();
+    double area = 0;
+    for (const Index t : triangles) {
+        if (model_.has_vanished(t)) continue;
+        sum += model_.mesh.area(t) * stress(model_, state, t);
+        area += model_.mesh.area(t);
+    }
+    return sum / area;
+}
+
 namespace {
 
 std::span<const Measure<PlaceMotion>> columns_of_place(const ProbeOptions& probe) {
@@ -146,26 +167,48 @@ std::span<const Measure<PlaceMotion>> columns_of_place(const ProbeOptions& probe
 }  // namespace
 
 std::vector<std::string> probe_columns(const ProbeOptions& probe) {
-    return probe.interface ? names_of(interface_columns(), probe.name) : names_of(columns_of_place(probe), probe.name);
+    switch (probe.watch) {
+        case ProbeOptions::Watch::interface: return names_of(interface_columns(), probe.name);
+        case ProbeOptions::Watch::stress: return names_of(stress_columns(), probe.name);
+        case ProbeOptions::Watch::place: break;
+    }
+    return names_of(columns_of_place(probe), probe.name);
 }
 
 Probes::Probes(const Model& model, const std::vector<ProbeOptions>& probes) : model_(model) {
     for (const ProbeOptions& probe : probes) {
-        if (probe.interface) probes_.push_back({probe, {}, interface_near(model, probe)});
-        else probes_.push_back({probe, {model.mesh, probe.at, model.vanished}});
+        Probe made{.options = probe};
+        switch (probe.watch) {
+            case ProbeOptions::Watch::place: made.place = {model.mesh, probe.at, model.vanished}; break;
+            case ProbeOptions::Watch::interface: made.interface = interface_near(model, probe); break;
+            case ProbeOptions::Watch::stress:
+                for (Index t = 0; t < model.mesh.n_triangles(); ++t)
+                    if (!probe.box || probe.box->contains(model.mesh.centroid(t))) made.triangles.push_back(t);
+                if (made.triangles.empty())
+                    throw SimulationError("probe `" + probe.name + "` watches a box that contains no triangle");
+        }
+        probes_.push_back(std::move(made));
     }
 }
 
 const ProbeOptions* Probes::first_lost() const {
-    for (const Probe& probe : probes_)
-        if (probe.options.interface ? model_.is_gone(model_.interfaces[probe.interface]) : probe.place.empty())
-            return &probe.options;
-    return nullptr;
+    const auto is_lost = [&](const Probe& probe) {
+        switch (probe.options.watch) {
+            case ProbeOptions::Watch::interface: return model_.is_gone(model_.interfaces[probe.interface]);
+            case ProbeOptions::Watch::stress:
+                return std::ranges::all_of(probe.triangles, [&](Index t) { return model_.has_vanished(t); });
+            case ProbeOptions::Watch::place: break;
+        }
+        return probe.place.empty();
+    };
+    const auto lost = std::ranges::find_if(probes_, is_lost);
+    return lost == probes_.end() ? nullptr : &lost->options;
 }
 
 void Probes::renew() {
     for (Probe& probe : probes_)
-        if (!probe.options.interface) probe.place = {model_.mesh, probe.options.at, model_.vanished};
+        if (probe.options.watch == ProbeOptions::Watch::place)
+            probe.place = {model_.mesh, probe.options.at, model_.vanished};
 }
 
 std::vector<std::string> Probes::columns() const {
@@ -178,7 +221,10 @@ std::vector<std::string> Probes::columns() const {
 std::vector<double> Probes::line(const State& state) const {
     std::vector<double> row{state.time};
     for (const Probe& probe : probes_) {
-        if (probe.options.interface) add_values(interface_columns(), mean_of(model_, state, probe.interface), row);
+        if (probe.options.watch == ProbeOptions::Watch::interface)
+            add_values(interface_columns(), mean_of(model_, state, probe.interface), row);
+        else if (probe.options.watch == ProbeOptions::Watch::stress)
+            add_values(stress_columns(), mean_stress(state, probe.triangles), row);
         else
             add_values(columns_of_place(probe.options),
                        {probe.place.displacement(state), probe.place.velocity(state),

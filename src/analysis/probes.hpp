@@ -1,6 +1,6 @@
 #pragma once
-// Probes: displacement and velocity of chosen places, opening and cohesion of chosen interfaces, over time. And means
-// of the displacement at a place or along a boundary, which gauges of specimens use too.
+// Probes: displacement and velocity of chosen places, opening and cohesion of chosen interfaces, mean stress in chosen
+// boxes, over time. And means of the displacement at a place or along a boundary, which gauges of specimens use too.
 #include "model/state.hpp"
 #include "output/outputs.hpp"
 
@@ -36,8 +36,9 @@ private:
 
 struct ProbeOptions {
     std::string name;
-    Vec2 at;                 // [m]
-    bool interface = false;  // the nearest interface that can break, not a place
+    Vec2 at = Vec2::Zero();  // [m] place, or the nearest interface that can break
+    enum class Watch { place, interface, stress } watch = Watch::place;
+    std::optional<Box> box;  // of the mean stress; without it of all triangles
     bool heat = false;       // with the temperature of the place
 };
 
@@ -49,9 +50,12 @@ struct PlaceMotion {
 struct InterfaceMean {
     double opening = 0, slip = 0, cohesion = 0;  // [m], [m], [-]
 };
+/// [Pa] xx, yy, xy: mean over the initial area of triangles.
+using MeanStress = Eigen::Vector3d;
 /// Columns of probes.csv; the name of the probe comes first.
 std::span<const Measure<PlaceMotion>> place_columns();
 std::span<const Measure<InterfaceMean>> interface_columns();
+std::span<const Measure<MeanStress>> stress_columns();
 
 /// The columns of one probe.
 std::vector<std::string> probe_columns(const ProbeOptions& probe);
@@ -72,10 +76,13 @@ public:
     std::vector<double> line(const State& state) const;
 
 private:
+    MeanStress mean_stress(const State& state, std::span<const Index> triangles) const;
+
     struct Probe {
         ProbeOptions options;
         CornerMean place;
         Index interface = -1;
+        std::vector<Index> triangles = {};  // of a mean stress
     };
     const Model& model_;
     std::vector<Probe> probes_;

@@ -205,6 +205,13 @@ Chart probe_velocity_chart(const History& probes) {
     return chart;
 }
 
+Chart probe_stress_chart(const History& probes) {
+    Chart chart = over_time("Mean stress", "mean stress", "Pa");
+    add_components(chart, probes,
+                   {{"_stress_xx", "\u03c3_{xx}"}, {"_stress_yy", "\u03c3_{yy}"}, {"_stress_xy", "\u03c3_{xy}"}});
+    return chart;
+}
+
 Chart stress_strain_chart(const History& stress_strain) {
     Chart chart{.title = "Stress and strain", .x_quantity = "strain [%]", .y_quantity = "stress", .y_unit = "Pa"};
     // the axis extends as far as the axial strain, in both directions: larger strains are those of flying fragments

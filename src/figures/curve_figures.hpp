@@ -17,6 +17,7 @@ Chart reaction_chart(const History& reactions, bool over_time = false);
 /// Displacements, openings and slips, or velocities, except those that are too small to be seen.
 Chart probe_chart(const History& probes);
 Chart probe_velocity_chart(const History& probes);
+Chart probe_stress_chart(const History& probes);
 /// Stress over all measured strains, with the stresses of crack initiation, dilatancy and crack damage.
 Chart stress_strain_chart(const History& stress_strain);
 /// Cumulative number of breaks in tension and in shear between two times [s].

@@ -37,6 +37,8 @@ const CurveKind curve_kinds[] = {
     {"probes", [](const Source& s) { return probe_chart(s.histories.probes); }, &Histories::probes, origin_of_probes},
     {"probe_velocities", [](const Source& s) { return probe_velocity_chart(s.histories.probes); }, &Histories::probes,
      origin_of_probes},
+    {"probe_stresses", [](const Source& s) { return probe_stress_chart(s.histories.probes); }, &Histories::probes,
+     origin_of_probes},
     {"stress_strain", [](const Source& s) { return stress_strain_chart(s.histories.stress_strain); },
      &Histories::stress_strain, "stress_strain.csv is written where the scenario has a [specimen]"},
     {"breaks",
@@ -99,9 +101,15 @@ std::filesystem::path file_name(const FigureOptions& options, double time) {
 void check_figure(const FigureOptions& options, const Histories& histories) {
     check(options);
     const char* reason = missing_table(options.show, options.colour, histories);
-    const auto has_velocity = [](const std::string& column) { return column.ends_with("_v_x"); };
-    if (!reason && options.show == "probe_velocities" && std::ranges::none_of(histories.probes.columns, has_velocity))
-        reason = "its probes are on interfaces, which have no velocity";
+    const auto lacks = [&](const char* ending) {
+        return std::ranges::none_of(histories.probes.columns, [&](const auto& c) { return c.ends_with(ending); });
+    };
+    if (!reason && options.show == "probes" && lacks("_u_x") && lacks("_opening"))
+        reason = "its probes watch stresses, which have no displacement";
+    if (!reason && options.show == "probe_velocities" && lacks("_v_x"))
+        reason = "none of its probes watches a place, which would have a velocity";
+    if (!reason && options.show == "probe_stresses" && lacks("_stress_xx"))
+        reason = "none of its probes watches a stress";
     if (!reason) return;
     std::vector<std::string> possible;
     for (const std::string& subject : figure_subjects())

@@ -89,11 +89,16 @@ void add_keys_of_run(KeyTable& t) {
     t.number("modulus_between", "", "stress interval of the fit of modulus and Poisson's ratio, over the peak stress")
         .pair().at_least(0).at_most(1).otherwise("[0.4, 0.6]").to(&SpecimenOptions::modulus_between);
 
-    t.list("probe[]", "a point whose motion, or interface whose opening, is written to probes.csv");
-    t.number("at", "m", "position; outside the body the nearest vertex").pair().required().to(&ProbeOptions::at);
-    t.word("watch", {"place", "interface"}, "place: displacement and velocity of the point; interface: opening, slip "
-        "and cohesion of the nearest breakable interface, averaged over its points")
-        .otherwise("place").to(&ProbeOptions::interface, {false, true});
+    t.list("probe[]", "a point whose motion, interface whose opening, or box whose mean stress is written to probes.csv");
+    t.number("at", "m", "position; outside the body the nearest vertex")
+        .pair().required().only_with("watch", {"place", "interface"}).to(&ProbeOptions::at);
+    t.word("watch", {"place", "interface", "stress"}, "place: displacement and velocity of the point; interface: "
+        "opening, slip and cohesion of the nearest breakable interface, averaged over its points; stress: mean stress "
+        "in a box")
+        .otherwise("place").to(&ProbeOptions::watch, {ProbeOptions::Watch::place, ProbeOptions::Watch::interface,
+                                                     ProbeOptions::Watch::stress});
+    t.number("box", "m", "lower left and upper right corner of the box of a mean stress; without it the whole body")
+        .box().only_with("watch", {"stress"}).to(&ProbeOptions::box);
     t.text("name", "prefix of its columns").a_name().computed("probe1, probe2, ...").to(&ProbeOptions::name);
 
     t.list("figure[]", "a picture drawn by the run");

@@ -80,8 +80,8 @@ void read_time(const Table& table, TimeOptions& time) {
 void read_probe(const Table& table, std::size_t number) {
     table.compute("name", Node::of_text("probe" + std::to_string(number)));
     table.check_column_name(table.text("name"));
-    if (!table.has("at")) return;
-    ProbeOptions probe{.name = {}, .at = Vec2::Zero()};
+    if (!table.has("at") && table.text("watch") != "stress") return;
+    ProbeOptions probe;
     table.fill(probe);
     probe.heat = table.reading().table("heat").given();
     table.scenario().probes.push_back(std::move(probe));
@@ -99,9 +99,18 @@ void check_subject(const Table& figure) {
     if (show == "reactions" && figure.reading().drivers().empty())
         error("no load prescribes a motion and there is no obstacle",
               "a reaction is the force of a load with velocity or displacement");
-    if ((show == "probes" || show == "probe_velocities") && !has_probes) error("there is none", "add a [[probe]]");
-    if (show == "probe_velocities" && !probes.empty() && std::ranges::all_of(probes, &ProbeOptions::interface))
-        error("all probes watch interfaces", "add a [[probe]] that watches a place");
+    using Watch = ProbeOptions::Watch;
+    const auto lacks = [&](Watch a, Watch b) {
+        return !probes.empty() &&
+               std::ranges::none_of(probes, [&](const auto& p) { return p.watch == a || p.watch == b; });
+    };
+    if (show.starts_with("probe") && !has_probes) error("there is none", "add a [[probe]]");
+    if (show == "probes" && lacks(Watch::place, Watch::interface))
+        error("all probes watch stresses", "show = \"probe_stresses\"");
+    if (show == "probe_velocities" && lacks(Watch::place, Watch::place))
+        error("no probe watches a place", "add a [[probe]] that watches a place");
+    if (show == "probe_stresses" && lacks(Watch::stress, Watch::stress))
+        error("no probe watches a stress", "add a [[probe]] with watch = \"stress\"");
 }
 
 void read_figure(const Table& table, std::set<std::string>& files) {
@@ -137,7 +146,8 @@ std::vector<NamedEnd> gauge_ends(const Reading& reading) {
     for (const std::string& boundary : reading.scenario.boundary_names())
         found.emplace_back(boundary, GaugeEnd{.boundary = boundary});
     for (const ProbeOptions& probe : reading.scenario.probes)
-        if (!probe.interface) found.emplace_back(probe.name, GaugeEnd{.kind = GaugeEnd::Kind::place, .at = probe.at});
+        if (probe.watch == ProbeOptions::Watch::place)
+            found.emplace_back(probe.name, GaugeEnd{.kind = GaugeEnd::Kind::place, .at = probe.at});
     for (NamedEnd& driver : reading.drivers()) found.push_back(std::move(driver));
     return found;
 }

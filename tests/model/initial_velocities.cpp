@@ -75,6 +75,20 @@ TEST_CASE("initial velocity and spin of a body are exact") {
     }
 }
 
+TEST_CASE("a body that expands has velocities that are linear about its centre and no momentum of its own") {
+    ModelInput input = two_bars(1);
+    input.initial_velocities = {{.on = {.body = "bar"}, .value = {3, -4}, .strain_rate = {2, -1, 0.5}}};
+    const Model model = make_model(std::move(input));
+    const Momentum bar = momentum_of(model, model.mesh.parts[0]);
+    CHECK((bar.linear - bar.mass * Vec2(3, -4)).norm() <= 1e-14 * bar.mass * 5);
+    const MeshPart& part = model.mesh.parts[0];
+    for (Index c = 3 * part.first_triangle; c < 3 * (part.first_triangle + part.n_triangles); ++c) {
+        const Vec2 arm = model.mesh.corner(c) - bar.centre;
+        const Vec2 exact(3 + 2 * arm.x() + 0.5 * arm.y(), -4 + 0.5 * arm.x() - arm.y());
+        CHECK((model.initial_velocity[c] - exact).norm() <= 1e-13);
+    }
+}
+
 TEST_CASE("a later initial velocity overwrites an earlier one where it acts") {
     ModelInput input = two_bars(1);
     input.initial_velocities = {{.on = {}, .value = {1, 0}},

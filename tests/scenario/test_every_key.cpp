@@ -149,6 +149,7 @@ box = ["-10 mm", "1 mm", "-5 mm", "5 mm"]
 at = "0 us"
 [[initial]]
 velocity = ["1 m/s", "2 m/s"]
+strain_rate = ["10 Hz", 0, "1 kHz"]
 box = [0, 0, 1, 1]
 [time]
 end = "80 us"
@@ -169,6 +170,9 @@ breaks = true
 at = ["5 mm", "5 mm"]
 watch = "interface"
 name = "middle"
+[[probe]]
+watch = "stress"
+box = ["0 mm", "1 mm", "10 mm", "11 mm"]
 [[figure]]
 file = "a.svg"
 show = "cracks"
@@ -615,6 +619,7 @@ const Case cases[] = {
     {rectangle, "obstacle[2].ramp", "1e-05"},
     {rectangle, "initial[0].velocity", "[1, 2]"},
     {rectangle, "initial[0].box", "[0, 0, 1, 1]"},
+    {rectangle, "initial[0].strain_rate", "[10, 0, 1000]"},
     {rectangle, "time.end", "8e-05"},
     {implicit, "time.bulk", "\"implicit\""},
     {implicit, "time.cohesion", "\"implicit\""},
@@ -648,6 +653,7 @@ const Case cases[] = {
     {rectangle, "probe[0].at", "[0.005, 0.005]"},
     {rectangle, "probe[0].watch", "\"interface\""},
     {rectangle, "probe[0].name", "\"middle\""},
+    {rectangle, "probe[1].box", "[0, 0.001, 0.01, 0.011]"},
     {rectangle, "figure[0].file", "\"a.svg\""},
     {rectangle, "figure[1].show", "\"stress_xy\""},
     {rectangle, "figure[0].at", "[2e-05]"},

@@ -41,11 +41,11 @@ void refuse_lost_probes(const ReadResult& read, const Model& rest) {
     if (lost == nullptr) return;
     const auto number = std::ranges::find(read.scenario.probes, lost->name, &ProbeOptions::name);
     const std::string path = item("probe", number - read.scenario.probes.begin());
-    throw UserError(
-        {read.at(path, {.code = "excavated",
-                        .message = formatted("`%s` `%s` watches %s that an excavation removes", path.c_str(),
-                                             lost->name.c_str(), lost->interface ? "an interface" : "a place"),
-                        .note = "another place, or time.end before the excavation"})});
+    throw UserError({read.at(
+        path, {.code = "excavated",
+               .message = formatted("`%s` `%s` watches %s that an excavation removes", path.c_str(), lost->name.c_str(),
+                                    lost->watch == ProbeOptions::Watch::interface ? "an interface" : "a place"),
+               .note = "another place, or time.end before the excavation"})});
 }
 
 void refuse_lost_absorption(const ReadResult& read, const Model& rest) {

@@ -324,11 +324,13 @@ private:
 
     void check_probe(std::size_t i) {
         const ProbeOptions& probe = scenario_.probes[i];
+        if (probe.watch == ProbeOptions::Watch::stress) return;
+        const bool of_interface = probe.watch == ProbeOptions::Watch::interface;
         std::vector<std::string> bodies;
         for (Index t = 0; t < mesh_.n_triangles() && !mesh_.parts.empty(); ++t)
             if (in_triangle(mesh_, t, probe.at) && (bodies.empty() || bodies.back() != body_of(t).name))
                 bodies.push_back(body_of(t).name);
-        if (bodies.size() > 1 && !probe.interface)
+        if (bodies.size() > 1 && !of_interface)
             add(item("probe", i) + ".at", "ambiguous",
                 "probe `" + probe.name + "` at " + place_text(probe.at) + " lies on bodies " + joined(bodies, " and ") +
                     ": the mean of their motions is written",
@@ -344,7 +346,7 @@ private:
         add(item("probe", i) + ".at", "outside",
             "probe `" + probe.name + "` at " + place_text(probe.at) + " lies outside the body, " +
                 formatted("%.6g m", nearest) + " from its boundary: the nearest " +
-                (probe.interface ? "interface" : "vertex") + " is used",
+                (of_interface ? "interface" : "vertex") + " is used",
             "the body extends " + extent_text(box_));
     }
 
