@@ -89,7 +89,8 @@ void add_keys_of_run(KeyTable& t) {
     t.number("modulus_between", "", "stress interval of the fit of modulus and Poisson's ratio, over the peak stress")
         .pair().at_least(0).at_most(1).otherwise("[0.4, 0.6]").to(&SpecimenOptions::modulus_between);
 
-    t.list("probe[]", "a point whose motion, interface whose opening, or box whose mean stress is written to probes.csv");
+    t.list("probe[]", "a point whose motion, interface whose opening, or box whose mean stress is written to "
+        "probes.csv");
     t.number("at", "m", "position; outside the body the nearest vertex")
         .pair().required().only_with("watch", {"place", "interface"}).to(&ProbeOptions::at);
     t.word("watch", {"place", "interface", "stress"}, "place: displacement and velocity of the point; interface: "

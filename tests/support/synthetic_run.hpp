@@ -65,6 +65,7 @@ inline Frame frame(int n_x = 160) {
             f.position.push_back(vertices[k]);
             f.displacement.push_back(displacement(vertices[k], sides.back()));
             f.velocity.push_back(Vec2(0.1 * vertices[k].x() / width, 0.4 * sides.back()));
+            f.temperature.push_back(300 + 50 * vertices[k].x() / width);
         }
         f.stress.push_back(stress(centre));
         f.region.push_back(centre.x() > 0.5 * width ? 1 : 0);
