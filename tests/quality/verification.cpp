@@ -11,7 +11,7 @@ namespace {
 
 /// What follows `before` in lines that match it: names of cases such as B3.
 std::set<std::string> case_names(const std::vector<File>& files, const std::string& before) {
-    const std::regex pattern(before + "([A-E][0-9]+)(\\s|$)");
+    const std::regex pattern(before + "([A-EH][0-9]+)(\\s|$)");
     std::set<std::string> names;
     std::smatch match;
     for (const File& file : files)
