@@ -46,7 +46,7 @@ std::vector<std::string> fields_of(const std::string& line) {
 }
 
 Cases read(const std::string& file) {
-    static const std::regex name("([A-E])([0-9]+) (.*)");
+    static const std::regex name("([A-EH])([0-9]+) (.*)");
     std::ifstream in(file);
     Cases cases;
     Test* test = nullptr;
