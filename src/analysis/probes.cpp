@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "element/shape_functions.hpp"
+#include "model/selections.hpp"
 
 #include <limits>
 
@@ -182,8 +183,7 @@ Probes::Probes(const Model& model, const std::vector<ProbeOptions>& probes) : mo
             case ProbeOptions::Watch::place: made.place = {model.mesh, probe.at, model.vanished}; break;
             case ProbeOptions::Watch::interface: made.interface = interface_near(model, probe); break;
             case ProbeOptions::Watch::stress:
-                for (Index t = 0; t < model.mesh.n_triangles(); ++t)
-                    if (!probe.box || probe.box->contains(model.mesh.centroid(t))) made.triangles.push_back(t);
+                made.triangles = selected_triangles(model.mesh, {.boundary = "", .box = probe.box, .body = ""});
                 if (made.triangles.empty())
                     throw SimulationError("probe `" + probe.name + "` watches a box that contains no triangle");
         }

@@ -1,8 +1,7 @@
 #pragma once
 // Thermal strains e (the same in x and y) in linear triangles: sigma = D (eps - e I) = D eps - p I with the thermal
 // pressure p = 2 (lambda + mu) e. They add the forces  V p grad l_k  to those of ElasticForces (order 2: the mean of
-// that
-// over the middles of the edges, with middle_gradients), and these forces are constant while the temperature is.
+// that over the middles of the edges, with middle_gradients), and these forces are constant while the temperature is.
 //
 // Strains are given as in Temperatures: one per triangle, or three at the middles of its edges for order 2.
 #include "material/elastic.hpp"
@@ -34,8 +33,7 @@ public:
     }
 
     /// The same forces for the triangles from `first` to before `last`, added to the elastic ones [N] on their
-    /// corners, and
-    /// the stress criterion of the sum (as ElasticForces::evaluate). Returns the product with `other`.
+    /// corners, and the stress criterion of the sum (as ElasticForces::evaluate). Returns the product with `other`.
     double evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
                     const std::vector<Index>& node_of_corner, std::span<const double> strain,
                     std::span<const double> other, Vec2* force, std::vector<std::uint8_t>& fan_is_candidate) const;

@@ -5,8 +5,7 @@
 namespace knap {
 
 /// [J] 1/2 int sigma : (eps - e), which is 1/2 u' K u without thermal strains e; with large rotations U. `force` [N]:
-/// of the
-/// triangles on their corners.
+/// of the triangles on their corners.
 double elastic_energy(const Model& model, const State& state, std::vector<Vec2>& force);
 
 }  // namespace knap
