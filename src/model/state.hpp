@@ -48,8 +48,8 @@ struct State {
     std::vector<ObstacleState> obstacles;
     double elastic_energy = 0;  // [J] with large rotations: at the start of the last step
     double elastic_work = 0;    // [J] with large rotations: elastic forces times the displacements of the last step
-    std::vector<std::uint8_t> retired;            // [0/1] per point: its sides meet as free faces from now on; empty
-                                                  // where Model::contact_of_pair is
+    std::vector<std::uint8_t> retired;  // per point: 1 its sides meet as free faces from now on; 2 it still joins its
+                                        // sides, which touch others apart; empty where Model::contact_of_pair is
     std::vector<FaceContactState> face_contacts;  // of the last step, in the order of (vertex, edge)
 
     SharedTemperatures temperature;         // null: no heat
@@ -67,7 +67,7 @@ struct State {
         return {point.gap + normal.dot(jump), turned_left(normal).dot(jump)};
     }
 
-    bool has_retired(Index point) const { return !retired.empty() && retired[point]; }
+    bool has_retired(Index point) const { return !retired.empty() && retired[point] == 1; }
 
     template <class Archive>
     void serialize(Archive& archive) {

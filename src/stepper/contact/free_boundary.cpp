@@ -26,8 +26,8 @@ FreeBoundary::FreeBoundary(const Model& model) : model_(model) {
     const Mesh& mesh = model.mesh;
     assert(mesh.order == 1);
     const std::size_t n = mesh.n_corners();
-    twin_.assign(n, -1), point_.assign(n, -1), prev_.assign(n, -1), piece_.assign(n, -1), last_.assign(n, -1),
-        corner_place_.assign(n, -1);
+    twin_.assign(n, -1), point_.assign(n, -1), prev_.assign(n, -1), piece_.assign(n, -1), group_.assign(n, -1),
+        last_.assign(n, -1), corner_place_.assign(n, -1);
     reflex_wedge_.assign(n, 0), reflex_piece_.assign(n, 0), place_.assign(n, -1);
     const auto half_edge = [&](Index triangle, Index vertex) {
         Index k = 0;
@@ -93,31 +93,36 @@ bool FreeBoundary::update(std::span<const std::uint8_t> retired) {
     return true;
 }
 
-/// Finds the wedges and the contact pieces of a fan.
+/// Finds the wedges, the contact pieces and the groups of a fan.
 void FreeBoundary::link(const Fan& fan) {
     const auto corners = model_.corners(fan);
     const Index n = fan.n_corners;
-    const auto cuts = [&](Index c) { return twin_[c] < 0 || retired_at_start(c); };
-    // a piece starts with a corner whose leaving edge cuts the fan, a wedge with one whose leaving edge is free; an
-    // open fan starts with its outer edge, a closed one is read from a cut, or else from a free edge
-    Index first = 0;
-    while (first < n && !cuts(corners[first])) ++first;
+    const auto separates = [&](Index c) { return twin_[c] < 0 || retired_[point_[c]] == 1; };
+    const auto cuts = [&](Index c) { return separates(c) || (is_free(c) && retired_[point_[c]] == 2); };
+    // a group starts with a corner whose leaving edge separates it from the one before, a piece with one whose leaving
+    // edge cuts, a wedge with one whose leaving edge is free; an open fan starts with its outer edge, a closed one is
+    // read from the strongest of them that it has
+    const auto find = [&](const auto& starts) {
+        Index first = 0;
+        while (first < n && !starts(corners[first])) ++first;
+        return first;
+    };
+    Index first = find(separates);
+    if (first == n) first = find(cuts);
     const bool has_cut = first < n;
-    if (!has_cut) {
-        first = 0;
-        while (first < n && !is_free(corners[first])) ++first;
-        if (first == n) return;  // nothing is free here
-    }
+    if (!has_cut) first = find([&](Index c) { return is_free(c); });
+    if (first == n) return;  // nothing is free here
     const auto at = [&](Index i) { return corners[(first + i) % n]; };
-    Index piece = -1, wedge = -1;
+    Index group = at(0), piece = -1, wedge = -1;
     double piece_angle = 0, wedge_angle = 0;
     for (Index i = 0; i < n; ++i) {
         const Index c = at(i);
         if (is_free(c)) wedge = c, wedge_angle = 0;
         if (cuts(c)) piece = c, piece_angle = 0;
+        if (separates(c)) group = c;
         const double angle = angle_at(model_.mesh, c);
         wedge_angle += angle, piece_angle += angle;
-        piece_[c] = has_cut ? piece : -1;
+        piece_[c] = has_cut ? piece : -1, group_[c] = group;
         const bool end = i + 1 == n;
         if (end || is_free(at(i + 1))) {
             prev_[wedge] = previous_in_triangle(c);
@@ -155,6 +160,7 @@ void FreeBoundary::refresh(Index h) {
     edges_[edge.prev].next = place_[h];
     edges_[edge.prev].reflex_wedge = reflex_wedge_[h] != 0;
     edge.piece_start = place(piece_[h]), edge.piece_end = place(piece_[edge.end]);
+    edge.group_start = group_[h], edge.group_end = group_[edge.end];
     edge.entering = piece_[h] == h ? place(previous_in_triangle(last_[h])) : -1;
     edge.reflex_piece = reflex_piece_[h] != 0;
 }

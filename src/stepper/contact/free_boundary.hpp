@@ -3,12 +3,13 @@
 //
 // Free edges are the edges of the mesh boundary and both sides of every interface of which an end point is retired.
 // Round a mesh vertex they cut the fan into wedges: a free edge enters a wedge, and the next one leaves it.
-// Retired points alone cut the fan into contact pieces: a piece may contain wedges that live points still join.
+// Retired and parted points (State::retired 1 and 2) cut the fan into contact pieces: a piece may contain wedges that
+// live points still join. Retired points alone cut it into groups of pieces.
 //
 // A piece is one vertex for contact with others; its entering and leaving edge are the outer ones, so that a crack that
 // is closed by live points is no corner. Nothing is missed and nothing covered twice: the pair (corner, edge at the
-// other side of the same point) lies within one piece if the point is live (the fan owns the pair, and contact skips
-// edges that end in the piece itself) and in two pieces if it is retired. A piece without a retired point or an outer
+// other side of the same point) lies within one group if the point is live (the fan owns the pair, and contact skips
+// edges that end in the group of the vertex) and in two groups if it is retired. A piece without a cut or an outer
 // edge surrounds its vertex and can touch nothing. Edges on a support are part of the polyline but touch nothing.
 #include "model/state.hpp"
 
@@ -18,12 +19,13 @@
 namespace knap {
 
 struct FreeEdge {
-    Index start, end;   // corners a, b; the number of the start corner is the number of the edge
-    Index prev, next;   // places in FreeBoundary::edges() of the neighbours in the polyline
-    Index piece_start;  // the contact piece at a: place of the edge that leaves it; -1: it touches nothing
-    Index piece_end;    // at b
-    Index entering;     // place of the edge that enters the piece which this edge leaves; -1: this edge leaves
-                        // no piece, or the piece touches nothing
+    Index start, end;              // corners a, b; the number of the start corner is the number of the edge
+    Index prev, next;              // places in FreeBoundary::edges() of the neighbours in the polyline
+    Index piece_start;             // the contact piece at a: place of the edge that leaves it; -1: it touches nothing
+    Index piece_end;               // at b
+    Index group_start, group_end;  // of the pieces at a and b: edges of a group do not touch its vertices
+    Index entering;  // place of the edge that enters the piece which this edge leaves; -1: this edge leaves
+                     // no piece, or the piece touches nothing
     Index start_place, end_place;  // of a and b in FreeBoundary::corners()
     bool on_support;
     bool reflex_wedge;  // at b, in the undeformed body: more than 180 degrees of material
@@ -55,9 +57,8 @@ public:
 
 private:
     static Index previous_in_triangle(Index h) { return h % 3 == 0 ? h + 2 : h - 1; }
-    bool retired_at_start(Index h) const { return twin_[h] >= 0 && retired_[point_[h]]; }
     bool is_free(Index h) const {
-        return twin_[h] < 0 ? !model_.has_vanished(h / 3) : retired_[point_[h]] || retired_[point_[h] ^ 1];
+        return twin_[h] < 0 ? !model_.has_vanished(h / 3) : retired_[point_[h]] == 1 || retired_[point_[h] ^ 1] == 1;
     }
     void link(const Fan& fan);
     void add(Index h);
@@ -71,6 +72,7 @@ private:
     std::vector<Index> point_;  // at its start, or -1; that at its end is point ^ 1
     std::vector<Index> prev_;   // the free edge that enters the wedge which this free edge leaves
     std::vector<Index> piece_;  // of the start corner: the first corner of its contact piece, or -1
+    std::vector<Index> group_;  // of the start corner: the first corner of its group
     std::vector<Index> last_;   // per first corner of a piece: its last corner
     std::vector<std::uint8_t> reflex_wedge_, reflex_piece_;  // per edge that leaves a wedge, a piece
     std::vector<Index> place_;                               // of a free edge in edges_

@@ -119,7 +119,8 @@ NearbyEdges::Corner NearbyEdges::corner(std::span<const FreeEdge> edges, Index i
 
 bool NearbyEdges::is_near(std::span<const FreeEdge> edges, Index i, const Corner& at, Index e) const {
     const FreeEdge& edge = edges[e];
-    if (edge.piece_start == i || edge.piece_end == i || edge.on_support) return false;
+    const Index group = edges[i].group_start;
+    if (edge.group_start == group || edge.group_end == group || edge.on_support) return false;
     const Vec2& a = x_[edge.start_place];
     const Vec2 along = x_[edge.end_place] - a, from_a = at.x - a;
     const double length = along.norm();

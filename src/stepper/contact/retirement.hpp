@@ -11,7 +11,8 @@ constexpr double retirement_slip = 0.002;
 
 /// Marks in end.retired the points that retire: nothing holds them any more (beta = 0), and their sides have moved
 /// apart or along each other by more than this part of the edge, or have turned against each other by more than
-/// 0.002 rad.
+/// 0.002 rad. Likewise (2) the points that still hold while their sides are further apart than 0.02 of the edge or have
+/// turned by more than 0.2 rad: a hinge, whose sides are vertices of their own for others, but not for each other.
 /// The fixed normal of a point errs by (slip/length)^2; penetration in general contact falls with the threshold, forces
 /// do not depend on it between 0.02 and 0.5. Positions, velocities and energies are untouched. A point on a support
 /// never retires: a rigid plane serves any slip.
