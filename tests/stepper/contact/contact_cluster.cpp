@@ -1,7 +1,7 @@
 // The nonsmooth problem of contacts that share nodes: every law holds, no contact does positive work, whatever the
 // geometry, the redundancy and the friction.
-#include "base/random.hpp"
 #include "stepper/contact/contact_cluster.hpp"
+#include "base/random.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
 // Bodies that meet: momentum, angular momentum and energy of impacts; Coulomb's law on an incline; stacks at rest.
-#include "support/several_bodies.hpp"
 #include "support/obstacles.hpp"
+#include "support/several_bodies.hpp"
 
 #include <doctest/doctest.h>
 

@@ -129,21 +129,43 @@ TEST_CASE("a crack that reaches the outer boundary splits its vertex when its po
     CHECK(boundary.edges().size() == 8);
     CHECK(n_polylines(boundary) == 2);  // the wedges at vertex 4 are apart, but the live point keeps them one piece
     CHECK(n_vertices(boundary) == 7);
+    const auto at_hinge = [&] {
+        std::vector<FreeEdge> found;
+        for (const FreeEdge& edge : boundary.edges())
+            if (scene.model.mesh.corner(edge.start) == Vec2(1, 1)) found.push_back(edge);
+        return found;
+    };
+    REQUIRE(at_hinge().size() == 2);
+    CHECK(at_hinge()[0].piece_start == at_hinge()[1].piece_start);
+    // turned wide open it has two vertices, which belong to one group: the point keeps them apart
+    scene.state.retired[point_at(scene.model, 4, 1)] = 2;
+    CHECK(boundary.update(scene.state.retired));
+    CHECK(boundary.edges().size() == 8);
+    CHECK(n_vertices(boundary) == 8);
+    CHECK(at_hinge()[0].piece_start != at_hinge()[1].piece_start);
+    CHECK(at_hinge()[0].group_start == at_hinge()[1].group_start);
     scene.state.retired[point_at(scene.model, 4, 1)] = 1;
     boundary.update(scene.state.retired);
     CHECK(n_polylines(boundary) == 2);
     CHECK(n_vertices(boundary) == 8);
+    CHECK(at_hinge()[0].group_start != at_hinge()[1].group_start);
 }
 
 TEST_CASE("a point retires beyond a slip or opening of two thousandths of its edge and beyond as many radians") {
-    const auto retired = [](const Vec2& shift, double angle, double cohesion) {
+    const auto marked = [](int mark, const Vec2& shift, double angle, double cohesion) {
         Pieces scene({bar_mesh(1, 1, 1, 1)});
         break_all(scene);
         for (PointState& point : scene.state.points) point.cohesion = cohesion;
         for (Index c = 3; c < 6; ++c)
             scene.displacement(c) = turned(scene.model.mesh.corner(c), angle) - scene.model.mesh.corner(c) + shift;
         retire_points(scene.model, scene.state);
-        return int(std::ranges::count(scene.state.retired, 1));
+        return int(std::ranges::count(scene.state.retired, mark));
+    };
+    const auto retired = [&](const Vec2& shift, double angle, double cohesion) {
+        return marked(1, shift, angle, cohesion);
+    };
+    const auto parted = [&](const Vec2& shift, double angle, double cohesion) {
+        return marked(2, shift, angle, cohesion);
     };
     const Vec2 along = Vec2(1, 1), across = Vec2(-1, 1) / std::sqrt(2.0);  // of the diagonal, whose length is sqrt(2)
     CHECK(retired(0.0016 * along, 0, 0) == 0);
@@ -154,4 +176,12 @@ TEST_CASE("a point retires beyond a slip or opening of two thousandths of its ed
     CHECK(retired({0, 0}, 0.0016, 0) == 0);
     CHECK(retired({0, 0}, 0.0024, 0) == 2);
     CHECK(retired({0, 0}, -0.0024, 0) == 2);
+    // one that still holds is parted beyond a fiftieth of its edge and beyond 0.2 rad
+    CHECK(parted(0.016 * along, 0, 0.01) == 0);
+    CHECK(parted(0.024 * along, 0, 0.01) == 2);
+    CHECK(parted({0, 0}, 0.01, 0.01) == 0);
+    CHECK(parted({0, 0}, 0.16, 0.01) == 1);  // the far end, by its opening
+    CHECK(parted({0, 0}, -0.24, 0.01) == 2);
+    CHECK(parted({0, 0}, 2.4, 0.01) == 2);
+    CHECK(parted({0, 0}, 2.4, 0) == 0);
 }
