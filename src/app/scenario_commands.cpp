@@ -3,6 +3,7 @@
 #include "app/run/cost.hpp"
 #include "app/run/excavations.hpp"
 #include "app/run/findings.hpp"
+#include "app/run/heat_scales.hpp"
 #include "app/run/setup.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
@@ -167,6 +168,7 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     print_materials(scenario);
     print_resolution(scenario, model.mesh, plan.limits.cracking);
     print_methods(scenario, model);
+    std::fputs(heat_text(scenario, model.mesh, plan.limits.largest).c_str(), stdout);
     for (const PlannedExcavation& one : excavations)
         std::printf("  excavation[%zu]: %zu triangles vanish at %.6g s, their forces within %.6g s\n", one.number,
                     one.triangles.size(), one.at, one.ramp);

@@ -5,8 +5,7 @@ namespace knap {
 HeatStep::HeatStep(const Model& model, bool implicit_bulk)
     : model_(model),
       implicit_(implicit_bulk),
-      is_constant_(!model.heat->conduction && model.heat->field.history.time.empty() &&
-                   !model.heat->field.value.depends_on_time()) {
+      is_constant_(!model.heat->conduction && model.heat->field.is_constant()) {
     if (model.heat->conduction) conduction_.emplace(model);
 }
 

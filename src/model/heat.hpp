@@ -1,6 +1,7 @@
 #pragma once
 // Temperature: what a scenario prescribes, and the temperatures of one moment. A body without heat has none of it.
 #include "base/expression.hpp"
+#include "base/grid_table.hpp"
 #include "material/elastic.hpp"
 #include "material/thermal.hpp"
 #include "mesh/mesh.hpp"
@@ -16,6 +17,14 @@ namespace knap {
 struct TemperatureField {
     Expression value;
     TimeFunction history;
+    std::shared_ptr<const GridTable> grid;  // in the place of the formula
+
+    double value_at(const Vec2& place, double t) const {
+        return grid ? (*grid)(place.x(), place.y(), t) : value(place.x(), place.y(), t);
+    }
+    bool is_constant() const {
+        return history.time.empty() && !(grid ? grid->depends_on_time() : value.depends_on_time());
+    }
 };
 
 /// Heat through a boundary, or into a region.
@@ -48,9 +57,7 @@ struct Heat {
     double follow(double value, const TimeFunction& history, double t) const {
         return reference + history(t) * (value - reference);
     }
-    double field_at(const Vec2& place, double t) const {
-        return follow(field.value(place.x(), place.y(), t), field.history, t);
-    }
+    double field_at(const Vec2& place, double t) const { return follow(field.value_at(place, t), field.history, t); }
 };
 
 /// Temperatures and thermal strains at one moment. They never change once made, so that states share them.

@@ -89,6 +89,7 @@ using F = const Facts&;
 bool always(F) { return true; }
 bool with_breaks(F f) { return !std::isnan(f.n_shear); }
 bool excavates(F f) { return f.recorder.options().works.excavation; }
+bool with_heat(F f) { return f.recorder.options().works.heat; }
 bool may_rest(F f) { return f.recorder.rest() != nullptr; }
 bool of_specimen(F f) { return f.specimen.has_value(); }
 bool with_gauge(F f) { return f.specimen && f.specimen->lateral; }
@@ -100,6 +101,18 @@ double farthest_law_lag(F f) {
 }
 FirstBranching branching(F f) { return f.cracks.first_branching().value_or(FirstBranching{none, {none, none}}); }
 Vec2 overlap_place(F f) { return f.overlap.value > 0 ? f.overlap.place : Vec2(none, none); }
+/// Of kinetic over strain energy, so that single jumps of cracks do not count.
+double median_kinetic_part(F f) {
+    const History& energy = f.recorder.histories().energy;
+    const std::vector<double> kinetic = energy.column("kinetic"), strain = energy.column("strain");
+    std::vector<double> part;
+    for (std::size_t i = 0; i < kinetic.size(); ++i)
+        if (strain[i] > 0) part.push_back(kinetic[i] / strain[i]);
+    if (part.empty()) return none;
+    const auto middle = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
+    std::ranges::nth_element(part, middle);
+    return *middle;
+}
 double over(double value, double scale) { return scale > 0 ? value / scale : none; }
 
 struct SummaryRow {
@@ -138,6 +151,10 @@ constexpr SummaryRow rows[]{
      [](F f) { return f.energy.scheme_dissipation; }},
     {"kinetic_energy", "J", "at the end", [](F f) { return f.energy.kinetic; }},
     {"strain_energy", "J", "at the end", [](F f) { return f.energy.strain; }},
+    {"kinetic_part", "",
+     "kinetic over strain energy, median over the lines of energy.csv; with heat, where time_factor or a fast field "
+     "adds inertia that the real process has not: small where the motion is quasi-static",
+     median_kinetic_part, with_heat},
     {"momentum_x", "kg m/s", "of the whole body at the end", [](F f) { return f.momentum.x(); }},
     {"momentum_y", "kg m/s", "likewise", [](F f) { return f.momentum.y(); }},
     {"mean_displacement_x", "m", "of the centre of mass at the end", [](F f) { return f.mean_displacement.x(); }},

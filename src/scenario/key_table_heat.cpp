@@ -31,7 +31,9 @@ void add_keys_of_heat(KeyTable& t) {
     t.number("reference", "K", "temperature without thermal strain").otherwise("0").to(&Heat::reference);
     t.text("temperature", "the temperature in K as a formula of x, y [m] and t [s], as \"20 + 300*exp(-x/0.01)\", "
         "with + - * / "
-        "^ ( ) pi sin cos tan tanh exp log sqrt abs erf erfc min max; prescribed, with conduction that of the start; a "
+        "^ ( ) pi sin cos tan tanh exp log sqrt abs erf erfc min max; or a file \"NAME.csv\" with lines `x, y, "
+        "temperature` or `x, y, t, temperature` in any order, one for each place of a grid, linear between them and "
+        "constant outside; prescribed, with conduction that of the start; a "
         "factor over time, by at most one of ramp, table, csv, multiplies its difference to the reference").required();
     add_history(t, "rise time: the factor grows linearly from 0 to 1 and stays 1");
     t.flag("conduction", "temperatures follow from conduction; without it they are prescribed")

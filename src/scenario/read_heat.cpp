@@ -1,9 +1,11 @@
 // [heat]: temperatures, conduction, and the thermal properties of the materials.
 #include "base/error.hpp"
 #include "scenario/reading.hpp"
+#include "scenario/units.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace knap {
 namespace {
@@ -66,6 +68,70 @@ Thermal read_thermal(const Table& table, bool conduction) {
     return thermal;
 }
 
+/// Lines of three or four numbers; an error names the first one that is none.
+std::shared_ptr<const GridTable> read_grid(const Table& table) {
+    const auto bytes = table.bytes_of("temperature");
+    if (!bytes) return nullptr;
+    const auto refuse = [&](const std::string& problem, int number = 0, const std::string& line = "") {
+        table.reading().findings.add({.code = "bad-csv",
+                                      .message = problem,
+                                      .file = (table.reading().files.directory / table.text("temperature")).string(),
+                                      .line = number,
+                                      .column = number > 0 ? 1 : 0,
+                                      .length = std::max<int>(1, static_cast<int>(line.size())),
+                                      .source_line = line,
+                                      .note = "each line: x, y, temperature or x, y, t, temperature [m, s, K]"});
+        return nullptr;
+    };
+    std::vector<std::array<double, 4>> rows;
+    std::istringstream in(*bytes);
+    std::size_t n_columns = 0;
+    int number = 0;
+    for (std::string line; std::getline(in, line);) {
+        ++number;
+        std::string content = line.substr(0, line.find('#'));
+        std::ranges::replace_if(
+            content, [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
+        std::istringstream words(content);
+        std::vector<double> numbers;
+        bool valid = true, empty = true;
+        for (std::string word; words >> word; empty = false) {
+            const Quantity quantity = parse_quantity(word);
+            valid = valid && quantity.problem.empty() && quantity.unit.empty() && std::isfinite(quantity.value);
+            numbers.push_back(quantity.value);
+        }
+        if (empty || (!valid && rows.empty() && number == 1)) continue;  // comments, names
+        if (n_columns == 0) n_columns = numbers.size();
+        if (!valid || numbers.size() != n_columns || n_columns < 3 || n_columns > 4)
+            return refuse("this line is not `x, y, temperature` or `x, y, t, temperature`, as all others", number,
+                          line);
+        rows.push_back({numbers[0], numbers[1], n_columns == 4 ? numbers[2] : 0, numbers.back()});
+    }
+    if (rows.empty()) return refuse("the file has no line of numbers");
+    table.scenario().files.push_back({table.path("temperature"), "temperature.csv", *bytes});
+    try {
+        return std::make_shared<GridTable>(rows);
+    } catch (const UserError& error) {
+        return refuse(error.diagnostics.front().message + "; " + error.diagnostics.front().note);
+    }
+}
+
+void read_field(const Table& table, TemperatureField& field) {
+    field.history = read_history(table);
+    if (!table.has("temperature")) return;
+    const std::string text = table.text("temperature");
+    if (text.ends_with(".csv")) {
+        field.grid = read_grid(table);
+        return;
+    }
+    try {
+        field.value = Expression(text);
+    } catch (const UserError& error) {
+        table.error("bad-formula", "temperature", "is no formula: " + error.diagnostics.front().message,
+                    error.diagnostics.front().note);
+    }
+}
+
 }  // namespace
 
 void read_heat(Reading& reading) {
@@ -82,14 +148,7 @@ void read_heat(Reading& reading) {
     }
     Heat heat;
     table.fill(heat);
-    heat.field.history = read_history(table);
-    try {
-        heat.field.value = Expression(table.text("temperature"));
-    } catch (const UserError& error) {
-        if (table.has("temperature"))
-            table.error("bad-formula", "temperature", "is no formula: " + error.diagnostics.front().message,
-                        error.diagnostics.front().note);
-    }
+    read_field(table, heat.field);
     for (const Table& material : reading.list("material"))
         heat.materials.push_back(read_thermal(material, heat.conduction));
     for (const Table& exchange : table.list("exchange")) read_exchange(exchange, heat);

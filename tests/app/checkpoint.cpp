@@ -22,6 +22,14 @@ const std::string implicit_block =
     "edge_cracked_block_implicit -q -j 1 -s 'mesh.size=5 mm' -s 'time.end=40 us' -s 'time.step=1 us' -s 'expect={}' -s "
     "output.breaks=true ";
 
+/// Conduction, cracks and a time factor.
+const std::string explicit_quench =
+    "alumina_quench -q -j 1 -s 'mesh.size=1 mm' -s 'time.end=100 us' -s 'expect={}' -s output.breaks=true ";
+const std::string implicit_quench = explicit_quench +
+                                    "-s time.bulk=implicit -s time.cohesion=implicit -s time.theta=1 -s "
+                                    "time.assumption_1=ignore -s limits.law_lag=10 -s "
+                                    "'time.step=2 us' ";
+
 ino_t inode(const fs::path& path) {
     struct stat found {};
     return stat(path.c_str(), &found) == 0 ? found.st_ino : 0;
@@ -99,6 +107,8 @@ void flip_a_byte(const fs::path& path) {
 TEST_CASE("a run killed at twenty random moments ends with the same bits") {
     SUBCASE("explicit") { kill_twenty_times(explicit_block, Folder("killed explicit")); }
     SUBCASE("implicit") { kill_twenty_times(implicit_block, Folder("killed implicit")); }
+    SUBCASE("with heat") { kill_twenty_times(explicit_quench, Folder("killed quench")); }
+    SUBCASE("with heat, implicit") { kill_twenty_times(implicit_quench, Folder("killed implicit quench")); }
 }
 
 TEST_CASE("an interrupted run goes on when it is started again") {

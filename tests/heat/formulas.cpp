@@ -1,6 +1,7 @@
-// Formulas of x, y and t.
+// Formulas and tables of x, y and t.
 #include "base/error.hpp"
 #include "base/expression.hpp"
+#include "base/grid_table.hpp"
 #include "support/relative.hpp"
 
 #include <doctest/doctest.h>
@@ -28,8 +29,14 @@ TEST_CASE("formulas follow the usual order of operations") {
 }
 
 TEST_CASE("what is no formula is refused with its place") {
-    for (const auto& [text, place] : {std::pair{"", "at its end"}, {"1 +", "at its end"}, {"2 x", "at `x`"}, {"sin x", "`(` is expected"},
-                                      {"z*2", "unknown at `z*2`"}, {"(1", "`)` is expected"}, {"max(1)", "`,` is expected"}, {"1e999", "not a number"}}) {
+    for (const auto& [text, place] : {std::pair{"", "at its end"},
+                                      {"1 +", "at its end"},
+                                      {"2 x", "at `x`"},
+                                      {"sin x", "`(` is expected"},
+                                      {"z*2", "unknown at `z*2`"},
+                                      {"(1", "`)` is expected"},
+                                      {"max(1)", "`,` is expected"},
+                                      {"1e999", "not a number"}}) {
         CAPTURE(text);
         std::string message;
         try {
@@ -41,4 +48,36 @@ TEST_CASE("what is no formula is refused with its place") {
     }
     CHECK_THROWS_AS(Expression(std::string(5000, '(')), UserError);
     CHECK_THROWS_AS(Expression(std::string(5000, '-') + "1"), UserError);
+}
+
+// A function that is linear in x, y and t each is its own table.
+TEST_CASE("a table over a grid is linear between its places and constant outside") {
+    const auto f = [](double x, double y, double t) { return (2 + x) * (3 - y) * (1 + 4 * t); };
+    std::vector<std::array<double, 4>> rows;
+    for (const double t : {0.5, 0.0})
+        for (const double x : {3.0, 0.0, 1.0})
+            for (const double y : {-1.0, 2.0}) rows.push_back({x, y, t, f(x, y, t)});
+    const GridTable table(rows);
+    CHECK(table.depends_on_time());
+    for (const auto& [x, y, t] : {std::array{0.0, -1.0, 0.0}, {3.0, 2.0, 0.5}, {0.3, 1.1, 0.2}, {2.9, -0.4, 0.49}})
+        CHECK(table(x, y, t) == relative(f(x, y, t), 1e-15));
+    CHECK(table(-7, 0.5, 0.1) == relative(f(0, 0.5, 0.1), 1e-15));
+    CHECK(table(2, 9, 3) == relative(f(2, 2, 0.5), 1e-15));
+    CHECK_FALSE(GridTable({{0, 0, 0, 5}}).depends_on_time());
+    CHECK(GridTable({{0, 0, 0, 5}})(1, 2, 3) == 5);
+    const auto message = [&](std::vector<std::array<double, 4>> changed) -> std::string {
+        try {
+            GridTable{changed};
+        } catch (const UserError& error) {
+            return error.what();
+        }
+        return "";
+    };
+    auto missing = rows, twice = rows;
+    missing.erase(missing.begin() + 7);  // x = 3, y = 2, t = 0
+    twice.push_back({1, 2, 0, 0});
+    CHECK_MESSAGE(message(missing).find("there is no line for x = 3, y = 2, t = 0") != std::string::npos,
+                  message(missing));
+    CHECK_MESSAGE(message(twice).find("there is a second line for x = 1, y = 2, t = 0") != std::string::npos,
+                  message(twice));
 }

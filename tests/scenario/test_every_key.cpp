@@ -516,6 +516,9 @@ at = [0.01, 0.01]
 show = "temperature"
 file = "T.png"
 )");
+const std::string mapped_heat =
+    samples::changed("nu = 0.2\n", "nu = 0.2\nexpansion = 8e-6\n[heat]\ntemperature = \"" KNAP_SOURCE_DIR
+                                   "/tests/scenario/data/temperature.csv\"\n");
 const std::string turning = samples::changed("[mesh]", "rotation = \"large\"\n[mesh]");
 
 struct Case {
@@ -789,6 +792,7 @@ const Case cases[] = {
     {warm, "heat.reference", "20"},
     {warm, "heat.temperature", "\"20 + 100*x\""},
     {warm, "heat.ramp", "0.002"},
+    {mapped_heat, "heat.temperature", "\"" KNAP_SOURCE_DIR "/tests/scenario/data/temperature.csv\""},
     {warm, "heat.conduction", "true"},
     {warm, "heat.every", "5"},
     {warm, "heat.time_factor", "100"},
@@ -877,9 +881,9 @@ TEST_CASE("keys: each is read and survives the resolved scenario") {
 }
 
 TEST_CASE("keys: each is in the test above and is found by its pattern") {
-    std::set<std::string> tested{"load[].csv", "obstacle[].csv", "pressure[].csv", "interface.*.csv",
-                                 "heat.csv", "heat.table", "heat.exchange[].csv",
-                                 "heat.exchange[].on.body"};  // the same readers, with tests of their own
+    std::set<std::string> tested{
+        "load[].csv", "obstacle[].csv",      "pressure[].csv",         "interface.*.csv", "heat.csv",
+        "heat.table", "heat.exchange[].csv", "heat.exchange[].on.body"};  // the same readers, with tests of their own
     for (const Case& c : cases) tested.insert(pattern_of(c.path));
     std::set<std::string_view> seen;
     for (const Key& key : keys()) {
@@ -1080,6 +1084,37 @@ TEST_CASE("scenario: a softening law from a csv file is part of the resolved sce
             FAIL("no error");
         } catch (const UserError& error) {
             CHECK(error.diagnostics[0].code == code);
+        }
+    }
+    std::filesystem::remove_all(directory);
+}
+
+TEST_CASE("scenario: temperatures from a csv file") {
+    const std::filesystem::path directory = std::filesystem::path(KNAP_BINARY_DIR) / "test_scenario_grid";
+    std::filesystem::create_directories(directory);
+    const auto read = [&](const std::string& lines) {
+        std::ofstream(directory / "s.toml") << samples::least + "[heat]\ntemperature = \"T.csv\"\n";
+        std::ofstream(directory / "T.csv") << lines;
+        return read_scenario(directory / "s.toml");
+    };
+    const ReadResult result = read("x, y, T\n# comment\n0; 0; 20\r\n1 0 30 # corner\n\n0, 1, 40\n1\t1\t70\n");
+    CHECK(result.scenario.heat->field_at({0.5, 0.5}, 3) == relative(40, 1e-15));
+    CHECK(result.scenario.heat->field.is_constant());
+    CHECK(result.scenario.files.at(0).name == "temperature.csv");
+    for (const auto& [lines, line, message] : {std::tuple{"0,0,20\n0,1\n", 2, "as all others"},
+                                               {"0,0,20\n0,0 m,3\n", 2, "as all others"},
+                                               {"# nothing\n", 0, "no line"},
+                                               {"0,0,20\n1,1,20\n", 0, "no line for x = 1, y = 0"},
+                                               {"0,0,20\n0,0,20\n", 0, "second line"}}) {
+        CAPTURE(lines);
+        try {
+            read(lines);
+            FAIL("read");
+        } catch (const UserError& error) {
+            CHECK(error.diagnostics[0].code == "bad-csv");
+            CHECK(error.diagnostics[0].line == line);
+            CHECK_MESSAGE(error.diagnostics[0].message.find(message) != std::string::npos,
+                          error.diagnostics[0].message);
         }
     }
     std::filesystem::remove_all(directory);

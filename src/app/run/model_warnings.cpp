@@ -2,6 +2,7 @@
 #include "app/run/excavations.hpp"
 #include "app/run/findings.hpp"
 
+#include "app/run/heat_scales.hpp"
 #include "app/run/setup.hpp"
 #include "base/formatted.hpp"
 #include "base/union_find.hpp"
@@ -159,6 +160,41 @@ public:
                     formatted(
                         "help: use a size of at most %.2g m where cracks run, or accept the dependence on the mesh",
                         r.steep_zone() / 5));
+    }
+
+    void on_heat(double step) {
+        for (const HeatScales& s : judge_heat(scenario_, mesh_, step)) {
+            const double factor = scenario_.heat->time_factor, size_of_layer = s.layer() / 5;
+            const char* const name = s.material.c_str();
+            const std::string size = scenario_.given ? "mesh.file" : "mesh.size";
+            if (factor > std::max(1.0, 1.5 * s.largest_time_factor()))
+                add("heat.time_factor", "heat",
+                    formatted("with `heat.time_factor` = %.6g cracks in `%s` that follow the heat over an edge of %.3g "
+                              "m run at "
+                              "%.2g of the Rayleigh speed: inertia, which no real crack has here, will count",
+                              factor, name, s.edge, factor * s.crack_speed() / s.c_R),
+                    formatted("help: at most %.2g; the summary's kinetic_part tells afterwards",
+                              std::max(1.0, s.largest_time_factor())));
+            if (s.layer() < 3 * s.edge)
+                add(size, "heat",
+                    formatted(
+                        "heat enters `%s` by %.3g m until `time.end`, %.1f edges: its temperature depends on the mesh",
+                        name, s.layer(), s.layer() / s.edge),
+                    formatted("help: a size of at most %.2g m where it enters", size_of_layer));
+            if (s.convection > 0 && s.convection < s.edge)
+                add(size, "heat",
+                    formatted(
+                        "convection cools a face of `%s` within a depth k/transfer of %.3g m, %.1f edges: temperature "
+                        "and stress of the face are wrong until %.2g s of heat",
+                        name, s.convection, s.convection / s.edge, s.edge * s.edge / s.diffusivity),
+                    formatted("help: a size of at most %.2g m at this face, or accept a later first crack",
+                              s.convection));
+            if (factor * s.step > s.passage / 20)
+                add("time.step", "heat",
+                    formatted("a step of %.3g s is %.2g of the time in which heat crosses `%s`", step,
+                              factor * s.step / s.passage, name),
+                    formatted("help: some %.2g s, a 200th of it", s.passage / 200 / factor));
+        }
     }
 
     void on_jumps(double step) {
@@ -397,6 +433,7 @@ std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& m
                                           const Cost* cost) {
     Warnings warnings(read, model);
     warnings.on_resolution();
+    warnings.on_heat(plan.limits.largest);
     warnings.on_jumps(plan.limits.largest);
     warnings.on_rotation();
     warnings.on_places();

@@ -56,12 +56,15 @@ void ImplicitBulk::begin_step(const StepContext& step) {
     for (const CornerLoad& load : crack_forces_.find(begin))
         load_[load.corner] += amplitude_[load.history] * load.force;
     elastic_force(begin.displacement, begin.node_of_corner, begin_force_);
+    begin_impulse_ = 0;
     if (thermal_) {
+        for (const Vec2& f : begin_force_)
+            begin_impulse_ = std::max(begin_impulse_, step.kick() * f.norm());  // of D eps
         thermal_->add_forces(begin.temperature->strain, 1 - step.theta, begin_force_);
         thermal_->add_forces(step.end_temperature->strain, step.theta, begin_force_);
     }
-    // largest terms of the balance: a difference below their rounding has no meaning
-    begin_impulse_ = 0;
+    // largest terms of the balance: a difference below their rounding has no meaning; D eps and the thermal strain, which
+    // cancel in a body that expands freely, are two terms
     for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
         const double speed = begin.velocity[begin.node_of_corner[c]].norm();
         begin_impulse_ =

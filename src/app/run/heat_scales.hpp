@@ -1,0 +1,37 @@
+#pragma once
+// How well a mesh and a time factor resolve the conduction of heat.
+#include "model/model.hpp"
+#include "scenario/scenario.hpp"
+
+#include <string>
+#include <vector>
+
+namespace knap {
+
+/// Of one material; times are those of the heat, time_factor times those of the motion.
+struct HeatScales {
+    std::string material;
+    double diffusivity;  // [m2/s] kappa_T = k/(rho c)
+    double passage;      // [s] L^2/kappa_T through the smaller side of the body
+    double duration;     // [s] of the run
+    double edge;         // [m] finest one
+    double convection;   // [m] smallest k/(coefficient of convection): a face cools in the time of this depth; or 0
+    double c_R;          // [m/s]
+    double step;         // [s] of the motion, in which backward Euler is one step; 0 with the explicit bulk
+
+    /// [m] Depth that heat reaches in the run.
+    double layer() const;
+    /// [m/s] 2 kappa_T/l: a crack at the depth sqrt(4 kappa_T t) of the heat, when that is an edge. Later ones are
+    /// slower, shorter ones are not resolved.
+    double crack_speed() const { return 2 * diffusivity / edge; }
+    /// [-] With it such cracks run at 5 % of c_R: the motion stays quasi-static.
+    double largest_time_factor() const { return 0.05 * c_R / crack_speed(); }
+};
+
+/// Empty without conduction. `step`: [s] the largest one of the run.
+std::vector<HeatScales> judge_heat(const Scenario& scenario, const Mesh& mesh, double step);
+
+/// A line or two for each material.
+std::string heat_text(const Scenario& scenario, const Mesh& mesh, double step);
+
+}  // namespace knap
