@@ -63,8 +63,8 @@ void ImplicitBulk::begin_step(const StepContext& step) {
         thermal_->add_forces(begin.temperature->strain, 1 - step.theta, begin_force_);
         thermal_->add_forces(step.end_temperature->strain, step.theta, begin_force_);
     }
-    // largest terms of the balance: a difference below their rounding has no meaning; D eps and the thermal strain, which
-    // cancel in a body that expands freely, are two terms
+    // largest terms of the balance: a difference below their rounding has no meaning; D eps and the thermal strain,
+    // which cancel in a body that expands freely, are two terms
     for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
         const double speed = begin.velocity[begin.node_of_corner[c]].norm();
         begin_impulse_ =
