@@ -19,7 +19,8 @@ std::span<const Measure<Break>> break_columns() {
          "shear "
          "break",
          [](const B& b) { return b.shear; }},
-        {"energy", "J", "fracture energy of the interface: G_c times its area", [](const B& b) { return b.energy; }}};
+        {"energy", "J", "fracture energy of the interface: G_c (at the temperature of the moment) times its area",
+         [](const B& b) { return b.energy; }}};
     return columns;
 }
 
@@ -45,7 +46,7 @@ std::vector<std::vector<double>> Breaks::found(const State& now) {
             std::uint8_t& settled = settled_[point.point];
             if (settled || now.points[now.first_point[s] + k].cohesion > 0) continue;
             settled = 1;
-            const CohesiveLaw& law = model_.laws[point.law];
+            const CohesiveLaw& law = law_of(model_, now, point);
             if (point.cracked || law.sigma_c <= 0) continue;
             const Index i = model_.interface_of(point.point);
             const Interface& interface = model_.interfaces[i];
@@ -58,7 +59,7 @@ std::vector<std::vector<double>> Breaks::found(const State& now) {
             double angle = std::atan2(b.y() - a.y(), b.x() - a.x()) * 180 / std::numbers::pi;
             if (angle < 0) angle += 180;
             if (angle >= 180) angle -= 180;
-            const double energy = model_.laws[interface.law].G_c * interface.length * model_.thickness;
+            const double energy = law.G_c * interface.length * model_.thickness;
             const Break broken{now.time, 0.5 * (a + b), angle, interface.length, shear_[i], energy};
             lines.push_back(values_of(break_columns(), broken));
         }

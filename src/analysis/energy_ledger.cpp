@@ -49,7 +49,8 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.time = end.time, row_.step = end.last_step;
     row_.kinetic = report.kinetic;
     row_.strain = report.strain;
-    row_.dissipated = report.dissipated + excavated_dissipated_;
+    consumed_change_ += report.consumed_change;
+    row_.dissipated = report.dissipated - consumed_change_ + excavated_dissipated_;
     row_.recoverable = report.recoverable;
     row_.interface_elastic = report.interface_elastic;
     row_.external_work += report.external_work;
@@ -63,12 +64,14 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.excavation_work += report.excavation_work;
     row_.scheme_dissipation += report.scheme_dissipation;
     row_.thermal_work += report.thermal_work;
+    row_.law_change += report.law_change;
     row_.crossing_loss += report.crossing_loss;
     const double work = row_.external_work - row_.cohesive_work + row_.friction_work + row_.impact_work +
                         row_.step_change_work + row_.rotation_work + row_.damping_work + row_.radiated_work -
                         row_.scheme_dissipation + row_.excavation_work - row_.excavated_energy + row_.thermal_work;
     row_.residual = row_.kinetic + row_.strain - start_energy_ - work;
-    row_.law_lag = row_.cohesive_work - row_.crossing_loss - row_.surface() - row_.excavated_recoverable;
+    row_.law_lag =
+        row_.cohesive_work + row_.law_change - row_.crossing_loss - row_.surface() - row_.excavated_recoverable;
     largest_energy_ =
         std::max({largest_energy_, row_.kinetic, row_.strain, std::abs(row_.external_work), row_.surface()});
     largest_recoverable_ = std::max(largest_recoverable_, row_.recoverable + row_.interface_elastic);
@@ -77,7 +80,8 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     largest_rotation_work_ = std::max(largest_rotation_work_, std::abs(row_.rotation_work));
     const bool explicit_bulk = end.rate.empty();
     const double lag =
-        row_.law_lag + (explicit_bulk ? 0.5 * (row_.surface() - row_.interface_elastic - at_end_before) : 0);
+        row_.law_lag +
+        (explicit_bulk ? 0.5 * (row_.surface() - row_.interface_elastic - at_end_before - report.law_change) : 0);
     law_lag_ = over_dissipated(lag);
     if (const double now = over_dissipated(lag, 1e-2); !(std::abs(now) <= std::abs(largest_law_lag_)))
         largest_law_lag_ = now;
@@ -160,6 +164,10 @@ std::span<const Measure<EnergyRow>> energy_columns() {
          [](const R& r) { return r.excavated_recoverable; }},
         {"thermal_work", "J", "work of thermal strains that change so far; with heat",
          [](const R& r) { return r.thermal_work; }},
+        {"law_change", "J",
+         "change of the recoverable and elastic energy of interfaces by strengths that follow the temperature, so far; "
+         "where there are some",
+         [](const R& r) { return r.law_change; }},
         {"heat", "J", "heat stored since the start, sum of C (T - T at the start); with conduction",
          [](const R& r) { return r.heat; }},
         {"heat_in", "J", "heat that came through boundaries and from sources so far; with conduction",
@@ -176,7 +184,7 @@ std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works) {
                (column.name == "damping_work" && !works.damping) ||
                (column.name == "radiated_work" && !works.radiation) ||
                (column.name == "interface_elastic" && !works.secant) ||
-               (column.name == "thermal_work" && !works.heat) ||
+               (column.name == "thermal_work" && !works.heat) || (column.name == "law_change" && !works.law_change) ||
                (column.name.starts_with("heat") && !works.conduction) ||
                (column.name.starts_with("excavat") && !works.excavation);
     });

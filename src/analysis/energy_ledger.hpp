@@ -13,14 +13,16 @@
 //                     unloading dissipated + interface_elastic = S (G_c f + beta sigma_c (kappa + s^2/kappa)/2)
 //     thermal work    of thermal strains e that change, -int sigma : de (src/heat/README.md has the stresses); the
 //                     elastic energy is that of eps - e. Stored heat is another book: heat = heat in, to rounding
+//     law change      of recoverable and elastic energy, where strengths follow the temperature (law_change.hpp); no
+//                     term of the first balance. `dissipated` has the G_c of the time at which it was dissipated
 //     crossing loss   part of the cohesive work that is stored nowhere: where a slip crosses zero within a step, the
 //                     implicit sign of the tangential cohesion takes some of its kinetic energy (slip-reversal loss);
 //                     high-frequency slips die by it
 //     excavated       kinetic and elastic energy of the regions that vanished, and the recoverable energy of their
 //                     interfaces; what these had dissipated remains in Psi
-//     law lag         cohesive work - crossing loss - Psi - excavated recoverable energy: error of steps of finite
-//                     size, in which the force and beta belong to different times (staggering error of beta); it
-//                     decreases with the step
+//     law lag         cohesive work + law change - crossing loss - Psi - excavated recoverable energy: error of steps
+//                     of finite size, in which the force and beta belong to different times (staggering error of beta);
+//                     it decreases with the step
 //
 // With the explicit bulk, kinetic and strain energy are those of the leapfrog: 1/2 v' M v at the middle of the step and
 // 1/2 u_n' K u_{n+1}, with large rotations U_n - 1/2 f_n . (u_{n+1} - u_n); with the implicit bulk, those at the end of
@@ -47,6 +49,7 @@ struct EnergyRow {
     double excavated_energy = 0, excavated_recoverable = 0;  // that left with excavated regions
     double scheme_dissipation = 0;                           // by theta > 1/2
     double thermal_work = 0;                                 // of thermal strains that change
+    double law_change = 0;                                   // of strengths that follow the temperature
     double heat = 0, heat_in = 0;                            // with conduction: stored, and what came in
     double residual = 0, crossing_loss = 0, law_lag = 0;
 
@@ -55,8 +58,8 @@ struct EnergyRow {
     void serialize(auto& archive) {
         archive(time, step, kinetic, strain, dissipated, recoverable, interface_elastic, external_work, cohesive_work,
                 friction_work, impact_work, step_change_work, rotation_work, damping_work, radiated_work,
-                excavation_work, excavated_energy, excavated_recoverable, scheme_dissipation, thermal_work, heat,
-                heat_in, residual, crossing_loss, law_lag);
+                excavation_work, excavated_energy, excavated_recoverable, scheme_dissipation, thermal_work, law_change,
+                heat, heat_in, residual, crossing_loss, law_lag);
     }
 };
 std::span<const Measure<EnergyRow>> energy_columns();
@@ -64,7 +67,7 @@ std::span<const Measure<EnergyRow>> energy_columns();
 /// Works that only some scenes have; energy.csv of the others has no columns for them.
 struct RareWorks {
     bool rotation = false, damping = false, radiation = false, excavation = false, secant = false, heat = false,
-         conduction = false;
+         conduction = false, law_change = false;
 };
 std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works);
 
@@ -110,16 +113,16 @@ public:
     double smallest_mass() const { return smallest_mass_; }  // [kg] of a corner
 
     void serialize(auto& archive) {
-        archive(start_energy_, excavated_dissipated_, largest_energy_, largest_recoverable_, largest_residual_,
-                largest_rotation_work_, law_lag_, largest_law_lag_, supplied_, n_steps_, row_, worst_,
-                largest_heat_residual_, largest_overshoot_);
+        archive(start_energy_, excavated_dissipated_, consumed_change_, largest_energy_, largest_recoverable_,
+                largest_residual_, largest_rotation_work_, law_lag_, largest_law_lag_, supplied_, n_steps_, row_,
+                worst_, largest_heat_residual_, largest_overshoot_);
     }
 
 private:
     double start_energy_, largest_energy_, largest_recoverable_ = 0, largest_residual_ = 0, largest_rotation_work_ = 0,
                                            law_lag_ = 0, largest_law_lag_ = 0, supplied_, smallest_mass_,
-                                           weakest_point_, excavated_dissipated_ = 0, largest_heat_residual_ = 0,
-                                           largest_overshoot_ = 0;
+                                           weakest_point_, excavated_dissipated_ = 0, consumed_change_ = 0,
+                                           largest_heat_residual_ = 0, largest_overshoot_ = 0;
     std::int64_t n_steps_ = 0;
     EnergyRow row_;
     StepReport worst_;

@@ -91,7 +91,7 @@ void print_methods(const Scenario& scenario, const Model& model) {
         const CohesiveLaw& law = model.laws[i.law];
         breakable = breakable || (law.breakable() && !i.cracked);
         if (!law.breakable() && !i.cracked) continue;
-        friction = friction || law.friction > 0;
+        friction = friction || law.friction_range()[1] > 0;
         restitution = restitution || law.restitution > 0;
         shear = shear || law.gamma > 0;
     }

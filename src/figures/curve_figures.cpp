@@ -117,7 +117,8 @@ Chart energy_chart(const History& energy) {
                            Term{"damped by the scheme", "scheme_dissipation", 1, green, 1, false},
                            Term{"lost in changes of step", "step_change_work", -1, blue, 1, false},
                            Term{"defect of rotation", "rotation_work", -1, orange, 1, false},
-                           Term{"thermal work", "thermal_work", -1, vermilion, 2, false}};
+                           Term{"thermal work", "thermal_work", -1, vermilion, 2, false},
+                           Term{"of changing strength", "law_change", -1, purple, 2, false}};
     const Column time = energy.column("time");
     const auto column = [&](const char* name, double sign) {
         return energy.has(name) ? scaled(energy.column(name), sign) : Column(time.size(), 0.);

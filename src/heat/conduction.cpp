@@ -1,5 +1,7 @@
 #include "heat/conduction.hpp"
 
+#include "base/error.hpp"
+#include "base/secant.hpp"
 #include "element/shape_functions.hpp"
 #include "element/triangle_matrices.hpp"
 #include "model/selections.hpp"
@@ -13,6 +15,8 @@ namespace {
 
 constexpr double safety = 0.8;                // of the stable explicit step
 constexpr double closed_conductivities = 50;  // h_0 of a closed point over k/l
+constexpr double newton_tolerance = 1e-12;  // with latent heat: sum of the errors over all heat, to rounding if it can
+constexpr int max_newton_steps = 60;
 
 using Pair = std::array<Index, 2>;
 constexpr std::array<Pair, 3> linear_pairs{{{0, 1}, {1, 2}, {2, 0}}};
@@ -56,6 +60,7 @@ Conduction::Conduction(const Model& model) : model_(model) {
     diagonal_.assign(mesh.n_corners(), 0);
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const Thermal& thermal = heat.materials[mesh.region[t]];
+        freezes_ = freezes_ || thermal.latent_heat > 0;
         const auto w = conductances(mesh, t);
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const double here = thermal.conductivity * model.thickness * w[i];
@@ -226,6 +231,33 @@ void Conduction::set_prescribed(double time) {
             prescribed_[c] = model_.heat->follow(of->value, of->history, time);
 }
 
+double Conduction::level(Index corner, double T) const {
+    return freezes_ ? model_.heat->materials[model_.mesh.region[model_.mesh.triangle_of(corner)]].heat_level(T) : T;
+}
+
+double Conduction::apparent_capacity(Index corner, double T) const {
+    const Thermal& thermal = model_.heat->materials[model_.mesh.region[model_.mesh.triangle_of(corner)]];
+    return capacity_[corner] * thermal.apparent_capacity(T);
+}
+
+/// From bend to bend of the stored heat.
+double Conduction::warmed(std::span<const Index> corners, double T, double heat) const {
+    double C = 0;  // without latent heat: no bend farther than heat/C is reached
+    for (const Index c : corners) C += capacity_[c];
+    for (;;) {
+        double bend = T + heat / C, slope = 0;
+        if (bend == T) return T;
+        for (const Index c : corners)
+            for (const double at :
+                 model_.heat->materials[model_.mesh.region[model_.mesh.triangle_of(c)]].freezing_range)
+                if (heat > 0 ? at > T && at < bend : at < T && at > bend) bend = at;
+        for (const Index c : corners) slope += apparent_capacity(c, 0.5 * (T + bend));
+        const double taken = slope * (bend - T);
+        if (std::abs(taken) >= std::abs(heat)) return T + heat / slope;
+        heat -= taken, T = bend;
+    }
+}
+
 double Conduction::stable_step(const State& begin) {
     find_gaps(begin);
     into_.assign(model_.mesh.n_corners(), std::numeric_limits<double>::infinity());
@@ -255,9 +287,16 @@ SharedTemperatures Conduction::explicit_step(const State& begin, double end) {
                 C += capacity_[c], flow += into_[c];
                 if (!prescription_.empty() && prescription_[c]) is_held = true, held = prescribed_[c];
             }
-            const double T_end = is_held ? held : T[corners[0]] + dt / C * flow;
+            const double T_start = T[corners[0]], T_end = is_held    ? held
+                                                          : freezes_ ? warmed(corners, T_start, dt * flow)
+                                                                     : T_start + dt / C * flow;
+            double stored = C * (T_end - T_start);
+            if (is_held && freezes_) {
+                stored = 0;
+                for (const Index c : corners) stored += capacity_[c] * (level(c, T_end) - level(c, T_start));
+            }
             // what the prescription supplies, kept to be summed in order
-            into_[corners[0]] = is_held ? C * (T_end - T[corners[0]]) - dt * flow : 0;
+            into_[corners[0]] = is_held ? stored - dt * flow : 0;
             for (const Index c : corners) T[c] = T_end;
             for (const Index c : corners.subspan(1)) into_[c] = 0;
         });
@@ -267,7 +306,10 @@ SharedTemperatures Conduction::explicit_step(const State& begin, double end) {
     return finished(begin, end, std::move(T), heat_in);
 }
 
-/// (C + dt K) dT = dt (heat at T, with the exchanges of the end) for the free nodes; the prescribed ones are known.
+/// H(T+) - H(T) = dt (heat at T+, with the exchanges of the end) for the free nodes; the prescribed ones are known. One
+/// linear system, (C + dt K) dT = dt (heat at T), without latent heat; else Newton's method with the apparent
+/// capacities. The equations are the gradient of a convex function of T+ (H grows, K is symmetric), which decreases
+/// along every Newton direction, so it converges with a line search.
 SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
     const Mesh& mesh = model_.mesh;
     const double dt = end - begin.temperature->time;
@@ -288,7 +330,6 @@ SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
                 else dT[c] = prescribed_[*held] - T[c];
             n_unknowns += held == corners.end();
         });
-    add_heat(T, end, into_);
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::VectorXd right = Eigen::VectorXd::Zero(n_unknowns);
     const auto couple = [&](Index a, Index b, double w) {
@@ -307,27 +348,66 @@ SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
     for (const Gap& gap : gaps_) couple(gap.a, gap.b, gap.conductance);
     for (const CornerExchange& at : exchanges_)
         if (unknown[at.corner] >= 0) entries.emplace_back(unknown[at.corner], unknown[at.corner], dt * at.conductance);
-    for (Index c = 0; c < mesh.n_corners(); ++c)
-        if (const Index i = unknown[c]; i >= 0) entries.emplace_back(i, i, capacity_[c]), right[i] += dt * into_[c];
-    if (n_unknowns > 0) {
+    const std::size_t n_constant = entries.size();
+
+    std::vector<double> T_end = T;
+    double content = 0, last_error = 0;  // [J] the scale of a remaining error
+    // what the nodes have still to store at T_end
+    const auto add_error = [&](Eigen::VectorXd& error) {
+        content = 0;
+        add_heat(T_end, end, into_);
+        for (Index c = 0; c < mesh.n_corners(); ++c) {
+            if (unknown[c] < 0) continue;
+            error[unknown[c]] += dt * into_[c] - capacity_[c] * (level(c, T_end[c]) - level(c, T[c]));
+            content += capacity_[c] * std::abs(level(c, T_end[c]));
+        }
+    };
+    add_error(right);
+    for (Index c = 0; c < mesh.n_corners() && n_unknowns == 0; ++c) T_end[c] += dT[c];
+    for (int i = 0; n_unknowns > 0 && (i == 0 || freezes_); ++i) {
+        const double error = right.lpNorm<1>();
+        if (i > 0 && error <= newton_tolerance * content && error >= 0.5 * last_error) break;
+        last_error = error;
+        entries.resize(n_constant);
+        for (Index c = 0; c < mesh.n_corners(); ++c)
+            if (unknown[c] >= 0) entries.emplace_back(unknown[c], unknown[c], apparent_capacity(c, T_end[c]));
         Eigen::SparseMatrix<double> matrix(n_unknowns, n_unknowns);
         matrix.setFromTriplets(entries.begin(), entries.end());
         if (unknown != analysed_) factor_.analyzePattern(matrix), analysed_ = unknown;
         factor_.factorize(matrix);
-        if (factor_.info() != Eigen::Success)
-            throw SimulationError(
-                "the equations of heat conduction have no solution: check conductivities and heat "
-                "capacities, and mesh.quality for flat triangles");
+        if (factor_.info() != Eigen::Success || i == max_newton_steps)
+            throw SimulationError(i < max_newton_steps
+                                      ? "the equations of heat conduction have no solution: check conductivities and "
+                                        "heat capacities, and mesh.quality for flat triangles"
+                                      : "no temperatures were found while latent heat melts: try a smaller time.step, "
+                                        "or a wider freezing_range");
         const Eigen::VectorXd found = factor_.solve(right);
-        for (Index c = 0; c < mesh.n_corners(); ++c)
-            if (unknown[c] >= 0) dT[c] = found[unknown[c]];
+        const double slope = -found.dot(right);  // of the convex function along `found`
+        double part = 0;
+        const auto go_to = [&](double to) {
+            for (Index c = 0; c < mesh.n_corners(); ++c)
+                if (unknown[c] >= 0) T_end[c] += (to - part) * found[unknown[c]];
+            part = to;
+        };
+        const auto slope_at = [&](double to) {
+            go_to(to);
+            right.setZero();
+            add_error(right);
+            return -found.dot(right);
+        };
+        if (!freezes_ || i == 0) {  // prescribed nodes come to their temperatures
+            for (Index c = 0; c < mesh.n_corners(); ++c)
+                if (unknown[c] < 0) T_end[c] += dT[c];
+            if (freezes_) slope_at(1);
+            else go_to(1);
+        } else if (const double at_one = slope_at(1); at_one > 0.5 * std::abs(slope)) {
+            zero_between(0, slope, 1, at_one, 1e-3 * std::abs(slope), 30, slope_at);
+        }
     }
-    std::vector<double> T_end = T;
-    for (Index c = 0; c < mesh.n_corners(); ++c) T_end[c] += dT[c];
-    // through the boundary at T + dT, and what holds the prescribed nodes
+    // through the boundary at the end, and what holds the prescribed nodes
     double heat_in = dt * add_heat(T_end, end, into_);
     for (Index c = 0; c < mesh.n_corners(); ++c)
-        if (unknown[c] < 0) heat_in += capacity_[c] * dT[c] - dt * into_[c];
+        if (unknown[c] < 0) heat_in += capacity_[c] * (level(c, T_end[c]) - level(c, T[c])) - dt * into_[c];
     return finished(begin, end, std::move(T_end), heat_in);
 }
 
@@ -336,8 +416,9 @@ SharedTemperatures Conduction::finished(const State& begin, double end, std::vec
     double low = std::ranges::min(before.of_corner), high = std::ranges::max(before.of_corner), change = 0, moved = 0,
            content = 0;
     for (std::size_t c = 0; c < T.size(); ++c) {
-        const double heat = capacity_[c] * (T[c] - before.of_corner[c]);
-        change += heat, moved += std::abs(heat), content += capacity_[c] * std::abs(T[c]);
+        const double after = level(static_cast<Index>(c), T[c]),
+                     heat = capacity_[c] * (after - level(static_cast<Index>(c), before.of_corner[c]));
+        change += heat, moved += std::abs(heat), content += capacity_[c] * std::abs(after);
     }
     for (const CornerExchange& at : exchanges_)
         if (at.conductance > 0)

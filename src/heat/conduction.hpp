@@ -9,10 +9,11 @@
 //                 + sum_edges L t/2 (q + a (T_outside - T_i)) + V Q/3            Q: source
 //
 // What one corner gives another one gets, so that the sum of C T changes by what comes through the boundary and from
-// sources only, to rounding. Order 2 conducts on its six linear triangles. On Delaunay meshes all w summed round an
-// edge
-// are >= 0; then an explicit step up to C_i/sum_j w_ij, and every implicit one, keeps T between its bounds (maximum
-// principle). Where single corners split off a mesh with obtuse triangles it may be exceeded; `overshoot` tells.
+// sources only, to rounding. Latent heat is a steep part of the stored heat H(T) (apparent capacity;
+// Thermal::heat_level): a step finds the T that stores what came in, so that no front of melting is missed. Order 2
+// conducts on its six linear triangles. On Delaunay meshes all w summed round an edge are >= 0; then an explicit step
+// up to C_i/sum_j w_ij, and every implicit one, keeps T between its bounds (maximum principle). Where single corners
+// split off a mesh with obtuse triangles it may be exceeded; `overshoot` tells.
 #include "model/state.hpp"
 
 #include <Eigen/SparseCholesky>
@@ -62,6 +63,11 @@ private:
     template <class Visit>
     void for_each_node(const State& begin, const Visit& visit) const;
     void set_prescribed(double time);
+    /// [K] H of a corner over its capacity: T itself where nothing freezes.
+    double level(Index corner, double T) const;
+    double apparent_capacity(Index corner, double T) const;  // [J/K]
+    /// [K] Of a node at T, after it has got `heat` [J].
+    double warmed(std::span<const Index> corners, double T, double heat) const;
     SharedTemperatures finished(const State& begin, double end, std::vector<double> T, double heat_in) const;
 
     const Model& model_;
@@ -72,6 +78,7 @@ private:
     std::vector<const HeatExchange*> prescription_;  // per corner; null: free; empty: nothing is prescribed
     std::vector<double> prescribed_;                 // [K] per corner, at the end of the step
     bool is_heated_ = false;                         // flux or source: no maximum principle
+    bool freezes_ = false;                           // some material has latent heat
     std::vector<Gap> gaps_;
     std::vector<double> into_, of_gaps_;  // [W], [W/K] per corner
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;

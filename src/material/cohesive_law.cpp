@@ -5,6 +5,24 @@
 
 namespace knap {
 
+CohesiveLaw CohesiveLaw::at(double T) const {
+    CohesiveLaw law = *this;
+    if (!of_temperature) return law;
+    if (const TemperatureTable& phi = of_temperature->strength; !phi.empty()) law.sigma_c *= phi(T), law.G_c *= phi(T);
+    if (!of_temperature->friction.empty()) law.friction = of_temperature->friction(T);
+    return law;
+}
+
+double CohesiveLaw::smallest_phi() const {
+    return of_temperature && !of_temperature->strength.empty() ? std::ranges::min(of_temperature->strength.value) : 1;
+}
+
+std::array<double, 2> CohesiveLaw::friction_range() const {
+    if (!of_temperature || of_temperature->friction.empty()) return {friction, friction};
+    const auto [low, high] = std::ranges::minmax(of_temperature->friction.value);
+    return {low, high};
+}
+
 double CohesiveLaw::equivalent_opening(double u_N, double u_T) const {
     return std::max(u_N, 0.0) + gamma * std::abs(u_T);
 }

@@ -5,7 +5,11 @@
 // Unloading keeps beta and the traction beta sigma_c, or (secant) the traction falls with the opening:
 //     sigma = beta sigma_c min(1, s/kappa),  kappa = s(beta), the largest s so far
 // Linear softening: f = (1 - beta)^2, beta = 1 - s/delta_c, delta_c = 2 w/sigma_c. Other shapes: softening_shape.hpp.
+//
+// Strength may follow the temperature: phi(T) multiplies sigma_c and w alike, so that delta_c stays and beta means the
+// same opening at every T; beta never grows, so what has opened does not heal when it freezes again.
 #include "material/softening_shape.hpp"
+#include "material/thermal.hpp"
 
 #include <limits>
 
@@ -13,6 +17,11 @@ namespace knap {
 
 /// What the traction of a damaged point does at openings below its largest one.
 enum class Unloading { constant, secant };
+
+/// phi(T) in (0, 1] [-] on sigma_c and G_c, and Coulomb's mu(T) [-]; either may be empty.
+struct StrengthOfTemperature {
+    TemperatureTable strength, friction;
+};
 
 struct CohesiveLaw {
     double sigma_c = 0;      // [Pa]   tensile strength; 0 = no cohesion (contact and friction only)
@@ -23,6 +32,13 @@ struct CohesiveLaw {
     std::shared_ptr<const SofteningShape> softening = nullptr;  // null: linear; shared by laws that differ in strength
 
     Unloading unloading = Unloading::constant;
+    std::shared_ptr<const StrengthOfTemperature> of_temperature = nullptr;  // null: the same at all; shared likewise
+
+    /// The law at a temperature.
+    CohesiveLaw at(double T) const;
+    /// [-] Smallest phi, and smallest and largest mu, of all temperatures.
+    double smallest_phi() const;
+    std::array<double, 2> friction_range() const;
 
     /// An interface that cannot break; it costs nothing.
     static CohesiveLaw unbreakable() { return {.sigma_c = std::numeric_limits<double>::infinity()}; }

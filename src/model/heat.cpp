@@ -23,7 +23,25 @@ std::shared_ptr<Temperatures> make_temperatures(const Model& model, double time,
             made->strain[3 * t + k] = 0.5 * (e[(k + 1) % 3] + e[(k + 2) % 3]);
     }
     made->of_corner = std::move(of_corner);
+    fit_laws(model, *made);
     return made;
+}
+
+double temperature_at(const Temperatures& temperatures, const FanPoint& point) {
+    const Index a = point.before, b = point.after;
+    const std::vector<double>& T = temperatures.of_corner;
+    return point.on_support() ? T[point.corner()] : 0.5 * (T[a] + T[b]);
+}
+
+void fit_laws(const Model& model, Temperatures& temperatures) {
+    if (!model.laws_follow_temperature) return;
+    temperatures.laws.resize(model.n_points());
+    const auto n_points = static_cast<Index>(model.fan_points.size());
+#pragma omp parallel for schedule(static) if (n_points > 4096)
+    for (Index i = 0; i < n_points; ++i) {
+        const FanPoint& point = model.fan_points[i];
+        temperatures.laws[point.point] = model.laws[point.law].at(temperature_at(temperatures, point));
+    }
 }
 
 SharedTemperatures field_at(const Model& model, double time) {

@@ -2,6 +2,7 @@
 // Temperature: what a scenario prescribes, and the temperatures of one moment. A body without heat has none of it.
 #include "base/expression.hpp"
 #include "base/grid_table.hpp"
+#include "material/cohesive_law.hpp"
 #include "material/elastic.hpp"
 #include "material/thermal.hpp"
 #include "mesh/mesh.hpp"
@@ -66,6 +67,8 @@ struct Temperatures {
     std::vector<double> of_corner;  // [K] equal at the corners of a node
     std::vector<double> strain;  // [-] e, the same in x and y, in the plane: mean of a triangle of order 1; of order 2
                                  // linear, at the middles opposite to its vertices (3 triangle + k)
+    std::vector<CohesiveLaw> laws;  // per interface point, at the mean temperature of its sides; empty where no law
+                                    // follows the temperature. Not in a checkpoint: fit_laws makes them again
     // with conduction, since the start
     double heat = 0;        // [J] sum of C (T - T at the start)
     double heat_in = 0;     // [J] through boundaries and from sources
@@ -82,9 +85,14 @@ struct Temperatures {
 using SharedTemperatures = std::shared_ptr<const Temperatures>;
 
 struct Model;
+struct FanPoint;
 
 /// With the strains e = e(T) - e(reference), in plane strain (1 + nu) times that.
 std::shared_ptr<Temperatures> make_temperatures(const Model& model, double time, std::vector<double> of_corner);
+/// [K] Mean of the two sides of a point.
+double temperature_at(const Temperatures& temperatures, const FanPoint& point);
+/// The laws of the points at these temperatures.
+void fit_laws(const Model& model, Temperatures& temperatures);
 /// The field of the scenario.
 SharedTemperatures field_at(const Model& model, double time);
 

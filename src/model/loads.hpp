@@ -1,5 +1,6 @@
 #pragma once
 // Loads, supports and initial velocities as a scenario gives them, before they are applied to a mesh.
+#include "material/thermal.hpp"
 #include "mesh/polygon.hpp"
 
 #include <array>
@@ -71,10 +72,11 @@ struct Load {
 /// A fluid in cracks: it presses on both faces of all broken interfaces that broken interfaces connect to its source,
 /// and on those of the joints that it fills, broken or not.
 struct CrackPressure {
-    double pressure = 0;            // [Pa]
-    std::optional<Selection> from;  // the source: cracks that begin on this boundary or in this box
-    Index joint_law = -1;           // the source: all joints with this law; neither: all cracks
-    TimeFunction history;           // multiplies the pressure
+    double pressure = 0;                     // [Pa]
+    TemperatureTable over_temperature = {};  // [Pa] in its place: that of ice, at the temperature of the point
+    std::optional<Selection> from;           // the source: cracks that begin on this boundary or in this box
+    Index joint_law = -1;                    // the source: all joints with this law; neither: all cracks
+    TimeFunction history;                    // multiplies the pressure
 };
 
 /// A rigid, fixed support of a boundary, glued by a cohesive law or in contact only.
@@ -93,9 +95,9 @@ struct Excavation {
 };
 
 struct InitialVelocity {
-    Selection on;     // triangles of the body whose centroid lies inside the box
-    Vec2 value;       // [m/s]
-    double spin = 0;  // [rad/s] about the centre of mass of these triangles, counterclockwise
+    Selection on;                         // triangles of the body whose centroid lies inside the box
+    Vec2 value;                           // [m/s]
+    double spin = 0;                      // [rad/s] about the centre of mass of these triangles, counterclockwise
     std::array<double, 3> strain_rate{};  // [1/s] xx, yy, xy, about the same centre
 };
 

@@ -132,7 +132,9 @@ private:
 /// Vertices where a fluid enters cracks, and the points of the joints that it fills.
 CrackFluid fluid_of(const CrackPressure& given, const ModelInput& input, std::size_t number, const Model& model) {
     const Mesh& mesh = model.mesh;
-    CrackFluid fluid{.pressure = given.pressure, .history = static_cast<Index>(model.histories.size())};
+    CrackFluid fluid{.pressure = given.pressure,
+                     .over_temperature = given.over_temperature,
+                     .history = static_cast<Index>(model.histories.size())};
     fluid.is_source.assign(mesh.vertices.size(), !given.from && given.joint_law < 0);
     if (given.from) {
         const std::vector<char> selected = selected_corners(mesh, *given.from);
@@ -309,6 +311,7 @@ Model make_model(ModelInput input) {
     model.heat = std::move(input.heat);
     if (model.heat && model.large_rotation)
         throw UserError("heat-rotation", "thermal strain needs small rotations", "rotation = \"small\" in [domain]");
+    for (const CohesiveLaw& law : input.laws) model.laws_follow_temperature |= model.heat && law.of_temperature;
     weigh_obstacles(input.loads, model);
     check_obstacles(model);
     return model;

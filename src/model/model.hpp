@@ -78,6 +78,7 @@ struct FaceStress {
 /// A fluid in cracks on the mesh (CrackPressure).
 struct CrackFluid {
     double pressure;                      // [Pa]
+    TemperatureTable over_temperature;    // [Pa] in its place, if it is not empty
     Index history;                        // into Model::histories
     std::vector<std::uint8_t> is_source;  // [0/1] per mesh vertex
     std::vector<Index> joint_points;      // it presses on them, broken or not
@@ -130,7 +131,8 @@ struct Model {
     PlaneModel plane;
     double thickness;  // [m]
     std::vector<Elastic> materials;
-    std::vector<CohesiveLaw> laws;  // those of the input, then one for each interface whose strength is random
+    std::vector<CohesiveLaw> laws;         // those of the input, then one for each interface whose strength is random
+    bool laws_follow_temperature = false;  // some of them, with heat: law_of(state) has the law of the moment
 
     std::vector<double> corner_mass;  // [kg] per corner: density * area * thickness * its share (corner_share)
     std::vector<Interface> interfaces;

@@ -47,6 +47,17 @@ void split(const Model& model, Index f, State& state) {
     }
 }
 
+void fit_laws(const Model& model, State& state) {
+    if (!model.laws_follow_temperature) return;
+    const bool same = state.temperature == state.temperature_before;
+    for (SharedTemperatures* shared : {&state.temperature, &state.temperature_before}) {
+        const auto fitted = std::make_shared<Temperatures>(**shared);
+        fit_laws(model, *fitted);
+        *shared = fitted;
+    }
+    if (same) state.temperature_before = state.temperature;
+}
+
 const PointState* state_of(const Model& model, const State& state, Index point) {
     const Index in_fans = model.fan_point_of[point], fan = model.fan_of_corner[model.fan_points[in_fans].corner()];
     const Index rank = state.split_rank[fan];

@@ -104,6 +104,13 @@ inline Vec2 force_of(const Model& model, const CornerLoad& load, const State& st
     return load.force - 0.5 * model.thickness * stress_times(stress, turned_left(moved));
 }
 
+/// The law of a point at the temperature of this moment.
+inline const CohesiveLaw& law_of(const Model& model, const State& state, const FanPoint& point) {
+    if (model.laws_follow_temperature) return state.temperature->laws[point.point];
+    return model.laws[point.law];
+}
+/// The laws of the points at the temperatures of the state, which a checkpoint does not hold.
+void fit_laws(const Model& model, State& state);
 /// Of a point; null in a bonded fan.
 const PointState* state_of(const Model& model, const State& state, Index point);
 

@@ -267,6 +267,11 @@ void add_keys_of_microstructure(KeyTable& t) {
         .to(&CohesiveLaw::unloading, {Unloading::constant, Unloading::secant});
     t.number("gamma", "", "shear strength over tensile strength, without friction; 0: cohesion in mode I only")
         .at_least(0).otherwise("1").to(&CohesiveLaw::gamma);
+    t.number("strength_table", "K", "factor on sigma_c and G_c over temperature as pairs [temperature, factor], with "
+        "[heat]: above 0 and at most 1, linear between them and constant outside, at the mean temperature of the two "
+        "sides. delta_c stays; what has opened does not heal").points().second("");
+    t.number("friction_table", "K", "friction coefficient over temperature as pairs [temperature, coefficient], with "
+        "[heat], instead of friction").points().second("");
     add_contact(t);
     t.table("interface.*.scatter", "random strength of every interface, drawn with the seed; its mean is the value of "
         "the law");
@@ -333,7 +338,10 @@ void add_keys_of_loads(KeyTable& t) {
     t.list("pressure[]", "the pressure of a fluid (water, gas, ice) in cracks: it acts on both faces of every broken "
         "interface that others connect to the source, and follows a crack that grows; without from and joints in all "
         "cracks. Its factor over time by at most one of ramp, table, csv, otherwise constant");
-    t.number("pressure", "Pa", "pressure").required().to(&CrackPressure::pressure);
+    t.number("pressure", "Pa", "pressure; either pressure or pressure_table").to(&CrackPressure::pressure);
+    t.number("pressure_table", "K", "pressure over temperature as pairs [temperature, pressure in Pa], with [heat]: "
+        "linear between them and constant outside, at the mean temperature of the two faces; of ice in a closed joint "
+        "at most 1.12 MPa per K below 0 C (Clapeyron), until it is squeezed out").points().second("Pa");
     t.table("pressure[].from", "the source: cracks that begin on a boundary, in a box, or on what they have in common")
         .or_text("boundary");
     t.text("boundary", "name of a boundary").to(&Selection::boundary);

@@ -22,6 +22,11 @@ void add_thermal(KeyTable& t) {
         .above(0).to(&Thermal::conductivity);
     t.number("heat_capacity", "J/kg/K", "heat capacity per mass, required with heat.conduction")
         .above(0).to(&Thermal::heat_capacity);
+    t.number("latent_heat", "J/kg", "heat per mass of the material that melting takes up and freezing releases, "
+        "uniformly over the freezing range, with heat.conduction: 334 kJ/kg times the mass fraction of water")
+        .at_least(0).otherwise("0").to(&Thermal::latent_heat);
+    t.number("freezing_range", "K", "temperatures between which the water freezes")
+        .pair().otherwise("[-1, 0]");
 }
 
 void add_keys_of_heat(KeyTable& t) {

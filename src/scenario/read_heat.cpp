@@ -49,19 +49,21 @@ void read_exchange(const Table& table, Heat& heat) {
     heat.exchanges.push_back(std::move(exchange));
 }
 
+constexpr const char* thermal_keys[] = {"expansion",     "expansion_table", "conductivity",
+                                        "heat_capacity", "latent_heat",     "freezing_range"};
+
 Thermal read_thermal(const Table& table, bool conduction) {
     Thermal thermal;
     table.fill(thermal);
     thermal.expansion.coefficient = table.number("expansion").value_or(0);
     table.one_of({"expansion", "expansion_table"}, false);
-    for (const Vec2& point : table.get<std::vector<Vec2>>("expansion_table").value_or(std::vector<Vec2>())) {
-        thermal.expansion.temperature.push_back(point.x());
-        thermal.expansion.strain.push_back(point.y());
-    }
-    const std::vector<double>& T = thermal.expansion.temperature;
-    if (T.size() == 1 || std::ranges::adjacent_find(T, std::greater_equal()) != T.end())
-        table.error("out-of-range", "expansion_table", "needs at least two pairs with temperatures that ascend",
-                    "[[20, 0], [573, 0.009], [583, 0.015]]");
+    TemperatureTable strain = read_over_temperature(table, "expansion_table");
+    thermal.expansion.temperature = std::move(strain.temperature);
+    thermal.expansion.strain = std::move(strain.value);
+    const Vec2 range = table.get<Vec2>("freezing_range").value_or(Vec2(-1, 0));
+    thermal.freezing_range = {range.x(), range.y()};
+    if (!(range.x() < range.y()))
+        table.error("out-of-range", "freezing_range", "= [from, to] must ascend", "freezing_range = [-1, 0]");
     for (const char* key : {"conductivity", "heat_capacity"})
         if (conduction && !table.given(key))
             table.error("missing-key", key, "is needed for heat.conduction", std::string(key) + " = ...");
@@ -134,12 +136,25 @@ void read_field(const Table& table, TemperatureField& field) {
 
 }  // namespace
 
+TemperatureTable read_over_temperature(const Table& table, const char* key) {
+    TemperatureTable read;
+    for (const Vec2& point : table.get<std::vector<Vec2>>(key).value_or(std::vector<Vec2>())) {
+        read.temperature.push_back(point.x());
+        read.value.push_back(point.y());
+    }
+    const std::vector<double>& T = read.temperature;
+    if (T.size() != 1 && std::ranges::adjacent_find(T, std::greater_equal()) == T.end()) return read;
+    table.error("out-of-range", key, "needs at least two pairs [temperature, value] with temperatures that ascend",
+                std::string(key) + " = [[-10, 1], [-1, 0.3], [0, 0.001]]");
+    return {};
+}
+
 void read_heat(Reading& reading) {
     Scenario& scenario = reading.scenario;
     const Table table = reading.table("heat");
     if (!table.given()) {
         for (const Table& material : reading.list("material"))
-            for (const char* key : {"expansion", "expansion_table", "conductivity", "heat_capacity"})
+            for (const char* key : thermal_keys)
                 if (material.given(key)) {
                     material.warning("no-heat", key, "has no effect without [heat]");
                     break;
@@ -155,9 +170,13 @@ void read_heat(Reading& reading) {
     if (!heat.exchanges.empty() && !heat.conduction)
         table.error("exclusive-keys", "exchange", "has no meaning where temperatures are prescribed",
                     "conduction = true in [heat]");
-    if (std::ranges::all_of(heat.materials, [](const Thermal& m) {
-            return m.expansion.coefficient == 0 && m.expansion.temperature.empty();
-        }))
+    const auto expands = [](const Thermal& m) {
+        return m.expansion.coefficient != 0 || !m.expansion.temperature.empty();
+    };
+    const auto follows = [](const NamedLaw& named) { return named.law.of_temperature != nullptr; };
+    const bool presses = std::ranges::any_of(reading.list("pressure"),
+                                             [](const Table& pressure) { return pressure.given("pressure_table"); });
+    if (std::ranges::none_of(heat.materials, expands) && std::ranges::none_of(scenario.laws, follows) && !presses)
         table.warning("no-expansion", "", "strains nothing: no material has an expansion",
                       "expansion in [material.NAME]");
     if (reading.table("domain").text("rotation") == "large")

@@ -25,6 +25,25 @@ std::shared_ptr<const SofteningShape> read_softening(const Table& table) {
     return make_softening(options);
 }
 
+/// strength_table and friction_table; null without them.
+std::shared_ptr<const StrengthOfTemperature> read_of_temperature(const Table& table, bool has_cohesion) {
+    StrengthOfTemperature read{.strength = read_over_temperature(table, "strength_table"),
+                               .friction = read_over_temperature(table, "friction_table")};
+    for (const char* key : {"strength_table", "friction_table"})
+        if (table.given(key) && !table.reading().table("heat").given())
+            table.error("no-heat", key, "has no effect without temperatures", "[heat]");
+    if (table.given("strength_table") && !has_cohesion)
+        table.error("exclusive-keys", "strength_table", "belongs to a law with cohesion, and this one has none");
+    if (std::ranges::any_of(read.strength.value, [](double phi) { return !(phi > 0 && phi <= 1); }))
+        table.error("out-of-range", "strength_table", "has a factor that is not above 0 and at most 1",
+                    "sigma_c and G_c are those of the strongest state; 0.001 stands for none: what has not opened is "
+                    "as strong again when it freezes again");
+    if (std::ranges::any_of(read.friction.value, [](double mu) { return !(mu >= 0); }))
+        table.error("out-of-range", "friction_table", "has a negative friction coefficient");
+    if (read.strength.empty() && read.friction.empty()) return nullptr;
+    return std::make_shared<StrengthOfTemperature>(std::move(read));
+}
+
 CohesiveLaw read_law(const Table& table) {
     CohesiveLaw law;
     table.fill(law);
@@ -32,6 +51,7 @@ CohesiveLaw read_law(const Table& table) {
         if (table.given("softening") && table.text("softening") != "linear")
             table.error("exclusive-keys", "softening", "belongs to a law that never breaks");
         law.sigma_c = CohesiveLaw::unbreakable().sigma_c;
+        law.of_temperature = read_of_temperature(table, false);
         return law;
     }
     const bool given = table.given("sigma_c");
@@ -43,6 +63,7 @@ CohesiveLaw read_law(const Table& table) {
     const auto energy = table.one_of({"G_c", "delta_c"}, has_cohesion && given);
     if (energy && !has_cohesion)
         table.error("exclusive-keys", *energy, "belongs to a law with cohesion, and this one has no strength");
+    law.of_temperature = read_of_temperature(table, has_cohesion);
     law.softening = read_softening(table);
     if (law.softening && !has_cohesion)
         table.error("exclusive-keys", "softening", "belongs to a law with cohesion, and this one has no strength");

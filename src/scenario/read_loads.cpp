@@ -216,6 +216,10 @@ void read_pressures(Reading& reading) {
         Scenario& scenario = reading.scenario;
         CrackPressure& pressure = scenario.crack_pressures.emplace_back();
         table.fill(pressure);
+        table.one_of({"pressure", "pressure_table"}, true);
+        pressure.over_temperature = read_over_temperature(table, "pressure_table");
+        if (table.given("pressure_table") && !reading.table("heat").given())
+            table.error("no-heat", "pressure_table", "needs temperatures", "[heat]");
         if (table.given("from")) pressure.from = read_selection(table.table("from"));
         if (const auto name = table.get<std::string>("joints"); name && table.has("joints")) {
             std::vector<std::string> known;

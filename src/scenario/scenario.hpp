@@ -171,11 +171,16 @@ struct Scenario {
                 .damping = time.scheme.damping > 0,
                 .radiation = !time.scheme.absorbing.empty(),
                 .excavation = !excavations.empty(),
-                .secant = std::ranges::any_of(laws, [](const NamedLaw& named) {
-                    return named.law.unloading == Unloading::secant && named.law.breakable();
-                }),
+                .secant = std::ranges::any_of(laws,
+                                              [](const NamedLaw& named) {
+                                                  return named.law.unloading == Unloading::secant &&
+                                                         named.law.breakable();
+                                              }),
                 .heat = heat.has_value(),
-                .conduction = heat && heat->conduction};
+                .conduction = heat && heat->conduction,
+                .law_change = std::ranges::any_of(laws, [](const NamedLaw& named) {
+                    return named.law.of_temperature && !named.law.of_temperature->strength.empty();
+                })};
     }
     std::vector<std::string> material_names() const {
         std::vector<std::string> names;

@@ -61,7 +61,8 @@ constexpr std::pair<std::string_view, std::string_view> kinds[] = {
     {"J/m2", "an energy per area"}, {"N/m3", "a force per volume"}, {"kg/m3", "a density"}, {"W", "a power"},
     {"K", "a temperature"}, {"1/K", "an expansion per temperature"},
     {"W/m/K", "a conductivity of heat"},
-    {"J/kg/K", "a heat capacity"}, {"W/m2", "a flux of heat"}, {"W/m3", "a source of heat"},
+    {"J/kg/K", "a heat capacity"}, {"J/kg", "a heat per mass"},
+    {"W/m2", "a flux of heat"}, {"W/m3", "a source of heat"},
     {"W/m2/K", "a transfer coefficient of heat"},
     {"cR", "a multiple of the Rayleigh speed"}, {"CFL", "a multiple of the stable step"}};
 // clang-format on

@@ -141,7 +141,7 @@ void add_lost_surface(const Model& model, const State& state, const Model& rest,
             };
             const Vec2 n = point_frame(model, state, points[j]).turned(points[j].normal),
                        half = 0.5 * state.last_step * (rate(points[j].after) - rate(points[j].before));
-            account_cohesion(points[j], model.laws[points[j].law], beta, beta, u,
+            account_cohesion(points[j], law_of(model, state, points[j]), beta, beta, u,
                              u - Vec2(n.dot(half), turned_left(n).dot(half)), lost);
         }
     }

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "stepper/common/crack_forces.hpp"
+#include "stepper/common/law_change.hpp"
 #include "stepper/explicit/explicit_scheme.hpp"
 #include "stepper/implicit/implicit_scheme.hpp"
 #include "stepper/step_control.hpp"
@@ -134,6 +135,7 @@ StepReport MoreauJean::step(const State& begin, double h, State& end) {
     if (heat_) end.temperature = heat_->after(begin, h);
     StepReport report = scheme_->step(begin, h, end);
     if (heat_) end.temperature_before = begin.temperature;
+    if (model_.laws_follow_temperature) account_law_change(model_, begin, report);
     if (report.rejection != Rejection::none) return report;
     end.time = begin.time + h;
     end.last_step = h;
@@ -159,6 +161,7 @@ void MoreauJean::start_in_equilibrium(State& start) const {
     const double passage = passage_time(still);
     State now = start, next;
     stop(now);
+    fit_laws(still, now);
     double h = first_step * passage, part = 1;  // of the loads, carried by inertia
     int patience = 2, wait = 0;                 // steps without growth after a rejection
     for (int step = 0; part > in_equilibrium; ++step) {
@@ -190,6 +193,7 @@ void MoreauJean::start_in_equilibrium(State& start) const {
     for (Index c = 0; c < model_.mesh.n_corners(); ++c)
         now.velocity[now.node_of_corner[c]] = start.velocity[start.node_of_corner[c]];
     for (std::size_t o = 0; o < now.obstacles.size(); ++o) now.obstacles[o].velocity = start.obstacles[o].velocity;
+    now.temperature = start.temperature, now.temperature_before = start.temperature_before;
     start = std::move(now);
 }
 

@@ -183,6 +183,17 @@ TEST_CASE("an interrupted run goes on when it is started again") {
     }
 }
 
+TEST_CASE("a slope that thaws goes on with the same bits") {  // the laws of its points are made again
+    const Folder folder("thaw");
+    const std::string run =
+        "run permafrost_slope -q -j 1 -s 'mesh.size=3 m' -s 'time.end=0.9 s' -s 'expect={}' -s 'figure=[]' -s "
+        "output.breaks=true -o ";
+    REQUIRE(command(run + folder.in_shell("whole")).code == 0);
+    CHECK(command(run + folder.in_shell("parts") + " --until 500ms").code == 0);
+    CHECK(command(run + folder.in_shell("parts")).code == 0);
+    check_same_bits(folder.path / "whole", folder.path / "parts");
+}
+
 TEST_CASE("a run that goes on from its older checkpoint keeps that until it has a newer one that is whole") {
     const Folder folder("older");
     const std::string run = "run " + explicit_block + "-s 'output.checkpoint_every=1 h' -o " + folder.in_shell("run");

@@ -478,6 +478,20 @@ const std::string warm = samples::changed("nu = 0.2\n", R"(nu = 0.2
 conductivity = "30 W/m/K"
 heat_capacity = "880 J/kg/K"
 expansion = 8e-6
+latent_heat = "3 kJ/kg"
+freezing_range = [-2, -0.5]
+[interface.weak]
+sigma_c = "1 MPa"
+G_c = 1
+strength_table = [[-10, 1], [-0.5, 0.3], [0, 0.001]]
+friction_table = [[-10, 0.7], [0, 0.5]]
+[[joints]]
+direction = 60
+spacing = "40 mm"
+interface = "weak"
+[[pressure]]
+pressure_table = [["-4 K", "5 MPa"], [0, 0]]
+joints = "weak"
 [material.steel]
 density = 7800
 E = "210 GPa"
@@ -787,6 +801,11 @@ const Case cases[] = {
     {patterns, "limits.contact_depth", "0.05"},
     {warm, "material.steel.expansion_table", "[[20, 0], [573, 0.009], [583, 0.015]]"},
     {warm, "material.glass.expansion", "8e-06"},
+    {warm, "material.glass.latent_heat", "3000"},
+    {warm, "material.glass.freezing_range", "[-2, -0.5]"},
+    {warm, "interface.weak.strength_table", "[[-10, 1], [-0.5, 0.3], [0, 0.001]]"},
+    {warm, "interface.weak.friction_table", "[[-10, 0.7], [0, 0.5]]"},
+    {warm, "pressure[0].pressure_table", "[[-4, 5e+06], [0, 0]]"},
     {warm, "material.steel.conductivity", "45"},
     {warm, "material.steel.heat_capacity", "460"},
     {warm, "heat.reference", "20"},
@@ -1098,7 +1117,7 @@ TEST_CASE("scenario: temperatures from a csv file") {
         return read_scenario(directory / "s.toml");
     };
     const ReadResult result = read("x, y, T\n# comment\n0; 0; 20\r\n1 0 30 # corner\n\n0, 1, 40\n1\t1\t70\n");
-    CHECK(result.scenario.heat->field_at({0.5, 0.5}, 3) == relative(40, 1e-15));
+    CHECK(result.scenario.heat->field_at({0.5, 0.5}, 3) == tests::relative(40, 1e-15));
     CHECK(result.scenario.heat->field.is_constant());
     CHECK(result.scenario.files.at(0).name == "temperature.csv");
     for (const auto& [lines, line, message] : {std::tuple{"0,0,20\n0,1\n", 2, "as all others"},

@@ -50,8 +50,18 @@ const Case cases[] = {
      changed("nu = 0.2\n", "nu = 0.2\nheat_capacity = 900\nconductivity = 1\n",
              with(heat + "conduction = true\n[[heat.exchange]]\non = \"top\"\noutside = 20\n")),
      "missing-key", 23, 11, 2, "transfer"},
-    {"heat with large rotations", changed("[mesh]", "rotation = \"large\"\n[mesh]", with(heat)), "exclusive-keys", 17,
-     2, 4, "small"},
+    {"heat with large rotations", changed("[mesh]", "rotation = \"large\"\n[mesh]", with(heat)), "exclusive-keys", 17, 2,
+     4, "small"},
+    {"a strength over temperature without heat", changed("G_c = 3", "G_c = 3\nstrength_table = [[-10, 1], [0, 0.1]]"),
+     "no-heat", 14, 18, 20, "[heat]"},
+    {"a strength above that of the law", changed("G_c = 3", "G_c = 3\nstrength_table = [[-10, 1], [0, 1.5]]", with(heat)),
+     "out-of-range", 14, 18, 20, "strongest state"},
+    {"temperatures that do not ascend", changed("G_c = 3", "G_c = 3\nfriction_table = [[0, 1], [0, 1]]", with(heat)),
+     "out-of-range", 14, 18, 16, "ascend"},
+    {"two pressures of one fluid", with(heat + "[[pressure]]\npressure = 1\npressure_table = [[0, 1], [1, 1]]\n"),
+     "exclusive-keys", 20, 1, 14, "exactly one of"},
+    {"a freezing range that falls", changed("nu = 0.2\n", "nu = 0.2\nfreezing_range = [0, -1]\n", with(heat)),
+     "out-of-range", 11, 18, 7, "ascend"},
     {"a sweep for nothing known", with("[sweep]\nquantities = [\"broken_lenght\"]\n"), "unknown-word", 17, 15, 15,
      "did you mean `broken_length`?"},
     {"a sweep without seeds", with("[sweep]\nseeds = 0\n"), "out-of-range", 17, 9, 1, "at least 1"},
@@ -383,7 +393,7 @@ TEST_CASE("mistakes: as the user sees them") {
         "12 | sigmac  = 3.08e6\n"
         "   | ^^^^^^ did you mean `sigma_c`?\n"
         "   = keys here: breakable, sigma_c, G_c, delta_c, softening, plateau, exponent, table, csv, unloading, gamma, "
-        "friction, restitution, scatter\n");
+        "strength_table, friction_table, friction, restitution, scatter\n");
 }
 
 TEST_CASE("mistakes: very many in one line and very long ones are short messages") {

@@ -67,9 +67,10 @@ Faces faces_of(const Model& model) {
         const CohesiveLaw& law = model.laws[interface.law];
         const bool open = interface.cracked || (law.breakable() && law.sigma_c <= 0),
                    breaks = law.breakable() && !open;  // joints are open, too
+        const bool rubs = law.friction_range()[1] > 0;
         faces.n_breakable += breaks ? 1 : 0;
-        faces.rub = faces.rub || ((breaks || open) && law.friction > 0);
-        faces.rub_at_start = faces.rub_at_start || (open && law.friction > 0);
+        faces.rub = faces.rub || ((breaks || open) && rubs);
+        faces.rub_at_start = faces.rub_at_start || (open && rubs);
     }
     return faces;
 }

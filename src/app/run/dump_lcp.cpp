@@ -27,7 +27,7 @@ double upper_bound_of_entries(const Model& model, const SchemeOptions& scheme) {
     for (const FanPoint& point : model.fan_points) {
         if (unbreakable(model, point) && point.before != rigid_support && point.after != rigid_support)
             parts.join(model.mesh.triangle_of(point.before), model.mesh.triangle_of(point.after));
-        friction = friction || model.laws[point.law].friction > 0;
+        friction = friction || model.laws[point.law].friction_range()[1] > 0;
         gamma = gamma || model.laws[point.law].gamma > 0;
     }
     const double rows = (scheme.cohesion == CohesionScheme::implicit_beta ? 2 * n_layers + 1 : 1) + (friction ? 3 : 0) +

@@ -138,6 +138,7 @@ private:
 
 void Run::resume(const std::string& text) {
     const std::string warning = checkpoints_.read(memory_);
+    fit_laws(setup_.model, now_);
     if (now_.time - now_.last_step >= setup_.options.until)  // its last step may have ended there
         throw UserError("until-passed",
                         "the run in `" + setup_.directory.string() + "` is already at t = " + shortest(now_.time) +

@@ -2,13 +2,13 @@
 
 namespace knap {
 
-bool BondCheck::is_bonded(Index f, std::span<const Vec2> required, double time) {
+bool BondCheck::is_bonded(Index f, const State& begin, std::span<const Vec2> required, double time) {
     const Fan& fan = model_->fans[f];
     const auto points = model_->points(fan);
     const auto required_by = [&](Index j) -> const Vec2& { return required[j]; };
-    const auto breakable = [&](Index j) { return model_->laws[points[j].law].breakable(); };
+    const auto breakable = [&](Index j) { return law_of(*model_, begin, points[j]).breakable(); };
     const auto strength = [&](Index j) {
-        const CohesiveLaw& law = model_->laws[points[j].law];
+        const CohesiveLaw& law = law_of(*model_, begin, points[j]);
         return StrengthPolygon::at_rest(law, points[j].normal, law.sigma_c * points[j].area * time);
     };
     impulse_.resize(fan.n_points);

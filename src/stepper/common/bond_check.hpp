@@ -6,7 +6,7 @@
 //     3     estimate: the impulses with the self-stress of least norm are admissible
 //     4     exact test: those with the best self-stress are admissible (interface/self_stress.hpp)
 #include "interface/self_stress.hpp"
-#include "model/model.hpp"
+#include "model/state.hpp"
 
 #include <span>
 #include <vector>
@@ -18,8 +18,8 @@ public:
     explicit BondCheck(const Model& model) : model_(&model) {}
 
     /// `required` [N s]: per corner of the fan, the impulse that its points must give it. Strengths are
-    /// sigma_c S time; `time` [s].
-    bool is_bonded(Index fan, std::span<const Vec2> required, double time);
+    /// sigma_c S time at the temperatures of `begin`; `time` [s].
+    bool is_bonded(Index fan, const State& begin, std::span<const Vec2> required, double time);
     /// [N s] per point of the last fan, on `after`; admissible if it is bonded, else with the largest smallest slack.
     const std::vector<Vec2>& impulses() const { return impulse_; }
 

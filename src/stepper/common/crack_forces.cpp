@@ -73,7 +73,10 @@ const std::vector<CornerLoad>& CrackForces::find(const State& state) {
         for (const Index p : reached.points) {
             if (state.has_retired(p)) continue;
             const FanPoint& point = model_.fan_points[model_.fan_point_of[p]];
-            const Vec2 force = fluid.pressure * point.area * point_frame(model_, state, point).turned(point.normal);
+            const double pressure = fluid.over_temperature.empty()
+                                        ? fluid.pressure
+                                        : fluid.over_temperature(temperature_at(*state.temperature, point));
+            const Vec2 force = pressure * point.area * point_frame(model_, state, point).turned(point.normal);
             forces_.push_back({point.after, fluid.history, force});
             forces_.push_back({point.before, fluid.history, -force});
         }

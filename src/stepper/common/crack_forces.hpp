@@ -4,6 +4,8 @@
 //
 //     f_after = p S N,     f_before = -p S N,     N in its present direction.
 //
+// p is constant, or a table of the temperature at the point at the start of the step (ice).
+//
 // Cohesion is never restored, so the reached points only grow and follow from the present State alone.
 #include "base/grouped.hpp"
 #include "model/state.hpp"

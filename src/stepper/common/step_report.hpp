@@ -42,6 +42,8 @@ struct StepReport {
     double radiated_work = 0;      // <= 0: of absorbing boundaries
     double excavation_work = 0;    // of the forces of excavated regions while they decrease to zero
     double thermal_work = 0;       // of thermal strains that change
+    double law_change = 0;         // of recoverable and elastic energy, by strengths that follow the temperature
+    double consumed_change = 0;    // likewise of S G_c f(beta), which is in `dissipated` of this step and was not used
     double scheme_dissipation = 0;  // >= 0: (theta - 1/2) (|dv|_M^2 + |du|_K^2) of the implicit bulk
     // of single points, beyond what the residual and rounding explain; must be <= 0
     double worst_impact_work = 0;
@@ -84,7 +86,8 @@ struct StepReport {
                                          &R::face_contacts,     &R::bond_checks,
                                          &R::released,          &R::softened,
                                          &R::linear_solves,     &R::factorisations,
-                                         &R::thermal_work};
+                                         &R::thermal_work,      &R::law_change,
+                                         &R::consumed_change};
         constexpr auto maxima =
             std::tuple{&R::worst_impact_work, &R::worst_friction_work, &R::residual,      &R::penetration,
                        &R::contact_residual,  &R::contact_depth,       &R::largest_speed, &R::largest_beta_growth};

@@ -10,11 +10,12 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// [N]
+/// [N] At all temperatures. As a function of mu the shear part has no minimum inside an interval.
 double sure_strength(const CohesiveLaw& law, double area) {
     if (!law.breakable()) return infinite;
-    const double shear = (law.gamma + law.friction) / std::sqrt(1 + law.friction * law.friction);
-    return area * law.sigma_c * std::min(1.0, shear);
+    double shear = 1;
+    for (const double mu : law.friction_range()) shear = std::min(shear, (law.gamma + mu) / std::sqrt(1 + mu * mu));
+    return area * law.sigma_c * law.smallest_phi() * shear;
 }
 
 /// [Pa]

@@ -18,7 +18,7 @@ struct Sides {
 
 /// [N s]
 double strength(const Model& model, const FanPoint& point, const PointState& before, const ExplicitStep& step) {
-    return step.kick_time * model.laws[point.law].sigma_c * point.area * before.cohesion;
+    return step.kick_time * law_of(model, step.begin, point).sigma_c * point.area * before.cohesion;
 }
 
 /// Finds the corners that move as one. False: some point is neither held nor freely open, or a corner is driven.
@@ -40,7 +40,7 @@ bool find_parts(const Model& model, const Fan& fan, const PointState* state, con
     Index part = 0;
     for (Index j = 0; j < fan.n_points; ++j) {
         if (points[j].on_support()) return false;
-        const CohesiveLaw& law = model.laws[points[j].law];
+        const CohesiveLaw& law = law_of(model, step.begin, points[j]);
         const Sides at(fan, j);
         const Vec2& u_after = begin.displacement[work.node[at.after]];
         const Vec2 u = u_after - begin.displacement[work.node[at.before]];
@@ -115,7 +115,7 @@ bool is_stationary(const Model& model, Index rank, const ExplicitStep& step, Sta
             if (work.normal[j].dot(rate) < work.bound[j]) return false;
         } else {
             impulse[j] += self_stress;
-            const CohesiveLaw& law = model.laws[points[j].law];
+            const CohesiveLaw& law = law_of(model, step.begin, points[j]);
             if (StrengthPolygon::at_rest(law, work.normal[j], strength(model, points[j], before[j], step))
                     .smallest_slack(impulse[j]) < 0)
                 return false;
@@ -143,7 +143,7 @@ bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step
     for (Index j = 0; j < fan.n_points; ++j) {
         PointState& state = end.points[end.first_point[rank] + j];
         state = {.cohesion = before[j].cohesion, .traction = Vec2::Zero()};
-        account_rest(points[j], model.laws[points[j].law], state.cohesion, report);
+        account_rest(points[j], law_of(model, step.begin, points[j]), state.cohesion, report);
         if (work.is_open[j]) {
             if (step.begin.has_retired(points[j].point)) continue;
             const Vec2 jump = end.displacement_of(points[j].after) - end.displacement_of(points[j].before);

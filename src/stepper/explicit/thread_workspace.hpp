@@ -34,7 +34,7 @@ struct alignas(128) ThreadWorkspace {  // no cache line of two threads
             const Rotation frame = fan_frame(model, begin, fan);
             for (Vec2& at_corner : required) at_corner = frame.turned_back(at_corner);
         }
-        return bond_check.is_bonded(f, required, 1);
+        return bond_check.is_bonded(f, begin, required, 1);
     }
 };
 

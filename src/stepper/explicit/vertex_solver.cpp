@@ -145,7 +145,7 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
     };
     for (Index i = 0; i < fan.n_points; ++i) {
         const FanPoint& point = points[i];
-        const CohesiveLaw& law = model_.laws[point.law];
+        const CohesiveLaw& law = law_of(model_, begin, point);
         const Rotation frame = point_frame(model_, begin, point);
         const bool retired = begin.has_retired(point.point);  // its sides meet as free faces, elsewhere
         const Vec2 u = retired ? Vec2(far(model_, point), 0) : begin.opening_of(point, frame);
@@ -267,7 +267,7 @@ FanSolution VertexSolver::solve_once(Index f, const ExplicitStep& step, bool reb
     for (Index i = 0; i < model_.fans[f].n_points; ++i)
         if (const double strength = problem.links[i].cohesive; strength > 0)
             work.cohesion.push_back({.link = i,
-                                     .law = &model_.laws[model_.points(model_.fans[f])[i].law],
+                                     .law = &law_of(model_, step.begin, model_.points(model_.fans[f])[i]),
                                      .start = cohesion_before(model_, f, i, step.begin),
                                      .strength = strength});
     return solve_softening(problem, work.solver, work.cohesion, options_.theta);
@@ -336,7 +336,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
         };
         if (i < fan.n_points) {
             const FanPoint& point = model_.points(fan)[i];
-            const CohesiveLaw& law = model_.laws[point.law];
+            const CohesiveLaw& law = law_of(model_, step.begin, point);
             PointState& state = end.points[end.first_point[rank] + i];
             state.traction = Vec2(link.contact - link.borne, link.tangential) / (step.kick_time * point.area);
             if (link.unbreakable) {

@@ -13,7 +13,7 @@ constexpr double no_cohesion = 1e-12;  // [-] beta below it is zero
 ActivePoint interface_point(const Model& model, const StepContext& step, const CornerPartition& nodes, Index fan,
                             Index fan_point) {
     const FanPoint& at = model.fan_points[fan_point];
-    const CohesiveLaw& law = model.laws[at.law];
+    const CohesiveLaw& law = law_of(model, *step.begin, at);
     const auto velocity = [&](Index corner) -> Vec2 {
         return corner == rigid_support ? Vec2::Zero() : step.begin->velocity[step.begin->node_of_corner[corner]];
     };

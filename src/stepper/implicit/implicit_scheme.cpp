@@ -82,7 +82,7 @@ void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures
             const FanPoint& at = model_.fan_points[fan.first_point + j];
             const PointState& known = begin.points[begin.first_point[rank] + j];
             const double impulse = step_.kick() * at.area;
-            const double strength = known.cohesion > 0 ? impulse * model_.laws[at.law].sigma_c : 0;
+            const double strength = known.cohesion > 0 ? impulse * law_of(model_, begin, at).sigma_c : 0;
             guess_[fan.first_point + j] = impulse * known.traction + Vec2(strength * known.cohesion, 0);
         }
     }
@@ -245,11 +245,11 @@ bool ImplicitScheme::activate_opening_fans(StepReport& report) {
                 if (partition_.prescribed[partition_.node_of_corner[corner[0]]][k]) required_[i][k] = 0;
         }
         ++report.bond_checks;
-        if (bond_check_.is_bonded(f, required_, step_.kick())) continue;
+        if (bond_check_.is_bonded(f, *step_.begin, required_, step_.kick())) continue;
         active_[f] = any = true;
         for (Index j = 0; j < fan.n_points; ++j) {
             const FanPoint& at = model_.fan_points[fan.first_point + j];
-            const CohesiveLaw& law = model_.laws[at.law];
+            const CohesiveLaw& law = law_of(model_, *step_.begin, at);
             const Vec2 impulse = bond_check_.impulses()[j];
             const double strength = law.breakable() ? step_.kick() * at.area * law.sigma_c : 0;
             guess_[fan.first_point + j] = {impulse.dot(at.normal) + strength, impulse.dot(turned_left(at.normal))};

@@ -115,7 +115,7 @@ void StepLcp::make_points() {
 
 void StepLcp::lay_out() {
     for (const FanPoint& at : model_.fan_points) {
-        const CohesiveLaw& law = model_.laws[at.law];
+        const CohesiveLaw& law = law_of(model_, *step_.begin, at);
         if (unbreakable(model_, at)) continue;
         friction_ = friction_ || law.friction > 0;
         tangential_ = tangential_ || (!at.cracked && law.sigma_c > 0 && law.gamma > 0);

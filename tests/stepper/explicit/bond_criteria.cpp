@@ -57,7 +57,7 @@ TEST_CASE("fans cleared by the inscribed circles are bonded and most bonded fans
                     const bool cleared = within_inscribed_circles(
                         circles.data(), fan.n_corners, [&](Index i) { return force[i]; }, total);
                     if (model.motion_of(model.corners(fan)[0])) n_driven += cleared;
-                    else if (exact.is_bonded(f, required, 1)) ++n_held, n_cleared += cleared;
+                    else if (exact.is_bonded(f, now, required, 1)) ++n_held, n_cleared += cleared;
                     else n_wrong += cleared;
                 }
             }

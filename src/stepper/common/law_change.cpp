@@ -1,0 +1,37 @@
+#include "stepper/common/law_change.hpp"
+
+namespace knap {
+namespace {
+
+/// [J/m2] Given back by a point that closes.
+double stored(const CohesiveLaw& law, double beta, const Vec2& u) {
+    const double s = law.equivalent_opening(u.x(), u.y());
+    return law.unloading == Unloading::secant ? law.elastic_energy(beta, s) : beta * law.sigma_c * s;
+}
+
+}  // namespace
+
+void account_law_change(const Model& model, const State& begin, StepReport& report) {
+    const Temperatures &before = *begin.temperature_before, &now = *begin.temperature;
+    if (&before == &now) return;
+    const double half_a_step = begin.rate.empty() ? 0.5 * begin.last_step : 0;  // [s]
+    const auto velocity = [&](Index corner) -> Vec2 {
+        return corner == rigid_support ? Vec2::Zero() : begin.velocity[begin.node_of_corner[corner]];
+    };
+    for (std::size_t rank = 0; rank < begin.split_fans.size(); ++rank) {
+        const auto points = model.points(model.fans[begin.split_fans[rank]]);
+        for (std::size_t j = 0; j < points.size(); ++j) {
+            const FanPoint& point = points[j];
+            const CohesiveLaw &old = before.laws[point.point], &law = now.laws[point.point];
+            if (point.cracked || law.sigma_c == old.sigma_c) continue;
+            const double beta = begin.points[begin.first_point[rank] + j].cohesion;
+            const Vec2 back = half_a_step * (velocity(point.after) - velocity(point.before));
+            const Vec2 u =
+                begin.opening_of(point, {}) - Vec2(point.normal.dot(back), turned_left(point.normal).dot(back));
+            report.law_change += point.area * (stored(law, beta, u) - stored(old, beta, u));
+            report.consumed_change += point.area * (law.consumed(beta) - old.consumed(beta));
+        }
+    }
+}
+
+}  // namespace knap
