@@ -59,7 +59,13 @@ std::vector<std::vector<double>> Breaks::found(const State& now) {
             double angle = std::atan2(b.y() - a.y(), b.x() - a.x()) * 180 / std::numbers::pi;
             if (angle < 0) angle += 180;
             if (angle >= 180) angle -= 180;
-            const double energy = law.G_c * interface.length * model_.thickness;
+            double factor = 1;  // of incubated strengths, by area
+            for (Index p = 0; !now.incubation.empty() && p < model_.points_per_interface(); ++p) {
+                const FanPoint& at = model_.fan_points[model_.fan_point_of[model_.points_per_interface() * i + p]];
+                const double part = at.area / (interface.length * model_.thickness);
+                factor += part * (now.strength_factor(model_.fan_of_corner[at.corner()]) - 1);
+            }
+            const double energy = factor * law.G_c * interface.length * model_.thickness;
             const Break broken{now.time, 0.5 * (a + b), angle, interface.length, shear_[i], energy};
             lines.push_back(values_of(break_columns(), broken));
         }

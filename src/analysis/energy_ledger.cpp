@@ -42,7 +42,7 @@ EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix ma
 }
 
 void EnergyLedger::add(const State& end, const StepReport& report) {
-    const double at_end_before = row_.surface() - row_.interface_elastic;
+    const double surface_before = row_.surface();
     ++n_steps_;
     supplied_ += std::max(0.0, report.external_work) + std::max(0.0, report.excavation_work) +
                  std::max(0.0, report.thermal_work);
@@ -65,23 +65,24 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.scheme_dissipation += report.scheme_dissipation;
     row_.thermal_work += report.thermal_work;
     row_.law_change += report.law_change;
+    row_.viscous_dissipation += report.viscous_dissipation;
     row_.crossing_loss += report.crossing_loss;
     const double work = row_.external_work - row_.cohesive_work + row_.friction_work + row_.impact_work +
                         row_.step_change_work + row_.rotation_work + row_.damping_work + row_.radiated_work -
                         row_.scheme_dissipation + row_.excavation_work - row_.excavated_energy + row_.thermal_work;
     row_.residual = row_.kinetic + row_.strain - start_energy_ - work;
-    row_.law_lag =
-        row_.cohesive_work + row_.law_change - row_.crossing_loss - row_.surface() - row_.excavated_recoverable;
+    row_.law_lag = row_.cohesive_work + row_.law_change - row_.crossing_loss - row_.viscous_dissipation -
+                   row_.surface() - row_.excavated_recoverable;
     largest_energy_ =
         std::max({largest_energy_, row_.kinetic, row_.strain, std::abs(row_.external_work), row_.surface()});
     largest_recoverable_ = std::max(largest_recoverable_, row_.recoverable + row_.interface_elastic);
     // comparisons with NaN are false: NaN counts as the largest value
     if (!(std::abs(row_.residual) <= largest_residual_)) largest_residual_ = std::abs(row_.residual);
     largest_rotation_work_ = std::max(largest_rotation_work_, std::abs(row_.rotation_work));
-    const bool explicit_bulk = end.rate.empty();
-    const double lag =
-        row_.law_lag +
-        (explicit_bulk ? 0.5 * (row_.surface() - row_.interface_elastic - at_end_before - report.law_change) : 0);
+    // Psi of constant unloading belongs to the end of a step, works of the leapfrog to its middle; those of secant
+    // unloading both belong to the middle
+    const bool half_later = end.rate.empty() && row_.interface_elastic == 0;
+    const double lag = row_.law_lag + (half_later ? 0.5 * (row_.surface() - surface_before - report.law_change) : 0);
     law_lag_ = over_dissipated(lag);
     if (const double now = over_dissipated(lag, 1e-2); !(std::abs(now) <= std::abs(largest_law_lag_)))
         largest_law_lag_ = now;
@@ -168,6 +169,10 @@ std::span<const Measure<EnergyRow>> energy_columns() {
          "change of the recoverable and elastic energy of interfaces by strengths that follow the temperature, so far; "
          "where there are some",
          [](const R& r) { return r.law_change; }},
+        {"viscous_dissipation", "J",
+         "energy that delayed softening has dissipated so far in addition to `dissipated`, never negative; with a "
+         "relaxation_time",
+         [](const R& r) { return r.viscous_dissipation; }},
         {"heat", "J", "heat stored since the start, sum of C (T - T at the start); with conduction",
          [](const R& r) { return r.heat; }},
         {"heat_in", "J", "heat that came through boundaries and from sources so far; with conduction",
@@ -185,6 +190,7 @@ std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works) {
                (column.name == "radiated_work" && !works.radiation) ||
                (column.name == "interface_elastic" && !works.secant) ||
                (column.name == "thermal_work" && !works.heat) || (column.name == "law_change" && !works.law_change) ||
+               (column.name == "viscous_dissipation" && !works.delay) ||
                (column.name.starts_with("heat") && !works.conduction) ||
                (column.name.starts_with("excavat") && !works.excavation);
     });

@@ -20,9 +20,10 @@
 //                     high-frequency slips die by it
 //     excavated       kinetic and elastic energy of the regions that vanished, and the recoverable energy of their
 //                     interfaces; what these had dissipated remains in Psi
-//     law lag         cohesive work + law change - crossing loss - Psi - excavated recoverable energy: error of steps
-//                     of finite size, in which the force and beta belong to different times (staggering error of beta);
-//                     it decreases with the step
+//     viscous         dissipation of delayed softening: what points bear beyond their softening curve while beta falls
+//     law lag         cohesive work + law change - crossing loss - viscous dissipation - Psi - excavated recoverable
+//                     energy: error of steps of finite size, in which the force and beta belong to different times
+//                     (staggering error of beta); it decreases with the step
 //
 // With the explicit bulk, kinetic and strain energy are those of the leapfrog: 1/2 v' M v at the middle of the step and
 // 1/2 u_n' K u_{n+1}, with large rotations U_n - 1/2 f_n . (u_{n+1} - u_n); with the implicit bulk, those at the end of
@@ -50,6 +51,7 @@ struct EnergyRow {
     double scheme_dissipation = 0;                           // by theta > 1/2
     double thermal_work = 0;                                 // of thermal strains that change
     double law_change = 0;                                   // of strengths that follow the temperature
+    double viscous_dissipation = 0;                          // of delayed softening, in addition to `dissipated`
     double heat = 0, heat_in = 0;                            // with conduction: stored, and what came in
     double residual = 0, crossing_loss = 0, law_lag = 0;
 
@@ -59,7 +61,7 @@ struct EnergyRow {
         archive(time, step, kinetic, strain, dissipated, recoverable, interface_elastic, external_work, cohesive_work,
                 friction_work, impact_work, step_change_work, rotation_work, damping_work, radiated_work,
                 excavation_work, excavated_energy, excavated_recoverable, scheme_dissipation, thermal_work, law_change,
-                heat, heat_in, residual, crossing_loss, law_lag);
+                viscous_dissipation, heat, heat_in, residual, crossing_loss, law_lag);
     }
 };
 std::span<const Measure<EnergyRow>> energy_columns();
@@ -67,7 +69,7 @@ std::span<const Measure<EnergyRow>> energy_columns();
 /// Works that only some scenes have; energy.csv of the others has no columns for them.
 struct RareWorks {
     bool rotation = false, damping = false, radiation = false, excavation = false, secant = false, heat = false,
-         conduction = false, law_change = false;
+         conduction = false, law_change = false, delay = false, incubation = false;
 };
 std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works);
 

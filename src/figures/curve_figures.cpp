@@ -105,6 +105,7 @@ Chart energy_chart(const History& energy) {
                            Term{dissipated, dissipated, 1, vermilion, 0, true},
                            Term{"recoverable", "recoverable", 1, green, 0, false},
                            Term{"recoverable, secant", "interface_elastic", 1, sky, 1, false},
+                           Term{"dissipated by delay", "viscous_dissipation", 1, vermilion, 2, false},
                            Term{"lost in friction", "friction_work", -1, purple, 0, false},
                            Term{"lost in impact", "impact_work", -1, sky, 0, false},
                            Term{"damped", "damping_work", -1, green, 2, false},

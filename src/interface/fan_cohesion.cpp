@@ -1,5 +1,7 @@
 #include "interface/fan_cohesion.hpp"
 
+#include "interface/fan_ramps.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -16,7 +18,7 @@ double cohesion_after(const FanProblem& problem, const LinkCohesion& at) {
     const FanLink& link = problem.links[at.link];
     const Vec2 rate = problem.velocity_after(link.after) - problem.velocity_after(link.before);
     return at.law->next_cohesion(at.start, link.u_N + problem.drift_time * link.normal.dot(rate),
-                                 link.u_T + problem.drift_time * link.tangent().dot(rate));
+                                 link.u_T + problem.drift_time * link.tangent().dot(rate), problem.drift_time);
 }
 
 }  // namespace
@@ -26,7 +28,7 @@ FanSolution solve_softening(FanProblem& problem, FanSolver& solver, std::vector<
     double last_gap = 0;
     int iterations = 0;
     for (int solve = 1;; ++solve) {
-        FanSolution solution = solver.solve(problem);
+        FanSolution solution = solve_on_ramps(problem, solver);
         iterations += solution.iterations;
         double gap = 0, product = 0, top = 0, bottom = 0;
         for (LinkCohesion& at : cohesion) {

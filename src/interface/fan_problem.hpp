@@ -7,13 +7,15 @@
 //     P_N = -C + p,           0 <= p  perp  V_N - b >= 0   where the point may touch, else p = 0;  C = k S beta sigma_c
 //    -P_T in gamma C sgn(u_T + h V_T) + mu p 1/2 [ sgn(V_T) + sgn(V_T + V_T-) ]
 //
-// Secant unloading: C r instead of C, with the part r that belongs to the mean of the openings at the middle of the
-// last step and of this one, and the sign of the slip there,
+// Secant unloading: C r instead of C, with the part r that belongs to the mean of the openings s- and s+ in the middles
+// of the last step and of this one, and the sign of the slip at the end of this interval,
 //
-//     r = clamp(s/kappa, 0, 1),    s = u_N + gamma |u_T| at  u + (h V - h- V-)/4        h-: the last step
+//     r = clamp((s- + s+)/(2 kappa), 0, 1),    s = u_N + gamma |u_T| at  u - h- V-/2  and  u + h V/2     h-: last step
+//     -P_T has the sign of u_T + h V_T/2
 //
-// It is the derivative of a convex function of V, so the law stays monotone, and its work is exactly the change of
-// C s^2/(2 k kappa) between the middles of the steps as long as beta and the sign of the slip stand and h- = h.
+// It is the derivative of a convex function of V, so the law stays monotone. Its work is exactly the change of
+// C s^2/(2 k kappa) where the slip keeps its sign and h- = h, and more than that where the slip crosses zero (crossing
+// loss). A step that passes kappa takes the quotient of the changes of energy and opening (fan_ramps.hpp).
 //
 // k is the time over which forces act on the velocity, h the time over which the velocity moves the points (equal at
 // constant step). The bound b and the two signs of friction make the work of every contact with the mean velocity
@@ -49,7 +51,10 @@ struct FanLink {
     double restitution;              // [-]
     bool unbreakable;                // sticks for ever
     double ramp = 0;                 // [m/s] 4 kappa/h of secant unloading; 0: the cohesion is C at all openings
-    Vec2 ramp_start = Vec2::Zero();  // [m/s] (N, T): 4/h of the mean opening, without V
+    Vec2 ramp_start = Vec2::Zero();  // [m/s] (4/h of the mean opening without V_N and the slip at the end, 2 u_T/h)
+    double ramp_shift = 0;           // [m/s] part of ramp_start: a ramp that is a tangent begins elsewhere than at 0
+    double kappa = 0;                // [m] on a ramp
+    Vec2 middle = Vec2::Zero();      // [m] on a ramp: (u_N, u_T) in the middle of the last step
     double borne = 0;                // [N s] result: cohesion, C or its part on the ramp
     double contact = 0;              // [N s] result: p
     double tangential = 0;           // [N s] result: P_T = cohesive part + friction
@@ -58,7 +63,8 @@ struct FanLink {
     bool stuck = false;              // result: closed, at a kink of its staircase
 
     Vec2 tangent() const { return turned_left(normal); }
-    /// [-] s/kappa on the ramp at this relative velocity.
+    void set_ramp(double h) { ramp = 4 / h * kappa; }
+    /// [-] Mean opening over kappa on the ramp at this relative velocity.
     double ramp_part(const Vec2& velocity) const {
         return (ramp_start.x() + normal.dot(velocity) + gamma * std::abs(ramp_start.y() + tangent().dot(velocity))) /
                ramp;
@@ -73,8 +79,9 @@ struct FanProblem {
     std::vector<FanLink>
         links;  // in the order of the chain; of a closed one the first joins the last body to the first
     bool closed = false;
-    bool turns = false;     // large rotations: its normals turn from step to step
-    double drift_time = 0;  // [s] h
+    bool has_ramps = false;  // of some link
+    bool turns = false;      // large rotations: its normals turn from step to step
+    double drift_time = 0;   // [s] h
 
     // per body, the support included
     Vec2 inverse_mass(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].inverse_mass; }

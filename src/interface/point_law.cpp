@@ -8,7 +8,8 @@ namespace {
 
 /// beta+ and beta_theta from the openings at the end of the step.
 void update_cohesion(const PointLaw& law, double u_N, double u_T, PointResponse& r) {
-    r.end_cohesion = law.step->implicit_beta ? law.material->next_cohesion(law.cohesion, u_N, u_T) : law.cohesion;
+    r.end_cohesion =
+        law.step->implicit_beta ? law.material->next_cohesion(law.cohesion, u_N, u_T, law.step->h) : law.cohesion;
     r.softens = r.end_cohesion < law.cohesion && r.end_cohesion > 0;
     r.breaks = r.end_cohesion < law.cohesion && r.end_cohesion == 0;
     r.piece = r.softens ? law.material->piece_at(law.material->equivalent_opening(u_N, u_T)) : 0;
@@ -100,7 +101,7 @@ PointResponse respond(const PointLaw& law, double w_N, double w_T) {
 
 double softening_modulus(const PointLaw& law, const PointResponse& r, Softening softening) {
     const bool one_piece = r.softens && softening == Softening::now;
-    return law.strength * law.step->theta * law.step->h /
+    return law.material->relaxed_part(law.step->h) * law.strength * law.step->theta * law.step->h /
            (one_piece ? law.material->piece_length(r.piece) : law.material->softening_length(law.cohesion));
 }
 

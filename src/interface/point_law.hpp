@@ -82,7 +82,7 @@ enum class Softening {
 
 /// Slope of the cohesive impulse on the descending branch [kg] and its direction; a fixed component takes no part. The
 /// slope is that of the piece at the end of the step, or, where all cohesion was lost or `at_all`, the steepest one of
-/// the cohesions that the step may pass.
+/// the cohesions that the step may pass. Delayed softening takes the relaxed part of it.
 double softening_modulus(const PointLaw& law, const PointResponse& response, Softening softening);
 Vec2 loss_direction(const PointLaw& law, const PointResponse& response);
 

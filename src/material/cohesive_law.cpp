@@ -27,9 +27,14 @@ double CohesiveLaw::equivalent_opening(double u_N, double u_T) const {
     return std::max(u_N, 0.0) + gamma * std::abs(u_T);
 }
 
-double CohesiveLaw::next_cohesion(double cohesion, double u_N, double u_T) const {
+double CohesiveLaw::next_cohesion(double cohesion, double u_N, double u_T, double h) const {
     // 0 <= A  perp  -d beta/dt >= 0,  A = sigma_c delta_c (1 - beta) - sigma_c s + xi,  0 <= xi perp beta >= 0
     if (cohesion == 0) return 0;
+    if (relaxation_time > 0) {
+        const double s = equivalent_opening(u_N, u_T),
+                     B = softening ? softening->continued_traction(s * sigma_c / G_c) : 1 - s / delta_c();
+        return std::clamp(cohesion - relaxed_part(h) * (cohesion - B), 0.0, cohesion);
+    }
     if (softening) return std::min(cohesion, softening->traction(equivalent_opening(u_N, u_T) * sigma_c / G_c));
     return std::min(cohesion, std::max(0.0, 1 - equivalent_opening(u_N, u_T) / delta_c()));
 }
@@ -41,13 +46,19 @@ double CohesiveLaw::surface_energy(double cohesion, double u_N, double u_T) cons
     return recoverable + G_c * (1 - cohesion) * (1 - cohesion);
 }
 
-double CohesiveLaw::consumed(double cohesion) const {
-    return surface_energy(cohesion, 0, 0) + 0.5 * cohesion * sigma_c * ramp(cohesion);
+double CohesiveLaw::consumed(double cohesion, double kappa) const {
+    return surface_energy(cohesion, 0, 0) + 0.5 * cohesion * sigma_c * kappa;
 }
 
-double CohesiveLaw::elastic_energy(double cohesion, double s) const {
-    const double kappa = ramp(cohesion);
-    return kappa > 0 ? 0.5 * cohesion * sigma_c * s * s / kappa : 0;
+double CohesiveLaw::viscous_dissipation(double before, double after, double s) const {
+    if (relaxation_time == 0 || after >= before) return 0;
+    const double at_rest = surface_energy(after, 0, 0) - surface_energy(before, 0, 0);  // int sigma_c s(beta) d beta
+    return std::max(0.0, sigma_c * (before - after) * s - at_rest);
+}
+
+double CohesiveLaw::elastic_energy(double cohesion, double kappa, double s) const {
+    if (cohesion == 0) return 0;
+    return cohesion * sigma_c * (s < kappa ? 0.5 * s * s / kappa : s - 0.5 * kappa);
 }
 
 }  // namespace knap

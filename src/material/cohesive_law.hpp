@@ -3,14 +3,19 @@
 //     Psi(u_N, u_T, beta) = beta sigma_c s + w f(beta),     s = u_N + gamma |u_T|,     w = G_c
 //     on first loading  beta = B(s sigma_c/w),   and beta never grows
 // Unloading keeps beta and the traction beta sigma_c, or (secant) the traction falls with the opening:
-//     sigma = beta sigma_c min(1, s/kappa),  kappa = s(beta), the largest s so far
+//     sigma = beta sigma_c min(1, s/kappa),  kappa: the largest s so far
 // Linear softening: f = (1 - beta)^2, beta = 1 - s/delta_c, delta_c = 2 w/sigma_c. Other shapes: softening_shape.hpp.
 //
 // Strength may follow the temperature: phi(T) multiplies sigma_c and w alike, so that delta_c stays and beta means the
 // same opening at every T; beta never grows, so what has opened does not heal when it freezes again.
+// Delayed softening (O. Allix, J.-F. Deue, Eng. Trans. 45, 1997, 29): beta follows B in the relaxation time tau, with B
+// continued below 0 by its last piece, so that a point that opens breaks in finite time. A step of size h takes
+//     d beta/dt = -<beta - B>/tau        beta+ = beta - <beta - B(s+)>/(1 + tau/h)
+// The strength stays, the energy of a break grows with the speed of opening: w + int sigma_c (s(beta) - s) d beta.
 #include "material/softening_shape.hpp"
 #include "material/thermal.hpp"
 
+#include <algorithm>
 #include <limits>
 
 namespace knap {
@@ -32,6 +37,8 @@ struct CohesiveLaw {
     std::shared_ptr<const SofteningShape> softening = nullptr;  // null: linear; shared by laws that differ in strength
 
     Unloading unloading = Unloading::constant;
+    double relaxation_time = 0;  // [s] tau of delayed softening; 0: the cohesion follows the opening at once
+    double incubation_time = 0;  // [s] that an overload needs to break a bond (explicit/incubation.hpp); 0: none
     std::shared_ptr<const StrengthOfTemperature> of_temperature = nullptr;  // null: the same at all; shared likewise
 
     /// The law at a temperature.
@@ -60,24 +67,33 @@ struct CohesiveLaw {
     double opening_of_fall(double before, double after) const {
         return softening ? 0.5 * (softening->opening(after) - softening->opening(before)) : before - after;
     }
-    /// [m] kappa of a damaged point with secant unloading: the opening at which its traction is beta sigma_c; else 0.
-    double ramp(double cohesion) const {
-        if (unloading == Unloading::constant || cohesion >= 1 || cohesion <= 0) return 0;
-        return softening ? softening->opening(cohesion) * G_c / sigma_c : (1 - cohesion) * delta_c();
+    /// [m] kappa of a point with secant unloading that has been opened by `largest` so far; else 0.
+    double ramp(double cohesion, double largest) const {
+        return unloading == Unloading::constant || cohesion <= 0 ? 0 : largest;
+    }
+    /// [m] The largest opening at the end of a step at the equivalent opening s; an opening by rounding is none.
+    double largest_opening(double before, double s) const {
+        return unloading == Unloading::constant || s <= 1e-12 * delta_c() ? before : std::max(before, s);
     }
     /// [-] Newton's e in a step that begins with this cohesion. Restitution is for faces that meet: cohesion would pull
     /// a damaged point that is thrown back into the other side by the whole of its approach.
     double restitution_at(double cohesion) const { return cohesion > 0 ? 0 : restitution; }
     /// Equivalent opening s [m]; penetration does not count.
     double equivalent_opening(double u_N, double u_T) const;
-    /// Cohesion at the end of a step that began with `cohesion` and ends at opening (u_N, u_T).
-    double next_cohesion(double cohesion, double u_N, double u_T) const;
+    /// [-] Part of the way to B that the cohesion goes in a step of h [s].
+    double relaxed_part(double h) const { return 1 / (1 + relaxation_time / h); }
+    /// Cohesion at the end of a step of h [s] that began with `cohesion` and ends at opening (u_N, u_T).
+    double next_cohesion(double cohesion, double u_N, double u_T,
+                         double h = std::numeric_limits<double>::infinity()) const;
+    /// [J/m2] Delayed softening: what a fall of the cohesion at the equivalent opening s dissipates beyond G_c f(beta),
+    /// int sigma_c (s - s(beta)) d beta.
+    double viscous_dissipation(double before, double after, double s) const;
     /// Psi [J/m2] of the state, with constant unloading.
     double surface_energy(double cohesion, double u_N, double u_T) const;
     /// [J/m2] What a point that closes has lost for good: G_c f(beta), with secant unloading beta sigma_c kappa/2 more.
-    double consumed(double cohesion) const;
-    /// [J/m2] Secant unloading: beta sigma_c s^2/(2 kappa), which a point that closes gives back.
-    double elastic_energy(double cohesion, double s) const;
+    double consumed(double cohesion, double kappa) const;
+    /// [J/m2] Secant unloading: beta sigma_c s^2/(2 kappa), which a point that closes gives back; linear beyond kappa.
+    double elastic_energy(double cohesion, double kappa, double s) const;
 };
 
 }  // namespace knap

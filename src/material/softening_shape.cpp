@@ -83,6 +83,10 @@ double SofteningShape::traction(double x) const {
     return std::max(0.0, knots_[i].y() - slopes_[i] * (x - knots_[i].x()));
 }
 
+double SofteningShape::continued_traction(double x) const {
+    return x > final_opening() ? slopes_.back() * (final_opening() - x) : traction(x);
+}
+
 double SofteningShape::opening(double beta) const {
     if (beta <= 0) return final_opening();
     std::size_t i = 0;
@@ -104,8 +108,6 @@ double SofteningShape::steepest(double beta) const {
         if (knots_[i + 1].y() < beta) steepest = std::max(steepest, slopes_[i]);
     return steepest;
 }
-
-bool SofteningShape::has_plateau() const { return std::ranges::count(slopes_, 0.0) > 0; }
 
 std::string fault_of_softening(const std::vector<Vec2>& knots) {
     if (knots.size() < 2) return "has less than two points";

@@ -34,14 +34,15 @@ public:
     explicit SofteningShape(std::vector<Vec2> knots);
 
     double traction(double x) const;                            // [-] B, exactly 0 from the final opening on
+    double continued_traction(double x) const;                  // [-] B, beyond the final opening on the last piece
     double opening(double beta) const;                          // [-] the largest x with B >= beta
     double dissipated(double beta) const;                       // [-] f
     double final_opening() const { return knots_.back().x(); }  // [-] x_f
     int piece_at(double x) const;                               // number of the piece, the last one beyond x_f
-    double slope(int piece) const { return slopes_[piece]; }    // [-] -dB/dx; infinite where B drops
-    double steepest(double beta = 1) const;                     // [-] largest slope below this cohesion
-    bool has_plateau() const;                                   // the opening does not follow from the cohesion
-    const std::vector<Vec2>& knots() const { return knots_; }   // (x, B)
+    int n_pieces() const { return static_cast<int>(slopes_.size()); }
+    double slope(int piece) const { return slopes_[piece]; }   // [-] -dB/dx; infinite where B drops
+    double steepest(double beta = 1) const;                    // [-] largest slope below this cohesion
+    const std::vector<Vec2>& knots() const { return knots_; }  // (x, B)
 
 private:
     std::vector<Vec2> knots_;

@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 
 namespace knap {
@@ -21,10 +22,16 @@ State initial_state(const Model& model) {
     if (!model.contact_of_pair.empty()) state.retired.assign(model.n_points(), 0);
     for (std::size_t f = 0; f < n_fans; ++f)
         if (model.fans[f].split_at_start) split(model, static_cast<Index>(f), state);
+    if (has_incubation(model)) state.incubation.resize(n_fans);
     if (model.heat) state.temperature = state.temperature_before = field_at(model, 0);
     for (Index c = 0; c < model.mesh.n_corners(); ++c)  // equal at all corners of a node
         state.velocity[state.node_of_corner[c]] = model.initial_velocity[c];
     return state;
+}
+
+bool has_incubation(const Model& model) {
+    return std::ranges::any_of(model.laws,
+                               [](const CohesiveLaw& law) { return law.breakable() && law.incubation_time > 0; });
 }
 
 void split(const Model& model, Index f, State& state) {

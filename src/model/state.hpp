@@ -9,12 +9,26 @@ namespace knap {
 
 /// The state of one point of a split fan.
 struct PointState {
-    double cohesion;  // [-] beta
-    Vec2 traction;    // [Pa] (N, T) on the side `after`, mean over the last step
+    double cohesion;             // [-] beta
+    Vec2 traction;               // [Pa] (N, T) on the side `after`, mean over the last step
+    double largest_opening = 0;  // [m] kappa of secant unloading: the largest s at which works ended
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(cohesion, traction);
+        archive(cohesion, traction, largest_opening);
+    }
+};
+
+/// Overload of a fan whose laws have an incubation time (stepper/explicit/incubation.hpp).
+struct Incubation {
+    double memory = 0;       // [-] q
+    double utilisation = 0;  // [-] U, when it was found last
+    double time = 0;         // [s] of that
+    double factor = 1;       // [-] phi on sigma_c and G_c of its points, frozen when it splits
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(memory, utilisation, time, factor);
     }
 };
 
@@ -52,6 +66,8 @@ struct State {
                                         // sides, which touch others apart; empty where Model::contact_of_pair is
     std::vector<FaceContactState> face_contacts;  // of the last step, in the order of (vertex, edge)
 
+    std::vector<Incubation> incubation;  // per fan; empty where no law has an incubation time
+
     SharedTemperatures temperature;         // null: no heat
     SharedTemperatures temperature_before;  // one step before, or the same object where it has not changed
 
@@ -67,12 +83,14 @@ struct State {
         return {point.gap + normal.dot(jump), turned_left(normal).dot(jump)};
     }
 
+    /// [-] phi of the points of a fan.
+    double strength_factor(Index fan) const { return incubation.empty() ? 1 : incubation[fan].factor; }
     bool has_retired(Index point) const { return !retired.empty() && retired[point] == 1; }
 
     template <class Archive>
     void serialize(Archive& archive) {
         archive(time, last_step, n_steps, displacement, velocity, rate, node_of_corner, split_fans, first_point, points,
-                split_rank, reaction, obstacles, elastic_energy, elastic_work, retired, face_contacts);
+                split_rank, reaction, obstacles, elastic_energy, elastic_work, retired, face_contacts, incubation);
         const bool same = temperature == temperature_before;
         for (SharedTemperatures* shared : {&temperature, &temperature_before}) {
             Temperatures values = *shared && (!same || shared == &temperature) ? **shared : Temperatures{};
@@ -85,6 +103,9 @@ struct State {
 };
 
 State initial_state(const Model& model);
+
+/// A law of the model has an incubation time.
+bool has_incubation(const Model& model);
 
 /// Gives every corner of `fan` a node of its own and every point a PointState.
 void split(const Model& model, Index fan, State& state);

@@ -76,6 +76,9 @@ State carried_over(const Model& from, const State& state, const Model& to) {
         for (std::size_t j = 0; j < points.size(); ++j)
             next.points[next.first_point[s] + j] = *state_of(from, state, points[j].point);
     }
+    if (!state.incubation.empty()) next.incubation.resize(n_fans);
+    for (std::size_t f = 0; f < next.incubation.size(); ++f)
+        next.incubation[f] = state.incubation[from.fan_of_corner[to.corners(to.fans[f])[0]]];
     next.retired = state.retired;
     for (std::size_t p = 0; p < next.retired.size(); ++p)
         if (to.fan_point_of[p] < 0) next.retired[p] = 0;

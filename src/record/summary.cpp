@@ -90,6 +90,8 @@ bool always(F) { return true; }
 bool with_breaks(F f) { return !std::isnan(f.n_shear); }
 bool excavates(F f) { return f.recorder.options().works.excavation; }
 bool with_heat(F f) { return f.recorder.options().works.heat; }
+bool delays(F f) { return f.recorder.options().works.delay; }
+bool incubates(F f) { return f.recorder.options().works.incubation; }
 bool may_rest(F f) { return f.recorder.rest() != nullptr; }
 bool of_specimen(F f) { return f.specimen.has_value(); }
 bool with_gauge(F f) { return f.specimen && f.specimen->lateral; }
@@ -141,6 +143,11 @@ constexpr SummaryRow rows[]{
      [](F f) { return f.energy.dissipated; }},
     {"recoverable", "J", "energy that damaged interfaces return when they close, beta sigma_c s, at the end",
      [](F f) { return f.energy.recoverable; }},
+    {"viscous_dissipation", "J", "energy that delayed softening dissipated in addition; with a relaxation_time",
+     [](F f) { return f.energy.viscous_dissipation; }, delays},
+    {"largest_strength_factor", "",
+     "largest factor on strength and fracture energy of a vertex that split; with an incubation_time; 0: none split",
+     [](F f) { return f.ledger.worst().largest_strength_factor; }, incubates},
     {"friction_work", "J", "work of friction, never positive", [](F f) { return f.energy.friction_work; }},
     {"impact_work", "J", "work of all impacts, never positive", [](F f) { return f.energy.impact_work; }},
     {"excavation_work", "J", "work of the forces of excavated regions while they decrease; with excavations",

@@ -265,6 +265,13 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.word("unloading", {"constant", "secant"}, "traction of a damaged interface that closes: constant beta sigma_c, "
         "or secant: falls to 0 with the opening").otherwise("constant")
         .to(&CohesiveLaw::unloading, {Unloading::constant, Unloading::secant});
+    t.number("relaxation_time", "s", "delayed softening: the cohesion follows the softening curve in this time, so "
+        "that fast openings cost more energy (viscous_dissipation); the strength stays. 0: at once")
+        .at_least(0).otherwise("0").to(&CohesiveLaw::relaxation_time);
+    t.number("incubation_time", "s", "a vertex inside the body splits only once the overload of its interfaces, which "
+        "a memory of this time follows, has reached 1; it then has the strength and fracture energy times the overload "
+        "of that moment. Explicit bulk; not on supports and initial cracks. 0: at once")
+        .at_least(0).otherwise("0").to(&CohesiveLaw::incubation_time);
     t.number("gamma", "", "shear strength over tensile strength, without friction; 0: cohesion in mode I only")
         .at_least(0).otherwise("1").to(&CohesiveLaw::gamma);
     t.number("strength_table", "K", "factor on sigma_c and G_c over temperature as pairs [temperature, factor], with "

@@ -67,10 +67,13 @@ CohesiveLaw read_law(const Table& table) {
     law.softening = read_softening(table);
     if (law.softening && !has_cohesion)
         table.error("exclusive-keys", "softening", "belongs to a law with cohesion, and this one has no strength");
-    if (law.softening && law.unloading == Unloading::secant && law.softening->has_plateau())
-        table.error("exclusive-keys", "unloading",
-                    "= \"secant\" needs a traction that falls with every opening, and this softening has a plateau",
-                    "a slight slope in a table instead of the plateau, or unloading = \"constant\"");
+    if (law.relaxation_time > 0 && law.softening && std::isinf(law.softening->slope(law.softening->n_pieces() - 1)))
+        table.error("exclusive-keys", "relaxation_time",
+                    "continues the last piece of the softening, and this one drops from a traction to 0 at once",
+                    "a slope at the end of the softening, for example plateau = 0.9");
+    for (const char* key : {"relaxation_time", "incubation_time"})
+        if (table.number(key).value_or(0) > 0 && !has_cohesion)
+            table.error("exclusive-keys", key, "belongs to a law with cohesion, and this one has no strength");
     const double mean = law.softening ? 1 / law.softening->final_opening() : 0.5;  // [-] traction, up to delta_c
     law.G_c = energy == "delta_c" ? mean * law.sigma_c * table.number("delta_c").value_or(0)
                                   : table.number("G_c").value_or(0);
@@ -189,6 +192,12 @@ void read_materials(Reading& reading) {
 }
 
 void check_softening(Reading& reading) {
+    if (reading.scenario.time.scheme.bulk == BulkScheme::implicit_theta)
+        for (const Table& table : reading.list("interface"))
+            if (table.number("incubation_time").value_or(0) > 0)
+                table.error("exclusive-keys", "incubation_time",
+                            "needs the explicit bulk: an implicit step may be longer than the overload lasts",
+                            "bulk = \"explicit\" in [time]");
     if (reading.scenario.time.scheme.cohesion != CohesionScheme::implicit_beta) return;
     std::size_t i = 0;
     for (const Table& table : reading.list("interface")) {

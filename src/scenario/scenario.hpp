@@ -167,20 +167,24 @@ struct Scenario {
         return names;
     }
     RareWorks works() const {
+        const auto any_law = [&](const auto& has) {
+            return std::ranges::any_of(laws,
+                                       [&](const NamedLaw& named) { return named.law.breakable() && has(named.law); });
+        };
         return {.rotation = large_rotation,
                 .damping = time.scheme.damping > 0,
                 .radiation = !time.scheme.absorbing.empty(),
                 .excavation = !excavations.empty(),
-                .secant = std::ranges::any_of(laws,
-                                              [](const NamedLaw& named) {
-                                                  return named.law.unloading == Unloading::secant &&
-                                                         named.law.breakable();
-                                              }),
+                .secant = any_law([](const CohesiveLaw& law) { return law.unloading == Unloading::secant; }),
                 .heat = heat.has_value(),
                 .conduction = heat && heat->conduction,
-                .law_change = std::ranges::any_of(laws, [](const NamedLaw& named) {
-                    return named.law.of_temperature && !named.law.of_temperature->strength.empty();
-                })};
+                .law_change = std::ranges::any_of(laws,
+                                                  [](const NamedLaw& named) {
+                                                      return named.law.of_temperature &&
+                                                             !named.law.of_temperature->strength.empty();
+                                                  }),
+                .delay = any_law([](const CohesiveLaw& law) { return law.relaxation_time > 0; }),
+                .incubation = any_law([](const CohesiveLaw& law) { return law.incubation_time > 0; })};
     }
     std::vector<std::string> material_names() const {
         std::vector<std::string> names;

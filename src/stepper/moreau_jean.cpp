@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace knap {
 namespace {
@@ -194,6 +195,7 @@ void MoreauJean::start_in_equilibrium(State& start) const {
         now.velocity[now.node_of_corner[c]] = start.velocity[start.node_of_corner[c]];
     for (std::size_t o = 0; o < now.obstacles.size(); ++o) now.obstacles[o].velocity = start.obstacles[o].velocity;
     now.temperature = start.temperature, now.temperature_before = start.temperature_before;
+    for (Incubation& memory : now.incubation) memory.time = -std::numeric_limits<double>::infinity();
     start = std::move(now);
 }
 

@@ -52,6 +52,26 @@ TEST_CASE("a finished run goes on to a later end and is the run that its resolve
     check_same_output(run, folder.path / "twice");
 }
 
+TEST_CASE("a run with secant unloading and laws of rate is extended to the bits of the run of that length") {
+    const Folder folder("extend_rates");
+    const std::string rates = "run " + block +
+                              "-s interface.default.unloading=secant -s interface.default.relaxation_time=2e-7 -s "
+                              "interface.default.incubation_time=2e-6 ";
+    REQUIRE(command(rates + "-s 'time.end=35 us' -o " + folder.in_shell("run")).code == 0);
+    REQUIRE(command(rates + "-s 'time.end=50 us' -o " + folder.in_shell("run")).code == 0);
+    REQUIRE(command("run " + folder.in_shell("run/resolved.toml") + " -q -j 1 -o " + folder.in_shell("once")).code ==
+            0);
+    check_same_output(folder.path / "run", folder.path / "once");
+    // all three were at work
+    const std::string record = text_of(folder.path / "once/run.json");
+    for (const char* number : {"largest_strength_factor", "viscous_dissipation"}) {
+        const auto at = record.find(number);
+        REQUIRE(at != std::string::npos);
+        CHECK(std::stod(record.substr(record.find(':', at) + 1)) > 0);
+    }
+    CHECK(text_of(folder.path / "once/energy.csv").find("interface_elastic") != std::string::npos);
+}
+
 TEST_CASE("a run with a step of its own is extended to the bits of the run of that length") {
     const Folder folder("extend_step");
     // 0.35 us divides neither end: the last steps of the first run are shorter, and are not in the longer one

@@ -156,7 +156,7 @@ TEST_CASE("listing: every key with its value and origin") {
     CHECK(has("sample.toml:6"));
     CHECK(has("--set seed=9"));
     CHECK(has("default, time.end/40"));
-    CHECK(has("mesh.size                      0.001 m"));
+    CHECK(has("mesh.size                          0.001 m"));
 }
 
 TEST_CASE("built-in: a clear begin of a name is enough") {

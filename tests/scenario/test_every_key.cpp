@@ -388,6 +388,8 @@ const std::string rock = samples::changed("G_c = 3\n", R"(G_c = 3
 softening = "power"
 exponent = 3
 unloading = "secant"
+relaxation_time = "1 us"
+incubation_time = "2 us"
 scatter = { kind = "weibull", modulus = 8, of = ["sigma_c", "G_c"], length = "1 mm", lowest = 0.1, highest = 3 }
 [interface.within]
 sigma_c = 1e7
@@ -833,6 +835,8 @@ const Case cases[] = {
     {rock, "interface.default.softening", "\"power\""},
     {rock, "interface.default.exponent", "3"},
     {rock, "interface.default.unloading", "\"secant\""},
+    {rock, "interface.default.relaxation_time", "1e-06"},
+    {rock, "interface.default.incubation_time", "2e-06"},
     {rock, "interface.within.plateau", "0.6"},
     {rock, "interface.weak.table", "[[0, 3], [0.5, 1], [2, 0]]"},
     {rock, "interface.default.scatter.kind", "\"weibull\""},

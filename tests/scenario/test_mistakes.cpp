@@ -50,12 +50,13 @@ const Case cases[] = {
      changed("nu = 0.2\n", "nu = 0.2\nheat_capacity = 900\nconductivity = 1\n",
              with(heat + "conduction = true\n[[heat.exchange]]\non = \"top\"\noutside = 20\n")),
      "missing-key", 23, 11, 2, "transfer"},
-    {"heat with large rotations", changed("[mesh]", "rotation = \"large\"\n[mesh]", with(heat)), "exclusive-keys", 17, 2,
-     4, "small"},
+    {"heat with large rotations", changed("[mesh]", "rotation = \"large\"\n[mesh]", with(heat)), "exclusive-keys", 17,
+     2, 4, "small"},
     {"a strength over temperature without heat", changed("G_c = 3", "G_c = 3\nstrength_table = [[-10, 1], [0, 0.1]]"),
      "no-heat", 14, 18, 20, "[heat]"},
-    {"a strength above that of the law", changed("G_c = 3", "G_c = 3\nstrength_table = [[-10, 1], [0, 1.5]]", with(heat)),
-     "out-of-range", 14, 18, 20, "strongest state"},
+    {"a strength above that of the law",
+     changed("G_c = 3", "G_c = 3\nstrength_table = [[-10, 1], [0, 1.5]]", with(heat)), "out-of-range", 14, 18, 20,
+     "strongest state"},
     {"temperatures that do not ascend", changed("G_c = 3", "G_c = 3\nfriction_table = [[0, 1], [0, 1]]", with(heat)),
      "out-of-range", 14, 18, 16, "ascend"},
     {"two pressures of one fluid", with(heat + "[[pressure]]\npressure = 1\npressure_table = [[0, 1], [1, 1]]\n"),
@@ -255,8 +256,14 @@ const Case cases[] = {
      "exclusive-keys", 15, 1, 7, "softening = \"trapezoid\""},
     {"a traction that grows", changed("G_c = 3", "G_c = 3\nsoftening = \"table\"\ntable = [[0, 1], [1, 2], [2, 0]]"),
      "out-of-range", 15, 9, 24, "opening 0"},
-    {"secant unloading of a plateau", changed("G_c = 3", "G_c = 3\nsoftening = \"trapezoid\"\nunloading = \"secant\""),
-     "exclusive-keys", 15, 1, 9, "plateau"},
+    {"delayed softening that drops",
+     changed("G_c = 3", "G_c = 3\nsoftening = \"trapezoid\"\nplateau = 1\nrelaxation_time = \"1 us\""),
+     "exclusive-keys", 16, 1, 15, "plateau = 0.9"},
+    {"delay without strength", changed("sigma_c = 3.08e6\nG_c = 3", "sigma_c = 0\nrelaxation_time = 1e-6"),
+     "exclusive-keys", 13, 1, 15, "no strength"},
+    {"incubation in implicit steps",
+     changed("G_c = 3", "G_c = 3\nincubation_time = 1e-6", with("bulk = \"implicit\"\n")), "exclusive-keys", 14, 1, 15,
+     "bulk = \"explicit\""},
     {"softening without strength", changed("sigma_c = 3.08e6\nG_c = 3", "sigma_c = 0\nsoftening = \"power\""),
      "exclusive-keys", 13, 1, 9, "no strength"},
     {"softening that drops",
@@ -392,7 +399,8 @@ TEST_CASE("mistakes: as the user sees them") {
         "    |\n"
         "12 | sigmac  = 3.08e6\n"
         "   | ^^^^^^ did you mean `sigma_c`?\n"
-        "   = keys here: breakable, sigma_c, G_c, delta_c, softening, plateau, exponent, table, csv, unloading, gamma, "
+        "   = keys here: breakable, sigma_c, G_c, delta_c, softening, plateau, exponent, table, csv, unloading, "
+        "relaxation_time, incubation_time, gamma, "
         "strength_table, friction_table, friction, restitution, scatter\n");
 }
 

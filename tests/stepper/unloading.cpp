@@ -12,9 +12,10 @@ using namespace knap::tests;
 
 namespace {
 
-/// Both points of the mass on its support, damaged to beta and displaced by u, at rest.
+/// Both points of the mass on its support, damaged to beta by linear softening and displaced by u, at rest.
 void damage(Run& run, double beta, const Vec2& u) {
-    for (PointState& point : run.now.points) point.cohesion = beta;
+    for (PointState& point : run.now.points)
+        point.cohesion = beta, point.largest_opening = (1 - beta) * run.model.laws[0].delta_c();
     for (Vec2& displacement : run.now.displacement) displacement = u;
 }
 
@@ -33,7 +34,8 @@ TEST_CASE("A1 with secant unloading a cycle costs what the envelope encloses") {
         constexpr int n = 1024;
         const auto work = [&] {
             const double beta = cohesion(run.model, run.now, 0);
-            return law.consumed(beta) + law.elastic_energy(beta, opening(run.model, run.now, 0).x());
+            const double kappa = (1 - beta) * law.delta_c();
+            return law.consumed(beta, kappa) + law.elastic_energy(beta, kappa, opening(run.model, run.now, 0).x());
         };
         const auto go_on = [&] {
             for (int i = 0; i < n; ++i) run.step(1.0 / n);
@@ -47,7 +49,9 @@ TEST_CASE("A1 with secant unloading a cycle costs what the envelope encloses") {
         verify_small("change of the law lag on the way back", run.ledger.row().law_lag - lag, {1e-14, 1e-15});
         run.step(1.0 / n), run.step(1.0 / n);
         verify("work at t = 2", work(), 0.125, {1e-12});
-        verify("energy consumed at t = 2", run.ledger.row().dissipated, 2 * 0.125, {1e-12});
+        // with the explicit bulk kappa is the opening in the middle of a step
+        verify("energy consumed at t = 2", run.ledger.row().dissipated, 2 * 0.125,
+               {path.bulk == BulkScheme::explicit_lumped ? 0.5 / n : 1e-12});
         verify_small("elastic energy at t = 2", run.ledger.row().interface_elastic, {1.0 / n});
         go_on();
         verify("work at t = 3", work(), 0.1875, {1e-12});
@@ -55,6 +59,37 @@ TEST_CASE("A1 with secant unloading a cycle costs what the envelope encloses") {
         verify("work at t = 4", work(), 0.25, {1e-12});
         CHECK(cohesion(run.model, run.now, 0) == 0);
         CHECK(std::abs(run.ledger.row().cohesive_work - 0.5) < 4.0 / n);
+        CHECK(run.ledger.largest_residual() < 1e-12 * run.ledger.largest_energy());
+    }
+}
+
+TEST_CASE("A1 with secant unloading inside a plateau a cycle costs what the envelope encloses") {
+    describe(
+        "Trapezoidal softening with the plateau up to 1/3: opened to .25 (t = 1), closed (2), opened until it breaks. "
+        "Work .125, then .0625, at last G_c; beta stays 1 on the plateau.");
+    for (const SchemeOptions& path : all_paths()) {
+        on_path(path);
+        const CohesiveLaw law{.sigma_c = 0.5,
+                              .G_c = 0.25,
+                              .softening = make_softening({.shape = SofteningOptions::Shape::trapezoid}),
+                              .unloading = Unloading::secant};
+        ModelInput input = point_masses(law, true);
+        input.loads = {load(Load::Kind::displacement, "base", 0.0, 1.0, {{0, 1, 2, 6}, {0, 0.25, 0, 1}})};
+        Run run(input, path);
+        constexpr int n = 1024;
+        const auto go_on = [&](int times) {
+            for (int i = 0; i < times * n; ++i) run.step(1.0 / n);
+        };
+        go_on(1);
+        CHECK(cohesion(run.model, run.now, 0) == 1);
+        verify_near("work at t = 1", run.ledger.row().cohesive_work / 2, 0.125, {1.0 / n});
+        go_on(1);
+        verify_near("work at t = 2", run.ledger.row().cohesive_work / 2, 0.0625, {1.0 / n});
+        verify_near("energy consumed at t = 2", run.ledger.row().dissipated / 2, 0.0625, {1.0 / n});
+        go_on(4);
+        CHECK(cohesion(run.model, run.now, 0) == 0);
+        verify("energy consumed when broken", run.ledger.row().dissipated / 2, law.G_c, {1e-12});
+        CHECK(std::abs(run.ledger.row().law_lag) < 2.0 / n * law.G_c);
         CHECK(run.ledger.largest_residual() < 1e-12 * run.ledger.largest_energy());
     }
 }
@@ -87,14 +122,19 @@ TEST_CASE("B1 a mass that closes from half its cohesion takes a quarter of a per
             verify_near("closes" + at, closes, time, {5 * h, 2 * h});
             verify("loss of the impacts" + at, -run.ledger.row().impact_work, 2 * loss, {2e-2, 2e-3});
             CHECK(cohesion(run.model, run.now, 0) == beta);
+            for (int i = 0; i < 100; ++i) {  // at rest, and with secant unloading without forces
+                run.step(h);
+                REQUIRE(run.last.rejection == Rejection::none);
+            }
         }
 }
 
-TEST_CASE("B1 a mass on the ramp of its shear vibrates for ever whatever the step") {
+TEST_CASE("B1 a mass on the ramp of its shear loses what it loses at zero slip whatever the step") {
     describe(
         "A point with gamma = 1 and beta = 1/2 closed in N and displaced by kappa/2 in T: it vibrates with K S = .5, m "
-        "= 1 "
-        "on the ramp, across zero slip. Its energy stays for K h^2/m from .01 to 100.");
+        "= 1 on the ramp, across zero slip. With the explicit bulk its energy and the crossing loss stay together for "
+        "K "
+        "h^2/m from .01 to 100, with the implicit bulk its energy stays.");
     for (const SchemeOptions& path : both_paths())
         for (const double stiffness : {0.01, 1.0, 100.0}) {
             on_path(path);
@@ -105,23 +145,30 @@ TEST_CASE("B1 a mass on the ramp of its shear vibrates for ever whatever the ste
             const bool is_explicit = path.bulk == BulkScheme::explicit_lumped;
             damage(run, 0.5, {is_explicit ? 0.05 : 0.25, 0});
             run.step(h);
-            const double lag = run.ledger.row().law_lag,
-                         energy = run.ledger.row().kinetic + run.ledger.row().interface_elastic;
-            double worst = 0, furthest = 0;
+            const auto total = [&] {
+                const EnergyRow& row = run.ledger.row();
+                return row.kinetic + row.interface_elastic + row.crossing_loss;
+            };
+            const double lag = run.ledger.row().law_lag, energy = total();
+            double worst = 0, growth = 0, loss = run.ledger.row().crossing_loss;
             int n_crossings = 0;
             for (int i = 0; i < 2000; ++i) {
                 const double before = run.u(0, 0).x();
                 run.step(h);
                 const EnergyRow& row = run.ledger.row();
-                worst = std::max({worst, std::abs(row.kinetic + row.interface_elastic - energy),
-                                  std::abs(row.law_lag - lag), std::abs(row.crossing_loss)});
-                furthest = std::max(furthest, std::abs(run.u(0, 0).x()));
+                worst = std::max({worst, std::abs(total() - energy), std::abs(row.law_lag - lag)});
+                growth = std::min(growth, row.crossing_loss - loss), loss = row.crossing_loss;
                 n_crossings += before * run.u(0, 0).x() < 0;
             }
             verify_small(
-                "change of the energy in 2000 steps over it, K h^2/m = " + digits(stiffness), worst / energy,
+                "change of energy and crossing loss in 2000 steps over the energy, K h^2/m = " + digits(stiffness),
+                worst / energy,
                 {is_explicit ? 1e-12 * std::max(1.0, stiffness) : 1e-8});  // rounding; tolerance of Newton's method
-            CHECK(n_crossings > 60);
+            if (is_explicit) CHECK(growth >= -1e-12 * std::max(1.0, stiffness) * energy);
+            if (!is_explicit) CHECK(std::abs(loss) <= 1e-8 * energy);
+            if (is_explicit && stiffness == 0.01)  // each crossing takes its part of the second order
+                verify_at_most("crossing loss of 32 periods over the energy, K h^2/m = .01", loss / energy, 0.95);
+            CHECK(n_crossings > (is_explicit && stiffness > 0.01 ? 0 : 60));
             CHECK(cohesion(run.model, run.now, 0) == 0.5);
             CHECK(run.ledger.largest_residual() <= (is_explicit ? 1e-12 : 1e-8) * energy);
         }
@@ -155,7 +202,8 @@ TEST_CASE("a pulled block breaks with secant unloading and its energies balance"
         CHECK(run.ledger.worst().worst_impact_work <= 1e-14 * scale);
         CHECK(run.ledger.worst().worst_friction_work <= 1e-14 * scale);
         CHECK(run.ledger.worst().largest_beta_growth == 0);
-        CHECK(std::abs(run.ledger.row().law_lag) < 0.05 * run.ledger.row().dissipated);
+        CHECK(std::abs(run.ledger.row().law_lag) <
+              (path.bulk == BulkScheme::explicit_lumped ? 0.005 : 0.05) * run.ledger.row().dissipated);
         MESSAGE(name_of(path), ": law lag over dissipated ", run.ledger.row().law_lag / run.ledger.row().dissipated,
                 ", crossing loss ", run.ledger.row().crossing_loss / run.ledger.row().dissipated, ", pivots ",
                 run.ledger.worst().fan_fallbacks, " of ", run.ledger.worst().fan_solves);

@@ -117,6 +117,35 @@ TEST_CASE("B6 a step wave opens an interface exponentially") {
     }
 }
 
+TEST_CASE("B6 with delayed softening a step wave opens the interface farther before it breaks") {
+    describe(
+        "The same wave with a relaxation time of .1 and 1 times rho c delta_c/(2 sigma_c): u' = 2 (X - beta), beta' = "
+        "-(beta - 1 + u/delta_c)/tau; broken .06436102 and .11487056 after the arrival, opened by .11374119 and "
+        ".19195419.");
+    struct Row {
+        double ratio, time, opened;
+    };
+    for (const SchemeOptions& path : both_paths()) {
+        on_path(path);
+        for (const Row& row : {Row{0.1, 0.06436102, 0.11374119}, Row{1, 0.11487056, 0.19195419}}) {
+            const int n = path.bulk == BulkScheme::explicit_lumped ? 800 : 200;
+            const CohesiveLaw law{.sigma_c = sigma_c, .G_c = 0.5 * sigma_c * delta, .relaxation_time = row.ratio * tau};
+            PulledBar bar(n, {{0}, {1.5}}, path, 1, law);
+            while (bar.beta() > 0) {
+                bar.step();
+                REQUIRE(bar.since_arrival() < 0.4);
+            }
+            const std::string at = ", tau over rho c delta_c/(2 sigma_c) = " + digits(row.ratio);
+            verify_near("broken after the arrival" + at, bar.since_arrival(), row.time, {1.5 / n, 0.5 / n});
+            verify_near("opening when it breaks over delta_c" + at, bar.opened() / delta, row.opened / delta,
+                        {40.0 / n, 20.0 / n});
+            const EnergyRow& end = bar.run.ledger.row();
+            CHECK(end.dissipated == relative(law.G_c / n, 1e-12));
+            CHECK(bar.run.ledger.largest_residual() <= 1e-12 * bar.run.ledger.largest_energy());
+        }
+    }
+}
+
 TEST_CASE("B7 a ramp wave opens an interface and breaks it on time") {
     // s = t - .1 after the arrival of sigma = 10 t:  u' = 2 (10 s + u/delta)  ->  u = (exp(20 s) - 1)/20 - s, broken at
     // s = .07526207

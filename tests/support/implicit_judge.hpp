@@ -137,7 +137,7 @@ private:
         else if (e == 0)
             made.bound = std::min(-u_N / h_, -(1 - theta) * approach);
         if (driven(point)) made.bound.reset();
-        made.end_cohesion = made.cohesion > 0 ? law.next_cohesion(made.cohesion, u_N + h_ * made.w_N, made.end_u_T) : 0;
+        made.end_cohesion = made.cohesion > 0 ? law.next_cohesion(made.cohesion, u_N + h_ * made.w_N, made.end_u_T, h_) : 0;
         const bool implicit = options_.cohesion == CohesionScheme::implicit_beta;
         const double beta = implicit ? theta * made.end_cohesion + (1 - theta) * made.cohesion : made.cohesion;
         made.strength = made.cohesion > 0 ? h_ * point.area * law.sigma_c * beta : 0;

@@ -16,6 +16,7 @@ struct RandomBodyOptions {
     int most_cells = 3;    // each way, of two triangles
     Index order = 1;       // of the triangles
     std::shared_ptr<const SofteningShape> softening = nullptr;
+    double delay = 0;     // relaxation time of the laws over the step
     double longest = 1.2;  // step, as a part of what Assumption 1 asks of the smallest triangle alone
 };
 
@@ -53,6 +54,7 @@ inline void in_units(RandomBody& made, double length, double mass, double time) 
     for (Elastic& material : input.materials) material.density *= mass / std::pow(length, 3), material.E *= pressure;
     input.laws[0].sigma_c *= pressure;
     input.laws[0].G_c *= pressure * length;
+    for (CohesiveLaw& law : input.laws) law.relaxation_time *= time;
     for (Support& support : input.supports) support.gap *= length;
     for (Load& each : input.loads) {
         double unit = 1;
@@ -156,6 +158,7 @@ private:
             mass = std::min(mass, m);
         }
         made.step = least * random_.uniform(0.05, options_.longest) / made.scheme.theta;
+        for (CohesiveLaw& each : made.input.laws) each.relaxation_time = options_.delay * made.step;
         // velocities that break some of the bonds in a few steps, others not
         const double speed = one_of({0.0, 0.3, 1.0, 3.0}) * law.sigma_c * made.step;
         for (std::size_t i = 0; i < input.mesh.vertices.size(); ++i) {

@@ -34,4 +34,29 @@ bool BondCheck::is_bonded(Index f, const State& begin, std::span<const Vec2> req
     return found.slack >= 0;
 }
 
+/// With the cohesion U C the half planes of a point are g . P + U C >= 0 and, in shear, g . P + U (gamma + mu) C >= 0.
+/// Divided by their strengths they have the smallest slack U + min g . P/strength, whose largest value is 0.
+double BondCheck::utilisation(Index f, const State& begin, std::span<const Vec2> required, double time) {
+    const Fan& fan = model_->fans[f];
+    const auto points = model_->points(fan);
+    const auto required_by = [&](Index j) -> const Vec2& { return required[j]; };
+    const Vec2 least_norm =
+        least_norm_start(fan.n_points, fan.closed, required_by, [&](Index j) { return points[j].area; });
+    planes_.clear();
+    walk_chain(fan.n_points, fan.closed, Vec2::Zero(), required_by, [&](Index j, const Vec2& P) {
+        const CohesiveLaw& law = law_of(*model_, begin, points[j]);
+        if (!law.breakable()) return true;
+        const double strength = law.sigma_c * points[j].area * time;
+        const auto first = static_cast<std::ptrdiff_t>(planes_.size());
+        StrengthPolygon::at_rest(law, points[j].normal, 0)
+            .add_half_planes(j, P, fan.closed ? Vec2::Ones() : Vec2::Zero(), planes_);
+        for (HalfPlane& plane : std::span(planes_).subspan(first)) {
+            const double unit = plane.kind == 0 ? strength : (law.gamma + law.friction) * strength;
+            plane.value /= unit, plane.gradient /= unit;
+        }
+        return true;
+    });
+    return std::max(0.0, -find_self_stress(planes_, least_norm).slack);
+}
+
 }  // namespace knap

@@ -20,6 +20,9 @@ public:
     /// `required` [N s]: per corner of the fan, the impulse that its points must give it. Strengths are
     /// sigma_c S time at the temperatures of `begin`; `time` [s].
     bool is_bonded(Index fan, const State& begin, std::span<const Vec2> required, double time);
+    /// [-] U >= 0: the smallest factor on the cohesive strengths with which the fan stays bonded. All its breakable
+    /// points need a strength.
+    double utilisation(Index fan, const State& begin, std::span<const Vec2> required, double time);
     /// [N s] per point of the last fan, on `after`; admissible if it is bonded, else with the largest smallest slack.
     const std::vector<Vec2>& impulses() const { return impulse_; }
 

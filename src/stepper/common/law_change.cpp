@@ -4,9 +4,9 @@ namespace knap {
 namespace {
 
 /// [J/m2] Given back by a point that closes.
-double stored(const CohesiveLaw& law, double beta, const Vec2& u) {
+double stored(const CohesiveLaw& law, double beta, double kappa, const Vec2& u) {
     const double s = law.equivalent_opening(u.x(), u.y());
-    return law.unloading == Unloading::secant ? law.elastic_energy(beta, s) : beta * law.sigma_c * s;
+    return law.unloading == Unloading::secant ? law.elastic_energy(beta, kappa, s) : beta * law.sigma_c * s;
 }
 
 }  // namespace
@@ -24,12 +24,14 @@ void account_law_change(const Model& model, const State& begin, StepReport& repo
             const FanPoint& point = points[j];
             const CohesiveLaw &old = before.laws[point.point], &law = now.laws[point.point];
             if (point.cracked || law.sigma_c == old.sigma_c) continue;
-            const double beta = begin.points[begin.first_point[rank] + j].cohesion;
+            const PointState& known = begin.points[begin.first_point[rank] + j];
+            const double beta = known.cohesion, kappa = law.ramp(beta, known.largest_opening),
+                         area = point.area * begin.strength_factor(begin.split_fans[rank]);
             const Vec2 back = half_a_step * (velocity(point.after) - velocity(point.before));
             const Vec2 u =
                 begin.opening_of(point, {}) - Vec2(point.normal.dot(back), turned_left(point.normal).dot(back));
-            report.law_change += point.area * (stored(law, beta, u) - stored(old, beta, u));
-            report.consumed_change += point.area * (law.consumed(beta) - old.consumed(beta));
+            report.law_change += area * (stored(law, beta, kappa, u) - stored(old, beta, kappa, u));
+            report.consumed_change += area * (law.consumed(beta, kappa) - old.consumed(beta, kappa));
         }
     }
 }

@@ -4,7 +4,8 @@
 // Contact and friction impulses work with the rate of the scheme: the mean velocity (V+ + V-)/2 in the leapfrog energy,
 // w/theta in the theta scheme. The energy Psi = beta sigma_c s + G_c f(beta) of a point has two parts: G_c f(beta),
 // which remains when the point closes, is dissipated; beta sigma_c s, the work of the constant traction, is
-// recoverable. With secant unloading half of that is dissipated where beta falls, and the rest is elastic.
+// recoverable. With secant unloading half of that is dissipated where beta falls, and the rest is elastic. Delayed
+// softening dissipates more: what the point bears beyond the softening curve while beta falls.
 #include "material/cohesive_law.hpp"
 #include "model/model.hpp"
 #include "stepper/common/step_report.hpp"
@@ -31,26 +32,35 @@ inline void account_contact(const ContactWork& at, StepReport& report) {
     report.penetration = std::max(report.penetration, -at.opening);
 }
 
+/// A point over a step. `kappa` [m]: of secant unloading, else 0.
+struct CohesionStep {
+    double area;           // [m2] S, times phi where its strength was incubated
+    double before, after;  // [-] beta at the start and at the end
+    double opening;        // [m] equivalent opening s at the end
+    double at_works;       // [m] where the works of the scheme end: in the middle of the step with the explicit bulk
+    double at_fall = opening;  // [m] where beta falls, as the works see it
+    double kappa = 0;          // [m] at the end
+};
+
 /// Of a point that keeps its beta and does not open with cohesion.
-inline void account_rest(const FanPoint& point, const CohesiveLaw& law, double beta, StepReport& report) {
-    if (!point.cracked && law.sigma_c > 0) report.dissipated += point.area * law.consumed(beta);
+inline void account_rest(const FanPoint& point, const CohesiveLaw& law, double area, double beta, double kappa,
+                         StepReport& report) {
+    if (!point.cracked && law.sigma_c > 0) report.dissipated += area * law.consumed(beta, kappa);
 }
 
-/// `before`, `after` [-]: beta at the start and at the end of the step; u [m]: opening at its end; `at_works` [m]:
-/// where the works of the scheme end, in the middle of the step with the explicit bulk.
-inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, double before, double after, const Vec2& u,
-                             const Vec2& at_works, StepReport& report) {
-    if (const double fall = before - after; fall > min_softening) {
+inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, const CohesionStep& at,
+                             StepReport& report) {
+    if (const double fall = at.before - at.after; fall > min_softening) {
         ++report.softened;
-        const double drop = point.area * law.G_c * fall * law.opening_of_fall(before, after);
+        const double drop = at.area * law.G_c * fall * law.opening_of_fall(at.before, at.after);
         if (drop > report.largest_drop) report.largest_drop = drop, report.drop_corner = point.corner();
+        report.viscous_dissipation += at.area * law.viscous_dissipation(at.before, at.after, at.at_fall);
     }
-    report.largest_beta_growth = std::max(report.largest_beta_growth, after - before);
-    account_rest(point, law, after, report);
+    report.largest_beta_growth = std::max(report.largest_beta_growth, at.after - at.before);
+    account_rest(point, law, at.area, at.after, at.kappa, report);
     if (law.unloading == Unloading::secant)
-        report.interface_elastic +=
-            point.area * law.elastic_energy(after, law.equivalent_opening(at_works.x(), at_works.y()));
-    else if (after > 0) report.recoverable += point.area * after * law.sigma_c * law.equivalent_opening(u.x(), u.y());
+        report.interface_elastic += at.area * law.elastic_energy(at.after, at.kappa, at.at_works);
+    else if (at.after > 0) report.recoverable += at.area * at.after * law.sigma_c * at.opening;
 }
 
 }  // namespace knap

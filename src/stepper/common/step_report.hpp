@@ -44,26 +44,28 @@ struct StepReport {
     double thermal_work = 0;       // of thermal strains that change
     double law_change = 0;         // of recoverable and elastic energy, by strengths that follow the temperature
     double consumed_change = 0;    // likewise of S G_c f(beta), which is in `dissipated` of this step and was not used
-    double scheme_dissipation = 0;  // >= 0: (theta - 1/2) (|dv|_M^2 + |du|_K^2) of the implicit bulk
+    double viscous_dissipation = 0;  // >= 0: of delayed softening, beyond `dissipated`
+    double scheme_dissipation = 0;   // >= 0: (theta - 1/2) (|dv|_M^2 + |du|_K^2) of the implicit bulk
     // of single points, beyond what the residual and rounding explain; must be <= 0
     double worst_impact_work = 0;
     double worst_friction_work = 0;
-    double residual = 0;              // [-] largest residual of the interface laws, scaled
-    double penetration = 0;           // [m] largest
-    double contact_residual = 0;      // [-] largest of contacts between free faces, over their speeds
-    double contact_depth = 0;         // [-] largest penetration of a free face over the length of its edge
-    double largest_speed = 0;         // [m/s]
-    double largest_beta_growth = 0;   // [-] must be 0
-    double largest_drop = 0;          // [J] S G_c (fall of beta)^2 of one point: about the error of the step there
-    Index drop_corner = -1;           // a corner of that point
-    std::int64_t fan_solves = 0;      // nonlinear problems of split fans
-    std::int64_t fan_iterations = 0;  // linear systems solved for them
-    std::int64_t fan_fallbacks = 0;   // of them not solved by the active set
-    std::int64_t face_contacts = 0;   // between free faces
-    std::int64_t bond_checks = 0;     // bonded fans tested by BondCheck
-    std::int64_t released = 0;        // fans that split
-    std::int64_t softened = 0;        // points that lost cohesion
-    std::int64_t linear_solves = 0;   // of the implicit bulk
+    double residual = 0;                 // [-] largest residual of the interface laws, scaled
+    double penetration = 0;              // [m] largest
+    double contact_residual = 0;         // [-] largest of contacts between free faces, over their speeds
+    double contact_depth = 0;            // [-] largest penetration of a free face over the length of its edge
+    double largest_speed = 0;            // [m/s]
+    double largest_beta_growth = 0;      // [-] must be 0
+    double largest_strength_factor = 0;  // [-] phi of the fans that split, with an incubation time
+    double largest_drop = 0;             // [J] S G_c (fall of beta)^2 of one point: about the error of the step there
+    Index drop_corner = -1;              // a corner of that point
+    std::int64_t fan_solves = 0;         // nonlinear problems of split fans
+    std::int64_t fan_iterations = 0;     // linear systems solved for them
+    std::int64_t fan_fallbacks = 0;      // of them not solved by the active set
+    std::int64_t face_contacts = 0;      // between free faces
+    std::int64_t bond_checks = 0;        // bonded fans tested by BondCheck
+    std::int64_t released = 0;           // fans that split
+    std::int64_t softened = 0;           // points that lost cohesion
+    std::int64_t linear_solves = 0;      // of the implicit bulk
     std::int64_t factorisations = 0;
     Rejection rejection = Rejection::none;
     Vec2 where = Vec2::Zero();  // [m] of the rejection
@@ -87,10 +89,10 @@ struct StepReport {
                                          &R::released,          &R::softened,
                                          &R::linear_solves,     &R::factorisations,
                                          &R::thermal_work,      &R::law_change,
-                                         &R::consumed_change};
-        constexpr auto maxima =
-            std::tuple{&R::worst_impact_work, &R::worst_friction_work, &R::residual,      &R::penetration,
-                       &R::contact_residual,  &R::contact_depth,       &R::largest_speed, &R::largest_beta_growth};
+                                         &R::consumed_change,   &R::viscous_dissipation};
+        constexpr auto maxima = std::tuple{&R::worst_impact_work, &R::worst_friction_work, &R::residual,
+                                           &R::penetration,       &R::contact_residual,    &R::contact_depth,
+                                           &R::largest_speed,     &R::largest_beta_growth, &R::largest_strength_factor};
         std::apply([&](auto... member) { (visit(member, Combine::sum), ...); }, sums);
         std::apply([&](auto... member) { (visit(member, Combine::maximum), ...); }, maxima);
     }

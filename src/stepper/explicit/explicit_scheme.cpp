@@ -25,6 +25,7 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
       forces_(model.mesh, model.materials, model.plane, model.thickness, model.large_rotation),
       stable_step_(std::ranges::min(stable_steps(model.mesh, model.materials, model.plane))),
       crack_forces_(model),
+      incubation_(model),
       absorbing_(model, options.absorbing),
       blocks_(make_blocks(model, absorbing_.dashpots())),
       obstacle_step_(model),
@@ -73,6 +74,7 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
         contacts_->begin(step, report);
         for (const Index f : contacts_->fans()) fan_is_candidate_[f] = 1;
     }
+    incubation_.call_up(begin, fan_is_candidate_);
     report += sweep_blocks(step);
     for (const CornerLoad& load : crack_forces_.find(begin))
         corner_force_[load.corner] += amplitude_[load.history] * load.force;
@@ -174,7 +176,7 @@ bool ExplicitScheme::moves_freely(const Sweep<Corner>& sweep, const typename Blo
     const InscribedCircle* circles = block.circles.data() + (corner - block.corners.data());
     const auto is_held = [&, &work = work, &report = report](const auto& force_on, const Vec2& total) {
         return !fan_is_candidate_[f] ||
-               is_bonded(f, {circles, static_cast<std::size_t>(fan.n_corners)}, force_on, total, begin, work, report);
+               is_bonded(f, {circles, static_cast<std::size_t>(fan.n_corners)}, force_on, total, step, work, report);
     };
     const auto force_on = [&, on_corner = on_corner](Index k) -> const Vec2& { return on_corner[corner[k]]; };
     if (fan.is_free) {
@@ -264,12 +266,20 @@ StepReport ExplicitScheme::sweep_bordering(const ExplicitStep& step) {
 /// fan.
 template <class Force>
 bool ExplicitScheme::is_bonded(Index f, std::span<const InscribedCircle> circles, const Force& force_on,
-                               const Vec2& force, const State& begin, ThreadWorkspace& work, StepReport& report) {
+                               const Vec2& force, const ExplicitStep& step, ThreadWorkspace& work, StepReport& report) {
     fan_is_candidate_[f] = 0;
     if (contacts_ && contacts_->touches(f)) return false;  // their impulses decide
+    if (incubation_.concerns(f)) {
+        ++report.bond_checks;
+        work.find_required(model_, f, step.begin, mass_, force_on, force);
+        const double U = work.bond_check.utilisation(f, step.begin, work.required, 1);
+        const bool held = incubation_.is_held(f, U, step.begin.time, step.end.incubation[f]);
+        splits_[f] = !held;
+        return held;
+    }
     if (within_inscribed_circles(circles.data(), static_cast<Index>(circles.size()), force_on, force)) return true;
     ++report.bond_checks;
-    const bool bonded = work.is_bonded(model_, f, begin, mass_, force_on, force);
+    const bool bonded = work.is_bonded(model_, f, step.begin, mass_, force_on, force);
     splits_[f] = !bonded;
     return bonded;
 }
@@ -324,6 +334,10 @@ void ExplicitScheme::release(const ExplicitStep& step, StepReport& report) {
         step.end.displacement[f] = step.begin.displacement[f];
         split(model_, f, step.end);
         ++report.released;
+        if (!incubation_.concerns(f)) continue;
+        Incubation& memory = step.end.incubation[f];
+        memory.factor = std::max(1.0, memory.utilisation);
+        report.largest_strength_factor = std::max(report.largest_strength_factor, memory.factor);
     }
 }
 

@@ -7,6 +7,7 @@
 #include "stepper/common/crack_forces.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/explicit/absorbing_boundary.hpp"
+#include "stepper/explicit/incubation.hpp"
 #include "stepper/explicit/mesh_blocks.hpp"
 #include "stepper/explicit/vertex_contacts.hpp"
 #include "stepper/explicit/vertex_obstacles.hpp"
@@ -36,7 +37,7 @@ private:
     StepReport sweep_bordering(const ExplicitStep& step);
     template <class Force>
     bool is_bonded(Index fan, std::span<const InscribedCircle> circles, const Force& force_on, const Vec2& force,
-                   const State& begin, ThreadWorkspace& work, StepReport& report);
+                   const ExplicitStep& step, ThreadWorkspace& work, StepReport& report);
     Vec2 velocity_as_one(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step) const;
     void move_bonded(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step, NodeMotion& nodes,
                      StepReport& report) const;
@@ -58,6 +59,7 @@ private:
     std::optional<ThermalStress> thermal_;  // with heat
     double stable_step_;                    // [s] of the worst free triangle
     CrackForces crack_forces_;
+    IncubationClock incubation_;
     AbsorbingBoundary absorbing_;
     std::vector<MeshBlock> blocks_;
     ObstacleStep obstacle_step_;

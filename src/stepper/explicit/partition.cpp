@@ -27,6 +27,7 @@ void copy_partition(const Model& model, const State& begin, State& end) {
     end.displacement.resize(begin.displacement.size());
     end.velocity.resize(begin.velocity.size());
     end.points.resize(begin.points.size());
+    end.incubation = begin.incubation;
     end.reaction.assign(model.prescribed.size(), Vec2::Zero());
 }
 

@@ -17,8 +17,9 @@ struct Sides {
 };
 
 /// [N s]
-double strength(const Model& model, const FanPoint& point, const PointState& before, const ExplicitStep& step) {
-    return step.kick_time * law_of(model, step.begin, point).sigma_c * point.area * before.cohesion;
+double strength(const Model& model, const FanPoint& point, double factor, const PointState& before,
+                const ExplicitStep& step) {
+    return step.kick_time * law_of(model, step.begin, point).sigma_c * (point.area * factor) * before.cohesion;
 }
 
 /// Finds the corners that move as one. False: some point is neither held nor freely open, or a corner is driven.
@@ -46,7 +47,8 @@ bool find_parts(const Model& model, const Fan& fan, const PointState* state, con
         const Vec2 u = u_after - begin.displacement[work.node[at.before]];
         const Vec2 v = begin.velocity[work.node[at.after]] - begin.velocity[work.node[at.before]];
         const bool held = law.breakable() && law.sigma_c > 0 && !points[j].cracked && state[j].cohesion > 0 &&
-                          law.ramp(state[j].cohesion) == 0 && law.gamma > 0 && u.isZero(0) && v.isZero(0);
+                          law.ramp(state[j].cohesion, state[j].largest_opening) == 0 && law.gamma > 0 && u.isZero(0) &&
+                          v.isZero(0);
         const Vec2& normal = work.normal[j];
         const double u_N = normal.dot(u), v_N = normal.dot(v);
         const bool open = state[j].cohesion == 0 && law.restitution == 0 &&
@@ -75,7 +77,7 @@ bool is_stationary(const Model& model, Index rank, const ExplicitStep& step, Sta
     if (!find_parts(model, fan, before, step, work)) return false;
     const auto corners = model.corners(fan);
     const auto points = model.points(fan);
-    const double* mass = &step.mass[fan.first_corner];
+    const double *mass = &step.mass[fan.first_corner], factor = begin.strength_factor(begin.split_fans[rank]);
 
     // V = sum m_i v_i_free / sum m_i per part; each corner must get m_i (V - v_i_free) from its points
     std::vector<Vec2>&required = work.required, &impulse = work.impulse, &velocity = work.velocity;
@@ -104,7 +106,7 @@ bool is_stationary(const Model& model, Index rank, const ExplicitStep& step, Sta
         if (!fan.closed) P -= required[j];
         if (work.is_open[j]) P = Vec2::Zero();
         impulse[j] = P;
-        if (all_round) least.add(1 / strength(model, points[j], before[j], step), P);
+        if (all_round) least.add(1 / strength(model, points[j], factor, before[j], step), P);
         if (fan.closed) P -= required[j];
     }
     const Vec2 self_stress = least.c();
@@ -116,7 +118,7 @@ bool is_stationary(const Model& model, Index rank, const ExplicitStep& step, Sta
         } else {
             impulse[j] += self_stress;
             const CohesiveLaw& law = law_of(model, step.begin, points[j]);
-            if (StrengthPolygon::at_rest(law, work.normal[j], strength(model, points[j], before[j], step))
+            if (StrengthPolygon::at_rest(law, work.normal[j], strength(model, points[j], factor, before[j], step))
                     .smallest_slack(impulse[j]) < 0)
                 return false;
         }
@@ -131,7 +133,7 @@ bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step
     const Fan& fan = model.fans[end.split_fans[rank]];
     const auto corners = model.corners(fan);
     const auto points = model.points(fan);
-    const double* mass = &step.mass[fan.first_corner];
+    const double *mass = &step.mass[fan.first_corner], factor = end.strength_factor(end.split_fans[rank]);
     const PointState* before = step.begin.points.data() + step.begin.first_point[rank];
     ++report.fan_solves, ++report.fan_iterations;
     for (Index i = 0; i < fan.n_corners; ++i) {
@@ -142,15 +144,18 @@ bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step
     }
     for (Index j = 0; j < fan.n_points; ++j) {
         PointState& state = end.points[end.first_point[rank] + j];
-        state = {.cohesion = before[j].cohesion, .traction = Vec2::Zero()};
-        account_rest(points[j], law_of(model, step.begin, points[j]), state.cohesion, report);
+        state = {
+            .cohesion = before[j].cohesion, .traction = Vec2::Zero(), .largest_opening = before[j].largest_opening};
+        const CohesiveLaw& law = law_of(model, step.begin, points[j]);
+        account_rest(points[j], law, points[j].area * factor, state.cohesion,
+                     law.ramp(state.cohesion, state.largest_opening), report);
         if (work.is_open[j]) {
             if (step.begin.has_retired(points[j].point)) continue;
             const Vec2 jump = end.displacement_of(points[j].after) - end.displacement_of(points[j].before);
             report.penetration = std::max(report.penetration, -work.normal[j].dot(jump));
         } else {
             const Vec2& P = work.impulse[j];
-            const double C = strength(model, points[j], before[j], step),
+            const double C = strength(model, points[j], factor, before[j], step),
                          contact = std::max(0.0, work.normal[j].dot(P) + C);
             state.traction = Vec2(contact - C, turned_left(work.normal[j]).dot(P)) / (step.kick_time * points[j].area);
         }

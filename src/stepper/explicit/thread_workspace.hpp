@@ -16,11 +16,11 @@ struct alignas(128) ThreadWorkspace {  // no cache line of two threads
     VertexSolver::Workspace split;
     ContactCluster cluster;
 
-    /// Whether fan f moves as one under force_on(i) [N] on its corner i, `total` on all. `mass` [kg] per corner, in the
-    /// order of Model::fan_corners.
+    /// Finds `required` of fan f that moves as one under force_on(i) [N] on its corner i, `total` on all. `mass` [kg]
+    /// per corner, in the order of Model::fan_corners.
     template <class Force>
-    bool is_bonded(const Model& model, Index f, const State& begin, const std::vector<double>& mass,
-                   const Force& force_on, const Vec2& total) {
+    void find_required(const Model& model, Index f, const State& begin, const std::vector<double>& mass,
+                       const Force& force_on, const Vec2& total) {
         const Fan& fan = model.fans[f];
         const PrescribedMotion* motion = model.motion_of(model.corners(fan)[0]);
         const Vec2 acceleration = total / fan.mass;
@@ -34,6 +34,12 @@ struct alignas(128) ThreadWorkspace {  // no cache line of two threads
             const Rotation frame = fan_frame(model, begin, fan);
             for (Vec2& at_corner : required) at_corner = frame.turned_back(at_corner);
         }
+    }
+    /// Whether such a fan stays bonded.
+    template <class Force>
+    bool is_bonded(const Model& model, Index f, const State& begin, const std::vector<double>& mass,
+                   const Force& force_on, const Vec2& total) {
+        find_required(model, f, begin, mass, force_on, total);
         return bond_check.is_bonded(f, begin, required, 1);
     }
 };

@@ -1,5 +1,6 @@
 #include "stepper/explicit/vertex_solver.hpp"
 
+#include "interface/fan_ramps.hpp"
 #include "stepper/common/point_work.hpp"
 
 #include <algorithm>
@@ -21,6 +22,12 @@ constexpr double caught = 1e-9;  // [-] of the tangential cohesion: a force smal
 double cohesion_before(const Model& model, Index f, Index i, const State& begin) {
     if (begin.split_rank[f] >= 0) return begin.points[begin.first_point[begin.split_rank[f]] + i].cohesion;
     return model.laws[model.points(model.fans[f])[i].law].sigma_c > 0 ? 1 : 0;
+}
+
+/// [m] kappa likewise.
+double largest_opening(Index f, Index i, const State& begin) {
+    const Index rank = begin.split_rank[f];
+    return rank >= 0 ? begin.points[begin.first_point[rank] + i].largest_opening : 0;
 }
 
 /// Newton's coefficient in this step: zero for a link that would come to rest within the step under `push` [m/s], the
@@ -60,12 +67,11 @@ double speed_scale(const FanProblem& problem) {
 double crossing_loss(const FanLink& link, double V_T_before, double V_T_after, const ExplicitStep& step) {
     const double from = link.u_T - 0.5 * step.begin.last_step * V_T_before,
                  to = link.u_T + 0.5 * step.drift_time * V_T_after;
-    if (link.ramp > 0 && link.borne < link.cohesive) return 0;  // in the law lag
-    const double force = link.friction_part - link.tangential, full = link.gamma * link.cohesive * (1 - caught);
-    if (link.cohesive == 0 || (from >= 0 && to >= 0 && force >= full) || (from <= 0 && to <= 0 && force <= -full))
+    const double force = link.friction_part - link.tangential, full = link.gamma * link.borne * (1 - caught);
+    if (link.borne == 0 || (from >= 0 && to >= 0 && force >= full) || (from <= 0 && to <= 0 && force <= -full))
         return 0;
     const double work = force * 0.5 * (V_T_before + V_T_after);
-    return work - link.gamma * link.cohesive / step.kick_time * (std::abs(to) - std::abs(from));
+    return work - link.gamma * link.borne / step.kick_time * (std::abs(to) - std::abs(from));
 }
 
 }  // namespace
@@ -110,6 +116,7 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
     const auto corners = model_.corners(fan);
     const auto points = model_.points(fan);
     problem.closed = fan.closed;
+    problem.has_ramps = false;
     problem.turns = model_.large_rotation;
     problem.drift_time = step.drift_time;
     problem.bodies.clear();
@@ -143,6 +150,7 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
     const auto body = [&](Index corner, Index i) {
         return corner == rigid_support ? rigid_support : (i + fan.n_corners) % fan.n_corners;
     };
+    const double factor = step.end.strength_factor(f);
     for (Index i = 0; i < fan.n_points; ++i) {
         const FanPoint& point = points[i];
         const CohesiveLaw& law = law_of(model_, begin, point);
@@ -156,7 +164,7 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
                                  .normal = frame.turned(point.normal),
                                  .u_N = u.x(),
                                  .u_T = u.y(),
-                                 .cohesive = beta > 0 ? step.kick_time * law.sigma_c * point.area * beta : 0,
+                                 .cohesive = beta > 0 ? step.kick_time * law.sigma_c * (point.area * factor) * beta : 0,
                                  .gamma = law.gamma,
                                  .friction = law.friction,
                                  .restitution = retired ? 0 : law.restitution_at(beta),
@@ -164,11 +172,16 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
         FanLink& link = problem.links.back();
         if (frame.sine != 0 && beta > 0)
             for (double* u : {&link.u_N, &link.u_T}) *u = closed_below(law.softening_length(), *u);
-        if (const double kappa = law.ramp(beta); kappa > 0) {
+        if (const double kappa = law.ramp(beta, largest_opening(f, i, begin)); kappa > 0) {
             const Vec2 rate = problem.velocity_before(link.after) - problem.velocity_before(link.before),
-                       before = 0.25 * begin.last_step * Vec2(link.normal.dot(rate), link.tangent().dot(rate));
-            link.ramp = 4 / step.drift_time * kappa;
-            link.ramp_start = 4 / step.drift_time * (Vec2(link.u_N, link.u_T) - before);
+                       u(link.u_N, link.u_T),
+                       half = 0.5 * begin.last_step * Vec2(link.normal.dot(rate), link.tangent().dot(rate));
+            link.kappa = kappa;
+            link.middle = u - half;
+            link.set_ramp(step.drift_time);
+            link.ramp_start =
+                2 / step.drift_time * Vec2(2 * u.x() - half.x() + law.gamma * std::abs(link.middle.y()), u.y());
+            problem.has_ramps = true;
         }
         if (link.restitution == 0 || begin.split_rank[f] < 0) continue;
         const Vec2 mobility = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
@@ -262,7 +275,7 @@ FanSolution VertexSolver::solve_once(Index f, const ExplicitStep& step, bool reb
     assemble(f, step, work);
     for (FanLink& link : problem.links)
         if (!rebounds) link.restitution = 0;
-    if (options_.cohesion == CohesionScheme::explicit_beta) return work.solver.solve(problem, rest);
+    if (options_.cohesion == CohesionScheme::explicit_beta) return solve_on_ramps(problem, work.solver, rest);
     work.cohesion.clear();
     for (Index i = 0; i < model_.fans[f].n_points; ++i)
         if (const double strength = problem.links[i].cohesive; strength > 0)
@@ -330,13 +343,10 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
         const Vec2 after = problem.velocity_after(link.after) - problem.velocity_after(link.before);
         const double mean_N = 0.5 * n.dot(before + after), mean_T = 0.5 * t.dot(before + after);
         const double u_N = link.u_N + step.drift_time * n.dot(after), u_T = link.u_T + step.drift_time * t.dot(after);
-        // the middle of the step, where the works of the leapfrog end
-        const auto half_way = [&](double at_N, double at_T) {
-            return Vec2(at_N - 0.5 * step.drift_time * n.dot(after), at_T - 0.5 * step.drift_time * t.dot(after));
-        };
         if (i < fan.n_points) {
             const FanPoint& point = model_.points(fan)[i];
             const CohesiveLaw& law = law_of(model_, step.begin, point);
+            const double area = point.area * end.strength_factor(f);
             PointState& state = end.points[end.first_point[rank] + i];
             state.traction = Vec2(link.contact - link.borne, link.tangential) / (step.kick_time * point.area);
             if (link.unbreakable) {
@@ -344,14 +354,25 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
                 continue;
             }
             if (step.begin.has_retired(point.point)) {
-                account_rest(point, law, state.cohesion = 0, report);
+                account_rest(point, law, area, state.cohesion = 0, 0, report);
                 continue;
             }
             report.cohesive_work += link.borne * mean_N - (link.tangential - link.friction_part) * mean_T;
             report.crossing_loss += crossing_loss(link, t.dot(before), t.dot(after), step);
             const double beta = point.cracked ? 0 : cohesion_before(model_, f, i, step.begin);
-            state.cohesion = law.next_cohesion(beta, u_N, u_T);
-            account_cohesion(point, law, beta, state.cohesion, {u_N, u_T}, half_way(u_N, u_T), report);
+            state.cohesion = law.next_cohesion(beta, u_N, u_T, step.drift_time);
+            const double middle = law.equivalent_opening(u_N - 0.5 * step.drift_time * n.dot(after),
+                                                         u_T - 0.5 * step.drift_time * t.dot(after));
+            state.largest_opening = law.largest_opening(largest_opening(f, i, step.begin), middle);
+            account_cohesion(point, law,
+                             {.area = area,
+                              .before = beta,
+                              .after = state.cohesion,
+                              .opening = law.equivalent_opening(u_N, u_T),
+                              .at_works = middle,
+                              .at_fall = middle,
+                              .kappa = law.ramp(state.cohesion, state.largest_opening)},
+                             report);
         } else {
             obstacles_.impulse[&contacts[i - fan.n_points] - obstacles_.contacts.all().data()] = link.impulse;
         }

@@ -21,6 +21,7 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
     const double u_rate = at.normal.dot(velocity(at.after) - velocity(at.before));
     double beta = at.cracked || law.sigma_c == 0 ? 0 : cohesion(model, *step.begin, at.point);
     if (beta < no_cohesion) beta = 0;
+    const PointState* known = state_of(model, *step.begin, at.point);
     ActivePoint made{.sides = nodes.sides(model, fan_point),
                      .fan = fan,
                      .normal = at.normal,
@@ -29,7 +30,7 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
                              .strength = beta > 0 ? step.kick() * at.area * law.sigma_c : 0,
                              .cohesion = beta,
                              .material = &law,
-                             .ramp = law.ramp(beta),
+                             .ramp = known ? law.ramp(beta, known->largest_opening) : 0,
                              .friction = law.friction,
                              .contact = contact_bound_theta(u.x(), u_rate, law.restitution_at(beta), step.h, step.theta,
                                                             touching_gap(model, *step.begin, at)),

@@ -147,16 +147,23 @@ void StepLcp::lay_out() {
 void StepLcp::add_layers(const PointLaw& law) {
     const CohesiveLaw& material = *law.material;
     const int i = static_cast<int>(cohesive_.size()) - 1;
+    // delayed softening: beta+ falls on the same intervals of s by the relaxed part, and what is left on the last piece
+    const double part = material.relaxed_part(step_.h), delta = material.delta_c();
     if (!material.softening) {
-        layers_.push_back({i, law.cohesion, material.delta_c(), material.delta_c()});
+        layers_.push_back({i, law.cohesion, (1 - part) / part * law.cohesion * delta + delta, delta / part});
         return;
     }
+    double left = law.cohesion;
     const std::vector<Vec2>& knots = material.softening->knots();
     for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
-        const double low = knots[k + 1].y(), start = std::min(law.cohesion, knots[k].y()) - low;
-        if (start > 0)
-            layers_.push_back({i, start, knots[k + 1].x() * material.G_c / material.sigma_c,
-                               material.piece_length(static_cast<int>(k))});
+        const double low = knots[k + 1].y(), start = part * (std::min(law.cohesion, knots[k].y()) - low);
+        if (!(start > 0)) continue;
+        const bool is_last = k + 2 == knots.size();
+        const double more = is_last && part < 1 ? left - start : 0,
+                     length = material.piece_length(static_cast<int>(k)) / part;
+        layers_.push_back(
+            {i, start + more, knots[k + 1].x() * material.G_c / material.sigma_c + more * length, length});
+        left -= start;
     }
 }
 
@@ -259,7 +266,7 @@ StepLcpEnd StepLcp::end(const Eigen::VectorXd& z) const {
         const bool breaks = !unbreakable(model_, model_.fan_points[points_[p].sides.fan_point]);
         end.opening.push_back(u);
         end.impulse.push_back(P.segment<2>(2 * p));
-        end.cohesion.push_back(breaks ? law.material->next_cohesion(law.cohesion, u.x(), u.y()) : 1);
+        end.cohesion.push_back(breaks ? law.material->next_cohesion(law.cohesion, u.x(), u.y(), step_.h) : 1);
     }
     end.contact.assign(model_.n_points(), 0);
     for (int k = 0; k < static_cast<int>(contacts_.size()); ++k) end.contact[contacts_[k]] = z[normal_ + k];

@@ -168,6 +168,25 @@ TEST_CASE("implicit stepper: with every softening shape bodies move as the full 
     }
 }
 
+TEST_CASE("implicit stepper: with delayed softening bodies move as the full complementarity problem says") {
+    std::uint64_t seed = 6000;
+    auto shapes = all_softening_shapes();
+    shapes.emplace_back("linear", nullptr);
+    for (const auto& [name, softening] : shapes) {
+        CAPTURE(name);
+        Tally tally;
+        for (int i = 0; i < 12; ++i, ++seed)
+            compare(seed,
+                    {.friction = seed % 3 == 0, .most_cells = 2, .softening = softening, .delay = i % 2 ? 0.2 : 3}, 8,
+                    tally);
+        CHECK(tally.n_wrong == 0);
+        CHECK(tally.n_several <= 1);
+        CHECK(tally.n_unsolved + tally.n_not_converged + tally.n_refused + tally.n_inexact <= 2);
+        CHECK(tally.n_steps > 60);
+        CHECK(tally.n_damaged > 10);  // a plateau is left late
+    }
+}
+
 TEST_CASE("implicit stepper: two thousand random bodies move as the full complementarity problem says" *
           doctest::test_suite("slow")) {
     for (const bool friction : {false, true}) {
