@@ -16,7 +16,7 @@ namespace {
 constexpr double deep = 1e-3;                       // [-] of the edge: a deeper penetration is reduced by a rebound
 constexpr double merged = 1e-12;                    // [-] of the speeds: nearer kinks of the friction are one
 constexpr double difference = 1e-6;                 // [-] of the momenta, for the slope of a soft fan
-constexpr double held = 1e-8;                       // [-] of the mobility of a free corner: a smaller one is zero
+constexpr double held = 1e-6;                       // [-] of the mobility of a free corner: a smaller one is zero
 constexpr double absurd = 1e3;                      // [-] of the speeds of a cluster: no impulse of a contact causes it
 constexpr double max_injected = 1e-3;               // [-] of energy and losses of a cluster, by its residual
 constexpr double agreed = 1e-12;                    // [-] of the speeds, between contacts and fans
