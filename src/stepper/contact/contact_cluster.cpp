@@ -22,25 +22,29 @@ constexpr double first_weight = 1e-2, least_weight = 1e-10, largest_weight = 1; 
 constexpr double lighter = 0.3, heavier = 10;  // after a problem that was solved, or was not
 
 /// The link of a contact in its own frame: N and T are x and y.
-const FanLink link_in_frame{.before = 0,
-                            .after = 1,
-                            .normal = Vec2(1, 0),
-                            .u_N = 0,
-                            .u_T = 0,
-                            .cohesive = 0,
-                            .gamma = 0,
-                            .friction = 0,
-                            .restitution = 0,
-                            .unbreakable = false};
+FanLink link_in_frame(const ClusterContact& contact) {
+    return {.before = 0,
+            .after = 1,
+            .normal = Vec2(1, 0),
+            .u_N = 0,
+            .u_T = 0,
+            .cohesive = contact.cohesive,
+            .gamma = 0,
+            .friction = 0,
+            .restitution = 0,
+            .unbreakable = contact.unbreakable};
+}
 
-/// P_T with which V_T = free + mobility P_T obeys -P_T in p S(V_T), S the staircase: S is monotone, so there is one.
-double lawful_friction(const Staircase& staircase, double p, double free, double mobility) {
-    if (p <= 0 || staircase.kinks().empty()) return 0;
-    if (mobility <= 0) return -staircase.piece(staircase.state_of(free, 0)).contact_offset * p;
+/// P_T with which V_T = free + mobility P_T obeys the staircase under the contact impulse p: it is monotone, so there
+/// is one.
+double lawful_tangential(const Staircase& staircase, double p, double free, double mobility) {
+    const auto at = [&](const StaircasePiece& piece, double sign) {
+        return -(piece.offset + sign * piece.jump) - (piece.contact_offset + sign * piece.contact_jump) * p;
+    };
+    if (mobility <= 0) return at(staircase.piece(staircase.state_of(free, 0)), 0);
     for (int state = 0; state < staircase.n_states(); ++state) {
         const StaircasePiece piece = staircase.piece(state);
-        const double least = -(piece.contact_offset + piece.contact_jump) * p,
-                     most = -(piece.contact_offset - piece.contact_jump) * p;
+        const double least = at(piece, 1), most = at(piece, -1);
         if (!piece.stick) {
             const double rate = free + mobility * most;
             if (rate <= piece.high) return rate >= piece.low ? most : std::max(most, (piece.low - free) / mobility);
@@ -50,6 +54,12 @@ double lawful_friction(const Staircase& staircase, double p, double free, double
         }
     }
     return 0;
+}
+
+/// The impulse whose rates W P are `rate`, by the components that have a mobility.
+Vec2 change_to_stop(const Eigen::Matrix2d& W, const Vec2& rate) {
+    if (W.determinant() > 1e-12 * W(0, 0) * W(1, 1)) return W.inverse() * rate;
+    return {W(0, 0) > 0 ? rate.x() / W(0, 0) : 0, W(1, 1) > 0 ? rate.y() / W(1, 1) : 0};
 }
 
 }  // namespace
@@ -81,10 +91,14 @@ void ContactCluster::couple(Index of, Index on, const Eigen::Matrix2d& W) {
 Vec2 ContactCluster::lawful_impulse(Index i) const {
     const ClusterContact& c = contacts[i];
     const Eigen::Matrix2d& own = own_[i];
-    if (!c.law.contact.may_touch || own(0, 0) <= 0) return Vec2::Zero();
-    const double p = std::max(0.0, c.impulse.x() - (c.velocity.x() - c.law.contact.rate) / own(0, 0));
-    const double slip = c.velocity.y() + own(1, 0) * (p - c.impulse.x());
-    return {p, lawful_friction(c.law.closed, p, slip - own(1, 1) * c.impulse.y(), own(1, 1))};
+    const double p_now = c.impulse.x() + c.cohesive;
+    if (c.unbreakable) return c.impulse - change_to_stop(own, c.velocity);
+    double p = 0;
+    if (own(0, 0) <= 0) p = p_now;
+    else if (c.law.contact.may_touch) p = std::max(0.0, p_now - (c.velocity.x() - c.law.contact.rate) / own(0, 0));
+    if (p == 0 && c.cohesive == 0) return Vec2::Zero();
+    const double P_N = p - c.cohesive, slip = c.velocity.y() + own(1, 0) * (P_N - c.impulse.x());
+    return {P_N, lawful_tangential(c.law.staircase(p > 0), p, slip - own(1, 1) * c.impulse.y(), own(1, 1))};
 }
 
 /// [m/s] The change of its own rates by an impulse.
@@ -92,9 +106,15 @@ double ContactCluster::error(Index i, const Vec2& change) const {
     return std::max(std::abs(change.x()) * own_[i](0, 0), std::abs(change.y()) * own_[i](1, 1));
 }
 
-double ContactCluster::residual() const {
+void ContactCluster::find_own() {
+    own_.assign(contacts.size(), Eigen::Matrix2d::Zero());
+    for (const ContactCoupling& c : couplings)
+        if (c.of == c.on) own_[c.of] = c.W;
+}
+
+double ContactCluster::largest_error() const {
     double largest = 0;
-    for (Index i = 0; i < size(); ++i) largest = std::max(largest, error(i, lawful_impulse(i) - contacts[i].impulse));
+    for (Index i = 0; i < size(); ++i) largest = std::max(largest, residual(i));
     return largest;
 }
 
@@ -125,9 +145,7 @@ void ContactCluster::find_velocities() {
 
 double ContactCluster::solve(double speed, double rounding) {
     const double tolerance = exact * speed + rounding;
-    own_.assign(contacts.size(), Eigen::Matrix2d::Zero());
-    for (const ContactCoupling& c : couplings)
-        if (c.of == c.on) own_[c.of] = c.W;
+    find_own();
     double strongest = 0;
     for (Index i = 0; i < size(); ++i) strongest = std::max(strongest, error(i, contacts[i].impulse));
     if (strongest > too_strong * speed)
@@ -137,7 +155,7 @@ double ContactCluster::solve(double speed, double rounding) {
     if (best <= tolerance) return best;
     best_ = contacts;
     if (settle_states(speed, tolerance))
-        if (const double now = residual(); now < best) best = now, best_ = contacts;
+        if (const double now = largest_error(); now < best) best = now, best_ = contacts;
     contacts = best_;
     return best > good_enough * speed + rounding ? approach(best, speed, rounding) : best;
 }
@@ -148,7 +166,7 @@ double ContactCluster::sweep_to(double change, int max_sweeps) {
     for (int k = 0; k < max_sweeps; ++k)
         if (sweep() <= change) break;
     find_velocities();
-    return residual();
+    return largest_error();
 }
 
 /// Proximal points (R. T. Rockafellar, SIAM J. Control Optim. 14, 1976, 877): P_k+1 solves the problem with the rates
@@ -174,7 +192,7 @@ double ContactCluster::approach(double best, double speed, double rounding) {
         }
         bring_near(0);
         find_velocities();
-        const double now = residual();
+        const double now = largest_error();
         if (now < best) best = now, best_ = contacts;
         else if (!found && now > 10 * best) contacts = best_;
         alpha = found ? std::max(lighter * alpha, least_weight) : std::min(heavier * alpha, largest_weight);
@@ -212,8 +230,9 @@ bool ContactCluster::settle_states(double speed, double tolerance) {
         StateChange worst;
         std::size_t at = 0;
         for (std::size_t i = 0; i < contacts.size(); ++i) {
+            if (contacts[i].unbreakable) continue;
             const StateChange change =
-                change_of(states_[i], link_in_frame, contacts[i].velocity, contacts[i].impulse, scales);
+                change_of(states_[i], link_in_frame(contacts[i]), contacts[i].velocity, contacts[i].impulse, scales);
             if (change.violation == 0) continue;
             if (change.violation > worst.violation) worst = change, at = i;
             if (attempt < bold_attempts) states_[i].set(change.closed, change.tangential_state);
@@ -229,7 +248,8 @@ void ContactCluster::fit_states(const FanScales& scales) {
     for (std::size_t i = 0; i < contacts.size(); ++i) {
         states_[i] = {};
         states_[i].law = contacts[i].law;
-        states_[i].fit(link_in_frame, contacts[i].velocity, contacts[i].impulse, scales);
+        if (contacts[i].unbreakable) states_[i].closed = true;
+        else states_[i].fit(link_in_frame(contacts[i]), contacts[i].velocity, contacts[i].impulse, scales);
     }
 }
 
@@ -255,16 +275,26 @@ bool ContactCluster::solve_linear(Eigen::Index n) {
     return p_.allFinite();
 }
 
-/// Impulses and velocities in given states: V_N = b where closed, V_T = kink where it sticks, P_T = -offset p where it
-/// slides; of least norm where contacts are redundant.
+/// Impulses and velocities in given states: V_N = b where closed, else P_N = -C; V_T = kink where it sticks, else
+/// P_T = -offset - contact_offset p. Of least norm where contacts are redundant.
 bool ContactCluster::solve_states() {
     const std::vector<LinkState>& states = states_;
     unknown_.clear();
     for (std::size_t i = 0; i < states.size(); ++i) {
-        if (!states[i].closed) continue;
-        unknown_.push_back(2 * static_cast<Eigen::Index>(i));
-        if (states[i].tangential.stick) unknown_.push_back(2 * static_cast<Eigen::Index>(i) + 1);
+        ClusterContact& c = contacts[i];
+        const StaircasePiece& tangential = states[i].tangential;
+        const bool closed = states[i].closed, sticks = tangential.stick && (closed || c.cohesive > 0);
+        const bool finds_N = closed && own_[i](0, 0) > 0, finds_T = sticks && own_[i](1, 1) > 0;
+        if (finds_N) unknown_.push_back(2 * static_cast<Eigen::Index>(i));
+        if (finds_T) unknown_.push_back(2 * static_cast<Eigen::Index>(i) + 1);
+        // what is known; where it slides, P_T = slope P_N + this
+        if (finds_N) c.impulse.x() = 0;
+        else if (!closed) c.impulse.x() = -c.cohesive;
+        const double p = closed ? c.impulse.x() + c.cohesive : 0;
+        if (finds_T) c.impulse.y() = 0;
+        else if (!sticks) c.impulse.y() = -tangential.offset - tangential.contact_offset * p;
     }
+    find_velocities();
     const auto n = static_cast<Eigen::Index>(unknown_.size());
     place_.assign(2 * states.size(), -1);
     rhs_.resize(n);
@@ -272,27 +302,26 @@ bool ContactCluster::solve_states() {
         const Eigen::Index row = unknown_[r];
         const ClusterContact& c = contacts[row / 2];
         place_[row] = r;
-        rhs_[r] = row % 2 == 0 ? c.law.contact.rate - c.free.x() : states[row / 2].tangential.kink - c.free.y();
+        rhs_[r] = row % 2 == 0 ? c.law.contact.rate - c.velocity.x() : states[row / 2].tangential.kink - c.velocity.y();
     }
     triplets_.clear();
     for (const ContactCoupling& c : couplings) {
-        const LinkState& of = states[c.of];
-        if (!of.closed) continue;
+        const Eigen::Index of_N = place_[2 * c.of], of_T = place_[2 * c.of + 1];
         for (int k = 0; k < 2; ++k) {
             const Eigen::Index r = place_[2 * c.on + k];
             if (r < 0) continue;
-            const double slide = of.tangential.stick ? 0 : of.tangential.contact_offset;
-            triplets_.emplace_back(r, place_[2 * c.of], c.W(k, 0) - slide * c.W(k, 1));
-            if (of.tangential.stick) triplets_.emplace_back(r, place_[2 * c.of + 1], c.W(k, 1));
+            const StaircasePiece& tangential = states[c.of].tangential;
+            const double slide = tangential.stick ? 0 : tangential.contact_offset;
+            if (of_N >= 0) triplets_.emplace_back(r, of_N, c.W(k, 0) - slide * c.W(k, 1));
+            if (of_T >= 0) triplets_.emplace_back(r, of_T, c.W(k, 1));
         }
     }
     if (n > 0 && !solve_linear(n)) return false;
-    for (ClusterContact& c : contacts) c.impulse.setZero();
     for (Eigen::Index r = 0; r < n; ++r) {
-        Vec2& impulse = contacts[unknown_[r] / 2].impulse;
+        const Eigen::Index i = unknown_[r] / 2;
+        Vec2& impulse = contacts[i].impulse;
         impulse[unknown_[r] % 2] = p_[r];
-        const StaircasePiece& piece = states[unknown_[r] / 2].tangential;
-        if (unknown_[r] % 2 == 0 && !piece.stick) impulse.y() = -piece.contact_offset * p_[r];
+        if (unknown_[r] % 2 == 0 && place_[2 * i + 1] < 0) impulse.y() -= states[i].tangential.contact_offset * p_[r];
     }
     find_velocities();
     return true;

@@ -4,6 +4,9 @@
 //     V = V_free + W P,     V = (V_N, V_T), P = (p, P_T) of every contact,     W: Delassus operator
 //     0 <= p  perp  V_N - b >= 0,     -P_T in mu p 1/2 [ sgn(V_T) + sgn(V_T + V_T-) ]
 //
+// Interface points may be among the contacts, with their cohesion: P = (p - C, P_T), and the staircase of
+// interface/fan_problem.hpp. A component without a mobility of its own keeps its impulse.
+//
 // b <= |V_N-| makes the work p (V_N + V_N-)/2 of every contact non-positive, and V = -V- satisfies every bound: without
 // friction each step has a solution, whatever the geometry.
 //
@@ -23,6 +26,8 @@ namespace knap {
 
 struct ClusterContact {
     InterfaceLaw law;
+    double cohesive = 0;           // [N s] C; of an interface point
+    bool unbreakable = false;      // an interface point that sticks for ever
     Vec2 free = Vec2::Zero();      // [m/s] V_free
     Vec2 impulse = Vec2::Zero();   // [N s] P: the start of the iteration, and the result
     Vec2 velocity = Vec2::Zero();  // [m/s] result: V
@@ -57,12 +62,17 @@ public:
         for (const ClusterContact& c : contacts) largest = std::max(largest, c.impulse.norm());
         return largest;
     }
-    /// [m/s] of the impulses, if the rates were `velocity` of each contact.
-    double residual() const;
+    /// [m/s] of the impulse of a contact, if its rate was its `velocity`.
+    double residual(Index i) const { return error(i, lawful_impulse(i) - contacts[i].impulse); }
+    /// [1/kg] The block of W of a contact on itself, of the problem that was solved last.
+    const Eigen::Matrix2d& own(Index i) const { return own_[i]; }
+    /// Reads the own blocks from the couplings.
+    void find_own();
 
 private:
     Vec2 lawful_impulse(Index i) const;
     double error(Index i, const Vec2& change) const;
+    double largest_error() const;
     void apply(Index i, const Vec2& impulse);
     double sweep();
     void find_velocities();

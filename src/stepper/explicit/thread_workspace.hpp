@@ -1,7 +1,7 @@
 #pragma once
 // What a thread needs for fans and contacts, and the exact test of a bonded fan, which uses it.
 #include "stepper/common/bond_check.hpp"
-#include "stepper/contact/contact_cluster.hpp"
+#include "stepper/explicit/contact_problem.hpp"
 #include "stepper/explicit/vertex_solver.hpp"
 
 namespace knap {
@@ -11,10 +11,10 @@ struct alignas(128) ThreadWorkspace {  // no cache line of two threads
 
     std::vector<Vec2> force;     // [N] on the corners of a block of triangles
     std::vector<Vec2> required;  // [N] per corner of a fan, from its points
-    std::vector<Vec2> velocity;  // [m/s] per corner that contacts touch
+    std::vector<Vec2> rate;      // [m/s] per contact of a cluster
     BondCheck bond_check;
     VertexSolver::Workspace split;
-    ContactCluster cluster;
+    ContactProblem contacts;
 
     /// Finds `required` of fan f that moves as one under force_on(i) [N] on its corner i, `total` on all. `mass` [kg]
     /// per corner, in the order of Model::fan_corners.

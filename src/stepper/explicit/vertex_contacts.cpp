@@ -13,16 +13,14 @@
 namespace knap {
 namespace {
 
-constexpr double deep = 1e-3;                       // [-] of the edge: a deeper penetration is reduced by a rebound
-constexpr double merged = 1e-12;                    // [-] of the speeds: nearer kinks of the friction are one
-constexpr double difference = 1e-6;                 // [-] of the momenta, for the slope of a soft fan
-constexpr double held = 1e-6;                       // [-] of the mobility of a free corner: a smaller one is zero
-constexpr double absurd = 1e3;                      // [-] of the speeds of a cluster: no impulse of a contact causes it
-constexpr double max_injected = 1e-3;               // [-] of energy and losses of a cluster, by its residual
-constexpr double agreed = 1e-12;                    // [-] of the speeds, between contacts and fans
-constexpr double rounding = 1e-15;                  // [-] of the positions
-constexpr int newton_rounds = 8, max_rounds = 300;  // of contacts and fans
-constexpr int patience = 20;                        // rounds without half the residual: a wedge has no solution
+constexpr double deep = 1e-3;          // [-] of the edge: a deeper penetration is reduced by a rebound
+constexpr double merged = 1e-12;       // [-] of the speeds: nearer kinks of the friction are one
+constexpr double absurd = 1e3;         // [-] of the speeds of a cluster: no impulse of a contact causes it
+constexpr double max_injected = 1e-3;  // [-] of energy and losses of a cluster, by its residual
+constexpr double agreed = 1e-12;       // [-] of the speeds, between contacts and fans
+constexpr double rounding = 1e-15;     // [-] of the positions
+constexpr int max_rounds = 100;        // of contacts and fans
+constexpr int patience = 4;            // rounds without half the residual: a wedge has no solution
 
 /// [J] Of the impulse P at a mean rate, both (N, T): what the residual of the laws injects.
 double positive_work(const Vec2& P, const Vec2& mean) {
@@ -39,7 +37,6 @@ Index VertexContacts::slot_of(Index fan) {
     touched_[slot].fan = fan;
     touched_[slot].is_soft = false;
     touched_[slot].corners.clear();
-    touched_[slot].terms.clear();
     return slot_of_fan_[fan] = slot;
 }
 
@@ -51,7 +48,6 @@ void VertexContacts::add_terms(Index contact) {
         std::vector<Index>& corners = touched_[slot].corners;
         const auto place = static_cast<Index>(std::ranges::find(corners, corner) - corners.begin());
         if (place == std::ssize(corners)) corners.push_back(corner);
-        touched_[slot].terms.push_back(static_cast<Index>(terms_.size()));
         terms_.push_back({contact, slot, place, along_N, along_T});
     };
     for (const Index corner : c.vertex) add(corner, 0.5 * n, 0.5 * t);
@@ -105,12 +101,8 @@ void VertexContacts::find_clusters() {
         if (found < 0) found = static_cast<Index>(clusters_.size()), clusters_.emplace_back();
         return found;
     };
-    place_in_cluster_.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
-        std::vector<Index>& contacts = clusters_[cluster(terms_of(i)[0].slot)].contacts;
-        place_in_cluster_[i] = static_cast<Index>(contacts.size());
-        contacts.push_back(static_cast<Index>(i));
-    }
+    for (std::size_t i = 0; i < n; ++i)
+        clusters_[cluster(terms_of(i)[0].slot)].contacts.push_back(static_cast<Index>(i));
     for (std::size_t s = 0; s < fans_.size(); ++s) clusters_[cluster(s)].slots.push_back(s);
 }
 
@@ -119,57 +111,37 @@ ContactLaw VertexContacts::law_between(const FaceContact& contact) const {
     return model_.contact_of_pair[material(contact.vertex[1])][material(contact.edge[0])];
 }
 
-/// The parts of a fan move as rigid bodies: corners that points hold together which have not moved.
-void VertexContacts::respond_as_parts(TouchedFan& touched, const ExplicitStep& step) const {
+/// The parts of a fan move as rigid bodies: corners that points hold together which have not moved. Soft: a fan on a
+/// support, or with prescribed corners that may come apart.
+void VertexContacts::find_parts(TouchedFan& touched, const State& begin) const {
     const Fan& fan = model_.fans[touched.fan];
-    const State& begin = step.begin;
     const auto corners = model_.corners(fan);
     const Index rank = begin.split_rank[touched.fan];
     std::vector<Index>& part = touched.part;
     part.assign(corners.size(), 0);
-    if (rank >= 0) {
-        std::iota(part.begin(), part.end(), 0);
-        const auto place = [&](Index corner) { return std::ranges::find(corners, corner) - corners.begin(); };
-        for (Index j = 0; j < fan.n_points; ++j) {
-            const FanPoint& point = model_.points(fan)[j];
-            if (point.on_support()) {
-                touched.is_soft = true;
-                continue;
-            }
-            const Index before = begin.node_of_corner[point.before], after = begin.node_of_corner[point.after];
-            const bool together = begin.displacement[before] == begin.displacement[after] &&
-                                  begin.velocity[before] == begin.velocity[after];
-            const bool held = unbreakable(model_, point) || begin.points[begin.first_point[rank] + j].cohesion > 0;
-            if (held && together) std::ranges::replace(part, part[place(point.after)], part[place(point.before)]);
+    touched.is_soft = solver_.has_outer_forces(touched.fan);
+    if (rank < 0) return;
+    std::iota(part.begin(), part.end(), 0);
+    const auto place = [&](Index corner) { return std::ranges::find(corners, corner) - corners.begin(); };
+    for (Index j = 0; j < fan.n_points; ++j) {
+        const FanPoint& point = model_.points(fan)[j];
+        if (point.on_support()) {
+            touched.is_soft = true;
+            continue;
         }
+        const Index before = begin.node_of_corner[point.before], after = begin.node_of_corner[point.after];
+        const bool together =
+            begin.displacement[before] == begin.displacement[after] && begin.velocity[before] == begin.velocity[after];
+        const bool held = unbreakable(model_, point) || begin.points[begin.first_point[rank] + j].cohesion > 0;
+        if (held && together) std::ranges::replace(part, part[place(point.after)], part[place(point.before)]);
     }
-    const auto n = static_cast<Eigen::Index>(touched.corners.size());
-    touched.free.assign(n, Vec2::Zero());
-    touched.R.setZero(2 * n, 2 * n);
-    for (Eigen::Index c = 0; c < n; ++c) {
-        const Index own = part[std::ranges::find(corners, touched.corners[c]) - corners.begin()];
-        double mass = 0;
-        Vec2 momentum = Vec2::Zero();
-        for (Index i = 0; i < fan.n_corners; ++i) {
-            if (part[i] != own) continue;
-            const double m = step.mass[fan.first_corner + i];
-            mass += m;
-            momentum += step.decay * m * begin.velocity[begin.node_of_corner[corners[i]]] +
-                        step.mobility * step.kick_time * step.corner_force[corners[i]];
-        }
-        touched.free[c] = momentum / mass;
-        Vec2 mobility = Vec2::Constant(step.mobility / mass);
-        if (const PrescribedMotion* motion = model_.motion_of(touched.corners[c])) {
-            const Index node = begin.node_of_corner[touched.corners[c]];
-            const Vec2 given = step.prescribed_velocity(model_, *motion, begin.displacement[node]);
-            for (int k = 0; k < 2; ++k)
-                if (motion->component[k]) touched.free[c][k] = given[k], mobility[k] = 0;
-            touched.is_soft = touched.is_soft || rank >= 0;
-        }
-        for (Eigen::Index d = 0; d < n; ++d)
-            if (part[std::ranges::find(corners, touched.corners[d]) - corners.begin()] == own)
-                touched.R.block<2, 2>(2 * c, 2 * d) = mobility.asDiagonal();
-    }
+    const auto is_prescribed = [&](Index corner) { return model_.motion_of(corner) != nullptr; };
+    touched.is_soft = touched.is_soft || std::ranges::any_of(touched.corners, is_prescribed);
+}
+
+void VertexContacts::soften(TouchedFan& touched, const State& begin, std::vector<std::uint8_t>& splits) const {
+    touched.is_soft = true;
+    splits[touched.fan] = begin.split_rank[touched.fan] < 0;
 }
 
 /// Whether the impulses on its corners leave the parts of a fan as they are.
@@ -188,64 +160,82 @@ bool VertexContacts::keeps_its_parts(const TouchedFan& touched, const ExplicitSt
     return work.is_bonded(model_, touched.fan, step.begin, step.mass, force_on, force);
 }
 
-/// [1/kg] R by differences; `respond` finds the velocities of the touched corners. Unsymmetric where points of the fan
-/// slide: with its symmetric part Newton's method takes three times as many rounds.
-template <class Respond>
-void VertexContacts::find_slope(TouchedFan& touched, ThreadWorkspace& work, const Respond& respond) {
-    const auto n = static_cast<Eigen::Index>(touched.corners.size());
-    double speed = 0;
-    for (const FanBody& body : work.split.problem.bodies)
-        speed = std::max({speed, body.free_velocity.norm(), body.velocity.norm(), body.end_velocity.norm()});
-    if (speed == 0) speed = 1;
-    for (Eigen::Index c = 0; c < n; ++c) {
-        const Index corner = touched.corners[c];
-        const double impulse = difference * speed * model_.corner_mass[corner];
-        for (int k = 0; k < 2; ++k) {
-            const Vec2 kept = corner_impulse_[corner];
-            corner_impulse_[corner][k] += impulse;
-            respond(work.velocity);
-            corner_impulse_[corner] = kept;
-            for (Eigen::Index d = 0; d < n; ++d)
-                touched.R.block<2, 1>(2 * d, 2 * c + k) = (work.velocity[d] - touched.velocity[d]) / impulse;
-        }
-    }
-    // a corner that an obstacle holds does not move: what is left is the rounding of the differences
-    for (Eigen::Index c = 0; c < n; ++c)
-        for (int k = 0; k < 2; ++k) {
-            const Eigen::Index row = 2 * c + k;
-            if (touched.R(row, row) > held / model_.corner_mass[touched.corners[c]]) continue;
-            touched.R.row(row).setZero(), touched.R.col(row).setZero();
-        }
+/// The motion of a fan under the present impulses.
+void VertexContacts::solve_fan(TouchedFan& touched, const ExplicitStep& step, VertexSolver::Workspace& work) const {
+    const auto corners = model_.corners(model_.fans[touched.fan]);
+    solver_.solve(touched.fan, step, work);
+    touched.velocity.clear();
+    for (const Index corner : touched.corners)
+        touched.velocity.push_back(
+            work.problem.bodies[std::ranges::find(corners, corner) - corners.begin()].end_velocity);
 }
 
-/// End velocities of the touched corners from the interface laws of the fan; with their slope by differences.
-void VertexContacts::respond_softly(TouchedFan& touched, const ExplicitStep& step, ThreadWorkspace& work, Slope slope) {
+/// One body for each part that contacts touch.
+void VertexContacts::add_parts(TouchedFan& touched, const ExplicitStep& step, ContactProblem& problem) const {
     const Fan& fan = model_.fans[touched.fan];
+    const State& begin = step.begin;
     const auto corners = model_.corners(fan);
-    const auto n = static_cast<Eigen::Index>(touched.corners.size());
-    const auto respond = [&](std::vector<Vec2>& velocity) {
-        solver_.solve(touched.fan, step, work.split);
-        velocity.resize(n);
-        for (Eigen::Index c = 0; c < n; ++c)
-            velocity[c] = work.split.problem.bodies[std::ranges::find(corners, touched.corners[c]) - corners.begin()]
-                              .end_velocity;
+    const auto part_of = [&](Index corner) {
+        return touched.part[std::ranges::find(corners, corner) - corners.begin()];
     };
-    respond(touched.velocity);
-    if (slope == Slope::none) return;
-    touched.R.setZero(2 * n, 2 * n);
-    if (slope == Slope::largest) {
-        for (Eigen::Index c = 0; c < n; ++c)
-            touched.R.block<2, 2>(2 * c, 2 * c)
-                .diagonal()
-                .setConstant(step.mobility / model_.corner_mass[touched.corners[c]]);
-    } else {
-        find_slope(touched, work, respond);
+    for (std::size_t c = 0; c < touched.corners.size(); ++c) {
+        const Index corner = touched.corners[c], own = part_of(corner);
+        std::size_t same = 0;
+        while (part_of(touched.corners[same]) != own) ++same;
+        if (same < c) {
+            touched.body.push_back(touched.body[same]);
+            continue;
+        }
+        double mass = 0;
+        Vec2 momentum = Vec2::Zero();
+        for (Index i = 0; i < fan.n_corners; ++i) {
+            if (touched.part[i] != own) continue;
+            const double m = step.mass[fan.first_corner + i];
+            mass += m;
+            momentum += step.decay * m * begin.velocity[begin.node_of_corner[corners[i]]] +
+                        step.mobility * step.kick_time * step.corner_force[corners[i]];
+        }
+        Vec2 free = momentum / mass, mobility = Vec2::Constant(step.mobility / mass);
+        if (const PrescribedMotion* motion = model_.motion_of(corner)) {  // of the whole fan, which is bonded
+            const Vec2 given =
+                step.prescribed_velocity(model_, *motion, begin.displacement[begin.node_of_corner[corner]]);
+            for (int k = 0; k < 2; ++k)
+                if (motion->component[k]) free[k] = given[k], mobility[k] = 0;
+        }
+        touched.body.push_back(problem.add_body(free, mobility));
     }
-    for (Eigen::Index c = 0; c < n; ++c) {
-        touched.free[c] = touched.velocity[c];
-        for (Eigen::Index d = 0; d < n; ++d)
-            touched.free[c] -= touched.R.block<2, 2>(2 * c, 2 * d) * corner_impulse_[touched.corners[d]];
+}
+
+/// The problem of a cluster, with the impulses found last as its start.
+void VertexContacts::pose(const Cluster& cluster, const ExplicitStep& step, bool stuck_stays, ThreadWorkspace& work) {
+    ContactProblem& problem = work.contacts;
+    problem.clear();
+    for (const Index s : cluster.slots) {
+        TouchedFan& touched = touched_[s];
+        touched.body.clear();
+        if (!touched.is_soft) {
+            add_parts(touched, step, problem);
+            continue;
+        }
+        solve_fan(touched, step, work.split);
+        FanProblem& fan = work.split.problem;
+        const auto corners = model_.corners(model_.fans[touched.fan]);
+        const auto place = [&](Index corner) {
+            return static_cast<Index>(std::ranges::find(corners, corner) - corners.begin());
+        };
+        for (const Index corner : touched.corners) {  // without the contacts
+            FanBody& body = fan.bodies[place(corner)];
+            body.free_velocity -= body.inverse_mass.cwiseProduct(corner_impulse_[corner]);
+        }
+        const Index first = problem.add_fan(fan, static_cast<Index>(corners.size()), stuck_stays);
+        for (const Index corner : touched.corners) touched.body.push_back(first + place(corner));
     }
+    for (const Index i : cluster.contacts) {
+        problem.add_contact(impulse_[i]);
+        for (const Term& term : terms_of(i))
+            problem.add_term(touched_[term.slot].body[term.place], term.along_N, term.along_T);
+    }
+    problem.assemble();
 }
 
 /// Spreads the impulses of a cluster over the corners.
@@ -258,107 +248,62 @@ void VertexContacts::spread(const Cluster& cluster) {
                 impulse_[i].x() * term.along_N + impulse_[i].y() * term.along_T;
 }
 
-/// W = sum over the fans of along' R along, and V_free likewise.
-void VertexContacts::assemble(const Cluster& cluster, ContactCluster& problem) const {
-    for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
-        ClusterContact& c = problem.contacts[i];
-        c.free.setZero();
-        c.impulse = impulse_[cluster.contacts[i]];
-        c.first_coupling = c.last_coupling = 0;
-    }
-    problem.couplings.clear();
-    for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
-        for (const Term& term : terms_of(cluster.contacts[i])) {
-            const TouchedFan& touched = touched_[term.slot];
-            problem.contacts[i].free += term.rate(touched.free[term.place]);
-            for (const Index k : touched.terms) {
-                const Term& other = terms_[k];
-                const Eigen::Matrix2d R = touched.R.block<2, 2>(2 * other.place, 2 * term.place);
-                Eigen::Matrix2d along, of_other;
-                along << term.along_N, term.along_T;
-                of_other << other.along_N, other.along_T;
-                problem.couple(static_cast<Index>(i), place_in_cluster_[other.contact],
-                               of_other.transpose() * R * along);
-            }
-        }
-    }
-}
-
-/// A vertex that moves as one with the end of the edge that it touches is no contact, nor are two that are held.
-void VertexContacts::drop_immobile(const Cluster& cluster, ContactCluster& problem) const {
-    for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
-        double own = 0, of_free_corners = 0;
-        for (Index k = problem.contacts[i].first_coupling; k < problem.contacts[i].last_coupling; ++k)
-            if (problem.couplings[k].on == static_cast<Index>(i)) own = problem.couplings[k].W.trace();
-        for (const Term& term : terms_of(cluster.contacts[i]))
-            of_free_corners =
-                std::max(of_free_corners,
-                         term.along_N.squaredNorm() / model_.corner_mass[touched_[term.slot].corners[term.place]]);
-        if (own <= held * of_free_corners) problem.contacts[i].law.contact.may_touch = false;
-    }
+/// [m/s] (V_N, V_T) of a contact under the present impulses.
+Vec2 VertexContacts::rate(Index contact) const {
+    Vec2 V = Vec2::Zero();
+    for (const Term& term : terms_of(contact)) V += term.rate(touched_[term.slot].velocity[term.place]);
+    return V;
 }
 
 void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
                                    ThreadWorkspace& work, StepReport& report) {
-    ContactCluster& problem = work.cluster;
-    spread(cluster);
+    ContactProblem& problem = work.contacts;
+    bool has_soft = false;
     for (const Index s : cluster.slots) {
-        TouchedFan& touched = touched_[s];
-        respond_as_parts(touched, step);
-        if (touched.is_soft || solver_.has_outer_forces(touched.fan)) {
-            touched.is_soft = true;
-            splits[touched.fan] = step.begin.split_rank[touched.fan] < 0;
-            respond_softly(touched, step, work, Slope::of_differences);
-        }
+        find_parts(touched_[s], step.begin);
+        if (touched_[s].is_soft) soften(touched_[s], step.begin, splits), has_soft = true;
     }
-    problem.contacts.resize(cluster.contacts.size());
-    assemble(cluster, problem);
+    spread(cluster);
+    pose(cluster, step, true, work);
     double speed = 0, error = 0;
-    for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
-        const FaceContact& c = contacts_.all()[cluster.contacts[i]];
-        speed = std::max({speed, before_[cluster.contacts[i]].norm(), problem.contacts[i].free.norm()});
+    for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
+        const FaceContact& c = contacts_.all()[cluster.contacts[k]];
+        speed = std::max({speed, before_[cluster.contacts[k]].norm(), problem.contact(k).free.norm()});
         const Vec2 place = model_.mesh.corner(c.edge[0]) + step.begin.displacement_of(c.edge[0]);
         error = std::max(error, rounding * (place.norm() + c.length) / step.drift_time);
     }
-    for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
-        const FaceContact& c = contacts_.all()[cluster.contacts[i]];
-        const ContactLaw law = law_between(c);
-        problem.contacts[i].law = contact_law(c.gap, before_[cluster.contacts[i]], law.friction, law.restitution,
-                                              step.drift_time, deep * c.length, merged * speed + error);
-    }
-    drop_immobile(cluster, problem);
     double residual = 0, least = std::numeric_limits<double>::infinity();
+    bool more_soft = false;
     for (int round = 0, last_progress = 0; round < max_rounds; ++round) {
+        if (round > 0) pose(cluster, step, more_soft, work);
+        for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
+            const FaceContact& c = contacts_.all()[cluster.contacts[k]];
+            const ContactLaw law = law_between(c);
+            problem.contact(k).law = contact_law(c.gap, before_[cluster.contacts[k]], law.friction, law.restitution,
+                                                 step.drift_time, deep * c.length, merged * speed + error);
+        }
         residual = problem.solve(speed, error);
-        for (std::size_t i = 0; i < cluster.contacts.size(); ++i)
-            impulse_[cluster.contacts[i]] = problem.contacts[i].impulse;
+        for (std::size_t k = 0; k < cluster.contacts.size(); ++k)
+            impulse_[cluster.contacts[k]] = problem.contact(k).impulse;
         spread(cluster);
-        bool has_soft = false;
+        more_soft = false;
         for (const Index s : cluster.slots) {
             TouchedFan& touched = touched_[s];
-            if (!touched.is_soft && (splits[touched.fan] || !keeps_its_parts(touched, step, work, report))) {
-                touched.is_soft = true;
-                splits[touched.fan] = step.begin.split_rank[touched.fan] < 0;
+            if (!touched.is_soft && (splits[touched.fan] || !keeps_its_parts(touched, step, work, report)))
+                soften(touched, step.begin, splits), has_soft = more_soft = true;
+            if (touched.is_soft) {
+                solve_fan(touched, step, work.split);
+            } else {
+                touched.velocity.clear();
+                for (const Index body : touched.body) touched.velocity.push_back(problem.velocity(body));
             }
-            if (touched.is_soft) respond_softly(touched, step, work, Slope::none);
-            has_soft = has_soft || touched.is_soft;
         }
+        work.rate.clear();
+        for (const Index i : cluster.contacts) work.rate.push_back(rate(i));
         if (!has_soft) break;
-        // the rates that contacts really have
-        for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
-            Vec2& V = problem.contacts[i].velocity;
-            V.setZero();
-            for (const Term& term : terms_of(cluster.contacts[i]))
-                V += term.rate(velocity_of(touched_[term.slot], term.place));
-        }
-        residual = problem.residual();
+        residual = problem.residual(work.rate);
         if (residual < 0.5 * least) least = residual, last_progress = round;
         if (residual <= agreed * speed + error || round - last_progress > patience) break;
-        const Slope slope = round < newton_rounds ? Slope::of_differences : Slope::largest;
-        for (const Index s : cluster.slots)
-            if (touched_[s].is_soft) respond_softly(touched_[s], step, work, slope);
-        assemble(cluster, problem);
-        drop_immobile(cluster, problem);
     }
     for (const Index i : cluster.contacts) residual_[i] = residual + error;
     if (speed > 0) report.contact_residual = std::max(report.contact_residual, std::max(0.0, residual - error) / speed);
@@ -370,26 +315,16 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
                          mass = model_.corner_mass[corner];
             energy += 0.5 * mass * speed_before * speed_before;
             before = std::max({before, speed_before, step.kick_time / mass * step.corner_force[corner].norm()});
-            after = std::max(after, velocity_of(touched_[s], static_cast<Index>(c)).norm());
+            after = std::max(after, touched_[s].velocity[c].norm());
         }
-    for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
-        const Vec2 &P = problem.contacts[i].impulse,
-                   mean = 0.5 * (before_[cluster.contacts[i]] + problem.contacts[i].velocity);
+    for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
+        const Vec2 P = impulse_[cluster.contacts[k]], mean = 0.5 * (before_[cluster.contacts[k]] + work.rate[k]);
         injected += positive_work(P, mean), lost += positive_work(-P, mean);
     }
     // a residual changes no momentum and no energy, but the sign of single works: a gate judges their sum
     if (!(after <= absurd * before) || injected > max_injected * (energy + lost) + error * problem.largest_impulse()) {
         report.reject(Rejection::not_converged, place_of(cluster.contacts.front(), step.begin));
     }
-}
-
-/// [m/s] Of a touched corner under the present impulses.
-Vec2 VertexContacts::velocity_of(const TouchedFan& touched, Index place) const {
-    if (touched.is_soft) return touched.velocity[place];
-    Vec2 v = touched.free[place];
-    for (std::size_t d = 0; d < touched.corners.size(); ++d)
-        v += touched.R.block<2, 2>(2 * place, 2 * static_cast<Eigen::Index>(d)) * corner_impulse_[touched.corners[d]];
-    return v;
 }
 
 double VertexContacts::solve(const ExplicitStep& step, bool aside, std::vector<std::uint8_t>& splits,

@@ -5,11 +5,10 @@
 //     V_N = n . (v_i - (1 - s) v_a - s v_b),                    the rate of the gap g
 //     V_T = t . (v_i - (1 - s) v_a - s v_b) + (g/L) n . (v_b - v_a),      slip past the material point
 //
-// v_i is the mean of the two corners at the vertex. Contacts that share a fan form a cluster (contact_cluster.hpp). Its
-// Delassus operator needs the response of the fans to impulses on their corners: a fan whose parts stay as they are
-// answers with the masses of its parts; any other fan is solved with its interface laws (vertex_solver.hpp) and
-// linearised by differences, and the cluster is solved again until contacts and fans agree (Newton's method: the
-// response of a fan is piecewise linear).
+// v_i is the mean of the two corners at the vertex. Contacts that share a fan form a cluster. A fan whose parts stay as
+// they are answers with the masses of its parts; the points of any other fan are solved together with the contacts
+// (contact_problem.hpp). Then each of these fans is solved by itself under the impulses found (vertex_solver.hpp), which
+// is the motion that it will have: the contacts are judged by it.
 #include "stepper/contact/face_contacts.hpp"
 #include "stepper/explicit/thread_workspace.hpp"
 
@@ -51,16 +50,13 @@ private:
 
         Vec2 rate(const Vec2& v) const { return {along_N.dot(v), along_T.dot(v)}; }  // [m/s] its part of V
     };
-    /// The response of a fan to impulses P on its touched corners: v = free + R P.
     struct TouchedFan {
         Index fan;
-        bool is_soft = false;        // solved with its interface laws
+        bool is_soft = false;        // its points are solved with the contacts
         std::vector<Index> corners;  // touched
-        std::vector<Index> terms;    // on them
-        std::vector<Index> part;     // per corner of the fan
-        std::vector<Vec2> free;      // [m/s]
-        Eigen::MatrixXd R;           // [1/kg]
-        std::vector<Vec2> velocity;  // [m/s] of a soft fan under the present impulses
+        std::vector<Index> part;     // per corner of a fan that is not soft
+        std::vector<Index> body;     // per touched corner: its number in the problem
+        std::vector<Vec2> velocity;  // [m/s] per touched corner, under the present impulses
     };
     struct Cluster {
         std::vector<Index> contacts, slots;
@@ -72,20 +68,16 @@ private:
     void find_clusters();
     void solve_cluster(const Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
                        ThreadWorkspace& work, StepReport& report);
-    void respond_as_parts(TouchedFan& touched, const ExplicitStep& step) const;
-    /// Of the response of a soft fan: not needed; by differences; or that of free corners, with which contacts and fans
-    /// contract towards each other where Newton's method cycles.
-    enum class Slope { none, of_differences, largest };
-    void respond_softly(TouchedFan& touched, const ExplicitStep& step, ThreadWorkspace& work, Slope slope);
-    template <class Respond>
-    void find_slope(TouchedFan& touched, ThreadWorkspace& work, const Respond& respond);
+    void find_parts(TouchedFan& touched, const State& begin) const;
+    void soften(TouchedFan& touched, const State& begin, std::vector<std::uint8_t>& splits) const;
     bool keeps_its_parts(const TouchedFan& touched, const ExplicitStep& step, ThreadWorkspace& work,
                          StepReport& report) const;
+    void solve_fan(TouchedFan& touched, const ExplicitStep& step, VertexSolver::Workspace& work) const;
+    void add_parts(TouchedFan& touched, const ExplicitStep& step, ContactProblem& problem) const;
+    void pose(const Cluster& cluster, const ExplicitStep& step, bool stuck_stays, ThreadWorkspace& work);
     void spread(const Cluster& cluster);
-    void assemble(const Cluster& cluster, ContactCluster& problem) const;
-    void drop_immobile(const Cluster& cluster, ContactCluster& problem) const;
     Vec2 rate(Index contact, const State& state) const;
-    Vec2 velocity_of(const TouchedFan& touched, Index place) const;
+    Vec2 rate(Index contact) const;
     std::span<const Term> terms_of(Index contact) const { return {&terms_[4 * contact], 4}; }
     ContactLaw law_between(const FaceContact& contact) const;
 
@@ -93,11 +85,10 @@ private:
     const VertexSolver& solver_;
     std::vector<Vec2>& corner_impulse_;
     FaceContacts contacts_;
-    std::vector<Index> fans_;              // touched
-    std::vector<TouchedFan> touched_;      // in their order; memory of more
-    std::vector<Index> slot_of_fan_;       // per fan: into fans_, or -1
-    std::vector<Index> cluster_of_slot_;   // of representatives
-    std::vector<Index> place_in_cluster_;  // per contact
+    std::vector<Index> fans_;             // touched
+    std::vector<TouchedFan> touched_;     // in their order; memory of more
+    std::vector<Index> slot_of_fan_;      // per fan: into fans_, or -1
+    std::vector<Index> cluster_of_slot_;  // of representatives
     std::vector<Term> terms_;
     std::vector<Cluster> clusters_;
     std::vector<Vec2> impulse_, before_;  // [N s], [m/s] per contact: (N, T)

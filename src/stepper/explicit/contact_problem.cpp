@@ -1,0 +1,147 @@
+#include "stepper/explicit/contact_problem.hpp"
+
+#include "interface/link_state.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace knap {
+namespace {
+
+constexpr double held = 1e-12;  // [-] of the mobilities of its corners: a smaller own one is rounding
+
+}  // namespace
+
+void ContactProblem::clear() {
+    bodies_.clear(), corners_.clear(), terms_.clear(), rows_.clear();
+    cluster_.contacts.clear();
+}
+
+Index ContactProblem::add_body(const Vec2& free, const Vec2& inverse_mass) {
+    corners_.push_back({static_cast<Index>(bodies_.size()), Vec2::Zero()});
+    bodies_.push_back({free, inverse_mass});
+    return static_cast<Index>(corners_.size()) - 1;
+}
+
+/// Corners whose links stick move as one, with the relative velocities of the last solution:
+///
+///     v_i = v + offset_i,     sum m_i v_free = sum m_i (v_i_free - offset_i)
+void ContactProblem::add_parts(const FanProblem& fan, Index n_corners, bool stuck_stays) {
+    part_.resize(n_corners);
+    std::iota(part_.begin(), part_.end(), 0);
+    const auto is_free = [&](Index body) {
+        return body >= 0 && body < n_corners && fan.bodies[body].inverse_mass.minCoeff() > 0;
+    };
+    for (const FanLink& link : fan.links) {
+        if (!stuck_stays || !link.stuck || !is_free(link.before) || !is_free(link.after)) continue;
+        const auto [first, other] = std::minmax({part_[link.before], part_[link.after]});
+        std::ranges::replace(part_, other, first);
+    }
+    const std::size_t first_body = bodies_.size();
+    for (Index i = 0; i < n_corners; ++i) {
+        const FanBody& own = fan.bodies[i];
+        const Vec2 offset = own.end_velocity - fan.bodies[part_[i]].end_velocity;
+        corners_.push_back({static_cast<Index>(first_body) + part_[i], offset});
+        bodies_.push_back({own.free_velocity, own.inverse_mass});
+        if (part_[i] == i) continue;
+        Body& body = bodies_[first_body + part_[i]];
+        const Vec2 mass = body.inverse_mass.cwiseInverse(), sum = mass + own.mass();
+        body.free =
+            (mass.cwiseProduct(body.free) + own.mass().cwiseProduct(own.free_velocity - offset)).cwiseQuotient(sum);
+        body.inverse_mass = sum.cwiseInverse();
+    }
+}
+
+Index ContactProblem::add_fan(const FanProblem& fan, Index n_corners, bool stuck_stays) {
+    const double rest = scales_of(fan, 0).rest;
+    const auto first = static_cast<Index>(corners_.size());
+    add_parts(fan, n_corners, stuck_stays);
+    for (std::size_t b = n_corners; b < fan.bodies.size(); ++b) add_body(fan.bodies[b].free_velocity, Vec2::Zero());
+    for (FanLink link : fan.links) {
+        const auto body_of = [&](Index body) { return body < 0 ? -1 : corners_[first + body].body; };
+        if (body_of(link.before) == body_of(link.after)) continue;
+        ClusterContact point{.unbreakable = link.unbreakable};
+        if (!link.unbreakable) {
+            if (link.ramp > 0) link.cohesive = link.borne;
+            const Vec2 before = fan.velocity_before(link.after) - fan.velocity_before(link.before);
+            point.law = law_of(link, before, fan.drift_time, rest);
+            point.cohesive = link.cohesive;
+        }
+        point.impulse = {link.normal.dot(link.impulse), link.tangent().dot(link.impulse)};
+        const auto row = static_cast<Index>(cluster_.contacts.size());
+        cluster_.contacts.push_back(point);
+        if (link.after >= 0) terms_.push_back({row, first + link.after, link.normal, link.tangent()});
+        if (link.before >= 0) terms_.push_back({row, first + link.before, -link.normal, -link.tangent()});
+    }
+    return first;
+}
+
+void ContactProblem::add_contact(const Vec2& impulse) {
+    rows_.push_back(static_cast<Index>(cluster_.contacts.size()));
+    cluster_.contacts.push_back({.impulse = impulse});
+}
+
+void ContactProblem::add_term(Index corner, const Vec2& along_N, const Vec2& along_T) {
+    terms_.push_back({rows_.back(), corner, along_N, along_T});
+}
+
+/// W = sum over the bodies of along' M^-1 along, and V_free likewise. A vertex that moves as one with the end of the
+/// edge that it touches is no contact, nor are two that are held: without a mobility it keeps its impulse, zero.
+void ContactProblem::assemble() {
+    const auto body_of = [&](const Term& term) { return corners_[term.corner].body; };
+    std::vector<std::size_t>& end = end_of_body_;
+    end.assign(bodies_.size() + 1, 0);
+    for (const Term& term : terms_) ++end[body_of(term) + 1];
+    std::partial_sum(end.begin(), end.end(), end.begin());
+    of_body_.resize(terms_.size());
+    for (std::size_t k = 0; k < terms_.size(); ++k) of_body_[end[body_of(terms_[k])]++] = static_cast<Index>(k);
+    for (ClusterContact& c : cluster_.contacts) c.free.setZero(), c.first_coupling = c.last_coupling = 0;
+    cluster_.couplings.clear();
+    for (const Term& term : terms_) {
+        const Index b = body_of(term);
+        const Vec2 free = bodies_[b].free + corners_[term.corner].offset;
+        cluster_.contacts[term.row].free += Vec2(term.along_N.dot(free), term.along_T.dot(free));
+        Eigen::Matrix2d of, on;
+        of << bodies_[b].inverse_mass.cwiseProduct(term.along_N), bodies_[b].inverse_mass.cwiseProduct(term.along_T);
+        for (std::size_t k = b == 0 ? 0 : end[b - 1]; k < end[b]; ++k) {
+            const Term& other = terms_[of_body_[k]];
+            on << other.along_N, other.along_T;
+            cluster_.couple(term.row, other.row, on.transpose() * of);
+        }
+    }
+    std::vector<double> mobility(cluster_.contacts.size(), 0);  // [1/kg] of the corners of each row
+    for (const Term& term : terms_)
+        mobility[term.row] += bodies_[body_of(term)].inverse_mass.sum() * term.along_N.squaredNorm();
+    for (ContactCoupling& c : cluster_.couplings)
+        if (c.of == c.on)
+            for (int k = 0; k < 2; ++k)
+                if (c.W(k, k) <= held * mobility[c.of]) c.W.row(k).setZero(), c.W.col(k).setZero();
+    cluster_.find_own();
+    for (const Index row : rows_)
+        for (int k = 0; k < 2; ++k)
+            if (cluster_.own(row)(k, k) == 0) cluster_.contacts[row].impulse[k] = 0;
+}
+
+double ContactProblem::solve(double speed, double rounding) {
+    for (std::size_t i = 0; i < cluster_.contacts.size(); ++i)
+        speed = std::max(speed, cluster_.contacts[i].cohesive * cluster_.own(static_cast<Index>(i)).trace());
+    const double residual = cluster_.solve(speed, rounding);
+    for (Body& body : bodies_) body.end = body.free;
+    for (const Term& term : terms_) {
+        Body& body = bodies_[corners_[term.corner].body];
+        const Vec2& P = cluster_.contacts[term.row].impulse;
+        body.end += body.inverse_mass.cwiseProduct(P.x() * term.along_N + P.y() * term.along_T);
+    }
+    return residual;
+}
+
+double ContactProblem::residual(std::span<const Vec2> V) {
+    double largest = 0;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        cluster_.contacts[rows_[i]].velocity = V[i];
+        largest = std::max(largest, cluster_.residual(rows_[i]));
+    }
+    return largest;
+}
+
+}  // namespace knap
