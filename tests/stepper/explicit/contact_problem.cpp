@@ -1,0 +1,59 @@
+// Contacts and the points of fans as one problem, against the solver of single fans.
+#include "stepper/explicit/contact_problem.hpp"
+#include "interface/fan_solver.hpp"
+#include "support/fan_judge.hpp"
+#include "support/random_fans.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+struct Found {
+    double error = 0;     // [-] largest difference of velocities, over the speeds of the fan
+    double residual = 0;  // [-] likewise
+};
+
+/// The motion of a fan by ContactProblem, from zero impulses or with the links that stick in FanSolver's solution, beside
+/// that solution.
+Found against_fan_solver(FanProblem fan, bool stuck_stays) {
+    FanSolver solver;
+    FanProblem start = fan;
+    if (solver.solve(fan).status == FanSolution::Status::failed) return {1, 1};
+    const double speed = FanJudge(fan).speed_scale();
+    if (stuck_stays) start = fan;
+    const auto n = static_cast<Index>(fan.bodies.size());
+    ContactProblem problem;
+    problem.clear();
+    const Index first = problem.add_fan(start, n, stuck_stays);
+    problem.assemble();
+    Found found{.residual = problem.solve(speed, 0) / speed};
+    for (Index i = 0; i < n; ++i)
+        found.error = std::max(found.error, (problem.velocity(first + i) - fan.bodies[i].end_velocity).norm() / speed);
+    return found;
+}
+
+}  // namespace
+
+TEST_CASE("points of random fans move as their own solver says") {
+    for (const bool prescribed : {false, true})
+        for (const bool friction : {false, true})
+            for (const bool stuck_stays : {false, true}) {
+                const int n = 1500;
+                int n_other = 0;
+                double worst = 0;
+                for (int seed = 0; seed < n; ++seed) {
+                    RandomFan random(seed, {.friction = friction, .prescribed = prescribed, .units = false});
+                    const Found found = against_fan_solver(random.problem(), stuck_stays);
+                    if (found.residual > 1e-10) ++n_other;
+                    else if (!friction) worst = std::max(worst, found.error);
+                    else n_other += found.error > 1e-7;
+                }
+                MESSAGE("friction ", friction, ", prescribed ", prescribed, ", stuck stays ", stuck_stays, ": ",
+                        n_other, " of ", n, " not solved or otherwise, largest difference ", worst);
+                CHECK(worst < 1e-9);
+                CHECK(n_other <= (friction ? 0.03 * n : 0));  // with friction there may be several solutions
+            }
+}
