@@ -35,6 +35,7 @@ TEST_CASE("fans cleared by the inscribed circles are bonded and most bonded fans
         for (const Index order : {1, 2}) {
             const Model model = make_model(plate(order, law));
             BondCheck exact(model);
+            const State now = initial_state(model);
             std::mt19937 random(7);
             std::uniform_real_distribution<double> stress(-1, 1);
             const State start = initial_state(model);
