@@ -7,8 +7,8 @@
 //
 // v_i is the mean of the two corners at the vertex. Contacts that share a fan form a cluster. A fan whose parts stay as
 // they are answers with the masses of its parts; the points of any other fan are solved together with the contacts
-// (contact_problem.hpp). Then each of these fans is solved by itself under the impulses found (vertex_solver.hpp), which
-// is the motion that it will have: the contacts are judged by it.
+// (contact_problem.hpp). Then each of these fans is solved by itself under the impulses found (vertex_solver.hpp): that
+// is the motion that it will have, and the contacts are judged by it.
 #include "stepper/contact/face_contacts.hpp"
 #include "stepper/explicit/thread_workspace.hpp"
 
