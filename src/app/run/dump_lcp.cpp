@@ -74,11 +74,11 @@ bool StepSelection::contains(std::int64_t step) const {
 std::string StepSelection::outside(std::int64_t first, std::int64_t last) const {
     std::string text;
     for (const auto& [from, stride, limit] : ranges_) {
-        const auto number = [&](std::int64_t k) { return from + k * stride; };
-        const auto n_until = [&](std::int64_t step) {
+        const auto number = [from = from, stride = stride](std::int64_t k) { return from + k * stride; };
+        const auto n_until = [from = from, stride = stride, limit = limit](std::int64_t step) {
             return step < from ? 0 : (std::min(step, limit) - from) / stride + 1;
         };
-        const auto add = [&](std::int64_t begin, std::int64_t end) {
+        const auto add = [&, stride = stride](std::int64_t begin, std::int64_t end) {
             if (begin >= end) return;
             text += (text.empty() ? "" : ",") + std::to_string(number(begin));
             if (begin + 1 < end)
