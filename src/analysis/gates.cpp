@@ -115,7 +115,11 @@ const GateRule rules[] = {
       "Usual cause: faces that meet faster than the step resolves, thin pieces, or points that cohesion held while "
       "they turned. Try a smaller time.safety or smaller triangles there; [limits] contact_depth sets another limit."},
      {0.02, 0.2, allowed},
-     [](const GateView& run) { return GateValue{run.ledger.worst().contact_depth}; }},
+     [](const GateView& run) {
+         const StepReport& worst = run.ledger.worst();
+         return GateValue{worst.contact_depth,
+                          worst.contact_depth > 0 ? std::optional(worst.depth_place) : std::nullopt};
+     }},
     {{"contact_injection", "",
       "positive works of contacts between free faces, by the residual of their laws, over the work of impact and "
       "friction",

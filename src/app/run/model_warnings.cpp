@@ -163,6 +163,13 @@ public:
     }
 
     void on_heat(double step) {
+        const TimeOptions& time = scenario_.time;
+        if (scenario_.heat && time.scheme.bulk == BulkScheme::explicit_lumped &&
+            20 * scenario_.heat->every * step > time.end)
+            add("heat.every", "heat",
+                formatted("temperatures change every %d steps, %.2g s: fewer than 20 times until `time.end`",
+                          scenario_.heat->every, scenario_.heat->every * step),
+                formatted("help: at most %.2g", std::max(1.0, time.end / (20 * step))));
         for (const HeatScales& s : judge_heat(scenario_, mesh_, step)) {
             const double factor = scenario_.heat->time_factor, size_of_layer = s.layer() / 5;
             const char* const name = s.material.c_str();

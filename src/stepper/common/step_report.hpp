@@ -53,6 +53,7 @@ struct StepReport {
     double penetration = 0;              // [m] largest
     double contact_residual = 0;         // [-] largest of contacts between free faces, over their speeds
     double contact_depth = 0;            // [-] largest penetration of a free face over the length of its edge
+    Vec2 depth_place = Vec2::Zero();     // [m] of it, in the deformed body
     double largest_speed = 0;            // [m/s]
     double largest_beta_growth = 0;      // [-] must be 0
     double largest_strength_factor = 0;  // [-] phi of the fans that split, with an incubation time
@@ -70,7 +71,7 @@ struct StepReport {
     Rejection rejection = Rejection::none;
     Vec2 where = Vec2::Zero();  // [m] of the rejection
 
-    /// Calls visit(member, how to combine it) for the numbers above except largest_drop; sums and serialization follow
+    /// Calls visit(member, how to combine it) for the numbers above except those with a place; sums and serialization follow
     /// from this list.
     template <class Visit>
     static constexpr void for_each_number(const Visit& visit) {
@@ -90,9 +91,9 @@ struct StepReport {
                                          &R::linear_solves,     &R::factorisations,
                                          &R::thermal_work,      &R::law_change,
                                          &R::consumed_change,   &R::viscous_dissipation};
-        constexpr auto maxima = std::tuple{&R::worst_impact_work, &R::worst_friction_work, &R::residual,
-                                           &R::penetration,       &R::contact_residual,    &R::contact_depth,
-                                           &R::largest_speed,     &R::largest_beta_growth, &R::largest_strength_factor};
+        constexpr auto maxima = std::tuple{&R::worst_impact_work,   &R::worst_friction_work,    &R::residual,
+                                           &R::penetration,         &R::contact_residual,       &R::largest_speed,
+                                           &R::largest_beta_growth, &R::largest_strength_factor};
         std::apply([&](auto... member) { (visit(member, Combine::sum), ...); }, sums);
         std::apply([&](auto... member) { (visit(member, Combine::maximum), ...); }, maxima);
     }
@@ -100,7 +101,7 @@ struct StepReport {
     template <class Archive>
     void serialize(Archive& archive) {
         for_each_number([&](auto member, Combine) { archive(this->*member); });
-        archive(largest_drop, drop_corner, rejection, where);
+        archive(largest_drop, drop_corner, contact_depth, depth_place, rejection, where);
     }
 
     /// Adds another part of the body, or another step.
@@ -110,8 +111,12 @@ struct StepReport {
             else this->*member = std::max(this->*member, other.*member);
         });
         if (other.largest_drop > largest_drop) largest_drop = other.largest_drop, drop_corner = other.drop_corner;
+        add_depth(other.contact_depth, other.depth_place);
         if (rejection == Rejection::none) rejection = other.rejection, where = other.where;
         return *this;
+    }
+    void add_depth(double depth, const Vec2& place) {
+        if (depth > contact_depth) contact_depth = depth, depth_place = place;
     }
     /// Keeps the first rejection.
     void reject(Rejection reason, const Vec2& place) {

@@ -65,7 +65,7 @@ void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
     contacts_.find(step.begin, step.drift_time);
     if (const auto& refusal = contacts_.refusal()) {
         if (refusal->reason == ContactRefusal::Reason::speed) report.reject(Rejection::contact_speed, refusal->place);
-        else report.contact_depth = std::max(report.contact_depth, refusal->value);
+        else report.add_depth(refusal->value, refusal->place);
     }
     const auto n = static_cast<Index>(contacts_.all().size());
     impulse_.resize(n), before_.resize(n), residual_.assign(n, 0);
@@ -361,7 +361,8 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
                          .opening = 0},  // contact_depth has it
                         report);
         report.contact_injection += positive_work(P, mean);
-        report.contact_depth = std::max(report.contact_depth, -(c.gap + step.drift_time * after.x()) / c.length);
+        report.add_depth(-(c.gap + step.drift_time * after.x()) / c.length,
+                         place_of(static_cast<Index>(i), step.begin));
         step.end.face_contacts.push_back({c.vertex[1], c.edge[0], P.x(), P.y()});
     }
     report.face_contacts = static_cast<std::int64_t>(contacts.size());
