@@ -163,23 +163,20 @@ public:
     }
 
     void on_heat(double step) {
-        const TimeOptions& time = scenario_.time;
-        if (scenario_.heat && time.scheme.bulk == BulkScheme::explicit_lumped &&
-            20 * scenario_.heat->every * step > time.end)
-            add("heat.every", "heat",
-                formatted("temperatures change every %d steps, %.2g s: fewer than 20 times until `time.end`",
-                          scenario_.heat->every, scenario_.heat->every * step),
-                formatted("help: at most %.2g", std::max(1.0, time.end / (20 * step))));
+        const bool is_explicit = scenario_.time.scheme.bulk == BulkScheme::explicit_lumped;
+        if (is_explicit && scenario_.heat && 20 * scenario_.heat->every * step > scenario_.time.end)
+            add("heat.every", "heat", "temperatures change fewer than 20 times until `time.end`",
+                formatted("help: at most %.2g", std::max(1.0, scenario_.time.end / (20 * step))));
         for (const HeatScales& s : judge_heat(scenario_, mesh_, step)) {
             const double factor = scenario_.heat->time_factor, size_of_layer = s.layer() / 5;
             const char* const name = s.material.c_str();
             const std::string size = scenario_.given ? "mesh.file" : "mesh.size";
             if (factor > std::max(1.0, 1.5 * s.largest_time_factor()))
                 add("heat.time_factor", "heat",
-                    formatted("with `heat.time_factor` = %.6g cracks in `%s` that follow the heat over an edge of %.3g "
-                              "m run at "
-                              "%.2g of the Rayleigh speed: inertia, which no real crack has here, will count",
-                              factor, name, s.edge, factor * s.crack_speed() / s.c_R),
+                    formatted(
+                        "with `heat.time_factor` = %.6g cracks in `%s` that follow the heat over an edge of %.3g m "
+                        "run at %.2g of the Rayleigh speed: inertia, which no real crack has here, will count",
+                        factor, name, s.edge, factor * s.crack_speed() / s.c_R),
                     formatted("help: at most %.2g; the summary's kinetic_part tells afterwards",
                               std::max(1.0, s.largest_time_factor())));
             if (s.layer() < 3 * s.edge)

@@ -71,8 +71,8 @@ struct StepReport {
     Rejection rejection = Rejection::none;
     Vec2 where = Vec2::Zero();  // [m] of the rejection
 
-    /// Calls visit(member, how to combine it) for the numbers above except those with a place; sums and serialization follow
-    /// from this list.
+    /// Calls visit(member, how to combine it) for the numbers above except those with a place; sums and serialization
+    /// follow from this list.
     template <class Visit>
     static constexpr void for_each_number(const Visit& visit) {
         using R = StepReport;
