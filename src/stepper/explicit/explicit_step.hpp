@@ -17,6 +17,11 @@
 
 namespace knap {
 
+/// The place of a corner among those of its fan, or of others.
+inline Index place_among(std::span<const Index> corners, Index corner) {
+    return static_cast<Index>(std::ranges::find(corners, corner) - corners.begin());
+}
+
 /// [N s] That takes a mass [kg] from `before` to `after` [m/s], against the damping d [-].
 inline Vec2 damped_impulse(double mass, const Vec2& before, const Vec2& after, double damping) {
     return mass * ((1 + damping) * after - (1 - damping) * before);

@@ -46,7 +46,7 @@ void VertexContacts::add_terms(Index contact) {
     const auto add = [&](Index corner, const Vec2& along_N, const Vec2& along_T) {
         const Index slot = slot_of(model_.fan_of_corner[corner]);
         std::vector<Index>& corners = touched_[slot].corners;
-        const auto place = static_cast<Index>(std::ranges::find(corners, corner) - corners.begin());
+        const Index place = place_among(corners, corner);
         if (place == std::ssize(corners)) corners.push_back(corner);
         terms_.push_back({contact, slot, place, along_N, along_T});
     };
@@ -122,7 +122,6 @@ void VertexContacts::find_parts(TouchedFan& touched, const State& begin) const {
     touched.is_soft = solver_.has_outer_forces(touched.fan);
     if (rank < 0) return;
     std::iota(part.begin(), part.end(), 0);
-    const auto place = [&](Index corner) { return std::ranges::find(corners, corner) - corners.begin(); };
     for (Index j = 0; j < fan.n_points; ++j) {
         const FanPoint& point = model_.points(fan)[j];
         if (point.on_support()) {
@@ -133,7 +132,9 @@ void VertexContacts::find_parts(TouchedFan& touched, const State& begin) const {
         const bool together =
             begin.displacement[before] == begin.displacement[after] && begin.velocity[before] == begin.velocity[after];
         const bool held = unbreakable(model_, point) || begin.points[begin.first_point[rank] + j].cohesion > 0;
-        if (held && together) std::ranges::replace(part, part[place(point.after)], part[place(point.before)]);
+        if (held && together)
+            std::ranges::replace(part, part[place_among(corners, point.after)],
+                                 part[place_among(corners, point.before)]);
     }
     const auto is_prescribed = [&](Index corner) { return model_.motion_of(corner) != nullptr; };
     touched.is_soft = touched.is_soft || std::ranges::any_of(touched.corners, is_prescribed);
@@ -166,8 +167,7 @@ void VertexContacts::solve_fan(TouchedFan& touched, const ExplicitStep& step, Ve
     solver_.solve(touched.fan, step, work);
     touched.velocity.clear();
     for (const Index corner : touched.corners)
-        touched.velocity.push_back(
-            work.problem.bodies[std::ranges::find(corners, corner) - corners.begin()].end_velocity);
+        touched.velocity.push_back(work.problem.bodies[place_among(corners, corner)].end_velocity);
 }
 
 /// One body for each part that contacts touch.
@@ -175,9 +175,7 @@ void VertexContacts::add_parts(TouchedFan& touched, const ExplicitStep& step, Co
     const Fan& fan = model_.fans[touched.fan];
     const State& begin = step.begin;
     const auto corners = model_.corners(fan);
-    const auto part_of = [&](Index corner) {
-        return touched.part[std::ranges::find(corners, corner) - corners.begin()];
-    };
+    const auto part_of = [&](Index corner) { return touched.part[place_among(corners, corner)]; };
     for (std::size_t c = 0; c < touched.corners.size(); ++c) {
         const Index corner = touched.corners[c], own = part_of(corner);
         std::size_t same = 0;
@@ -220,15 +218,12 @@ void VertexContacts::pose(const Cluster& cluster, const ExplicitStep& step, bool
         solve_fan(touched, step, work.split);
         FanProblem& fan = work.split.problem;
         const auto corners = model_.corners(model_.fans[touched.fan]);
-        const auto place = [&](Index corner) {
-            return static_cast<Index>(std::ranges::find(corners, corner) - corners.begin());
-        };
         for (const Index corner : touched.corners) {  // without the contacts
-            FanBody& body = fan.bodies[place(corner)];
+            FanBody& body = fan.bodies[place_among(corners, corner)];
             body.free_velocity -= body.inverse_mass.cwiseProduct(corner_impulse_[corner]);
         }
         const Index first = problem.add_fan(fan, static_cast<Index>(corners.size()), stuck_stays);
-        for (const Index corner : touched.corners) touched.body.push_back(first + place(corner));
+        for (const Index corner : touched.corners) touched.body.push_back(first + place_among(corners, corner));
     }
     for (const Index i : cluster.contacts) {
         problem.add_contact(impulse_[i]);

@@ -94,7 +94,7 @@ Vec2 VertexObstacles::end_velocity_at(const ObstacleContact& contact, const Expl
         const Index f = model_.fan_of_corner[c];
         solver_.solve(f, step, work);
         const auto corners = model_.corners(model_.fans[f]);
-        return work.problem.bodies[std::ranges::find(corners, c) - corners.begin()].end_velocity;
+        return work.problem.bodies[place_among(corners, c)].end_velocity;
     });
 }
 

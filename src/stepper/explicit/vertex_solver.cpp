@@ -95,7 +95,7 @@ void VertexSolver::add_dashpots(Index f, const ExplicitStep& step, Workspace& wo
     const Fan& fan = model_.fans[f];
     const auto corners = model_.corners(fan);
     for (const Dashpot& dashpot : absorbing_.of_fan(f)) {
-        const auto i = std::ranges::find(corners, dashpot.corner) - corners.begin();
+        const Index i = place_among(corners, dashpot.corner);
         FanBody& body = work.problem.bodies[i];
         const double mass = step.mass[fan.first_corner + i];
         const Vec2 half = 0.5 * step.kick_time * dashpot.C.diagonal(), force = step.corner_force[dashpot.corner],
@@ -201,17 +201,16 @@ void VertexSolver::add_contacts(Index f, const ExplicitStep& step, FanProblem& p
         const Obstacle& obstacle = model_.obstacles[contact.obstacle];
         const PrescribedMotion* motion = model_.motion_of(contact.corner);
         const bool rubs = !(motion && obstacle.is_free() && contact.is_led_along(motion->component));
-        problem.links.push_back(
-            {.before = static_cast<Index>(problem.bodies.size()),
-             .after = static_cast<Index>(std::ranges::find(corners, contact.corner) - corners.begin()),
-             .normal = contact.normal,
-             .u_N = contact.gap,
-             .u_T = 0,
-             .cohesive = 0,
-             .gamma = 0,
-             .friction = rubs ? obstacle.contact.friction : 0,
-             .restitution = obstacle.contact.restitution,
-             .unbreakable = false});
+        problem.links.push_back({.before = static_cast<Index>(problem.bodies.size()),
+                                 .after = place_among(corners, contact.corner),
+                                 .normal = contact.normal,
+                                 .u_N = contact.gap,
+                                 .u_T = 0,
+                                 .cohesive = 0,
+                                 .gamma = 0,
+                                 .friction = rubs ? obstacle.contact.friction : 0,
+                                 .restitution = obstacle.contact.restitution,
+                                 .unbreakable = false});
         problem.bodies.push_back({.velocity = velocity_at(step.begin.obstacles[contact.obstacle].velocity, contact),
                                   .free_velocity = velocity_at(obstacles_.motion.rate()[contact.obstacle], contact),
                                   .inverse_mass = Vec2::Zero(),
