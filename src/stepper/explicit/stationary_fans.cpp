@@ -16,20 +16,17 @@ struct Sides {
     Index after, before;
 };
 
-/// [N s]
-double strength(const Model& model, const FanPoint& point, double factor, const PointState& before,
-                const ExplicitStep& step) {
-    return step.kick_time * law_of(model, step.begin, point).sigma_c * (point.area * factor) * before.cohesion;
-}
-
 /// Finds the corners that move as one. False: some point is neither held nor freely open, or a corner is driven.
-bool find_parts(const Model& model, const Fan& fan, const PointState* state, const ExplicitStep& step,
-                StationaryWorkspace& work) {
+bool find_parts(const Model& model, Index rank, const ExplicitStep& step, StationaryWorkspace& work) {
     const State& begin = step.begin;
+    const Fan& fan = model.fans[begin.split_fans[rank]];
+    const PointState* state = begin.points.data() + begin.first_point[rank];
+    const double factor = begin.strength_factor(begin.split_fans[rank]);
     const auto corners = model.corners(fan);
     const auto points = model.points(fan);
     work.node.resize(fan.n_corners), work.part.resize(fan.n_corners);
     work.is_open.resize(fan.n_points), work.bound.resize(fan.n_points), work.normal.resize(fan.n_points);
+    work.strength.resize(fan.n_points);
     for (Index i = 0; i < fan.n_corners; ++i) {
         if (model.motion_of(corners[i])) return false;
         work.node[i] = begin.node_of_corner[corners[i]];
@@ -46,9 +43,9 @@ bool find_parts(const Model& model, const Fan& fan, const PointState* state, con
         const Vec2& u_after = begin.displacement[work.node[at.after]];
         const Vec2 u = u_after - begin.displacement[work.node[at.before]];
         const Vec2 v = begin.velocity[work.node[at.after]] - begin.velocity[work.node[at.before]];
-        const bool held = law.breakable() && law.sigma_c > 0 && !points[j].cracked && state[j].cohesion > 0 &&
-                          law.ramp(state[j].cohesion, state[j].largest_opening) == 0 && law.gamma > 0 && u.isZero(0) &&
-                          v.isZero(0);
+        const bool held = state[j].cohesion > 0 && u.isZero(0) && v.isZero(0) && law.breakable() && law.sigma_c > 0 &&
+                          !points[j].cracked && law.ramp(state[j].cohesion, state[j].largest_opening) == 0 &&
+                          law.gamma > 0;
         const Vec2& normal = work.normal[j];
         const double u_N = normal.dot(u), v_N = normal.dot(v);
         const bool open = state[j].cohesion == 0 && law.restitution == 0 &&
@@ -56,6 +53,7 @@ bool find_parts(const Model& model, const Fan& fan, const PointState* state, con
         const bool retired = begin.has_retired(points[j].point);
         if (!held && !open && !retired) return false;
         work.is_open[j] = open || retired;
+        work.strength[j] = step.kick_time * law.sigma_c * (points[j].area * factor) * state[j].cohesion;
         work.bound[j] = retired ? -std::numeric_limits<double>::infinity() : -std::max(u_N / step.drift_time, v_N);
         if (work.is_open[j] && work.first_open < 0) work.first_open = j;
         if (work.is_open[j] && at.after > 0) ++part;
@@ -73,11 +71,10 @@ bool is_stationary(const Model& model, Index rank, const ExplicitStep& step, Sta
     const State& begin = step.begin;
     if (rank >= static_cast<Index>(begin.split_fans.size())) return false;  // split in this step
     const Fan& fan = model.fans[begin.split_fans[rank]];
-    const PointState* before = begin.points.data() + begin.first_point[rank];
-    if (!find_parts(model, fan, before, step, work)) return false;
+    if (!find_parts(model, rank, step, work)) return false;
     const auto corners = model.corners(fan);
     const auto points = model.points(fan);
-    const double *mass = &step.mass[fan.first_corner], factor = begin.strength_factor(begin.split_fans[rank]);
+    const double* mass = &step.mass[fan.first_corner];
 
     // V = sum m_i v_i_free / sum m_i per part; each corner must get m_i (V - v_i_free) from its points
     std::vector<Vec2>&required = work.required, &impulse = work.impulse, &velocity = work.velocity;
@@ -106,7 +103,7 @@ bool is_stationary(const Model& model, Index rank, const ExplicitStep& step, Sta
         if (!fan.closed) P -= required[j];
         if (work.is_open[j]) P = Vec2::Zero();
         impulse[j] = P;
-        if (all_round) least.add(1 / strength(model, points[j], factor, before[j], step), P);
+        if (all_round) least.add(1 / work.strength[j], P);
         if (fan.closed) P -= required[j];
     }
     const Vec2 self_stress = least.c();
@@ -118,8 +115,7 @@ bool is_stationary(const Model& model, Index rank, const ExplicitStep& step, Sta
         } else {
             impulse[j] += self_stress;
             const CohesiveLaw& law = law_of(model, step.begin, points[j]);
-            if (StrengthPolygon::at_rest(law, work.normal[j], strength(model, points[j], factor, before[j], step))
-                    .smallest_slack(impulse[j]) < 0)
+            if (StrengthPolygon::at_rest(law, work.normal[j], work.strength[j]).smallest_slack(impulse[j]) < 0)
                 return false;
         }
     }
@@ -155,8 +151,7 @@ bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step
             report.penetration = std::max(report.penetration, -work.normal[j].dot(jump));
         } else {
             const Vec2& P = work.impulse[j];
-            const double C = strength(model, points[j], factor, before[j], step),
-                         contact = std::max(0.0, work.normal[j].dot(P) + C);
+            const double C = work.strength[j], contact = std::max(0.0, work.normal[j].dot(P) + C);
             state.traction = Vec2(contact - C, turned_left(work.normal[j]).dot(P)) / (step.kick_time * points[j].area);
         }
     }

@@ -20,6 +20,7 @@ struct StationaryWorkspace {
     std::vector<Index> node, part;        // per corner
     std::vector<std::uint8_t> is_open;    // per point
     std::vector<double> bound;            // [m/s] per point, if open: the sides touch below it
+    std::vector<double> strength;         // [N s] per point, if held
     std::vector<Vec2> normal;             // per point: N, turned with the fan
     Index first_open, n_parts;            // point, or -1; the last part may be empty
     std::vector<Vec2> velocity;           // [m/s] per part
