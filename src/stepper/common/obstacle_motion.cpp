@@ -10,7 +10,7 @@
 namespace knap {
 namespace {
 
-constexpr int max_steps = 60, few_steps = 6, max_secants = 20;
+constexpr int max_steps = 60, max_secants = 20;
 constexpr double good_enough = 1e3;  // times the tolerance: the last digits are not worth a line search
 constexpr double difference = 1e-6;  // [-] of the speeds, for the slope: exact up to rounding
 constexpr int few = 12;              // components that are solved on the stack
@@ -102,7 +102,7 @@ double ObstacleMotion::find_rates(const State& begin, const Accuracy& accuracy, 
     using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_components, max_components>;
     using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_components, 1>;
     const Eigen::Index n = static_cast<Eigen::Index>(free_.size());
-    const double tolerance = accuracy.tolerance, good_progress = accuracy.rough ? 0.2 : 1e-3;
+    const double tolerance = accuracy.tolerance, good_progress = accuracy.is_costly ? 0.2 : 1e-3;
     double speed = 0;  // [sqrt(kg) m/s]
     for (const Component& c : free_)
         speed = std::max(speed, std::sqrt(c.mass) * std::max(std::abs(begin.obstacles[c.obstacle].velocity[c.k]),
@@ -126,10 +126,9 @@ double ObstacleMotion::find_rates(const State& begin, const Accuracy& accuracy, 
         x[i] = theta_ * kick_time_ * begin.obstacles[free_[i].obstacle].reaction[free_[i].k] / std::sqrt(free_[i].mass);
     Vector error = error_at(x);
     Eigen::PartialPivLU<Matrix> slope;
-    bool slope_is_known = accuracy.rough;
-    if (accuracy.rough) slope.compute(Matrix::Identity(n, n));
-    const int last_step = accuracy.rough ? few_steps : max_steps;
-    for (int step = 0; step < last_step && error.norm() > tolerance * scale; ++step) {
+    bool slope_is_known = accuracy.is_costly;
+    if (slope_is_known) slope.compute(Matrix::Identity(n, n));
+    for (int step = 0; step < max_steps && error.norm() > tolerance * scale; ++step) {
         if (!slope_is_known) {
             const double delta = difference * std::max(speed, scale);
             Matrix columns(n, n);
@@ -142,7 +141,7 @@ double ObstacleMotion::find_rates(const State& begin, const Accuracy& accuracy, 
         Vector next = x + change, next_error = error_at(next);
         // without friction the error is the gradient of a convex function: the zero of its slope along Newton's step is
         // the length of the step
-        if (!accuracy.rough && next_error.norm() > 0.1 * before && before > good_enough * tolerance * scale) {
+        if (next_error.norm() > 0.1 * before && before > good_enough * tolerance * scale) {
             const double at_0 = change.dot(error), at_1 = change.dot(next_error);
             const auto along = [&](double part) { return change.dot(error_at(x + part * change)); };
             const double length =

@@ -25,11 +25,11 @@ public:
     /// [N s, N s, N m s] of the contacts on each obstacle at rate().
     using Response = std::function<void(std::vector<Vec3>& wrench)>;
 
-    /// `rough`: the response is known to a few digits only. Few steps then, first with the impulses of the last trial,
-    /// which converges where an obstacle is much heavier than what it touches.
+    /// `is_costly`: the response is found by iteration. The first steps then take the impulses of the last trial, which
+    /// converges where an obstacle is much heavier than what it touches.
     struct Accuracy {
         double tolerance;  // [-] of the largest impulse
-        bool rough = false;
+        bool is_costly = false;
     };
     /// Finds the free rates of the obstacles in `touched` [0/1]. Returns the error, relative to the largest impulse.
     double solve(const State& begin, const std::vector<std::uint8_t>& touched, const Accuracy& accuracy,

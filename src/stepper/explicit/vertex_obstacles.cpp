@@ -11,7 +11,7 @@ namespace {
 
 constexpr double edge_tolerance = 1e-14;  // [-] of the largest impulse
 constexpr int fast_sweeps = 10, max_sweeps = 500;
-constexpr double faces_agree = 1e-10;     // [-] of the momenta, a free obstacle and the faces that it touches
+constexpr double faces_agree = 1e-12;     // [-] of the momenta, a free obstacle and the faces that it touches
 constexpr double contacts_agree = 1e-12;  // [-] of the largest impulse
 constexpr int max_rounds = 200;           // of contacts between faces and on edges
 
@@ -74,7 +74,7 @@ void VertexObstacles::solve_obstacles(const ExplicitStep& step, const BetweenFac
         sum_wrenches(wrench);
     };
     const ObstacleMotion::Accuracy accuracy{.tolerance = between_faces ? faces_agree : 1e-14,
-                                            .rough = between_faces != nullptr};
+                                            .is_costly = between_faces != nullptr};
     const double error = now_.motion.solve(step.begin, touched_, accuracy, std::cref(response));  // cref: no copy
     if (between_faces) return;  // correct_work() has the energy of the error
     report.residual = std::max(report.residual, error);
