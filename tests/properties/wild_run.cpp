@@ -82,7 +82,7 @@ public:
         found_.clear();
         if (rests()) return found_;
         if (!model_.obstacles.empty())
-            at_most("residual of the laws under lasting pressure", ledger_.worst().residual, 1e-12);
+            at_most("residual of the laws under lasting pressure", ledger_.worst().residual, 1e-11);
         std::vector<AllowedLimit> any;  // of how far and how large a step goes: random bodies go anywhere
         for (const GateRule& rule : gate_rules())
             if (rule.allowed) any.push_back({std::string(rule.name), std::numeric_limits<double>::infinity()});

@@ -43,7 +43,7 @@ AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk&
               first_.points);
 }
 
-bool AugmentedLagrangian::solve(double scale, double largest_scale) {
+bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effort) {
     counts_ = {};
     unit_ = scale > 0 ? scale : 1;
     largest_unit_ = largest_scale;
@@ -59,11 +59,12 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale) {
     first_ = x_;
     final_augmentation_ = full_augmentation;
     // Coulomb's law has no potential, so Newton's method may cycle. Tresca's law then leads nearer to the solution.
-    const int n_attempts = friction ? 4 : 1;
+    const int n_attempts = !friction ? 1 : effort == Effort::little ? 3 : 4;
     for (int i = 1; i <= n_attempts; ++i) {
         if (attempt(i == n_attempts ? max_newton_steps : max_cycling_steps)) return true;
-        if (friction) iterate_friction();
+        if (friction && i < n_attempts) iterate_friction();
     }
+    if (effort == Effort::little) return false;
     if (obstacles) return false;  // they couple the whole body and may jam it: a smaller step is the better answer
     for (const double other : other_augmentations) {
         x_ = first_;

@@ -18,6 +18,9 @@
 
 namespace knap {
 
+/// With friction Newton's method may cycle through the pieces of the laws, round after round.
+enum class Effort { little, all };
+
 struct SolverCounts {
     int factorisations = 0, linear_solves = 0;
 };
@@ -38,7 +41,7 @@ public:
 
     /// From an initial guess in `iterate` to the solution; false: not converged. Scale of impulses [N s]: `scale` is
     /// known beforehand, contact impulses may raise it to `largest_scale`.
-    bool solve(double scale, double largest_scale);
+    bool solve(double scale, double largest_scale, Effort effort);
 
     void give_up_when(GiveUp asked) { given_up_ = asked; }
     const SolverCounts& counts() const { return counts_; }

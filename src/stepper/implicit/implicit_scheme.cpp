@@ -88,23 +88,27 @@ void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures
     }
 }
 
-/// All active points, until no further fan opens.
+/// All active points, until no further fan opens. Where friction makes the method of multipliers cycle in a small body,
+/// Lemke's algorithm is asked before the method is driven to its limits.
 void ImplicitScheme::solve_points(StepReport& report) {
-    bool by_lemke = false;
+    enum { quickly, from_lemke, thoroughly } attempt = lemke_is_cheap() ? quickly : thoroughly;
     for (int pass = 0;; ++pass) {
         set_partition();
         guess_multipliers();
-        const bool solved = solver_.solve(scale_, max_pressing * momentum_scale_);
+        const Effort effort = attempt == quickly ? Effort::little : Effort::all;
+        const bool solved = solver_.solve(scale_, max_pressing * momentum_scale_, effort);
         report.linear_solves += solver_.counts().linear_solves;
         report.factorisations += solver_.counts().factorisations;
-        if (!solved && !by_lemke && (by_lemke = start_from_lemke())) continue;
-        if (!solved || pass == max_passes) {
-            report.rejection = Rejection::not_converged;
-            return;
+        if (!solved && attempt != thoroughly) {
+            if (attempt == quickly) own_guess_ = {corner_rate_, active_, guess_};
+            else std::tie(corner_rate_, active_, guess_) = own_guess_;
+            attempt = attempt == quickly && start_from_lemke() ? from_lemke : thoroughly;
+            continue;
         }
+        if (!solved || pass == max_passes) return void(report.rejection = Rejection::not_converged);
         if (!activate_opening_fans(report)) break;
     }
-    report.fan_fallbacks += by_lemke;
+    report.fan_fallbacks += attempt == from_lemke;
 }
 
 /// The motion of a free obstacle depends on the body: the body is solved for given rates until both agree.
@@ -120,10 +124,13 @@ void ImplicitScheme::solve_free_obstacles(StepReport& report) {
     report.rejection = Rejection::none;
 }
 
-/// In small bodies: rates and multipliers from the step's complementarity problem, with all fans active. The method of
+bool ImplicitScheme::lemke_is_cheap() const {
+    return model_.fan_points.size() <= max_lcp_points && model_.obstacles.empty() && StepLcp::fits(model_);
+}
+
+/// Rates and multipliers from the step's complementarity problem, with all fans active. The method of
 /// multipliers starts again from them, so the step is found to its tolerance and judged like any other.
 bool ImplicitScheme::start_from_lemke() {
-    if (model_.fan_points.size() > max_lcp_points || !model_.obstacles.empty() || !StepLcp::fits(model_)) return false;
     const std::optional<StepLcpEnd> found =
         StepLcp(model_, *step_.begin, step_.h, options_, step_.end_temperature).solve();
     if (!found) return false;

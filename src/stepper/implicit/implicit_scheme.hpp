@@ -26,6 +26,7 @@
 #include "stepper/implicit/augmented_lagrangian.hpp"
 
 #include <limits>
+#include <tuple>
 
 namespace knap {
 
@@ -42,6 +43,7 @@ private:
     void begin_step(const State& begin, double h, SharedTemperatures end_temperature);
     void solve_points(StepReport& report);
     void solve_free_obstacles(StepReport& report);
+    bool lemke_is_cheap() const;
     bool start_from_lemke();
     void set_partition();
     void make_points();
@@ -72,9 +74,10 @@ private:
     ObstacleContacts contacts_;
     ObstacleMotion obstacles_;
 
-    std::vector<std::uint8_t> active_;       // [0/1] per fan
-    std::vector<Vec2> corner_rate_;          // [m/s] per corner: first guess of w
-    std::vector<Vec2> guess_;                // [N s] multipliers (contact, tangential), per fan point, then per contact
+    std::vector<std::uint8_t> active_;  // [0/1] per fan
+    std::vector<Vec2> corner_rate_;     // [m/s] per corner: first guess of w
+    std::vector<Vec2> guess_;           // [N s] multipliers (contact, tangential), per fan point, then per contact
+    std::tuple<std::vector<Vec2>, std::vector<std::uint8_t>, std::vector<Vec2>> own_guess_;  // the first, of all three
     std::vector<Index> active_point_of_;     // per fan point: into x_.points, or -1
     std::vector<double> node_inertia_;       // [kg] diagonal of M_hat
     double momentum_scale_ = 0, scale_ = 0;  // [N s] of loads, momenta and strengths; of the impulses of the points
