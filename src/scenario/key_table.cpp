@@ -304,10 +304,7 @@ void add_keys_of_microstructure(KeyTable& t) {
 
 void add_keys_of_loads(KeyTable& t) {
     t.list("support[]", "a rigid, fixed body that a boundary stands on or is glued to");
-    t.table("support[].on", "a boundary, or the part of it inside a box").required().or_text("boundary");
-    t.text("boundary", "name of a boundary").required().to(&Selection::boundary);
-    t.number("box", "m", "lower left and upper right corner").box().to(&Selection::box);
-    t.in("support[]");
+    add_place(t, "support[]", "place: a boundary, a box, a body, or what they have in common; required");
     t.text("interface", "name of the interface law between body and support").otherwise("default");
     t.flag("glued", "true: held by the cohesion of the law; false: contact and friction only")
         .otherwise("false").to(&Support::glued);
@@ -315,21 +312,15 @@ void add_keys_of_loads(KeyTable& t) {
 
     t.list("absorb[]", "an absorbing boundary: waves leave the body as if it went on (viscous: traction -rho c_p v_n "
         "along the normal, -rho c_s v_t along the edge); also with a stress or traction; explicit bulk only");
-    t.table("absorb[].on", "a boundary, or the part of it inside a box").required().or_text("boundary");
-    t.text("boundary", "name of a boundary").required().to(&Selection::boundary);
-    t.number("box", "m", "lower left and upper right corner").box().to(&Selection::box);
+    add_place(t, "absorb[]", "place: a boundary, a box, a body, or what they have in common; required");
 
     t.list("load[]", "a load or prescribed motion: exactly one of traction, pressure, stress, force, velocity, "
         "displacement, body_force, acceleration; its factor over time by at most one of ramp, table, csv, otherwise "
         "constant");
     t.text("name", "name of the load in reactions.csv, in the summary, in specimen.force, [expect] and [study]; "
         "letters, digits, blanks, _ and -").a_name().computed("load0, load1, ...").to(&Load::name);
-    t.table("load[].on", "place: a boundary, a box, a body, or what they have in common; body_force and "
-        "acceleration without it act on all bodies").or_text("boundary");
-    t.text("boundary", "name of a boundary").to(&Selection::boundary);
-    t.number("box", "m", "lower left and upper right corner").box().to(&Selection::box);
-    t.text("body", "name of a body, or of a group of bodies").to(&Selection::body);
-    t.in("load[]");
+    add_place(t, "load[]", "place: a boundary, a box, a body, or what they have in common; body_force and "
+        "acceleration without it act on all bodies");
     t.number("traction", "Pa", "force per area on the boundary, x and y").pair();
     t.number("pressure", "Pa", "normal force per area on the boundary, towards the body; the face is that of the "
         "undeformed body, with domain.rotation = \"large\" the present one");
@@ -349,11 +340,8 @@ void add_keys_of_loads(KeyTable& t) {
     t.number("pressure_table", "K", "pressure over temperature as pairs [temperature, pressure in Pa], with [heat]: "
         "linear between them and constant outside, at the mean temperature of the two faces; of ice in a closed joint "
         "at most 1.12 MPa per K below 0 C (Clapeyron), until it is squeezed out").points().second("Pa");
-    t.table("pressure[].from", "the source: cracks that begin on a boundary, in a box, or on what they have in common")
-        .or_text("boundary");
-    t.text("boundary", "name of a boundary").to(&Selection::boundary);
-    t.number("box", "m", "lower left and upper right corner").box().to(&Selection::box);
-    t.in("pressure[]");
+    add_place(t, "pressure[]", "the source: cracks that begin on a boundary, in a box, at a body, or on what they have "
+        "in common", "from");
     t.text("joints", "the source: all joints with the interface law of this name, which the fluid fills also where "
         "they hold");
     add_history(t, "rise time: the factor grows linearly from 0 to 1 and stays 1");

@@ -40,6 +40,8 @@ private:
     std::string table_;
 };
 
+/// `on`, or `key`, of `table`, whose keys follow: a selection by boundary, box and body.
+void add_place(KeyTable& t, const std::string& table, std::string_view doc, std::string_view key = "on");
 /// ramp, table and csv of a factor over time.
 void add_history(KeyTable& t, std::string_view what);
 /// Of [material.NAME].

@@ -5,6 +5,14 @@
 namespace knap {
 
 // clang-format off
+void add_place(KeyTable& t, const std::string& table, std::string_view doc, std::string_view key) {
+    t.table(joined_path(table, key), doc).or_text("boundary");
+    t.text("boundary", "name of a boundary").to(&Selection::boundary);
+    t.number("box", "m", "lower left and upper right corner").box().to(&Selection::box);
+    t.text("body", "name of a body, or of a group of bodies").to(&Selection::body);
+    t.in(table);
+}
+
 void add_history(KeyTable& t, std::string_view what) {
     t.number("ramp", "s", what).above(0);
     t.number("table", "s", "factor over time as pairs [time, factor], linear between them and constant outside")
@@ -61,13 +69,8 @@ void add_keys_of_heat(KeyTable& t) {
         "time "
         "by at most one of ramp, table, csv multiplies flux and source, and differences of temperatures to "
         "heat.reference");
-    t.table("heat.exchange[].on", "place: a boundary, a box, a body, or what they have in common; source without it "
-        "acts "
-        "on all bodies").or_text("boundary");
-    t.text("boundary", "name of a boundary").to(&Selection::boundary);
-    t.number("box", "m", "lower left and upper right corner").box().to(&Selection::box);
-    t.text("body", "name of a body, or of a group of bodies").to(&Selection::body);
-    t.in("heat.exchange[]");
+    add_place(t, "heat.exchange[]", "place: a boundary, a box, a body, or what they have in common; source without it "
+        "acts on all bodies");
     t.number("temperature", "K", "prescribed temperature of the vertices");
     t.number("outside", "K", "temperature outside, of convection; needs transfer");
     t.number("transfer", "W/m2/K", "transfer coefficient of convection").above(0).to(&HeatExchange::transfer);

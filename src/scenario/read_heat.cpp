@@ -20,7 +20,7 @@ constexpr KindOfExchange kinds[] = {{"temperature", HeatExchange::Kind::temperat
                                     {"source", HeatExchange::Kind::source}};
 
 void read_exchange(const Table& table, Heat& heat) {
-    HeatExchange exchange{.on = read_selection(table.table("on"))};
+    HeatExchange exchange;
     table.fill(exchange);
     std::vector<std::string> keys;
     for (const KindOfExchange& kind : kinds) keys.emplace_back(kind.key);
@@ -30,16 +30,7 @@ void read_exchange(const Table& table, Heat& heat) {
         if (key != kind.key) continue;
         exchange.kind = kind.kind;
         exchange.value = table.number(kind.key).value_or(0);
-        const Table on = table.table("on");
-        if (kind.kind == HeatExchange::Kind::source) {
-            if (on.given("boundary"))
-                table.error("exclusive-keys", "on", "names a boundary, but source acts in the body",
-                            "on = { box = [...] }, or no `on` for the whole body");
-        } else if (!on.given("boundary") && !on.given("box") && !on.given("body")) {
-            table.error("missing-key", "on", "names neither a boundary nor a box",
-                        "on = \"BOUNDARY\", { box = [...] } or both; boundaries: " +
-                            first_of(table.scenario().boundary_names()));
-        }
+        exchange.on = read_place(table, kind.key, kind.kind == HeatExchange::Kind::source);
         const bool convects = kind.kind == HeatExchange::Kind::convection;
         if (convects && !table.given("transfer"))
             table.error("missing-key", "outside", "needs the coefficient of convection", "transfer = ...");

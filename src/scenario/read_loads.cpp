@@ -54,6 +54,19 @@ Selection read_selection(const Table& table) {
     return on;
 }
 
+Selection read_place(const Table& entry, const std::string& what, bool in_volume) {
+    const Table on = entry.table("on");
+    if (entry.given("on") && !entry.has("on")) return {};  // it has an error
+    if (in_volume && on.given("boundary"))
+        entry.error("exclusive-keys", "on", "names a boundary, but " + what + " acts in the body",
+                    "on = { box = [...] }, or no `on` for the whole body");
+    if (!in_volume && !on.given("boundary") && !on.given("box") && !on.given("body"))
+        entry.error("missing-key", "on", "names no boundary, box or body",
+                    "on = \"BOUNDARY\", { box = [...] }, { body = \"NAME\" } or several of them; boundaries: " +
+                        first_of(entry.scenario().boundary_names()));
+    return read_selection(on);
+}
+
 namespace {
 
 struct KindOfLoad {
@@ -70,21 +83,9 @@ constexpr KindOfLoad kinds_of_load[] = {{"traction", Load::Kind::traction},
                                         {"body_force", Load::Kind::body_force, true},
                                         {"acceleration", Load::Kind::acceleration, true}};
 
-void check_where(const Table& load, const KindOfLoad& kind) {
-    const Table on = load.table("on");
-    if (load.given("on") && !load.has("on")) return;
-    if (kind.in_volume && on.given("boundary"))
-        load.error("exclusive-keys", "on", std::string("names a boundary, but ") + kind.key + " acts in the body",
-                   "on = { box = [...] }, or no `on` for the whole body");
-    if (!kind.in_volume && !on.given("boundary") && !on.given("box") && !on.given("body"))
-        load.error(
-            "missing-key", "on", "names neither a boundary nor a box",
-            "on = \"BOUNDARY\", { box = [...] } or both; boundaries: " + first_of(load.scenario().boundary_names()));
-}
-
 void read_load(const Table& table) {
     std::vector<Load>& loads = table.scenario().loads;
-    Load load{.name = "load" + std::to_string(loads.size()), .on = read_selection(table.table("on"))};
+    Load load{.name = "load" + std::to_string(loads.size())};
     table.compute("name", Node::of_text(load.name));
     table.fill(load);
     table.check_column_name(load.name);
@@ -94,7 +95,7 @@ void read_load(const Table& table) {
     for (const KindOfLoad& kind : kinds_of_load) {
         if (key != kind.key) continue;
         load.kind = kind.kind;
-        check_where(table, kind);
+        load.on = read_place(table, kind.key, kind.in_volume);
         if (const auto pressure = table.number("pressure")) load.stress = {-*pressure, -*pressure, 0};
         if (const auto stress = table.get<std::array<double, 3>>("stress")) load.stress = *stress;
         const std::vector<Node> components = table.items(kind.key);
@@ -204,7 +205,7 @@ void read_obstacle(const Table& table) {
 
 void read_supports(Reading& reading) {
     for (const Table& table : reading.list("support")) {
-        Support& support = reading.scenario.supports.emplace_back(Support{.on = read_selection(table.table("on"))});
+        Support& support = reading.scenario.supports.emplace_back(Support{.on = read_place(table, "a support")});
         table.fill(support);
         if (support.glued && support.gap > 0)
             table.error("exclusive-keys", "gap", "belongs to a support that is not glued", "gap = 0, or glued = false");
@@ -244,7 +245,7 @@ void read_loads(Reading& reading) {
     }
     for (const Table& table : reading.list("obstacle")) read_obstacle(table);
     for (const Table& table : reading.list("absorb"))
-        reading.scenario.time.scheme.absorbing.push_back(read_selection(table.table("on")));
+        reading.scenario.time.scheme.absorbing.push_back(read_place(table, "an absorbing boundary"));
 }
 
 }  // namespace knap

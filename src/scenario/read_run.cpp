@@ -49,9 +49,6 @@ void check_large_rotation(const Table& domain) {
     if (scenario.order == 2) error("is for triangles of first order", "mesh.order = 1");
     if (scenario.time.scheme.bulk == BulkScheme::implicit_theta)
         error("needs the explicit bulk", "time.bulk = \"explicit\"");
-    if (scenario.time.start_in_equilibrium)
-        error("needs a start at rest: the equilibrium is that of small rotations",
-              "time.start = \"rest\" with loads that rise by a ramp");
 }
 
 void read_time(const Table& table, TimeOptions& time) {

@@ -145,6 +145,8 @@ TimeFunction read_history(const Table& table);
 TemperatureTable read_over_temperature(const Table& table, const char* key);
 /// A place: boundary, box, body.
 Selection read_selection(const Table& table);
+/// `on` of an entry that acts by its key `what`: on a boundary, or (`in_volume`) in a body, where none means all.
+Selection read_place(const Table& entry, const std::string& what, bool in_volume = false);
 /// The body of mesh.file.
 void read_mesh_file(Reading& reading);
 

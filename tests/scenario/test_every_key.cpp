@@ -303,6 +303,13 @@ radius = "10 mm"
 [[load]]
 on = { body = "cap" }
 acceleration = [0, "-9.81 m/s2"]
+[[absorb]]
+on = { body = "cap", box = ["200 mm", 0, "210 mm", "1 mm"] }
+[[support]]
+on = { body = "body3" }
+[[pressure]]
+from = { body = "body1" }
+pressure = "1 MPa"
 [[initial]]
 body = "cap"
 spin = "45 deg/s"
@@ -767,6 +774,9 @@ const Case cases[] = {
     {scene, "body[2].centre", "[0.15, 0.05]"},
     {scene, "body[2].radius", "0.01"},
     {scene, "load[0].on.body", "\"cap\""},
+    {scene, "absorb[0].on.body", "\"cap\""},
+    {scene, "support[0].on.body", "\"body3\""},
+    {scene, "pressure[0].from.body", "\"body1\""},
     {scene, "initial[0].body", "\"cap\""},
     {scene, "initial[0].spin", "45"},
     {scene, "inclusions[0].body", "\"cap\""},
