@@ -10,6 +10,7 @@
 #include "heat/heat_step.hpp"
 #include "stepper/common/scheme_options.hpp"
 #include "stepper/common/step_scheme.hpp"
+#include "stepper/equilibrium.hpp"
 
 #include <memory>
 #include <optional>
@@ -25,10 +26,8 @@ public:
     /// longer finite.
     StepReport step(const State& begin, double h, State& end);
 
-    /// Static equilibrium under the loads and prescribed displacements at start.time (prescribed velocities: zero),
-    /// with all interfaces bonded. Velocities stay those of `start`. Throws SimulationError where cohesion would fall,
-    /// where the supports do not hold a body, and where contact and friction find no equilibrium.
-    void start_in_equilibrium(State& start) const;
+    /// Static equilibrium at start.time (stepper/equilibrium.hpp).
+    void start_in_equilibrium(State& start) const { knap::start_in_equilibrium(model_, options_.mass, start); }
 
     /// Ends a long step early, by StepGivenUp. Without it every step is completed.
     void give_up_when(GiveUp asked) { scheme_->give_up_when(asked); }

@@ -352,3 +352,86 @@ TEST_CASE("a preload that its support does not hold says where") {
     input.loads = {gravity(-0.5)};
     CHECK(Start(input).complaint() == "nothing");
 }
+
+// ---- large rotations: the equilibrium of the turned body, on which the explicit steps stay at rest
+
+namespace {
+
+struct Rest {
+    double kinetic, energy_error;  // over the strain energy, over the largest energy
+    double rotation_work;          // over the strain energy
+};
+
+/// 2000 explicit steps from the equilibrium.
+Rest rest_after(Start& start) {
+    const double h = 0.5 * start.stepper.stable_step();
+    EnergyLedger ledger(start.model, start.loaded);
+    State now = start.loaded, next;
+    for (int i = 0; i < 2000; ++i) {
+        ledger.add(next, start.stepper.step(now, h, next));
+        std::swap(now, next);
+    }
+    const EnergyRow& row = ledger.row();
+    return {row.kinetic / row.strain, ledger.largest_residual() / ledger.largest_energy(),
+            std::abs(ledger.largest_rotation_work()) / row.strain};
+}
+
+}  // namespace
+
+TEST_CASE("a cantilever with large rotations rests in its equilibrium, nearer to its support by 4/7 w^2/L") {
+    // w' = 4 w/(3 L) (x^3 - 3 x^2 + 3 x) under a uniform load, and the end moves back by 1/2 int w'^2 dx
+    ModelInput input = block(bar_mesh(40, 4, 1, 0.1), CohesiveLaw::unbreakable());
+    input.loads = {load(Load::Kind::displacement, "left", 0.0, 0.0), gravity(0.06)};
+    input.large_rotation = true;
+    Start start(input, {});
+    start.load();
+    Vec2 end = Vec2::Zero();
+    for (Index c = 0; c < start.model.mesh.n_corners(); ++c)
+        if ((start.x(c) - Vec2(1, 0.05)).norm() < 1e-9) end = start.u(c);
+    REQUIRE(end.y() < -0.005);
+    CHECK(relative(-end.x(), 4. / 7 * end.y() * end.y()) < 0.02);
+    const Rest rest = rest_after(start);
+    CHECK(rest.kinetic < 1e-18);
+    CHECK(rest.energy_error < 1e-13);
+    CHECK(rest.rotation_work < 1e-12);
+    // with small rotations the end moves down alone
+    input.large_rotation = false;
+    Start small(input, {});
+    small.load();
+    for (Index c = 0; c < small.model.mesh.n_corners(); ++c)
+        if ((small.x(c) - Vec2(1, 0.05)).norm() < 1e-9) CHECK(std::abs(small.u(c).x()) < 0.01 * std::abs(end.x()));
+}
+
+TEST_CASE("a jointed column with large rotations rests in its equilibrium under weight and a pressure that follows") {
+    CohesiveLaw joint{.sigma_c = 0, .G_c = 1, .gamma = 1, .friction = 1.2};
+    ModelInput input = block(bar_mesh(4, 12, 1, 3), joint);
+    input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 0}};
+    input.loads = {gravity(1),
+                   load(Load::Kind::traction, "top", 0.01, 0.0),
+                   {.kind = Load::Kind::stress, .on = {.boundary = "left"}, .stress = {-0.05, -0.05, 0}}};
+    input.large_rotation = true;
+    Start start(input, {});
+    start.load();
+    const Rest rest = rest_after(start);
+    CHECK(rest.kinetic < 1e-18);
+    CHECK(rest.energy_error < 1e-12);
+}
+
+TEST_CASE("a body with [contact] that starts in equilibrium knows that no face has retired yet") {
+    ModelInput input = block(bar_mesh(2, 2, 1, 1), CohesiveLaw::unbreakable());
+    input.loads = {load(Load::Kind::displacement, "left", 0.0, 0.0), gravity(0.06)};
+    input.large_rotation = true;
+    input.contact_of_pair = {{{.friction = 1.2}}};
+    Start start(input, {});
+    start.load();
+    CHECK(start.now.retired.size() == start.model.n_points());
+    CHECK(start.loaded.retired == start.now.retired);
+}
+
+TEST_CASE("a body that turns too far for the search is refused") {
+    ModelInput input = block(bar_mesh(40, 4, 1, 0.1), CohesiveLaw::unbreakable());
+    input.loads = {load(Load::Kind::displacement, "left", 0.0, 0.0), gravity(0.5)};
+    input.large_rotation = true;
+    const std::string message = Start(input, {}).complaint();
+    CHECK_MESSAGE(message.find("turns or strains too far") != std::string::npos, message);
+}

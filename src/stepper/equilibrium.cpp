@@ -1,0 +1,255 @@
+#include "stepper/equilibrium.hpp"
+
+#include "base/error.hpp"
+#include "stepper/common/crack_forces.hpp"
+#include "stepper/common/elastic_energy.hpp"
+#include "stepper/implicit/implicit_scheme.hpp"
+#include "stepper/step_control.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <span>
+
+namespace knap {
+namespace {
+
+// Implicit steps with theta = 1, each from rest at the displacement of the previous one,
+//
+//     (M/h^2 + K) (u_new - u_old) = F - K u_old + reactions.
+//
+// A step divides the force that inertia carries, M (u_new - u_old)/h^2, by 1 + (omega h)^2; this force is the error of
+// the equilibrium. A body without sufficient supports shows by a force that stays.
+//
+// The step size, in passages of a wave through the body, grows until it is the largest or the solver rejects it:
+// a slender body on few supports needs a large one, but what moves far in a step, and a free body moves with its
+// square, takes the digits that the solver needs. Nearer to equilibrium less moves, so it is tried again after some
+// steps.
+constexpr double first_step = 1, last_step = 1e4, growth = 10;
+constexpr int max_steps = 200, max_rounds = 100;
+constexpr double in_equilibrium = 1e-12;  // force carried by inertia, over the loads
+constexpr double good_enough = 1e-9;      // where rounding prevents less
+constexpr double jammed = 3;    // a large step that increases this force by more has jammed the body, with friction
+constexpr double stays = 0.95;  // a step that leaves more of it changes nothing
+
+/// The model at one moment for ever, without restitution, which would delay a contact by a step.
+Model frozen(const Model& model, double time) {
+    const auto freeze = [&](TimeFunction& history) { history = {.time = {0}, .value = {history(time)}}; };
+    Model still = model;
+    std::ranges::for_each(still.histories, freeze);
+    for (PrescribedMotion& motion : still.prescribed)
+        for (int k = 0; k < 2; ++k)
+            if (!motion.is_displacement[k]) motion.value[k] = 0;
+    for (Obstacle& obstacle : still.obstacles) {
+        for (Drive& drive : obstacle.drive) {
+            freeze(drive.history);
+            if (drive.kind == Drive::Kind::velocity) drive = {};  // fixed where it is
+        }
+        for (ObstacleForce& force : obstacle.forces) freeze(force.history);
+        obstacle.contact.restitution = 0;
+    }
+    for (CohesiveLaw& law : still.laws) law.restitution = 0;
+    return still;
+}
+
+/// [s] Passage of a dilatational wave across the body.
+double passage_time(const Model& model) {
+    double speed = 0;
+    for (const Elastic& material : model.materials) speed = std::max(speed, material.dilatational_speed(model.plane));
+    return speed > 0 ? bounding_box(model.mesh.vertices).extent().norm() / speed : 1;
+}
+
+void stop(State& state) {
+    std::ranges::fill(state.velocity, Vec2::Zero());
+    for (ObstacleState& obstacle : state.obstacles) obstacle.velocity.setZero();
+    state.rate.clear();
+}
+
+struct Inertia {
+    double force = 0;   // [N] carried by inertia, sum over all corners
+    Index fastest = 0;  // corner
+};
+
+Inertia inertia_of(const Model& model, const State& state, double h) {
+    Inertia inertia;
+    double largest = -1;
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
+        const Index motion = model.prescribed_of_corner[c];
+        Vec2 velocity = state.velocity[state.node_of_corner[c]];
+        for (int k = 0; k < 2; ++k)
+            if (motion >= 0 && model.prescribed[motion].component[k]) velocity[k] = 0;
+        inertia.force += model.corner_mass[c] * velocity.norm() / h;
+        if (velocity.norm() > largest) largest = velocity.norm(), inertia.fastest = c;
+    }
+    for (std::size_t o = 0; o < model.obstacles.size(); ++o)
+        for (int k = 0; k < 2; ++k)
+            if (model.obstacles[o].is_free(k))
+                inertia.force += model.obstacles[o].mass * std::abs(state.obstacles[o].velocity[k]) / h;
+    return inertia;
+}
+
+/// [N] Sum of the magnitudes of all loads and reactions.
+double load_of(const Model& model, const State& state) {
+    double load = 0;
+    for (const CornerLoad& at : model.corner_loads) load += std::abs(model.histories[at.history](0)) * at.force.norm();
+    CrackForces in_cracks(model);
+    for (const CornerLoad& at : in_cracks.find(state))
+        load += std::abs(model.histories[at.history](0)) * at.force.norm();
+    for (const Vec2& reaction : state.reaction) load += reaction.norm();
+    if (state.temperature) {
+        std::vector<Vec2> force(model.mesh.n_corners(), Vec2::Zero());
+        ThermalStress(model.mesh, model.materials, model.plane, model.thickness)
+            .add_forces(state.temperature->strain, 1, force);
+        for (const Vec2& of_corner : force) load += of_corner.norm();
+    }
+    for (std::size_t o = 0; o < model.obstacles.size(); ++o)
+        load += state.obstacles[o].reaction.head<2>().norm() + force_at(model.obstacles[o], 0).head<2>().norm();
+    return load;
+}
+
+/// [N] All given forces on the corners of the body in this state, and those of its triangles.
+std::vector<Vec2> forces_on_corners(const Model& model, const State& state) {
+    std::vector<Vec2> force;
+    elastic_energy(model, state, force);
+    const auto add = [&](const CornerLoad& load, const Vec2& of_one) {
+        force[load.corner] += model.histories[load.history](0) * of_one;
+    };
+    for (const CornerLoad& load : model.corner_loads) add(load, force_of(model, load, state));
+    CrackForces in_cracks(model);
+    for (const CornerLoad& load : in_cracks.find(state)) add(load, load.force);
+    for (std::size_t rank = 0; rank < state.split_fans.size(); ++rank) {
+        const auto points = model.points(model.fans[state.split_fans[rank]]);
+        for (std::size_t j = 0; j < points.size(); ++j) {
+            const FanPoint& point = points[j];
+            const Vec2& t = state.points[state.first_point[rank] + j].traction;
+            const Vec2 n = point_frame(model, state, point).turned(point.normal),
+                       P = point.area * (t.x() * n + t.y() * turned_left(n));
+            if (point.after != rigid_support) force[point.after] += P;
+            if (point.before != rigid_support) force[point.before] -= P;
+        }
+    }
+    return force;
+}
+
+class EquilibriumSearch {
+public:
+    EquilibriumSearch(const Model& model, MassMatrix mass, double time)
+        : time_(time),
+          turned_(frozen(model, time)),
+          still_(turned_),
+          // nothing may soften, so Assumption 1 does not matter
+          scheme_(still_,
+                  {.bulk = BulkScheme::implicit_theta, .theta = 1, .mass = mass, .respect_assumption_1 = false}) {
+        still_.large_rotation = false;
+        if (!model.large_rotation) return;
+        still_.histories.push_back({.time = {0}, .value = {1}});
+        for (CornerLoad& load : still_.corner_loads) load.face_stress = -1;
+        for (Index c = 0; c < model.mesh.n_corners(); ++c)
+            still_.corner_loads.push_back(
+                {.corner = c, .history = static_cast<Index>(still_.histories.size()) - 1, .force = Vec2::Zero()});
+    }
+
+    State find(State now) {
+        stop(now);
+        fit_laws(still_, now);
+        find_still(now);
+        if (!turned_.large_rotation) return now;
+        // Large rotations: forces of small ones + (forces of large ones - forces of small ones) = 0, with the bracket
+        // of the last round. A round leaves the part of the error by which turning changes the stiffness.
+        double last = std::numeric_limits<double>::infinity();
+        for (int round = 0;; ++round) {
+            const double change = correct(now);
+            if (change <= in_equilibrium || (change <= good_enough && change > 0.5 * last)) return now;
+            if (round == max_rounds || !(change <= 2 * last))
+                no_equilibrium("the body turns or strains too far", place_of_largest_displacement(now));
+            last = change;
+            find_still(now);
+        }
+    }
+
+private:
+    [[noreturn]] void no_equilibrium(const char* reason, const Vec2& where) const {
+        char text[400];
+        std::snprintf(text, sizeof text, "no equilibrium under the loads at t = %.6g s: %s, at (%.6g, %.6g) m", time_,
+                      reason, where.x(), where.y());
+        throw SimulationError(text);
+    }
+
+    Vec2 place_of_largest_displacement(const State& state) const {
+        Index farthest = 0;
+        for (Index c = 0; c < still_.mesh.n_corners(); ++c)
+            if (state.displacement_of(c).norm() > state.displacement_of(farthest).norm()) farthest = c;
+        return still_.mesh.corner(farthest);
+    }
+
+    /// Renews the forces by which turning differs; returns their change, over the loads.
+    double correct(const State& now) {
+        const auto n = static_cast<std::size_t>(still_.mesh.n_corners());
+        const std::span<CornerLoad> corrections = std::span(still_.corner_loads).last(n);
+        const std::vector<Vec2> small = forces_on_corners(still_, now), large = forces_on_corners(turned_, now);
+        double change = 0;
+        for (std::size_t c = 0; c < n; ++c) {
+            const Vec2 lacks = large[c] - small[c];  // `small` has the last correction
+            change += lacks.norm();
+            corrections[c].force += lacks;
+        }
+        const double load = load_of(still_, now);
+        return load > 0 ? change / load : 0;
+    }
+
+    void find_still(State& now);
+
+    double time_;
+    Model turned_, still_;
+    ImplicitScheme scheme_;
+};
+
+/// With small rotations, from `now` on.
+void EquilibriumSearch::find_still(State& now) {
+    const double passage = passage_time(still_);
+    State next;
+    double h = first_step * passage, part = 1;  // of the loads, carried by inertia
+    int patience = 2, wait = 0;                 // steps without growth after a rejection
+    for (int step = 0; part > in_equilibrium; ++step) {
+        next.temperature = now.temperature;
+        const StepReport report = scheme_.step(now, h, next);
+        const bool rejected = report.rejection != Rejection::none, smallest = h < 2 * first_step * passage;
+        const Inertia inertia = rejected ? Inertia{} : inertia_of(still_, next, h);
+        const double load = rejected ? 0 : load_of(still_, next), after = load > 0 ? inertia.force / load : 0;
+        if (rejected || (after > jammed * part && !smallest)) {
+            if ((rejected && smallest) || step == max_steps)
+                no_equilibrium("contact and friction do not settle", report.where);
+            h /= growth;
+            wait = patience *= 2;
+            continue;
+        }
+        if (report.softened > 0)
+            no_equilibrium("the preload is more than the interfaces hold", place_of_damage(still_, now, next));
+        const bool stalled = after > stays * part;
+        part = after;
+        std::swap(now, next);
+        stop(now);
+        if (stalled && part <= good_enough) break;
+        const double largest = wait > 0 ? h : last_step * passage;
+        if ((stalled && h >= largest) || step == max_steps)
+            no_equilibrium("nothing holds the body, it would move away", still_.mesh.corner(inertia.fastest));
+        h = std::min(growth * h, largest);
+        wait = std::max(0, wait - 1);
+    }
+}
+
+}  // namespace
+
+void start_in_equilibrium(const Model& model, MassMatrix mass, State& start) {
+    State now = EquilibriumSearch(model, mass, start.time).find(start);
+    for (Index c = 0; c < model.mesh.n_corners(); ++c)
+        now.velocity[now.node_of_corner[c]] = start.velocity[start.node_of_corner[c]];
+    for (std::size_t o = 0; o < now.obstacles.size(); ++o) now.obstacles[o].velocity = start.obstacles[o].velocity;
+    now.retired = start.retired;
+    now.temperature = start.temperature, now.temperature_before = start.temperature_before;
+    for (Incubation& memory : now.incubation) memory.time = -std::numeric_limits<double>::infinity();
+    start = std::move(now);
+}
+
+}  // namespace knap
