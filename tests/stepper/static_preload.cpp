@@ -378,7 +378,7 @@ Rest rest_after(Start& start) {
 
 }  // namespace
 
-TEST_CASE("a cantilever with large rotations rests in its equilibrium, nearer to its support by 4/7 w^2/L") {
+TEST_CASE("a cantilever with large rotations rests in its equilibrium nearer to its support by 4/7 w^2/L") {
     // w' = 4 w/(3 L) (x^3 - 3 x^2 + 3 x) under a uniform load, and the end moves back by 1/2 int w'^2 dx
     ModelInput input = block(bar_mesh(40, 4, 1, 0.1), CohesiveLaw::unbreakable());
     input.loads = {load(Load::Kind::displacement, "left", 0.0, 0.0), gravity(0.06)};
