@@ -417,7 +417,7 @@ TEST_CASE("a jointed column with large rotations rests in its equilibrium under 
     CHECK(rest.energy_error < 1e-12);
 }
 
-TEST_CASE("a body with [contact] that starts in equilibrium knows that no face has retired yet") {
+TEST_CASE("a body whose faces meet by contact starts in equilibrium and knows that no face has retired yet") {
     ModelInput input = block(bar_mesh(2, 2, 1, 1), CohesiveLaw::unbreakable());
     input.loads = {load(Load::Kind::displacement, "left", 0.0, 0.0), gravity(0.06)};
     input.large_rotation = true;
