@@ -2,6 +2,7 @@
 // Scenes of separate bodies whose places and velocities are set by hand.
 #include "model/state.hpp"
 #include "stepper/contact/face_contacts.hpp"
+#include "stepper/contact/retirement.hpp"
 #include "support/meshes.hpp"
 
 #include <cmath>
@@ -31,6 +32,11 @@ public:
         for (std::size_t b = 0; b < bodies.size(); ++b)
             body.insert(body.end(), bodies[b].triangles.size(), static_cast<Index>(b));
         state.retired.assign(model.n_points(), 0);
+    }
+
+    /// Two steps: what only turns follows the other end of its edge.
+    void retire() {
+        for (int step = 0; step < 2; ++step) retire_points(model, std::vector(state.retired), state);
     }
 
     static ModelInput input_of(const std::vector<Mesh>& bodies) {

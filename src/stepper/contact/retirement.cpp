@@ -13,22 +13,32 @@ constexpr std::ptrdiff_t block = 256;      // fans
 Index next_in_triangle(Index c) { return c % 3 == 2 ? c - 2 : c + 1; }
 Index previous_in_triangle(Index c) { return c % 3 == 0 ? c + 2 : c - 1; }
 
-bool is_far(const Model& model, const State& state, const FanPoint& point, double slip, double turn) {
-    const auto place = [&](Index c) -> Vec2 { return model.mesh.corner(c) + state.displacement_of(c); };
-    const Vec2 x_after = place(point.after), x_before = place(point.before);
-    // the edge leaves the corner `after` and enters the corner `before`, each in its own triangle
-    const Vec2 along_after = place(next_in_triangle(point.after)) - x_after,
-               along_before = place(previous_in_triangle(point.before)) - x_before;
-    const double length = model.interfaces[model.interface_of(point.point)].length;
-    return (x_after - x_before).squaredNorm() > slip * slip * length * length ||
-           std::abs(cross(along_after, along_before)) > turn * along_after.dot(along_before);
-}
+/// The two sides of a point, moved.
+struct Sides {
+    Sides(const Model& model, const State& state, const FanPoint& point) : model(model), state(state), point(point) {}
+
+    bool slipped(double part_of_edge) const {
+        const double most = part_of_edge * model.interfaces[model.interface_of(point.point)].length;
+        return (state.displacement_of(point.after) - state.displacement_of(point.before)).squaredNorm() > most * most;
+    }
+    /// The edge leaves the corner `after` and enters the corner `before`, each in its own triangle.
+    bool turned(double angle) const {
+        const auto place = [&](Index c) -> Vec2 { return model.mesh.corner(c) + state.displacement_of(c); };
+        const Vec2 along_after = place(next_in_triangle(point.after)) - place(point.after),
+                   along_before = place(previous_in_triangle(point.before)) - place(point.before);
+        return std::abs(cross(along_after, along_before)) > angle * along_after.dot(along_before);
+    }
+
+    const Model& model;
+    const State& state;
+    const FanPoint& point;
+};
 
 }  // namespace
 
-void retire_points(const Model& model, State& end) {
+void retire_points(const Model& model, const std::vector<std::uint8_t>& before, State& end) {
     if (model.contact_of_pair.empty()) return;
-    if (end.retired.empty()) end.retired.assign(model.n_points(), 0);
+    end.retired = before;  // for good
     const std::ptrdiff_t n = std::ssize(end.split_fans);
     for_blocks((n + block - 1) / block, [&](std::ptrdiff_t b) {
         for (std::ptrdiff_t rank = b * block; rank < std::min(n, (b + 1) * block); ++rank) {
@@ -38,8 +48,11 @@ void retire_points(const Model& model, State& end) {
                 const double cohesion = (state++)->cohesion;
                 std::uint8_t& retired = end.retired[point.point];
                 if (retired == 1 || point.on_support()) continue;
-                if (cohesion == 0 && is_far(model, end, point, retirement_slip, retirement_turn)) retired = 1;
-                else if (is_far(model, end, point, parting_slip, parting_turn)) retired = 2;
+                const Sides sides(model, end, point);
+                // sides that turn by so much have slipped at one end of the edge
+                const bool may_have_turned = before[point.point] != 0 || before[point.point ^ 1] != 0;
+                if (cohesion == 0 && (sides.slipped(retirement_slip) || sides.turned(retirement_turn))) retired = 1;
+                else if (sides.slipped(parting_slip) || (may_have_turned && sides.turned(parting_turn))) retired = 2;
             }
         }
     });

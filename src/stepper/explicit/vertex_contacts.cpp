@@ -361,8 +361,7 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
         step.end.face_contacts.push_back({c.vertex[1], c.edge[0], P.x(), P.y()});
     }
     report.face_contacts = static_cast<std::int64_t>(contacts.size());
-    step.end.retired = step.begin.retired;  // for good; `end` may be an older state
-    retire_points(model_, step.end);
+    retire_points(model_, step.begin.retired, step.end);
 }
 
 }  // namespace knap

@@ -45,7 +45,7 @@ TEST_CASE("a zigzag crack slides over to free faces at the slip at which its poi
         CAPTURE(slip);
         Pieces scene = zigzag(8, slope);
         scene.put(1, slip * edge * Vec2(1, slope) / std::sqrt(1 + slope * slope));
-        retire_points(scene.model, scene.state);
+        scene.retire();
         const auto contacts = scene.contacts(h);
         if (slip < retirement_slip) {
             CHECK(std::ranges::count(scene.state.retired, 1) == 0);
@@ -89,7 +89,7 @@ TEST_CASE("the corner of a crack that a live point holds as a hinge touches what
                 if (scene.model.mesh.corner(scene.model.points(fan)[j].after) == Vec2(1, 1))
                     scene.state.points[scene.state.first_point[rank] + j].cohesion = 1;
         }
-        retire_points(scene.model, scene.state);
+        scene.retire();
         CHECK(std::ranges::count(scene.state.retired, 1) == 1);
         CHECK(std::ranges::count(scene.state.retired, 2) == (opening > 0.2));
         const auto contacts = scene.contacts(h);
@@ -111,7 +111,7 @@ TEST_CASE("pieces of a triple junction touch their neighbours and the live point
         Pieces scene({star_mesh(outline)});
         crack(scene, {0, 0, 1, 1, 2, 2});
         for (Index part = 0; part < 3; ++part) scene.put(part, shift[part]);
-        retire_points(scene.model, scene.state);
+        scene.retire();
         return scene;
     };
     const Vec2 out = turned({1, 0}, std::numbers::pi / 3);  // of part 0, along its axis

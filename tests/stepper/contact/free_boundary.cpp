@@ -158,7 +158,7 @@ TEST_CASE("a point retires beyond a slip or opening of two thousandths of its ed
         for (PointState& point : scene.state.points) point.cohesion = cohesion;
         for (Index c = 3; c < 6; ++c)
             scene.displacement(c) = turned(scene.model.mesh.corner(c), angle) - scene.model.mesh.corner(c) + shift;
-        retire_points(scene.model, scene.state);
+        scene.retire();
         return int(std::ranges::count(scene.state.retired, mark));
     };
     const auto retired = [&](const Vec2& shift, double angle, double cohesion) {
