@@ -135,11 +135,11 @@ private:
         dissipated_ = row.dissipated;
         at_most("surface energy", row.surface(), energy_of_all_interfaces(model_) * (1 + 1e-12));
         // sides that have gone into each other were drawn in by their cohesion, which they lose again on their way out; and central differences
-        // begin with half a kick
+        // begin with half a kick; what moves by itself stops within twice what it moves in a step, as below
         if (is_explicit(wild_)) deepest_ = std::max(deepest_, longest_ * fastest_);
         deepest_ = std::max(deepest_, report.penetration);
         at_most("energy given by interfaces", -row.cohesive_work,
-                1e-10 * ledger_.largest_energy() + strength_ * deepest_);
+                1e-10 * ledger_.largest_energy() + 2 * strength_ * deepest_);
     }
 
     /// What moves by itself stops within what it moves in a step; a given motion may push a body through its support.
