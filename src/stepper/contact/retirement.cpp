@@ -18,7 +18,7 @@ struct Sides {
     Sides(const Model& model, const State& state, const FanPoint& point) : model(model), state(state), point(point) {}
 
     bool slipped(double part_of_edge) const {
-        const double most = part_of_edge * model.interfaces[model.interface_of(point.point)].length;
+        const double most = part_of_edge * 2 * point.area / model.thickness;  // the area of a point is half the edge's
         return (state.displacement_of(point.after) - state.displacement_of(point.before)).squaredNorm() > most * most;
     }
     /// The edge leaves the corner `after` and enters the corner `before`, each in its own triangle.
