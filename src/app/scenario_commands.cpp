@@ -4,6 +4,7 @@
 #include "app/run/excavations.hpp"
 #include "app/run/findings.hpp"
 #include "app/run/heat_scales.hpp"
+#include "app/run/law_table.hpp"
 #include "app/run/setup.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
@@ -166,6 +167,7 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     print_mesh(judge(model.mesh));
     std::fputs(random_sets_text(scenario).c_str(), stdout);
     print_materials(scenario);
+    std::fputs(laws_text(read, model.mesh).c_str(), stdout);
     print_resolution(scenario, model.mesh, plan.limits.cracking);
     print_methods(scenario, model);
     std::fputs(heat_text(scenario, model.mesh, plan.limits.largest).c_str(), stdout);

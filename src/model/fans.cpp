@@ -1,6 +1,7 @@
 #include "model/fans.hpp"
 
 #include "base/random.hpp"
+#include "model/law_of_edge.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -27,10 +28,7 @@ void make_interfaces(const ModelInput& input, const SupportOfEdge& support_of_ed
     const Mesh& mesh = model.mesh;
     for (const InteriorEdge& edge : mesh.interior_edges) {
         const auto [a, b] = edge.triangle;
-        const Index law = edge.joint >= 0           ? input.law_of_joint[edge.joint]
-                          : mesh.within_grain(edge) ? input.law_within[mesh.region[a]]
-                                                    : input.law_of_pair[mesh.region[a]][mesh.region[b]];
-        add_interface(a, b, edge.side[0], law, edge.cracked, 0, model);
+        add_interface(a, b, edge.side[0], law_of_edge(input, mesh, edge), edge.cracked, 0, model);
     }
     for (std::size_t i = 0; i < mesh.boundary_edges.size(); ++i) {
         if (support_of_edge[i] == none) continue;

@@ -1,6 +1,7 @@
 #include "record/summary.hpp"
 
 #include "analysis/fragments.hpp"
+#include "analysis/incubation_energy.hpp"
 #include "analysis/strength.hpp"
 #include "base/formatted.hpp"
 
@@ -51,12 +52,14 @@ struct Facts {
     std::vector<Reaction> reactions;                                 // at the end
     std::optional<Driver> driver;  // the first load or obstacle that moves, or else the first one
     History fragments;
+    double incubation;  // [J]
     double n_tensile = none, n_shear = none;
     Strength strength;
     MaterialConstants material{none, none};
 };
 
-Facts::Facts(const Model& model, const State& end, const Recorder& of) : recorder(of) {
+Facts::Facts(const Model& model, const State& end, const Recorder& of)
+    : recorder(of), incubation(incubation_energy(model, end)) {
     double mass = 0;
     Vec2 moment = Vec2::Zero();
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
@@ -145,6 +148,9 @@ constexpr SummaryRow rows[]{
      [](F f) { return f.energy.recoverable; }},
     {"viscous_dissipation", "J", "energy that delayed softening dissipated in addition; with a relaxation_time",
      [](F f) { return f.energy.viscous_dissipation; }, delays},
+    {"incubation_dissipation", "J",
+     "part of `dissipated` beyond the fracture energy of the laws, by incubated strengths; with an incubation_time",
+     [](F f) { return f.incubation; }, incubates},
     {"largest_strength_factor", "",
      "largest factor on strength and fracture energy of a vertex that split; with an incubation_time; 0: none split",
      [](F f) { return f.ledger.worst().largest_strength_factor; }, incubates},

@@ -173,14 +173,20 @@ std::string_view unit_of_key(const Key& key, const Node& table) {
 
 enum class Applies { no, perhaps, yes };
 
+/// The text of the neighbour of a key with a condition, given or by default; "" if it has none.
+std::string text_of_neighbour(const Key& key, const Node& table) {
+    if (const Node* given = table.find(key.condition.neighbour)) return given->text;
+    const Key& neighbour = *find_key(joined_path(key.parent(), key.condition.neighbour));
+    return neighbour.default_toml.empty() ? "" : parse_toml_value(neighbour.default_toml).text;
+}
+
 /// The condition of a key, checked against its neighbours. With a missing or wrong neighbour it is undecided.
 Applies applies(const Key& key, const Node& table) {
     const Condition& condition = key.condition;
     if (condition.values.empty()) return Applies::yes;
-    const Node* neighbour = table.find(condition.neighbour);
-    const auto is_one_of = [&](const auto& texts) { return std::ranges::count(texts, neighbour->text) > 0; };
-    if (!neighbour || !is_one_of(find_key(joined_path(key.parent(), condition.neighbour))->words))
-        return Applies::perhaps;
+    const std::string text = text_of_neighbour(key, table);
+    const auto is_one_of = [&](const auto& texts) { return std::ranges::count(texts, text) > 0; };
+    if (!is_one_of(find_key(joined_path(key.parent(), condition.neighbour))->words)) return Applies::perhaps;
     return is_one_of(condition.values) ? Applies::yes : Applies::no;
 }
 
@@ -210,7 +216,8 @@ private:
         findings_.error(
             "exclusive-keys",
             "`" + path + "` belongs to " + neighbour + " = \"" + joined(key.condition.values, "\" or \"") + "\"", node,
-            "here " + neighbour + " = " + in_quotes(table.find(neighbour)->text));
+            "here " + neighbour + " = " + in_quotes(text_of_neighbour(key, table)) +
+                (table.find(neighbour) ? "" : ", its default"));
     }
 
     void report_unknown_key(const Node& node, const std::string& path, const std::vector<std::string>& known) {
@@ -224,7 +231,8 @@ private:
     void report_unknown(Node& found, const Node& given, std::string_view pattern, const std::string& path) {
         std::vector<std::string> known;
         for (const Key* key : keys_below(pattern))
-            if (applies(*key, given) != Applies::no) known.emplace_back(key->name());
+            if (applies(*key, given) != Applies::no || !given.find(key->condition.neighbour))  // given: not by default
+                known.emplace_back(key->name());
         for (const Node& child : given.children) {
             if (std::ranges::count(keys_below(pattern), child.name, &Key::name) > 0) continue;
             report_unknown_key(child, joined_path(path, child.name), known);

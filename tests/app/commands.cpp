@@ -24,6 +24,16 @@ TEST_CASE("check says what would happen") {
     CHECK(command("check edge_cracked_block --strict -s 'mesh.size=2.5 mm'").code == 2);
     const Answer full = command("check edge_cracked_block --full -s 'mesh.size=2 mm'");
     for (const char* key : {"mesh.size", "interface.default.friction", "time.theta"}) CHECK_MESSAGE(full.has(key), key);
+    // every law with all that it can do, those of joints too
+    const std::string law = "check jointed_slope -s 'interface.default={ sigma_c=5e6, G_c=80, softening=\"trapezoid\", "
+                            "plateau=0.3, unloading=\"secant\", relaxation_time=\"1 us\", friction=0.6 }'";
+    const Answer laws = command(law);
+    CHECK_MESSAGE(laws.code == 0, laws.text);
+    for (const char* words : {"laws", "act on", "trapezoid 0.3", "unloading secant", "relaxation_time 1e-06 s"})
+        CHECK_MESSAGE(laws.has(words), words, laws.text);
+    CHECK(std::regex_search(laws.text, std::regex("[0-9]+ of joints +")));
+    const Answer frost = command("check thawing_joint");
+    CHECK_MESSAGE(frost.has("strength_table 0.2908 to 1 over -10 to -0.5 K"), frost.text);
     CHECK(command("check edge_cracked_block --time -s 'mesh.size=2 mm'").has("now (measured)"));
 }
 

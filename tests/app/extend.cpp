@@ -64,7 +64,7 @@ TEST_CASE("a run with secant unloading and laws of rate is extended to the bits 
     check_same_output(folder.path / "run", folder.path / "once");
     // all three were at work
     const std::string record = text_of(folder.path / "once/run.json");
-    for (const char* number : {"largest_strength_factor", "viscous_dissipation"}) {
+    for (const char* number : {"largest_strength_factor", "incubation_dissipation", "viscous_dissipation"}) {
         const auto at = record.find(number);
         REQUIRE(at != std::string::npos);
         CHECK(std::stod(record.substr(record.find(':', at) + 1)) > 0);

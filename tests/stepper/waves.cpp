@@ -146,6 +146,58 @@ TEST_CASE("B6 with delayed softening a step wave opens the interface farther bef
     }
 }
 
+// Tolerances were set before the runs: those of the linear B6, and of the extrapolation from 400 and 800 elements 1 and
+// 2 %. (The front rings with the trapezoidal rule: 100 and 200 implicit elements cannot be extrapolated, which was seen
+// afterwards.) The exponential and the power are polygons of 12 pieces, which differ from their curves by .7 %.
+TEST_CASE("B6 a step wave opens interfaces of every softening shape") {
+    describe(
+        "The same wave and fracture energy with other softening shapes: u' = 2 (X - B(u)). Break after the arrival and "
+        "opening .03 after it against the closed forms: at the finer mesh, and with the explicit bulk extrapolated "
+        "linearly in the element size from two meshes.");
+    struct Row {
+        const char* name;
+        SofteningOptions options;
+        double breaks, opening;
+    };
+    using Shape = SofteningOptions::Shape;
+    for (const SchemeOptions& path : both_paths()) {
+        on_path(path);
+        for (const Row& row : {Row{"linear", {}, 0.05493061, 0.04110594},
+                               Row{"Dugdale", {.shape = Shape::trapezoid, .plateau = 1}, 0.05, 0.03},
+                               Row{"petersson", {.shape = Shape::petersson}, 0.07819497, 0.05080659},
+                               Row{"exponential", {.shape = Shape::exponential}, 0.09903392, 0.04872663},
+                               Row{"power 2", {.shape = Shape::power, .exponent = 2}, 0.07019110, 0.04419899},
+                               Row{"trapezoid .5", {.shape = Shape::trapezoid, .plateau = 0.5}, 0.05164354, 0.03}}) {
+            const CohesiveLaw law{.sigma_c = sigma_c, .G_c = 0.05, .softening = make_softening(row.options)};
+            if (path.cohesion == CohesionScheme::implicit_beta && law.softening_length() == 0) continue;  // refused
+            double breaks[2]{}, opening[2]{};
+            int n = 0;
+            for (int k = 0; k < 2; ++k) {
+                n = sizes(path)[k + 1];
+                PulledBar bar(n, {{0}, {1.5}}, path, 1, law);
+                double t = bar.since_arrival(), u = 0;  // of the step before
+                while (bar.beta() > 0) {
+                    t = bar.since_arrival(), u = bar.opened();
+                    bar.step();
+                    REQUIRE(bar.since_arrival() < 0.4);
+                    const double part = (0.03 - t) / bar.h();
+                    if (part > 0 && part <= 1) opening[k] = u + part * (bar.opened() - u);
+                }
+                breaks[k] = t + (law.delta_c() - u) / (bar.opened() - u) * bar.h();
+                CHECK(bar.run.ledger.row().dissipated == relative(law.G_c / n, 1e-12));
+                CHECK(bar.run.ledger.largest_residual() <= 1e-12 * bar.run.ledger.largest_energy());
+            }
+            const std::string name = std::string(", ") + row.name, at = ", " + std::to_string(n) + " elements" + name;
+            verify_near("broken after the arrival" + at, breaks[1], row.breaks, {1.5 / n, 0.5 / n});
+            verify_near("opening at .03 over .1" + at, opening[1] / delta, row.opening / delta, {40.0 / n, 20.0 / n});
+            if (path.bulk != BulkScheme::explicit_lumped) continue;
+            verify("broken after the arrival, extrapolated" + name, 2 * breaks[1] - breaks[0], row.breaks,
+                   {0.01, 0.003});
+            verify("opening at .03, extrapolated" + name, 2 * opening[1] - opening[0], row.opening, {0.02, 0.006});
+        }
+    }
+}
+
 TEST_CASE("B7 a ramp wave opens an interface and breaks it on time") {
     // s = t - .1 after the arrival of sigma = 10 t:  u' = 2 (10 s + u/delta)  ->  u = (exp(20 s) - 1)/20 - s, broken at
     // s = .07526207
@@ -232,6 +284,10 @@ TEST_CASE("B7 with other softening shapes the opening follows its differential e
 }
 
 TEST_CASE("B7 with triangles of second order a quarter of the cells is as accurate") {
+    describe(
+        "The ramp wave of B7 on bars of the first order (200 elements) and of the second (50, 100): largest error of "
+        "the opening over delta_c. Half as many elements of second order shall have half the error of the first.");
+    on_path(both_explicit);
     std::vector<double> errors;
     for (const auto& [n, order] : {std::pair{200, 1}, {50, 2}, {100, 2}}) {
         PulledBar bar(n, {{0, 1}, {0, 10}}, both_explicit, order);
@@ -242,15 +298,15 @@ TEST_CASE("B7 with triangles of second order a quarter of the cells is as accura
             if (bar.beta() > 0) worst = std::max(worst, std::abs(bar.opened() - exact) / delta);
             REQUIRE(bar.since_arrival() < 0.4);
         }
-        CHECK(bar.since_arrival() == doctest::Approx(0.17526207).scale(1).epsilon(1.0 / n));
+        verify_near("broken after the arrival, " + std::to_string(n) + " elements of order " + std::to_string(order),
+                    bar.since_arrival(), 0.17526207, {1.0 / n, 0.5 / n});
         CHECK(bar.run.ledger.largest_residual() <= 1e-12 * bar.run.ledger.largest_energy());
         CHECK(bar.run.ledger.row().surface() ==
               relative(0.5 * sigma_c * delta / n, 1e-2));  // its three points break within a few steps
         errors.push_back(worst);
     }
-    MESSAGE("errors ", errors[0], " ", errors[1], " ", errors[2]);
-    CHECK(errors[1] < 2 * errors[0]);
-    CHECK(errors[2] < errors[0] / 2);
+    verify_at_most("error of 50 elements of order 2 over that of 200 of order 1", errors[1] / errors[0], 2);
+    verify_at_most("error of 100 elements of order 2 over that of 200 of order 1", errors[2] / errors[0], 0.5);
 }
 
 TEST_CASE("B8 a smooth pulse opens an interface by part and closes it for good") {

@@ -97,7 +97,8 @@ void check_dump(const Model& model, const SchemeOptions& scheme) {
     if (!StepLcp::fits(model))
         throw UserError(
             "exclusive-keys",
-            "--dump-lcp stores a linear problem, and a law with unloading = \"secant\" multiplies two unknowns",
+            "--dump-lcp stores a linear problem, and it has no rows for the ramps of unloading = \"secant\": with an "
+            "implicit cohesion they multiply two unknowns",
             "use unloading = \"constant\"");
     const double entries = upper_bound_of_entries(model, scheme);
     if (entries > max_entries)

@@ -1,5 +1,6 @@
 // Incubated strength: the utilisation of a fan, and two triangles that are pulled apart by a force that grows.
 #include "stepper/explicit/incubation.hpp"
+#include "analysis/incubation_energy.hpp"
 #include "interface/self_stress.hpp"
 #include "mesh/triangulate.hpp"
 #include "stepper/common/bond_check.hpp"
@@ -81,6 +82,8 @@ TEST_CASE("A6 an incubated strength grows with the rate of the load") {
             run.step(h);
             verify("G/G_c at break over phi, R = " + digits(row.R), run.ledger.row().dissipated / (2 * law.G_c) / phi,
                    1, {1e-12});
+            verify("incubation_dissipation over (phi - 1) G_c, R = " + digits(row.R),
+                   incubation_energy(run.model, run.now) / (2 * law.G_c) / (phi - 1), 1, {1e-11});
             CHECK(run.ledger.largest_residual() < 1e-12 * run.ledger.largest_energy());
         }
     }

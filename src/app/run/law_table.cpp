@@ -1,0 +1,121 @@
+#include "app/run/law_table.hpp"
+
+#include "base/formatted.hpp"
+#include "base/text.hpp"
+#include "model/law_of_edge.hpp"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+namespace knap {
+namespace {
+
+using Row = std::array<std::string, 8>;
+
+/// "-10 to 0 K: 1 to 0.001", over the whole table.
+std::string text_of(const TemperatureTable& table, double unit = 1, const char* name = "") {
+    const auto [low, high] = std::ranges::minmax(table.value);
+    return formatted("%.4g to %.4g%s over %.4g to %.4g K", low / unit, high / unit, name, table.temperature.front(),
+                     table.temperature.back());
+}
+
+/// What a law does beyond linear softening with constant traction on unloading, in the words of the keys.
+std::string beyond_linear(const NamedLaw& named) {
+    const CohesiveLaw& law = named.law;
+    std::string text;
+    const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+    if (law.unloading == Unloading::secant) add("unloading secant");
+    if (law.relaxation_time > 0) add(formatted("relaxation_time %.4g s", law.relaxation_time));
+    if (law.incubation_time > 0) add(formatted("incubation_time %.4g s", law.incubation_time));
+    if (law.restitution > 0) add(formatted("restitution %.4g", law.restitution));
+    if (law.of_temperature && !law.of_temperature->strength.empty())
+        add("strength_table " + text_of(law.of_temperature->strength));
+    if (law.of_temperature && !law.of_temperature->friction.empty())
+        add("friction_table " + text_of(law.of_temperature->friction));
+    if (named.scatter.kind == Scatter::Kind::weibull) add(formatted("scatter weibull %.4g", named.scatter.modulus));
+    else if (named.scatter.any()) add(formatted("scatter %.4g", named.scatter.deviation));
+    return text;
+}
+
+/// The softening as the scenario names it; the law itself knows only its polygon.
+std::string softening_of(const NamedLaw& named, const Values& values) {
+    const Node* law = values.find("interface")->find(named.name);
+    const auto given = [&](const char* key) { return law->find(key); };
+    if (!named.law.softening || !given("softening")) return "linear";
+    std::string text = given("softening")->text;
+    for (const char* parameter : {"plateau", "exponent"})
+        if (const Node* node = given(parameter)) text += formatted(" %.4g", node->number);
+    return text;
+}
+
+/// "120 interfaces, 30 of joints, support[0]"
+std::vector<std::string> places_of_laws(const Scenario& scenario, const Mesh& mesh) {
+    std::vector<Index> inside(scenario.laws.size(), 0), joints(scenario.laws.size(), 0);
+    for (const InteriorEdge& edge : mesh.interior_edges)
+        ++(edge.joint >= 0 ? joints : inside)[law_of_edge(scenario, mesh, edge)];
+    std::vector<std::string> places;
+    for (std::size_t i = 0; i < scenario.laws.size(); ++i) {
+        std::vector<std::string> parts;
+        if (inside[i] > 0) parts.push_back(formatted("%d edges", inside[i]));
+        if (joints[i] > 0) parts.push_back(formatted("%d of joints", joints[i]));
+        for (std::size_t s = 0; s < scenario.supports.size(); ++s)
+            if (scenario.supports[s].law == static_cast<Index>(i)) parts.push_back(item("support", s));
+        places.push_back(parts.empty() ? "nowhere" : joined(parts));
+    }
+    return places;
+}
+
+Row row_of(const NamedLaw& named, const std::string& places, const Values& values) {
+    const CohesiveLaw& law = named.law;
+    if (!law.breakable()) return {named.name, places, "never breaks", "", "", "", "", beyond_linear(named)};
+    const bool from_table = law.of_temperature && !law.of_temperature->friction.empty();
+    const std::string friction = from_table ? "table" : formatted("%.4g", law.friction);
+    if (law.sigma_c <= 0) return {named.name, places, "no cohesion", "", "", friction, "", beyond_linear(named)};
+    return {named.name,
+            places,
+            formatted("%.4g", 1e-6 * law.sigma_c),
+            formatted("%.4g, %.4g", law.G_c, 1e6 * law.delta_c()),
+            formatted("%.4g", law.gamma),
+            friction,
+            softening_of(named, values),
+            beyond_linear(named)};
+}
+
+}  // namespace
+
+std::string laws_text(const ReadResult& read, const Mesh& mesh) {
+    const Scenario& scenario = read.scenario;
+    std::vector<Row> rows{
+        {"laws", "act on", "sigma_c/MPa", "G_c/(J/m2), delta_c/um", "gamma", "friction", "softening", ""}};
+    const std::vector<std::string> places = places_of_laws(scenario, mesh);
+    for (std::size_t i = 0; i < scenario.laws.size(); ++i)
+        rows.push_back(row_of(scenario.laws[i], places[i], read.values));
+    std::array<std::size_t, std::tuple_size_v<Row>> width{};
+    for (const Row& row : rows)
+        for (std::size_t k = 0; k < row.size(); ++k) width[k] = std::max(width[k], row[k].size());
+    std::string text;
+    for (const Row& row : rows) {
+        std::string line = &row == &rows.front() ? "" : "  ";
+        for (std::size_t k = 0; k < row.size(); ++k)
+            line += row[k] + std::string(width[k] - row[k].size() + (k == 0 && &row == &rows.front() ? 4 : 2), ' ');
+        text += line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
+    }
+    for (std::size_t i = 0; i < scenario.crack_pressures.size(); ++i) {
+        const CrackPressure& fluid = scenario.crack_pressures[i];
+        text += "  " + item("pressure", i) + ' ' +
+                (fluid.over_temperature.empty() ? formatted("%.4g MPa", 1e-6 * fluid.pressure)
+                                                : "pressure_table " + text_of(fluid.over_temperature, 1e6, " MPa")) +
+                (fluid.joint_law >= 0 ? ", in joints of " + scenario.laws[fluid.joint_law].name
+                 : fluid.from         ? ", in cracks from its source"
+                                      : ", in all cracks") +
+                '\n';
+    }
+    for (std::size_t i = 0; scenario.heat && i < scenario.materials.size(); ++i)
+        if (const Thermal& thermal = scenario.heat->materials[i]; thermal.latent_heat > 0)
+            text += formatted("  %s latent_heat %.4g J/kg over %.4g to %.4g K\n", scenario.materials[i].name.c_str(),
+                              thermal.latent_heat, thermal.freezing_range[0], thermal.freezing_range[1]);
+    return text;
+}
+
+}  // namespace knap
