@@ -48,7 +48,7 @@ Thermal read_thermal(const Table& table, bool conduction) {
     table.fill(thermal);
     thermal.expansion.coefficient = table.number("expansion").value_or(0);
     table.one_of({"expansion", "expansion_table"}, false);
-    TemperatureTable strain = read_over_temperature(table, "expansion_table", "[[0, 0], [570, 0.008], [575, 0.013]]");
+    TemperatureTable strain = read_over_temperature(table, "expansion_table");
     thermal.expansion.temperature = std::move(strain.temperature);
     thermal.expansion.strain = std::move(strain.value);
     const Vec2 range = table.get<Vec2>("freezing_range").value_or(Vec2(-1, 0));
@@ -125,9 +125,17 @@ void read_field(const Table& table, TemperatureField& field) {
     }
 }
 
+/// Of a table over temperature.
+const char* example_of(std::string_view key) {
+    return key == "expansion_table"  ? "[[0, 0], [570, 0.008], [575, 0.013]]"
+           : key == "pressure_table" ? "[[-5, 5e6], [0, 0]]"
+           : key == "friction_table" ? "[[-2, 0.6], [-0.5, 0.4]]"
+                                     : "[[-10, 1], [-1, 0.3], [0, 0.001]]";
+}
+
 }  // namespace
 
-TemperatureTable read_over_temperature(const Table& table, const char* key, const char* example) {
+TemperatureTable read_over_temperature(const Table& table, const char* key) {
     TemperatureTable read;
     for (const Vec2& point : table.get<std::vector<Vec2>>(key).value_or(std::vector<Vec2>())) {
         read.temperature.push_back(point.x());
@@ -136,7 +144,7 @@ TemperatureTable read_over_temperature(const Table& table, const char* key, cons
     const std::vector<double>& T = read.temperature;
     if (T.size() != 1 && std::ranges::adjacent_find(T, std::greater_equal()) == T.end()) return read;
     table.error("out-of-range", key, "needs at least two pairs [temperature, value] with temperatures that ascend",
-                std::string(key) + " = " + example);
+                std::string(key) + " = " + example_of(key));
     return {};
 }
 

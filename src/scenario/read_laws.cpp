@@ -27,9 +27,8 @@ std::shared_ptr<const SofteningShape> read_softening(const Table& table) {
 
 /// strength_table and friction_table; null without them.
 std::shared_ptr<const StrengthOfTemperature> read_of_temperature(const Table& table, bool has_cohesion) {
-    StrengthOfTemperature read{
-        .strength = read_over_temperature(table, "strength_table", "[[-10, 1], [-1, 0.3], [0, 0.001]]"),
-        .friction = read_over_temperature(table, "friction_table", "[[-2, 0.6], [-0.5, 0.4]]")};
+    StrengthOfTemperature read{.strength = read_over_temperature(table, "strength_table"),
+                               .friction = read_over_temperature(table, "friction_table")};
     if (table.one_of({"friction", "friction_table"}, false) == "friction_table") table.leave_out("friction");
     for (const char* key : {"strength_table", "friction_table"})
         if (table.given(key) && !table.reading().table("heat").given())

@@ -218,7 +218,7 @@ void read_pressures(Reading& reading) {
         CrackPressure& pressure = scenario.crack_pressures.emplace_back();
         table.fill(pressure);
         table.one_of({"pressure", "pressure_table"}, true);
-        pressure.over_temperature = read_over_temperature(table, "pressure_table", "[[-5, 5e6], [0, 0]]");
+        pressure.over_temperature = read_over_temperature(table, "pressure_table");
         if (table.given("pressure_table") && !reading.table("heat").given())
             table.error("no-heat", "pressure_table", "needs temperatures", "[heat]");
         if (table.given("from")) pressure.from = read_selection(table.table("from"));

@@ -141,9 +141,8 @@ void read_shape(const Table& table, const MeshOptions& mesh, const std::string& 
 std::vector<Vec2> read_curve(const Table& table, const MeshOptions& mesh);
 /// The factor over time of a load, an obstacle or a temperature: its ramp, table or csv.
 TimeFunction read_history(const Table& table);
-/// The pairs [temperature, value] of a key; empty, and an error with an `example`, where their temperatures do not
-/// ascend.
-TemperatureTable read_over_temperature(const Table& table, const char* key, const char* example);
+/// The pairs [temperature, value] of a key; empty, and an error, where their temperatures do not ascend.
+TemperatureTable read_over_temperature(const Table& table, const char* key);
 /// A place: boundary, box, body.
 Selection read_selection(const Table& table);
 /// `on` of an entry that acts by its key `what`: on a boundary, or (`in_volume`) in a body, where none means all.

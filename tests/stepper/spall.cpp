@@ -86,7 +86,8 @@ double peak_of(const Model& model, double strain_rate) {
 double peak_of(const std::vector<double>& strength, double strain_rate) {
     const std::size_t n = strength.size() + 1;
     const double cell = length / static_cast<double>(n), m = 0.5 * density * cell,
-                 h = 0.8 * cell / std::sqrt(E / density);
+                 h = 0.8 * cell / std::sqrt(E / density), kick = h / m, stiffness = E * h / cell,
+                 decay = 0.5 / granite.G_c;
     std::vector<double> left(n), right(n), stress(n, 0.98 * std::ranges::min(strength)), beta(n - 1, 1), u(n - 1, 0);
     for (std::size_t i = 0; i < n; ++i) {
         left[i] = strain_rate * (static_cast<double>(i) * cell - 0.5 * length);
@@ -95,16 +96,19 @@ double peak_of(const std::vector<double>& strength, double strain_rate) {
     double peak = 0;
     for (double mean = 0; mean >= 0.5 * peak;) {
         for (std::size_t i = 0; i + 1 < n; ++i) {
-            const double a = right[i] - h * stress[i] / m, b = left[i + 1] + h * stress[i + 1] / m;
-            const double sticks = (b - a + u[i] / h) * m / (2 * h);  // the traction that ends the step closed
+            const double a = right[i] - kick * stress[i], b = left[i + 1] + kick * stress[i + 1];
+            const double sticks = (b - a + u[i] * (1 / h)) * (0.5 / kick);  // the traction that ends the step closed
             const double traction = std::min(sticks, beta[i] * strength[i]);
-            right[i] = a + h * traction / m, left[i + 1] = b - h * traction / m;
-            u[i] = std::max(0.0, u[i] + h * (left[i + 1] - right[i]));
-            if (sticks == traction) u[i] = 0;
-            beta[i] = std::min(beta[i], std::max(0.0, 1 - u[i] * strength[i] / (2 * granite.G_c)));
+            right[i] = a + kick * traction, left[i + 1] = b - kick * traction;
+            if (traction == sticks) {
+                u[i] = 0;
+                continue;
+            }
+            u[i] += h * (left[i + 1] - right[i]);
+            beta[i] = std::min(beta[i], std::max(0.0, 1 - u[i] * strength[i] * decay));
         }
         mean = 0;
-        for (std::size_t i = 0; i < n; ++i) stress[i] += E * h * (right[i] - left[i]) / cell, mean += stress[i];
+        for (std::size_t i = 0; i < n; ++i) stress[i] += stiffness * (right[i] - left[i]), mean += stress[i];
         mean /= static_cast<double>(n);
         peak = std::max(peak, mean);
     }
@@ -215,11 +219,10 @@ TEST_CASE("E27 means of four bars differ by the weakest links of these bars" * d
         for (std::size_t i = 0; i < 4; ++i)
             worst = std::max(worst, std::abs(row.at[i] - lines[i].mean - lines[i].slope * z) / lines[i].deviation);
         verify_small(m + "largest deviation of the four values that it leaves", worst, {2.5, 1.5});
+        if (row.modulus != 10) continue;
+        // against the weakest link of 20 mm, whose mean is known, at a rate at which many edges open: the least scatter
+        double at_100 = 0;
+        for (const Peaks& group : groups) at_100 += group[3] / n_groups;
+        verify(m + "100 1/s, mean of all bars over 10 MPa", at_100 / granite.sigma_c, 1.25, {0.05, 0.03});
     }
-    // against the weakest link of 20 mm, whose mean is known, at a rate at which many edges open: the least scatter
-    const std::vector<Peaks> bars = random_bars(4 * n_groups, 10);
-    double mean = 0;
-    for (const Peaks& bar : bars) mean += bar[3] / (4 * n_groups);
-    verify("m = 10, 100 1/s, mean of " + digits(4 * n_groups) + " bars over 10 MPa", mean / granite.sigma_c, 1.25,
-           {0.05, 0.03});
 }
