@@ -1,6 +1,7 @@
 #include "analysis/energy_ledger.hpp"
 
 #include "element/triangle_matrices.hpp"
+#include "output/history_csv.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/excavation.hpp"
 
@@ -87,6 +88,7 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     if (const double now = over_dissipated(lag, 1e-2); !(std::abs(now) <= std::abs(largest_law_lag_)))
         largest_law_lag_ = now;
 
+    if (end.temperature) largest_free_thermal_ = std::max(largest_free_thermal_, end.temperature->free_energy);
     if (const SharedTemperatures& heat = end.temperature; heat && heat->heat_scale > 0) {
         row_.heat = heat->heat, row_.heat_in = heat->heat_in;
         largest_heat_residual_ = std::max(largest_heat_residual_,
@@ -179,6 +181,17 @@ std::span<const Measure<EnergyRow>> energy_columns() {
          [](const R& r) { return r.heat_in; }},
         {"step", "s", "size of the last step", [](const R& r) { return r.step; }}};
     return columns;
+}
+
+double median_kinetic_part(const History& energy) {
+    const std::vector<double> kinetic = energy.column("kinetic"), strain = energy.column("strain");
+    std::vector<double> part;
+    for (std::size_t i = 0; i < kinetic.size(); ++i)
+        if (strain[i] > 0) part.push_back(kinetic[i] / strain[i]);
+    if (part.empty()) return std::nan("");
+    const auto middle = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
+    std::ranges::nth_element(part, middle);
+    return *middle;
 }
 
 std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works) {

@@ -38,6 +38,7 @@
 namespace knap {
 
 struct ExcavationEnergies;
+struct History;
 
 /// Energies and cumulated works [J]: one line of energy.csv.
 struct EnergyRow {
@@ -65,6 +66,10 @@ struct EnergyRow {
     }
 };
 std::span<const Measure<EnergyRow>> energy_columns();
+
+/// [-] Median of kinetic over strain energy over the lines of energy.csv, so that single jumps of cracks do not count;
+/// NaN: no line has strain energy.
+double median_kinetic_part(const History& energy);
 
 /// Works that only some scenes have; energy.csv of the others has no columns for them.
 struct RareWorks {
@@ -111,20 +116,23 @@ public:
     /// temperature over those around it, over the largest difference.
     double largest_heat_residual() const { return largest_heat_residual_; }
     double largest_overshoot() const { return largest_overshoot_; }
+    /// [J] Largest energy that thermal strains would have if they were held. In a free body that warms it is far above
+    /// all other energies, and the thermal work, a difference, carries its rounding.
+    double largest_free_thermal() const { return largest_free_thermal_; }
     std::int64_t n_steps() const { return n_steps_; }
     double smallest_mass() const { return smallest_mass_; }  // [kg] of a corner
 
     void serialize(auto& archive) {
         archive(start_energy_, excavated_dissipated_, consumed_change_, largest_energy_, largest_recoverable_,
                 largest_residual_, largest_rotation_work_, law_lag_, largest_law_lag_, supplied_, n_steps_, row_,
-                worst_, largest_heat_residual_, largest_overshoot_);
+                worst_, largest_heat_residual_, largest_overshoot_, largest_free_thermal_);
     }
 
 private:
-    double start_energy_, largest_energy_, largest_recoverable_ = 0, largest_residual_ = 0, largest_rotation_work_ = 0,
-                                           law_lag_ = 0, largest_law_lag_ = 0, supplied_, smallest_mass_,
-                                           weakest_point_, excavated_dissipated_ = 0, consumed_change_ = 0,
-                                           largest_heat_residual_ = 0, largest_overshoot_ = 0;
+    double start_energy_, largest_energy_,
+        largest_recoverable_ = 0, largest_residual_ = 0, largest_rotation_work_ = 0, law_lag_ = 0, largest_law_lag_ = 0,
+        supplied_, smallest_mass_, weakest_point_, excavated_dissipated_ = 0, consumed_change_ = 0,
+        largest_heat_residual_ = 0, largest_overshoot_ = 0, largest_free_thermal_ = 0;
     std::int64_t n_steps_ = 0;
     EnergyRow row_;
     StepReport worst_;

@@ -3,6 +3,7 @@
 // on; or it is violated, which ends the run. A new gate is a row of the table in gates.cpp.
 #include "base/vec.hpp"
 
+#include <cmath>
 #include <optional>
 #include <span>
 #include <string>
@@ -46,6 +47,7 @@ struct GateView {
     double size;                                    // [m] diagonal of the body
     bool ended = false;                             // no step follows: parts of the dissipated energy can be judged
     const DeformationWatch* deformation = nullptr;  // null: not watched
+    double kinetic_part = std::nan("");             // [-] as in the summary, at the end; NaN: not yet
 };
 
 struct GateValue {
@@ -74,8 +76,11 @@ public:
     GateKeeper(double critical_opening, double size, std::vector<AllowedLimit> allowed)
         : critical_opening_(critical_opening), size_(size), allowed_(std::move(allowed)) {}
 
-    void judge(const EnergyLedger& ledger, const DeformationWatch& deformation, bool ended = false) {
-        knap::judge({ledger, critical_opening_, size_, ended, &deformation}, allowed_, gates_);
+    void judge(const EnergyLedger& ledger, const DeformationWatch& deformation) {
+        knap::judge({ledger, critical_opening_, size_, false, &deformation}, allowed_, gates_);
+    }
+    void judge_end(const EnergyLedger& ledger, const DeformationWatch& deformation, double kinetic_part) {
+        knap::judge({ledger, critical_opening_, size_, true, &deformation, kinetic_part}, allowed_, gates_);
     }
     const Gates& gates() const { return gates_; }
     bool pass() const;

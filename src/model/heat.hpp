@@ -45,6 +45,7 @@ struct HeatExchange {
 
 struct Heat {
     double reference = 0;            // [K] free of thermal strain
+    bool celsius = false;            // temperatures count from 0 C; false: from any zero, perhaps 0 K
     std::vector<Thermal> materials;  // by Mesh::region
     TemperatureField field;          // prescribed; with conduction at the start
     bool conduction = false;
@@ -69,6 +70,7 @@ struct Temperatures {
                                  // linear, at the middles opposite to its vertices (3 triangle + k)
     std::vector<CohesiveLaw> laws;  // per interface point, at the mean temperature of its sides; empty where no law
                                     // follows the temperature. Not in a checkpoint: fit_laws makes them again
+    double free_energy = 0;         // [J] 1/2 int e : D e, of thermal strains that were held: what their books round
     // with conduction, since the start
     double heat = 0;        // [J] sum of C (T - T at the start)
     double heat_in = 0;     // [J] through boundaries and from sources
@@ -79,7 +81,7 @@ struct Temperatures {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(time, of_corner, strain, heat, heat_in, heat_moved, heat_scale, range, overshoot);
+        archive(time, of_corner, strain, free_energy, heat, heat_in, heat_moved, heat_scale, range, overshoot);
     }
 };
 using SharedTemperatures = std::shared_ptr<const Temperatures>;

@@ -162,7 +162,8 @@ void Recorder::finish(const State& now, bool ended_early) {
         const Timed timed(*this);
         deformation_.look_at(now), look_ = {0, now.n_steps};
     }
-    gates_.judge(ledger_, deformation_, true);
+    const bool heat = options_.works.heat;
+    gates_.judge_end(ledger_, deformation_, heat ? median_kinetic_part(histories_.energy) : std::nan(""));
     if (last_line_ < now.time) write_lines(now);
     if (histories_.fragment_history.rows.empty() || histories_.fragment_history.rows.back()[0] < now.time)
         write_fragments(now);
@@ -203,7 +204,8 @@ void Recorder::watch_deformation(const State& now, double speed) {
 // ---- tables
 
 void Recorder::write_table(const char* file, const History& history) const {
-    if (!options_.directory.empty()) write_csv(history, header_of(file, history.columns), options_.directory / file);
+    if (options_.directory.empty()) return;
+    write_csv(history, header_of(file, history.columns, options_.context.celsius), options_.directory / file);
 }
 
 void Recorder::open(Sheet& sheet) const {

@@ -106,18 +106,6 @@ double farthest_law_lag(F f) {
 }
 FirstBranching branching(F f) { return f.cracks.first_branching().value_or(FirstBranching{none, {none, none}}); }
 Vec2 overlap_place(F f) { return f.overlap.value > 0 ? f.overlap.place : Vec2(none, none); }
-/// Of kinetic over strain energy, so that single jumps of cracks do not count.
-double median_kinetic_part(F f) {
-    const History& energy = f.recorder.histories().energy;
-    const std::vector<double> kinetic = energy.column("kinetic"), strain = energy.column("strain");
-    std::vector<double> part;
-    for (std::size_t i = 0; i < kinetic.size(); ++i)
-        if (strain[i] > 0) part.push_back(kinetic[i] / strain[i]);
-    if (part.empty()) return none;
-    const auto middle = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
-    std::ranges::nth_element(part, middle);
-    return *middle;
-}
 double over(double value, double scale) { return scale > 0 ? value / scale : none; }
 
 struct SummaryRow {
@@ -167,7 +155,7 @@ constexpr SummaryRow rows[]{
     {"kinetic_part", "",
      "kinetic over strain energy, median over the lines of energy.csv; with heat, where time_factor or a fast field "
      "adds inertia that the real process has not: small where the motion is quasi-static",
-     median_kinetic_part, with_heat},
+     [](F f) { return median_kinetic_part(f.recorder.histories().energy); }, with_heat},
     {"momentum_x", "kg m/s", "of the whole body at the end", [](F f) { return f.momentum.x(); }},
     {"momentum_y", "kg m/s", "likewise", [](F f) { return f.momentum.y(); }},
     {"mean_displacement_x", "m", "of the centre of mass at the end", [](F f) { return f.mean_displacement.x(); }},

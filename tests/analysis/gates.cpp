@@ -132,6 +132,46 @@ TEST_CASE("gates: every step may round the energy a little more") {
     CHECK(named(gates, "energy_residual").limit == relative(1e-10 + std::ldexp(1.0, 16 - 51), 1e-15));
 }
 
+// The free plate of alumina that warms by 1000 K in 1 ms: 5946 J if it were held against 0.28 J, a residual of 3.8e-11 J after 25 351 steps.
+TEST_CASE("gates: free thermal strains round the energy by their own scale") {
+    const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));
+    State warm = initial_state(model);
+    const auto temperatures = std::make_shared<Temperatures>();
+    temperatures->free_energy = 5946;
+    warm.temperature = temperatures;
+    EnergyLedger ledger(model, initial_state(model)), cold(model, initial_state(model));
+    ledger.add(warm, {.kinetic = 0.28, .thermal_work = 0.28 - 4e-11});
+    cold.add(initial_state(model), {.kinetic = 0.28, .external_work = 0.28 - 4e-11});
+    for (int i = 0; i < 1 << 14; ++i) {
+        ledger.add(warm, {.kinetic = 0.28});
+        cold.add(initial_state(model), {.kinetic = 0.28});
+    }
+    Gates gates;
+    judge({ledger, 1, 1}, {}, gates);
+    CHECK(named(gates, "energy_residual").limit ==
+          relative(1e-10 + std::ldexp((1 << 14) + 1, -51) * (1 + 5946 / 0.28), 1e-12));
+    CHECK(named(gates, "energy_residual").pass());
+    judge({cold, 1, 1}, {}, gates);
+    CHECK_FALSE(named(gates, "energy_residual").pass());
+}
+
+TEST_CASE("gates: inertia of heat that runs too fast warns at the end") {
+    const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));
+    const State now = initial_state(model);
+    EnergyLedger warmed(model, now), pulled(model, now);
+    warmed.add(now, {.kinetic = 0.1, .strain = 1, .external_work = 0.1, .thermal_work = 1});
+    pulled.add(now, {.kinetic = 0.1, .strain = 1, .external_work = 1, .thermal_work = 0.1});
+    Gates gates;
+    const auto level = [&](const EnergyLedger& ledger, double part) {
+        judge({ledger, 1, 1, true, nullptr, part}, {}, gates);
+        return named(gates, "kinetic_part").level;
+    };
+    CHECK(level(warmed, 0.009) == GateLevel::ok);
+    CHECK(level(warmed, 0.011) == GateLevel::warning);
+    CHECK(level(warmed, std::nan("")) == GateLevel::ok);  // not the end, or no strain energy
+    CHECK(level(pulled, 0.5) == GateLevel::ok);           // loads may be dynamic
+}
+
 TEST_CASE("gates: the speed limit is that of the lightest corner with ten times the supplied energy") {
     const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));  // three masses of 1
     const State start = initial_state(model);

@@ -155,14 +155,17 @@ TEST_CASE("check and mesh and the log of a run say what was placed") {
 
 // L^2/kappa_T = 2.82 s (kappa_T = 8.85e-6 m2/s, L = 5 mm), k/transfer = 0.31 mm, 2 kappa_T/l = 0.11 m/s of an edge l = 0.16 mm.
 TEST_CASE("check judges the conduction of heat") {
-    const std::string slab = "check alumina_quench -s mesh.size='0.3 mm' ";
+    const std::string undamped = "check alumina_quench -s mesh.size='0.3 mm' ", slab = undamped + "-s time.damping='100 kHz' ";
     const Answer good = command(slab);
     CAPTURE(good.text);
     CHECK(good.has(
         "kappa_T 8.85e-06 m2/s; heat crosses the body in 2.82 s; the run is 0.3 s of heat (time_factor 1000)"));
     CHECK(good.has("k over transfer 0.31 mm"));
     CHECK_FALSE(good.has("warning[heat]"));
-    CHECK(command(slab + "-s heat.time_factor=20000").has("of the Rayleigh speed: inertia"));
+    CHECK(command(slab + "-s heat.time_factor=20000").has("of the Rayleigh speed, and radiate that part"));
+    // 0.02 c_R/(2 kappa_T/l) with damping, 0.003 without, where nothing takes the waves out of the slab
+    CHECK(good.has("keeps it below 0.02\n"));
+    CHECK(command(undamped).has(" without time.damping; the summary's kinetic_part"));
     CHECK(command(slab + "-s time.end='5 us'").has("its temperature depends on the mesh"));
     CHECK(command(slab + "-s heat.exchange[0].transfer=1e6").has("within a depth k/transfer of 3.1e-05 m"));
     CHECK(command(slab + "-s heat.every=100000").has("fewer than 20 times until `time.end`"));

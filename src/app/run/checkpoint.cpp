@@ -66,7 +66,7 @@ void restore(const std::string& bytes, RunMemory& memory) {
 namespace {
 
 constexpr const char* magic = "knap-checkpoint";
-constexpr int format_number = 10;
+constexpr int format_number = 11;
 
 std::string program() { return version() + "-" + git_hash() + (git_dirty() ? "-changed" : ""); }
 

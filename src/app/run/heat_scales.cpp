@@ -18,6 +18,10 @@ std::vector<HeatScales> judge_heat(const Scenario& scenario, const Mesh& mesh, d
     double transfer = 0;  // [W/(m2 K)] largest
     for (const HeatExchange& exchange : heat.exchanges) transfer = std::max(transfer, exchange.transfer);
     const double edge = finest_edge(scenario, mean_edge(mesh)), side = bounding_box(mesh.vertices).extent().minCoeff();
+    const SchemeOptions& scheme = scenario.time.scheme;
+    const bool implicit = scheme.bulk == BulkScheme::implicit_theta,
+               damped = scheme.damping * scenario.time.end >= 10 || (implicit && scheme.theta > 0.5) ||
+                        !scheme.absorbing.empty();
     for (std::size_t i = 0; i < scenario.materials.size(); ++i) {
         if (std::ranges::count(mesh.region, static_cast<Index>(i)) == 0) continue;
         const Elastic& elastic = scenario.materials[i].elastic;
@@ -28,9 +32,10 @@ std::vector<HeatScales> judge_heat(const Scenario& scenario, const Mesh& mesh, d
                          .passage = side * side / kappa,
                          .duration = heat.time_factor * scenario.time.end,
                          .edge = edge,
-                         .convection = transfer > 0 ? thermal.conductivity / transfer : 0,
+                         .convection = transfer > 0 ? thermal.smallest_conductivity() / transfer : 0,
                          .c_R = elastic.rayleigh_speed(scenario.plane),
-                         .step = scenario.time.scheme.bulk == BulkScheme::implicit_theta ? step : 0});
+                         .step = implicit ? step : 0,
+                         .damped = damped});
     }
     return found;
 }
@@ -47,12 +52,17 @@ std::string heat_text(const Scenario& scenario, const Mesh& mesh, double step) {
         if (s.convection > 0)
             text += formatted("; k over transfer %.3g mm, %.1f edges", 1e3 * s.convection, s.convection / s.edge);
         text += formatted(
-            "\n  %-12s cracks that follow it over an edge run at %.2g m/s, here %.2g of c_R; time_factor up to %.2g "
-            "keeps them below 0.05\n",
-            "", s.crack_speed(), factor * s.crack_speed() / s.c_R, std::max(1.0, s.largest_time_factor()));
+            "\n  %-12s cracks that follow it over an edge run at %.2g m/s, here %.2g of c_R, the part of their energy "
+            "that they radiate; time_factor up to %.2g keeps it below %.2g%s\n",
+            "", s.crack_speed(), s.radiated(factor), std::max(1.0, s.largest_time_factor()), s.largest_speed(),
+            s.damped ? "" : ", since nothing damps these waves");
         if (s.step > 0)
-            text += formatted("  %-12s steps of backward Euler: %.3g in the time that heat takes through the body\n",
-                              "", s.passage / (factor * s.step));
+            text += formatted("  %-12s steps of backward Euler: %.3g in the time that heat takes through the body%s\n",
+                              "", s.passage / (factor * s.step),
+                              scenario.time.scheme.theta > 0.5 ? "; a point that breaks within one has no cohesive "
+                                                                 "work (theta > 0.5), its G_c is booked as scheme "
+                                                                 "dissipation: limits.law_lag"
+                                                               : "");
     }
     return text.empty() ? text : "heat\n" + text;
 }

@@ -171,14 +171,14 @@ public:
             const double factor = scenario_.heat->time_factor, size_of_layer = s.layer() / 5;
             const char* const name = s.material.c_str();
             const std::string size = scenario_.given ? "mesh.file" : "mesh.size";
-            if (factor > std::max(1.0, 1.5 * s.largest_time_factor()))
+            if (factor > std::max(1.0, s.largest_time_factor()))
                 add("heat.time_factor", "heat",
-                    formatted(
-                        "with `heat.time_factor` = %.6g cracks in `%s` that follow the heat over an edge of %.3g m "
-                        "run at %.2g of the Rayleigh speed: inertia, which no real crack has here, will count",
-                        factor, name, s.edge, factor * s.crack_speed() / s.c_R),
-                    formatted("help: at most %.2g; the summary's kinetic_part tells afterwards",
-                              std::max(1.0, s.largest_time_factor())));
+                    formatted("with `heat.time_factor` = %.6g cracks in `%s` that follow the heat over an edge of %.3g "
+                              "m run at %.2g of the Rayleigh speed, and radiate that part of their energy: inertia, "
+                              "which no real crack has here, will count",
+                              factor, name, s.edge, s.radiated(factor)),
+                    formatted("help: at most %.2g%s; the summary's kinetic_part tells afterwards",
+                              std::max(1.0, s.largest_time_factor()), s.damped ? "" : " without time.damping"));
             if (s.layer() < 3 * s.edge)
                 add(size, "heat",
                     formatted(

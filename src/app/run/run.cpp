@@ -55,7 +55,8 @@ RecorderOptions recorder_options(const RunSetup& setup, bool resumes) {
             .figures = scenario.figures,
             .context = {.title = scenario.title.empty() ? scenario.name : scenario.title,
                         .rayleigh_speed = rayleigh_speed(scenario),
-                        .materials = scenario.material_names()},
+                        .materials = scenario.material_names(),
+                        .celsius = scenario.heat && scenario.heat->celsius},
             .probes = scenario.probes,
             .breaks = scenario.output.breaks,
             .specimen = scenario.specimen,
@@ -377,7 +378,10 @@ ExitCode run_scenario(const ReadResult& requested, const RunOptions& options) {
                      .scheme = scenario.time.scheme,
                      .mean_edge = mean_edge(model.mesh),
                      .rayleigh_speed = rayleigh_speed(scenario),
-                     .materials = scenario.material_names()};
+                     .materials = scenario.material_names(),
+                     .temperature_unit = !scenario.heat           ? ""
+                                         : scenario.heat->celsius ? "C"
+                                                                  : "K"};
     std::string warnings;
     for (const auto& found : {findings_of_model(read, model, plan), read.warnings})
         for (const Diagnostic& warning : found) {
