@@ -4,6 +4,7 @@
 #include "base/secant.hpp"
 #include "element/shape_functions.hpp"
 #include "element/triangle_matrices.hpp"
+#include "heat/corner_pairs.hpp"
 #include "model/selections.hpp"
 
 #include <algorithm>
@@ -15,53 +16,22 @@ namespace {
 
 constexpr double safety = 0.8;                // of the stable explicit step
 constexpr double closed_conductivities = 50;  // h_0 of a closed point over k/l
-constexpr double newton_tolerance = 1e-12;  // with latent heat: sum of the errors over all heat, to rounding if it can
+constexpr double newton_tolerance = 1e-12;  // where heat bends: sum of the errors over all heat, to rounding if it can
 constexpr int max_newton_steps = 60;
-
-using Pair = std::array<Index, 2>;
-constexpr std::array<Pair, 3> linear_pairs{{{0, 1}, {1, 2}, {2, 0}}};
-/// Halves of the edges, then spokes to the centre: the sides of the six linear triangles round it.
-constexpr std::array<Pair, 12> quadratic_pairs{
-    {{0, 3}, {3, 1}, {1, 4}, {4, 2}, {2, 5}, {5, 0}, {0, 6}, {1, 6}, {2, 6}, {3, 6}, {4, 6}, {5, 6}}};
-std::span<const Pair> pairs_of(Index order) {
-    if (order == 1) return linear_pairs;
-    return quadratic_pairs;
-}
-
-/// [-] w/(k t) of the side opposite to `at` in a triangle: half the cotangent of the angle there.
-double half_cotangent(const Vec2& at, const Vec2& a, const Vec2& b) {
-    return 0.5 * (a - at).dot(b - at) / std::abs(cross(a - at, b - at));
-}
-
-std::array<double, 12> conductances(const Mesh& mesh, Index t) {
-    std::array<double, 12> w{};
-    if (mesh.order == 1) {
-        for (Index i = 0; i < 3; ++i)
-            w[i] = half_cotangent(mesh.corner(t, (i + 2) % 3), mesh.corner(t, i), mesh.corner(t, (i + 1) % 3));
-        return w;
-    }
-    for (Index side = 0; side < 6; ++side) {
-        const auto [a, b] = quadratic_pairs[side];
-        const Vec2 x = mesh.corner(t, a), y = mesh.corner(t, b), z = mesh.corner(t, 6);
-        w[side] += half_cotangent(z, x, y);
-        w[6 + a] += half_cotangent(y, x, z);
-        w[6 + b] += half_cotangent(x, y, z);
-    }
-    return w;
-}
 
 }  // namespace
 
 Conduction::Conduction(const Model& model) : model_(model) {
     const Mesh& mesh = model.mesh;
     const Heat& heat = *model.heat;
-    const auto pairs = pairs_of(mesh.order);
+    const auto pairs = corner_pairs(mesh.order);
     const Index n = mesh.corners_per_triangle();
     diagonal_.assign(mesh.n_corners(), 0);
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const Thermal& thermal = heat.materials[mesh.region[t]];
-        freezes_ = freezes_ || thermal.latent_heat > 0;
-        const auto w = conductances(mesh, t);
+        bends_ = bends_ || !thermal.has_constant_capacity();
+        conductivity_varies_ = conductivity_varies_ || thermal.conductivity_part.varies();
+        const auto w = half_cotangents(mesh, t);
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const double here = thermal.conductivity * model.thickness * w[i];
             conductance_.push_back(here);
@@ -129,10 +99,8 @@ double Conduction::conductance_of(const FanPoint& point, double u_N) const {
     const Heat& heat = *model_.heat;
     double closed = heat.closed_conductance;
     if (closed < 0) {
-        const auto conductivity = [&](Index corner) {
-            return heat.materials[model_.mesh.region[model_.mesh.triangle_of(corner)]].conductivity;
-        };
-        closed = closed_conductivities * std::min(conductivity(point.before), conductivity(point.after)) /
+        closed = closed_conductivities *
+                 std::min(thermal_of(point.before).conductivity, thermal_of(point.after).conductivity) /
                  model_.interfaces[model_.interface_of(point.point)].length;
     }
     if (u_N <= 0) return point.area * closed;
@@ -157,9 +125,29 @@ void Conduction::find_gaps(const State& begin) {
     }
 }
 
+/// At these temperatures; with the means of k between the temperatures of two corners a steady state obeys Kirchhoff's
+/// transform.
+void Conduction::follow_conductivity(const std::vector<double>& T) {
+    if (!conductivity_varies_) return;
+    const Mesh& mesh = model_.mesh;
+    const auto pairs = corner_pairs(mesh.order);
+    const Index n = mesh.corners_per_triangle();
+    present_.resize(conductance_.size());
+#pragma omp parallel for schedule(static) if (mesh.n_triangles() > 4096)
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        const Thermal& thermal = model_.heat->materials[mesh.region[t]];
+        for (std::size_t i = pairs.size() * t; i < pairs.size() * (t + 1); ++i) {
+            const auto [a, b] = pairs[i - pairs.size() * t];
+            const bool varies = thermal.conductivity_part.varies();
+            present_[i] = conductance_[i] * (varies ? thermal.mean_conductivity_part(T[n * t + a], T[n * t + b]) : 1);
+        }
+    }
+}
+
 double Conduction::add_heat(const std::vector<double>& T, double time, std::vector<double>& into) const {
     const Mesh& mesh = model_.mesh;
-    const auto pairs = pairs_of(mesh.order);
+    const std::vector<double>& w = present();
+    const auto pairs = corner_pairs(mesh.order);
     const Index n = mesh.corners_per_triangle();
 #pragma omp parallel for schedule(static) if (mesh.n_triangles() > 4096)
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
@@ -167,7 +155,7 @@ double Conduction::add_heat(const std::vector<double>& T, double time, std::vect
         std::fill_n(here, n, 0.0);
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const auto [a, b] = pairs[i];
-            const double flow = conductance_[pairs.size() * t + i] * (T[n * t + b] - T[n * t + a]);
+            const double flow = w[pairs.size() * t + i] * (T[n * t + b] - T[n * t + a]);
             here[a] += flow, here[b] -= flow;
         }
     }
@@ -231,29 +219,39 @@ void Conduction::set_prescribed(double time) {
             prescribed_[c] = model_.heat->follow(of->value, of->history, time);
 }
 
-double Conduction::level(Index corner, double T) const {
-    return freezes_ ? model_.heat->materials[model_.mesh.region[model_.mesh.triangle_of(corner)]].heat_level(T) : T;
+const Thermal& Conduction::thermal_of(Index corner) const {
+    return model_.heat->materials[model_.mesh.region[model_.mesh.triangle_of(corner)]];
 }
+
+double Conduction::level(Index corner, double T) const { return bends_ ? thermal_of(corner).heat_level(T) : T; }
 
 double Conduction::apparent_capacity(Index corner, double T) const {
-    const Thermal& thermal = model_.heat->materials[model_.mesh.region[model_.mesh.triangle_of(corner)]];
-    return capacity_[corner] * thermal.apparent_capacity(T);
+    return capacity_[corner] * thermal_of(corner).apparent_capacity(T);
 }
 
-/// From bend to bend of the stored heat.
+/// From bend to bend of the stored heat, whose slope is linear between them.
 double Conduction::warmed(std::span<const Index> corners, double T, double heat) const {
-    double C = 0;  // without latent heat: no bend farther than heat/C is reached
+    double C = 0;  // the smallest: no bend farther than heat/C is reached
     for (const Index c : corners) C += capacity_[c];
     for (;;) {
-        double bend = T + heat / C, slope = 0;
+        double bend = T + heat / C;
         if (bend == T) return T;
         for (const Index c : corners)
-            for (const double at :
-                 model_.heat->materials[model_.mesh.region[model_.mesh.triangle_of(c)]].freezing_range)
+            thermal_of(c).for_each_bend([&](double at) {
                 if (heat > 0 ? at > T && at < bend : at < T && at > bend) bend = at;
-        for (const Index c : corners) slope += apparent_capacity(c, 0.5 * (T + bend));
-        const double taken = slope * (bend - T);
-        if (std::abs(taken) >= std::abs(heat)) return T + heat / slope;
+            });
+        const auto slope_at = [&](double part) {
+            double slope = 0;
+            for (const Index c : corners) slope += apparent_capacity(c, T + part * (bend - T));
+            return slope;
+        };
+        const double slope = slope_at(0.5), taken = slope * (bend - T);
+        if (std::abs(taken) >= std::abs(heat)) {
+            const double rise = slope_at(0.75) - slope_at(0.25);  // of the slope, over half of the way
+            if (rise == 0) return T + heat / slope;
+            const double first = slope - rise, curve = 2 * rise / (bend - T);  // heat = first x + curve x^2/2
+            return T + 2 * heat / (first + std::sqrt(std::max(0.0, first * first + 2 * curve * heat)));
+        }
         heat -= taken, T = bend;
     }
 }
@@ -278,6 +276,7 @@ SharedTemperatures Conduction::explicit_step(const State& begin, double end) {
     double heat_in = 0;
     for (int i = 0; i < n_steps; ++i) {
         const double time = start + i * dt;
+        follow_conductivity(T);
         heat_in += dt * add_heat(T, time, into_);
         set_prescribed(time + dt);
         for_each_node(begin, [&](std::span<const Index> corners) {
@@ -287,11 +286,11 @@ SharedTemperatures Conduction::explicit_step(const State& begin, double end) {
                 C += capacity_[c], flow += into_[c];
                 if (!prescription_.empty() && prescription_[c]) is_held = true, held = prescribed_[c];
             }
-            const double T_start = T[corners[0]], T_end = is_held    ? held
-                                                          : freezes_ ? warmed(corners, T_start, dt * flow)
-                                                                     : T_start + dt / C * flow;
+            const double T_start = T[corners[0]], T_end = is_held  ? held
+                                                          : bends_ ? warmed(corners, T_start, dt * flow)
+                                                                   : T_start + dt / C * flow;
             double stored = C * (T_end - T_start);
-            if (is_held && freezes_) {
+            if (is_held && bends_) {
                 stored = 0;
                 for (const Index c : corners) stored += capacity_[c] * (level(c, T_end) - level(c, T_start));
             }
@@ -307,7 +306,7 @@ SharedTemperatures Conduction::explicit_step(const State& begin, double end) {
 }
 
 /// H(T+) - H(T) = dt (heat at T+, with the exchanges of the end) for the free nodes; the prescribed ones are known. One
-/// linear system, (C + dt K) dT = dt (heat at T), without latent heat; else Newton's method with the apparent
+/// linear system, (C + dt K) dT = dt (heat at T), where capacities are constant; else Newton's method with the apparent
 /// capacities. The equations are the gradient of a convex function of T+ (H grows, K is symmetric), which decreases
 /// along every Newton direction, so it converges with a line search.
 SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
@@ -316,6 +315,7 @@ SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
     const std::vector<double>& T = begin.temperature->of_corner;
     find_gaps(begin);
     set_prescribed(end);
+    follow_conductivity(T);
     // unknowns: nodes that are not held
     std::vector<Index> unknown(mesh.n_corners(), -1);
     std::vector<double> dT(mesh.n_corners(), 0.0);
@@ -340,11 +340,11 @@ SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
             else right[unknown[i]] += dt * w * dT[j];
         }
     };
-    const auto pairs = pairs_of(mesh.order);
+    const auto pairs = corner_pairs(mesh.order);
     const Index n = mesh.corners_per_triangle();
     for (Index t = 0; t < mesh.n_triangles(); ++t)
         for (std::size_t i = 0; i < pairs.size(); ++i)
-            couple(n * t + pairs[i][0], n * t + pairs[i][1], conductance_[pairs.size() * t + i]);
+            couple(n * t + pairs[i][0], n * t + pairs[i][1], present()[pairs.size() * t + i]);
     for (const Gap& gap : gaps_) couple(gap.a, gap.b, gap.conductance);
     for (const CornerExchange& at : exchanges_)
         if (unknown[at.corner] >= 0) entries.emplace_back(unknown[at.corner], unknown[at.corner], dt * at.conductance);
@@ -364,7 +364,7 @@ SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
     };
     add_error(right);
     for (Index c = 0; c < mesh.n_corners() && n_unknowns == 0; ++c) T_end[c] += dT[c];
-    for (int i = 0; n_unknowns > 0 && (i == 0 || freezes_); ++i) {
+    for (int i = 0; n_unknowns > 0 && (i == 0 || bends_); ++i) {
         const double error = right.lpNorm<1>();
         if (i > 0 && error <= newton_tolerance * content && error >= 0.5 * last_error) break;
         last_error = error;
@@ -376,11 +376,12 @@ SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
         if (unknown != analysed_) factor_.analyzePattern(matrix), analysed_ = unknown;
         factor_.factorize(matrix);
         if (factor_.info() != Eigen::Success || i == max_newton_steps)
-            throw SimulationError(i < max_newton_steps
-                                      ? "the equations of heat conduction have no solution: check conductivities and "
-                                        "heat capacities, and mesh.quality for flat triangles"
-                                      : "no temperatures were found while latent heat melts: try a smaller time.step, "
-                                        "or a wider freezing_range");
+            throw SimulationError(
+                i < max_newton_steps
+                    ? "the equations of heat conduction have no solution: check conductivities and "
+                      "heat capacities, and mesh.quality for flat triangles"
+                    : "no temperatures were found: try a smaller time.step, a wider freezing_range, or "
+                      "a smoother heat_capacity_table");
         const Eigen::VectorXd found = factor_.solve(right);
         const double slope = -found.dot(right);  // of the convex function along `found`
         double part = 0;
@@ -395,10 +396,10 @@ SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
             add_error(right);
             return -found.dot(right);
         };
-        if (!freezes_ || i == 0) {  // prescribed nodes come to their temperatures
+        if (!bends_ || i == 0) {  // prescribed nodes come to their temperatures
             for (Index c = 0; c < mesh.n_corners(); ++c)
                 if (unknown[c] < 0) T_end[c] += dT[c];
-            if (freezes_) slope_at(1);
+            if (bends_) slope_at(1);
             else go_to(1);
         } else if (const double at_one = slope_at(1); at_one > 0.5 * std::abs(slope)) {
             zero_between(0, slope, 1, at_one, 1e-3 * std::abs(slope), 30, slope_at);

@@ -9,8 +9,9 @@
 //                 + sum_edges L t/2 (q + a (T_outside - T_i)) + V Q/3            Q: source
 //
 // What one corner gives another one gets, so that the sum of C T changes by what comes through the boundary and from
-// sources only, to rounding. Latent heat is a steep part of the stored heat H(T) (apparent capacity;
-// Thermal::heat_level): a step finds the T that stores what came in, so that no front of melting is missed. Order 2
+// sources only, to rounding. c(T) is the slope of the stored heat H(T), latent heat a steep part of it (apparent
+// capacity; Thermal::heat_level): a step finds the T that stores what came in, so that no front of melting is missed.
+// k(T) is that of the begin of a step, the mean between the temperatures of two corners. Order 2
 // conducts on its six linear triangles. On Delaunay meshes all w summed round an edge are >= 0; then an explicit step
 // up to C_i/sum_j w_ij, and every implicit one, keeps T between its bounds (maximum principle). Where single corners
 // split off a mesh with obtuse triangles it may be exceeded; `overshoot` tells.
@@ -54,6 +55,8 @@ private:
     double outside(const CornerExchange& at, double time) const;  // [K]
     double given(const CornerExchange& at, double time) const;    // [W]
     void find_gaps(const State& begin);
+    void follow_conductivity(const std::vector<double>& T);
+    const std::vector<double>& present() const { return conductivity_varies_ ? present_ : conductance_; }
     double conductance_of(const FanPoint& point, double u_N) const;
     bool is_intact(const State& begin, Index rank, std::size_t point) const;
     /// Heat [W] into every corner at these temperatures, and its sum over boundaries and sources.
@@ -63,8 +66,9 @@ private:
     template <class Visit>
     void for_each_node(const State& begin, const Visit& visit) const;
     void set_prescribed(double time);
-    /// [K] H of a corner over its capacity: T itself where nothing freezes.
+    /// [K] H of a corner over its capacity: T itself where nothing freezes and no c depends on T.
     double level(Index corner, double T) const;
+    const Thermal& thermal_of(Index corner) const;
     double apparent_capacity(Index corner, double T) const;  // [J/K]
     /// [K] Of a node at T, after it has got `heat` [J].
     double warmed(std::span<const Index> corners, double T, double heat) const;
@@ -72,13 +76,15 @@ private:
 
     const Model& model_;
     std::vector<double> capacity_;     // [J/K] per corner
-    std::vector<double> conductance_;  // [W/K] w of the pairs of corners of each triangle
+    std::vector<double> conductance_;  // [W/K] w of the pairs of corners of each triangle, the largest of all T
+    std::vector<double> present_;      // [W/K] at the temperatures of the step, where conductivities depend on them
     std::vector<double> diagonal_;     // [W/K] per corner: sum of |w| and of exchanges
     std::vector<CornerExchange> exchanges_;
     std::vector<const HeatExchange*> prescription_;  // per corner; null: free; empty: nothing is prescribed
     std::vector<double> prescribed_;                 // [K] per corner, at the end of the step
     bool is_heated_ = false;                         // flux or source: no maximum principle
-    bool freezes_ = false;                           // some material has latent heat
+    bool bends_ = false;                             // some material has latent heat or a c(T)
+    bool conductivity_varies_ = false;               // some material has a k(T)
     std::vector<Gap> gaps_;
     std::vector<double> into_, of_gaps_;  // [W], [W/K] per corner
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
