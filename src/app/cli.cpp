@@ -200,10 +200,12 @@ private:
         command->add_option("--file", figure_.file, "name of the picture: .png, .svg or .pdf");
         command->add_option("--at", at_, "times, as in 40us");
         command->add_option("--colour", figure_.colour, "of cracks")->check(CLI::IsMember(figure_colours()));
-        command->add_option("--over", figure_.over, "abscissa of reactions")->check(CLI::IsMember(figure_abscissas()));
+        command->add_option("--over", figure_.over, "abscissa of reactions or probes")
+            ->check(CLI::IsMember(figure_abscissas()));
         command->add_option("--aspect", figure_.aspect, "magnification of the short side relative to the long one");
         command->add_option("--deform", figure_.deform, "magnification of the displacement");
         command->add_option("--range", range_, "colour range, two values with units")->expected(2);
+        command->add_option("--mark", figure_.mark, "isolines of a temperature, or places of an abscissa");
         command->add_option("--box", box_, "part of the body: xmin ymin xmax ymax")->expected(4);
         command->add_option("--width", figure_.width, "pixels")->check(CLI::Range(200, 20000));
         command->add_option("-o,--output", output_, "directory for the pictures; default <run>/rendered")

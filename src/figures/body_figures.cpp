@@ -1,5 +1,7 @@
 #include "figures/body_figures.hpp"
 
+#include "output/outputs.hpp"
+
 #include <algorithm>
 #include <array>
 #include <map>
@@ -9,9 +11,10 @@ namespace knap {
 namespace {
 
 constexpr Colour body_colour{0.90, 0.90, 0.89}, damaged_colour{0.10, 0.38, 0.66}, outline_colour{0.35, 0.35, 0.35},
-    obstacle_colour{0.70, 0.72, 0.76};
+    obstacle_colour{0.70, 0.72, 0.76}, isoline_colour{0.84, 0.10, 0.11};
 // [unit]
-constexpr double broken_width = 1.3, damaged_width = 1, precrack_width = 1, path_width = 0.6, outline_width = 0.5;
+constexpr double broken_width = 1.3, damaged_width = 1, precrack_width = 1, path_width = 0.6, outline_width = 0.5,
+                 isoline_width = 1.6;
 constexpr double margin_left = 52, margin_right = 16, panel_margin = 4, max_height = 620, min_size = 60;
 
 Vec2 deformed(const Frame& frame, Index corner, double magnification) {
@@ -104,7 +107,7 @@ ColourScale with_range(ColourScale scale, const FigureOptions& options, const Va
     return scale;
 }
 
-ColourScale field_scale(const FigureOptions& options, const ValueSpan& values) {
+ColourScale field_scale(const FigureOptions& options, const Frame& frame, const ValueSpan& values) {
     const BodyField& field = field_of(options);
     double low = values.low, high = values.high;
     if (field.is_signed) {  // the values of the other sign may be those of a few large triangles: no outliers
@@ -113,7 +116,7 @@ ColourScale field_scale(const FigureOptions& options, const ValueSpan& values) {
     }
     return with_range({.map = field.is_signed ? ColourMap::diverging : ColourMap::viridis,
                        .quantity = field.quantity,
-                       .unit = field.unit,
+                       .unit = unit_of_temperature(field.unit, frame.celsius) == "C" ? "°C" : field.unit,
                        .about_zero = field.is_signed},
                       options, values, round_limits(low, high, field.is_signed));
 }
@@ -149,8 +152,9 @@ struct Layer {
 
 /// A figure of the body: what its triangles and interfaces look like.
 struct BodyDrawing {
-    std::vector<Colour> triangles;
-    std::vector<Layer> layers;  // from below to above
+    int n_parts = 1;                // of each side of a triangle, which is drawn as the square of it
+    std::vector<Colour> triangles;  // of all these parts
+    std::vector<Layer> layers;      // from below to above
 };
 
 /// The less cohesion is left the darker: a process zone is a haze that is visible in print.
@@ -188,22 +192,86 @@ BodyDrawing cracks_drawing(const FigureOptions& options, const Frame& frame, con
     return drawing;
 }
 
+/// Parts of a side, so that linear values look smooth: some 200 parts over the width of a body of equal triangles.
+int n_parts_of(Index n_triangles) {
+    return std::clamp(static_cast<int>(std::ceil(200 / std::sqrt(std::max<double>(n_triangles, 1)))), 1, 40);
+}
+
+/// visit(barycentric coordinates of the three corners, a row each)
+template <class Visit>
+void for_each_part(int n, const Visit& visit) {
+    const auto at = [n](int i, int j) -> Eigen::RowVector3d { return Eigen::RowVector3d(n - i - j, i, j) / n; };
+    Eigen::Matrix3d corners;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n - i; ++j) {
+            corners << at(i, j), at(i + 1, j), at(i, j + 1);
+            visit(corners);
+            if (i + j + 2 > n) continue;
+            corners << at(i + 1, j), at(i + 1, j + 1), at(i, j + 1);
+            visit(corners);
+        }
+}
+
+/// Ends of the lines along which the values at corners, linear in triangles, are `value`.
+std::vector<Vec2> isoline(const Frame& frame, double (*at_corner)(const Frame&, Index), double value,
+                          const std::vector<Vec2>& corners) {
+    std::vector<Vec2> ends;
+    for (Index t = 0; t < frame.n_triangles(); ++t) {
+        const std::size_t n = ends.size();
+        for (Index k = 0; k < 3; ++k) {
+            const Index a = 3 * t + k, b = 3 * t + (k + 1) % 3;
+            const double v = at_corner(frame, a), w = at_corner(frame, b);
+            if ((v < value) != (w < value))
+                ends.push_back(corners[a] + (value - v) / (w - v) * (corners[b] - corners[a]));
+        }
+        ends.resize(n + (ends.size() - n) / 2 * 2);  // values that are no numbers
+    }
+    return ends;
+}
+
 /// Coloured triangles with black cracks, over a field with a white border: they must be visible on dark colours, too.
 BodyDrawing field_drawing(const FigureOptions& options, const Frame& frame, const FigureScale& scale) {
     const bool materials = options.show == "materials";
-    const ColourScale colours = materials ? ColourScale{.map = ColourMap::viridis} : field_scale(options, scale.values);
+    const ColourScale colours =
+        materials ? ColourScale{.map = ColourMap::viridis} : field_scale(options, frame, scale.values);
     const auto value = materials ? nullptr : field_of(options).value;
     BodyDrawing drawing;
-    for (Index t = 0; t < frame.n_triangles(); ++t)
-        drawing.triangles.push_back(value
-                                        ? colours(value(frame, t))
-                                        : material_colour(frame.region[t], frame.grain.empty() ? -1 : frame.grain[t]));
+    const auto at_corner = materials ? nullptr : field_of(options).at_corner;
+    if (at_corner) drawing.n_parts = n_parts_of(frame.n_triangles());
+    for (Index t = 0; t < frame.n_triangles(); ++t) {
+        if (at_corner)
+            for_each_part(drawing.n_parts, [&](const Eigen::Matrix3d& corners) {
+                const Eigen::Vector3d values(at_corner(frame, 3 * t), at_corner(frame, 3 * t + 1),
+                                             at_corner(frame, 3 * t + 2));
+                drawing.triangles.push_back(colours((corners * values).mean()));
+            });
+        else
+            drawing.triangles.push_back(
+                value ? colours(value(frame, t))
+                      : material_colour(frame.region[t], frame.grain.empty() ? -1 : frame.grain[t]));
+    }
     std::vector<Index> paths = interfaces_of(frame, InterfaceKind::broken);
     for (const Index i : interfaces_of(frame, InterfaceKind::precrack)) paths.push_back(i);
     drawing.layers = {{interfaces_of(frame, InterfaceKind::damaged), outline_colour, outline_width, true},
                       {materials ? std::vector<Index>() : paths, {1, 1, 1, 0.75}, 3 * path_width},
                       {paths, black, path_width}};
     return drawing;
+}
+
+std::vector<Vec2> parts_of(const std::vector<Vec2>& corners, int n) {
+    std::vector<Vec2> parts;
+    for (std::size_t t = 0; t < corners.size(); t += 3)
+        for_each_part(n, [&](const Eigen::Matrix3d& weights) {
+            for (int k = 0; k < 3; ++k)
+                parts.push_back(weights(k, 0) * corners[t] + weights(k, 1) * corners[t + 1] +
+                                weights(k, 2) * corners[t + 2]);
+        });
+    return parts;
+}
+
+bool draws_isolines(const FigureOptions& options) {
+    return !options.mark.empty() && options.show != "cracks" && options.show != "materials" &&
+           field_of(options).at_corner;
 }
 
 /// The edges that belong to one triangle only.
@@ -324,7 +392,10 @@ Legend body_legend(const FigureOptions& options, const Frame& frame, const Figur
             legend.entries.push_back({named ? context.materials[region] : "material " + std::to_string(region),
                                       material_colour(region, -1), 9});
         }
-    } else legend.bar = field_scale(options, scale.values);
+    } else legend.bar = field_scale(options, frame, scale.values);
+    if (draws_isolines(options))
+        for (const double value : options.mark)
+            legend.entries.push_back({short_number(value) + " " + legend.bar->unit, isoline_colour, isoline_width});
     return legend;
 }
 
@@ -349,10 +420,14 @@ DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const Hi
     Canvas canvas(file, area.top() + (options.panel ? panel_margin : title.height()), options.width);
     canvas.clip(area);
     draw_obstacles(canvas, plot, frame, options.deform);
-    canvas.triangles(corners, drawing.triangles, area);
+    if (drawing.n_parts == 1) canvas.triangles(corners, drawing.triangles, area);
+    else canvas.triangles(parts_of(corners, drawing.n_parts), drawing.triangles, area);
     canvas.segments(outline_of(frame, corners), outline_colour, outline_width);
     for (const Layer& layer : drawing.layers)
         draw_layer(canvas, frame, corners, layer, (options.panel ? 1.8 : 1) * layer.width);  // panels are shown smaller
+    if (draws_isolines(options))
+        for (const double value : options.mark)
+            canvas.segments(isoline(frame, field_of(options).at_corner, value, corners), isoline_colour, isoline_width);
     canvas.unclip();
     if (!options.panel) {
         plot.draw_axes(canvas, false);

@@ -14,6 +14,7 @@ struct BodyField {
     std::string unit;
     bool is_signed;  // zero is the middle of the colours
     double (*value)(const Frame&, Index triangle);
+    double (*at_corner)(const Frame&, Index corner) = nullptr;  // null: constant in a triangle; else drawn linearly
 };
 const std::vector<BodyField>& body_fields();
 

@@ -40,7 +40,8 @@ const std::vector<BodyField>& body_fields() {
              if (f.temperature.empty())
                  throw UserError("no-heat", "a figure shows `temperature`, and the run has none", "[heat]");
              return (f.temperature[3 * t] + f.temperature[3 * t + 1] + f.temperature[3 * t + 2]) / 3;
-         }},
+         },
+         [](F f, Index c) { return f.temperature[c]; }},
         {"principal_stress", "largest principal stress σ_{1}", "Pa", false,
          [](F f, Index t) { return largest_principal(f.stress[t]); }},
     };

@@ -89,6 +89,7 @@ Box axis_ranges(const Chart& chart) {
                 if (i < values->size() && !(x != curve.x[i])) add(1, (*values)[i]);
         }
     for (const Level& level : chart.levels) add(1, 1.08 * level.y);
+    for (const double x : chart.marks) add(0, x);
     return range;
 }
 
@@ -124,6 +125,9 @@ DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, in
     plot.draw_axes(canvas, true);
     std::vector<std::vector<Vec2>> lines;
     canvas.clip({plot.area.left - 1, plot.area.bottom - 1, plot.area.width + 2, plot.area.height + 2});
+    for (const double x : chart.marks)
+        if (const double at = plot.area.left + plot.area.width * plot.x.fraction(x); std::isfinite(at))
+            canvas.line({{at, plot.area.bottom}, {at, plot.area.top()}}, ink, 0.8, {5, 3});
     for (const Curve& curve : chart.curves) {
         std::vector<Vec2>& line = lines.emplace_back();
         for (std::size_t i = 0; i < curve.x.size(); ++i)

@@ -28,6 +28,7 @@ struct Chart {
     std::string y_quantity, y_unit;
     std::vector<Curve> curves;
     std::vector<Level> levels;
+    std::vector<double> marks = {};  // [SI] vertical lines
     bool x_logarithmic = false, y_logarithmic = false;
     std::optional<Limits> x_within = {};  // [SI] values beyond do not widen the axes; curves are cut off there
 };

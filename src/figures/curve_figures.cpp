@@ -39,7 +39,9 @@ struct Component {
 
 /// Curves over time of all visible components. The colour stands for the load or probe and the line pattern for the
 /// component, as long as there are enough patterns.
-void add_components(Chart& chart, const History& table, const std::vector<Component>& components) {
+/// `over`: end of the name of the abscissa of each load or probe; without it the time.
+void add_components(Chart& chart, const History& table, const std::vector<Component>& components,
+                    const std::string& over = "") {
     struct Found {
         std::size_t name;
         const Component* component;
@@ -67,7 +69,7 @@ void add_components(Chart& chart, const History& table, const std::vector<Compon
                           pattern = static_cast<std::size_t>(std::ranges::find(shown, f.component) - shown.begin()) +
                                     shown.size() * (f.name / n_curve_colours);
         chart.curves.push_back({.label = names[f.name] + ", " + f.component->symbol,
-                                .x = table.column("time"),
+                                .x = table.column(over.empty() ? "time" : names[f.name] + over),
                                 .y = f.values,
                                 .colour = curve_colour(paired ? f.name : i),
                                 .dash = paired ? static_cast<int>(pattern) : curve_dash(i)});
@@ -90,8 +92,8 @@ Curve staircase(const std::string& label, const Column& x, const Column& rise, c
 }  // namespace
 
 Chart energy_chart(const History& energy) {
-    // Solid and dotted: physical terms, dashed: errors of the numerical scheme. Together with the energy at the start
-    // the external work equals their sum, to rounding.
+    // Solid and dotted: physical terms, dashed: errors of the numerical scheme; losses are positive. Their sum equals
+    // what was supplied, the energy at the start with the external and thermal work, to rounding.
     struct Term {
         const char *label, *column;
         double sign;
@@ -118,19 +120,23 @@ Chart energy_chart(const History& energy) {
                            Term{"damped by the scheme", "scheme_dissipation", 1, green, 1, false},
                            Term{"lost in changes of step", "step_change_work", -1, blue, 1, false},
                            Term{"defect of rotation", "rotation_work", -1, orange, 1, false},
-                           Term{"thermal work", "thermal_work", -1, vermilion, 2, false},
-                           Term{"of changing strength", "law_change", -1, purple, 2, false}};
+                           Term{"lost in changes of strength", "law_change", -1, purple, 2, false}};
     const Column time = energy.column("time");
     const auto column = [&](const char* name, double sign) {
         return energy.has(name) ? scaled(energy.column(name), sign) : Column(time.size(), 0.);
     };
     Column sum(time.size(), 0.), work = column("external_work", 1);
     const double start = time.empty() ? 0 : column("kinetic", 1).front() + column("strain", 1).front();
-    for (double& value : work) value += start;
+    const bool thermal = energy.has("thermal_work");
+    const Column warmed = column("thermal_work", 1);
+    for (std::size_t i = 0; i < work.size(); ++i) work[i] += start + warmed[i];
+    const std::string supplied = thermal ? "external + thermal work" : "external work";
     Chart chart = over_time("Energy", "energy", "J");
     // a wide pale line below the dashed one: where they separate, the balance does not close
     chart.curves = {{"sum of all", time, {}, light_grey, 4},
-                    {start > 0 ? "start + external work" : "external work", time, work, black, 1.4, 1}};
+                    {(start > 0 ? "start + " : "") + supplied, time, work, black, 1.4, 1}};
+    if (thermal && largest(column("external_work", 1)) > visible * largest(work))
+        chart.curves.push_back({"of it thermal work", time, warmed, vermilion, 1.6, 2});
     for (const Term& term : terms) {
         const Column values = column(term.column, term.sign);
         std::ranges::transform(sum, values, sum.begin(), std::plus<>());
@@ -195,9 +201,16 @@ Chart reaction_chart(const History& reactions, bool at_times) {
     return chart;
 }
 
-Chart probe_chart(const History& probes) {
+Chart probe_chart(const History& probes, bool over_temperature, bool celsius) {
     Chart chart = over_time("Displacement", "displacement", "m");
-    add_components(chart, probes, {{"_u_x", "u_{x}"}, {"_u_y", "u_{y}"}, {"_opening", "opening"}, {"_slip", "slip"}});
+    std::vector<Component> components{{"_u_x", "u_{x}"}, {"_u_y", "u_{y}"}};
+    if (over_temperature) {
+        chart.x_quantity = "temperature T", chart.x_unit = celsius ? "°C" : "K";
+        add_components(chart, probes, components, "_T");
+        return chart;
+    }
+    components.insert(components.end(), {{"_opening", "opening"}, {"_slip", "slip"}});
+    add_components(chart, probes, components);
     return chart;
 }
 

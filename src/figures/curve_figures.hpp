@@ -15,7 +15,7 @@ Chart crack_speed_chart(const History& cracks, double rayleigh_speed);
 /// forces over time.
 Chart reaction_chart(const History& reactions, bool over_time = false);
 /// Displacements, openings and slips, or velocities, except those that are too small to be seen.
-Chart probe_chart(const History& probes);
+Chart probe_chart(const History& probes, bool over_temperature = false, bool celsius = false);
 Chart probe_velocity_chart(const History& probes);
 Chart probe_stress_chart(const History& probes);
 /// Stress over all measured strains, with the stresses of crack initiation, dilatancy and crack damage.

@@ -34,7 +34,11 @@ const CurveKind curve_kinds[] = {
     {"crack_speed", [](const Source& s) { return crack_speed_chart(s.histories.cracks, s.context.rayleigh_speed); }},
     {"reactions", [](const Source& s) { return reaction_chart(s.histories.reactions, s.options.over == "time"); },
      &Histories::reactions, "reactions.csv is written where a load prescribes a motion or there is an obstacle"},
-    {"probes", [](const Source& s) { return probe_chart(s.histories.probes); }, &Histories::probes, origin_of_probes},
+    {"probes",
+     [](const Source& s) {
+         return probe_chart(s.histories.probes, s.options.over == "temperature", s.context.celsius);
+     },
+     &Histories::probes, origin_of_probes},
     {"probe_velocities", [](const Source& s) { return probe_velocity_chart(s.histories.probes); }, &Histories::probes,
      origin_of_probes},
     {"probe_stresses", [](const Source& s) { return probe_stress_chart(s.histories.probes); }, &Histories::probes,
@@ -85,6 +89,8 @@ void check(const FigureOptions& options) {
             "the first value of a colour range must be smaller than the second");
     require(!options.box || (options.box->extent().array() > 0).all(), "figure-box",
             "a box is given by its lower left and its upper right corner");
+    require(options.mark.empty() || takes_marks(options.show), "figure-mark",
+            "marks belong to figures of temperature, probes and reactions");
     require(options.width >= 200 && options.width <= 20000, "figure-width",
             "a figure is 200 to 20000 pixels wide, not " + std::to_string(options.width));
 }
@@ -106,6 +112,8 @@ void check_figure(const FigureOptions& options, const Histories& histories) {
     };
     if (!reason && options.show == "probes" && lacks("_u_x") && lacks("_opening"))
         reason = "its probes watch stresses, which have no displacement";
+    if (!reason && options.show == "probes" && options.over == "temperature" && lacks("_T"))
+        reason = "no probe of a place has a temperature, which needs [heat]";
     if (!reason && options.show == "probe_velocities" && lacks("_v_x"))
         reason = "none of its probes watches a place, which would have a velocity";
     if (!reason && options.show == "probe_stresses" && lacks("_stress_xx"))
@@ -133,11 +141,16 @@ std::vector<std::string> figure_colours() {
     return names;
 }
 
-std::vector<std::string> figure_abscissas() { return {"displacement", "time"}; }
+std::vector<std::string> figure_abscissas() { return {"displacement", "time", "temperature"}; }
 
 bool shows_body(const std::string& subject) {
     return subject == "cracks" || subject == "materials" ||
            std::ranges::count(body_fields(), subject, &BodyField::name) > 0;
+}
+
+bool takes_marks(const std::string& subject) {
+    const auto field = std::ranges::find(body_fields(), subject, &BodyField::name);
+    return field != body_fields().end() ? field->at_corner != nullptr : subject == "probes" || subject == "reactions";
 }
 
 bool needs_breaks(const std::string& show, const std::string& colour) {
@@ -197,6 +210,7 @@ DrawnFigure draw_figure(const FigureOptions& options, const Frame& frame, const 
     if (!kind.chart) return draw_rose(histories.breaks, title, directory / options.file, options.width);
     Chart chart = kind.chart({histories, options, context});
     if (!title.empty()) chart.title = title;
+    chart.marks = options.mark;
     ChartPlace place{.axes = {}, .panel = options.panel};
     if (common) place.axes = common->seen;
     return draw_chart(chart, directory / options.file, options.width, place);

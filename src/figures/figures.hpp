@@ -25,7 +25,8 @@ struct FigureOptions {
     std::vector<double> range;          // [SI] of the colours, two values; empty = from the data
     int width = 1600;                   // [pixel]
     std::string title;                  // empty = that of the run
-    std::string over = "displacement";  // reactions: one of figure_abscissas()
+    std::string over = "displacement";  // reactions: one of figure_abscissas(); probes: "temperature", else time
+    std::vector<double> mark;           // [SI] isolines of a temperature; of curves places of the abscissa
     double aspect = 1;                  // [-] a slender body: magnification of its short side relative to the long one
     bool panel = false;                 // one of several in a sheet: no title, no legend, and no axes of a body
 };
@@ -35,12 +36,15 @@ struct FigureContext {
     std::string title;                   // of the run
     double rayleigh_speed = 0;           // [m/s] 0 = not drawn
     std::vector<std::string> materials;  // names, by region
+    bool celsius = false;                // temperatures are in degrees Celsius
 };
 
 /// The words allowed for FigureOptions::show, colour and over.
 std::vector<std::string> figure_subjects(), figure_colours(), figure_abscissas();
 /// Whether a subject is drawn from a frame, once for each time in `at`.
 bool shows_body(const std::string& subject);
+/// Whether FigureOptions::mark has a meaning.
+bool takes_marks(const std::string& subject);
 /// Whether a figure is drawn from breaks.csv.
 bool needs_breaks(const std::string& show, const std::string& colour);
 /// Unit of the values that are coloured: "m"; "" for none.

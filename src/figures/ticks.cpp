@@ -69,7 +69,7 @@ ValueSpan joined(const ValueSpan& a, const ValueSpan& b) {
 
 DisplayUnit display_unit(double largest, const std::string& unit) {
     constexpr std::array prefixes{"p", "n", "µ", "m", "", "k", "M", "G", "T"};  // 1e-12, 1e-9, ...
-    if (unit.empty() || !(largest > 0)) return {1, unit};
+    if (unit.empty() || unit == "K" || unit == "°C" || !(largest > 0)) return {1, unit};
     std::size_t i = unit == "m/s" || unit == "s" ? 4 : prefixes.size() - 1;
     const auto value = [&] { return std::pow(10, 3 * static_cast<int>(i) - 12); };
     while (i > 0 && largest < 0.9999 * value()) --i;

@@ -1,10 +1,12 @@
 #include "output/frame.hpp"
 
 #include "model/state.hpp"
+#include "stepper/common/crack_forces.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 namespace knap {
 namespace {
@@ -112,9 +114,10 @@ void add_point(const Model& model, const State& state, Index point, const std::v
     }
 }
 
-/// Needs the bulk of the frame.
+/// Needs the bulk of the frame, and the pressures of fluids at all points of the model.
 void add_interfaces(const Model& model, const State& state, bool all, Frame& frame) {
     const std::vector<Index> places = places_of_triangles(model);
+    const std::vector<double> fluid = std::exchange(frame.fluid, {});
     for (Index i = 0; i < static_cast<Index>(model.interfaces.size()); ++i)
         for (const Part& part : parts_of(model.mesh)) {
             const Interface& interface = model.interfaces[i];
@@ -123,6 +126,7 @@ void add_interfaces(const Model& model, const State& state, bool all, Frame& fra
             if (!all && in_bonded_fan(model, state, p) && in_bonded_fan(model, state, q)) continue;
             add_point(model, state, p, places, frame);
             add_point(model, state, q, places, frame);
+            if (!fluid.empty()) frame.fluid.insert(frame.fluid.end(), {fluid[p], fluid[q]});
             const auto corners = [&](Index triangle) {
                 return corners_on(model.mesh, interface, triangle, triangle < 0 ? triangle : places[triangle], part);
             };
@@ -166,6 +170,8 @@ void add_obstacles(const Model& model, const State& state, Frame& frame) {
 Frame make_frame(const Model& model, const State& state, bool all) {
     Frame frame{.time = state.time};
     add_bulk(model, state, frame);
+    frame.celsius = model.heat && model.heat->celsius;
+    if (!model.crack_fluids.empty()) frame.fluid = CrackForces(model).pressures(state);  // of all points
     add_interfaces(model, state, all, frame);
     add_obstacles(model, state, frame);
     frame.length_scale = diagonal(frame.position);

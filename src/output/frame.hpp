@@ -32,6 +32,7 @@ struct Frame {
     std::vector<Vec2> velocity;           // [m/s] per corner
     std::vector<Eigen::Vector3d> stress;  // [Pa] per triangle: xx, yy, xy
     std::vector<double> temperature;      // [K] per corner; empty without heat
+    bool celsius = false;                 // temperatures are in degrees Celsius
     std::vector<std::int32_t> region;     // per triangle
     std::vector<std::int32_t> grain;      // per triangle, -1: in none; empty where the body has no grains
     std::vector<std::int32_t> fragment;   // per triangle, 0 the heaviest; empty where it is not known
@@ -44,6 +45,7 @@ struct Frame {
     std::vector<double> opening, slip;  // [m] per point
     std::vector<Vec2> traction;         // [Pa] per point (N, T)
     std::vector<PointStatus> status;    // per point
+    std::vector<double> fluid;          // [Pa] per point, pressure on its faces; empty without [[pressure]]
 
     // obstacles: n_outline_points per obstacle, a closed polygon; a half plane is drawn as a strip of it
     std::vector<Vec2> obstacle_position;      // [m] reference

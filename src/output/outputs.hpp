@@ -14,6 +14,12 @@ struct Output {
     std::string_view doc;   // meaning
 };
 
+/// The unit of a number whose output has `unit`: temperatures are in K, or in C where the scenario counts in degrees
+/// Celsius.
+inline std::string_view unit_of_temperature(std::string_view unit, bool celsius) {
+    return unit == "K" && celsius ? "C" : unit;
+}
+
 /// An output and the function that computes it.
 template <class Source>
 struct Measure : Output {

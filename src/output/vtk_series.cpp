@@ -164,6 +164,9 @@ const std::vector<Part>& parts() {
           stored<Float, 1, &F::opening>(points, "opening", "m", "opening along the normal"),
           stored<Float, 1, &F::slip>(points, "slip", "m", "slip along the interface"),
           stored<Float, 2, &F::traction>(points, "traction", "Pa", "normal and tangential traction"),
+          stored<Float, 1, &F::fluid>(
+              points, "fluid_pressure", "Pa",
+              "pressure of the fluids that have reached its faces, 0: dry; only with [[pressure]]", true),
           {{"displacement", "m", "mean displacement of the two sides"}, points, 3, make_mean_displacement},
           stored<Byte, 1, &F::status>(points, "status", "", "0 intact, 1 damaged, 2 broken, 3 pre-crack"),
           {{"sides", "", "numbers of the corners on both sides in fields/bulk, -1: the support"},
@@ -225,8 +228,8 @@ void write_part(const Part& part, const Frame& frame, const path& file) {
         made->SetName(std::string(array.output.name).c_str());
         if (array.output.name == "stress")
             for (const int j : {0, 1, 2}) made->SetComponentName(j, std::array{"xx", "yy", "xy"}[j]);
-        if (!array.output.unit.empty())
-            made->GetInformation()->Set(vtkDataArray::UNITS_LABEL(), std::string(array.output.unit).c_str());
+        if (const std::string unit(unit_of_temperature(array.output.unit, frame.celsius)); !unit.empty())
+            made->GetInformation()->Set(vtkDataArray::UNITS_LABEL(), unit.c_str());
         data_of(grid, array.of)->AddArray(made);
     }
     vtkNew<vtkDoubleArray> time;
@@ -269,6 +272,8 @@ void read_part(const Part& part, const path& file, Frame& frame) {
         if (!found || found->GetNumberOfComponents() != array.n_components)
             fail("has no array `" + name + "` of " + std::to_string(array.n_components) + " components");
         array.read(found, frame);
+        const char* const unit = found->GetInformation()->Get(vtkDataArray::UNITS_LABEL());
+        if (array.output.unit == "K") frame.celsius = unit && std::string_view(unit) == "C";
     }
 }
 

@@ -165,9 +165,10 @@ std::string_view unit_of_slope(std::string_view column) {
                               : "1/s";
 }
 
-std::vector<std::string> header_of(const std::string& table, const std::vector<std::string>& columns) {
+std::vector<std::string> header_of(const std::string& table, const std::vector<std::string>& columns, bool celsius) {
     std::vector<std::string> header;
-    for (const std::string& column : columns) header.push_back(with_unit(column, std::string(unit_of(table, column))));
+    for (const std::string& column : columns)
+        header.push_back(with_unit(column, std::string(unit_of_temperature(unit_of(table, column), celsius))));
     return header;
 }
 
@@ -185,7 +186,9 @@ std::string outputs_markdown() {
     };
     std::string text =
         "# What a run writes\n\n"
-        "This list is written by the program (`knap schema --outputs`). Units are SI; a name without a unit is a pure "
+        "This list is written by the program (`knap schema --outputs`). Units are SI (temperatures in K, or in C where "
+        "the "
+        "scenario gives them so); a name without a unit is a pure "
         "number, a count or a text. A body is computed in the plane with the thickness `domain.thickness` (1 m unless "
         "the scenario sets it; `thickness_m` of run.json): J, N, N m, kg and kg m/s refer to this thickness.\n\n"
         "A table starts with one line of names with units in brackets, as `time [s]`. The value of an event that never "

@@ -28,7 +28,8 @@ std::string_view unit_of_column(std::string_view column);
 std::string_view unit_of_slope(std::string_view column);
 
 /// Column names as in the header of a table: "time [s]". A pure number has no brackets.
-std::vector<std::string> header_of(const std::string& table, const std::vector<std::string>& columns);
+std::vector<std::string> header_of(const std::string& table, const std::vector<std::string>& columns,
+                                   bool celsius = false);
 
 /// "12.5 mm/s"; "none" for NaN; never "-0".
 std::string value_text(double value, std::string_view unit, int digits = 6);

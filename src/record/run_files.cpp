@@ -32,7 +32,8 @@ FinishedRun read_finished_run(const std::filesystem::path& run) {
                           .fragments = read_if_there("fragments.csv")},
             .context = {.title = title.empty() ? record["name"].get<std::string>() : title,
                         .rayleigh_speed = record["rayleigh_speed_m_per_s"],
-                        .materials = record["materials"]},
+                        .materials = record["materials"],
+                        .celsius = record.value("temperature_unit", "") == "C"},
             .frame_times = std::filesystem::exists(run / "run.pvd") ? frame_times(run) : std::vector<double>{}};
 }
 

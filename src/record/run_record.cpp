@@ -169,6 +169,8 @@ const std::vector<Member>& members() {
         {"mean_edge_m", "m", "mean length of an interface", &RunRecord::mean_edge},
         {"rayleigh_speed_m_per_s", "m/s", "c_R of the first material", &RunRecord::rayleigh_speed, is_number},
         {"materials", "", "names, by region", &RunRecord::materials, are_texts},
+        {"temperature_unit", "", "of all temperatures of the run, K or C, as the scenario gives them; with heat",
+         [](R r) { return r.temperature_unit.empty() ? absent : Json(r.temperature_unit); }},
         {"triangle_steps_per_core_second", "1/s", "triangles times steps over cpu_parts_s.steps",
          [](R r) {
              return number(r.spent.steps > 0 ? static_cast<double>(r.steps) * r.triangles / r.spent.steps : NAN);

@@ -48,6 +48,7 @@ struct RunRecord {
     double mean_edge = 0;                // [m]
     double rayleigh_speed = 0;           // [m/s]
     std::vector<std::string> materials;  // names, by region
+    std::string temperature_unit;        // "K" or "C", with heat
     StepReport counts;                   // of vertex problems and linear solves
     FactorSize factor;                   // of the implicit bulk, at the end
     Summary summary;

@@ -275,8 +275,9 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.number("gamma", "", "shear strength over tensile strength, without friction; 0: cohesion in mode I only")
         .at_least(0).otherwise("1").to(&CohesiveLaw::gamma);
     t.number("strength_table", "K", "factor on sigma_c and G_c over temperature as pairs [temperature, factor], with "
-        "[heat]: above 0 and at most 1, linear between them and constant outside, at the mean temperature of the two "
-        "sides. delta_c stays; what has opened does not heal").points().second("");
+        "[heat]: from 0 (no strength, computed as 1e-6) to 1, linear between them and constant outside, at the mean "
+        "temperature of the two sides. delta_c stays; what has opened does not heal, what has not opened is as strong "
+        "again when it freezes again").points().second("");
     t.number("friction_table", "K", "friction coefficient over temperature as pairs [temperature, coefficient], with "
         "[heat], instead of friction").points().second("");
     add_contact(t);

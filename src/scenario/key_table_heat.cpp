@@ -26,10 +26,14 @@ void add_thermal(KeyTable& t) {
     t.number("expansion_table", "K", "thermal strain over temperature as pairs [temperature, strain]: linear "
         "between them, "
         "with the end slopes outside; a transition of a crystal is a steep piece").points().second("");
-    t.number("conductivity", "W/m/K", "conductivity of heat, required with heat.conduction")
-        .above(0).to(&Thermal::conductivity);
-    t.number("heat_capacity", "J/kg/K", "heat capacity per mass, required with heat.conduction")
-        .above(0).to(&Thermal::heat_capacity);
+    t.number("conductivity", "W/m/K", "conductivity of heat; it or conductivity_table is required with "
+        "heat.conduction").above(0).to(&Thermal::conductivity);
+    t.number("conductivity_table", "K", "conductivity over temperature as pairs [temperature, conductivity]: linear "
+        "between them, constant outside").points().second("W/m/K");
+    t.number("heat_capacity", "J/kg/K", "heat capacity per mass; it or heat_capacity_table is required with "
+        "heat.conduction").above(0).to(&Thermal::heat_capacity);
+    t.number("heat_capacity_table", "K", "heat capacity over temperature as pairs [temperature, heat capacity]: linear "
+        "between them, constant outside; the stored heat is its integral").points().second("J/kg/K");
     t.number("latent_heat", "J/kg", "heat per mass of the material that melting takes up and freezing releases, "
         "uniformly over the freezing range, with heat.conduction: 334 kJ/kg times the mass fraction of water")
         .at_least(0).otherwise("0").to(&Thermal::latent_heat);
@@ -38,11 +42,12 @@ void add_thermal(KeyTable& t) {
 }
 
 void add_keys_of_heat(KeyTable& t) {
-    t.table("heat", "temperatures, which strain the body (thermal stress). They are counted from any zero, the same "
-        "in all "
-        "keys: absolute or Celsius. The motion does not heat the body. With small rotations only");
+    t.table("heat", "temperatures, which strain the body (thermal stress). All count from one zero: in C where one of "
+        "them has that unit (\"20 C\"), which figures and tables then have, too; in K otherwise. Plain numbers, formulas "
+        "and files follow, nothing is converted, and C and K together are an error. The motion does not heat the body. "
+        "With small rotations only");
     t.number("reference", "K", "temperature without thermal strain").otherwise("0").to(&Heat::reference);
-    t.text("temperature", "the temperature in K as a formula of x, y [m] and t [s], as \"20 + 300*exp(-x/0.01)\", "
+    t.text("temperature", "the temperature as \"400 C\", or as a formula of x, y [m] and t [s], as \"20 + 300*exp(-x/0.01)\", "
         "with + - * / "
         "^ ( ) pi sin cos tan tanh exp log sqrt abs erf erfc min max; or a file \"NAME.csv\" with lines `x, y, "
         "temperature` or `x, y, t, temperature` in any order, one for each place of a grid, linear between them and "

@@ -40,8 +40,26 @@ void read_exchange(const Table& table, Heat& heat) {
     heat.exchanges.push_back(std::move(exchange));
 }
 
-constexpr const char* thermal_keys[] = {"expansion",     "expansion_table", "conductivity",
-                                        "heat_capacity", "latent_heat",     "freezing_range"};
+constexpr const char* thermal_keys[] = {"expansion",     "expansion_table",     "conductivity", "conductivity_table",
+                                        "heat_capacity", "heat_capacity_table", "latent_heat",  "freezing_range"};
+
+/// A conductivity or heat capacity: one value, or the `bound` of the values of its table and the others as parts of it.
+PropertyOverTemperature read_property(const Table& table, const std::string& key, bool needed, double& bound,
+                                      double (*bound_of)(const std::vector<double>&)) {
+    const std::string over_temperature = key + "_table";
+    table.one_of({key, over_temperature}, false);
+    if (needed && !table.given(key) && !table.given(over_temperature))
+        table.error("missing-key", key, "is needed for heat.conduction", key + " = ...");
+    TemperatureTable read = read_over_temperature(table, over_temperature.c_str());
+    if (read.empty()) return {};
+    if (std::ranges::min(read.value) <= 0) {
+        table.error("out-of-range", over_temperature, "has a value that is not positive");
+        return {};
+    }
+    bound = bound_of(read.value);
+    for (double& value : read.value) value /= bound;
+    return PropertyOverTemperature(std::move(read));
+}
 
 Thermal read_thermal(const Table& table, bool conduction) {
     Thermal thermal;
@@ -55,9 +73,11 @@ Thermal read_thermal(const Table& table, bool conduction) {
     thermal.freezing_range = {range.x(), range.y()};
     if (!(range.x() < range.y()))
         table.error("out-of-range", "freezing_range", "= [from, to] must ascend", "freezing_range = [-1, 0]");
-    for (const char* key : {"conductivity", "heat_capacity"})
-        if (conduction && !table.given(key))
-            table.error("missing-key", key, "is needed for heat.conduction", std::string(key) + " = ...");
+    using Values = std::vector<double>;
+    thermal.conductivity_part = read_property(table, "conductivity", conduction, thermal.conductivity,
+                                              [](const Values& k) { return std::ranges::max(k); });
+    thermal.capacity_part = read_property(table, "heat_capacity", conduction, thermal.heat_capacity,
+                                          [](const Values& c) { return std::ranges::min(c); });
     return thermal;
 }
 
@@ -109,9 +129,54 @@ std::shared_ptr<const GridTable> read_grid(const Table& table) {
     }
 }
 
+/// All temperatures of a scenario count from one zero. It is that of degrees Celsius where one of them has the unit C.
+struct Zero {
+    const Node *celsius = nullptr, *kelvin = nullptr;  // the first ones of each unit
+
+    void look_at(const Node& node) {
+        if (node.unit == "C" && !celsius) celsius = &node;
+        if (node.is_kelvin && !kelvin) kelvin = &node;
+        for (const Node& child : node.children) look_at(child);
+    }
+};
+
+/// One temperature in the place of a formula: "400 C".
+std::optional<Node> constant_field(const Table& table) {
+    const Quantity quantity = parse_quantity(table.text("temperature"));
+    if (!quantity.problem.empty() || quantity.dimension != dimension_of("K")) return std::nullopt;
+    Node node = Node::of_number(quantity.value);
+    node.take_place(table.reading().values.place_of(table.path("temperature")));
+    if (quantity.unit == "C") node.unit = "C";
+    else node.is_kelvin = true;
+    return node;
+}
+
+/// Whether the scenario counts in degrees Celsius.
+bool read_zero(const Table& table) {
+    Zero zero;
+    zero.look_at(table.reading().values.root);
+    const auto constant = constant_field(table);
+    if (constant) zero.look_at(*constant);
+    const auto line = [](const Node& node) { return "line " + std::to_string(node.place.line); };
+    if (zero.celsius && zero.kelvin)
+        table.reading().findings.error("mixed-temperatures",
+                                       "temperatures in C (" + line(*zero.celsius) + ") and in K (" +
+                                           line(*zero.kelvin) + ") are mixed: all count from one zero",
+                                       *zero.kelvin, "give all of them in C, or all in K (0 C = 273.15 K)");
+    for (const Table& material : table.reading().list("material"))
+        if (zero.kelvin && material.given("latent_heat") && !material.given("freezing_range"))
+            material.error("missing-key", "latent_heat", "needs the freezing range, whose default counts from 0 C",
+                           "freezing_range = [\"272.15 K\", \"273.15 K\"]");
+    return zero.celsius != nullptr;
+}
+
 void read_field(const Table& table, TemperatureField& field) {
     field.history = read_history(table);
     if (!table.has("temperature")) return;
+    if (const auto constant = constant_field(table)) {
+        field.value = Expression(shortest(constant->number));
+        return;
+    }
     const std::string text = table.text("temperature");
     if (text.ends_with(".csv")) {
         field.grid = read_grid(table);
@@ -162,6 +227,7 @@ void read_heat(Reading& reading) {
     }
     Heat heat;
     table.fill(heat);
+    heat.celsius = read_zero(table);
     read_field(table, heat.field);
     for (const Table& material : reading.list("material"))
         heat.materials.push_back(read_thermal(material, heat.conduction));

@@ -25,6 +25,9 @@ std::shared_ptr<const SofteningShape> read_softening(const Table& table) {
     return make_softening(options);
 }
 
+/// [-] A law without any strength has no opening at which it is gone; a millionth breaks under a millionth of the load.
+constexpr double no_strength = 1e-6;
+
 /// strength_table and friction_table; null without them.
 std::shared_ptr<const StrengthOfTemperature> read_of_temperature(const Table& table, bool has_cohesion) {
     StrengthOfTemperature read{.strength = read_over_temperature(table, "strength_table"),
@@ -35,10 +38,10 @@ std::shared_ptr<const StrengthOfTemperature> read_of_temperature(const Table& ta
             table.error("no-heat", key, "has no effect without temperatures", "[heat]");
     if (table.given("strength_table") && !has_cohesion)
         table.error("exclusive-keys", "strength_table", "belongs to a law with cohesion, and this one has none");
-    if (std::ranges::any_of(read.strength.value, [](double phi) { return !(phi > 0 && phi <= 1); }))
-        table.error("out-of-range", "strength_table", "has a factor that is not above 0 and at most 1",
-                    "sigma_c and G_c are those of the strongest state; 0.001 stands for none: what has not opened is "
-                    "as strong again when it freezes again");
+    if (std::ranges::any_of(read.strength.value, [](double phi) { return !(phi >= 0 && phi <= 1); }))
+        table.error("out-of-range", "strength_table", "has a factor that is not from 0 to 1",
+                    "sigma_c and G_c are those of the strongest state; 0: no strength");
+    for (double& phi : read.strength.value) phi = std::max(phi, no_strength);
     if (std::ranges::any_of(read.friction.value, [](double mu) { return !(mu >= 0); }))
         table.error("out-of-range", "friction_table", "has a negative friction coefficient");
     if (read.strength.empty() && read.friction.empty()) return nullptr;

@@ -132,6 +132,8 @@ void read_figure(const Table& table, std::set<std::string>& files) {
                                              time);
     if (table.has("range") && !(figure.range[0] < figure.range[1]))
         table.error("out-of-range", "range", "does not ascend");
+    if (!figure.mark.empty() && !takes_marks(figure.show))
+        table.error("exclusive-keys", "mark", "belongs to show = \"temperature\" or curves of probes and reactions");
     table.scenario().figures.push_back(std::move(figure));
 }
 

@@ -118,6 +118,8 @@ private:
             value.unit = quantity.unit;
         } else if (quantity.dimension == dimension_of(unit)) {
             value.number = quantity.value;
+            if (unit == "K") value.is_kelvin = !(quantity.unit == "C");
+            if (unit == "K" && quantity.unit == "C") value.unit = "C";  // another zero: no factor
         } else {
             const std::string found = quantity.unit.empty() ? "has no unit" : "is " + kind_name(quantity.dimension);
             return error("wrong-unit",

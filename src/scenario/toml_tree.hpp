@@ -38,7 +38,8 @@ struct Node {
 
     // of a resolved scenario (resolve.hpp), whose numbers are in SI and whose tables are in the order of the key table
     const Key* key = nullptr;  // row of the key table
-    std::string unit;          // "cR", "CFL" or "%" if the number is a multiple of that instead
+    std::string unit;          // "cR", "CFL" or "%" if the number is a multiple of that instead; "C" of temperatures
+    bool is_kelvin = false;    // a temperature with the unit K
     Origin origin = Origin::file;
     bool valid = true;  // false: wrong and reported, or a computed default without a value (yet)
 

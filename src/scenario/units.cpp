@@ -43,6 +43,7 @@ constexpr std::array units{
     Unit{"deg", angle, 0, 1, ""},
     Unit{"rad", angle, 0, 180 / std::numbers::pi, ""},
     Unit{"K", temperature, 0, 1, "m"},
+    Unit{"C", temperature, 0, 1, ""},  // degrees Celsius: another zero, which the reader of heat keeps apart
     Unit{"%", {}, -2, 1, ""},
     Unit{"cR", {.rayleigh = 1}, 0, 1, ""},
     Unit{"CFL", {.courant = 1}, 0, 1, ""},
@@ -75,10 +76,11 @@ constexpr std::pair<const char*, int Dimension::*> base_units[] = {
 
 /// Common spellings that are not unit symbols, in small letters.
 constexpr std::pair<std::string_view, std::string_view> misspellings[] = {
-    {"sec", "s"},     {"second", "s"},   {"msec", "ms"},  {"usec", "us"},  {"micron", "um"},  {"meter", "m"},
-    {"metre", "m"},   {"pascal", "Pa"},  {"newton", "N"}, {"joule", "J"},  {"degree", "deg"}, {"\u00b0", "deg"},
-    {"hour", "h"},    {"minute", "min"}, {"tonne", "t"},  {"ton", "t"},    {"gram", "g"},     {"kilogram", "kg"},
-    {"percent", "%"}, {"radian", "rad"}, {"cc", "cm3"},   {"kelvin", "K"}, {"degc", "K"},     {"celsius", "K"}};
+    {"sec", "s"},      {"second", "s"},   {"msec", "ms"},     {"usec", "us"},    {"micron", "um"},
+    {"meter", "m"},    {"metre", "m"},    {"pascal", "Pa"},   {"newton", "N"},   {"joule", "J"},
+    {"degree", "deg"}, {"\u00b0", "deg"}, {"hour", "h"},      {"minute", "min"}, {"tonne", "t"},
+    {"ton", "t"},      {"gram", "g"},     {"kilogram", "kg"}, {"percent", "%"},  {"radian", "rad"},
+    {"cc", "cm3"},     {"kelvin", "K"},   {"degc", "C"},      {"celsius", "C"},  {"\u00b0c", "C"}};
 
 /// Dimension of a unit expression such as kg/m3, and its value in SI: factor * 10^power_of_ten.
 struct Scale {

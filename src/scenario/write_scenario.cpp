@@ -51,6 +51,8 @@ std::string origin(const Node& node, const Source& source) {
     return "";
 }
 
+bool has_own_unit(const Node& node) { return !node.unit.empty() || std::ranges::any_of(node.children, has_own_unit); }
+
 struct Line {
     std::string key, value, origin;
 };
@@ -65,7 +67,7 @@ void list_keys(const Node& node, const std::string& path, const Source& source, 
         } else if (!child.valid) {  // a default that is no value: "from the data"
             if (child.origin == Origin::computed_default) lines.push_back({here, "-", origin(child, source)});
         } else {
-            const bool has_unit = key.has_fixed_unit() && child.type != Node::Type::text;
+            const bool has_unit = key.has_fixed_unit() && child.type != Node::Type::text && !has_own_unit(child);
             const std::string unit = has_unit ? " " + std::string(key.unit) : "";
             lines.push_back({here, toml_text(child) + unit, origin(child, source)});
         }

@@ -133,6 +133,46 @@ TEST_CASE("figures: titles are whole") {
     CHECK(little.size < title_size);
 }
 
+// T = 300 + 50 x/width in both materials and on both sides of the crack: the isoline of 325 is x = width/2.
+TEST_CASE("figures: a temperature is smooth and its isolines lie where they must") {
+    const Frame frame = synthetic::frame(20);
+    const DrawnFigure figure = draw({.show = "temperature", .mark = {325}, .width = 1120}, frame, {}, pictures() / "isoline.png");
+    const Pixels pixels(figure.file);
+    std::set<int> columns, rows;
+    for (int y = 0; y < pixels.height(); ++y)
+        for (int x = 0; x < pixels.width(); ++x) {
+            const std::uint32_t colour = pixels.at(x, y);
+            if ((colour >> 16) > 0xC0 && ((colour >> 8) & 0xFF) < 0x40 && (colour & 0xFF) < 0x40) columns.insert(x), rows.insert(y);
+        }
+    std::erase_if(columns, [](int x) { return x < 300; });  // the legend
+    REQUIRE(columns.size() >= 2);
+    CHECK(*columns.rbegin() - *columns.begin() < 8);
+    CHECK(rows.size() > 200);
+    const std::size_t smooth = pixels.colours().size();
+    CHECK(smooth > 2 * Pixels(draw({.show = "velocity_x", .width = 1120}, frame, {}, pictures() / "flat.png").file).colours().size());
+    bool celsius = false;
+    Frame warm = frame;
+    warm.celsius = true;
+    for (const auto& text : draw({.show = "temperature", .width = 1120}, warm, {}, pictures() / "celsius.png").texts)
+        celsius = celsius || text.text.find("[°C]") != std::string::npos;
+    CHECK(celsius);
+    CHECK_THROWS_AS(draw({.show = "cracks", .mark = {1}}, frame, {}, pictures() / "refused.png"), UserError);
+}
+
+TEST_CASE("figures: displacements over the temperature and the thermal work as supply") {
+    const History probes{{"time", "a_u_x", "a_u_y", "a_v_x", "a_v_y", "a_T"}, {{0, 0, 0, 0, 0, -6}, {1, 1e-3, 0, 0, 0, -2}}};
+    const Chart chart = probe_chart(probes, true, true);
+    REQUIRE(chart.curves.size() == 1);
+    CHECK(chart.curves[0].x == std::vector<double>{-6, -2});
+    CHECK(chart.x_unit == "°C");
+    const History energy{{"time", "kinetic", "strain", "dissipated", "external_work", "thermal_work"}, {{0, 0, 0, 0, 0, 0}, {1, 1, 2, 3, 1, 5}}};
+    const Chart balance = energy_chart(energy);
+    CHECK(balance.curves[0].y.back() == 6);  // the sum of all
+    CHECK(balance.curves[1].label == "external + thermal work");
+    CHECK(balance.curves[1].y.back() == 6);
+    CHECK(balance.curves[2].y.back() == 5);  // of it thermal work, with its sign
+}
+
 TEST_CASE("figures: a half plane reaches the frame") {
     Frame frame = synthetic::frame(20);
     for (Vec2& u : frame.displacement) u = Vec2::Zero();

@@ -1,6 +1,7 @@
 // Strength, friction and pressure in cracks that follow the temperature (H20, H21, H22).
 #include "heat_bodies.hpp"
 #include "mesh/triangulate.hpp"
+#include "output/frame.hpp"
 #include "stepper/common/crack_forces.hpp"
 #include "stepper/explicit/bond_criteria.hpp"
 #include "support/paths.hpp"
@@ -183,6 +184,15 @@ TEST_CASE("H22 the pressure of ice is that of the temperature at the crack") {
             expected += at.area * std::min(5e6, 1.12e6 * 8 * model.mesh.corner(at.corner()).x());
     }
     CHECK(expected > 1e5);
+    const std::vector<double> pressures = CrackForces(model).pressures(initial_state(model));
+    double pressed = 0;
+    for (const FanPoint& at : model.fan_points) pressed += at.area * pressures[at.point];
+    CHECK(pressed == relative(expected, 1e-12));
+    const Frame frame = make_frame(model, initial_state(model));
+    REQUIRE(frame.fluid.size() == frame.end_position.size());
+    for (std::size_t i = 0; i < frame.fluid.size(); ++i)
+        if (const Vec2& x = frame.end_position[i]; std::abs(x.y() - 0.5) > 0.2 || x.x() > 0.6) CHECK(frame.fluid[i] == 0);
+    CHECK(std::ranges::max(frame.fluid) == relative(1.12e6 * 8 * 0.5, 1e-12));
     verify("force on a face", sum, expected, {1e-12});
 
     ModelInput by_ice = block("-4 - 2000*t"), by_time = block("-4");

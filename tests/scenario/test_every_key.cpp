@@ -484,8 +484,8 @@ material = "glass"
 )";
 
 const std::string warm = samples::changed("nu = 0.2\n", R"(nu = 0.2
-conductivity = "30 W/m/K"
-heat_capacity = "880 J/kg/K"
+conductivity_table = [[0, "30 W/m/K"], ["100 K", 20]]
+heat_capacity_table = [[0, "880 J/kg/K"], [100, 900]]
 expansion = 8e-6
 latent_heat = "3 kJ/kg"
 freezing_range = [-2, -0.5]
@@ -538,6 +538,7 @@ at = [0.01, 0.01]
 [[figure]]
 show = "temperature"
 file = "T.png"
+mark = ["50 K", 60]
 )");
 const std::string mapped_heat =
     samples::changed("nu = 0.2\n", "nu = 0.2\nexpansion = 8e-6\n[heat]\ntemperature = \"" KNAP_SOURCE_DIR
@@ -813,6 +814,8 @@ const Case cases[] = {
     {patterns, "limits.contact_depth", "0.05"},
     {warm, "material.steel.expansion_table", "[[20, 0], [573, 0.009], [583, 0.015]]"},
     {warm, "material.glass.expansion", "8e-06"},
+    {warm, "material.glass.conductivity_table", "[[0, 30], [100, 20]]"},
+    {warm, "material.glass.heat_capacity_table", "[[0, 880], [100, 900]]"},
     {warm, "material.glass.latent_heat", "3000"},
     {warm, "material.glass.freezing_range", "[-2, -0.5]"},
     {warm, "interface.weak.strength_table", "[[-10, 1], [-0.5, 0.3], [0, 0.001]]"},
@@ -839,6 +842,7 @@ const Case cases[] = {
     {warm, "heat.exchange[2].flux", "1000"},
     {warm, "heat.exchange[3].source", "2e+06"},
     {warm, "limits.temperature_overshoot", "0.01"},
+    {warm, "figure[0].mark", "[50, 60]"},
     {mesh_file, "mesh.file", "\"" KNAP_SOURCE_DIR "/tests/mesh/data/block_41_ascii.msh\""},
     {mesh_file, "mesh.unit", "0.001"},
     {mesh_file, "mesh.cracks", "[\"crack\"]"},

@@ -61,9 +61,10 @@ void CrackForces::enter(Index interface, Reached& reached) {
     }
 }
 
-const std::vector<CornerLoad>& CrackForces::find(const State& state) {
-    forces_.clear();
-    if (empty()) return forces_;
+/// visit(point, pressure for an amplitude of 1, fluid)
+template <class Visit>
+void CrackForces::for_each_pressed(const State& state, const Visit& visit) {
+    if (empty()) return;
     take_broken(state);
     for (std::size_t f = 0; f < fluids_.size(); ++f) {
         Reached& reached = fluids_[f];
@@ -73,15 +74,30 @@ const std::vector<CornerLoad>& CrackForces::find(const State& state) {
         for (const Index p : reached.points) {
             if (state.has_retired(p)) continue;
             const FanPoint& point = model_.fan_points[model_.fan_point_of[p]];
-            const double pressure = fluid.over_temperature.empty()
-                                        ? fluid.pressure
-                                        : fluid.over_temperature(temperature_at(*state.temperature, point));
-            const Vec2 force = pressure * point.area * point_frame(model_, state, point).turned(point.normal);
-            forces_.push_back({point.after, fluid.history, force});
-            forces_.push_back({point.before, fluid.history, -force});
+            visit(point,
+                  fluid.over_temperature.empty() ? fluid.pressure
+                                                 : fluid.over_temperature(temperature_at(*state.temperature, point)),
+                  fluid);
         }
     }
+}
+
+const std::vector<CornerLoad>& CrackForces::find(const State& state) {
+    forces_.clear();
+    for_each_pressed(state, [&](const FanPoint& point, double pressure, const CrackFluid& fluid) {
+        const Vec2 force = pressure * point.area * point_frame(model_, state, point).turned(point.normal);
+        forces_.push_back({point.after, fluid.history, force});
+        forces_.push_back({point.before, fluid.history, -force});
+    });
     return forces_;
+}
+
+std::vector<double> CrackForces::pressures(const State& state) {
+    std::vector<double> found(model_.n_points(), 0.0);
+    for_each_pressed(state, [&](const FanPoint& point, double pressure, const CrackFluid& fluid) {
+        found[point.point] += model_.histories[fluid.history](state.time) * pressure;
+    });
+    return found;
 }
 
 }  // namespace knap

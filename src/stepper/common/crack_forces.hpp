@@ -21,6 +21,8 @@ public:
     /// has none: the fluid escapes.
     const std::vector<CornerLoad>& find(const State& state);
     const std::vector<CornerLoad>& found() const { return forces_; }
+    /// [Pa] Per point, of all fluids at the time of the state.
+    std::vector<double> pressures(const State& state);
 
 private:
     struct Reached {
@@ -29,6 +31,8 @@ private:
         std::vector<std::uint8_t> is_point;  // [0/1] per point
     };
     void take_broken(const State& state);
+    template <class Visit>
+    void for_each_pressed(const State& state, const Visit& visit);
     void enter(Index interface, Reached& reached);
     bool is_passable(Index interface) const;
 
