@@ -136,7 +136,7 @@ TEST_CASE("figures: titles are whole") {
 // T = 300 + 50 x/width in both materials and on both sides of the crack: the isoline of 325 is x = width/2.
 TEST_CASE("figures: a temperature is smooth and its isolines lie where they must") {
     const Frame frame = synthetic::frame(20);
-    const DrawnFigure figure = draw({.show = "temperature", .mark = {325}, .width = 1120}, frame, {}, pictures() / "isoline.png");
+    const DrawnFigure figure = draw({.show = "temperature", .width = 1120, .mark = {325}}, frame, {}, pictures() / "isoline.png");
     const Pixels pixels(figure.file);
     std::set<int> columns, rows;
     for (int y = 0; y < pixels.height(); ++y)
