@@ -1,6 +1,6 @@
 #pragma once
-// Pairs of corners of a triangle between which heat flows, and how well: of the linear triangle its sides, of order 2 those
-// of its six linear triangles.
+// Pairs of corners of a triangle between which heat flows, and how well: of the linear triangle its sides, of order 2
+// those of its six linear triangles.
 #include "mesh/mesh.hpp"
 
 #include <array>

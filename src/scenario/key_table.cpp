@@ -304,7 +304,8 @@ void add_keys_of_microstructure(KeyTable& t) {
 }
 
 void add_keys_of_loads(KeyTable& t) {
-    t.list("support[]", "a rigid, fixed body that a boundary stands on or is glued to");
+    t.list("support[]", "a rigid, fixed body that a boundary stands on or is glued to; it meets only the faces "
+        "that stand on it at the start (a ground for everything is an [[obstacle]])");
     add_place(t, "support[]", "place: a boundary, a box, a body, or what they have in common; required");
     t.text("interface", "name of the interface law between body and support").otherwise("default");
     t.flag("glued", "true: held by the cohesion of the law; false: contact and friction only")

@@ -111,8 +111,8 @@ void add_keys_of_run(KeyTable& t) {
         "end of the run").one_or_list().at_least(0).computed("time.end").to(&FigureOptions::at);
     t.word("colour", figure_colours(), "colour of the cracks; mode (0 opening, 1 sliding) and break_time need "
         "output.breaks").otherwise("opening").to(&FigureOptions::colour);
-    t.word("over", figure_abscissas(), "abscissa: of reactions displacement or time, of probes temperature (that of the "
-        "probe) or time")
+    t.word("over", figure_abscissas(), "abscissa: of reactions displacement or time, of probes temperature (that of "
+        "the probe) or time")
         .otherwise("displacement").to(&FigureOptions::over);
     t.number("deform", "", "magnification of displacements").at_least(0).otherwise("1").to(&FigureOptions::deform);
     t.number("box", "m", "visible part of the body; a colour range from the data is that of this part")
@@ -121,8 +121,8 @@ void add_keys_of_run(KeyTable& t) {
         .at_least(1).at_most(1000).otherwise("1").to(&FigureOptions::aspect);
     t.number("range", "*", "colour range, in the unit of the quantity").pair().computed("from the data")
         .to(&FigureOptions::range);
-    t.number("mark", "*", "values that are marked: isolines of a temperature; of probes and reactions vertical lines at "
-        "these places of the abscissa").one_or_list().computed("none").to(&FigureOptions::mark);
+    t.number("mark", "*", "values that are marked: isolines of a temperature; of probes and reactions vertical lines "
+        "at these places of the abscissa").one_or_list().computed("none").to(&FigureOptions::mark);
     t.integer("width", "width in pixels").at_least(200).at_most(20000).otherwise("1600").to(&FigureOptions::width);
     t.text("title", "title; empty: that of the scenario").otherwise("").to(&FigureOptions::title);
     t.flag("panel", "without title, legend and axes, as a panel of a contact sheet: knap sweep draws the panels of all "

@@ -14,6 +14,21 @@ void warn_of_ghosts(Reading& reading) {
                  "[contact], with rotation = \"large\" in [domain]");
 }
 
+/// Only what stands on a support at the start meets it.
+void warn_of_supports(Reading& reading) {
+    const Scenario& scenario = reading.scenario;
+    for (std::size_t i = 0; i < scenario.supports.size(); ++i) {
+        const Support& support = scenario.supports[i];
+        if (support.glued && !scenario.laws[support.law].law.breakable()) continue;  // nothing gets between
+        reading.table(item("support", i))
+            .warning("support-is-no-ground", "",
+                     "meets only the faces that stand on it at the start: pieces that turn, slide or fall onto it "
+                     "later pass through it",
+                     "an [[obstacle]] (half plane, polygon) for a ground that everything meets; glued = true with an "
+                     "unbreakable interface for a body that stays");
+    }
+}
+
 }  // namespace
 
 void read_contact(Reading& reading) {
@@ -24,6 +39,7 @@ void read_contact(Reading& reading) {
         table.error("exclusive-keys", "", "needs large rotations", "rotation = \"large\" in [domain]");
     if (scenario.time.scheme.cohesion != CohesionScheme::explicit_beta)
         table.error("exclusive-keys", "", "needs the explicit cohesion", "time.cohesion = \"explicit\"");
+    warn_of_supports(reading);
     const std::size_t n = scenario.materials.size();
     scenario.contact_of_pair.assign(n, std::vector<ContactLaw>(n));
     for (std::size_t a = 0; a < n; ++a)

@@ -182,6 +182,18 @@ TEST_CASE("contact: laws of pairs of materials") {
           Laws{{0.5, 0}, {0.5, 1}, {0.1, 0}});
 }
 
+TEST_CASE("a support is no ground for the pieces of a body with contact") {
+    const std::string body = samples::changed("size = [0.1, 0.04]\n", "size = [0.1, 0.04]\nrotation = \"large\"\n",
+                                              samples::least + "[contact]\n"),
+                      held = "[interface.rock]\nbreakable = false\n[[support]]\non = \"bottom\"\nglued = true\n";
+    const auto n_warnings = [](const std::string& text) {
+        return std::ranges::count(samples::read(text).warnings, "support-is-no-ground", &Diagnostic::code);
+    };
+    CHECK(n_warnings(body + "[[support]]\non = \"bottom\"\n") == 1);
+    CHECK(n_warnings(body + held + "interface = \"rock\"\n") == 0);
+    CHECK(n_warnings(samples::least + "[[support]]\non = \"bottom\"\n") == 0);
+}
+
 TEST_CASE("contact: what cannot be") {
     const std::string one = changed("[mesh]", "rotation = \"large\"\n[mesh]");
     CHECK(mistakes(one + "[contact]\n").empty());

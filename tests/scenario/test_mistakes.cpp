@@ -63,7 +63,7 @@ const Case cases[] = {
     {"a freezing range that counts from another zero",
      changed("nu = 0.2\n", "nu = 0.2\nlatent_heat = 1000\n", with("[heat]\ntemperature = \"260 K\"\n")), "missing-key", 11,
      15, 4, "272.15 K"},
-    {"a mark in a figure of cracks", with("[[figure]]\nfile = \"a.png\"\nmark = 1\n"), "exclusive-keys", 18, 8, 1,
+    {"a mark in a figure of cracks", with("[[figure]]\nfile = \"a.png\"\nmark = 1\n"), "exclusive-keys", 18, 1, 4,
      "temperature"},
     {"a strength over temperature without heat", changed("G_c = 3", "G_c = 3\nstrength_table = [[-10, 1], [0, 0.1]]"),
      "no-heat", 14, 18, 20, "[heat]"},

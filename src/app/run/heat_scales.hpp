@@ -26,7 +26,7 @@ struct HeatScales {
     /// slower, shorter ones are not resolved.
     double crack_speed() const { return 2 * diffusivity / edge; }
     double radiated(double time_factor) const { return time_factor * crack_speed() / c_R; }  // [-] see below
-    /// [-] Of c_R. A crack at a speed v radiates about v/c_R of the energy that it releases, as G(v) = (1 - v/c_R) G(0).
+    /// [-] Of c_R. A crack at a speed v radiates about v/c_R of what it releases, as G(v) = (1 - v/c_R) G(0).
     /// Where these waves die, 2 % only make it that much tougher. In a free body they stay, and cracks that follow heat
     /// take some three times the strain energy in the end: 0.3 % of it leave 1 % of the strain energy kinetic.
     double largest_speed() const { return damped ? 0.02 : 0.003; }

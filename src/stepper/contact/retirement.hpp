@@ -15,8 +15,8 @@ constexpr double retirement_slip = 0.002;
 /// turned by more than 0.2 rad: a hinge, whose sides are vertices of their own for others, but not for each other.
 /// The fixed normal of a point errs by (slip/length)^2; penetration in general contact falls with the threshold, forces
 /// do not depend on it between 0.02 and 0.5. Positions, velocities and energies are untouched. A point on a support
-/// never retires: a rigid plane serves any slip. `before`: the marks of the step before, another vector; what only turns
-/// becomes a hinge the step after the other end of its edge has a mark.
+/// never retires: a rigid plane serves any slip. `before`: the marks of the step before, another vector; what only
+/// turns becomes a hinge the step after the other end of its edge has a mark.
 void retire_points(const Model& model, const std::vector<std::uint8_t>& before, State& end);
 
 }  // namespace knap
