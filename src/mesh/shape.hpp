@@ -58,7 +58,7 @@ class ShapeError : public std::runtime_error {
 public:
     /// The message is the parts of it one after the other.
     template <class... Parts>
-    ShapeError(std::string offending_part, const Parts&... message)
+    explicit ShapeError(std::string offending_part, const Parts&... message)
         : std::runtime_error(concatenated(message...)), part(std::move(offending_part)) {}
     std::string part;
 };

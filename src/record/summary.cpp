@@ -75,7 +75,7 @@ Facts::Facts(const Model& model, const State& end, const Recorder& of)
         const auto moving =
             std::ranges::find_if(reactions, [](const Reaction& r) { return !r.displacement.isZero(0); });
         const std::size_t number = moving == reactions.end() ? 0 : moving - reactions.begin();
-        driver.emplace(recorder, number, reactions[number]);
+        driver.emplace(Driver{recorder, number, reactions[number]});
     }
     if (!recorder.histories().breaks.columns.empty()) {
         const std::vector<double> shear = recorder.histories().breaks.column("shear");
