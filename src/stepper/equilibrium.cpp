@@ -1,6 +1,7 @@
 #include "stepper/equilibrium.hpp"
 
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "stepper/common/crack_forces.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/implicit/implicit_scheme.hpp"
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <span>
 
@@ -170,10 +170,8 @@ public:
 
 private:
     [[noreturn]] void no_equilibrium(const char* reason, const Vec2& where) const {
-        char text[400];
-        std::snprintf(text, sizeof text, "no equilibrium under the loads at t = %.6g s: %s, at (%.6g, %.6g) m", time_,
-                      reason, where.x(), where.y());
-        throw SimulationError(text);
+        throw SimulationError(formatted("no equilibrium under the loads at t = %.6g s: %s, at (%.6g, %.6g) m", time_,
+                                        reason, where.x(), where.y()));
     }
 
     Vec2 place_of_largest_displacement(const State& state) const {

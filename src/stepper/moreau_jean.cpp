@@ -1,12 +1,12 @@
 #include "stepper/moreau_jean.hpp"
 
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "stepper/common/law_change.hpp"
 #include "stepper/explicit/explicit_scheme.hpp"
 #include "stepper/implicit/implicit_scheme.hpp"
 
 #include <cmath>
-#include <cstdio>
 
 namespace knap {
 namespace {
@@ -16,12 +16,6 @@ std::unique_ptr<StepScheme> make_scheme(const Model& model, const SchemeOptions&
     if (model.large_rotation)  // the scheme is linear in the displacement
         throw UserError("large-rotation", "large rotations need the explicit bulk");
     return std::make_unique<ImplicitScheme>(model, options);
-}
-
-[[noreturn]] void fail(const char* format, auto... values) {
-    char text[400];
-    std::snprintf(text, sizeof text, format, values...);
-    throw SimulationError(text);
 }
 
 }  // namespace
@@ -42,10 +36,10 @@ StepReport MoreauJean::step(const State& begin, double h, State& end) {
     end.n_steps = begin.n_steps + 1;
     if (std::isfinite(report.kinetic + report.strain)) return report;
     const Vec2 where = place_of_largest_speed(model_, end);
-    fail(
+    throw SimulationError(formatted(
         "the motion is no longer finite at t = %.9g s (step %lld) at (x, y) = (%.6g, %.6g) m: the step is probably too "
         "large, or a load or velocity absurd; try a smaller time.step, and look at the units of the loads",
-        end.time, static_cast<long long>(end.n_steps), where.x(), where.y());
+        end.time, static_cast<long long>(end.n_steps), where.x(), where.y()));
 }
 
 }  // namespace knap
