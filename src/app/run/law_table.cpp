@@ -68,11 +68,12 @@ std::vector<std::string> places_of_laws(const Scenario& scenario, const Mesh& me
 
 Row row_of(const NamedLaw& named, const std::string& places, const Values& values) {
     const CohesiveLaw& law = named.law;
-    if (!law.breakable()) return {named.name, places, "never breaks", "", "", "", "", beyond_linear(named)};
+    const std::string name = "  " + named.name;  // below the head
+    if (!law.breakable()) return {name, places, "never breaks", "", "", "", "", beyond_linear(named)};
     const bool from_table = law.of_temperature && !law.of_temperature->friction.empty();
     const std::string friction = from_table ? "table" : formatted("%.4g", law.friction);
-    if (law.sigma_c <= 0) return {named.name, places, "no cohesion", "", "", friction, "", beyond_linear(named)};
-    return {named.name,
+    if (law.sigma_c <= 0) return {name, places, "no cohesion", "", "", friction, "", beyond_linear(named)};
+    return {name,
             places,
             formatted("%.4g", 1e-6 * law.sigma_c),
             formatted("%.4g, %.4g", law.G_c, 1e6 * law.delta_c()),
@@ -96,9 +97,8 @@ std::string laws_text(const ReadResult& read, const Mesh& mesh) {
         for (std::size_t k = 0; k < row.size(); ++k) width[k] = std::max(width[k], row[k].size());
     std::string text;
     for (const Row& row : rows) {
-        std::string line = &row == &rows.front() ? "" : "  ";
-        for (std::size_t k = 0; k < row.size(); ++k)
-            line += row[k] + std::string(width[k] - row[k].size() + (k == 0 && &row == &rows.front() ? 4 : 2), ' ');
+        std::string line;
+        for (std::size_t k = 0; k < row.size(); ++k) line += row[k] + std::string(width[k] - row[k].size() + 2, ' ');
         text += line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
     }
     for (std::size_t i = 0; i < scenario.crack_pressures.size(); ++i) {
