@@ -29,12 +29,27 @@ Breaks::Breaks(const Model& model, const State& start)
       settled_(model.n_points(), 0),
       n_broken_(model.interfaces.size(), 0),
       shear_(model.interfaces.size(), 0.0) {
+    settle(start);
+}
+
+/// What has no cohesion breaks no more.
+void Breaks::settle(const State& start) {
     for (std::size_t s = 0; s < start.split_fans.size(); ++s) {
-        const Fan& fan = model.fans[start.split_fans[s]];
+        const Fan& fan = model_.fans[start.split_fans[s]];
         for (Index k = 0; k < fan.n_points; ++k)
-            settled_[model.fan_points[fan.first_point + k].point] =
+            settled_[model_.fan_points[fan.first_point + k].point] =
                 start.points[start.first_point[s] + k].cohesion <= 0;
     }
+}
+
+void Breaks::renumber(const State& now, const Renumbering& numbers) {
+    settled_.assign(model_.n_points(), 0);
+    settle(now);
+    std::vector<std::uint8_t> n_broken(model_.interfaces.size(), 0);
+    std::vector<double> shear(model_.interfaces.size(), 0.0);
+    for (std::size_t i = 0; i < n_broken_.size(); ++i)
+        if (const Index next = numbers.interface[i]; next >= 0) n_broken[next] = n_broken_[i], shear[next] = shear_[i];
+    n_broken_ = std::move(n_broken), shear_ = std::move(shear);
 }
 
 std::vector<std::vector<double>> Breaks::found(const State& now) {

@@ -11,6 +11,7 @@
 // break counts as a shear break.
 #include "model/state.hpp"
 #include "output/outputs.hpp"
+#include "stepper/adaptation.hpp"
 
 namespace knap {
 
@@ -34,12 +35,17 @@ public:
     /// A line of break_columns() for each interface that has broken since the last call.
     std::vector<std::vector<double>> found(const State& now);
 
+    /// After a refinement of the mesh, to which `now` belongs.
+    void renumber(const State& now, const Renumbering& numbers);
+
     Index n_tensile() const { return n_tensile_; }
     Index n_shear() const { return n_shear_; }
 
     void serialize(auto& archive) { archive(settled_, n_broken_, shear_, n_tensile_, n_shear_); }
 
 private:
+    void settle(const State& state);
+
     const Model& model_;
     std::vector<std::uint8_t> settled_;   // per point: broken, or never had cohesion
     std::vector<std::uint8_t> n_broken_;  // per interface: its broken points

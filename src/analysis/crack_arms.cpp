@@ -24,6 +24,24 @@ CrackArms::CrackArms(InterfaceGraph graph, const CrackOptions& options)
       node_of_(edges_.graph().ends.size(), -1),
       owner_(edges_.graph().vertices.size(), -1) {}
 
+void CrackArms::renumber(InterfaceGraph graph, const Renumbering& numbers) {
+    const auto renumber_places = [](std::vector<Index>& of, const std::vector<Index>& numbers, std::size_t n) {
+        std::vector<Index> next(n, -1);
+        for (std::size_t i = 0; i < of.size(); ++i)
+            if (of[i] != -1) next[numbers[i]] = of[i];
+        of = std::move(next);
+    };
+    renumber_places(node_of_, numbers.interface, graph.ends.size());
+    renumber_places(owner_, numbers.vertex, graph.vertices.size());
+    edges_.renumber(std::move(graph), numbers);
+    for (CrackNode& node : nodes_) {
+        node.vertex = numbers.vertex[node.vertex];
+        if (node.edge >= 0) node.edge = numbers.interface[node.edge];
+    }
+    for (Index& e : loose_.edges) e = numbers.interface[e];
+    for (Index& v : loose_.way) v = numbers.vertex[v];
+}
+
 void CrackArms::grow(double time, std::span<const InterfaceStatus> status) {
     const std::vector<Index> cracked = edges_.add(time, status);
     Queue queue;

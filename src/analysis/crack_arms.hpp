@@ -96,7 +96,10 @@ public:
     /// the number of edges that cracked since the last time.
     void grow(double time, std::span<const InterfaceStatus> status);
 
-    void set_boundary(std::vector<std::uint8_t> on_boundary) { edges_.set_boundary(std::move(on_boundary)); }
+    void set_graph(InterfaceGraph graph) { edges_.set_graph(std::move(graph)); }
+
+    /// After a refinement of the mesh.
+    void renumber(InterfaceGraph graph, const Renumbering& numbers);
 
     const CrackedEdges& edges() const { return edges_; }
     const InterfaceGraph& graph() const { return edges_.graph(); }

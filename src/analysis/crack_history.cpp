@@ -33,6 +33,12 @@ double speed_over_window(std::span<const std::pair<double, double>> samples, dou
 CrackHistory::CrackHistory(InterfaceGraph graph, const CrackOptions& options)
     : arms_(std::move(graph), options), options_(options) {}
 
+void CrackHistory::renumber(InterfaceGraph graph, const Renumbering& numbers) {
+    arms_.renumber(std::move(graph), numbers);
+    if (pattern_.main_end) pattern_.main_end->vertex = numbers.vertex[pattern_.main_end->vertex];
+    for (CrackTip& tip : pattern_.tips) tip.vertex = numbers.vertex[tip.vertex];
+}
+
 const CrackPattern& CrackHistory::snapshot(double time, std::span<const InterfaceStatus> status) {
     times_.push_back(time);
     arms_.grow(time, status);

@@ -58,8 +58,11 @@ public:
     /// Continues to a later time [s], with one status per interface.
     const CrackPattern& snapshot(double time, std::span<const InterfaceStatus> status);
 
-    /// The free boundary from now on, per vertex of the graph: an excavation made new faces.
-    void set_boundary(std::vector<std::uint8_t> on_boundary) { arms_.set_boundary(std::move(on_boundary)); }
+    /// After an excavation, which makes new faces, or of a continued run.
+    void set_graph(InterfaceGraph graph) { arms_.set_graph(std::move(graph)); }
+
+    /// After a refinement of the mesh.
+    void renumber(InterfaceGraph graph, const Renumbering& numbers);
 
     const CrackPattern& pattern() const { return pattern_; }  // of the last snapshot
     const CrackArms& arms() const { return arms_; }

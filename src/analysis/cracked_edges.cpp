@@ -5,18 +5,43 @@
 #include <utility>
 
 namespace knap {
+namespace {
+
+Grouped<Index> edges_at_vertices(const InterfaceGraph& graph) {
+    return {graph.vertices.size(), [&](const auto& visit) {
+                for (std::size_t e = 0; e < graph.ends.size(); ++e)
+                    for (const Index v : graph.ends[e]) visit(v, static_cast<Index>(e));
+            }};
+}
+
+}  // namespace
 
 CrackedEdges::CrackedEdges(InterfaceGraph graph, Index gap_edges)
     : graph_(std::move(graph)),
       gap_edges_(gap_edges),
-      edges_at_(graph_.vertices.size(),
-                [&](const auto& visit) {
-                    for (std::size_t e = 0; e < graph_.ends.size(); ++e)
-                        for (const Index v : graph_.ends[e]) visit(v, static_cast<Index>(e));
-                }),
+      edges_at_(edges_at_vertices(graph_)),
       since_(graph_.ends.size(), never),
       connected_(graph_.vertices.size()),
       n_precracks_(graph_.vertices.size(), 0) {}
+
+void CrackedEdges::set_graph(InterfaceGraph graph) {
+    graph_ = std::move(graph);
+    edges_at_ = edges_at_vertices(graph_);
+}
+
+void CrackedEdges::renumber(InterfaceGraph graph, const Renumbering& numbers) {
+    CrackedEdges next(std::move(graph), gap_edges_);
+    if (!status_.empty()) next.status_.assign(next.graph_.ends.size(), InterfaceStatus::intact);
+    for (std::size_t e = 0; e < status_.size(); ++e) {
+        const Index now = numbers.interface[e];
+        if (now < 0) continue;
+        next.status_[now] = status_[e], next.since_[now] = since_[e];
+        const auto [a, b] = next.graph_.ends[now];
+        if (status_[e] == InterfaceStatus::precrack) ++next.n_precracks_[a], ++next.n_precracks_[b];
+        if (status_[e] == InterfaceStatus::precrack || cracked(static_cast<Index>(e))) next.connected_.join(a, b);
+    }
+    *this = std::move(next);
+}
 
 /// Searches along damaged edges; distances are numbers of edges.
 template <class GoesOn>

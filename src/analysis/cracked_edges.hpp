@@ -4,6 +4,7 @@
 #include "analysis/interface_graph.hpp"
 #include "base/grouped.hpp"
 #include "base/union_find.hpp"
+#include "stepper/adaptation.hpp"
 
 #include <functional>
 #include <limits>
@@ -26,8 +27,11 @@ public:
     /// Takes the status of all interfaces at a later time [s]. Returns the edges that join the set, ascending.
     std::vector<Index> add(double time, std::span<const InterfaceStatus> status);
 
-    /// Per vertex, in place of InterfaceGraph::on_boundary.
-    void set_boundary(std::vector<std::uint8_t> on_boundary) { graph_.on_boundary = std::move(on_boundary); }
+    /// In place of a graph with the same numbers.
+    void set_graph(InterfaceGraph graph);
+
+    /// The graph of a refined mesh, with the new numbers of vertices and edges; edges that are gone were intact.
+    void renumber(InterfaceGraph graph, const Renumbering& numbers);
 
     const InterfaceGraph& graph() const { return graph_; }
     std::span<const Index> edges_at(Index vertex) const { return edges_at_[vertex]; }

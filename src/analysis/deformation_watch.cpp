@@ -47,15 +47,21 @@ bool on_support(const Interface& interface) {
 }  // namespace
 
 DeformationWatch::DeformationWatch(const Model& model) : model_(model) {
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t) body_area_ += model.mesh.area(t);
+    triangle_area_ = body_area_ / std::max<Index>(1, model.mesh.n_triangles());
+    renew();
+}
+
+void DeformationWatch::renew() {
+    const Model& model = model_;
     double lowest = std::numeric_limits<double>::infinity();  // [m] height of a triangle
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
-        const double area = model.mesh.area(t);
-        body_area_ += area;
         for (Index k = 0; k < 3; ++k)
-            lowest = std::min(lowest, 2 * area / (model.mesh.corner(t, (k + 1) % 3) - model.mesh.corner(t, k)).norm());
+            lowest = std::min(
+                lowest, 2 * model.mesh.area(t) / (model.mesh.corner(t, (k + 1) % 3) - model.mesh.corner(t, k)).norm());
     }
     look_path_ = (model.large_rotation ? 0.1 : degree) * lowest;
-    triangle_area_ = body_area_ / std::max<Index>(1, model.mesh.n_triangles());
+    next_on_support_.clear();
 
     std::map<Index, std::vector<Index>> at_vertex;  // interfaces on supports
     for (Index i = 0; i < static_cast<Index>(model.interfaces.size()); ++i)

@@ -24,6 +24,9 @@ class DeformationWatch {
 public:
     explicit DeformationWatch(const Model& model);
 
+    /// After a refinement of the mesh: sizes of the triangles, interfaces on supports.
+    void renew();
+
     /// Rotation, or strain if rotations are large, change of area, slip: some ten nanoseconds per triangle.
     void look_at(const State& state);
     /// Overlap: as expensive as some steps.

@@ -70,7 +70,8 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.crossing_loss += report.crossing_loss;
     const double work = row_.external_work - row_.cohesive_work + row_.friction_work + row_.impact_work +
                         row_.step_change_work + row_.rotation_work + row_.damping_work + row_.radiated_work -
-                        row_.scheme_dissipation + row_.excavation_work - row_.excavated_energy + row_.thermal_work;
+                        row_.scheme_dissipation + row_.excavation_work - row_.excavated_energy + row_.thermal_work +
+                        row_.adaptation;
     row_.residual = row_.kinetic + row_.strain - start_energy_ - work;
     row_.law_lag = row_.cohesive_work + row_.law_change - row_.crossing_loss - row_.viscous_dissipation -
                    row_.surface() - row_.excavated_recoverable;
@@ -107,6 +108,21 @@ void EnergyLedger::excavate(const ExcavationEnergies& energies) {
     row_.recoverable -= energies.recoverable;
     row_.interface_elastic -= energies.interface_elastic;
     excavated_dissipated_ += energies.dissipated;
+}
+
+void EnergyLedger::adapt(const Renumbering& numbers, const LeapfrogEnergies& energies) {
+    row_.adaptation += energies.kinetic + energies.strain - (row_.kinetic + row_.strain);
+    row_.kinetic = energies.kinetic, row_.strain = energies.strain;
+    if (Index& corner = worst_.drop_corner; corner >= 0) {
+        const std::vector<Index>& before = numbers.triangle_before;
+        const Index now = static_cast<Index>(std::ranges::find(before, corner / 3) - before.begin());
+        corner = 3 * now + corner % 3;  // a point that softens keeps its triangles
+    }
+}
+
+void EnergyLedger::renew(const Model& model, double weakest_point) {
+    smallest_mass_ = std::min(smallest_mass_, std::ranges::min(model.corner_mass));
+    weakest_point_ = std::min(weakest_point_, weakest_point);
 }
 
 std::span<const Measure<EnergyRow>> energy_columns() {
@@ -165,6 +181,10 @@ std::span<const Measure<EnergyRow>> energy_columns() {
          [](const R& r) { return r.excavated_energy; }},
         {"excavated_recoverable", "J", "recoverable energy of their interfaces that left with them; likewise",
          [](const R& r) { return r.excavated_recoverable; }},
+        {"adaptation", "J",
+         "change of the energy by refinements of the mesh so far: short waves that the old vertices carried alone; "
+         "with [adapt]",
+         [](const R& r) { return r.adaptation; }},
         {"thermal_work", "J", "work of thermal strains that change so far; with heat",
          [](const R& r) { return r.thermal_work; }},
         {"law_change", "J",
@@ -202,7 +222,8 @@ std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works) {
                (column.name == "damping_work" && !works.damping) ||
                (column.name == "radiated_work" && !works.radiation) ||
                (column.name == "interface_elastic" && !works.secant) ||
-               (column.name == "thermal_work" && !works.heat) || (column.name == "law_change" && !works.law_change) ||
+               (column.name == "adaptation" && !works.adaptation) || (column.name == "thermal_work" && !works.heat) ||
+               (column.name == "law_change" && !works.law_change) ||
                (column.name == "viscous_dissipation" && !works.delay) ||
                (column.name.starts_with("heat") && !works.conduction) ||
                (column.name.starts_with("excavat") && !works.excavation);

@@ -30,6 +30,7 @@
 // the step. Energy present at the start, of motion or of a preload, is no work.
 #include "model/state.hpp"
 #include "output/outputs.hpp"
+#include "stepper/adaptation.hpp"
 #include "stepper/common/scheme_options.hpp"
 #include "stepper/common/step_report.hpp"
 
@@ -49,6 +50,7 @@ struct EnergyRow {
     double external_work = 0, cohesive_work = 0, friction_work = 0, impact_work = 0, step_change_work = 0;
     double rotation_work = 0, damping_work = 0, radiated_work = 0, excavation_work = 0;
     double excavated_energy = 0, excavated_recoverable = 0;  // that left with excavated regions
+    double adaptation = 0;                                   // of refinements of the mesh: change of the energy
     double scheme_dissipation = 0;                           // by theta > 1/2
     double thermal_work = 0;                                 // of thermal strains that change
     double law_change = 0;                                   // of strengths that follow the temperature
@@ -61,8 +63,8 @@ struct EnergyRow {
     void serialize(auto& archive) {
         archive(time, step, kinetic, strain, dissipated, recoverable, interface_elastic, external_work, cohesive_work,
                 friction_work, impact_work, step_change_work, rotation_work, damping_work, radiated_work,
-                excavation_work, excavated_energy, excavated_recoverable, scheme_dissipation, thermal_work, law_change,
-                viscous_dissipation, heat, heat_in, residual, crossing_loss, law_lag);
+                excavation_work, excavated_energy, excavated_recoverable, adaptation, scheme_dissipation, thermal_work,
+                law_change, viscous_dissipation, heat, heat_in, residual, crossing_loss, law_lag);
     }
 };
 std::span<const Measure<EnergyRow>> energy_columns();
@@ -73,8 +75,8 @@ double median_kinetic_part(const History& energy);
 
 /// Works that only some scenes have; energy.csv of the others has no columns for them.
 struct RareWorks {
-    bool rotation = false, damping = false, radiation = false, excavation = false, secant = false, heat = false,
-         conduction = false, law_change = false, delay = false, incubation = false;
+    bool rotation = false, damping = false, radiation = false, excavation = false, adaptation = false, secant = false,
+         heat = false, conduction = false, law_change = false, delay = false, incubation = false;
 };
 std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works);
 
@@ -88,6 +90,11 @@ public:
     void add(const State& end, const StepReport& report);
     /// A region vanished.
     void excavate(const ExcavationEnergies& energies);
+
+    /// The mesh was refined.
+    void adapt(const Renumbering& numbers, const LeapfrogEnergies& energies);
+    /// The model has become its successor.
+    void renew(const Model& model, double weakest_point);
 
     const EnergyRow& row() const { return row_; }
     const StepReport& worst() const { return worst_; }  // maxima and counts over all steps

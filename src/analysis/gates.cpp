@@ -180,10 +180,13 @@ const GateRule rules[] = {
      [](const GateView& run) { return over_dissipated(run, run.ledger.row().step_change_work); }},
     {{"rotation_work_part", "",
       "largest defect of the elastic energy by large rotations (rotation_work) over the largest energy; it decreases "
-      "with the square of the step",
+      "with the square of the step (place: of the largest strain)",
       "Try a smaller time.step or time.safety, or a slower motion."},
      {none, 1e-3, allowed},
-     [](const GateView& run) { return GateValue{run.ledger.largest_rotation_work() / energy_scale(run.ledger)}; }},
+     [](const GateView& run) {
+         return GateValue{.value = run.ledger.largest_rotation_work() / energy_scale(run.ledger),
+                          .place = of_deformation<&DeformationWatch::strain>(run).place};
+     }},
     {{"heat_residual", "", "error of the balance of heat over its contents and flows; with conduction",
       "The equations of heat conduction were not solved to rounding: look for flat triangles (mesh.quality) and "
       "conductivities that differ by many powers of ten."},

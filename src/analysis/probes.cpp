@@ -177,18 +177,20 @@ std::vector<std::string> probe_columns(const ProbeOptions& probe) {
 }
 
 Probes::Probes(const Model& model, const std::vector<ProbeOptions>& probes) : model_(model) {
-    for (const ProbeOptions& probe : probes) {
-        Probe made{.options = probe};
-        switch (probe.watch) {
-            case ProbeOptions::Watch::place: made.place = {model.mesh, probe.at, model.vanished}; break;
-            case ProbeOptions::Watch::interface: made.interface = interface_near(model, probe); break;
-            case ProbeOptions::Watch::stress:
-                made.triangles = selected_triangles(model.mesh, {.boundary = "", .box = probe.box, .body = ""});
-                if (made.triangles.empty())
-                    throw SimulationError("probe `" + probe.name + "` watches a box that contains no triangle");
-        }
-        probes_.push_back(std::move(made));
+    for (const ProbeOptions& probe : probes) probes_.push_back(placed(probe));
+}
+
+Probes::Probe Probes::placed(const ProbeOptions& probe) const {
+    Probe made{.options = probe};
+    switch (probe.watch) {
+        case ProbeOptions::Watch::place: made.place = {model_.mesh, probe.at, model_.vanished}; break;
+        case ProbeOptions::Watch::interface: made.interface = interface_near(model_, probe); break;
+        case ProbeOptions::Watch::stress:
+            made.triangles = selected_triangles(model_.mesh, {.boundary = "", .box = probe.box, .body = ""});
+            if (made.triangles.empty())
+                throw SimulationError("probe `" + probe.name + "` watches a box that contains no triangle");
     }
+    return made;
 }
 
 const ProbeOptions* Probes::first_lost() const {
@@ -206,9 +208,7 @@ const ProbeOptions* Probes::first_lost() const {
 }
 
 void Probes::renew() {
-    for (Probe& probe : probes_)
-        if (probe.options.watch == ProbeOptions::Watch::place)
-            probe.place = {model_.mesh, probe.options.at, model_.vanished};
+    for (Probe& probe : probes_) probe = placed(probe.options);
 }
 
 std::vector<std::string> Probes::columns() const {

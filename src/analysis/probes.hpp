@@ -68,7 +68,7 @@ public:
     bool empty() const { return probes_.empty(); }
     /// The first one whose place or interface was excavated; null where none was.
     const ProbeOptions* first_lost() const;
-    /// After an excavation at a place of a probe, only what remains there moves with it.
+    /// After an excavation, when only what remains at a place moves with it, or a refinement of the mesh.
     void renew();
 
     /// Columns and line of probes.csv: time, then the columns of each probe.
@@ -84,6 +84,8 @@ private:
         Index interface = -1;
         std::vector<Index> triangles = {};  // of a mean stress
     };
+    Probe placed(const ProbeOptions& probe) const;
+
     const Model& model_;
     std::vector<Probe> probes_;
 };

@@ -11,20 +11,24 @@ Reactions::Reactions(const Model& model) : model_(model) {
             if (motion.component[k]) loads_.push_back(motion.history[k]);
     std::ranges::sort(loads_);
     loads_.erase(std::unique(loads_.begin(), loads_.end()), loads_.end());
+    renew();
     std::vector<int> n_held(loads_.size(), 0);
-    for (Index corner = 0; corner < model.mesh.n_corners(); ++corner) {
-        const Index i = model.prescribed_of_corner[corner];
-        for (int k = 0; i >= 0 && k < 2; ++k) {
-            if (!model.prescribed[i].component[k]) continue;
-            const auto at = std::ranges::lower_bound(loads_, model.prescribed[i].history[k]);
-            const Index place = static_cast<Index>(at - loads_.begin());
-            held_.push_back({place, corner, k});
-            ++n_held[place];
-        }
-    }
+    for (const Held& held : held_) ++n_held[held.place];
     places_.assign(loads_.size(), Vec2::Zero());
     for (const Held& held : held_) places_[held.place] += model.mesh.corner(held.corner) / n_held[held.place];
     for (const Obstacle& obstacle : model.obstacles) places_.push_back(obstacle.start.position);
+}
+
+void Reactions::renew() {
+    held_.clear();
+    for (Index corner = 0; corner < model_.mesh.n_corners(); ++corner) {
+        const PrescribedMotion* motion = model_.motion_of(corner);
+        for (int k = 0; motion && k < 2; ++k) {
+            if (!motion->component[k]) continue;
+            const auto at = std::ranges::lower_bound(loads_, motion->history[k]);
+            held_.push_back({static_cast<Index>(at - loads_.begin()), corner, k});
+        }
+    }
 }
 
 std::vector<Reaction> Reactions::at(const State& state) const {

@@ -28,6 +28,9 @@ class Reactions {
 public:
     explicit Reactions(const Model& model);
 
+    /// After a refinement of the mesh.
+    void renew();
+
     bool empty() const { return loads_.empty() && model_.obstacles.empty(); }
     /// The loads of the scenario that prescribe a motion of any corner: later loads may replace one everywhere.
     const std::vector<Index>& loads() const { return loads_; }
@@ -56,7 +59,7 @@ private:
     const Model& model_;
     std::vector<Index> loads_;
     std::vector<Held> held_;
-    std::vector<Vec2> places_;
+    std::vector<Vec2> places_;  // at the start
 };
 
 }  // namespace knap

@@ -57,7 +57,7 @@ public:
         number_nodes();
         add_triangles();
         check_plane();
-        const std::vector<Index> new_number = order_along_curve(mesh_);
+        const std::vector<Index> new_number = order_along_curve(mesh_).vertex;
         for (Index& vertex : vertex_of_node_)
             if (vertex >= 0) vertex = new_number[vertex];
         try {

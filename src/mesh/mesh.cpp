@@ -45,7 +45,7 @@ void find_edges(Mesh& mesh) {
     }
 }
 
-std::vector<Index> order_along_curve(Mesh& mesh) {
+CurveOrder order_along_curve(Mesh& mesh) {
     const Box box = bounding_box(mesh.vertices);
     const double scale = 65535.0 / box.extent().maxCoeff();
     std::vector<std::pair<std::uint32_t, Index>> keys;
@@ -56,12 +56,14 @@ std::vector<Index> order_along_curve(Mesh& mesh) {
     std::ranges::sort(keys);
 
     Mesh ordered;
-    std::vector<Index> number(mesh.vertices.size(), -1);
+    CurveOrder order{std::vector<Index>(mesh.vertices.size(), -1), {}};
     for (const auto& [key, t] : keys) {
+        order.triangle.push_back(t);
         std::array<Index, 3> corners = mesh.triangles[t];
         for (Index& v : corners) {
-            if (number[v] < 0) number[v] = ordered.n_vertices(), ordered.vertices.push_back(mesh.vertices[v]);
-            v = number[v];
+            Index& number = order.vertex[v];
+            if (number < 0) number = ordered.n_vertices(), ordered.vertices.push_back(mesh.vertices[v]);
+            v = number;
         }
         ordered.triangles.push_back(corners);
         if (!mesh.region.empty()) ordered.region.push_back(mesh.region[t]);
@@ -69,7 +71,7 @@ std::vector<Index> order_along_curve(Mesh& mesh) {
     mesh.vertices = std::move(ordered.vertices);
     mesh.triangles = std::move(ordered.triangles);
     mesh.region = std::move(ordered.region);
-    return number;
+    return order;
 }
 
 void append(Mesh& mesh, const Mesh& body) {

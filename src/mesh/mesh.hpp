@@ -15,12 +15,16 @@ struct InteriorEdge {
     std::array<Index, 2> side;      // the number of the edge (0..2) in each of them
     bool cracked = false;           // no cohesion from the start
     Index joint = -1;               // number of the joint set whose law acts here, -1 = none
+
+    void serialize(auto& archive) { archive(triangle, side, cracked, joint); }
 };
 
 struct BoundaryEdge {
     Index triangle;
     Index side;      // 0..2
     Index boundary;  // index into boundary_names
+
+    void serialize(auto& archive) { archive(triangle, side, boundary); }
 };
 
 /// Consecutive triangles with a name: a body of a scene, or several bodies.
@@ -42,6 +46,11 @@ struct Mesh {
     std::vector<BoundaryEdge> boundary_edges;
     std::vector<std::string> boundary_names;
     std::vector<MeshPart> parts;  // bodies first, then groups of them; empty: one body without a name
+
+    /// Of a mesh of first order without grains and parts.
+    void serialize(auto& archive) {
+        archive(vertices, triangles, region, interior_edges, boundary_edges, boundary_names);
+    }
 
     Index n_triangles() const { return static_cast<Index>(triangles.size()); }
     Index n_vertices() const { return static_cast<Index>(vertices.size()); }
@@ -79,17 +88,25 @@ struct Mesh {
 void find_edges(Mesh& mesh);
 
 /// Renumbers triangles and vertices along a Hilbert curve, so that neighbours are near in memory; edges must be found
-/// afterwards. Vertices without a triangle are dropped. Returns the new number of every old vertex, -1 for a dropped
-/// one.
-std::vector<Index> order_along_curve(Mesh& mesh);
+/// afterwards. Vertices without a triangle are dropped.
+struct CurveOrder {
+    std::vector<Index> vertex;    // the new number of every old one, -1 for a dropped one
+    std::vector<Index> triangle;  // the old number of every new one
+};
+CurveOrder order_along_curve(Mesh& mesh);
 
 /// Adds the triangles, edges and boundaries of another body behind those of `mesh`. Neither has grains.
 void append(Mesh& mesh, const Mesh& body);
 
+/// One key for an edge in one direction.
+inline std::uint64_t directed_key(Index from, Index to) {
+    return (static_cast<std::uint64_t>(from) << 32) | static_cast<std::uint32_t>(to);
+}
+
 /// One key for the edge between two vertices, in either direction.
 inline std::uint64_t edge_key(std::array<Index, 2> ends) {
     const auto [low, high] = std::minmax(ends[0], ends[1]);
-    return (static_cast<std::uint64_t>(low) << 32) | static_cast<std::uint32_t>(high);
+    return directed_key(low, high);
 }
 
 /// The triangles whose centroids lie in a polygon [m], ascending.

@@ -296,12 +296,11 @@ void check_corners(const PlanarGraph& graph) {
 /// About the number of triangles that the mesh would have.
 double expected_triangles(double area, const MeshOptions& options) {
     double sum = area / (options.size * options.size);
-    for (const RefineBox& box : options.refine) {
-        // inside the box, and in the seam around it where the size grows:
+    for (const RefinedPlace& place : options.refine) {
+        // inside the place, and in the seam around it where the size grows:
         // integral of dx/(size + grading x)^2 = 1/(size grading)
-        const Vec2 extent = box.high - box.low;
-        sum += std::min(area, extent.x() * extent.y()) / (box.size * box.size);
-        sum += std::min(2 * extent.sum(), area / box.size) / (box.size * options.grading);
+        sum += std::min(area, place.area()) / (place.size * place.size);
+        sum += std::min(place.perimeter(), area / place.size) / (place.size * options.grading);
     }
     return sum / area_of_unit_triangle;
 }
@@ -360,10 +359,10 @@ void check_sizes(const Shape& shape, const MeshOptions& options) {
     check(options.grading > 0 && options.grading <= 1, "the grading must be above 0 and at most 1");
     check(options.min_angle >= 0 && options.min_angle <= 30,
           "the requested smallest angle must lie between 0 and 30 degree");
-    for (const RefineBox& box : options.refine) {
-        const Vec2 extent = box.high - box.low;
-        check(box.size > 0 && std::isfinite(box.size), "the mesh size of a refine box must be above zero");
-        check(extent.minCoeff() >= 0 && extent.allFinite(), "a refine box must have low <= high");
+    for (const RefinedPlace& place : options.refine) {
+        const Vec2 extent = place.box.extent();
+        check(place.size > 0 && std::isfinite(place.size), "the mesh size of a refined place must be above zero");
+        check(extent.minCoeff() >= 0 && extent.allFinite(), "a refined box must have low <= high");
     }
     const Vec2 extent = bounding_box(shape.outer.points).extent();
     const double area = shape.area();

@@ -11,20 +11,36 @@ Index clamped(double position, Index n) {
     return std::clamp(static_cast<Index>(std::floor(position)), Index{0}, n - 1);
 }
 
+/// The inner ends of random pieces of 1 to 1.42 in a length; both without a unit.
+std::vector<double> random_pieces(double length, Random& random) {
+    if (length <= 1.42) return {};
+    std::vector<double> pieces(std::max(2, static_cast<int>(std::lround(length / 1.2))));
+    for (double& piece : pieces) piece = random.uniform(0.83, 1.17);
+    const double scale = length / std::accumulate(pieces.begin(), pieces.end(), 0.0);
+    pieces.pop_back();  // ends at the end
+    double until = 0;
+    for (double& piece : pieces) piece = until += scale * piece;
+    return pieces;
+}
+
 }  // namespace
 
 std::vector<Vec2> points_along(const Vec2& a, const Vec2& b, const SizeField& radius, Random& random) {
     LengthInSizes in_radii((b - a).norm(), radius, [&](double position) { return Vec2(a + (b - a) * position); });
-    if (in_radii.total() <= 1.42) return {};
-    std::vector<double> pieces(std::max(2, static_cast<int>(std::lround(in_radii.total() / 1.2))));
-    for (double& piece : pieces) piece = random.uniform(0.83, 1.17);
-    const double scale = in_radii.total() / std::accumulate(pieces.begin(), pieces.end(), 0.0);
-    pieces.pop_back();  // ends at b
-
     std::vector<Vec2> points;
-    double target = 0;
-    for (const double piece : pieces) points.push_back(a + (b - a) * in_radii.position(target += scale * piece));
+    for (const double target : random_pieces(in_radii.total(), random))
+        points.push_back(a + (b - a) * in_radii.position(target));
     return points;
+}
+
+/// With r = r_a (1 + g x) at a part x of the line, the length up to x in local radii is L/r_a log(1 + g x)/g.
+std::vector<double> pieces_along(double length, double radius_at_start, double radius_at_end, Random& random) {
+    const double g = radius_at_end / radius_at_start - 1, in_radii = length / radius_at_start;
+    const bool is_uniform = std::abs(g) < 1e-6;
+    std::vector<double> parts;
+    for (const double target : random_pieces(in_radii * (is_uniform ? 1 : std::log1p(g) / g), random))
+        parts.push_back(is_uniform ? target / in_radii : std::expm1(g * target / in_radii) / g);
+    return parts;
 }
 
 std::vector<Vec2> poisson_points(const Shape& shape, const std::vector<Vec2>& on_lines, const SizeField& radius,

@@ -12,8 +12,15 @@
 
 namespace knap {
 
+/// Poisson discs of this radius times the requested mean edge length give that mean edge length (measured).
+inline constexpr double radius_per_size = 0.775;
+
 /// The inner points that divide a-b into pieces of 1 to 1.42 radii.
 std::vector<Vec2> points_along(const Vec2& a, const Vec2& b, const SizeField& radius, Random& random);
+
+/// Where a line of that length [m] is divided into such pieces, as parts of it; the radius varies linearly between its
+/// ends [m].
+std::vector<double> pieces_along(double length, double radius_at_start, double radius_at_end, Random& random);
 
 /// Points inside the body that keep the distance `radius` from each other and from the given points on its lines.
 std::vector<Vec2> poisson_points(const Shape& shape, const std::vector<Vec2>& on_lines, const SizeField& radius,

@@ -13,6 +13,11 @@ struct Box {
     Vec2 middle() const { return 0.5 * (low + high); }
     double diagonal() const { return (high - low).norm(); }
     bool contains(const Vec2& p) const { return (p.array() >= low.array()).all() && (p.array() <= high.array()).all(); }
+    bool meets(const Box& other) const {
+        return (low.array() <= other.high.array()).all() && (high.array() >= other.low.array()).all();
+    }
+    /// [m] 0 inside.
+    double distance(const Vec2& p) const { return (low - p).cwiseMax(p - high).cwiseMax(Vec2::Zero()).norm(); }
     /// Counterclockwise from `low`.
     std::vector<Vec2> corners() const { return {low, {high.x(), low.y()}, high, {low.x(), high.y()}}; }
 };

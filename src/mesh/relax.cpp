@@ -18,11 +18,12 @@ TriangleQuality QualityTarget::operator()(const Mesh& mesh, Index triangle, doub
     const double squares = (b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm();
     const double half_trace = 0.5 * squares / (twice_area * twice_area), determinant = 3 / (twice_area * twice_area);
     const double largest = half_trace + std::sqrt(std::max(0.0, half_trace * half_trace - determinant));
-    quality.step = std::sqrt(2 / largest) / size / step_ratio_;
+    quality.step = std::sqrt(2 / largest) / size / step_ratio;
     return quality;
 }
 
-void relax_worst(Mesh& mesh, const std::vector<char>& fixed, const SizeField& size, const QualityTarget& target) {
+void relax_worst(Mesh& mesh, const std::vector<char>& fixed, const std::function<double(const Vec2&)>& size,
+                 const QualityTarget& target) {
     static const std::array<Vec2, 8> directions{Vec2(1, 0),  Vec2(0.7, 0.7),   Vec2(0, 1),  Vec2(-0.7, 0.7),
                                                 Vec2(-1, 0), Vec2(-0.7, -0.7), Vec2(0, -1), Vec2(0.7, -0.7)};
     const Grouped<Index> stars = vertex_stars(mesh);

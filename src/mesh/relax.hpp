@@ -2,9 +2,9 @@
 // Moves single vertices of the worst triangles to lengthen the explicit time step, and leaves the others at their
 // random places.
 #include "mesh/mesh.hpp"
-#include "mesh/size_field.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 
 namespace knap {
@@ -40,12 +40,16 @@ public:
     /// sum grad N grad N'. `size` [m] is the requested edge length.
     TriangleQuality operator()(const Mesh& mesh, Index triangle, double size) const;
 
+    /// Of the stable step of a triangle over that of an equilateral one of the requested edge length.
+    static constexpr double step_ratio = 0.66;
+
 private:
-    double min_sine_, step_ratio_ = 0.66;
+    double min_sine_;
 };
 
-/// Tries to lift step ratio and smallest angle of every triangle above the target. `fixed` has one flag per vertex.
-/// Reads vertices and triangles only.
-void relax_worst(Mesh& mesh, const std::vector<char>& fixed, const SizeField& size, const QualityTarget& target);
+/// Tries to lift step ratio and smallest angle of every triangle above the target. `fixed` has one flag per vertex;
+/// `size` [m] is the requested edge length at a place. Reads vertices and triangles only.
+void relax_worst(Mesh& mesh, const std::vector<char>& fixed, const std::function<double(const Vec2&)>& size,
+                 const QualityTarget& target);
 
 }  // namespace knap

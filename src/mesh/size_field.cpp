@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace knap {
@@ -9,6 +10,12 @@ namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
 constexpr double min_sides_of_turn = 12;
+
+double length_of(const std::vector<Segment>& line) {
+    double length = 0;
+    for (const Segment& s : line) length += (s.b - s.a).norm();
+    return length;
+}
 
 LengthInSizes length_in_sizes(const Arc& arc, const SizeField& size) {
     return {arc.length(), size, [&](double position) { return arc.at(position); }};
@@ -21,18 +28,42 @@ double n_sides(const Arc& arc, double length_in_sizes) {
 
 }  // namespace
 
+double RefinedPlace::distance(const Vec2& p) const {
+    if (line.empty()) return box.distance(p);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Segment& s : line) nearest = std::min(nearest, distance_to_segment(s.a, s.b, p));
+    return std::max(0.0, nearest - half_width);
+}
+
+double RefinedPlace::area() const {
+    const Vec2 extent = box.extent();
+    return line.empty() ? extent.x() * extent.y()
+                        : 2 * half_width * length_of(line) + std::numbers::pi * half_width * half_width;
+}
+
+double RefinedPlace::perimeter() const {
+    return line.empty() ? 2 * box.extent().sum() : 2 * length_of(line) + turn * half_width;
+}
+
+RefinedPlace refined_strip(const std::vector<Vec2>& points, double width, double size) {
+    const Box box = bounding_box(points);
+    const Vec2 margin = Vec2::Constant(0.5 * width);
+    return {{box.low - margin, box.high + margin}, size, sides_of(points, false), 0.5 * width};
+}
+
 double SizeField::operator()(const Vec2& p) const {
     double size = options_.size;
-    for (const RefineBox& box : options_.refine) {
-        const Vec2 outside = (box.low - p).cwiseMax(p - box.high).cwiseMax(Vec2::Zero());
-        size = std::min(size, box.size + options_.grading * outside.norm());
+    for (const RefinedPlace& place : options_.refine) {
+        const double least = place.size + options_.grading * place.box.distance(p);
+        if (least >= size) continue;  // without a look at all segments of a distant strip
+        size = place.line.empty() ? least : std::min(size, place.size + options_.grading * place.distance(p));
     }
     return factor_ * size;
 }
 
 double SizeField::smallest() const {
     double size = options_.size;
-    for (const RefineBox& box : options_.refine) size = std::min(size, box.size);
+    for (const RefinedPlace& place : options_.refine) size = std::min(size, place.size);
     return factor_ * size;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The requested mean edge length at a point (smallest in the refine boxes, growing linearly with the distance from
+// The requested mean edge length at a point (smallest in the refined places, growing linearly with the distance from
 // them), and lines and arcs divided into pieces of that length. Vertices lie on the arc, so that areas converge at
 // second order.
 #include "mesh/polygon.hpp"
@@ -10,16 +10,26 @@
 
 namespace knap {
 
-struct RefineBox {
-    Vec2 low, high;  // [m]
-    double size;     // [m] requested mean edge length inside
+/// A place with a mesh size of its own: a box, or a strip along a polyline, all within half its width of the line.
+struct RefinedPlace {
+    Box box;                      // the place, or a box around the strip
+    double size;                  // [m] requested mean edge length inside
+    std::vector<Segment> line{};  // of a strip
+    double half_width = 0;        // [m] of the strip
+
+    double distance(const Vec2& p) const;  // [m] 0 inside
+    double area() const;                   // [m2] of a strip about, as if it were straight
+    double perimeter() const;              // [m] likewise
 };
 
+/// At least one point is needed.
+RefinedPlace refined_strip(const std::vector<Vec2>& points, double width, double size);
+
 struct MeshOptions {
-    double size = 0;                // [m] requested mean edge length, met within 5 %
-    std::vector<RefineBox> refine;  // the smallest size wins where boxes overlap
-    double grading = 0.3;           // [-] growth of the size per distance away from a refine box
-    double min_angle = 20;          // [degree] requested smallest angle, at most 30
+    double size = 0;                   // [m] requested mean edge length, met within 5 %
+    std::vector<RefinedPlace> refine;  // the smallest size wins where places overlap
+    double grading = 0.3;              // [-] growth of the size per distance away from a refined place
+    double min_angle = 20;             // [degree] requested smallest angle, at most 30
     std::uint64_t seed = 1;
 };
 

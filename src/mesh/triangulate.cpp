@@ -1,17 +1,12 @@
-// Random points, their constrained Delaunay triangulation, and Delaunay refinement where that is not good enough. The
-// only file that includes CGAL (its Mesh_2 package is GPL). Source of the refinement: J. R. Shewchuk, "Delaunay
-// refinement algorithms for triangular mesh generation", Comput. Geom. 22 (2002) 21.
+// Random points, their constrained Delaunay triangulation, and Delaunay refinement where that is not good enough.
+// Source of the refinement: J. R. Shewchuk, "Delaunay refinement algorithms for triangular mesh generation", Comput.
+// Geom. 22 (2002) 21.
 #include "mesh/triangulate.hpp"
 
+#include "mesh/constrained_delaunay.hpp"
 #include "mesh/planar_graph.hpp"
 #include "mesh/poisson_discs.hpp"
 #include "mesh/relax.hpp"
-
-#include <CGAL/Constrained_Delaunay_triangulation_2.h>
-#include <CGAL/Delaunay_mesh_face_base_2.h>
-#include <CGAL/Delaunay_mesher_2.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include <cmath>
 #include <map>
@@ -22,22 +17,8 @@
 namespace knap {
 namespace {
 
-/// Poisson discs of this radius times the requested mean edge length give that mean edge length (measured).
-constexpr double radius_per_size = 0.775;
-
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-struct Number {
-    Index value = -1;  // also of the infinite vertex
-};
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<Number, Kernel>;
-using FaceBase = CGAL::Delaunay_mesh_face_base_2<Kernel>;
-using Structure = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
-using Delaunay = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::Exact_predicates_tag>;
-using Point = Kernel::Point_2;
-using Vertex = Delaunay::Vertex_handle;
-using Face = Delaunay::Face_handle;
-
-Vec2 position(const Vertex& v) { return {v->point().x(), v->point().y()}; }
+using delaunay::Face, delaunay::Point, delaunay::position, delaunay::Vertex;
+using Delaunay = delaunay::Triangulation;
 
 /// A triangle is bad when a further point would fit into it (circumradius above the local radius), or for its smallest
 /// angle. Interface as CGAL's mesher requires it.
@@ -262,7 +243,7 @@ Mesh triangulate(const Shape& shape, const MeshOptions& options) {
     std::vector<char> fixed(mesh.vertices.size(), 0);
     for (const GraphSegment& edge : on_lines) fixed[edge.from] = fixed[edge.to] = 1;
     relax_worst(mesh, fixed, size, QualityTarget(options.min_angle + 2));
-    const std::vector<Index> number = order_along_curve(mesh);
+    const std::vector<Index> number = order_along_curve(mesh).vertex;
     for (GraphSegment& edge : on_lines) edge.from = number[edge.from], edge.to = number[edge.to];
     tag_regions(mesh, shape);
     find_edges(mesh);

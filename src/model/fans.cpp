@@ -35,6 +35,7 @@ void make_interfaces(const ModelInput& input, const SupportOfEdge& support_of_ed
         const BoundaryEdge& edge = mesh.boundary_edges[i];
         const Support& support = input.supports[support_of_edge[i]];
         add_interface(rigid_support, edge.triangle, edge.side, support.law, !support.glued, support.gap, model);
+        model.interfaces.back().beyond = support.beyond;
     }
 }
 

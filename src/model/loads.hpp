@@ -85,6 +85,7 @@ struct Support {
     Index law = 0;       // index into the model's laws
     bool glued = false;  // false: cohesion zero from the start, contact and friction only
     double gap = 0;      // [m] initial distance along the outward normal
+    double beyond = 0;   // [m] with contact between free faces: how far it goes on straight where it ends
 };
 
 /// A region that vanishes. The forces that it exerted on the rest of the body decrease linearly to zero.

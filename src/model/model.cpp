@@ -308,6 +308,7 @@ Model make_model(ModelInput input) {
     start_as_driven(model);
     model.obstacles = std::move(input.obstacles);
     model.contact_of_pair = std::move(input.contact_of_pair);
+    model.ground = make_ground(model);
     model.heat = std::move(input.heat);
     if (model.heat && model.large_rotation)
         throw UserError("heat-rotation", "thermal strain needs small rotations", "rotation = \"small\" in [domain]");

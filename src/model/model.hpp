@@ -1,6 +1,6 @@
 #pragma once
-// The discrete model: immutable once made. What changes during a run is State; only an excavation replaces the model by
-// its successor (successor.hpp).
+// The discrete model: immutable once made. What changes during a run is State; only an excavation or a refined mesh
+// replaces the model by its successor (successor.hpp).
 //
 // Every triangle owns its corners (mesh.hpp). Every interior edge, and every boundary edge on a support, is an
 // interface with points (nodal quadrature): of order 1 two, one at each end, of area S = 1/2 length x thickness; of
@@ -14,6 +14,7 @@
 #include "material/elastic.hpp"
 #include "mesh/mesh.hpp"
 #include "microstructure/scatter.hpp"
+#include "model/ground.hpp"
 #include "model/heat.hpp"
 #include "model/loads.hpp"
 #include "model/obstacle.hpp"
@@ -33,6 +34,7 @@ struct Interface {
     Index law;                      // into Model::laws
     bool cracked;                   // no cohesion from the start
     double gap;                     // [m] initial opening (supports only)
+    double beyond = 0;              // [m] how far the ground goes on straight where the support ends (supports only)
 };
 
 /// An interface point between the corners `before` and `after` (counterclockwise); either may be the support.
@@ -154,15 +156,23 @@ struct Model {
     bool large_rotation = false;  // Green's strain and turned fans; else all rotations are small
     std::vector<std::vector<ContactLaw>> contact_of_pair;  // [material][material], symmetric; empty: faces that are no
                                                            // neighbours pass through each other
+    Ground ground;                                         // the supports, with contact; its vertices are numbered
+                                                           // behind the corners
     std::shared_ptr<const Heat> heat;                      // null: no temperatures
     // Excavated triangles keep their numbers, and so do their corners and interfaces, so that all numbers hold for the
     // whole run. Their interfaces have no points, and each of their corners is a fan of its own without forces, at rest
     // in its first place: a step does nothing there.
     std::vector<std::uint8_t> vanished;  // [0/1] per triangle; empty: nothing was excavated
+    // A step in which such a fan comes apart is rejected, so that the mesh becomes finer there first.
+    std::vector<std::uint8_t> too_coarse;  // [0/1] per fan; empty: the mesh does not change
 
     Index points_per_interface() const { return mesh.order + 1; }
     Index n_points() const { return points_per_interface() * static_cast<Index>(interfaces.size()); }
     Index interface_of(Index point) const { return point / points_per_interface(); }
+    /// Null where the number is that of a corner.
+    const GroundVertex* ground_at(Index corner) const {
+        return corner < mesh.n_corners() ? nullptr : &ground.vertices[corner - mesh.n_corners()];
+    }
     bool has_vanished(Index triangle) const { return !vanished.empty() && vanished[triangle]; }
     /// One of its triangles was excavated, so it has no points any more.
     bool is_gone(const Interface& interface) const {

@@ -16,17 +16,26 @@ bool contains(const MeshPart& part, Index triangle) {
     return triangle >= part.first_triangle && triangle < part.first_triangle + part.n_triangles;
 }
 
+/// A boundary BODY.SIDE has the name SIDE among those of the body, and of a group of bodies.
+bool is_named(const std::string& boundary, const Selection& on) {
+    if (on.boundary.empty() || boundary == on.boundary) return true;
+    const std::size_t dot = boundary.find('.');
+    return !on.body.empty() && dot != std::string::npos &&
+           boundary.compare(dot + 1, std::string::npos, on.boundary) == 0;
+}
+
 }  // namespace
 
 std::vector<std::size_t> selected_edges(const Mesh& mesh, const Selection& on) {
     std::vector<std::size_t> found;
     const MeshPart body = body_of(mesh, on);
+    std::vector<char> named;
+    for (const std::string& name : mesh.boundary_names) named.push_back(is_named(name, on));
     for (std::size_t i = 0; i < mesh.boundary_edges.size(); ++i) {
         const auto& [triangle, side, boundary] = mesh.boundary_edges[i];
         if (!contains(body, triangle)) continue;
         const Vec2 middle = 0.5 * (mesh.corner(triangle, side) + mesh.corner(triangle, (side + 1) % 3));
-        const bool named = on.boundary.empty() || mesh.boundary_names[boundary] == on.boundary;
-        if (named && (!on.box || on.box->contains(middle))) found.push_back(i);
+        if (named[boundary] && (!on.box || on.box->contains(middle))) found.push_back(i);
     }
     return found;
 }

@@ -36,6 +36,25 @@ void keep_loads(Model& model) {
     model.prescribed = std::move(kept);
 }
 
+/// At the same time, with every fan bonded and at rest in its first place.
+State all_bonded(const State& state, const Model& to) {
+    State next;
+    next.time = state.time, next.last_step = state.last_step, next.n_steps = state.n_steps;
+    next.displacement.assign(to.fans.size(), Vec2::Zero()), next.velocity = next.displacement;
+    if (!state.rate.empty()) next.rate = next.displacement;
+    next.node_of_corner = to.fan_of_corner;
+    next.split_rank.assign(to.fans.size(), -1);
+    next.reaction.assign(to.prescribed.size(), Vec2::Zero());
+    return next;
+}
+
+/// Of a model of first order without excavations, where every vertex has one.
+std::vector<Index> fans_at_vertices(const Model& model) {
+    std::vector<Index> fans(model.mesh.vertices.size(), -1);
+    for (Index f = 0; f < std::ssize(model.fans); ++f) fans[model.fans[f].vertex] = f;
+    return fans;
+}
+
 }  // namespace
 
 Model without(Model model, std::span<const Index> triangles) {
@@ -48,17 +67,11 @@ Model without(Model model, std::span<const Index> triangles) {
 }
 
 State carried_over(const Model& from, const State& state, const Model& to) {
-    State next;
-    next.time = state.time, next.last_step = state.last_step, next.n_steps = state.n_steps;
+    State next = all_bonded(state, to);
     next.elastic_energy = state.elastic_energy, next.elastic_work = state.elastic_work;
     next.obstacles = state.obstacles;
     next.temperature = state.temperature, next.temperature_before = state.temperature_before;
     const std::size_t n_fans = to.fans.size();
-    next.displacement.assign(n_fans, Vec2::Zero()), next.velocity = next.displacement;
-    if (!state.rate.empty()) next.rate = next.displacement;
-    next.node_of_corner = to.fan_of_corner;
-    next.split_rank.assign(n_fans, -1);
-    next.reaction.assign(to.prescribed.size(), Vec2::Zero());
     const auto vanished = [&](Index corner) { return to.has_vanished(to.mesh.triangle_of(corner)); };
     const auto was_split = [&](Index corner) { return state.split_rank[from.fan_of_corner[corner]] >= 0; };
     for (std::size_t f = 0; f < n_fans; ++f)  // a single corner needs no points
@@ -82,8 +95,55 @@ State carried_over(const Model& from, const State& state, const Model& to) {
     next.retired = state.retired;
     for (std::size_t p = 0; p < next.retired.size(); ++p)
         if (to.fan_point_of[p] < 0) next.retired[p] = 0;
+    const auto stays = [&](Index corner) { return to.ground_at(corner) != nullptr || !vanished(corner); };
     for (const FaceContactState& contact : state.face_contacts)
-        if (!vanished(contact.vertex) && !vanished(contact.edge)) next.face_contacts.push_back(contact);
+        if (stays(contact.vertex) && stays(contact.edge)) next.face_contacts.push_back(contact);
+    return next;
+}
+
+State carried_over(const Model& from, const State& state, const Model& to, const RefinedMesh& refined) {
+    State next = all_bonded(state, to);
+    const auto corner_before = [&](Index corner) {
+        const Index t = refined.triangle_before[to.mesh.triangle_of(corner)];
+        return t < 0 ? -1 : 3 * t + to.mesh.place_in_triangle(corner);
+    };
+    const std::vector<Index> old_fans = fans_at_vertices(from);
+    for (Index f = 0; f < std::ssize(to.fans); ++f) {
+        const Fan& fan = to.fans[f];
+        const VertexOrigin& origin = refined.origin[fan.vertex];
+        if (origin.triangle >= 0) {
+            for (int k = 0; k < 3; ++k) {
+                const Index node = state.node_of_corner[3 * origin.triangle + k];
+                next.displacement[f] += origin.weight[k] * state.displacement[node];
+                next.velocity[f] += origin.weight[k] * state.velocity[node];
+            }
+            continue;
+        }
+        const Index old = old_fans[origin.vertex];
+        next.displacement[f] = state.displacement[old], next.velocity[f] = state.velocity[old];
+        if (state.split_rank[old] < 0) continue;
+        split(to, f, next);
+        for (const Index c : to.corners(fan)) {
+            const Index node = next.node_of_corner[c], node_before = state.node_of_corner[corner_before(c)];
+            next.displacement[node] = state.displacement[node_before],
+            next.velocity[node] = state.velocity[node_before];
+        }
+        // the same points, perhaps from another one on
+        const auto same_corner = [&](Index now, Index before) {
+            return now == rigid_support ? before == rigid_support : before == corner_before(now);
+        };
+        const auto points = to.points(fan), points_before = from.points(from.fans[old]);
+        for (std::size_t j = 0; j < points.size(); ++j) {
+            const auto known = std::ranges::find_if(points_before, [&](const FanPoint& point) {
+                return same_corner(points[j].before, point.before) && same_corner(points[j].after, point.after);
+            });
+            next.points[next.first_point.back() + j] =
+                state.points[state.first_point[state.split_rank[old]] + (known - points_before.begin())];
+        }
+    }
+    for (Index c = 0; c < to.mesh.n_corners(); ++c)
+        if (const Index motion = to.prescribed_of_corner[c], old = corner_before(c); motion >= 0 && old >= 0)
+            next.reaction[motion] = state.reaction[from.prescribed_of_corner[old]];
     return next;
 }
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace knap {
 namespace {
@@ -30,13 +31,12 @@ std::string fitted(std::string line, std::FILE* terminal) {
 
 }  // namespace
 
-Progress::Progress(std::FILE* file, const State& start, double end, Index n_triangles)
+Progress::Progress(std::FILE* file, const State& start, double end)
     : file_(file),
       terminal_(file != nullptr && isatty(fileno(file))),
       start_(start.time),
-      first_step_(start.n_steps),
       end_(end),
-      n_triangles_(n_triangles) {}
+      last_step_(start.n_steps) {}
 
 std::string Progress::line(const State& now, const Recorder& recorder) const {
     const CrackPattern& cracks = recorder.cracks().pattern();
@@ -50,11 +50,12 @@ std::string Progress::line(const State& now, const Recorder& recorder) const {
     if (std::isfinite(speed)) text += formatted("  v/cR %.2f", speed);
     text += formatted("  tips %zu  branches %d  dE %.0e  %.2e triangle-steps/s", cracks.tips.size(), cracks.n_branches,
                       ledger.largest_residual() / std::max(ledger.largest_energy(), 1e-300),
-                      static_cast<double>(now.n_steps - first_step_) * n_triangles_ / std::max(wall, 1e-9));
+                      static_cast<double>(triangle_steps_) / std::max(wall, 1e-9));
     return text;
 }
 
-void Progress::after_step(const State& now, const Recorder& recorder) {
+void Progress::after_step(const State& now, const Recorder& recorder, Index n_triangles) {
+    triangle_steps_ += (now.n_steps - std::exchange(last_step_, now.n_steps)) * n_triangles;
     if (file_ == nullptr) return;
     if (terminal_) {
         const double wall = watch_.wall();

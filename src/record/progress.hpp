@@ -11,9 +11,9 @@ class Progress {
 public:
     /// `file`: destination of the lines (null: none); `start`: first state of this process, from which step rate and
     /// remaining time are counted; `end` [s].
-    Progress(std::FILE* file, const State& start, double end, Index n_triangles);
+    Progress(std::FILE* file, const State& start, double end);
 
-    void after_step(const State& now, const Recorder& recorder);
+    void after_step(const State& now, const Recorder& recorder, Index n_triangles);
     void finish(const State& now, const Recorder& recorder);
 
     /// Prints to stderr, above the line that is rewritten; also without a progress line.
@@ -25,9 +25,8 @@ private:
     std::FILE* file_;
     bool terminal_;
     double start_;  // [s]
-    std::int64_t first_step_;
-    double end_;  // [s]
-    Index n_triangles_;
+    double end_;    // [s]
+    std::int64_t last_step_, triangle_steps_ = 0;
     Stopwatch watch_;
     double next_wall_ = 0;  // [s] on a terminal
     int next_part_ = 1;     // of 20, otherwise

@@ -154,7 +154,17 @@ void Recorder::after_step(const State& now, const StepReport& report) {
 
 void Recorder::model_changed() {
     probes_.renew();
-    cracks_.set_boundary(interface_graph(model_).on_boundary);
+    reactions_.renew();
+    deformation_.renew();
+    cracks_.set_graph(interface_graph(model_));
+    ledger_.renew(model_, weakest_point(model_));
+}
+
+void Recorder::after_adaptation(const State& now, const Renumbering& numbers, const LeapfrogEnergies& energies) {
+    ledger_.adapt(numbers, energies);
+    cracks_.renumber(interface_graph(model_), numbers);
+    if (breaks_) breaks_->renumber(now, numbers);
+    model_changed();
 }
 
 void Recorder::finish(const State& now, bool ended_early) {

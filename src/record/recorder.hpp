@@ -70,6 +70,8 @@ public:
     void model_changed();
     /// A region vanished.
     void after_excavation(const ExcavationEnergies& energies) { ledger_.excavate(energies), model_changed(); }
+    /// The mesh was refined; `now` belongs to the new one.
+    void after_adaptation(const State& now, const Renumbering& numbers, const LeapfrogEnergies& energies);
 
     /// Returns when all frames so far are on disk: before a checkpoint that counts them.
     void finish_frames();

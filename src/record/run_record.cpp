@@ -135,8 +135,8 @@ const std::vector<Member>& members() {
         {"frame_wait_s", "s", "wall-clock time for which steps waited for the thread that writes frames",
          [](R r) { return r.output.waited_for_frames; }},
         {"peak_memory_bytes", "byte", "largest resident memory", [](R) { return peak_memory(); }},
-        {"triangles", "", "number of triangles", &RunRecord::triangles, is_count},
-        {"interfaces", "", "number of interfaces", &RunRecord::interfaces},
+        {"triangles", "", "number of triangles, at the end", &RunRecord::triangles, is_count},
+        {"interfaces", "", "number of interfaces, at the end", &RunRecord::interfaces},
         {"thickness_m", "m", "of the body; all energies and forces are those of this thickness", &RunRecord::thickness},
         {"steps", "", "number of accepted steps", &RunRecord::steps, is_count},
         {"step_s", "s", "planned step, the largest", &RunRecord::step, is_result},
@@ -171,9 +171,20 @@ const std::vector<Member>& members() {
         {"materials", "", "names, by region", &RunRecord::materials, are_texts},
         {"temperature_unit", "", "of all temperatures of the run, K or C, as the scenario gives them; with heat",
          [](R r) { return r.temperature_unit.empty() ? absent : Json(r.temperature_unit); }},
-        {"triangle_steps_per_core_second", "1/s", "triangles times steps over cpu_parts_s.steps",
+        {"triangle_steps_per_core_second", "1/s", "sum of the triangles of all steps over cpu_parts_s.steps",
+         [](R r) { return number(r.spent.steps > 0 ? static_cast<double>(r.triangle_steps) / r.spent.steps : NAN); }},
+        {"adaptation", "",
+         "with [adapt]: batches: refinements; largest_batch: new triangles of one; coarse_breaks: vertices that came "
+         "apart in coarse triangles; angular_momentum: its change by refinements [kg m2/s]; cpu: [s] of refinements, a "
+         "part of cpu_parts_s.steps; gain: triangle-steps of a uniform mesh of adapt.size over those of the run",
          [](R r) {
-             return number(r.spent.steps > 0 ? static_cast<double>(r.steps) * r.triangles / r.spent.steps : NAN);
+             if (r.adaptation_gain == 0) return absent;
+             return Json{{"batches", r.adaptation.batches},
+                         {"largest_batch", r.adaptation.largest_batch},
+                         {"coarse_breaks", r.adaptation.coarse_breaks},
+                         {"angular_momentum", r.adaptation.angular_momentum},
+                         {"cpu", r.adaptation.cpu},
+                         {"gain", r.adaptation_gain}};
          }},
         {"fan_problems", "",
          "numbers of the problems of vertices: solved, linear_solves, fallbacks, bond_checks, released; face_contacts: "

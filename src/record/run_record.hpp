@@ -51,6 +51,9 @@ struct RunRecord {
     std::string temperature_unit;        // "K" or "C", with heat
     StepReport counts;                   // of vertex problems and linear solves
     FactorSize factor;                   // of the implicit bulk, at the end
+    std::int64_t triangle_steps = 0;
+    AdaptationCounts adaptation;
+    double adaptation_gain = 0;  // [-] 0: the mesh does not change
     Summary summary;
     Gates gates;
     std::vector<ExpectResult> expect;

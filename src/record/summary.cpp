@@ -35,6 +35,32 @@ struct Driver {
     }
 };
 
+/// Cracks where edges are too long for their process zone, as beyond a place of small triangles.
+struct Unresolved {
+    double part = none;             // [-] of the length of all cracks
+    Vec2 place = Vec2(none, none);  // [m] where it began
+};
+
+/// On edges longer than `longest` [m]; 0: no law has a process zone.
+Unresolved unresolved(const CrackHistory& cracks, double longest) {
+    if (longest == 0) return {};
+    const CrackedEdges& edges = cracks.arms().edges();
+    const InterfaceGraph& graph = edges.graph();
+    Unresolved found;
+    double all = 0, coarse = 0, first = CrackedEdges::never;
+    for (Index e = 0; e < static_cast<Index>(graph.length.size()); ++e) {
+        if (!edges.cracked(e)) continue;
+        all += graph.length[e];
+        if (graph.length[e] <= longest) continue;
+        coarse += graph.length[e];
+        if (edges.since(e) >= first) continue;
+        first = edges.since(e);
+        found.place = 0.5 * (graph.vertices[graph.ends[e][0]] + graph.vertices[graph.ends[e][1]]);
+    }
+    if (all > 0) found.part = coarse / all;
+    return found;
+}
+
 /// The data from which the numbers are computed.
 struct Facts {
     Facts(const Model& model, const State& end, const Recorder& recorder);
@@ -52,14 +78,16 @@ struct Facts {
     std::vector<Reaction> reactions;                                 // at the end
     std::optional<Driver> driver;  // the first load or obstacle that moves, or else the first one
     History fragments;
+    Unresolved unresolved;
     double incubation;  // [J]
+    double thickness;   // [m]
     double n_tensile = none, n_shear = none;
     Strength strength;
     MaterialConstants material{none, none};
 };
 
 Facts::Facts(const Model& model, const State& end, const Recorder& of)
-    : recorder(of), incubation(incubation_energy(model, end)) {
+    : recorder(of), incubation(incubation_energy(model, end)), thickness(model.thickness) {
     double mass = 0;
     Vec2 moment = Vec2::Zero();
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
@@ -69,6 +97,7 @@ Facts::Facts(const Model& model, const State& end, const Recorder& of)
         mass += model.corner_mass[c];
     }
     mean_displacement = moment / mass;
+    unresolved = knap::unresolved(cracks, recorder.options().cracks.speed_length);
     fragments = fragment_table(find_fragments(model, end));
     if (!recorder.reactions().empty()) {
         reactions = recorder.reactions().at(end);
@@ -171,6 +200,19 @@ constexpr SummaryRow rows[]{
     {"crack_length", "m", "length of all crack arms along edges, without side twigs and single broken interfaces",
      [](F f) { return f.pattern.crack_length; }},
     {"main_length", "m", "length of the main crack along chords", [](F f) { return f.pattern.main_length; }},
+    {"work_per_advance", "J/m2",
+     "work of the interfaces over length of the main crack and thickness: while one crack runs, what its advance "
+     "costs, "
+     "with the zigzag and the damage beside it; larger than G_c, and branches add to it",
+     [](F f) { return over(f.energy.cohesive_work, f.pattern.main_length * f.thickness); }},
+    {"unresolved_part", "",
+     "part of the length of all cracks on edges longer than 1.5 process zones (of a crack at rest, of the law with the "
+     "longest): there path and branches follow the mesh",
+     [](F f) { return f.unresolved.part; }},
+    {"unresolved_x", "m",
+     "place of the first of these edges that cracked, such as where a crack left its small triangles",
+     [](F f) { return f.unresolved.place.x(); }},
+    {"unresolved_y", "m", "likewise", [](F f) { return f.unresolved.place.y(); }},
     {"first_growth_time", "s", "first broken edge of a crack that counts",
      [](F f) { return f.cracks.first_growth_time().value_or(none); }},
     {"max_tip_speed", "m/s", "largest speed of a crack tip, fitted over half a window of growth or more",

@@ -150,13 +150,17 @@ void add_keys_of_body(KeyTable& t) {
     t.number("size", "m", "requested mean edge length; required without mesh.file").above(0).to(&MeshOptions::size);
     t.number("min_angle", "deg", "requested minimum angle of the triangles")
         .at_least(0).at_most(30).otherwise("20").to(&MeshOptions::min_angle);
-    t.number("grading", "", "growth of the edge length per distance from a refined box")
+    t.number("grading", "", "growth of the edge length per distance from a refined place")
         .above(0).otherwise("0.3").to(&MeshOptions::grading);
     t.integer("order", "order of the displacement in a triangle; 2: seven nodes a triangle and three points an "
         "interface, more accurate in waves, impact and bending, with triangles of twice the size")
         .at_least(1).at_most(2).otherwise("1").to(&Scenario::order);
-    t.list("mesh.refine[]", "a box with smaller triangles; the smallest size holds where boxes overlap");
-    t.number("inside", "m", "lower left and upper right corner").box().required();
+    t.list("mesh.refine[]", "a place with smaller triangles, a box or a strip; the smallest size holds where places "
+        "overlap");
+    t.number("inside", "m", "lower left and upper right corner of a box; or along").box();
+    t.number("along", "m", "polyline of at least two points in the middle of a strip, such as the path of a crack")
+        .points();
+    t.number("width", "m", "of the strip from side to side, required with along; its ends are round").above(0);
     t.number("size", "m", "requested mean edge length inside").above(0).required();
     t.in("mesh");
     t.text("file", "Gmsh mesh (.msh 2.2 or 4.1) that replaces shape and size, relative to the scenario file; its "
@@ -164,6 +168,17 @@ void add_keys_of_body(KeyTable& t) {
     t.number("unit", "m", "length of one unit of the coordinates in mesh.file, as in \"1 mm\"; default 1 m")
         .at_least(1e-12).at_most(1e6);
     t.text("cracks", "physical curves of mesh.file inside the body that are closed initial cracks").list();
+
+    t.table("adapt", "refinement of the mesh during the run, where interfaces may break soon: mesh.size is the size of "
+        "all else, and mesh.grading holds between. Explicit bulk, first order, small rotations");
+    t.number("size", "m", "mean edge length where interfaces may break").above(0).required().to(&AdaptOptions::size);
+    t.number("load", "", "part of the strength, as the stress of a triangle in its worst direction, from which it is "
+        "to be fine").above(0).below(1).otherwise("0.3").to(&AdaptOptions::load);
+    t.number("margin", "", "fine edges around such triangles").at_least(1).otherwise("10").to(&AdaptOptions::margin);
+    t.integer("every", "steps between two looks at the mesh; cracks run 0.1 edges in a step")
+        .at_least(1).otherwise("150").to(&AdaptOptions::every);
+    t.number("limit", "", "largest number of triangles; then the mesh stays").above(0).otherwise("5e6")
+        .to(&AdaptOptions::limit);
 }
 
 void add_keys_of_microstructure(KeyTable& t) {
@@ -304,13 +319,15 @@ void add_keys_of_microstructure(KeyTable& t) {
 }
 
 void add_keys_of_loads(KeyTable& t) {
-    t.list("support[]", "a rigid, fixed body that a boundary stands on or is glued to; it meets only the faces "
-        "that stand on it at the start (a ground for everything is an [[obstacle]])");
+    t.list("support[]", "a rigid, fixed body that a boundary stands on or is glued to; with [contact] a ground that "
+        "everything meets, as long as the faces that stand on it at the start and `beyond`");
     add_place(t, "support[]", "place: a boundary, a box, a body, or what they have in common; required");
     t.text("interface", "name of the interface law between body and support").otherwise("default");
     t.flag("glued", "true: held by the cohesion of the law; false: contact and friction only")
         .otherwise("false").to(&Support::glued);
     t.number("gap", "m", "initial distance from the boundary; 0 if glued").at_least(0).otherwise("0").to(&Support::gap);
+    t.number("beyond", "m", "how far the support goes on straight beyond its ends, for pieces that slide, turn or "
+        "fall there; with [contact]").at_least(0).otherwise("0").to(&Support::beyond);
 
     t.list("absorb[]", "an absorbing boundary: waves leave the body as if it went on (viscous: traction -rho c_p v_n "
         "along the normal, -rho c_s v_t along the edge); also with a stress or traction; explicit bulk only");

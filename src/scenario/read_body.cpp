@@ -48,6 +48,23 @@ void check_nothing_else(Reading& reading) {
                         "a file may have several bodies: parts that share no nodes");
 }
 
+void read_refined_place(const Table& table) {
+    std::vector<RefinedPlace>& places = table.scenario().mesh.refine;
+    const auto kind = table.one_of({"inside", "along"}, true);
+    const auto box = table.get<Box>("inside");
+    const auto points = table.get<std::vector<Vec2>>("along");
+    const auto width = table.number("width"), size = table.number("size");
+    if (kind == "along" && !table.given("width"))
+        table.error("missing-key", "width", "is missing", "the width of the strip along the polyline");
+    if (kind == "inside" && table.given("width"))
+        table.error("exclusive-keys", "width", "belongs to along", "a box has the corners in `inside` only");
+    if (points && points->size() < 2)
+        return table.error("out-of-range", "along", "has fewer than two points", "a polyline: [[x, y], [x, y], ...]");
+    if (!kind || !size) return;
+    if (box) places.push_back({*box, *size});
+    if (points && width) places.push_back(refined_strip(*points, *width, *size));
+}
+
 // ---- [[body]]
 
 void check_is_new(const Table& table, const std::string& name) {
@@ -211,9 +228,7 @@ void read_body(Reading& reading) {
     mesh.fill(scenario);
     domain.fill(scenario);
     scenario.mesh.seed = scenario.seed;
-    for (const Table& refine : mesh.list("refine"))
-        if (const auto box = refine.get<Box>("inside"); box && refine.has("size"))
-            scenario.mesh.refine.push_back({box->low, box->high, *refine.number("size")});
+    for (const Table& place : mesh.list("refine")) read_refined_place(place);
     if (mesh.given("file")) return check_nothing_else(reading), read_mesh_file(reading);
     if (!reading.list("body").empty() || !reading.list("bodies").empty()) return read_bodies(reading);
     check_shape_is_given(domain, mesh);

@@ -14,18 +14,19 @@ void warn_of_ghosts(Reading& reading) {
                  "[contact], with rotation = \"large\" in [domain]");
 }
 
-/// Only what stands on a support at the start meets it.
+/// A block that topples over or slides leaves the faces that it stood on.
 void warn_of_supports(Reading& reading) {
     const Scenario& scenario = reading.scenario;
     for (std::size_t i = 0; i < scenario.supports.size(); ++i) {
         const Support& support = scenario.supports[i];
-        if (support.glued && !scenario.laws[support.law].law.breakable()) continue;  // nothing gets between
-        reading.table(item("support", i))
-            .warning("support-is-no-ground", "",
-                     "meets only the faces that stand on it at the start: pieces that turn, slide or fall onto it "
-                     "later pass through it",
-                     "an [[obstacle]] (half plane, polygon) for a ground that everything meets; glued = true with an "
-                     "unbreakable interface for a body that stays");
+        const Table table = reading.table(item("support", i));
+        if (support.glued && !scenario.laws[support.law].law.breakable()) continue;  // the body stays
+        if (table.given("beyond")) continue;
+        table.warning(
+            "support-ends", "",
+            "ends where the faces end that stand on it at the start: pieces that get beyond fall past it",
+            "beyond = \"1 m\" for a ground that goes on straight at its ends, or beyond = 0 if it ends there; "
+            "an [[obstacle]] for one that moves or is endless");
     }
 }
 
@@ -34,7 +35,14 @@ void warn_of_supports(Reading& reading) {
 void read_contact(Reading& reading) {
     Scenario& scenario = reading.scenario;
     const Table table = reading.table("contact");
-    if (!table.given()) return warn_of_ghosts(reading);
+    if (!table.given()) {
+        for (std::size_t i = 0; i < scenario.supports.size(); ++i)
+            if (scenario.supports[i].beyond > 0)
+                reading.table(item("support", i))
+                    .error("exclusive-keys", "beyond", "is a ground for contact between free faces",
+                           "[contact], or no `beyond`: without [contact] a support is an endless plane");
+        return warn_of_ghosts(reading);
+    }
     if (reading.table("domain").text("rotation") == "small")  // any other word has its own error
         table.error("exclusive-keys", "", "needs large rotations", "rotation = \"large\" in [domain]");
     if (scenario.time.scheme.cohesion != CohesionScheme::explicit_beta)

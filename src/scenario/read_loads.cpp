@@ -37,6 +37,24 @@ void check_body(const Table& table, const Selection& on) {
     if (!on.body.empty()) table.reading().find(table.path("body"), "body", on.body, table.scenario().body_names());
 }
 
+/// Of a body or a group of bodies, by their full names and by those among the body: of `wall`, `wall.left` and `left`.
+std::vector<std::string> boundaries_of(const Scenario& scenario, const std::string& name) {
+    std::vector<std::string> full, among;
+    const auto add = [&](const Body& body) {
+        for (const std::string& boundary : body.shape.boundary_names) {
+            full.push_back(boundary);
+            const std::string own = boundary.substr(boundary.find('.') + 1);
+            if (std::ranges::find(among, own) == among.end()) among.push_back(own);
+        }
+    };
+    for (const Body& body : scenario.bodies)
+        if (body.name == name) add(body);
+    for (const BodyGroup& group : scenario.groups)
+        for (std::size_t b = group.first; group.name == name && b < group.first + group.n; ++b) add(scenario.bodies[b]);
+    among.insert(among.end(), full.begin(), full.end());
+    return among;
+}
+
 }  // namespace
 
 Selection read_selection(const Table& table) {
@@ -44,8 +62,11 @@ Selection read_selection(const Table& table) {
     table.fill(on);
     check_body(table, on);
     const Scenario& scenario = table.scenario();
-    const std::vector<std::string> known = scenario.boundary_names(), bodies = scenario.body_names();
+    std::vector<std::string> known = scenario.boundary_names();
+    const std::vector<std::string> bodies = scenario.body_names();
     const bool shape_is_known = !known.empty() || scenario.given;  // otherwise the shape has an error
+    if (std::vector<std::string> own = boundaries_of(scenario, on.body); !on.body.empty() && !own.empty())
+        known = std::move(own);
     if (on.boundary.empty() || !shape_is_known) return on;
     if (std::ranges::count(bodies, on.boundary) > 0)
         table.error("unknown-name", "boundary", "= \"" + on.boundary + "\" is a body, not a boundary",

@@ -19,6 +19,7 @@
 #include "record/summary.hpp"
 #include "scenario/ensemble_options.hpp"
 #include "scenario/toml_tree.hpp"
+#include "stepper/adaptation.hpp"
 #include "stepper/common/scheme_options.hpp"
 
 #include <memory>
@@ -140,6 +141,7 @@ struct Scenario {
     std::vector<InitialVelocity> initial_velocities;  // those of the bodies, then [[initial]]
     std::vector<Obstacle> obstacles;
     std::vector<Excavation> excavations;
+    AdaptOptions adapt;
     TimeOptions time;
     OutputOptions output;
     std::vector<ProbeOptions> probes;
@@ -175,6 +177,7 @@ struct Scenario {
                 .damping = time.scheme.damping > 0,
                 .radiation = !time.scheme.absorbing.empty(),
                 .excavation = !excavations.empty(),
+                .adaptation = adapt.active(),
                 .secant = any_law([](const CohesiveLaw& law) { return law.unloading == Unloading::secant; }),
                 .heat = heat.has_value(),
                 .conduction = heat && heat->conduction,

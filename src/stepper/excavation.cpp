@@ -169,18 +169,9 @@ Excavated excavate(const Model& model, const State& state, std::span<const Index
     Excavated rest{.model = without(model, triangles)};
     rest.state = carried_over(model, state, rest.model);
     add_lost_surface(model, state, rest.model, rest.energies);
-    State before = rest.state;
-    for (std::size_t n = 0; n < before.displacement.size(); ++n)
-        before.displacement[n] -= state.last_step * before.velocity[n];
-    std::vector<Vec2> force;
-    rest.state.elastic_energy = elastic_energy(rest.model, before, force);
-    double& work = rest.state.elastic_work = 0;
-    for (Index c = 0; c < rest.model.mesh.n_corners(); ++c) {
-        const Vec2& velocity = before.velocity[before.node_of_corner[c]];
-        work += state.last_step * force[c].dot(velocity);
-        rest.energies.kinetic += 0.5 * rest.model.corner_mass[c] * velocity.squaredNorm();
-    }
-    rest.energies.strain = rest.state.elastic_energy - 0.5 * work;
+    const LeapfrogEnergies energies = leapfrog_energies(rest.model, rest.state);
+    rest.state.elastic_energy = energies.elastic, rest.state.elastic_work = energies.work;
+    rest.energies.kinetic = energies.kinetic, rest.energies.strain = energies.strain;
     for (std::size_t o = 0; o < model.obstacles.size(); ++o)
         rest.energies.kinetic += kinetic_energy(model.obstacles[o], state.obstacles[o].velocity);
     return rest;

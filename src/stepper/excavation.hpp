@@ -16,11 +16,8 @@
 // A prescribed component of a fan has no R, since the drive of each corner carries its part. Impulses of contacts
 // between free faces end at once.
 //
-// The energies of what stays are those of the leapfrog, with Delta = h v of the last step and u_n-1 = u_n - Delta,
-//
-//     1/2 v' M v + U(u_n-1) - 1/2 f(u_n-1) . Delta,    f = -grad U        (small rotations: 1/2 u_n-1' K u_n)
-//
-// so that the energy identity goes on with the energy that left as one more term.
+// The energies of what stays are those of the leapfrog (common/elastic_energy.hpp), so that the energy identity goes on
+// with the energy that left as one more term.
 #include "model/state.hpp"
 
 #include <span>

@@ -25,8 +25,9 @@ TEST_CASE("check says what would happen") {
     const Answer full = command("check edge_cracked_block --full -s 'mesh.size=2 mm'");
     for (const char* key : {"mesh.size", "interface.default.friction", "time.theta"}) CHECK_MESSAGE(full.has(key), key);
     // every law with all that it can do, those of joints too
-    const std::string law = "check jointed_slope -s 'interface.default={ sigma_c=5e6, G_c=80, softening=\"trapezoid\", "
-                            "plateau=0.3, unloading=\"secant\", relaxation_time=\"1 us\", friction=0.6 }'";
+    const std::string law =
+        "check jointed_slope -s 'interface.default={ sigma_c=5e6, G_c=80, softening=\"trapezoid\", "
+        "plateau=0.3, unloading=\"secant\", relaxation_time=\"1 us\", friction=0.6 }'";
     const Answer laws = command(law);
     CHECK_MESSAGE(laws.code == 0, laws.text);
     for (const char* words : {"laws", "act on", "trapezoid 0.3", "unloading secant", "relaxation_time 1e-06 s"})
@@ -34,6 +35,9 @@ TEST_CASE("check says what would happen") {
     CHECK(std::regex_search(laws.text, std::regex("[0-9]+ of joints +")));
     const Answer frost = command("check thawing_joint");
     CHECK_MESSAGE(frost.has("strength_table 0.2908 to 1 over -10 to -0.5 K"), frost.text);
+    const std::string surplus = "a crack along the edges of a random mesh costs 1.1 to 1.3 G_c per length";
+    CHECK(command("check edge_cracked_block -s 'mesh.size=4 mm'").has(surplus));
+    CHECK_FALSE(command("check bar_pulled_apart").has(surplus));  // it breaks along one line only
     CHECK(command("check edge_cracked_block --time -s 'mesh.size=2 mm'").has("now (measured)"));
 }
 
@@ -191,7 +195,9 @@ TEST_CASE("mesh and check agree on edges per process zone") {
     for (const char* scene : {"edge_cracked_block -s 'mesh.size=2 mm'",
                               "edge_cracked_block -s 'mesh.size=2 mm' -s mesh.order=2 -s time.bulk=implicit",
                               "edge_cracked_block -s 'mesh.size=4 mm' -s 'mesh.refine=[{inside=[\"40 mm\",\"10 "
-                              "mm\",\"100 mm\",\"30 mm\"],size=\"1 mm\"}]'"}) {
+                              "mm\",\"100 mm\",\"30 mm\"],size=\"1 mm\"}]'",
+                              "edge_cracked_block -s 'mesh.size=4 mm' -s 'mesh.refine=[{along=[[\"45 mm\",\"20 mm\"],"
+                              "[\"100 mm\",\"20 mm\"]],width=\"6 mm\",size=\"1 mm\"}]'"}) {
         const std::string mesh = command(std::string("mesh ") + scene).text,
                           check = command(std::string("check ") + scene).text;
         CAPTURE(mesh);

@@ -199,3 +199,22 @@ TEST_CASE("twenty blocks: no length falls and no arm of ten edges is lost" * doc
     const Folder folder("twenty_blocks");
     for (int seed = 1; seed <= 20; ++seed) run_block(seed, "", folder);
 }
+
+TEST_CASE("the summary says where a crack left the triangles that resolve it") {
+    const Folder folder("unresolved");
+    const auto expects = [&](const std::string& strength, const std::string& expected) {
+        const Answer run = command(
+            "run edge_cracked_block -q --force -s output.fields=false -s figure=[] -s 'mesh.size=4 mm' -s "
+            "'mesh.refine=[{ along = [[\"50 mm\", \"20 mm\"], [\"66 mm\", \"20 mm\"]], width = \"12 mm\", size = \"1 "
+            "mm\" }]' "
+            "-s 'load[0].traction=[\"0 MPa\", \"2 MPa\"]' -s 'load[1].traction=[\"0 MPa\", \"-2 MPa\"]' -s "
+            "interface.default.sigma_c='" +
+            strength + "' -s 'expect={ main_length = { above = \"25 mm\" }, " + expected + " }' -o " +
+            folder.in_shell("run"));
+        CHECK_MESSAGE(run.code == 0, run.text);
+    };
+    // 1.5 process zones are 1.64 mm, longer than the edges in the strip, which ends at x = 72 mm
+    expects("9 MPa",
+            "unresolved_part = { above = 0.3, below = 0.8 }, unresolved_x = { above = \"72 mm\", below = \"76 mm\" }");
+    expects("3.08 MPa", "unresolved_part = { at_most = 0 }");  // 14 mm, longer than all edges
+}

@@ -21,6 +21,25 @@ const std::string top = "[[load]]\non = \"top\"\ndisplacement = [0, \"1 mm\"]\nr
 
 }  // namespace
 
+TEST_CASE("a support between bodies that touch is a warning") {
+    const Folder folder("support_between");
+    const auto wall = [&](const std::string& place) {
+        std::ofstream(folder.path / "wall.toml")
+            << "knap = 1\n[[bodies]]\nname = \"wall\"\npattern = \"wall\"\ncolumns = 2\nrows = 2\n"
+               "block = [0.02, 0.01]\n[mesh]\nsize = 0.01\n[material.rock]\ndensity = 2650\nE = \"40 GPa\"\nnu = 0.2\n"
+               "[interface.default]\nbreakable = false\n[time]\nend = \"20 us\"\n[[support]]\non = " +
+                   place + "\n";
+        return command("check " + folder.in_shell("wall.toml"));
+    };
+    const Answer all = wall("{ body = \"wall\" }"), bottoms = wall("{ body = \"wall\", boundary = \"bottom\" }"),
+                 ground = wall("{ body = \"wall\", boundary = \"bottom\", box = [-1, -1e-6, 1, 1e-6] }");
+    CAPTURE(all.text);
+    CHECK(all.has("warning[support-between]: `support[0].on` takes"));
+    CHECK(bottoms.has("warning[support-between]: `support[0].on` takes"));  // the upper row stands on the lower one
+    CHECK_FALSE(ground.has("support-between"));
+    CHECK(ground.code == 0);
+}
+
 TEST_CASE("loads that contradict each other are refused with both lines") {
     const Folder folder("contradictions");
     const Answer corner = command(plate(folder, top + left));
@@ -80,13 +99,17 @@ TEST_CASE("what lies outside the body is said with its place") {
               "[[probe]]\nat = [\"50 mm\", \"20 mm\"]\nname = \"in the hole\"\n[[probe]]\nat = [\"58 mm\", \"20 mm\"]\n"
               "[[figure]]\nfile = \"a.png\"\nbox = [50, 0, 60, 20]\n",
               domain) +
-        "-s 'mesh.refine=[{ inside = [1, 1, 2, 2], size = 0.001 }]'");
+        "-s 'mesh.refine=[{ inside = [1, 1, 2, 2], size = 0.001 }, { along = [[0, 0.05], [0.1, 0.05]], width = 0.01, "
+        "size "
+        "= 0.001 }, { along = [[0, 0.043], [0.1, 0.043]], width = 0.01, size = 0.001 }]'");
     CAPTURE(check.text);
     CHECK(check.code == 0);
     CHECK(check.has("probe `in the hole` at (0.05, 0.02) m lies outside the body, 0.0077"));
     CHECK_FALSE(check.has("probe `probe2`"));  // on the curve of the hole
     CHECK(check.has("`domain.region[0]` covers no triangle of the body: it extends from (1, 1) m to (2, 2) m"));
     CHECK(check.has("`mesh.refine[0].inside` lies outside the body"));
+    CHECK(check.has("`mesh.refine[1].along` lies outside the body: from (-0.005, 0.045) m to (0.105, 0.055) m"));
+    CHECK_FALSE(check.has("`mesh.refine[2].along`"));
     CHECK(check.has("`figure[0].box` lies outside the body: from (50, 0) m to (60, 20) m"));
     CHECK(check.has("the body extends from (0, 0) m to (0.1, 0.04) m"));
 }
@@ -155,7 +178,8 @@ TEST_CASE("check and mesh and the log of a run say what was placed") {
 
 // L^2/kappa_T = 2.82 s (kappa_T = 8.85e-6 m2/s, L = 5 mm), k/transfer = 0.31 mm, 2 kappa_T/l = 0.11 m/s of an edge l = 0.16 mm.
 TEST_CASE("check judges the conduction of heat") {
-    const std::string undamped = "check alumina_quench -s mesh.size='0.3 mm' ", slab = undamped + "-s time.damping='100 kHz' ";
+    const std::string undamped = "check alumina_quench -s mesh.size='0.3 mm' ",
+                      slab = undamped + "-s time.damping='100 kHz' ";
     const Answer good = command(slab);
     CAPTURE(good.text);
     CHECK(good.has(

@@ -43,10 +43,14 @@ struct RealRun {
     StepControl control;
     Recorder recorder;
     Excavations excavations{{}};
+    Adaptation adaptation{{}, {}};
+    std::int64_t triangle_steps = 3;
     RunMemory memory{.now = run.now,
                      .control = control,
                      .recorder = recorder,
                      .excavations = excavations,
+                     .adaptation = adaptation,
+                     .triangle_steps = triangle_steps,
                      .log_size = 7,
                      .spent = {.cpu = 1, .wall = 2, .steps = 0.5}};
 };

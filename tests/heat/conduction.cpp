@@ -206,7 +206,7 @@ TEST_CASE("H4 the faces of an insulated crack across a heat flow slide") {
     shape.cracks = {{.points = {{0.5 * W - 1, 0.5 * W}, {0.5 * W + 1, 0.5 * W}}}};
     MeshOptions sizes;
     sizes.size = 1;
-    sizes.refine = {{{0.5 * W - 1.2, 0.5 * W - 0.2}, {0.5 * W + 1.2, 0.5 * W + 0.2}, 0.04}};
+    sizes.refine = {{{{0.5 * W - 1.2, 0.5 * W - 0.2}, {0.5 * W + 1.2, 0.5 * W + 0.2}}, 0.04}};
     Heat heat = conducting("y", {a_th});
     heat.exchanges = {exchange(Kind::temperature, "bottom", 0), exchange(Kind::temperature, "top", W)};
     heat.closed_conductance = heat.gap_conductivity = 0;

@@ -68,8 +68,8 @@ TEST_CASE("the area of a horseshoe and of a disc converges to the exact one at s
 }
 
 TEST_CASE("the sides of a round hole follow the local mesh size") {
-    const MeshOptions plain{.size = 1.5}, refined{.size = 1.5, .refine = {{{-7, -7}, {7, 7}, 0.3}}},
-        half{.size = 1.5, .refine = {{{0, -7}, {7, 7}, 0.3}}, .grading = 0.5};
+    const MeshOptions plain{.size = 1.5}, refined{.size = 1.5, .refine = {{{{-7, -7}, {7, 7}}, 0.3}}},
+        half{.size = 1.5, .refine = {{{{0, -7}, {7, 7}}, 0.3}}, .grading = 0.5};
     CHECK(circle({0, 0}, 2.5, SizeField(plain, 1)) == circle({0, 0}, 2.5, 12));  // as before
     const auto everywhere = [](const Vec2&) { return true; };
     const std::vector<Vec2> fine = circle({0, 0}, 2.5, SizeField(refined, 1));

@@ -14,7 +14,7 @@ using knap::testing::block;
 namespace {
 
 /// 20 times finer at the bottom than far from it.
-MeshOptions graded() { return {.size = 2e-3, .refine = {{{0, 0}, {0.1, 2e-4}, 1e-4}}, .grading = 0.3}; }
+MeshOptions graded() { return {.size = 2e-3, .refine = {{{{0, 0}, {0.1, 2e-4}}, 1e-4}}, .grading = 0.3}; }
 
 }  // namespace
 

@@ -117,8 +117,11 @@ TEST_CASE("sizes that make no sense are rejected") {
     CHECK(blamed(block(), {.size = -1e-3}) == "size");
     CHECK(blamed(block(), {.size = std::numeric_limits<double>::quiet_NaN()}) == "size");
     CHECK(blamed(block(), {.size = 1e-6}) == "size");  // 9e9 triangles
-    CHECK(blamed(block(), {.size = 2e-3, .refine = {{{0, 0}, {0.01, 0.01}, 1e-7}}}) == "size");
-    CHECK(blamed(block(), {.size = 2e-3, .refine = {{{0.01, 0}, {0, 0.01}, 1e-3}}}) == "size");
+    CHECK(blamed(block(), {.size = 2e-3, .refine = {{{{0, 0}, {0.01, 0.01}}, 1e-7}}}) == "size");
+    CHECK(blamed(block(), {.size = 2e-3, .refine = {{{{0.01, 0}, {0, 0.01}}, 1e-3}}}) == "size");
+    const std::vector<Vec2> line{{0.01, 0.02}, {0.09, 0.02}};
+    CHECK(blamed(block(), {.size = 2e-3, .refine = {refined_strip(line, 0.01, 3e-6)}}) == "size");  // 2e8 triangles
+    CHECK(blamed(block(), {.size = 2e-3, .refine = {refined_strip(line, 1e-5, 3e-5)}}) == "");
     CHECK(blamed(block(), {.size = 2e-3, .grading = 0}) == "size");
     CHECK(blamed(block(), {.size = 2e-3, .min_angle = 35}) == "size");
 }

@@ -278,20 +278,40 @@ TEST_CASE("region borders yield to cracks and to the mesh size") {
     CHECK(judge(mesh).smallest_angle > 10);
 }
 
-TEST_CASE("a refine box has its size inside and the requested size far away") {
-    const RefineBox box{{0.06, 0.01}, {0.08, 0.03}, 5e-4};
-    const Mesh mesh = triangulate(block(), {.size = 2e-3, .refine = {box}});
+TEST_CASE("a refined place has its size inside and the requested size far away") {
+    RefinedPlace place;
+    SUBCASE("box") { place = {{{0.06, 0.01}, {0.08, 0.03}}, 5e-4}; }
+    SUBCASE("strip") { place = refined_strip({{0.06, 0.01}, {0.07, 0.02}, {0.09, 0.02}}, 8e-3, 5e-4); }
+    const Mesh mesh = triangulate(block(), {.size = 2e-3, .refine = {place}});
     double inside = 0, away = 0;
     int n_inside = 0, n_away = 0;
     for (const InteriorEdge& edge : mesh.interior_edges) {
         const Vec2 a = edge_start(mesh, edge), b = edge_end(mesh, edge);
-        if (Box{box.low, box.high}.contains(a) && Box{box.low, box.high}.contains(b))
-            inside += (b - a).norm(), ++n_inside;
+        if (place.distance(a) == 0 && place.distance(b) == 0) inside += (b - a).norm(), ++n_inside;
         if (a.x() < 0.05 && b.x() < 0.05) away += (b - a).norm(), ++n_away;
     }
     CHECK(inside / n_inside == relative(5e-4, 0.07));
     CHECK(away / n_away == relative(2e-3, 0.07));
     CHECK(judge(mesh).smallest_angle >= 20);
+}
+
+TEST_CASE("the size grows with the distance from the nearest of all refined places") {
+    const MeshOptions options{.size = 2e-3,
+                              .refine = {{{{0.01, 0.01}, {0.02, 0.02}}, 5e-4},
+                                         refined_strip({{0.05, 0.01}, {0.07, 0.03}, {0.09, 0.03}}, 4e-3, 2e-4)},
+                              .grading = 0.25};
+    const SizeField size(options, 2);
+    const auto expected = [&](double own, double distance) {
+        return relative(2 * std::min(2e-3, own + 0.25 * distance), 1e-12);
+    };
+    CHECK(size({0.015, 0.02}) == expected(5e-4, 0));
+    CHECK(size({0.023, 0.024}) == expected(5e-4, 5e-3));                              // from a corner of the box
+    CHECK(size({0.08, 0.0315}) == expected(2e-4, 0));                                 // in the strip
+    CHECK(size({0.08, 0.036}) == expected(2e-4, 4e-3));                               // beside it
+    CHECK(size({0.093, 0.034}) == expected(2e-4, 3e-3));                              // beyond its round end
+    CHECK(size({0.0632, 0.0168}) == expected(2e-4, 0.0064 / std::sqrt(2.0) - 2e-3));  // inside the box around it
+    CHECK(size({0.035, 0.035}) == expected(2e-3, 0));
+    CHECK(size.smallest() == relative(4e-4, 1e-12));
 }
 
 TEST_CASE("sizes do not depend on the unit of length or the origin") {

@@ -58,7 +58,7 @@ TEST_CASE("inclusions meet their fraction and keep their distance") {
 
 TEST_CASE("the requested number of inclusions and round ones with sides of the local mesh size") {
     Shape shape = block();
-    const MeshOptions mesh{.size = 0.002, .refine = {{{0, 0}, {0.05, 0.04}, 0.0005}}};
+    const MeshOptions mesh{.size = 0.002, .refine = {{{{0, 0}, {0.05, 0.04}}, 0.0005}}};
     const PlacedInclusions placed = place_inclusions(
         shape, {.size = 0.004, .spread = 0.2, .number = 30, .distance = 0.0004, .tag = 1, .mesh = mesh}, 1, "test");
     CHECK(placed.n == 30);

@@ -114,6 +114,21 @@ TEST_CASE("selections by body") {
     const std::vector<char> corners = selected_corners(mesh, {.body = "hat"});
     CHECK(std::ranges::count(corners, 1) == 3 * 8);
     CHECK(selected_triangles(mesh, {.body = "cap"}).empty());
+    Mesh own = mesh;  // with a name of its own for each side, as those of a scenario
+    own.parts.push_back({"all", 0, own.n_triangles()});
+    const auto n_names = static_cast<Index>(mesh.boundary_names.size());
+    own.boundary_names.clear();
+    for (const std::string& body : {"bar.", "hat."})
+        for (const std::string& name : mesh.boundary_names) own.boundary_names.push_back(body + name);
+    for (BoundaryEdge& edge : own.boundary_edges) edge.boundary += edge.triangle < 16 ? 0 : n_names;
+    const std::size_t of_bar = selected_edges(own, {.boundary = "bar.top"}).size();
+    CHECK(of_bar > 0);
+    CHECK(selected_edges(own, {.boundary = "top", .body = "bar"}).size() == of_bar);
+    CHECK(selected_edges(own, {.boundary = "top", .body = "hat"}).size() == 2);
+    CHECK(selected_edges(own, {.boundary = "hat.top", .body = "hat"}).size() == 2);
+    CHECK(selected_edges(own, {.boundary = "top", .body = "all"}).size() == of_bar + 2);
+    CHECK(selected_edges(own, {.boundary = "top"}).empty());
+    CHECK(selected_edges(own, {.boundary = "op", .body = "all"}).empty());
     ModelInput wrong = two_bars(1);
     wrong.initial_velocities = {{.on = {.body = "cap"}, .value = {1, 0}}};
     CHECK_THROWS_AS(make_model(std::move(wrong)), EmptySelection);

@@ -22,8 +22,8 @@ TEST_CASE("progress: rate and time left count from where this process began") {
     const Recorder recorder(model, restored, {.end = 1, .history_every = 0.1, .context = {.materials = {"steel"}}});
     std::FILE* file = std::tmpfile();
     REQUIRE(file != nullptr);
-    Progress progress(file, restored, 1, model.mesh.n_triangles());
-    progress.after_step(restored, recorder);
+    Progress progress(file, restored, 1);
+    progress.after_step(restored, recorder, model.mesh.n_triangles());
     std::rewind(file);
     char text[400] = "";
     REQUIRE(std::fgets(text, sizeof text, file) != nullptr);

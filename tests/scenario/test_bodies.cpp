@@ -182,16 +182,35 @@ TEST_CASE("contact: laws of pairs of materials") {
           Laws{{0.5, 0}, {0.5, 1}, {0.1, 0}});
 }
 
-TEST_CASE("a support is no ground for the pieces of a body with contact") {
+TEST_CASE("a support with contact ends with the faces that stand on it or goes on") {
     const std::string body = samples::changed("size = [0.1, 0.04]\n", "size = [0.1, 0.04]\nrotation = \"large\"\n",
                                               samples::least + "[contact]\n"),
                       held = "[interface.rock]\nbreakable = false\n[[support]]\non = \"bottom\"\nglued = true\n";
     const auto n_warnings = [](const std::string& text) {
-        return std::ranges::count(samples::read(text).warnings, "support-is-no-ground", &Diagnostic::code);
+        return std::ranges::count(samples::read(text).warnings, "support-ends", &Diagnostic::code);
     };
     CHECK(n_warnings(body + "[[support]]\non = \"bottom\"\n") == 1);
+    CHECK(n_warnings(body + "[[support]]\non = \"bottom\"\nbeyond = 0\n") == 0);
+    const std::string wide = "[[support]]\non = \"bottom\"\nbeyond = \"0.2 m\"\n";
+    CHECK(n_warnings(body + wide) == 0);
+    CHECK(samples::read(body + wide).scenario.supports[0].beyond == 0.2);
+    reports(samples::least + wide, "exclusive-keys", "`support[0].beyond` is a ground for contact");
     CHECK(n_warnings(body + held + "interface = \"rock\"\n") == 0);
     CHECK(n_warnings(samples::least + "[[support]]\non = \"bottom\"\n") == 0);
+}
+
+TEST_CASE("a side of a body or of a group of bodies by its own name") {
+    const std::string two = scene(block("a", 0, 0) + block("b", 0.1, 0.04)),
+                      wall = scene(
+                          "[[bodies]]\nname = \"wall\"\npattern = \"wall\"\ncolumns = 3\nrows = 2\nblock = [0.02, "
+                          "0.01]\nbond = 0\norigin = [0, 0]\n");
+    const auto on = [](const std::string& place) { return "[[support]]\non = " + place + "\n"; };
+    CHECK(mistakes(two + on("{ body = \"b\", boundary = \"bottom\" }")).empty());
+    CHECK(mistakes(two + on("{ body = \"b\", boundary = \"b.bottom\" }")).empty());
+    CHECK(mistakes(wall + on("{ body = \"wall\", boundary = \"bottom\" }")).empty());
+    reports(two + on("{ body = \"b\", boundary = \"botom\" }"), "unknown-name", "did you mean `bottom`?");
+    reports(two + on("{ body = \"b\", boundary = \"a.bottom\" }"), "unknown-name", "a.bottom");
+    reports(wall + on("{ body = \"wall\", boundary = \"front\" }"), "unknown-name", "front");
 }
 
 TEST_CASE("contact: what cannot be") {

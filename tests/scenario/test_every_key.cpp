@@ -52,7 +52,8 @@ size = "1 mm"
 order = 2
 min_angle = "25 deg"
 grading = 0.5
-refine = [{ inside = ["0 mm", "1 mm", "10 mm", "41 mm"], size = "0.5 mm" }]
+refine = [{ inside = ["0 mm", "1 mm", "10 mm", "41 mm"], size = "0.5 mm" },
+          { along = [["-50 mm", "20 mm"], ["0 mm", "25 mm"]], width = "4 mm", size = "0.8 mm" }]
 [material.steel]
 density = "8000 kg/m3"
 E = "190 GPa"
@@ -370,6 +371,9 @@ restitution = 0.3
 materials = ["steel", "glass"]
 friction = 0.4
 restitution = 0.1
+[[support]]
+on = { body = "dam", boundary = "bottom" }
+beyond = "30 mm"
 [limits]
 contact_depth = 0.05
 [material.steel]
@@ -379,6 +383,14 @@ nu = 0.3
 )");
 
 const std::string schemes = samples::least + "[study]\nschemes = [\"explicit/explicit\", \"implicit/implicit\"]\n";
+
+const std::string adaptive = samples::least + R"([adapt]
+size = "0.1 mm"
+load = 0.25
+margin = 12
+every = 100
+limit = 2e6
+)";
 
 const std::string implicit = samples::least + R"(bulk = "implicit"
 cohesion = "implicit"
@@ -583,6 +595,9 @@ const Case cases[] = {
     {rectangle, "mesh.grading", "0.5"},
     {rectangle, "mesh.refine[0].inside", "[0, 0.001, 0.01, 0.041]"},
     {rectangle, "mesh.refine[0].size", "5e-04"},
+    {rectangle, "mesh.refine[1].along", "[[-0.05, 0.02], [0, 0.025]]"},
+    {rectangle, "mesh.refine[1].width", "0.004"},
+    {rectangle, "mesh.refine[1].size", "8e-04"},
     {rectangle, "material.steel.density", "8000"},
     {rectangle, "material.glass.density", "2450"},
     {rectangle, "material.glass.E", "3.2e+10"},
@@ -648,6 +663,11 @@ const Case cases[] = {
     {rectangle, "initial[0].box", "[0, 0, 1, 1]"},
     {rectangle, "initial[0].strain_rate", "[10, 0, 1000]"},
     {rectangle, "time.end", "8e-05"},
+    {adaptive, "adapt.size", "1e-04"},
+    {adaptive, "adapt.load", "0.25"},
+    {adaptive, "adapt.margin", "12"},
+    {adaptive, "adapt.every", "100"},
+    {adaptive, "adapt.limit", "2e+06"},
     {implicit, "time.bulk", "\"implicit\""},
     {implicit, "time.cohesion", "\"implicit\""},
     {implicit, "time.step", "\"20 CFL\""},
@@ -811,6 +831,7 @@ const Case cases[] = {
     {patterns, "contact.pair[0].materials", "[\"steel\", \"glass\"]"},
     {patterns, "contact.pair[0].friction", "0.4"},
     {patterns, "contact.pair[0].restitution", "0.1"},
+    {patterns, "support[0].beyond", "0.03"},
     {patterns, "limits.contact_depth", "0.05"},
     {warm, "material.steel.expansion_table", "[[20, 0], [573, 0.009], [583, 0.015]]"},
     {warm, "material.glass.expansion", "8e-06"},
@@ -955,7 +976,11 @@ TEST_CASE("scenario: the structs hold the values of the file") {
     CHECK(s.materials[0].name == "steel");  // the order of the file, not of the alphabet
     CHECK(s.bodies.at(0).shape.regions[0].tag == 0);
     CHECK(s.bodies.at(0).shape.regions[2].tag == 1);
-    CHECK(s.mesh.refine.at(0).size == 0.5e-3);
+    REQUIRE(s.mesh.refine.size() == 2);
+    CHECK(s.mesh.refine[0].size == 0.5e-3);
+    CHECK(s.mesh.refine[0].box.high == Vec2(0.01, 0.041));
+    CHECK(s.mesh.refine[1].line.size() == 1);
+    CHECK(s.mesh.refine[1].half_width == 2e-3);
     REQUIRE(s.laws.size() == 4);
     CHECK(s.law_of_pair == std::vector<std::vector<Index>>{{0, 1}, {1, 2}});
     CHECK_FALSE(s.laws[0].law.breakable());
@@ -1038,6 +1063,22 @@ TEST_CASE("scenario: the structs hold the obstacles") {
     CHECK(jaw.drive[0].value == -1e-3);
     CHECK(jaw.drive[0].history(5e-6) == doctest::Approx(0.5));
     CHECK(jaw.drive[2].value == tests::relative(1, 1e-14));
+}
+
+TEST_CASE("scenario: the structs hold the refinement during the run") {
+    const std::string text = samples::changed(
+        "size = [0.1, 0.04]\n", "size = [0.1, 0.04]\n[[domain.crack]]\npoints = [[0, 0.02], [0.05, 0.02]]\n", adaptive);
+    const Scenario s = samples::read(text).scenario;
+    CHECK(s.adapt.size == 1e-4);
+    CHECK(s.adapt.load == 0.25);
+    CHECK(s.adapt.margin == 12);
+    CHECK(s.adapt.every == 100);
+    CHECK(s.adapt.limit == 2e6);
+    CHECK(s.adapt.coarse == s.mesh.size);
+    CHECK(s.adapt.grading == s.mesh.grading);
+    CHECK(s.works().adaptation);
+    REQUIRE(s.bodies.at(0).mesh.refine.size() == 1);  // the tip; the other end is on the border
+    CHECK_FALSE(samples::read(samples::least).scenario.adapt.active());
 }
 
 TEST_CASE("scenario: the structs hold the implicit path") {

@@ -36,7 +36,21 @@ const std::string specimen = driven + "[specimen]\ntest = \"tension\"\nforce = \
 
 const std::string heat = "[heat]\ntemperature = \"20\"\n";  // lines 16, 17
 
+/// Of the mesh, with one refined place.
+std::string refined(const std::string& place) { return with("[[mesh.refine]]\n" + place); }  // line 17
+
 const Case cases[] = {
+    {"a refined place without a place", refined("size = 0.001\n"), "missing-key", 16, 1, 15,
+     "exactly one of: inside, along"},
+    {"a refined place that is a box and a strip",
+     refined("inside = [0, 0, 1, 1]\nalong = [[0, 0], [1, 1]]\nwidth = 0.1\nsize = 0.1\n"), "exclusive-keys", 18, 1, 5,
+     "exactly one of: inside, along"},
+    {"a strip without a width", refined("along = [[0, 0], [1, 1]]\nsize = 0.1\n"), "missing-key", 16, 1, 15,
+     "width of the strip"},
+    {"a box with a width", refined("inside = [0, 0, 1, 1]\nwidth = 0.1\nsize = 0.1\n"), "exclusive-keys", 18, 1, 5,
+     "corners in `inside` only"},
+    {"a strip along a point", refined("along = [[0, 0]]\nwidth = 0.1\nsize = 0.1\n"), "out-of-range", 17, 9, 8,
+     "[[x, y], [x, y], ...]"},
     {"a temperature that is no formula", with("[heat]\ntemperature = \"20 + z\"\n"), "bad-formula", 17, 15, 8,
      "unknown at `z`"},
     {"temperatures from a file that is not there", with("[heat]\ntemperature = \"T.csv\"\n"), "missing-file", 17, 15, 7,
@@ -50,19 +64,20 @@ const Case cases[] = {
      changed("nu = 0.2\n", "nu = 0.2\nheat_capacity_table = [[0, 900], [9, 0]]\nconductivity = 1\n",
              with(heat + "conduction = true\n")),
      "out-of-range", 11, 23, 18, "not positive"},
-    {"two capacities", changed("nu = 0.2\n", "nu = 0.2\nheat_capacity_table = [[0, 900], [9, 9]]\nheat_capacity = 1\n",
-                               with(heat)), "exclusive-keys", 11, 1, 19, "exactly one of"},
+    {"two capacities",
+     changed("nu = 0.2\n", "nu = 0.2\nheat_capacity_table = [[0, 900], [9, 9]]\nheat_capacity = 1\n", with(heat)),
+     "exclusive-keys", 11, 1, 19, "exactly one of"},
     {"convection without a coefficient",
      changed("nu = 0.2\n", "nu = 0.2\nheat_capacity = 900\nconductivity = 1\n",
              with(heat + "conduction = true\n[[heat.exchange]]\non = \"top\"\noutside = 20\n")),
      "missing-key", 23, 11, 2, "transfer"},
     {"heat with large rotations", changed("[mesh]", "rotation = \"large\"\n[mesh]", with(heat)), "exclusive-keys", 17,
      2, 4, "small"},
-    {"temperatures in C and in K", with("[heat]\ntemperature = \"20 C\"\nreference = \"293 K\"\n"), "mixed-temperatures", 18,
-     13, 7, "all of them in C, or all in K"},
+    {"temperatures in C and in K", with("[heat]\ntemperature = \"20 C\"\nreference = \"293 K\"\n"),
+     "mixed-temperatures", 18, 13, 7, "all of them in C, or all in K"},
     {"a freezing range that counts from another zero",
-     changed("nu = 0.2\n", "nu = 0.2\nlatent_heat = 1000\n", with("[heat]\ntemperature = \"260 K\"\n")), "missing-key", 11,
-     15, 4, "272.15 K"},
+     changed("nu = 0.2\n", "nu = 0.2\nlatent_heat = 1000\n", with("[heat]\ntemperature = \"260 K\"\n")), "missing-key",
+     11, 15, 4, "272.15 K"},
     {"a mark in a figure of cracks", with("[[figure]]\nfile = \"a.png\"\nmark = 1\n"), "exclusive-keys", 18, 1, 4,
      "temperature"},
     {"a strength over temperature without heat", changed("G_c = 3", "G_c = 3\nstrength_table = [[-10, 1], [0, 0.1]]"),
@@ -74,12 +89,11 @@ const Case cases[] = {
      "out-of-range", 14, 18, 16, "ascend"},
     {"a parameter of another softening beside the default", changed("G_c = 3", "G_c = 3\nplateau = 0.3"),
      "exclusive-keys", 14, 1, 7, "here softening = \"linear\", its default"},
-    {"a box of a probe that watches a place",
-     with("[[probe]]\nname = \"p\"\nat = [0.5, 0.5]\nbox = [0, 0, 1, 1]\n"), "exclusive-keys", 19, 1, 3,
-     "here watch = \"place\", its default"},
+    {"a box of a probe that watches a place", with("[[probe]]\nname = \"p\"\nat = [0.5, 0.5]\nbox = [0, 0, 1, 1]\n"),
+     "exclusive-keys", 19, 1, 3, "here watch = \"place\", its default"},
     {"friction and a table of it",
-     changed("G_c = 3", "G_c = 3\nfriction = 0.5\nfriction_table = [[0, 1], [1, 1]]", with(heat)),
-     "exclusive-keys", 15, 1, 14, "exactly one of: friction, friction_table"},
+     changed("G_c = 3", "G_c = 3\nfriction = 0.5\nfriction_table = [[0, 1], [1, 1]]", with(heat)), "exclusive-keys", 15,
+     1, 14, "exactly one of: friction, friction_table"},
     {"a thermal strain with one point", changed("nu = 0.2\n", "nu = 0.2\nexpansion_table = [[0, 1]]\n", with(heat)),
      "out-of-range", 11, 19, 8, "expansion_table = [[0, 0], [570, 0.008]"},
     {"a pressure with one point", with(heat + "[[pressure]]\npressure_table = [[0, 1]]\n"), "out-of-range", 19, 18, 8,
@@ -417,16 +431,15 @@ TEST_CASE("mistakes: all at once and in the order of the file") {
 TEST_CASE("mistakes: as the user sees them") {
     const std::vector<Diagnostic> found = mistakes(changed("sigma_c", "sigmac "));
     REQUIRE(found.size() == 1);
-    CHECK(
-        format(found[0]) ==
-        "error[unknown-key]: `interface.default.sigmac` is not a key of a scenario\n"
-        "   --> sample.toml:12:1\n"
-        "    |\n"
-        "12 | sigmac  = 3.08e6\n"
-        "   | ^^^^^^ did you mean `sigma_c`?\n"
-        "   = keys here: breakable, sigma_c, G_c, delta_c, softening, plateau, exponent, table, csv, unloading, "
-        "relaxation_time, incubation_time, gamma, "
-        "strength_table, friction_table, friction, restitution, scatter\n");
+    CHECK(format(found[0]) ==
+          "error[unknown-key]: `interface.default.sigmac` is not a key of a scenario\n"
+          "   --> sample.toml:12:1\n"
+          "    |\n"
+          "12 | sigmac  = 3.08e6\n"
+          "   | ^^^^^^ did you mean `sigma_c`?\n"
+          "   = keys here: breakable, sigma_c, G_c, delta_c, softening, plateau, exponent, table, csv, unloading, "
+          "relaxation_time, incubation_time, gamma, "
+          "strength_table, friction_table, friction, restitution, scatter\n");
 }
 
 TEST_CASE("mistakes: very many in one line and very long ones are short messages") {

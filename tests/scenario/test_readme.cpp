@@ -72,6 +72,7 @@ std::string completed(std::string text) {
                           std::regex_search(text, std::regex("\\[mesh\\]\n(.*\n)*file"));
     for (const auto& [header, keys] : context) {
         const bool is_body = std::string(header) == "[domain]";
+        if (std::string(header) == "[[obstacle]]" && text.find("[adapt]") != std::string::npos) continue;  // refused
         if (is_body ? has_body : header[1] != '[' && text.find(std::string(header) + "\n") != std::string::npos)
             continue;
         text += "\n" + std::string(header) + "\n" + keys;

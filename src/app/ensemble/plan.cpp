@@ -35,7 +35,7 @@ void add_runs(const std::string& scenario, Ensemble& ensemble) {
             run.resolved = resolved_for_run(read);
             if (!read.scenario.given) {
                 run.mesh_size = read.scenario.mesh.size;
-                for (const auto& box : read.scenario.mesh.refine) run.mesh_size = std::min(run.mesh_size, box.size);
+                for (const auto& place : read.scenario.mesh.refine) run.mesh_size = std::min(run.mesh_size, place.size);
                 for (const Body& body : read.scenario.bodies) run.mesh_size = std::min(run.mesh_size, body.mesh.size);
             }
             if (seeds || run.name.empty()) run.name += (run.name.empty() ? "s" : "_s") + std::to_string(run.seed);

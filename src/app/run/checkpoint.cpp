@@ -40,7 +40,8 @@ namespace knap {
 
 template <class Archive>
 void serialize(Archive& archive, RunMemory& memory) {
-    archive(memory.now, memory.control, memory.recorder, memory.excavations, memory.log_size, memory.spent);
+    archive(memory.now, memory.control, memory.recorder, memory.excavations, memory.adaptation, memory.triangle_steps,
+            memory.log_size, memory.spent);
 }
 
 std::string bytes_of(RunMemory& memory) {
@@ -66,7 +67,7 @@ void restore(const std::string& bytes, RunMemory& memory) {
 namespace {
 
 constexpr const char* magic = "knap-checkpoint";
-constexpr int format_number = 11;
+constexpr int format_number = 12;
 
 std::string program() { return version() + "-" + git_hash() + (git_dirty() ? "-changed" : ""); }
 

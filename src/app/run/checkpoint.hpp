@@ -8,6 +8,7 @@
 //
 // A file is one line (format, program, bytes, CRC-32) and the memory of the run. It is written under a temporary name
 // and renamed, so a killed run leaves two whole ones.
+#include "app/run/adaptation.hpp"
 #include "app/run/excavations.hpp"
 #include "base/stopwatch.hpp"
 #include "record/recorder.hpp"
@@ -25,6 +26,8 @@ struct RunMemory {
     StepControl& control;
     Recorder& recorder;
     Excavations& excavations;
+    Adaptation& adaptation;
+    std::int64_t& triangle_steps;
     std::int64_t log_size = 0;  // [byte] of log.txt at that time
     TimeSpent spent = {};       // by all parts of the run so far
 };

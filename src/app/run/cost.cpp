@@ -1,5 +1,6 @@
 #include "app/run/cost.hpp"
 
+#include "app/run/adaptation.hpp"
 #include "base/stopwatch.hpp"
 #include "figures/figures.hpp"
 #include "stepper/moreau_jean.hpp"
@@ -19,6 +20,7 @@ namespace {
 constexpr double kernel_there = 0.8e-3;                          // of the loop in machine_slowness()
 constexpr double of_frame = 1.5e-3, of_frame_triangle = 0.4e-6;  // a frame
 constexpr double of_figure = 0.035, of_figure_triangle = 5e-6;   // a figure; of the body
+constexpr double of_rebuilds = 1.4;                              // [-] of steps with refinements over those without
 constexpr double of_line = 2e-5, of_line_interface = 6e-9;       // a line of the tables
 
 /// [s] Processor time of a step at the start, after the first one: the minimum over some batches, since other load on
@@ -121,6 +123,11 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
     MoreauJean stepper(model, scenario.time.scheme);
     cost.first_step = measured_step(model, stepper, plan.limits.largest, measure_for);
     cost.mean_over_first = mean_over_first(scenario, model, cost.n_steps);
+    double growth = 1;  // of the number of triangles, at the end
+    if (scenario.adapt.active()) {
+        growth = forecast(scenario, model.mesh).at_end / triangles;
+        cost.mean_over_first *= 0.5 * (1 + growth) * of_rebuilds;
+    }
     cost.steps = cost.n_steps * cost.first_step * cost.mean_over_first;
 
     if (scenario.output.fields)
@@ -134,8 +141,8 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
     const double n_lines = std::min(std::ceil(scenario.time.end / scenario.output.history_every), largest);
     cost.lines = slowness * n_lines * (of_line + of_line_interface * static_cast<double>(model.interfaces.size()));
 
-    cost.memory = 75 + ((implicit ? 2e-3 : 0) + 2.2e-3) * drawn;
-    cost.disk = cost.n_frames * (6e-3 + 85e-6 * drawn);
+    cost.memory = 75 + ((implicit ? 2e-3 : 0) + 2.2e-3) * growth * drawn;
+    cost.disk = cost.n_frames * (6e-3 + 85e-6 * 0.5 * (1 + growth) * drawn);
     return cost;
 }
 

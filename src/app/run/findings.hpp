@@ -20,6 +20,9 @@ void check_model(const ReadResult& read, const Model& model);
 /// Warnings: probes, regions and boxes outside the body.
 std::vector<Diagnostic> findings_of_places(const ReadResult& read, const Model& model);
 
+/// Warnings: supports between bodies that touch.
+std::vector<Diagnostic> findings_of_supports(const ReadResult& read, const Model& model);
+
 /// Those, and warnings on the resolution of the process zone, on the conduction of heat, jumps of prescribed
 /// displacements, details that reduce the stable step, and implausible numbers of steps, frames, lines and pictures.
 /// Without `cost` it is estimated where a run may be long.

@@ -131,7 +131,6 @@ std::string culprits(const std::vector<std::string>& parts) {
 }
 
 // ---- numbers
-
 constexpr double surely_short = 1e9;    // triangle-steps
 constexpr double longest = 5 * 86400.;  // [s] of one core
 constexpr double max_frames = 1e4, max_lines = 1e6, max_pictures = 1e3;
@@ -283,8 +282,11 @@ public:
             const std::size_t n = std::min(read_.values.count(list), body.shape.regions.size());
             for (std::size_t i = 0; i < n; ++i) check_region(item(list, i), body.shape.regions[i]);
         }
-        for (const auto& [list, key] : {std::pair{"mesh.refine", ".inside"}, {"map", ".box"}, {"figure", ".box"}})
-            for (std::size_t i = 0; i < read_.values.count(list); ++i) check_box(item(list, i) + key);
+        for (std::size_t i = 0; const RefinedPlace& place : scenario_.mesh.refine)
+            check_box(item("mesh.refine", i++) + (place.line.empty() ? ".inside" : ".along"), place.box);
+        for (const char* list : {"map", "figure"})
+            for (std::size_t i = 0; i < read_.values.count(list); ++i)
+                check_box(item(list, i) + ".box", read_.values.get<Box>(item(list, i) + ".box"));
     }
 
     /// Each detail once, by its slowest triangle.
@@ -405,14 +407,11 @@ private:
             "the body extends " + extent_text(box_) + "; a region must be at least as large as a triangle");
     }
 
-    void check_box(const std::string& key) {
-        const std::optional<Box> box = read_.values.get<Box>(key);
-        if (!box) return;
-        const bool meets =
-            (box->low.array() <= box_.high.array()).all() && (box->high.array() >= box_.low.array()).all();
-        if (meets &&
-            (std::ranges::any_of(mesh_.vertices, [&](const Vec2& x) { return box->contains(x); }) ||
-             in_mesh(mesh_, 0.5 * (box->low + box->high)) || in_mesh(mesh_, box->low) || in_mesh(mesh_, box->high)))
+    void check_box(const std::string& key, const std::optional<Box>& box) {
+        if (!box ||
+            (box->meets(box_) &&
+             (std::ranges::any_of(mesh_.vertices, [&](const Vec2& x) { return box->contains(x); }) ||
+              in_mesh(mesh_, 0.5 * (box->low + box->high)) || in_mesh(mesh_, box->low) || in_mesh(mesh_, box->high))))
             return;
         add(key, "outside", "`" + key + "` lies outside the body: " + extent_text(*box),
             "the body extends " + extent_text(box_) + "; coordinates without a unit are in metres");
@@ -443,7 +442,8 @@ std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& m
     warnings.on_places();
     warnings.on_details(plan.stable_of_triangle);
     warnings.on_numbers(plan, cost);
-    for (Diagnostic& warning : findings_of_excavations(read, model)) warnings.found.push_back(std::move(warning));
+    for (const auto& others : {findings_of_excavations(read, model), findings_of_supports(read, model)})
+        warnings.found.insert(warnings.found.end(), others.begin(), others.end());
     return std::move(warnings.found);
 }
 

@@ -2,6 +2,9 @@
 
 #include "app/run/run.hpp"
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <omp.h>
 #include <unistd.h>
 
@@ -65,6 +68,13 @@ bool InterruptGuard::interrupted() { return noted != 0; }
 bool ignores_hangup() {
     struct sigaction now {};
     return sigaction(SIGHUP, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+}
+
+void keep_freed_memory() {
+#ifdef __GLIBC__
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);
+    mallopt(M_MMAP_THRESHOLD, 1 << 25);  // the maximum that is accepted
+#endif
 }
 
 }  // namespace knap

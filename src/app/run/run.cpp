@@ -1,5 +1,6 @@
 #include "app/run/run.hpp"
 
+#include "app/run/adaptation.hpp"
 #include "app/run/checkpoint.hpp"
 #include "app/run/continuation.hpp"
 #include "app/run/excavations.hpp"
@@ -17,14 +18,11 @@
 
 #include <algorithm>
 #include <cstdio>
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
 
 namespace knap {
 namespace {
 
-/// What is fixed during a run. Only an excavation replaces the model, and the stepper with it.
+/// What is fixed during a run. Only an excavation or a refinement replaces the model, and the stepper with it.
 struct RunSetup {
     const Scenario& scenario;
     Model& model;
@@ -84,11 +82,12 @@ State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibriu
 /// a file cannot be written.
 class Run {
 public:
-    Run(const RunSetup& setup, std::optional<MoreauJean>& stepper, Excavations excavations, RunDirectory& place,
-        RunRecord& record, const Stopwatch& clock)
+    Run(const RunSetup& setup, std::optional<MoreauJean>& stepper, Excavations excavations, Adaptation adaptation,
+        RunDirectory& place, RunRecord& record, const Stopwatch& clock)
         : setup_(setup),
           stepper_(stepper),
           excavations_(std::move(excavations)),
+          adaptation_(std::move(adaptation)),
           log_(place.log()),
           record_(record),
           clock_(clock),
@@ -105,6 +104,7 @@ public:
 private:
     void step();
     void excavate();
+    void adapt(const std::optional<Vec2>& also = {});
     void renew_stepper();
     void save();
     void report_warnings();
@@ -114,6 +114,7 @@ private:
     RunSetup setup_;
     std::optional<MoreauJean>& stepper_;
     Excavations excavations_;
+    Adaptation adaptation_;
     RunLog& log_;
     RunRecord& record_;
     const Stopwatch& clock_;
@@ -125,9 +126,12 @@ private:
                       .now = now_,
                       .control = control_,
                       .recorder = recorder_,
-                      .excavations = excavations_};
+                      .excavations = excavations_,
+                      .adaptation = adaptation_,
+                      .triangle_steps = triangle_steps_};
     Stopwatch stepping_;
     std::int64_t first_step_ = now_.n_steps;
+    std::int64_t triangle_steps_ = 0;
     double earlier_output_ = recorder_.time().cpu;  // [s]
     double until_ = std::min(setup_.options.until, setup_.scenario.time.end);
     bool depends_on_end_ = false;  // the following steps are not those of a longer run, and are not saved
@@ -146,6 +150,7 @@ void Run::resume(const std::string& text) {
                             " s, beyond --until " + shortest(setup_.options.until) + " s",
                         "give a later --until, or none, to continue; or start it again with --force");
     excavations_.repeat(setup_.model);
+    adaptation_.repeat(setup_.model);
     next_ = now_;  // its nodes are those of the present model
     renew_stepper();
     recorder_.model_changed();
@@ -177,6 +182,8 @@ void Run::save() {
                      .control = control_,
                      .recorder = recorder_,
                      .excavations = excavations_,
+                     .adaptation = adaptation_,
+                     .triangle_steps = triangle_steps_,
                      .log_size = log_.size(),
                      .spent = spent()};
     checkpoints_.write(memory);
@@ -222,11 +229,25 @@ void Run::excavate() {
     recorder_.after_excavation(energies);
 }
 
+/// A look at the mesh, which is refined where that is due, or where a step would break it at a coarse place.
+void Run::adapt(const std::optional<Vec2>& also) {
+    std::optional<AdaptedModel> refined = adaptation_.look(setup_.model, now_, also);
+    report(adaptation_.take_warning());
+    if (!refined) return;
+    recorder_.finish_frames();
+    stepper_.reset();
+    setup_.model = std::move(refined->model), now_ = std::move(refined->state);
+    next_ = now_;
+    renew_stepper();
+    recorder_.after_adaptation(now_, refined->numbers, refined->energies);
+}
+
 /// One attempt of a step: the state advances, or stays where the step is cut back. Throws SimulationError where the run
 /// cannot continue.
 void Run::step() {
     const double h = control_.next(now_);
     const StepReport report = stepper_->step(now_, h, next_);
+    if (report.rejection == Rejection::too_coarse) return adapt(report.where);
     if (const std::optional<Cutback> cut = control_.judge(now_, h, report)) {
         const Vec2 where =
             report.rejection == Rejection::none ? place_of_damage(setup_.model, now_, next_) : report.where;
@@ -237,8 +258,10 @@ void Run::step() {
     if (setup_.options.dump_lcp.contains(next_.n_steps))
         log_.add(dump_lcp(setup_.model, now_, h, setup_.scenario.time.scheme, setup_.directory / "lcp"));
     std::swap(now_, next_);
+    adaptation_.after_step();
+    triangle_steps_ += setup_.model.mesh.n_triangles();
     recorder_.after_step(now_, report);
-    progress_->after_step(now_, recorder_);
+    progress_->after_step(now_, recorder_, setup_.model.mesh.n_triangles());
     report_warnings();
     const GateKeeper& gates = recorder_.gates();
     if (!gates.pass())
@@ -247,7 +270,7 @@ void Run::step() {
 }
 
 void Run::step_to_end() {
-    progress_.emplace(setup_.options.quiet ? nullptr : stderr, now_, until_, record_.triangles);
+    progress_.emplace(setup_.options.quiet ? nullptr : stderr, now_, until_);
     stepping_ = Stopwatch();
     try {
         while (record_.status == "running" && !StepControl::has_reached(now_, until_) && !recorder_.at_rest()) {
@@ -267,6 +290,7 @@ void Run::step_to_end() {
             }
             try {
                 while (excavations_.is_due(now_)) excavate();
+                if (adaptation_.is_due(now_)) adapt();
                 step();
             } catch (const StepGivenUp&) {
                 continue;  // interrupted
@@ -309,6 +333,14 @@ void Run::finish() {
     record_.largest_step = control_.largest_taken();
     record_.n_cutbacks = control_.n_cutbacks();
     record_.factor = stepper_->factor_size();
+    record_.triangles = setup_.model.mesh.n_triangles();
+    record_.interfaces = static_cast<Index>(setup_.model.interfaces.size());
+    record_.triangle_steps = triangle_steps_;
+    record_.adaptation = adaptation_.counts();
+    if (setup_.scenario.adapt.active())
+        record_.adaptation_gain = static_cast<double>(now_.n_steps) *
+                                  n_triangles_of(recorder_.deformation().body_area(), setup_.scenario.adapt.size) /
+                                  static_cast<double>(triangle_steps_);
     record_.summary = summarise(setup_.model, now_, recorder_);
     record_.gates = recorder_.gates().gates();
     if (record_.status == "done" && complete)
@@ -329,15 +361,6 @@ ExitCode exit_code(const RunRecord& record) {
     if (record.status == "interrupted") return exit_interrupted;
     if (record.status == "failed" || !std::ranges::all_of(record.gates, &Gate::pass)) return exit_failed;
     return std::ranges::all_of(record.expect, &ExpectResult::pass) ? exit_done : exit_expectation;
-}
-
-/// Frames and figures allocate and free the same memory some thirty times in a run. Memory returned to the system in
-/// between comes back zeroed, page by page, which took a third of the time of a frame.
-void keep_freed_memory() {
-#ifdef __GLIBC__
-    mallopt(M_TRIM_THRESHOLD, 1 << 30);
-    mallopt(M_MMAP_THRESHOLD, 1 << 25);  // the maximum that is accepted
-#endif
 }
 
 }  // namespace
@@ -361,6 +384,10 @@ ExitCode run_scenario(const ReadResult& requested, const RunOptions& options) {
     check_model(read, model);
     Excavations excavations(plan_excavations(read, model));
     const StepPlan plan = plan_of(read, model, options.until);
+    AdaptOptions adapt = scenario.adapt;
+    adapt.smallest_step = plan.stable_step;
+    Adaptation adaptation(adapt, model_input(scenario));
+    adaptation.begin(model);
     if (!options.dump_lcp.empty()) check_dump(model, scenario.time.scheme);
     std::optional<MoreauJean> stepper(std::in_place, model, scenario.time.scheme);
     stepper->give_up_when(InterruptGuard::interrupted);
@@ -395,7 +422,8 @@ ExitCode run_scenario(const ReadResult& requested, const RunOptions& options) {
     RunDirectory place(directory, files, record, options.force, continuation.first_files_of_shorter);
     try {
         if (!place.resumes()) place.log().add(warnings + random_sets_text(scenario));
-        Run run({scenario, model, plan, options, directory}, stepper, std::move(excavations), place, record, clock);
+        Run run({scenario, model, plan, options, directory}, stepper, std::move(excavations), std::move(adaptation),
+                place, record, clock);
         if (place.resumes()) run.resume(continuation.text);
         run.step_to_end();
         run.finish();

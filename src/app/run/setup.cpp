@@ -64,11 +64,16 @@ Mesh mesh_of(const Scenario& scenario) {
 }  // namespace
 
 Model build_model(const Scenario& scenario) {
-    ModelInput input;
+    ModelInput input = model_input(scenario);
     input.mesh = mesh_of(scenario);
     input.mesh.order = scenario.order;
     for (const MaterialMap& map : scenario.maps) paint(map, input.mesh);
     if (!scenario.rocks.empty()) put_rocks(scenario, input.mesh);
+    return make_model(std::move(input));
+}
+
+ModelInput model_input(const Scenario& scenario) {
+    ModelInput input;
     input.plane = scenario.plane;
     input.large_rotation = scenario.large_rotation;
     input.thickness = scenario.thickness;
@@ -88,7 +93,7 @@ Model build_model(const Scenario& scenario) {
     input.obstacles = scenario.obstacles;
     input.contact_of_pair = scenario.contact_of_pair;
     if (scenario.heat) input.heat = std::make_shared<Heat>(*scenario.heat);
-    return make_model(std::move(input));
+    return input;
 }
 
 std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& mesh) {
@@ -135,7 +140,8 @@ double mean_edge(const Mesh& mesh) {
 }
 
 double finest_edge(const Scenario& scenario, double mean_edge) {
-    for (const RefineBox& box : scenario.mesh.refine) mean_edge = std::min(mean_edge, box.size);
+    for (const RefinedPlace& place : scenario.mesh.refine) mean_edge = std::min(mean_edge, place.size);
+    if (scenario.adapt.active()) mean_edge = std::min(mean_edge, scenario.adapt.size);
     for (const Body& body : scenario.bodies)
         if (body.own_mesh_size) mean_edge = std::min(mean_edge, body.mesh.size);
     return mean_edge / scenario.order;

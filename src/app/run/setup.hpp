@@ -6,6 +6,8 @@
 
 namespace knap {
 
+/// All of it but the mesh.
+ModelInput model_input(const Scenario& scenario);
 /// Throws ShapeError for a shape that cannot be meshed, EmptySelection for selections that select nothing.
 Model build_model(const Scenario& scenario);
 

@@ -2,6 +2,7 @@
 
 #include "base/formatted.hpp"
 #include "element/triangle_matrices.hpp"
+#include "stepper/adaptation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -77,7 +78,10 @@ StepPlan plan_steps(const Scenario& scenario, double stable_step, double until) 
 
 StepPlan plan_steps(const Scenario& scenario, const Model& model, double until) {
     std::vector<double> stable = stable_steps(model.mesh, model.materials, model.plane);
-    StepPlan plan = plan_steps(scenario, *std::ranges::min_element(stable), until);
+    double smallest = std::ranges::min(stable);
+    if (const AdaptOptions& adapt = scenario.adapt; adapt.active())  // the step holds for all refinements
+        smallest = std::min(smallest, guaranteed_step(adapt.size, model.materials, model.plane));
+    StepPlan plan = plan_steps(scenario, smallest, until);
     plan.stable_of_triangle = std::move(stable);
     return plan;
 }

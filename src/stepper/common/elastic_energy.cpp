@@ -22,4 +22,19 @@ double elastic_energy(const Model& model, const State& state, std::vector<Vec2>&
     return energy;
 }
 
+LeapfrogEnergies leapfrog_energies(const Model& model, const State& state) {
+    State before = state;
+    for (std::size_t n = 0; n < before.displacement.size(); ++n)
+        before.displacement[n] -= state.last_step * before.velocity[n];
+    std::vector<Vec2> force;
+    LeapfrogEnergies energies{.elastic = elastic_energy(model, before, force)};
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
+        const Vec2& velocity = before.velocity[before.node_of_corner[c]];
+        energies.work += state.last_step * force[c].dot(velocity);
+        energies.kinetic += 0.5 * model.corner_mass[c] * velocity.squaredNorm();
+    }
+    energies.strain = energies.elastic - 0.5 * energies.work;
+    return energies;
+}
+
 }  // namespace knap

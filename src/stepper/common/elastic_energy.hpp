@@ -8,4 +8,14 @@ namespace knap {
 /// of the triangles on their corners.
 double elastic_energy(const Model& model, const State& state, std::vector<Vec2>& force);
 
+/// [J] Of the leapfrog, of a state that was changed between two steps: with Delta = h v of the last step and
+/// u_n-1 = u_n - Delta,
+///
+///     1/2 v' M v + U(u_n-1) - 1/2 f(u_n-1) . Delta,    f = -grad U        (small rotations: 1/2 u_n-1' K u_n)
+struct LeapfrogEnergies {
+    double kinetic = 0, strain = 0;
+    double elastic = 0, work = 0;  // U(u_n-1) and f(u_n-1) . Delta
+};
+LeapfrogEnergies leapfrog_energies(const Model& model, const State& state);
+
 }  // namespace knap

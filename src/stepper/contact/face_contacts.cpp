@@ -61,21 +61,18 @@ std::span<const FaceContactState> contacts_before(const State& begin, Index vert
 
 FaceContacts::FaceContacts(const Model& model) : model_(model), boundary_(model) {}
 
-FaceContacts::Motion& FaceContacts::Motion::operator+=(const Motion& other) {
-    squared_move = std::max(squared_move, other.squared_move);
-    squared_speed = std::max(squared_speed, other.squared_speed);
-    return *this;
-}
-
 /// Undeformed places and lengths; what is known already stays.
 void FaceContacts::read_boundary() {
     const Mesh& mesh = model_.mesh;
     const auto corners = boundary_.corners();
     const auto edges = boundary_.edges();
-    for (std::size_t c = reference_.size(); c < corners.size(); ++c)
-        reference_.push_back(mesh.vertices[mesh.triangles[corners[c] / 3][corners[c] % 3]]);
+    for (std::size_t c = reference_.size(); c < corners.size(); ++c) {
+        const GroundVertex* ground = model_.ground_at(corners[c]);
+        reference_.push_back(ground ? ground->place : mesh.corner(corners[c]));
+    }
     for (; n_read_ < edges.size(); ++n_read_) {
-        const double length = mesh.side_vector(edges[n_read_].start / 3, edges[n_read_].start % 3).norm();
+        const FreeEdge& edge = edges[n_read_];
+        const double length = (reference_[edge.end_place] - reference_[edge.start_place]).norm();
         longest_ = std::max(longest_, length), total_ += length;
     }
 }
@@ -126,9 +123,11 @@ bool FaceContacts::place_corners(const State& begin, double h, bool boundary_cha
     const Motion motion =
         sum_over_blocks(numbers.size(), block, partial_, [&](std::size_t first, std::size_t last, Motion& own) {
             for (std::size_t c = first; c < last; ++c) {
-                const Index node = begin.node_of_corner[numbers[c]];
-                const CornerMotion& at =
-                    corners_[c] = {.x = reference_[c] + begin.displacement[node], .v = begin.velocity[node]};
+                CornerMotion& at = corners_[c] = {.x = reference_[c], .v = Vec2::Zero()};
+                if (model_.ground_at(numbers[c]) == nullptr) {
+                    const Index node = begin.node_of_corner[numbers[c]];
+                    at.x += begin.displacement[node], at.v = begin.velocity[node];
+                }
                 own += {.squared_move = c < n_known ? nearby_.squared_move(c, at.x) : 0,
                         .squared_speed = at.v.squaredNorm()};
             }
@@ -244,7 +243,9 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     const bool is_deep = gap < -(touching * length + slipped + deep_in_steps * travel);
     const FaceContactState* before = known(at.before, pair.edge);
     if (is_deep && !before && !was_beside(begin, pair)) return;
-    if (gap < -deepest * length) refuse({ContactRefusal::Reason::depth, -gap / length, at.x}, block.refusal);
+    const double depth = gap < -deepest * length ? overlap(edge, at, gap, begin) : -gap;
+    if (depth <= 0 && gap < 0 && !before) return;
+    if (depth > deepest * length) refuse({ContactRefusal::Reason::depth, depth / length, at.x}, block.refusal);
     if (!before) before = slid_from(pair.edge, at);
     block.found.push_back({.contact = {.vertex = {boundary_.edges()[leaving.entering].end, leaving.start},
                                        .edge = {edge.start, edge.end},
@@ -252,6 +253,7 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
                                        .length = length,
                                        .share = share,
                                        .gap = gap,
+                                       .depth = depth,
                                        .contact = before ? before->contact : 0,
                                        .tangential = before ? before->tangential : 0},
                            .vertex = pair.vertex,
@@ -302,6 +304,20 @@ bool FaceContacts::meets_nearer(Index j, const Vertex& at, double gap, const Sta
     return !other.reflex && std::ranges::any_of(std::array{at.t_in, at.t_out}, [&](const Vec2& t) {
         return other.accepts(outward(t)) && outward(t).dot(other.x - at.x) - other.overhang(outward(t)) > gap;
     });
+}
+
+/// [m] -g, or less where the vertex overlaps less with a convex corner at an end of the edge: along the normals of the
+/// edges at both (separating axis theorem).
+double FaceContacts::overlap(const FreeEdge& edge, const Vertex& at, double gap, const State& begin) const {
+    double least = -gap;
+    for (const Index j : {edge.piece_start, edge.piece_end}) {
+        if (j < 0 || vertex(j, begin).reflex) continue;
+        const Vertex other = vertex(j, begin);
+        for (const auto& [one, two] : {std::pair(&at, &other), std::pair(&other, &at)})
+            for (const Vec2& t : {one->t_in, one->t_out})
+                least = std::min(least, two->overhang(outward(t)) - outward(t).dot(two->x - one->x));
+    }
+    return least;
 }
 
 /// At a convex or flat corner between two edges. Where the vertex is not deeper than a rounding error in either, it
@@ -358,20 +374,21 @@ const FaceContactState* FaceContacts::slid_from(Index e, const Vertex& at) const
 bool FaceContacts::was_beside(const State& begin, const NearbyEdge& pair) const {
     const auto edges = boundary_.edges();
     const FreeEdge& edge = edges[pair.edge];
-    const auto fan_of = [&](Index corner) { return model_.fan_of_corner[corner]; };
-    const Index fan = fan_of(edges[pair.vertex].start), start = fan_of(edge.start), end = fan_of(edge.end);
-    const auto met = [&](Index of_fan, const auto& accepts) {
-        return std::ranges::any_of(model_.corners(model_.fans[of_fan]), [&](Index corner) {
+    const Index vertex = edges[pair.vertex].start;
+    const auto met = [&](Index at, const auto& accepts) {
+        const auto corners = model_.ground_at(at) ? std::span<const Index>(&at, 1)
+                                                  : model_.corners(model_.fans[model_.fan_of_corner[at]]);
+        return std::ranges::any_of(corners, [&](Index corner) {
             return std::ranges::any_of(contacts_before(begin, corner), accepts, &FaceContactState::edge);
         });
     };
     const auto near_edge = [&](Index e) {
         return e == edge.start || e == edges[edge.prev].start || e == edges[edge.next].start;
     };
-    const auto at_vertex = [&](Index e) {
-        return fan_of(e) == fan || fan_of(FreeBoundary::next_in_triangle(e)) == fan;
-    };
-    return start == fan || end == fan || met(fan, near_edge) || met(start, at_vertex) || met(end, at_vertex);
+    const auto is_vertex = [&](Index corner) { return boundary_.are_one_vertex(corner, vertex); };
+    const auto at_vertex = [&](Index e) { return is_vertex(e) || is_vertex(boundary_.end_of(e)); };
+    return is_vertex(edge.start) || is_vertex(edge.end) || met(vertex, near_edge) || met(edge.start, at_vertex) ||
+           met(edge.end, at_vertex);
 }
 
 /// The contacts of a vertex in found_: first_found_ holds numbers of any earlier step where there is none.

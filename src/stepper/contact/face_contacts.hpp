@@ -21,6 +21,7 @@ struct FaceContact {
     std::array<Index, 2> edge;    // corners a, b at the ends of the edge; its triangle lies to the left of a -> b
     Vec2 normal;                  // outward of the edge's triangle; tangent t = (b - a)/L = turned_left(normal)
     double length, share, gap;    // [m] L, [-] s (not clipped to [0, 1]), [m] g
+    double depth;                 // [m] of the overlap: -g, or less at a convex corner
     double contact, tangential;   // [N s] impulses of the step before (0 if new), with twins merged: the start of the
                                   // iteration
 };
@@ -43,7 +44,8 @@ struct ContactRefusal {
 /// 5 deep      deeper than 1e-3 L + 2 h |v_rel| + half the slip at which points retire only where the pair, the vertex
 ///             with a neighbour of the edge, or an end of the edge with an edge at the vertex was a contact in the step
 ///             before, or where both were neighbours in the undeformed body: a vertex beside a thin piece does not
-///             touch it from behind
+///             touch it from behind. And deeper than 0.1 L only where the corners at the vertex and at the ends of the
+///             edge overlap
 /// 6 depth     at most 0.35 of the altitude of the triangle; the step before should have been refused
 ///
 /// At a corner, an edge outside the cones of the vertex takes no contact away from its neighbour: there the plane that
@@ -100,7 +102,11 @@ private:
     /// Largest of all corners: move since the search, speed.
     struct Motion {
         double squared_move = 0, squared_speed = 0;
-        Motion& operator+=(const Motion& other);
+        Motion& operator+=(const Motion& other) {
+            squared_move = std::max(squared_move, other.squared_move);
+            squared_speed = std::max(squared_speed, other.squared_speed);
+            return *this;
+        }
     };
 
     void read_boundary();
@@ -112,6 +118,7 @@ private:
     Vertex vertex(Index i, const State& begin) const;
     void examine(const NearbyEdge& pair, const Vertex& at, const State& begin, double h, Block& block) const;
     bool belongs_to(Index e, const Vertex& at, double gap, double share, const State& begin, double h) const;
+    double overlap(const FreeEdge& edge, const Vertex& at, double gap, const State& begin) const;
     bool second_is_nearer(Index first, Index second, const Vertex& at, double h) const;
     bool was_on_face(const Vertex& at, const Vec2& normal) const;
     bool meets_nearer(Index j, const Vertex& at, double gap, const State& begin) const;

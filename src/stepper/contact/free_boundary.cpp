@@ -27,8 +27,9 @@ FreeBoundary::FreeBoundary(const Model& model) : model_(model) {
     assert(mesh.order == 1);
     const std::size_t n = mesh.n_corners();
     twin_.assign(n, -1), point_.assign(n, -1), prev_.assign(n, -1), piece_.assign(n, -1), group_.assign(n, -1),
-        last_.assign(n, -1), corner_place_.assign(n, -1);
-    reflex_wedge_.assign(n, 0), reflex_piece_.assign(n, 0), place_.assign(n, -1);
+        last_.assign(n, -1);
+    reflex_wedge_.assign(n, 0), reflex_piece_.assign(n, 0);
+    place_.assign(n + model.ground.vertices.size(), -1), corner_place_.assign(place_.size(), -1);
     const auto half_edge = [&](Index triangle, Index vertex) {
         Index k = 0;
         while (mesh.triangles[triangle][k] != vertex) ++k;
@@ -61,8 +62,6 @@ bool FreeBoundary::update(std::span<const std::uint8_t> retired) {
         if (retired[p] == retired_[p]) continue;
         only_more = only_more && retired[p];
         retired_[p] = retired[p];
-        const Interface& edge = model_.interfaces[p / 2];
-        if (edge.triangle[0] == rigid_support) continue;
         for (const std::size_t end : {p, p ^ 1})
             touched.push_back(model_.fan_of_corner[model_.fan_points[model_.fan_point_of[end]].corner()]);
     }
@@ -131,6 +130,20 @@ void FreeBoundary::link(const Fan& fan) {
         if (has_cut && (end || cuts(at(i + 1))))
             last_[piece] = c, reflex_piece_[piece] = piece_angle > std::numbers::pi;
     }
+    if (!fan.closed && !model_.ground.of_point.empty()) stand(fan);
+}
+
+/// The groups at both ends of an open fan join that of the ground below.
+void FreeBoundary::stand(const Fan& fan) {
+    const auto corners = model_.corners(fan);
+    const auto join = [&](Index corner, Index point) {
+        const Index ground = ground_below(point), group = group_[corner];
+        for (const Index c : corners)
+            if (ground >= 0 && group_[c] == group) group_[c] = number_of(ground);
+    };
+    const Index first = corners.front(), last = corners.back(), entering = previous_in_triangle(last);
+    if (point_[first] >= 0) join(first, point_[first]);
+    if (point_[entering] >= 0) join(last, point_[entering] ^ 1);
 }
 
 Index FreeBoundary::place_of_corner(Index c) {
@@ -148,8 +161,19 @@ void FreeBoundary::add(Index h) {
                       .end = next_in_triangle(h),
                       .start_place = place_of_corner(h),
                       .end_place = place_of_corner(next_in_triangle(h)),
-                      .on_support = twin_[h] < 0 && point_[h] >= 0,
                       .depth = deepest * 2 * mesh.area(h / 3) / mesh.side_vector(h / 3, h % 3).norm()});
+}
+
+void FreeBoundary::add_ground(Index g) {
+    const GroundVertex& at = model_.ground.vertices[g];
+    const Index start = number_of(g), end = number_of(at.next);
+    place_[start] = static_cast<Index>(edges_.size());
+    edges_.push_back({.start = start,
+                      .end = end,
+                      .start_place = place_of_corner(start),
+                      .end_place = place_of_corner(end),
+                      .ground = true,
+                      .depth = deepest * (model_.ground.vertices[at.next].place - at.place).norm()});
 }
 
 /// Reads what link() found about an edge.
@@ -163,6 +187,24 @@ void FreeBoundary::refresh(Index h) {
     edge.group_start = group_[h], edge.group_end = group_[edge.end];
     edge.entering = piece_[h] == h ? place(previous_in_triangle(last_[h])) : -1;
     edge.reflex_piece = reflex_piece_[h] != 0;
+    const bool on_support = twin_[h] < 0 && point_[h] >= 0;
+    edge.passive = on_support && retired_[point_[h]] != 1 && retired_[point_[h] ^ 1] != 1;
+    edge.stands = edge.group_start >= model_.mesh.n_corners();
+    edge.touches = edge.entering >= 0;
+}
+
+/// A polyline of its own: each vertex is a contact piece and a group. A side at its end has no further neighbour.
+void FreeBoundary::refresh_ground(Index g) {
+    const GroundVertex& at = model_.ground.vertices[g];
+    const Index own = place_[number_of(g)];
+    FreeEdge& edge = edges_[own];
+    edge.prev = at.prev < 0 ? own : place_[number_of(at.prev)];
+    edge.next = model_.ground.vertices[at.next].next < 0 ? own : place_[edge.end];
+    edge.piece_start = own, edge.piece_end = edge.next == own ? -1 : edge.next;
+    edge.group_start = edge.start, edge.group_end = edge.end;
+    edge.entering = at.prev < 0 ? -1 : edge.prev;
+    edge.passive = !at.has_face;
+    edge.touches = at.convex;
 }
 
 void FreeBoundary::sort() {
@@ -171,7 +213,11 @@ void FreeBoundary::sort() {
     edges_.clear(), corners_.clear(), changed_.clear();
     for (Index h = 0; h < model_.mesh.n_corners(); ++h)
         if (is_free(h)) add(h);
-    for (std::size_t e = 0; e < edges_.size(); ++e) refresh(edges_[e].start);
+    const std::vector<GroundVertex>& ground = model_.ground.vertices;
+    for (std::size_t g = 0; g < ground.size(); ++g)
+        if (ground[g].next >= 0) add_ground(static_cast<Index>(g));
+    for (const FreeEdge& edge : edges_)
+        edge.ground ? refresh_ground(edge.start - model_.mesh.n_corners()) : refresh(edge.start);
     n_sorted_ = edges_.size();
 }
 

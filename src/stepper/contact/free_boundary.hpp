@@ -10,7 +10,11 @@
 // is closed by live points is no corner. Nothing is missed and nothing covered twice: the pair (corner, edge at the
 // other side of the same point) lies within one group if the point is live (the fan owns the pair, and contact skips
 // edges that end in the group of the vertex) and in two groups if it is retired. A piece without a cut or an outer
-// edge surrounds its vertex and can touch nothing. Edges on a support are part of the polyline but touch nothing.
+// edge surrounds its vertex and can touch nothing.
+//
+// The ground (model/ground.hpp) is one more body: its vertices have the numbers behind the corners. Where a point still
+// stands on its support, the piece above belongs to the group of the ground, and an edge with two such points touches
+// nothing.
 #include "model/state.hpp"
 
 #include <span>
@@ -27,7 +31,10 @@ struct FreeEdge {
     Index entering;  // place of the edge that enters the piece which this edge leaves; -1: this edge leaves
                      // no piece, or the piece touches nothing
     Index start_place, end_place;  // of a and b in FreeBoundary::corners()
-    bool on_support;
+    bool passive;                  // touches nothing: it stands on its support, or is a side of the ground
+    bool ground;
+    bool touches;       // it leaves a vertex that may touch edges
+    bool stands;        // the vertex that it leaves stands on its support
     bool reflex_wedge;  // at b, in the undeformed body: more than 180 degrees of material
     bool reflex_piece;  // at a
     double depth;       // [m] largest penetration that a contact may have: 0.35 of the triangle's altitude
@@ -52,17 +59,42 @@ public:
     std::span<const Index> corners() const { return corners_; }
     /// The number of the edge that follows in the triangle, which is its corner at the end of this one.
     static Index next_in_triangle(Index h) { return h % 3 == 2 ? h - 2 : h + 1; }
+    /// The corner at the end of the edge with this number.
+    Index end_of(Index start) const {
+        const GroundVertex* ground = model_.ground_at(start);
+        return ground ? number_of(ground->next) : next_in_triangle(start);
+    }
+    /// Two corners of the body or of the ground.
+    bool are_one_vertex(Index a, Index b) const {
+        const GroundVertex *ground_a = model_.ground_at(a), *ground_b = model_.ground_at(b);
+        if (!ground_a && !ground_b) return model_.fan_of_corner[a] == model_.fan_of_corner[b];
+        const auto of_mesh = [&](const GroundVertex* ground, Index corner) {
+            return ground ? ground->mesh_vertex : model_.fans[model_.fan_of_corner[corner]].vertex;
+        };
+        return of_mesh(ground_a, a) == of_mesh(ground_b, b);
+    }
     /// Of the edge with this number in edges(); -1 where it is not free.
-    Index place_of(Index start) const { return is_free(start) ? place_[start] : -1; }
+    Index place_of(Index start) const {
+        return model_.ground_at(start) != nullptr || is_free(start) ? place_[start] : -1;
+    }
 
 private:
     static Index previous_in_triangle(Index h) { return h % 3 == 0 ? h + 2 : h - 1; }
     bool is_free(Index h) const {
         return twin_[h] < 0 ? !model_.has_vanished(h / 3) : retired_[point_[h]] == 1 || retired_[point_[h] ^ 1] == 1;
     }
+    /// Of a vertex of the ground.
+    Index number_of(Index ground) const { return model_.mesh.n_corners() + ground; }
+    /// The vertex of the ground on which an end of a boundary edge stands; -1: none.
+    Index ground_below(Index point) const {
+        return point < 0 || retired_[point] == 1 ? -1 : model_.ground.of_point[point];
+    }
     void link(const Fan& fan);
+    void stand(const Fan& fan);
     void add(Index h);
+    void add_ground(Index g);
     void refresh(Index h);
+    void refresh_ground(Index g);
     Index place_of_corner(Index c);
 
     const Model& model_;

@@ -21,7 +21,7 @@ void for_cells(const std::array<std::int32_t, 2>& low, const std::array<std::int
 
 /// It leaves a contact piece, and not from support to support.
 bool is_vertex(std::span<const FreeEdge> edges, Index i) {
-    return edges[i].entering >= 0 && !(edges[i].on_support && edges[edges[i].entering].on_support);
+    return edges[i].touches && !(edges[i].passive && edges[edges[i].entering].passive);
 }
 
 }  // namespace
@@ -82,7 +82,6 @@ void NearbyEdges::fill_grid(std::span<const FreeEdge> edges) {
     const auto n = static_cast<Index>(edges.size());
     fill(edge_cells_, 2 * n, [&](const auto& visit) {
         for (Index e = 0; e < n; ++e) {
-            if (edges[e].on_support) continue;
             const auto [low, high] = cells_of(edges[e]);
             for_cells(low, high, [&](std::int32_t x, std::int32_t y) { visit(Entry{x, y, e}); });
         }
@@ -120,7 +119,8 @@ NearbyEdges::Corner NearbyEdges::corner(std::span<const FreeEdge> edges, Index i
 bool NearbyEdges::is_near(std::span<const FreeEdge> edges, Index i, const Corner& at, Index e) const {
     const FreeEdge& edge = edges[e];
     const Index group = edges[i].group_start;
-    if (edge.group_start == group || edge.group_end == group || edge.on_support) return false;
+    if (edge.group_start == group || edge.group_end == group || edge.passive) return false;
+    if (edge.ground && (edges[i].ground || edges[i].stands)) return false;
     const Vec2& a = x_[edge.start_place];
     const Vec2 along = x_[edge.end_place] - a, from_a = at.x - a;
     const double length = along.norm();

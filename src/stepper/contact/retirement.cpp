@@ -21,11 +21,19 @@ struct Sides {
         const double most = part_of_edge * 2 * point.area / model.thickness;  // the area of a point is half the edge's
         return (state.displacement_of(point.after) - state.displacement_of(point.before)).squaredNorm() > most * most;
     }
-    /// The edge leaves the corner `after` and enters the corner `before`, each in its own triangle.
+    /// The edge leaves the corner `after` and enters the corner `before`, each in its own triangle; a support does not
+    /// turn.
     bool turned(double angle) const {
         const auto place = [&](Index c) -> Vec2 { return model.mesh.corner(c) + state.displacement_of(c); };
-        const Vec2 along_after = place(next_in_triangle(point.after)) - place(point.after),
-                   along_before = place(previous_in_triangle(point.before)) - place(point.before);
+        const auto along = [&](Index c, Index other) -> Vec2 { return place(other) - place(c); };
+        const auto at_rest = [&](Index c, Index other) -> Vec2 {
+            return model.mesh.corner(other) - model.mesh.corner(c);
+        };
+        const Index before = point.before, after = point.after;
+        const Vec2 along_after = after == rigid_support ? at_rest(before, previous_in_triangle(before))
+                                                        : along(after, next_in_triangle(after)),
+                   along_before = before == rigid_support ? at_rest(after, next_in_triangle(after))
+                                                          : along(before, previous_in_triangle(before));
         return std::abs(cross(along_after, along_before)) > angle * along_after.dot(along_before);
     }
 
@@ -47,7 +55,7 @@ void retire_points(const Model& model, const std::vector<std::uint8_t>& before, 
             for (const FanPoint& point : model.points(fan)) {
                 const double cohesion = (state++)->cohesion;
                 std::uint8_t& retired = end.retired[point.point];
-                if (retired == 1 || point.on_support()) continue;
+                if (retired == 1) continue;
                 const Sides sides(model, end, point);
                 // sides that turn by so much have slipped at one end of the edge
                 const bool may_have_turned = before[point.point] != 0 || before[point.point ^ 1] != 0;

@@ -14,9 +14,9 @@ constexpr double retirement_slip = 0.002;
 /// 0.002 rad. Likewise (2) the points that still hold while their sides are further apart than 0.02 of the edge or have
 /// turned by more than 0.2 rad: a hinge, whose sides are vertices of their own for others, but not for each other.
 /// The fixed normal of a point errs by (slip/length)^2; penetration in general contact falls with the threshold, forces
-/// do not depend on it between 0.02 and 0.5. Positions, velocities and energies are untouched. A point on a support
-/// never retires: a rigid plane serves any slip. `before`: the marks of the step before, another vector; what only
-/// turns becomes a hinge the step after the other end of its edge has a mark.
+/// do not depend on it between 0.02 and 0.5. Positions, velocities and energies are untouched. What leaves its place
+/// on a support meets the ground of all supports as others do. `before`: the marks of the step before, another vector;
+/// what only turns becomes a hinge the step after the other end of its edge has a mark.
 void retire_points(const Model& model, const std::vector<std::uint8_t>& before, State& end);
 
 }  // namespace knap

@@ -333,6 +333,8 @@ void ExplicitScheme::release(const ExplicitStep& step, StepReport& report) {
         splits_[f] = 0;
         step.end.displacement[f] = step.begin.displacement[f];
         split(model_, f, step.end);
+        if (!model_.too_coarse.empty() && model_.too_coarse[f])
+            report.reject(Rejection::too_coarse, model_.mesh.corner(model_.corners(model_.fans[f])[0]));
         ++report.released;
         if (!incubation_.concerns(f)) continue;
         Incubation& memory = step.end.incubation[f];

@@ -44,6 +44,7 @@ void VertexContacts::add_terms(Index contact) {
     const FaceContact& c = contacts_.all()[contact];
     const Vec2 n = c.normal, t = turned_left(n), turn = c.gap / c.length * n;
     const auto add = [&](Index corner, const Vec2& along_N, const Vec2& along_T) {
+        if (model_.ground_at(corner) != nullptr) return;
         const Index slot = slot_of(model_.fan_of_corner[corner]);
         std::vector<Index>& corners = touched_[slot].corners;
         const Index place = place_among(corners, corner);
@@ -53,6 +54,7 @@ void VertexContacts::add_terms(Index contact) {
     for (const Index corner : c.vertex) add(corner, 0.5 * n, 0.5 * t);
     add(c.edge[0], -(1 - c.share) * n, -(1 - c.share) * t - turn);
     add(c.edge[1], -c.share * n, -c.share * t + turn);
+    first_term_.push_back(terms_.size());
 }
 
 void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
@@ -61,7 +63,7 @@ void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
         slot_of_fan_[f] = -1;
         for (const Index corner : model_.corners(model_.fans[f])) corner_impulse_[corner].setZero();
     }
-    fans_.clear(), terms_.clear();
+    fans_.clear(), terms_.clear(), first_term_.assign(1, 0);
     contacts_.find(step.begin, step.drift_time);
     if (const auto& refusal = contacts_.refusal()) {
         if (refusal->reason == ContactRefusal::Reason::speed) report.reject(Rejection::contact_speed, refusal->place);
@@ -106,7 +108,13 @@ void VertexContacts::find_clusters() {
     for (std::size_t s = 0; s < fans_.size(); ++s) clusters_[cluster(s)].slots.push_back(s);
 }
 
+/// That of the pair of materials; on a support that of its interface, whatever lies on it.
 ContactLaw VertexContacts::law_between(const FaceContact& contact) const {
+    for (const Index corner : {contact.edge[0], contact.vertex[1]})
+        if (const GroundVertex* ground = model_.ground_at(corner)) {
+            const CohesiveLaw& law = model_.laws[ground->law];
+            return {.friction = law.friction, .restitution = law.restitution};
+        }
     const auto material = [&](Index corner) { return model_.mesh.region[model_.mesh.triangle_of(corner)]; };
     return model_.contact_of_pair[material(contact.vertex[1])][material(contact.edge[0])];
 }
@@ -264,8 +272,8 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
     for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
         const FaceContact& c = contacts_.all()[cluster.contacts[k]];
         speed = std::max({speed, before_[cluster.contacts[k]].norm(), problem.contact(k).free.norm()});
-        const Vec2 place = model_.mesh.corner(c.edge[0]) + step.begin.displacement_of(c.edge[0]);
-        error = std::max(error, rounding * (place.norm() + c.length) / step.drift_time);
+        error =
+            std::max(error, rounding * (place_of_corner(c.edge[0], step.begin).norm() + c.length) / step.drift_time);
     }
     double residual = 0, least = std::numeric_limits<double>::infinity();
     bool more_soft = false;
@@ -337,9 +345,13 @@ double VertexContacts::solve(const ExplicitStep& step, bool aside, std::vector<s
     return largest > 0 ? change / largest : 0;
 }
 
-Vec2 VertexContacts::place_of(Index contact, const State& state) const {
-    const Index corner = contacts_.all()[contact].vertex[1];
+Vec2 VertexContacts::place_of_corner(Index corner, const State& state) const {
+    if (const GroundVertex* ground = model_.ground_at(corner)) return ground->place;
     return model_.mesh.corner(corner) + state.displacement_of(corner);
+}
+
+Vec2 VertexContacts::place_of(Index contact, const State& state) const {
+    return place_of_corner(contacts_.all()[contact].vertex[1], state);
 }
 
 void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
@@ -356,7 +368,7 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
                          .opening = 0},  // contact_depth has it
                         report);
         report.contact_injection += positive_work(P, mean);
-        report.add_depth(-(c.gap + step.drift_time * after.x()) / c.length,
+        report.add_depth((c.depth - step.drift_time * after.x()) / c.length,
                          place_of(static_cast<Index>(i), step.begin));
         step.end.face_contacts.push_back({c.vertex[1], c.edge[0], P.x(), P.y()});
     }

@@ -43,7 +43,8 @@ public:
     void finish(const ExplicitStep& step, StepReport& report);
 
 private:
-    /// A contact acts on a corner: V = sum of (along_N . v, along_T . v), four terms a contact.
+    /// A contact acts on a corner: V = sum of (along_N . v, along_T . v), up to four terms a contact; the ground, which
+    /// does not move, has none.
     struct Term {
         Index contact, slot, place;  // place: of the corner in the touched corners of its fan
         Vec2 along_N, along_T;
@@ -78,8 +79,11 @@ private:
     void spread(const Cluster& cluster);
     Vec2 rate(Index contact, const State& state) const;
     Vec2 rate(Index contact) const;
-    std::span<const Term> terms_of(Index contact) const { return {&terms_[4 * contact], 4}; }
+    std::span<const Term> terms_of(Index contact) const {
+        return {terms_.data() + first_term_[contact], terms_.data() + first_term_[contact + 1]};
+    }
     ContactLaw law_between(const FaceContact& contact) const;
+    Vec2 place_of_corner(Index corner, const State& state) const;  // [m]
 
     const Model& model_;
     const VertexSolver& solver_;
@@ -90,6 +94,7 @@ private:
     std::vector<Index> slot_of_fan_;      // per fan: into fans_, or -1
     std::vector<Index> cluster_of_slot_;  // of representatives
     std::vector<Term> terms_;
+    std::vector<std::size_t> first_term_;  // per contact, and the end
     std::vector<Cluster> clusters_;
     std::vector<Vec2> impulse_, before_;  // [N s], [m/s] per contact: (N, T)
     std::vector<Vec2> last_impulse_;

@@ -76,7 +76,11 @@ void VertexObstacles::solve_obstacles(const ExplicitStep& step, const BetweenFac
     const ObstacleMotion::Accuracy accuracy{.tolerance = between_faces ? faces_agree : 1e-14,
                                             .is_costly = between_faces != nullptr};
     const double error = now_.motion.solve(step.begin, touched_, accuracy, std::cref(response));  // cref: no copy
-    if (between_faces) return;  // correct_work() has the energy of the error
+    // With contacts between faces the error is not judged here. Where friction wedges faces and obstacle the balance
+    // may have no solution, whatever the step, and no scale makes the error of the rates comparable: momenta vanish
+    // there, impulses do not. What it does is an energy. correct_work() adds it to the impact work, and the gate
+    // contact_injection judges the sum of what is positive in it.
+    if (between_faces) return;
     report.residual = std::max(report.residual, error);
     // a body squeezed with friction has several solutions, or none, and its fan may jump between them; in a smaller
     // step they are distinct

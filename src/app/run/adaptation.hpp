@@ -1,0 +1,61 @@
+#pragma once
+// The refinements of a run ([adapt]): when the mesh is looked at, and what a continued run needs to know of them.
+#include "scenario/scenario.hpp"
+#include "stepper/adaptation.hpp"
+
+#include <string>
+#include <utility>
+
+namespace knap {
+
+class Adaptation {
+public:
+    /// `input`: of the model, without its mesh.
+    Adaptation(const AdaptOptions& options, ModelInput input) : options_(options), input_(std::move(input)) {}
+
+    /// At the start of a run.
+    void begin(Model& model) const;
+    /// A look at the mesh is due before the next step.
+    bool is_due(const State& now) const { return options_.active() && !ended_ && now.n_steps >= next_look_; }
+    /// Looks at the mesh, and refines it where it is too coarse; `also` [m]: a vertex that a step would have split.
+    /// Where nothing can be refined there, the model allows it to split.
+    std::optional<AdaptedModel> look(Model& model, const State& now, const std::optional<Vec2>& also = {});
+    void after_step() { allowed_.clear(); }
+    /// The model after all refinements so far, from that at the start of the run.
+    void repeat(Model& model) const;
+
+    const AdaptationCounts& counts() const { return counts_; }
+    /// A line that says why the mesh changes no more; empty, and from the second time on.
+    std::string take_warning() { return std::exchange(warning_, {}); }
+
+    void serialize(auto& archive) {
+        archive(next_look_, ended_, counts_);
+        if (options_.active()) archive(mesh_);
+    }
+
+private:
+    void allow(const Vec2& place, Model& model);
+
+    AdaptOptions options_;
+    ModelInput input_;
+    std::int64_t next_look_ = 0;  // step
+    bool ended_ = false;
+    AdaptationCounts counts_;
+    Mesh mesh_;  // the present one; empty before the first refinement
+    std::string warning_;
+    std::vector<Vec2> allowed_;  // [m] vertices that may split in this step although they are coarse
+};
+
+/// The numbers of triangles to expect of [adapt], within a factor of 2, where one crack crosses the body along its
+/// longer side.
+struct AdaptationForecast {
+    double crack = 0;                // [m]
+    double at_end = 0, uniform = 0;  // triangles; of a uniform mesh of adapt.size
+    double gain = 1;                 // [-] triangle-steps of the uniform mesh over those of the run
+};
+AdaptationForecast forecast(const Scenario& scenario, const Mesh& mesh);
+
+/// [-] Triangles of a random mesh of mean edge length `size` [m] over an area [m2], measured.
+double n_triangles_of(double area, double size);
+
+}  // namespace knap

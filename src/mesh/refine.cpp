@@ -1,0 +1,411 @@
+#include "mesh/refine.hpp"
+
+#include "base/random.hpp"
+#include "mesh/constrained_delaunay.hpp"
+#include "mesh/edge_labels.hpp"
+#include "mesh/poisson_discs.hpp"
+#include "mesh/relax.hpp"
+#include "mesh/triangle_locator.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <unordered_map>
+#include <unordered_set>
+
+namespace knap {
+namespace {
+
+using delaunay::Face, delaunay::Point, delaunay::position, delaunay::Vertex;
+using Delaunay = delaunay::Triangulation;
+
+constexpr double too_large = 1.25;          // [-] circumradius over the Poisson radius
+constexpr double cell = 0.36;               // [-] area of one dart over the square of the Poisson radius
+constexpr int n_rounds = 12, n_misses = 8;  // of darts; and misses in succession after which a triangle is full
+constexpr double min_distance = 0.6;        // [-] of a circumcentre from other vertices, over the Poisson radius
+constexpr double min_angle = 20;            // [degree] that the refinement asks for
+constexpr int n_passes = 12;                // over triangles that are too large or too flat
+constexpr int n_attempts = 6;               // to leave out the vertices of triangles that are not allowed
+
+double circumradius_of(const Vec2& a, const Vec2& b, const Vec2& c) {
+    return (b - a).norm() * (c - b).norm() * (a - c).norm() / (2 * cross(b - a, c - a));
+}
+
+/// The triangles that are replaced. Its points are numbered: old vertices, points on lines, free points.
+class Patch {
+public:
+    /// `kept` [0/1]: triangles that stay although they are too large.
+    Patch(const Mesh& mesh, const Refinement& wanted, const std::vector<std::uint8_t>& kept)
+        : mesh_(mesh), wanted_(wanted), random_(wanted.seed, "refine") {
+        find_triangles(kept);
+        if (triangles_.empty()) return;
+        old_.emplace(mesh, triangles_);
+        find_lines();
+    }
+
+    bool empty() const { return triangles_.empty(); }
+    /// The old triangles where new ones are not allowed, to be kept; none: the patch is filled.
+    std::vector<Index> fill();
+    /// The whole mesh with the patch replaced.
+    RefinedMesh replaced() const;
+
+private:
+    /// Along the sides of old triangles, that triangle to the left; by numbers of points.
+    struct Line {
+        Index from, to;
+        Index triangle;
+        EdgeLabel label;
+    };
+
+    void find_triangles(const std::vector<std::uint8_t>& kept);
+    void find_lines();
+    void divide(const Line& line);
+    void triangulate();
+    void throw_darts();
+    bool refine_worst();
+    void insert(const Vec2& p, double factor, Face near);
+    void mark_inside();
+    Mesh inside();
+    void relax(Mesh& part);
+    std::vector<Index> triangles_at(const std::vector<std::uint8_t>& points) const;
+    bool has_room(const Vec2& p, double radius, double factor, Face near) const;
+
+    double size_at(const Place& at) const {  // [m]
+        double size = 0;
+        for (int k = 0; k < 3; ++k) size += at.weight[k] * wanted_.size[mesh_.triangles[at.triangle][k]];
+        return size;
+    }
+    double radius_at(const Place& at) const { return radius_per_size * size_at(at); }
+    double radius_of(Index triangle) const { return radius_at({triangle, {1. / 3, 1. / 3, 1. / 3}}); }
+
+    const Mesh& mesh_;
+    const Refinement& wanted_;
+    Random random_;
+    std::vector<Index> triangles_;           // ascending
+    std::vector<std::uint8_t> in_patch_;     // [0/1] per triangle of the mesh before
+    std::vector<Index> old_vertices_;        // their points are the first ones, in this order
+    std::vector<Index> number_;              // per vertex of the mesh before: its point, or -1
+    std::vector<Line> lines_;                // the outline of the patch, and lines within; divided
+    std::unordered_set<std::uint64_t> rim_;  // directed_key of the lines around the patch, which is to their left
+    std::size_t n_fixed_ = 0;                // old vertices and points on lines
+    std::vector<char> on_line_;              // [0/1] per point
+    std::vector<Vec2> points_;               // [m]
+    std::vector<Place> places_;              // per point
+    std::vector<double> factor_;             // [-] per point, of its disc
+    std::optional<TriangleLocator> old_;
+    Delaunay fine_;
+    Mesh part_;  // the new triangles, its vertices are the points
+};
+
+void Patch::find_triangles(const std::vector<std::uint8_t>& kept) {
+    in_patch_.assign(mesh_.n_triangles(), 0);
+    number_.assign(mesh_.n_vertices(), -1);
+    for (Index t = 0; t < mesh_.n_triangles(); ++t) {
+        if (wanted_.frozen[t] || kept[t] || circumradius(mesh_, t) <= too_large * radius_of(t)) continue;
+        in_patch_[t] = 1;
+        triangles_.push_back(t);
+        for (const Index v : mesh_.triangles[t]) {
+            if (number_[v] >= 0) continue;
+            number_[v] = static_cast<Index>(points_.size());
+            old_vertices_.push_back(v);
+            points_.push_back(mesh_.vertices[v]), places_.push_back({});
+        }
+    }
+}
+
+/// Lines: between materials, joints, the border of the body, which are divided, and the sides towards triangles that
+/// stay, which are not.
+void Patch::find_lines() {
+    const auto line = [&](Index triangle, Index side, const EdgeLabel& label) -> Line {
+        const auto [a, b] = mesh_.side_vertices(triangle, side);
+        return {number_[a], number_[b], triangle, label};
+    };
+    for (const InteriorEdge& edge : mesh_.interior_edges) {
+        const bool first = in_patch_[edge.triangle[0]], second = in_patch_[edge.triangle[1]];
+        if (!first && !second) continue;
+        const int own = first ? 0 : 1;
+        const Line found = line(edge.triangle[own], edge.side[own], {.joint = edge.joint, .cracked = edge.cracked});
+        if (first != second) {
+            lines_.push_back(found);
+            rim_.insert(directed_key(found.from, found.to));
+        } else if (edge.joint >= 0 || mesh_.region[edge.triangle[0]] != mesh_.region[edge.triangle[1]]) {
+            divide(found);
+        }
+    }
+    for (const BoundaryEdge& edge : mesh_.boundary_edges) {
+        if (!in_patch_[edge.triangle]) continue;
+        const std::size_t first = lines_.size();
+        divide(line(edge.triangle, edge.side, {.boundary = edge.boundary}));
+        for (std::size_t i = first; i < lines_.size(); ++i) rim_.insert(directed_key(lines_[i].from, lines_[i].to));
+    }
+    n_fixed_ = points_.size();
+    factor_.assign(n_fixed_, 1);
+    on_line_.assign(n_fixed_, 0);
+    for (const Line& line : lines_) on_line_[line.from] = on_line_[line.to] = 1;
+}
+
+/// Into random pieces of the local radius.
+void Patch::divide(const Line& line) {
+    const Vec2 a = points_[line.from], b = points_[line.to];
+    const auto radius = [&](Index point) { return radius_per_size * wanted_.size[old_vertices_[point]]; };
+    const auto& corners = mesh_.triangles[line.triangle];
+    const auto corner = [&](Index point) { return std::ranges::find(corners, old_vertices_[point]) - corners.begin(); };
+    Index from = line.from;
+    for (const double x : pieces_along((b - a).norm(), radius(line.from), radius(line.to), random_)) {
+        Place place{.triangle = line.triangle};
+        place.weight[corner(line.from)] = 1 - x, place.weight[corner(line.to)] = x;
+        const Index to = static_cast<Index>(points_.size());
+        points_.push_back(a + x * (b - a)), places_.push_back(place);
+        lines_.push_back({from, to, line.triangle, line.label});
+        from = to;
+    }
+    lines_.push_back({from, line.to, line.triangle, line.label});
+}
+
+/// The lines and all points.
+void Patch::triangulate() {
+    fine_.clear();
+    std::vector<Vertex> vertex;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+        vertex.push_back(fine_.insert(delaunay::point(points_[i]), i > 0 ? vertex.back()->face() : Face()));
+        vertex.back()->info().value = static_cast<Index>(i);
+    }
+    for (const Line& line : lines_) fine_.insert_constraint(vertex[line.from], vertex[line.to]);
+}
+
+/// No vertex within the disc, and not in the diametral circle of a piece of a line. The nearest vertex of a Delaunay
+/// triangulation is on the rim of the triangles whose circumcircles contain the point.
+bool Patch::has_room(const Vec2& p, double radius, double factor, Face near) const {
+    std::vector<Delaunay::Edge> rim;
+    fine_.get_boundary_of_conflicts(delaunay::point(p), std::back_inserter(rim), near);
+    for (const auto& [face, i] : rim) {
+        const Vertex a = face->vertex(Delaunay::ccw(i)), b = face->vertex(Delaunay::cw(i));
+        for (const Vertex& v : {a, b}) {
+            if (fine_.is_infinite(v)) continue;
+            const Index number = v->info().value;
+            const bool on_line = number < static_cast<Index>(n_fixed_);
+            const double apart = radius * (on_line ? factor : factor * 0.5 * (factor + factor_[number]));
+            if ((position(v) - p).norm() < apart) return false;
+        }
+        if (face->is_constrained(i) && (position(a) - p).dot(position(b) - p) < 0) return false;
+    }
+    return !rim.empty();
+}
+
+void Patch::insert(const Vec2& p, double factor, Face near) {
+    fine_.insert(delaunay::point(p), near)->info().value = static_cast<Index>(points_.size());
+    points_.push_back(p), places_.push_back({}), factor_.push_back(factor), on_line_.push_back(0);
+}
+
+void Patch::throw_darts() {
+    std::vector<int> misses(triangles_.size(), 0);
+    Face near;
+    for (int round = 0; round < n_rounds; ++round)
+        for (std::size_t i = 0; i < triangles_.size(); ++i) {
+            const Index t = triangles_[i];
+            const double radius = radius_of(t), n_darts = mesh_.area(t) / (cell * radius * radius);
+            for (auto n = static_cast<int>(n_darts + random_.uniform()); n > 0 && misses[i] < n_misses; --n) {
+                double u = random_.uniform(), v = random_.uniform();
+                if (u + v > 1) u = 1 - u, v = 1 - v;
+                const double factor = random_.uniform(0.85, 1.15);
+                const Vec2 a = mesh_.corner(t, 0), p = a + u * (mesh_.corner(t, 1) - a) + v * (mesh_.corner(t, 2) - a);
+                near = fine_.locate(delaunay::point(p), near);
+                const bool hits = has_room(p, radius_at({t, {1 - u - v, u, v}}), factor, near);
+                misses[i] = hits ? 0 : misses[i] + 1;
+                if (hits) insert(p, factor, near), near = Face();
+            }
+        }
+}
+
+/// Marks the triangles of the patch: those that are reached from the left of its rim.
+void Patch::mark_inside() {
+    const auto has_rim = [&](const Face& face, int i) {  // the face to the left
+        const auto number = [&](int k) { return face->vertex(k)->info().value; };
+        return face->is_constrained(i) &&
+               rim_.contains(directed_key(number(Delaunay::ccw(i)), number(Delaunay::cw(i))));
+    };
+    std::vector<Face> front;
+    for (const Face face : fine_.all_face_handles()) face->set_in_domain(false);
+    for (const Face face : fine_.finite_face_handles()) {
+        if (!has_rim(face, 0) && !has_rim(face, 1) && !has_rim(face, 2)) continue;
+        face->set_in_domain(true), front.push_back(face);
+    }
+    while (!front.empty()) {
+        const Face face = front.back();
+        front.pop_back();
+        for (int i = 0; i < 3; ++i) {
+            const Face next = face->neighbor(i);
+            if (next->is_in_domain() || has_rim(face, i)) continue;
+            next->set_in_domain(true), front.push_back(next);
+        }
+    }
+}
+
+/// One pass: circumcentres of the triangles that are too large or too flat, worst first. False: there were none.
+bool Patch::refine_worst() {
+    struct Bad {
+        double quality;  // below 1
+        Vec2 centre;
+    };
+    std::vector<Bad> bad;
+    mark_inside();
+    for (const Face face : fine_.finite_face_handles()) {
+        if (!face->is_in_domain()) continue;
+        const Vec2 a = position(face->vertex(0)), b = position(face->vertex(1)), c = position(face->vertex(2));
+        const Place middle = old_->place_of((a + b + c) / 3);
+        if (middle.triangle < 0) continue;
+        const double R = circumradius_of(a, b, c),
+                     sine = std::min({(b - a).norm(), (c - b).norm(), (a - c).norm()}) / (2 * R),
+                     quality = std::min(radius_at(middle) / R, sine / std::sin(min_angle * std::numbers::pi / 180));
+        if (quality >= 1) continue;
+        const Point centre = fine_.circumcenter(face);
+        bad.push_back({quality, {centre.x(), centre.y()}});
+    }
+    std::ranges::stable_sort(bad, {}, &Bad::quality);
+    bool refined = false;
+    for (const auto& [quality, centre] : bad) {
+        const Place place = old_->place_of(centre);
+        if (place.triangle < 0) continue;
+        const Face near = fine_.locate(delaunay::point(centre));
+        if (!has_room(centre, radius_at(place), min_distance, near)) continue;
+        insert(centre, 1, near);
+        refined = true;
+    }
+    return refined;
+}
+
+/// The triangles of the patch.
+Mesh Patch::inside() {
+    mark_inside();
+    Mesh part;
+    part.vertices = points_;
+    for (const Face face : fine_.finite_face_handles()) {
+        if (!face->is_in_domain()) continue;
+        std::array<Index, 3> corners{};
+        for (int k = 0; k < 3; ++k) corners[k] = face->vertex(k)->info().value;
+        part.triangles.push_back(corners);
+    }
+    return part;
+}
+
+/// Points on lines stay. Only the smallest wanted size matters for the step; where edges grow, large triangles may be
+/// of any shape but flat.
+void Patch::relax(Mesh& part) {
+    const double smallest = std::ranges::min(wanted_.size);
+    relax_worst(
+        part, on_line_, [&](const Vec2&) { return smallest; }, QualityTarget(min_angle + 2));
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+        if (on_line_[i]) continue;
+        const bool is_old = i < old_vertices_.size();
+        places_[i] = is_old && part.vertices[i] == points_[i] ? Place{} : old_->place_of(part.vertices[i]);
+        if (places_[i].triangle >= 0) continue;
+        part.vertices[i] = points_[i];
+        if (!is_old) places_[i] = old_->place_of(points_[i]);
+    }
+}
+
+std::vector<Index> Patch::fill() {
+    triangulate();
+    throw_darts();
+    for (int pass = 0; pass < n_passes && refine_worst();) ++pass;
+    for (int attempt = 0; attempt < n_attempts; ++attempt) {
+        part_ = inside();
+        relax(part_);
+        for (Index t = 0; t < part_.n_triangles(); ++t) {
+            const Place place = old_->place_of(part_.centroid(t));
+            part_.region.push_back(mesh_.region[place.triangle < 0 ? triangles_.front() : place.triangle]);
+        }
+        std::vector<std::uint8_t> leave_out(points_.size(), 0);
+        for (Index t = 0; t < part_.n_triangles(); ++t)
+            if (!(part_.area(t) > 0) || (wanted_.allowed && !wanted_.allowed(part_, t)))
+                leave_out[std::ranges::max(part_.triangles[t])] = 1;  // the newest
+        if (std::ranges::count(leave_out, 1) == 0) return {};
+        std::size_t n = n_fixed_;
+        for (std::size_t i = n_fixed_; i < points_.size(); ++i) {
+            if (leave_out[i]) continue;
+            points_[n] = points_[i], factor_[n++] = factor_[i];
+        }
+        if (n == points_.size() || attempt + 1 == n_attempts) return triangles_at(leave_out);
+        points_.resize(n), places_.resize(n), factor_.resize(n), on_line_.resize(n);
+        triangulate();
+    }
+    return {};
+}
+
+/// The old triangles at some points.
+std::vector<Index> Patch::triangles_at(const std::vector<std::uint8_t>& points) const {
+    std::unordered_set<Index> at_places;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (points[i] && places_[i].triangle >= 0) at_places.insert(places_[i].triangle);
+    std::vector<Index> found;
+    for (const Index t : triangles_) {
+        const bool touches = std::ranges::any_of(mesh_.triangles[t], [&](Index v) { return points[number_[v]] != 0; });
+        if (touches || at_places.contains(t)) found.push_back(t);
+    }
+    return found;
+}
+
+RefinedMesh Patch::replaced() const {
+    RefinedMesh found;
+    Mesh& mesh = found.mesh;
+    mesh.vertices = mesh_.vertices;
+    for (Index v = 0; v < mesh_.n_vertices(); ++v) found.origin.push_back({.vertex = v});
+    std::vector<Index> vertex_of = old_vertices_;  // per point
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+        if (i >= old_vertices_.size()) {
+            vertex_of.push_back(mesh.n_vertices());
+            mesh.vertices.emplace_back(), found.origin.emplace_back();
+        }
+        mesh.vertices[vertex_of[i]] = part_.vertices[i];
+        found.origin[vertex_of[i]].triangle = places_[i].triangle;
+        found.origin[vertex_of[i]].weight = places_[i].weight;
+    }
+    for (Index t = 0; t < mesh_.n_triangles(); ++t) {
+        if (in_patch_[t]) continue;
+        mesh.triangles.push_back(mesh_.triangles[t]), mesh.region.push_back(mesh_.region[t]);
+        found.triangle_before.push_back(t);
+    }
+    for (Index t = 0; t < part_.n_triangles(); ++t) {
+        std::array<Index, 3> corners = part_.triangles[t];
+        for (Index& v : corners) v = vertex_of[v];
+        mesh.triangles.push_back(corners), mesh.region.push_back(part_.region[t]);
+        found.triangle_before.push_back(-1);
+    }
+    const CurveOrder order = order_along_curve(mesh);
+    std::vector<VertexOrigin> origin(mesh.n_vertices());
+    for (std::size_t v = 0; v < order.vertex.size(); ++v)
+        if (order.vertex[v] >= 0) origin[order.vertex[v]] = found.origin[v];
+    found.origin = std::move(origin);
+    std::vector<Index> before;
+    for (const Index t : order.triangle) before.push_back(found.triangle_before[t]);
+    found.triangle_before = std::move(before);
+
+    EdgeLabels labels;
+    const auto set = [&](Index a, Index b, const EdgeLabel& label) {
+        labels.set({order.vertex[a], order.vertex[b]}, label);
+    };
+    for_each_label(mesh_, [&](std::array<Index, 2> ends, const EdgeLabel& label) { set(ends[0], ends[1], label); });
+    for (const Line& line : lines_) set(vertex_of[line.from], vertex_of[line.to], line.label);
+    find_edges(mesh);
+    mesh.boundary_names = mesh_.boundary_names;
+    labels.put_on(mesh);
+    return found;
+}
+
+}  // namespace
+
+double circumradius(const Mesh& mesh, Index triangle) {
+    return circumradius_of(mesh.corner(triangle, 0), mesh.corner(triangle, 1), mesh.corner(triangle, 2));
+}
+
+std::optional<RefinedMesh> refined(const Mesh& mesh, const Refinement& wanted) {
+    std::vector<std::uint8_t> kept(mesh.n_triangles(), 0);
+    while (true) {
+        Patch patch(mesh, wanted, kept);
+        if (patch.empty()) return std::nullopt;
+        const std::vector<Index> not_allowed = patch.fill();
+        if (not_allowed.empty()) return patch.replaced();
+        for (const Index t : not_allowed) kept[t] = 1;
+    }
+}
+
+}  // namespace knap

@@ -1,0 +1,209 @@
+#include "stepper/adaptation.hpp"
+
+#include "base/union_find.hpp"
+#include "element/triangle_matrices.hpp"
+#include "mesh/relax.hpp"
+#include "model/successor.hpp"
+#include "stepper/common/elastic_energy.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+#include <unordered_map>
+
+namespace knap {
+namespace {
+
+Grouped<Index> edges_at_vertices(const Mesh& mesh, const std::vector<std::array<Index, 2>>& ends) {
+    return {mesh.vertices.size(), [&](const auto& visit) {
+                for (std::size_t e = 0; e < ends.size(); ++e)
+                    for (const Index v : ends[e]) visit(v, static_cast<Index>(e));
+            }};
+}
+
+/// The edges of the mesh by their ends.
+std::vector<std::array<Index, 2>> edge_ends(const Mesh& mesh) {
+    std::vector<std::array<Index, 2>> ends;
+    for (const InteriorEdge& e : mesh.interior_edges) ends.push_back(mesh.side_vertices(e.triangle[0], e.side[0]));
+    for (const BoundaryEdge& e : mesh.boundary_edges) ends.push_back(mesh.side_vertices(e.triangle, e.side));
+    return ends;
+}
+
+double length(const Mesh& mesh, const std::array<Index, 2>& ends) {
+    return (mesh.vertices[ends[1]] - mesh.vertices[ends[0]]).norm();
+}
+
+/// [0/1] Per triangle: one of its vertices came apart, or it vanished.
+std::vector<std::uint8_t> frozen_triangles(const Model& model, const State& state) {
+    std::vector<std::uint8_t> frozen(model.mesh.n_triangles());
+    for (Index c = 0; c < model.mesh.n_corners(); ++c)
+        frozen[model.mesh.triangle_of(c)] |= state.split_rank[model.fan_of_corner[c]] >= 0;
+    return frozen;
+}
+
+Renumbering renumbering(const Model& before, const Model& after, const RefinedMesh& refined) {
+    Renumbering numbers{.vertex = std::vector<Index>(before.mesh.n_vertices(), -1),
+                        .interface = std::vector<Index>(before.interfaces.size(), -1),
+                        .triangle_before = refined.triangle_before};
+    for (Index v = 0; v < after.mesh.n_vertices(); ++v)
+        if (refined.origin[v].vertex >= 0) numbers.vertex[refined.origin[v].vertex] = v;
+    std::unordered_map<std::uint64_t, Index> of_edge;
+    of_edge.reserve(after.interfaces.size());
+    for (std::size_t i = 0; i < after.interfaces.size(); ++i)
+        of_edge[edge_key(after.interfaces[i].vertex)] = static_cast<Index>(i);
+    for (std::size_t i = 0; i < before.interfaces.size(); ++i) {
+        const auto& [a, b] = before.interfaces[i].vertex;
+        const auto found = of_edge.find(edge_key({numbers.vertex[a], numbers.vertex[b]}));
+        if (found != of_edge.end()) numbers.interface[i] = found->second;
+    }
+    return numbers;
+}
+
+Vec2 momentum(const Model& model, const State& state, Index triangle) {
+    Vec2 sum = Vec2::Zero();
+    for (Index c = 3 * triangle; c < 3 * triangle + 3; ++c)
+        sum += model.corner_mass[c] * state.velocity[state.node_of_corner[c]];
+    return sum;
+}
+
+/// [kg m2/s] About the origin.
+double angular_momentum(const Model& model, const State& state) {
+    double sum = 0;
+    for (Index c = 0; c < model.mesh.n_corners(); ++c)
+        sum += model.corner_mass[c] * cross(model.mesh.corner(c), state.velocity[state.node_of_corner[c]]);
+    return sum;
+}
+
+/// Gives each connected patch of new triangles the momentum of the triangles that it replaced.
+void restore_momentum(const Model& before, const State& old, const Model& after, const Renumbering& numbers,
+                      State& state) {
+    const Mesh& mesh = after.mesh;
+    const auto is_new = [&](Index t) { return numbers.triangle_before[t] < 0; };
+    UnionFind patches(mesh.vertices.size());
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        for (int k = 1; k < 3 && is_new(t); ++k) patches.join(mesh.triangles[t][0], mesh.triangles[t][k]);
+    std::vector<std::uint8_t> stays(before.mesh.n_triangles(), 0);
+    for (const Index t : numbers.triangle_before)
+        if (t >= 0) stays[t] = 1;
+    std::vector<Vec2> missing(mesh.vertices.size(), Vec2::Zero());  // per patch
+    for (Index t = 0; t < before.mesh.n_triangles(); ++t)
+        if (!stays[t]) missing[patches.find(numbers.vertex[before.mesh.triangles[t][0]])] += momentum(before, old, t);
+    std::vector<std::uint8_t> moves(after.fans.size(), 0);
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        if (!is_new(t)) continue;
+        missing[patches.find(mesh.triangles[t][0])] -= momentum(after, state, t);
+        for (Index c = 3 * t; c < 3 * t + 3; ++c) {
+            const Index f = after.fan_of_corner[c];
+            moves[f] = state.split_rank[f] < 0 && after.motion_of(c) == nullptr;
+        }
+    }
+    std::vector<double> mass(mesh.vertices.size(), 0);  // per patch, of what may move
+    const auto patch_of = [&](std::size_t fan) { return patches.find(after.fans[fan].vertex); };
+    for (std::size_t f = 0; f < moves.size(); ++f)
+        if (moves[f]) mass[patch_of(f)] += after.fans[f].mass;
+    for (std::size_t f = 0; f < moves.size(); ++f)
+        if (moves[f]) state.velocity[f] += missing[patch_of(f)] / mass[patch_of(f)];
+}
+
+}  // namespace
+
+double load_factor(const Eigen::Vector3d& stress, const CohesiveLaw& law) {
+    if (!law.breakable() || law.sigma_c <= 0) return 0;
+    // t_N = m + r cos 2a and |t_T| = r |sin 2a|, largest at once
+    const double m = 0.5 * (stress[0] + stress[1]), r = std::hypot(0.5 * (stress[0] - stress[1]), stress[2]),
+                 sheared = r * std::hypot(1, law.friction) + law.friction * m;
+    return std::max(m + r, sheared / (law.gamma + law.friction)) / law.sigma_c;
+}
+
+double guaranteed_step(double size, const std::vector<Elastic>& materials, PlaneModel plane) {
+    Mesh equilateral{.vertices = {{0, 0}, {size, 0}, {0.5 * size, std::sqrt(0.75) * size}}};
+    for (std::size_t m = 0; m < materials.size(); ++m) {
+        equilateral.triangles.push_back({0, 1, 2});
+        equilateral.region.push_back(static_cast<Index>(m));
+    }
+    constexpr double reserve = 0.95;  // the target takes the fastest mode as that of a scalar wave
+    return reserve * QualityTarget::step_ratio * std::ranges::min(stable_steps(equilateral, materials, plane));
+}
+
+std::vector<double> wanted_sizes(const Model& model, const State& state, const AdaptOptions& options,
+                                 const std::optional<Vec2>& also) {
+    const Mesh& mesh = model.mesh;
+    std::vector<double> distance(mesh.vertices.size(), std::numeric_limits<double>::infinity());
+    const auto mark = [&](Index triangle) {
+        for (const Index v : mesh.triangles[triangle]) distance[v] = 0;
+    };
+    std::vector<Index> law(mesh.n_triangles(), -1);  // of the weakest interface
+    for (const Interface& i : model.interfaces)
+        for (const Index t : i.triangle)
+            if (t != rigid_support && !i.cracked &&
+                (law[t] < 0 || model.laws[i.law].sigma_c < model.laws[law[t]].sigma_c))
+                law[t] = i.law;
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        if (law[t] >= 0 && load_factor(stress(model, state, t), model.laws[law[t]]) > options.load) mark(t);
+    if (also) {
+        const auto nearest =
+            std::ranges::min_element(mesh.vertices, {}, [&](const Vec2& x) { return (x - *also).squaredNorm(); });
+        distance[nearest - mesh.vertices.begin()] = 0;
+    }
+    // distances along edges (Dijkstra), as far as they matter
+    const double fine_until = options.margin * options.size,
+                 reach = fine_until + (options.coarse - options.size) / options.grading;
+    const std::vector<std::array<Index, 2>> ends = edge_ends(mesh);
+    const Grouped<Index> edges = edges_at_vertices(mesh, ends);
+    using Entry = std::pair<double, Index>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    for (Index v = 0; v < mesh.n_vertices(); ++v)
+        if (distance[v] == 0) queue.emplace(0, v);
+    while (!queue.empty()) {
+        const auto [d, v] = queue.top();
+        queue.pop();
+        if (d > distance[v]) continue;
+        for (const Index e : edges[v]) {
+            const Index other = ends[e][ends[e][0] == v];
+            const double there = d + length(mesh, ends[e]);
+            if (there >= reach || there >= distance[other]) continue;
+            distance[other] = there;
+            queue.emplace(there, other);
+        }
+    }
+    std::vector<double> size;
+    for (const double d : distance)
+        size.push_back(std::min(options.coarse, options.size + options.grading * std::max(0.0, d - fine_until)));
+    return size;
+}
+
+std::vector<std::uint8_t> coarse_fans(const Model& model, double size) {
+    const Mesh& mesh = model.mesh;
+    std::vector<double> sum(mesh.vertices.size(), 0);
+    std::vector<Index> n(mesh.vertices.size(), 0);
+    for (const auto& ends : edge_ends(mesh))
+        for (const Index v : ends) sum[v] += length(mesh, ends), ++n[v];
+    std::vector<std::uint8_t> coarse;
+    for (const Fan& fan : model.fans) coarse.push_back(sum[fan.vertex] > 1.5 * size * n[fan.vertex]);
+    return coarse;
+}
+
+std::optional<AdaptedModel> adapt(const Model& model, const State& state, const AdaptOptions& options,
+                                  const std::vector<double>& wanted, ModelInput input, std::uint64_t seed) {
+    const std::vector<std::uint8_t> frozen = frozen_triangles(model, state);
+    const auto is_stable = [&](const Mesh& mesh, Index t) {
+        const Mesh one{.vertices = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)},
+                       .triangles = {{0, 1, 2}},
+                       .region = {mesh.region[t]}};
+        return stable_steps(one, model.materials, model.plane).front() >= options.smallest_step;
+    };
+    std::optional<RefinedMesh> fine =
+        refined(model.mesh, {.size = wanted, .frozen = frozen, .allowed = is_stable, .seed = seed});
+    if (!fine) return std::nullopt;
+    input.mesh = std::move(fine->mesh);
+    AdaptedModel next{.model = make_model(std::move(input))};
+    next.model.too_coarse = coarse_fans(next.model, options.size);
+    next.numbers = renumbering(model, next.model, *fine);
+    next.state = carried_over(model, state, next.model, *fine);
+    restore_momentum(model, state, next.model, next.numbers, next.state);
+    next.energies = leapfrog_energies(next.model, next.state);
+    next.angular_momentum_change = angular_momentum(next.model, next.state) - angular_momentum(model, state);
+    return next;
+}
+
+}  // namespace knap

@@ -1,0 +1,160 @@
+// Refinement during whole runs: same bits for threads and resumed runs, books, files, and what is refused or said.
+#include "output/history_csv.hpp"
+#include "output/vtk_series.hpp"
+#include "program.hpp"
+
+#include <nlohmann/json.hpp>
+
+using namespace program;
+
+namespace {
+
+/// A plate of 30 mm by 12 mm with a crack from the left, torn from top and bottom; `adapt`: more keys of [adapt].
+std::string scene(const std::string& adapt = "", const std::string& more = "") {
+    return rectangle("\"30 mm\", \"12 mm\"", "\"1.2 mm\"") + R"([[domain.crack]]
+points = [["0 mm", "6 mm"], ["12 mm", "6 mm"]]
+[adapt]
+size = "0.15 mm"
+)" + adapt +
+           R"([material.glass]
+density = 2450
+E = "32 GPa"
+nu = 0.2
+[interface.default]
+sigma_c = "12.8 MPa"
+G_c = "3 J/m2"
+[[load]]
+on = "top"
+traction = ["0 MPa", "2.5 MPa"]
+[[load]]
+on = "bottom"
+traction = ["0 MPa", "-2.5 MPa"]
+[[probe]]
+at = ["25 mm", "8 mm"]
+[output]
+every = "2 us"
+history_every = "0.1 us"
+breaks = true
+)" + more + "[time]\nend = \"16 us\"\n";
+}
+
+void write(const Folder& folder, const std::string& text) { std::ofstream(folder.path / "scene.toml") << text; }
+
+Answer run(const Folder& folder, const std::string& options) {
+    return command("run " + folder.in_shell("scene.toml") + " -q " + options);
+}
+
+nlohmann::json record_of(const fs::path& directory) { return nlohmann::json::parse(text_of(directory / "run.json")); }
+
+void check_same(const fs::path& a, const fs::path& b) {
+    int n = 0;
+    for (const auto& file : fs::recursive_directory_iterator(a)) {
+        const std::string ending = file.path().extension();
+        if (ending != ".csv" && ending != ".vtu") continue;
+        ++n;
+        CHECK_MESSAGE(text_of(file.path()) == text_of(b / fs::relative(file.path(), a)), file.path().string());
+    }
+    CHECK(n > 12);
+}
+
+}  // namespace
+
+TEST_CASE("adaptation: the same bits for one and two and three threads and for a run in parts") {
+    const Folder folder("adaptation bits");
+    write(folder, scene());
+    const Answer whole = run(folder, "-j 1 -o " + folder.in_shell("whole"));
+    CAPTURE(whole.text);
+    REQUIRE(whole.code == 0);
+    for (const char* threads : {"2", "3"}) {
+        const std::string name = std::string("threads") + threads;
+        REQUIRE(run(folder, std::string("-j ") + threads + " -o " + folder.in_shell(name)).code == 0);
+        check_same(folder.path / "whole", folder.path / name);
+    }
+    for (const char* until : {"1us", "6.5us", "11us"})
+        REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("parts") + " --until " + until).code == 0);
+    REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("parts")).code == 0);
+    check_same(folder.path / "whole", folder.path / "parts");
+    const auto one = record_of(folder.path / "whole"), other = record_of(folder.path / "parts");
+    CHECK(one["summary"] == other["summary"]);
+    for (const char* name : {"batches", "largest_batch", "coarse_breaks", "angular_momentum", "gain"})
+        CHECK(one["adaptation"][name] == other["adaptation"][name]);
+}
+
+TEST_CASE("adaptation: a crack runs through the plate in triangles that are small where it is") {
+    const Folder folder("adaptation run");
+    write(folder, scene());
+    REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("run")).code == 0);
+    const fs::path directory = folder.path / "run";
+    const auto record = record_of(directory);
+    const auto number = [&](const char* name) { return record["summary"][name].get<double>(); };
+    CHECK(number("energy_residual") < 1e-13);
+    CHECK(number("main_length") > 12e-3);  // of the 18 mm from the tip to the right border
+    const auto& counts = record["adaptation"];
+    CHECK(counts["batches"] > 5);
+    CHECK(counts["gain"] > 1.5);  // in so small a plate most of the body is near the crack
+    const knap::History energy = knap::read_csv(directory / "energy.csv"),
+                        breaks = knap::read_csv(directory / "breaks.csv");
+    CHECK(energy.column("adaptation").front() == 0);
+    CHECK(energy.column("adaptation").back() < 0);
+    CHECK(energy.column("adaptation").back() > -0.05 * energy.column("dissipated").back());
+
+    // all but a few interfaces break in small triangles, and each of them is counted once
+    double broken = 0;
+    std::size_t n_long = 0;
+    for (const double length : breaks.column("length")) broken += length, n_long += length > 0.3e-3;
+    CHECK(n_long <= 0.02 * static_cast<double>(breaks.rows.size()));
+    CHECK(broken == doctest::Approx(number("broken_length")).epsilon(1e-12));
+
+    const std::vector<double> times = knap::frame_times(directory);
+    std::size_t n_before = 0;
+    for (const double time : times) {
+        const knap::Frame frame = knap::read_frame(directory, knap::nearest_frame(times, time));
+        double area = 0;
+        for (std::size_t c = 0; c < frame.position.size(); c += 3)
+            area +=
+                0.5 * knap::cross(frame.position[c + 1] - frame.position[c], frame.position[c + 2] - frame.position[c]);
+        CHECK(area == doctest::Approx(30e-3 * 12e-3).epsilon(1e-12));
+        CHECK(frame.position.size() >= n_before);
+        n_before = frame.position.size();
+    }
+    CHECK(n_before == 3 * record["triangles"].get<std::size_t>());
+}
+
+TEST_CASE("adaptation: a mesh that may not grow and one that should be fine everywhere say so") {
+    const Folder folder("adaptation limits");
+    write(folder, scene("limit = 3000\n"));
+    const Answer bound = run(folder, "-j 1 -o " + folder.in_shell("bound"));
+    CHECK(bound.code == 0);
+    CHECK(text_of(folder.path / "bound/log.txt").find("adapt.limit is 3e+03") != std::string::npos);
+    CHECK(record_of(folder.path / "bound")["triangles"] < 3000);
+
+    write(folder, scene("load = 0.05\n"));
+    REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("everywhere")).code == 0);
+    CHECK(text_of(folder.path / "everywhere/log.txt").find("a uniform mesh") != std::string::npos);
+    const auto record = record_of(folder.path / "everywhere");
+    const double uniform = 2.36 * 30 * 12 / (0.15 * 0.15);
+    CHECK(record["triangles"].get<double>() == doctest::Approx(uniform).epsilon(0.1));
+    CHECK(record["summary"]["energy_residual"] < 1e-13);
+}
+
+TEST_CASE("adaptation: what it does not go together with") {
+    const Folder folder("adaptation messages");
+    const auto refused = [&](const std::string& text, const char* code, const char* words) {
+        write(folder, text);
+        const Answer answer = command("check " + folder.in_shell("scene.toml"));
+        CAPTURE(answer.text);
+        CHECK(answer.code == 2);
+        CHECK(answer.has(code));
+        CHECK(answer.has(words));
+    };
+    refused(scene("", "[[obstacle]]\nname = \"ground\"\nkind = \"half plane\"\nat = [0, -1]\nnormal = [0, 1]\n"),
+            "exclusive-keys", "does not go together with [[obstacle]]");
+    refused(scene("", "[[excavation]]\nat = \"4 us\"\nbox = [0.02, 0.001, 0.025, 0.003]\n"), "exclusive-keys",
+            "does not go together with [[excavation]]");
+    refused(scene("", "[[probe]]\nname = \"edge\"\nat = [0.02, 0.006]\nwatch = \"interface\"\n"), "exclusive-keys",
+            "a probe of an interface");
+    refused(scene("load = 1.5\n"), "out-of-range", "adapt.load");
+    std::string large = scene();
+    large.replace(large.find("0.15 mm"), 7, "1.50 mm");
+    refused(large, "bad-value", "`adapt.size` is not below mesh.size");
+}

@@ -1,0 +1,156 @@
+// A mesh refined where it is too coarse: what stays, what becomes small, and what edges inherit.
+#include "mesh/refine.hpp"
+
+#include "mesh/size_field.hpp"
+#include "mesh/triangulate.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+using namespace knap;
+
+namespace {
+
+constexpr double coarse = 0.08, fine = 0.01;  // [m]
+
+/// A plate of 1 m by 0.5 m with a crack from the left, a joint, and a region on the right.
+Mesh plate() {
+    Shape shape;
+    shape.outer = {{{0, 0}, {1, 0}, {1, 0.5}, {0, 0.5}}, {0, 1, 2, 3}};
+    shape.boundary_names = {"bottom", "right", "top", "left"};
+    shape.cracks = {{{{0, 0.25}, {0.3, 0.25}}, -1}, {{{0.45, 0}, {0.45, 0.5}}, 2}};
+    shape.regions = {{.points = {{0.7, -0.1}, {1.1, -0.1}, {1.1, 0.6}, {0.7, 0.6}}, .tag = 1}};
+    return triangulate(shape, {.size = coarse});
+}
+
+/// Fine within 0.1 m of a place, with the grading 0.3.
+std::vector<double> sizes_around(const Mesh& mesh, const Vec2& centre) {
+    std::vector<double> size;
+    for (const Vec2& x : mesh.vertices)
+        size.push_back(std::min(coarse, fine + 0.3 * std::max(0.0, (x - centre).norm() - 0.1)));
+    return size;
+}
+
+std::map<std::string, double> boundary_lengths(const Mesh& mesh) {
+    std::map<std::string, double> length;
+    for (const BoundaryEdge& e : mesh.boundary_edges)
+        length[mesh.boundary_names[e.boundary]] += mesh.side_vector(e.triangle, e.side).norm();
+    return length;
+}
+
+struct Lines {
+    double cracks = 0, joints = 0, between_regions = 0;  // [m]
+};
+Lines lines_of(const Mesh& mesh) {
+    Lines lines;
+    for (const InteriorEdge& e : mesh.interior_edges) {
+        const double length = mesh.side_vector(e.triangle[0], e.side[0]).norm();
+        if (e.cracked) lines.cracks += length;
+        if (e.joint == 2) lines.joints += length;
+        if (mesh.region[e.triangle[0]] != mesh.region[e.triangle[1]]) lines.between_regions += length;
+    }
+    return lines;
+}
+
+}  // namespace
+
+TEST_CASE("refined mesh: fine where wanted with the lines and borders of the old one") {
+    const Mesh old = plate();
+    for (const Vec2 centre : {Vec2(0.6, 0.3), Vec2(0.7, 0.25), Vec2(0.45, 0.5), Vec2(1, 0), Vec2(0.32, 0.25)}) {
+        CAPTURE(centre.transpose());
+        const std::vector<double> size = sizes_around(old, centre);
+        std::vector<std::uint8_t> frozen(old.n_triangles(), 0);
+        for (const InteriorEdge& e : old.interior_edges)
+            if (e.cracked) frozen[e.triangle[0]] = frozen[e.triangle[1]] = 1;
+        const auto refined = knap::refined(old, {.size = size, .frozen = frozen, .seed = 3});
+        REQUIRE(refined);
+        const Mesh& mesh = refined->mesh;
+
+        double area = 0, edge = 0;
+        Index n_edges = 0;
+        for (Index t = 0; t < mesh.n_triangles(); ++t) {
+            CHECK(mesh.area(t) > 0);
+            area += mesh.area(t);
+        }
+        CHECK(area == doctest::Approx(0.5).epsilon(1e-13));
+        for (const InteriorEdge& e : mesh.interior_edges) {
+            const Vec2 along = mesh.side_vector(e.triangle[0], e.side[0]),
+                       middle = mesh.corner(e.triangle[0], e.side[0]) + 0.5 * along;
+            if ((middle - centre).norm() > 0.08 || (middle - Vec2(0.2, 0.25)).norm() < 0.11) continue;
+            edge += along.norm(), ++n_edges;
+        }
+        if (centre.x() > 0.35) CHECK(edge / n_edges == doctest::Approx(fine).epsilon(0.1));
+
+        const auto before = boundary_lengths(old), after = boundary_lengths(mesh);
+        for (const auto& [name, length] : before) CHECK(after.at(name) == doctest::Approx(length).epsilon(1e-13));
+        const Lines a = lines_of(old), b = lines_of(mesh);
+        CHECK(b.cracks == doctest::Approx(a.cracks).epsilon(1e-13));
+        CHECK(b.joints == doctest::Approx(a.joints).epsilon(1e-13));
+        CHECK(b.between_regions == doctest::Approx(a.between_regions).epsilon(1e-13));
+
+        Index n_frozen = 0;
+        for (Index t = 0; t < mesh.n_triangles(); ++t) {
+            const Index was = refined->triangle_before[t];
+            if (was < 0) continue;
+            n_frozen += frozen[was];
+            CHECK(mesh.region[t] == old.region[was]);
+            for (Index k = 0; k < 3; ++k) CHECK(mesh.corner(t, k) == old.corner(was, k));  // the same bits
+        }
+        CHECK(n_frozen == std::ranges::count(frozen, 1));
+
+        // linear fields come back exactly
+        for (Index v = 0; v < mesh.n_vertices(); ++v) {
+            const VertexOrigin& from = refined->origin[v];
+            if (from.triangle < 0) {
+                CHECK(mesh.vertices[v] == old.vertices[from.vertex]);
+                continue;
+            }
+            Vec2 mean = Vec2::Zero();
+            for (int k = 0; k < 3; ++k) mean += from.weight[k] * old.corner(from.triangle, k);
+            CHECK((mean - mesh.vertices[v]).norm() <= 1e-13);
+            CHECK(*std::ranges::min_element(from.weight) >= -1e-12);
+        }
+        const auto again = knap::refined(old, {.size = size, .frozen = frozen, .seed = 3});
+        CHECK(again->mesh.vertices == mesh.vertices);
+        CHECK(again->mesh.triangles == mesh.triangles);
+    }
+}
+
+TEST_CASE("refined mesh: nothing happens where it is fine enough or frozen") {
+    const Mesh old = plate();
+    std::vector<double> size(old.n_vertices(), coarse);
+    std::vector<std::uint8_t> frozen(old.n_triangles(), 0);
+    CHECK_FALSE(refined(old, {.size = size, .frozen = frozen}));
+    std::ranges::fill(size, fine);
+    std::ranges::fill(frozen, 1);
+    CHECK_FALSE(refined(old, {.size = size, .frozen = frozen}));
+}
+
+TEST_CASE("refined mesh: triangles that are not allowed do not come about") {
+    const Mesh old = plate();
+    const std::vector<double> size = sizes_around(old, {0.6, 0.3});
+    const std::vector<std::uint8_t> frozen(old.n_triangles(), 0);
+    const auto smallest_height = [](const Mesh& mesh, Index t) {
+        double longest = 0;
+        for (Index k = 0; k < 3; ++k) longest = std::max(longest, mesh.side_vector(t, k).norm());
+        return 2 * mesh.area(t) / longest;
+    };
+    const double limit = 0.6 * fine;  // that of an equilateral triangle is 0.87
+    const auto free = refined(old, {.size = size, .frozen = frozen});
+    const auto bound = refined(old, {.size = size, .frozen = frozen, .allowed = [&](const Mesh& mesh, Index t) {
+                                         return smallest_height(mesh, t) >= limit;
+                                     }});
+    REQUIRE(free);
+    REQUIRE(bound);
+    const auto n_low = [&](const Mesh& mesh) {
+        Index n = 0;
+        for (Index t = 0; t < mesh.n_triangles(); ++t) n += smallest_height(mesh, t) < limit;
+        return n;
+    };
+    CHECK(n_low(free->mesh) > 0);
+    CHECK(n_low(bound->mesh) == 0);
+    CHECK(bound->mesh.n_triangles() > 0.7 * free->mesh.n_triangles());
+}
