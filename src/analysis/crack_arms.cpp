@@ -10,6 +10,7 @@ CrackOptions crack_options(double extent, double process_zone, double fastest, I
     return {.arm_edges = 10 * edges_per_side,
             .short_arm_edges = 5 * edges_per_side,
             .short_arm_length = 0.05 * extent,
+            .least_length = 0.01 * extent,
             .gap_edges = 2 * edges_per_side,
             .chord_edges = 10 * edges_per_side,
             .speed_edges = 20 * edges_per_side,
@@ -113,8 +114,13 @@ Index CrackArms::add_node(Index vertex, Index edge, Index parent, bool ends) {
 /// An edge that joins two vertices that cracks have reached. A small loop is noise; else one arm ends at the other.
 void CrackArms::close(Index edge, Index a, Index b) {
     const bool same = nodes_[a].crack == nodes_[b].crack;
-    if (same && 1 + nodes_[a].n_edges + nodes_[b].n_edges - 2 * nodes_[common(a, b)].n_edges < 2 * options_.arm_edges)
-        return;
+    if (same) {
+        const CrackNode& fork = nodes_[common(a, b)];
+        const Index n_edges = 1 + nodes_[a].n_edges + nodes_[b].n_edges - 2 * fork.n_edges;
+        const double length =
+            graph().length[edge] + nodes_[a].distance + nodes_[b].distance - 2 * fork.distance;
+        if (n_edges < 2 * options_.arm_edges || length < 2 * options_.least_length) return;
+    }
     const auto rank = [&](Index node) {
         const bool is_tip = nodes_[node].arm >= 0 && arms_[nodes_[node].arm].tip() == node;
         return std::pair(is_tip, path_length(node));
@@ -213,12 +219,14 @@ void CrackArms::take_long_stretch(Index vertex) {
     while (true) {
         const Search search = off_arms(off_arms(vertex).farthest());
         if (search.ways.at(search.farthest()).length < options_.arm_edges) return;
+        double length = 0;
         Index longest = -1, n_longest = 0;
         for (const Index e : search.edges_back(edges_, search.farthest())) {
+            length += graph().length[e];
             const Index node = node_of_[e], n = node < 0 ? 0 : nodes_[node].n_edges - nodes_[base_of(node)].n_edges;
             if (n > n_longest) longest = node, n_longest = n;
         }
-        if (longest < 0) return;
+        if (longest < 0 || length < options_.least_length) return;
         start_arm(base_of(longest), longest);
         arms_.back().kept = nodes_[longest].distance;
     }

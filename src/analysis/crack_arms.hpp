@@ -9,6 +9,7 @@ struct CrackOptions {
     Index arm_edges = 10;         // a path is an arm when it has so many edges; a shorter one is a twig
     Index short_arm_edges = 10;   // or when it has so many
     double short_arm_length = 0;  // and this length [m]
+    double least_length = 0;      // [m] of any arm: edges may be too small to be seen in a picture of the body
     Index gap_edges = 0;          // largest number of damaged interfaces between two broken stretches of one crack
     Index chord_edges = 1;        // lengths of paths are measured along chords of so many edges, not along the zigzag
     Index speed_edges = 20;       // a tip speed is fitted over growth by so many edges
@@ -17,12 +18,14 @@ struct CrackOptions {
     double fastest = std::numeric_limits<double>::infinity();  // [m/s] of waves: bound of tip speeds
 
     bool is_arm(Index n_edges, double length) const {
-        return n_edges >= arm_edges || (n_edges >= short_arm_edges && length >= short_arm_length);
+        return length >= least_length &&
+               (n_edges >= arm_edges || (n_edges >= short_arm_edges && length >= short_arm_length));
     }
 };
 
 /// For a random mesh whose triangle sides are `edges_per_side` interfaces: arms of ten sides, or of five that are 1/20
-/// of `extent` [m], the size of the body: about what one sees as a fork in its picture. Interfaces break in bursts
+/// of `extent` [m], the size of the body: about what one sees as a fork in its picture. Where edges are very small, an
+/// arm is at least 1/100 of `extent` long. Interfaces break in bursts
 /// within a process zone [m], so a speed is fitted over at least 1.5 process zones.
 CrackOptions crack_options(double extent, double process_zone, double fastest, Index edges_per_side);
 

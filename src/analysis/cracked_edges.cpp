@@ -1,32 +1,24 @@
 #include "analysis/cracked_edges.hpp"
 
+#include "mesh/edge_graph.hpp"
+
 #include <algorithm>
 #include <set>
 #include <utility>
 
 namespace knap {
-namespace {
-
-Grouped<Index> edges_at_vertices(const InterfaceGraph& graph) {
-    return {graph.vertices.size(), [&](const auto& visit) {
-                for (std::size_t e = 0; e < graph.ends.size(); ++e)
-                    for (const Index v : graph.ends[e]) visit(v, static_cast<Index>(e));
-            }};
-}
-
-}  // namespace
 
 CrackedEdges::CrackedEdges(InterfaceGraph graph, Index gap_edges)
     : graph_(std::move(graph)),
       gap_edges_(gap_edges),
-      edges_at_(edges_at_vertices(graph_)),
+      edges_at_(edges_at_vertices(graph_.vertices.size(), graph_.ends)),
       since_(graph_.ends.size(), never),
       connected_(graph_.vertices.size()),
       n_precracks_(graph_.vertices.size(), 0) {}
 
 void CrackedEdges::set_graph(InterfaceGraph graph) {
     graph_ = std::move(graph);
-    edges_at_ = edges_at_vertices(graph_);
+    edges_at_ = edges_at_vertices(graph_.vertices.size(), graph_.ends);
 }
 
 void CrackedEdges::renumber(InterfaceGraph graph, const Renumbering& numbers) {

@@ -29,10 +29,15 @@ std::string shortened(const std::string& message) {
     return message.substr(0, whole(message, half)) + " ... " + message.substr(whole(message, size - half));
 }
 
+/// What is allowed is said once where mistakes of one kind follow each other.
 std::string all(const std::vector<Diagnostic>& found) {
     constexpr std::size_t max_shown = 50;
     std::string text;
-    for (std::size_t i = 0; i < std::min(found.size(), max_shown); ++i) text += format(found[i]);
+    for (std::size_t i = 0; i < std::min(found.size(), max_shown); ++i) {
+        Diagnostic shown = found[i];
+        if (i > 0 && shown.note == found[i - 1].note) shown.note.clear();
+        text += format(shown);
+    }
     if (found.size() > max_shown) text += concatenated("... and ", found.size() - max_shown, " more\n");
     return text;
 }

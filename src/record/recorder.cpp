@@ -153,10 +153,14 @@ void Recorder::after_step(const State& now, const StepReport& report) {
 }
 
 void Recorder::model_changed() {
+    cracks_.set_graph(interface_graph(model_));
+    renew_observers();
+}
+
+void Recorder::renew_observers() {
     probes_.renew();
     reactions_.renew();
     deformation_.renew();
-    cracks_.set_graph(interface_graph(model_));
     ledger_.renew(model_, weakest_point(model_));
 }
 
@@ -164,7 +168,7 @@ void Recorder::after_adaptation(const State& now, const Renumbering& numbers, co
     ledger_.adapt(numbers, energies);
     cracks_.renumber(interface_graph(model_), numbers);
     if (breaks_) breaks_->renumber(now, numbers);
-    model_changed();
+    renew_observers();
 }
 
 void Recorder::finish(const State& now, bool ended_early) {

@@ -122,6 +122,7 @@ private:
             archive(path, step);
         }
     };
+    void renew_observers();
     void watch_deformation(const State& now, double speed);
     void open(Sheet& sheet) const;
     void add_line(Sheet& sheet, std::vector<double> line);

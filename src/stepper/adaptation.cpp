@@ -2,6 +2,7 @@
 
 #include "base/union_find.hpp"
 #include "element/triangle_matrices.hpp"
+#include "mesh/edge_graph.hpp"
 #include "mesh/relax.hpp"
 #include "model/successor.hpp"
 #include "stepper/common/elastic_energy.hpp"
@@ -14,24 +15,11 @@
 namespace knap {
 namespace {
 
-Grouped<Index> edges_at_vertices(const Mesh& mesh, const std::vector<std::array<Index, 2>>& ends) {
-    return {mesh.vertices.size(), [&](const auto& visit) {
-                for (std::size_t e = 0; e < ends.size(); ++e)
-                    for (const Index v : ends[e]) visit(v, static_cast<Index>(e));
-            }};
-}
-
-/// The edges of the mesh by their ends.
-std::vector<std::array<Index, 2>> edge_ends(const Mesh& mesh) {
-    std::vector<std::array<Index, 2>> ends;
-    for (const InteriorEdge& e : mesh.interior_edges) ends.push_back(mesh.side_vertices(e.triangle[0], e.side[0]));
-    for (const BoundaryEdge& e : mesh.boundary_edges) ends.push_back(mesh.side_vertices(e.triangle, e.side));
-    return ends;
-}
-
 double length(const Mesh& mesh, const std::array<Index, 2>& ends) {
     return (mesh.vertices[ends[1]] - mesh.vertices[ends[0]]).norm();
 }
+
+bool can_break(const CohesiveLaw& law) { return law.breakable() && law.sigma_c > 0; }
 
 /// [0/1] Per triangle: one of its vertices came apart, or it vanished.
 std::vector<std::uint8_t> frozen_triangles(const Model& model, const State& state) {
@@ -88,31 +76,41 @@ void restore_momentum(const Model& before, const State& old, const Model& after,
     std::vector<Vec2> missing(mesh.vertices.size(), Vec2::Zero());  // per patch
     for (Index t = 0; t < before.mesh.n_triangles(); ++t)
         if (!stays[t]) missing[patches.find(numbers.vertex[before.mesh.triangles[t][0]])] += momentum(before, old, t);
-    std::vector<std::uint8_t> moves(after.fans.size(), 0);
+    std::vector<Vec2> moved(after.fans.size(), Vec2::Zero());  // [kg] per component, of what is free to move
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         if (!is_new(t)) continue;
         missing[patches.find(mesh.triangles[t][0])] -= momentum(after, state, t);
         for (Index c = 3 * t; c < 3 * t + 3; ++c) {
             const Index f = after.fan_of_corner[c];
-            moves[f] = state.split_rank[f] < 0 && after.motion_of(c) == nullptr;
+            const PrescribedMotion* motion = after.motion_of(c);
+            for (int k = 0; k < 2; ++k)
+                moved[f][k] = state.split_rank[f] < 0 && !(motion && motion->component[k]) ? after.fans[f].mass : 0;
         }
     }
-    std::vector<double> mass(mesh.vertices.size(), 0);  // per patch, of what may move
+    std::vector<Vec2> mass(mesh.vertices.size(), Vec2::Zero());  // [kg] per patch
     const auto patch_of = [&](std::size_t fan) { return patches.find(after.fans[fan].vertex); };
-    for (std::size_t f = 0; f < moves.size(); ++f)
-        if (moves[f]) mass[patch_of(f)] += after.fans[f].mass;
-    for (std::size_t f = 0; f < moves.size(); ++f)
-        if (moves[f]) state.velocity[f] += missing[patch_of(f)] / mass[patch_of(f)];
+    for (std::size_t f = 0; f < moved.size(); ++f) mass[patch_of(f)] += moved[f];
+    for (std::size_t f = 0; f < moved.size(); ++f)
+        for (int k = 0; k < 2; ++k)
+            if (moved[f][k] > 0) state.velocity[f][k] += missing[patch_of(f)][k] / mass[patch_of(f)][k];
 }
 
 }  // namespace
 
 double load_factor(const Eigen::Vector3d& stress, const CohesiveLaw& law) {
-    if (!law.breakable() || law.sigma_c <= 0) return 0;
+    if (!can_break(law)) return 0;
     // t_N = m + r cos 2a and |t_T| = r |sin 2a|, largest at once
     const double m = 0.5 * (stress[0] + stress[1]), r = std::hypot(0.5 * (stress[0] - stress[1]), stress[2]),
                  sheared = r * std::hypot(1, law.friction) + law.friction * m;
     return std::max(m + r, sheared / (law.gamma + law.friction)) / law.sigma_c;
+}
+
+double load_factor(const Eigen::Vector3d& stress, const Vec2& normal, const CohesiveLaw& law) {
+    if (!can_break(law)) return 0;
+    const auto& [x, y] = std::pair(normal.x(), normal.y());
+    const Vec2 traction(stress[0] * x + stress[2] * y, stress[2] * x + stress[1] * y);
+    const double t_N = traction.dot(normal), sheared = std::abs(cross(normal, traction)) + law.friction * t_N;
+    return std::max(t_N, sheared / (law.gamma + law.friction)) / law.sigma_c;
 }
 
 double guaranteed_step(double size, const std::vector<Elastic>& materials, PlaneModel plane) {
@@ -132,12 +130,23 @@ std::vector<double> wanted_sizes(const Model& model, const State& state, const A
     const auto mark = [&](Index triangle) {
         for (const Index v : mesh.triangles[triangle]) distance[v] = 0;
     };
-    std::vector<Index> law(mesh.n_triangles(), -1);  // of the weakest interface
-    for (const Interface& i : model.interfaces)
-        for (const Index t : i.triangle)
-            if (t != rigid_support && !i.cracked &&
-                (law[t] < 0 || model.laws[i.law].sigma_c < model.laws[law[t]].sigma_c))
-                law[t] = i.law;
+    std::vector<Index> law(mesh.n_triangles(), -1);  // of the weakest interface that may get any direction
+    for (std::size_t i = 0; i < model.interfaces.size(); ++i) {
+        const Interface& interface = model.interfaces[i];
+        const CohesiveLaw& own = model.laws[interface.law];
+        if (interface.cracked || !can_break(own)) continue;
+        const auto [a, b] = interface.triangle;
+        const bool on_line =
+            a != rigid_support && (mesh.region[a] != mesh.region[b] || mesh.interior_edges[i].joint >= 0);
+        for (const Index t : interface.triangle) {
+            if (t == rigid_support) continue;
+            if (on_line) {
+                if (load_factor(stress(model, state, t), interface.normal, own) > options.load) mark(t);
+            } else if (law[t] < 0 || own.sigma_c < model.laws[law[t]].sigma_c) {
+                law[t] = interface.law;
+            }
+        }
+    }
     for (Index t = 0; t < mesh.n_triangles(); ++t)
         if (law[t] >= 0 && load_factor(stress(model, state, t), model.laws[law[t]]) > options.load) mark(t);
     if (also) {
@@ -148,8 +157,8 @@ std::vector<double> wanted_sizes(const Model& model, const State& state, const A
     // distances along edges (Dijkstra), as far as they matter
     const double fine_until = options.margin * options.size,
                  reach = fine_until + (options.coarse - options.size) / options.grading;
-    const std::vector<std::array<Index, 2>> ends = edge_ends(mesh);
-    const Grouped<Index> edges = edges_at_vertices(mesh, ends);
+    const EdgeEnds ends = edge_ends(mesh);
+    const Grouped<Index> edges = edges_at_vertices(mesh.vertices.size(), ends);
     using Entry = std::pair<double, Index>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
     for (Index v = 0; v < mesh.n_vertices(); ++v)

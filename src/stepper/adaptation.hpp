@@ -2,7 +2,8 @@
 // Adaptive refinement of the explicit bulk: between two steps, triangles become small where interfaces may break soon.
 //
 //     trigger     kappa = max over directions of t_N/sigma_c and (|t_T| + mu t_N)/((gamma + mu) sigma_c), of the mean
-//                 stress of a triangle and the laws of its interfaces; marked above `load`
+//                 stress of a triangle and the laws of its interfaces; in the one direction of an edge of a joint or
+//                 between two materials, which keeps it; marked above `load`
 //     wanted      `size` within `margin` edges of everything marked, growing from there by `grading` per distance
 //     may change  triangles whose vertices are all bonded; cracks keep their interfaces
 //     transfer    old vertices keep u and v, new ones take them linearly from the old triangles; then each patch gets
@@ -35,8 +36,10 @@ struct AdaptOptions {
     bool active() const { return size > 0; }
 };
 
-/// [-] kappa of a stress (xx, yy, xy) [Pa]; 0 for a law that does not break.
+/// [-] kappa of a stress (xx, yy, xy) [Pa], over all directions or of edges across `normal`; 0 for a law that does not
+/// break.
 double load_factor(const Eigen::Vector3d& stress, const CohesiveLaw& law);
+double load_factor(const Eigen::Vector3d& stress, const Vec2& normal, const CohesiveLaw& law);
 
 /// [m] Stable step of the smallest triangle that a mesh of edge length `size` should have, of the fastest material.
 double guaranteed_step(double size, const std::vector<Elastic>& materials, PlaneModel plane);

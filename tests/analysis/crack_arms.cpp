@@ -377,6 +377,18 @@ TEST_CASE("half as many edges are an arm when they are long beside the body") {
     }
 }
 
+TEST_CASE("many edges are no arm where they are too short to be seen beside the body") {
+    for (const double least : {4.9 * mm, 5.1 * mm}) {
+        Sequence s;
+        s.d.notch();
+        s.row(0, 0, 1, 0, 20, 1 * us, 1 * us);
+        s.row(12, 0, 0, 1, 5, 12 * us, 1 * us);
+        CrackOptions o = options();
+        o.least_length = least;
+        CHECK(run(s, 30 * us, o).pattern().n_branches == (least < 5 * mm ? 1 : 0));
+    }
+}
+
 TEST_CASE("twigs that together are as long as an arm are one: and so are loops beside cracks") {
     Sequence s;
     s.d.notch();

@@ -22,6 +22,11 @@ const std::string implicit_block =
     "edge_cracked_block_implicit -q -j 1 -s 'mesh.size=5 mm' -s 'time.end=40 us' -s 'time.step=1 us' -s 'expect={}' -s "
     "output.breaks=true ";
 
+/// Half of the time is spent in refinements.
+const std::string refined_block =
+    "edge_cracked_block -q -j 1 -s 'mesh.size=4 mm' -s 'adapt={ size = \"0.5 mm\", every = 10 }' -s "
+    "'interface.default.sigma_c=8 MPa' -s 'time.end=25 us' -s 'output.every=2 us' -s 'expect={}' -s output.breaks=true ";
+
 /// Conduction, cracks and a time factor.
 const std::string explicit_quench =
     "alumina_quench -q -j 1 -s 'mesh.size=1 mm' -s 'time.end=100 us' -s 'expect={}' -s output.breaks=true ";
@@ -106,6 +111,7 @@ void flip_a_byte(const fs::path& path) {
 
 TEST_CASE("a run killed at twenty random moments ends with the same bits") {
     SUBCASE("explicit") { kill_twenty_times(explicit_block, Folder("killed explicit")); }
+    SUBCASE("with refinements") { kill_twenty_times(refined_block, Folder("killed refined")); }
     SUBCASE("implicit") { kill_twenty_times(implicit_block, Folder("killed implicit")); }
     SUBCASE("with heat") { kill_twenty_times(explicit_quench, Folder("killed quench")); }
     SUBCASE("with heat, implicit") { kill_twenty_times(implicit_quench, Folder("killed implicit quench")); }

@@ -198,6 +198,11 @@ TEST_CASE("adaptation: the load factor is the largest over all directions") {
             largest = std::max({largest, t_n, (t_t + law.friction * t_n) / (law.gamma + law.friction)});
         }
         CHECK(load_factor(s, law) == relative(largest, 1e-6));
+        const double a = random.uniform(0, M_PI);
+        const Vec2 n(std::cos(a), std::sin(a)), t(s[0] * n.x() + s[2] * n.y(), s[2] * n.x() + s[1] * n.y());
+        const double t_n = t.dot(n), t_t = std::abs(t.dot(turned_left(n)));
+        CHECK(load_factor(s, n, law) ==
+              relative(std::max(t_n, (t_t + law.friction * t_n) / (law.gamma + law.friction)), 1e-12));
     }
     CHECK(load_factor({1, 1, 1}, CohesiveLaw::unbreakable()) == 0);
 }

@@ -37,6 +37,7 @@ void add_runs(const std::string& scenario, Ensemble& ensemble) {
                 run.mesh_size = read.scenario.mesh.size;
                 for (const auto& place : read.scenario.mesh.refine) run.mesh_size = std::min(run.mesh_size, place.size);
                 for (const Body& body : read.scenario.bodies) run.mesh_size = std::min(run.mesh_size, body.mesh.size);
+                if (read.scenario.adapt.active()) run.mesh_size = read.scenario.adapt.size;
             }
             if (seeds || run.name.empty()) run.name += (run.name.empty() ? "s" : "_s") + std::to_string(run.seed);
             if (run.name.size() > max_directory_name) run.name = "run_" + std::to_string(ensemble.runs.size() + 1);
@@ -68,6 +69,7 @@ Texts refined(const Scenario& base, Refine refine, double level) {
     set.push_back("mesh.size=" + shortest(base.mesh.size / level));
     for (std::size_t i = 0; i < base.mesh.refine.size(); ++i)
         set.push_back(item("mesh.refine", i) + ".size=" + shortest(base.mesh.refine[i].size / level));
+    if (base.adapt.active()) set.push_back("adapt.size=" + shortest(base.adapt.size / level));
     for (const Body& body : base.bodies)
         if (const std::string key = body.path + ".mesh_size="; body.own_mesh_size && !set.back().starts_with(key))
             set.push_back(key + shortest(body.mesh.size / level));
