@@ -12,7 +12,7 @@ namespace {
 constexpr Index none = -1;
 
 /// An interface along edge `side` of the triangle a, or b on a support.
-void add_interface(Index a, Index b, Index side, Index law, bool cracked, double gap, Model& model) {
+void add_interface(Index a, Index b, Index side, Index law, Index joint_law, bool cracked, double gap, Model& model) {
     const Index t = a == rigid_support ? b : a;
     const Vec2 along = model.mesh.side_vector(t, side), outward = -turned_left(along.normalized());
     model.interfaces.push_back({.triangle = {a, b},
@@ -20,6 +20,7 @@ void add_interface(Index a, Index b, Index side, Index law, bool cracked, double
                                 .normal = a == rigid_support ? Vec2(-outward) : outward,
                                 .length = along.norm(),
                                 .law = law,
+                                .joint_law = joint_law,
                                 .cracked = cracked,
                                 .gap = gap});
 }
@@ -28,13 +29,14 @@ void make_interfaces(const ModelInput& input, const SupportOfEdge& support_of_ed
     const Mesh& mesh = model.mesh;
     for (const InteriorEdge& edge : mesh.interior_edges) {
         const auto [a, b] = edge.triangle;
-        add_interface(a, b, edge.side[0], law_of_edge(input, mesh, edge), edge.cracked, 0, model);
+        const Index law = law_of_edge(input, mesh, edge);
+        add_interface(a, b, edge.side[0], law, edge.joint >= 0 ? law : none, edge.cracked, 0, model);
     }
     for (std::size_t i = 0; i < mesh.boundary_edges.size(); ++i) {
         if (support_of_edge[i] == none) continue;
         const BoundaryEdge& edge = mesh.boundary_edges[i];
         const Support& support = input.supports[support_of_edge[i]];
-        add_interface(rigid_support, edge.triangle, edge.side, support.law, !support.glued, support.gap, model);
+        add_interface(rigid_support, edge.triangle, edge.side, support.law, none, !support.glued, support.gap, model);
         model.interfaces.back().beyond = support.beyond;
     }
 }

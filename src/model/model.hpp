@@ -32,6 +32,7 @@ struct Interface {
     Vec2 normal;                    // N, from side A to side B; T = turned_left(N)
     double length;                  // [m]
     Index law;                      // into Model::laws
+    Index joint_law;                // that of the joint here, one number where its strength is random; -1: no joint
     bool cracked;                   // no cohesion from the start
     double gap;                     // [m] initial opening (supports only)
     double beyond = 0;              // [m] how far the ground goes on straight where the support ends (supports only)

@@ -63,12 +63,11 @@ FaceContacts::FaceContacts(const Model& model) : model_(model), boundary_(model)
 
 /// Undeformed places and lengths; what is known already stays.
 void FaceContacts::read_boundary() {
-    const Mesh& mesh = model_.mesh;
-    const auto corners = boundary_.corners();
     const auto edges = boundary_.edges();
-    for (std::size_t c = reference_.size(); c < corners.size(); ++c) {
-        const GroundVertex* ground = model_.ground_at(corners[c]);
-        reference_.push_back(ground ? ground->place : mesh.corner(corners[c]));
+    for (std::size_t c = reference_.size(); c < boundary_.corners().size(); ++c) {
+        const GroundVertex* ground = model_.ground_at(boundary_.corners()[c]);
+        reference_.push_back(ground ? ground->place : model_.mesh.corner(boundary_.corners()[c]));
+        corners_.push_back({.x = reference_[c], .v = Vec2::Zero()});
     }
     for (; n_read_ < edges.size(); ++n_read_) {
         const FreeEdge& edge = edges[n_read_];
@@ -115,19 +114,18 @@ void FaceContacts::find(const State& begin, double h) {
 /// far. False, and a refusal, where a speed leaves nothing to find.
 bool FaceContacts::place_corners(const State& begin, double h, bool boundary_changed) {
     constexpr std::size_t block = 1024;
-    if (!complete_) reference_.clear(), n_read_ = 0, longest_ = 0, total_ = 0, boundary_.sort();
+    if (!complete_) reference_.clear(), corners_.clear(), n_read_ = 0, longest_ = 0, total_ = 0, boundary_.sort();
     read_boundary();
     const auto numbers = boundary_.corners();
-    corners_.resize(numbers.size());
-    const std::size_t n_known = complete_ ? nearby_.n_corners() : 0;
-    const Motion motion =
-        sum_over_blocks(numbers.size(), block, partial_, [&](std::size_t first, std::size_t last, Motion& own) {
-            for (std::size_t c = first; c < last; ++c) {
-                CornerMotion& at = corners_[c] = {.x = reference_[c], .v = Vec2::Zero()};
-                if (model_.ground_at(numbers[c]) == nullptr) {
-                    const Index node = begin.node_of_corner[numbers[c]];
-                    at.x += begin.displacement[node], at.v = begin.velocity[node];
-                }
+    const auto [ground, behind_ground] = boundary_.ground_corners();
+    const std::size_t n_ground = behind_ground - ground, n_known = complete_ ? nearby_.n_corners() : 0;
+    const Motion motion = sum_over_blocks(
+        numbers.size() - n_ground, block, partial_, [&](std::size_t first, std::size_t last, Motion& own) {
+            for (std::size_t k = first; k < last; ++k) {
+                const std::size_t c = k < ground ? k : k + n_ground;
+                const Index node = begin.node_of_corner[numbers[c]];
+                CornerMotion& at =
+                    corners_[c] = {.x = reference_[c] + begin.displacement[node], .v = begin.velocity[node]};
                 own += {.squared_move = c < n_known ? nearby_.squared_move(c, at.x) : 0,
                         .squared_speed = at.v.squaredNorm()};
             }
@@ -209,6 +207,7 @@ FaceContacts::Vertex FaceContacts::vertex(Index i, const State& begin) const {
             .outside = outside.normalized(),
             .l_in = l_in,
             .l_out = l_out,
+            .joint_law = {boundary_.edges()[leaving.entering].joint_law, leaving.joint_law},
             .before = contacts_before(begin, leaving.start),
             .reflex = is_reflex(t_in, t_out, leaving.reflex_piece),
             .flat = t_in.dot(t_out) > 0 && std::abs(cross(t_in, t_out)) < flat_turn};
@@ -250,6 +249,7 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     block.found.push_back({.contact = {.vertex = {boundary_.edges()[leaving.entering].end, leaving.start},
                                        .edge = {edge.start, edge.end},
                                        .normal = n,
+                                       .joint_law = at.joint_law_against(t) == edge.joint_law ? edge.joint_law : -1,
                                        .length = length,
                                        .share = share,
                                        .gap = gap,

@@ -20,6 +20,7 @@ struct FaceContact {
                                   // the one that leaves it (equal where one triangle has both)
     std::array<Index, 2> edge;    // corners a, b at the ends of the edge; its triangle lies to the left of a -> b
     Vec2 normal;                  // outward of the edge's triangle; tangent t = (b - a)/L = turned_left(normal)
+    Index joint_law;              // of the joint from which both faces came, as in Model::laws; -1: there is none
     double length, share, gap;    // [m] L, [-] s (not clipped to [0, 1]), [m] g
     double depth;                 // [m] of the overlap: -g, or less at a convex corner
     double contact, tangential;   // [N s] impulses of the step before (0 if new), with twins merged: the start of the
@@ -88,12 +89,17 @@ private:
         Vec2 x, v, t_in, t_out;
         Vec2 outside;        // unit vector out of the body
         double l_in, l_out;  // [m] of the edges that enter and leave it
+        std::array<Index, 2> joint_law;  // of these edges
         std::span<const FaceContactState> before;
         bool reflex, flat;
 
         bool accepts(const Vec2& normal) const;
         /// [m] How much further than the vertex its edges reach against the normal.
         double overhang(const Vec2& normal) const;
+        /// FreeEdge::joint_law of the edge that faces one with this tangent.
+        Index joint_law_against(const Vec2& tangent) const {
+            return joint_law[t_out.dot(tangent) < t_in.dot(tangent)];
+        }
     };
     struct Side {
         Vec2 tangent;

@@ -161,6 +161,7 @@ void FreeBoundary::add(Index h) {
                       .end = next_in_triangle(h),
                       .start_place = place_of_corner(h),
                       .end_place = place_of_corner(next_in_triangle(h)),
+                      .joint_law = twin_[h] < 0 ? -1 : model_.interfaces[model_.interface_of(point_[h])].joint_law,
                       .depth = deepest * 2 * mesh.area(h / 3) / mesh.side_vector(h / 3, h % 3).norm()});
 }
 
@@ -173,6 +174,7 @@ void FreeBoundary::add_ground(Index g) {
                       .start_place = place_of_corner(start),
                       .end_place = place_of_corner(end),
                       .ground = true,
+                      .joint_law = -1,
                       .depth = deepest * (model_.ground.vertices[at.next].place - at.place).norm()});
 }
 
@@ -214,8 +216,10 @@ void FreeBoundary::sort() {
     for (Index h = 0; h < model_.mesh.n_corners(); ++h)
         if (is_free(h)) add(h);
     const std::vector<GroundVertex>& ground = model_.ground.vertices;
+    ground_corners_[0] = corners_.size();
     for (std::size_t g = 0; g < ground.size(); ++g)
         if (ground[g].next >= 0) add_ground(static_cast<Index>(g));
+    ground_corners_[1] = corners_.size();
     for (const FreeEdge& edge : edges_)
         edge.ground ? refresh_ground(edge.start - model_.mesh.n_corners()) : refresh(edge.start);
     n_sorted_ = edges_.size();

@@ -37,6 +37,7 @@ struct FreeEdge {
     bool stands;        // the vertex that it leaves stands on its support
     bool reflex_wedge;  // at b, in the undeformed body: more than 180 degrees of material
     bool reflex_piece;  // at a
+    Index joint_law;    // Interface::joint_law, where the face was a joint; or -1
     double depth;       // [m] largest penetration that a contact may have: 0.35 of the triangle's altitude
 };
 
@@ -57,6 +58,8 @@ public:
     std::span<const FreeEdge> edges() const { return edges_; }
     /// The corners at the ends of the edges.
     std::span<const Index> corners() const { return corners_; }
+    /// Those of the ground, which never move: [first, end) of them.
+    std::array<std::size_t, 2> ground_corners() const { return ground_corners_; }
     /// The number of the edge that follows in the triangle, which is its corner at the end of this one.
     static Index next_in_triangle(Index h) { return h % 3 == 2 ? h - 2 : h + 1; }
     /// The corner at the end of the edge with this number.
@@ -111,6 +114,7 @@ private:
     std::vector<FreeEdge> edges_;
     std::size_t n_sorted_ = 0;
     std::vector<Index> corners_;
+    std::array<std::size_t, 2> ground_corners_{};
     std::vector<Index> corner_place_;  // in corners_, or -1
     std::vector<Index> changed_;
 };

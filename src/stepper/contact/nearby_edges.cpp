@@ -53,6 +53,16 @@ NearbyEdges::CellBox NearbyEdges::cells_of(const FreeEdge& edge) const {
     return {cell(a.cwiseMin(b) - room), cell(a.cwiseMax(b) + room)};
 }
 
+/// Ground outside of them is near nothing, however long it is; what appears later lies between what is there.
+NearbyEdges::CellBox NearbyEdges::cells_of_moving(std::span<const FreeEdge> edges) const {
+    Vec2 low = Vec2::Constant(INFINITY), high = -low;
+    for (const FreeEdge& edge : edges)
+        if (!edge.ground) low = low.cwiseMin(x_[edge.start_place]), high = high.cwiseMax(x_[edge.start_place]);
+    CellBox cells{cell(low), cell(high)};
+    for (int k = 0; k < 2; ++k) --cells.low[k], ++cells.high[k];
+    return cells;
+}
+
 template <class ForEntries>
 void NearbyEdges::fill(Cells& cells, std::size_t n, const ForEntries& for_entries) const {
     const std::size_t n_buckets = std::bit_ceil(n);
@@ -80,9 +90,12 @@ void NearbyEdges::fill_grid(std::span<const FreeEdge> edges) {
     }
     cell_size_ = std::max(2 * sum / static_cast<double>(edges.size()), longest / cells_per_longest) + margin_;
     const auto n = static_cast<Index>(edges.size());
+    const CellBox moving = cells_of_moving(edges);
     fill(edge_cells_, 2 * n, [&](const auto& visit) {
         for (Index e = 0; e < n; ++e) {
             const auto [low, high] = cells_of(edges[e]);
+            const auto misses = [&](int k) { return high[k] < moving.low[k] || low[k] > moving.high[k]; };
+            if (edges[e].ground && (misses(0) || misses(1))) continue;
             for_cells(low, high, [&](std::int32_t x, std::int32_t y) { visit(Entry{x, y, e}); });
         }
     });

@@ -54,6 +54,7 @@ private:
         std::array<std::int32_t, 2> low, high;
     };
     CellBox cells_of(const FreeEdge& edge) const;
+    CellBox cells_of_moving(std::span<const FreeEdge> edges) const;
     template <class ForEntries>
     void fill(Cells& cells, std::size_t n, const ForEntries& for_entries) const;
     template <class Visit>

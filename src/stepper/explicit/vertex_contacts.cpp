@@ -108,13 +108,15 @@ void VertexContacts::find_clusters() {
     for (std::size_t s = 0; s < fans_.size(); ++s) clusters_[cluster(s)].slots.push_back(s);
 }
 
-/// That of the pair of materials; on a support that of its interface, whatever lies on it.
+/// That of the pair of materials; on a support that of its interface, whatever lies on it; of two faces of joints that
+/// of the joint, so that slip which leaves the points behind goes on with the same friction.
 ContactLaw VertexContacts::law_between(const FaceContact& contact) const {
+    const auto of_interface = [&](Index law) -> ContactLaw {
+        return {.friction = model_.laws[law].friction, .restitution = model_.laws[law].restitution};
+    };
     for (const Index corner : {contact.edge[0], contact.vertex[1]})
-        if (const GroundVertex* ground = model_.ground_at(corner)) {
-            const CohesiveLaw& law = model_.laws[ground->law];
-            return {.friction = law.friction, .restitution = law.restitution};
-        }
+        if (const GroundVertex* ground = model_.ground_at(corner)) return of_interface(ground->law);
+    if (contact.joint_law >= 0) return of_interface(contact.joint_law);
     const auto material = [&](Index corner) { return model_.mesh.region[model_.mesh.triangle_of(corner)]; };
     return model_.contact_of_pair[material(contact.vertex[1])][material(contact.edge[0])];
 }

@@ -236,6 +236,64 @@ TEST_CASE("contact with the ground has the same bits with one thread and two and
     CHECK(same_bits(one, resumed));
 }
 
+/// A block glued to the ground: a pulse of 0.1 s that accelerates it breaks the bond, and damping stops what comes back.
+Run glued_block(const Vec2& size, const Vec2& pulse, const Box& pulled, double beyond) {
+    Bodies bodies;
+    bodies.add(bar_mesh(4, 4, size.x(), size.y()), {0, 0});
+    ModelInput input = on_ground(bodies, {}, floor(0, size.x(), beyond));
+    input.laws[1] = {.sigma_c = 8e3, .G_c = 4, .friction = 0.6};
+    input.supports[0].glued = true;
+    input.loads.push_back({.kind = Load::Kind::acceleration,
+                           .on = {.boundary = "", .box = pulled},
+                           .value = {pulse.x(), pulse.y()},
+                           .history = {.time = {0, 0.1, 0.1 + 1e-9}, .value = {1, 1, 0}}});
+    return Run(std::move(input), {.damping = 8});
+}
+
+TEST_CASE("a glued block that is torn off comes back to the ground that held it") {
+    const Vec2 size(0.4, 0.2);
+    struct Pulse {
+        std::string name;
+        Vec2 pulse;
+        Box pulled;
+        double beyond, height;  // [m] height at rest
+    };
+    const Box all{{-1, -1}, {1, 1}}, right{{0.25, -1}, {1, 1}};
+    for (const auto& [name, pulse, pulled, beyond, height] : {Pulse{"up and down", {0, 40}, all, 0, 0.2},
+                                                              {"up and aside", {15, 40}, all, 1, 0.2},
+                                                              {"along", {40, 0}, all, 1, 0.2},
+                                                              {"at one side", {0, 80}, right, 2, 0.4}}) {
+        CAPTURE(name);
+        Run run = glued_block(size, pulse, pulled, beyond);
+        const double h = 0.5 * run.stepper.stable_step();
+        double highest = 0;
+        while (run.now.time < 5) {
+            run.step(h);
+            REQUIRE(run.last.rejection == Rejection::none);
+            highest = std::max(highest, lowest(run));
+        }
+        double weight = 0, along = 0;
+        for (const FaceContactState& contact : run.now.face_contacts) {
+            weight += contact.contact / h, along += contact.tangential / h;
+            CHECK((run.model.ground_at(contact.edge) != nullptr) != (run.model.ground_at(contact.vertex) != nullptr));
+        }
+        const Vec2 at = centre(run, 0);
+        MESSAGE(name << ": centre " << at.transpose() << " lowest " << lowest(run) << " was " << highest << " deepest "
+                     << run.ledger.worst().contact_depth << " kinetic "
+                     << run.ledger.row().kinetic / run.ledger.largest_energy() << " weight "
+                     << weight / (g * mass_of(run)) << " along " << along / (g * mass_of(run)) << " dissipated "
+                     << run.ledger.row().dissipated << " law lag " << run.ledger.row().law_lag);
+        CHECK(std::ranges::count(run.now.retired, 1) == 8);
+        CHECK(run.ledger.row().dissipated == doctest::Approx(4 * size.x()).epsilon(1e-12));  // G_c of every point
+        CHECK(lowest(run) > -1e-3 * 0.1);
+        CHECK(at.y() / (0.5 * height) == doctest::Approx(1).epsilon(5e-4));  // on another side if it turned over
+        CHECK(weight == doctest::Approx(g * mass_of(run)).epsilon(1e-5));
+        CHECK(run.ledger.row().kinetic < 1e-12 * run.ledger.largest_energy());
+        CHECK(run.ledger.worst().contact_depth < 1e-2);
+        check_laws(run);
+    }
+}
+
 TEST_CASE("a support that goes on beyond its end must not run into the body") {
     Bodies bodies;
     bodies.add(bar_mesh(1, 1, 1, 1), {0, 0});
