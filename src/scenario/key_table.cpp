@@ -388,8 +388,8 @@ void add_keys_of_loads(KeyTable& t) {
     add_history(t, "rise time: the factor of prescribed motion and force grows linearly from 0 to 1 and stays 1");
 
     t.table("contact", "contact between all free faces of all bodies and fragments, without a penalty; without this "
-        "table faces that are no neighbours pass through each other. Two faces of joints with one law keep its friction "
-        "and restitution, whatever is given here. It needs domain.rotation = \"large\" and "
+        "table faces that are no neighbours pass through each other. Two faces of joints with one law keep its "
+        "friction and restitution, whatever is given here. It needs domain.rotation = \"large\" and "
         "cohesion = \"explicit\"");
     t.number("friction", "", "Coulomb friction coefficient of all pairs of materials")
         .at_least(0).computed("that of the interface law between the two materials").to(&ContactLaw::friction);
