@@ -120,6 +120,20 @@ TEST_CASE("adaptation: a crack runs through the plate in triangles that are smal
     CHECK(n_before == 3 * record["triangles"].get<std::size_t>());
 }
 
+TEST_CASE("adaptation: a crack that runs into a coarse crack says that its triangles stay large") {
+    const Folder folder("adaptation coarse crack");
+    // the second crack is fine at its ends only, and triangles beside its faces may not change
+    write(folder, scene("", "[[domain.crack]]\npoints = [[\"16 mm\", \"1.5 mm\"], [\"16 mm\", \"10.5 mm\"]]\n"));
+    const Answer answer = run(folder, "-j 1 -o " + folder.in_shell("run"));
+    REQUIRE(answer.code == 0);
+    const auto record = record_of(folder.path / "run");
+    CHECK(record["adaptation"]["coarse_breaks"] > 0);
+    CHECK(record["summary"]["energy_residual"] < 1e-13);
+    const std::string log = text_of(folder.path / "run/log.txt");
+    CHECK(log.find("comes apart although") != std::string::npos);
+    CHECK(log.find("comes apart although") == log.rfind("comes apart although"));
+}
+
 TEST_CASE("adaptation: a mesh that may not grow and one that should be fine everywhere say so") {
     const Folder folder("adaptation limits");
     write(folder, scene("limit = 3000\n"));

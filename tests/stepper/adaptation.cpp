@@ -110,6 +110,37 @@ TEST_CASE("adaptation: a rigid rotation stays one") {
     CHECK(next->angular_momentum_change > -0.02 * 40 * inertia);
 }
 
+TEST_CASE("adaptation: a load on an edge that is divided stays and so do materials") {
+    ModelInput input = plate();
+    input.materials = {glass, {.density = 5000, .E = 200e9, .nu = 0.3}};
+    input.law_of_pair = {{0, 0}, {0, 0}};
+    Shape shape;
+    shape.outer = {{{0, 0}, {0.03, 0}, {0.03, 0.02}, {0, 0.02}}, {0, 0, 0, 0}};
+    shape.boundary_names = {"border"};
+    shape.regions = {{.points = {{0, 0.01}, {0.03, 0.01}, {0.03, 0.02}, {0, 0.02}}, .tag = 1}};
+    input.loads = {{.on = {.boundary = "border"}, .value = {0.0, 3e6}}};
+    input.mesh = triangulate(shape, {.size = coarse, .seed = 1});
+    const Model model = make_model(input);
+    const auto zero = [](const Vec2&) -> Vec2 { return Vec2::Zero(); };
+    const State state = state_of(model, 1e-8, zero, zero);
+    const auto next = adapt(model, state, options(model), wanted_at(model.mesh, {0.015, 0.02}), input, 1);
+    REQUIRE(next);
+    REQUIRE(next->model.corner_loads.size() > model.corner_loads.size());
+    const auto force = [](const Model& m) {
+        Vec2 sum = Vec2::Zero();
+        for (const CornerLoad& l : m.corner_loads) sum += l.force;
+        return sum;
+    };
+    CHECK((force(next->model) - force(model)).norm() <= 1e-13 * force(model).norm());
+    const auto mass = [](const Model& m, Index region) {
+        double sum = 0;
+        for (Index t = 0; t < m.mesh.n_triangles(); ++t)
+            if (m.mesh.region[t] == region) sum += m.triangle_mass(t);
+        return sum;
+    };
+    for (Index region : {0, 1}) CHECK(mass(next->model, region) == relative(mass(model, region), 1e-12));
+}
+
 TEST_CASE("adaptation: momentum stays and the energy does not grow for any field") {
     Random random(5, "fields");
     for (int i = 0; i < 20; ++i) {

@@ -47,9 +47,10 @@ void Adaptation::repeat(Model& model) const {
 }
 
 /// A vertex that is still coarse may split in this step, and those allowed before in it; after many looks all may.
-void Adaptation::allow(const Vec2& place, Model& model) {
+void Adaptation::allow(const Vec2& place, double time, Model& model) {
     allowed_.push_back(place);
     std::vector<std::uint8_t>& coarse = model.too_coarse;
+    const std::int64_t n_before = counts_.coarse_breaks;
     if (allowed_.size() > max_looks) coarse.clear(), ++counts_.coarse_breaks;
     for (std::size_t f = 0; f < coarse.size(); ++f) {
         if (!coarse[f]) continue;
@@ -58,6 +59,13 @@ void Adaptation::allow(const Vec2& place, Model& model) {
         coarse[f] = 0;
         counts_.coarse_breaks += at + 1 == allowed_.end();  // the others were counted
     }
+    if (n_before == 0 && counts_.coarse_breaks > 0)
+        warning_ = formatted(
+            "warning[adapt]: at t = %.6g s the vertex at (%.6g, %.6g) m comes apart although its triangles are too "
+            "large: at the faces of cracks, and where parts of them would need a smaller step, they stay as they are. "
+            "It is the first one; adaptation.coarse_breaks in run.json is their number. [[mesh.refine]] makes a region "
+            "fine from the start\n",
+            time, place.x(), place.y());
 }
 
 std::optional<AdaptedModel> Adaptation::look(Model& model, const State& now, const std::optional<Vec2>& also) {
@@ -101,7 +109,7 @@ std::optional<AdaptedModel> Adaptation::look(Model& model, const State& now, con
         mesh_ = refined->model.mesh;
     }
     Model& present = refined ? refined->model : model;
-    if (also) allow(*also, present);
+    if (also) allow(*also, now.time, present);
     counts_.cpu += watch.cpu();
     return refined;
 }

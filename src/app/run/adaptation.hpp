@@ -25,7 +25,7 @@ public:
     void repeat(Model& model) const;
 
     const AdaptationCounts& counts() const { return counts_; }
-    /// A line that says why the mesh changes no more; empty, and from the second time on.
+    /// A line that says why the mesh changes no more, or that a vertex came apart in large triangles; once each.
     std::string take_warning() { return std::exchange(warning_, {}); }
 
     void serialize(auto& archive) {
@@ -34,7 +34,7 @@ public:
     }
 
 private:
-    void allow(const Vec2& place, Model& model);
+    void allow(const Vec2& place, double time, Model& model);
 
     AdaptOptions options_;
     ModelInput input_;
