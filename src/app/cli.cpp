@@ -186,7 +186,12 @@ private:
 
     void add_render() {
         CLI::App* command = add("render", "draw figures of a finished run", [this] {
-            if (figure_.file.empty()) figure_.file = figure_.show + ".png";
+            const CLI::App* const command = app.get_subcommand("render");
+            const bool animates = animate_ || figure_.is_animation();
+            if (animates && figure_.show.empty()) figure_.show = "cracks";
+            if (figure_.file.empty()) figure_.file = figure_.show + (animates ? ".webp" : ".png");
+            if (animates && command->count("--width") == 0) figure_.width = animation_width;
+            if (!every_.empty()) figure_.every = quantity(every_, "s");
             for (const std::string& text : at_) figure_.at.push_back(quantity(text, "s"));
             for (const std::string& text : range_)
                 figure_.range.push_back(quantity(text, unit_of_figure(figure_.show, figure_.colour)));
@@ -197,7 +202,8 @@ private:
         command->add_option("run", directory_, "run directory")->required();
         command->add_option("--show", figure_.show, "subject; without it the figures of the scenario")
             ->check(CLI::IsMember(figure_subjects()));
-        command->add_option("--file", figure_.file, "name of the picture: .png, .svg or .pdf");
+        command->add_option("--file", figure_.file,
+                            "name of the picture: .png, .svg, .pdf, of an animation .webp, .gif, .mp4");
         command->add_option("--at", at_, "times, as in 40us");
         command->add_option("--colour", figure_.colour, "of cracks")->check(CLI::IsMember(figure_colours()));
         command->add_option("--over", figure_.over, "abscissa of reactions or probes")
@@ -207,6 +213,14 @@ private:
         command->add_option("--range", range_, "colour range, two values with units")->expected(2);
         command->add_option("--mark", figure_.mark, "isolines of a temperature, or places of an abscissa");
         command->add_option("--box", box_, "part of the body: xmin ymin xmax ymax")->expected(4);
+        command->add_flag("--animate", animate_, "an animation of the frames: .webp, with ffmpeg also .gif and .mp4");
+        command->add_option("--every", every_, "simulated time between its pictures, as in 2us; default all frames");
+        command
+            ->add_option("--speed", figure_.speed,
+                         "simulated time over its time: 1e-5 shows 10 us in a second; default all in 8 s")
+            ->check(CLI::PositiveNumber);
+        command->add_option("--curves", figure_.curves, "curves that grow below the body")
+            ->check(CLI::IsMember(growing_subjects()));
         command->add_option("--width", figure_.width, "pixels")->check(CLI::Range(200, 20000));
         command->add_option("-o,--output", output_, "directory for the pictures; default <run>/rendered")
             ->type_name(path);
@@ -268,12 +282,12 @@ private:
         command->add_option("--csv", bench_.csv, "write the measurements to this file")->type_name(path);
     }
 
-    std::string scenario_, until_, dump_lcp_, refine_, levels_, schemes_, reference_, seeds_, name_, solver_;
+    std::string scenario_, until_, dump_lcp_, refine_, levels_, schemes_, reference_, seeds_, name_, solver_, every_;
     std::vector<std::string> overrides_, quantities_, at_, box_, range_;
     std::filesystem::path output_, directory_;
     std::vector<std::filesystem::path> runs_, problems_;
     bool force_ = false, full_ = false, strict_ = false, time_ = false, json_ = false, csv_ = false, markdown_ = false,
-         outputs_ = false;
+         outputs_ = false, animate_ = false;
     int n_seeds_ = 0;
     RunOptions run_;
     BatchOptions study_, sweep_;

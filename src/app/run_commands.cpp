@@ -29,6 +29,15 @@ std::vector<std::size_t> frames_for(const FigureOptions& figure, const FinishedR
                         "`" + run.directory.string() + "` has no field frames, so no `" + figure.show + "`",
                         "run with output.fields = true");
     std::vector<std::size_t> frames;
+    if (figure.is_animation()) {
+        double next = times.front();
+        for (std::size_t k = 0; k < times.size(); ++k) {
+            if (times[k] < next * (1 - 1e-6) && k + 1 < times.size()) continue;
+            frames.push_back(k);
+            next = figure.every > 0 ? figure.every * (std::floor(times[k] / figure.every * (1 + 1e-6)) + 1) : times[k];
+        }
+        return frames;
+    }
     for (const double time : figure.at.empty() ? std::vector{times.back()} : figure.at) {
         const double slack = 1e-6 * times.back();
         if (!(time >= times.front() - slack && time <= times.back() + slack))

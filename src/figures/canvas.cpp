@@ -104,7 +104,7 @@ cairo_status_t append(void* bytes, const unsigned char* data, unsigned int n) {
 cairo_surface_t* make_surface(const std::filesystem::path& file, double height, double scale, std::string& bytes) {
     if (file.extension() == ".svg") return cairo_svg_surface_create_for_stream(append, &bytes, page_width, height);
     if (file.extension() == ".pdf") return cairo_pdf_surface_create_for_stream(append, &bytes, page_width, height);
-    if (file.extension() != ".png")
+    if (!file.empty() && file.extension() != ".png")
         throw UserError("figure-file", "figures cannot be written as `" + file.filename().string() + "`",
                         "known endings: .png, .svg, .pdf");
     return cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::lround(page_width * scale)),
@@ -160,7 +160,7 @@ Canvas::Canvas(std::filesystem::path file, double height, int pixels)
       pixels_per_unit_(pixels / page_width),
       surface_(make_surface(file_, height, pixels_per_unit_, bytes_)),
       cairo_(cairo_create(surface_)) {
-    if (file_.extension() == ".png") cairo_scale(cairo_, pixels_per_unit_, pixels_per_unit_);
+    if (has_pixels()) cairo_scale(cairo_, pixels_per_unit_, pixels_per_unit_);
     cairo_translate(cairo_, 0, height);
     cairo_scale(cairo_, 1, -1);
     if (file_.extension() == ".svg") cairo_svg_surface_set_document_unit(surface_, CAIRO_SVG_UNIT_PT);
@@ -311,12 +311,14 @@ void Canvas::text(const Vec2& at, const std::string& text, const TextStyle& styl
 DrawnFigure Canvas::finish() {
     cairo_show_page(cairo_);
     cairo_status_t status = cairo_status(cairo_);
-    if (status == CAIRO_STATUS_SUCCESS && file_.extension() == ".png")
+    if (status == CAIRO_STATUS_SUCCESS && !file_.empty() && has_pixels())
         status = cairo_surface_write_to_png_stream(surface_, append, &bytes_);
-    cairo_surface_finish(surface_);
+    if (!file_.empty()) cairo_surface_finish(surface_);
     if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface_);
     if (status != CAIRO_STATUS_SUCCESS)
         throw OutputError("cannot write " + file_.string() + ": " + cairo_status_to_string(status));
+    if (file_.empty())
+        return {"", height_, std::move(texts_), Image(cairo_surface_reference(surface_), cairo_surface_destroy)};
     write_whole_file(file_, bytes_);
     return {file_, height_, std::move(texts_)};
 }

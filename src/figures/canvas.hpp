@@ -1,8 +1,8 @@
 #pragma once
 // A page to draw on with Cairo; no display is needed. The page is `page_width` units wide, x to the right, y upwards,
-// and is written as PNG, SVG or PDF according to the ending of the file. Units do not depend on the resolution; in
-// vector files a unit is a point. Texts may have subscripts: "c_{R}". Every text is recorded with the box of its ink,
-// so that tests find texts that overlap or leave the page.
+// and is written as PNG, SVG or PDF according to the ending of the file, or kept in memory where there is no file.
+// Units do not depend on the resolution; in vector files a unit is a point. Texts may have subscripts: "c_{R}". Every
+// text is recorded with the box of its ink, so that tests find texts that overlap or leave the page.
 #include "base/vec.hpp"
 
 #include <filesystem>
@@ -69,16 +69,18 @@ struct DrawnText {
     Area box;  // of the ink
 };
 
-/// A figure that has been written, for tests.
+/// A figure that has been drawn; its height and texts are for tests.
 struct DrawnFigure {
     std::filesystem::path file;
     double height = 0;  // [unit] of the page
     std::vector<DrawnText> texts;
+    Image image{nullptr, nullptr};  // of a page without a file
 };
 
 class Canvas {
 public:
-    /// `height` [unit]; `pixels`: width of a PNG. Throws UserError for an ending other than .png, .svg and .pdf.
+    /// `height` [unit]; `pixels`: width of a PNG or of an image in memory, for which `file` is empty. Throws UserError
+    /// for an ending other than .png, .svg and .pdf.
     Canvas(std::filesystem::path file, double height, int pixels);
     ~Canvas();
     Canvas(const Canvas&) = delete;
@@ -108,6 +110,8 @@ public:
     DrawnFigure finish();
 
 private:
+    bool has_pixels() const { return file_.empty() || file_.extension() == ".png"; }
+
     std::filesystem::path file_;
     std::string bytes_;  // of the file
     double height_, pixels_per_unit_;

@@ -130,10 +130,15 @@ DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, in
             canvas.line({{at, plot.area.bottom}, {at, plot.area.top()}}, ink, 0.8, {5, 3});
     for (const Curve& curve : chart.curves) {
         std::vector<Vec2>& line = lines.emplace_back();
-        for (std::size_t i = 0; i < curve.x.size(); ++i)
+        std::size_t n_drawn = 0;
+        for (std::size_t i = 0; i < curve.x.size(); ++i) {
+            if (i == place.n_points) n_drawn = line.size();
             if (const Vec2 at = plot.on_page({curve.x[i], curve.y[i]}); at.allFinite())
                 line.push_back(at.cwiseMax(-1e5).cwiseMin(1e5));  // coordinates of Cairo are limited
-        canvas.line(line, curve.colour, curve.width, line_pattern(curve.dash, curve.width));
+        }
+        if (place.n_points >= curve.x.size()) n_drawn = line.size();
+        canvas.line({line.begin(), line.begin() + static_cast<std::ptrdiff_t>(n_drawn)}, curve.colour, curve.width,
+                    line_pattern(curve.dash, curve.width));
     }
     canvas.unclip();
     for (const Curve& curve : chart.curves) draw_points(canvas, plot, curve);

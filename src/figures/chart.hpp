@@ -3,6 +3,8 @@
 #include "figures/legend.hpp"
 #include "mesh/polygon.hpp"
 
+#include <limits>
+
 namespace knap {
 
 struct Curve {
@@ -39,6 +41,8 @@ Box axis_ranges(const Chart& chart);
 struct ChartPlace {
     std::optional<Box> axes;  // the axes span this range at least
     bool panel = false;       // one of several in a sheet: larger type, no title, no legend
+    // of an animation: number of points of each curve that are drawn, of those that have more than one
+    std::size_t n_points = std::numeric_limits<std::size_t>::max();
 };
 
 /// One entry per curve; none for a single curve.

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "figures/animation.hpp"
 #include "figures/body_figures.hpp"
 #include "figures/curve_figures.hpp"
 
@@ -23,28 +24,31 @@ struct CurveKind {
     Chart (*chart)(const Source&);        // null: the rose
     History Histories::*table = nullptr;  // null: every run has it
     const char* origin = "";              // of the table
+    bool grows = false;                   // a point for every line of the histories
 };
 
 constexpr const char* origin_of_probes = "probes.csv is written where the scenario has a [[probe]]";
 constexpr const char* origin_of_breaks = "breaks.csv is written with output.breaks = true";
 
 const CurveKind curve_kinds[] = {
-    {"energy", [](const Source& s) { return energy_chart(s.histories.energy); }},
-    {"crack_length", [](const Source& s) { return crack_length_chart(s.histories.cracks); }},
-    {"crack_speed", [](const Source& s) { return crack_speed_chart(s.histories.cracks, s.context.rayleigh_speed); }},
+    {"energy", [](const Source& s) { return energy_chart(s.histories.energy); }, &Histories::energy, "", true},
+    {"crack_length", [](const Source& s) { return crack_length_chart(s.histories.cracks); }, &Histories::cracks, "",
+     true},
+    {"crack_speed", [](const Source& s) { return crack_speed_chart(s.histories.cracks, s.context.rayleigh_speed); },
+     &Histories::cracks, "", true},
     {"reactions", [](const Source& s) { return reaction_chart(s.histories.reactions, s.options.over == "time"); },
-     &Histories::reactions, "reactions.csv is written where a load prescribes a motion or there is an obstacle"},
+     &Histories::reactions, "reactions.csv is written where a load prescribes a motion or there is an obstacle", true},
     {"probes",
      [](const Source& s) {
          return probe_chart(s.histories.probes, s.options.over == "temperature", s.context.celsius);
      },
-     &Histories::probes, origin_of_probes},
+     &Histories::probes, origin_of_probes, true},
     {"probe_velocities", [](const Source& s) { return probe_velocity_chart(s.histories.probes); }, &Histories::probes,
-     origin_of_probes},
+     origin_of_probes, true},
     {"probe_stresses", [](const Source& s) { return probe_stress_chart(s.histories.probes); }, &Histories::probes,
-     origin_of_probes},
+     origin_of_probes, true},
     {"stress_strain", [](const Source& s) { return stress_strain_chart(s.histories.stress_strain); },
-     &Histories::stress_strain, "stress_strain.csv is written where the scenario has a [specimen]"},
+     &Histories::stress_strain, "stress_strain.csv is written where the scenario has a [specimen]", true},
     {"breaks",
      [](const Source& s) {
          const std::vector<double> time = s.histories.energy.column("time");
@@ -66,7 +70,7 @@ const CurveKind* curve_kind(const std::string& show) {
 const char* missing_table(const std::string& show, const std::string& colour, const Histories& histories) {
     if (needs_breaks(show, colour)) return histories.breaks.columns.empty() ? origin_of_breaks : nullptr;
     const CurveKind* kind = curve_kind(show);
-    return kind && kind->table && (histories.*kind->table).columns.empty() ? kind->origin : nullptr;
+    return kind && *kind->origin && (histories.*kind->table).columns.empty() ? kind->origin : nullptr;
 }
 
 void check(const FigureOptions& options) {
@@ -106,6 +110,14 @@ std::filesystem::path file_name(const FigureOptions& options, double time) {
 
 void check_figure(const FigureOptions& options, const Histories& histories) {
     check(options);
+    if (!options.curves.empty()) {
+        FigureOptions below = options;
+        below.show = options.curves, below.curves.clear(), below.mark.clear();
+        if (std::ranges::count(growing_subjects(), options.curves) == 0)
+            throw UserError("figure-curves", "`" + options.curves + "` does not grow with the time of an animation",
+                            "known: " + joined(growing_subjects()));
+        check_figure(below, histories);
+    }
     const char* reason = missing_table(options.show, options.colour, histories);
     const auto lacks = [&](const char* ending) {
         return std::ranges::none_of(histories.probes.columns, [&](const auto& c) { return c.ends_with(ending); });
@@ -143,6 +155,15 @@ std::vector<std::string> figure_colours() {
 
 std::vector<std::string> figure_abscissas() { return {"displacement", "time", "temperature"}; }
 
+std::vector<std::string> growing_subjects() {
+    std::vector<std::string> names;
+    for (const CurveKind& kind : curve_kinds)
+        if (kind.grows) names.emplace_back(kind.show);
+    return names;
+}
+
+bool FigureOptions::is_animation() const { return knap::is_animation(file); }
+
 bool shows_body(const std::string& subject) {
     return subject == "cracks" || subject == "materials" ||
            std::ranges::count(body_fields(), subject, &BodyField::name) > 0;
@@ -173,7 +194,7 @@ std::string magnification(const FigureOptions& options, bool obstacles) {
 }
 
 bool waits_for_the_end(const FigureOptions& options) {
-    return shows_body(options.show) && (options.at.size() > 1 || options.panel);
+    return shows_body(options.show) && (options.at.size() > 1 || options.panel || options.is_animation());
 }
 
 FigureScale joined(const FigureScale& a, const FigureScale& b) {
@@ -214,6 +235,20 @@ DrawnFigure draw_figure(const FigureOptions& options, const Frame& frame, const 
     ChartPlace place{.axes = {}, .panel = options.panel};
     if (common) place.axes = common->seen;
     return draw_chart(chart, directory / options.file, options.width, place);
+}
+
+DrawnFigure draw_picture(const FigureOptions& options, const Frame& frame, const Histories& histories,
+                         const FigureContext& context, const FigureScale& common) {
+    check_figure(options, histories);
+    DrawnFigure drawn = draw_body(options, frame, histories.breaks, context, "", common);
+    if (options.curves.empty()) return drawn;
+    const CurveKind& kind = *curve_kind(options.curves);
+    const std::vector<double> times = (histories.*kind.table).column("time");
+    const auto n = std::ranges::upper_bound(times, frame.time * (1 + 1e-9)) - times.begin();
+    const DrawnFigure below = draw_chart(kind.chart({histories, options, context}), "", options.width,
+                                         {.n_points = static_cast<std::size_t>(n)});
+    drawn.image = stacked(drawn.image, below.image);
+    return drawn;
 }
 
 }  // namespace knap

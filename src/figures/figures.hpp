@@ -14,9 +14,11 @@ namespace knap {
 struct DrawnFigure;  // figures/canvas.hpp
 struct Legend;       // figures/legend.hpp
 
+inline constexpr int animation_width = 800;  // [pixel] unless it is given
+
 /// [[figure]] of a scenario.
 struct FigureOptions {
-    std::string file;                   // "cracks.png"; .png, .svg or .pdf
+    std::string file;                   // "cracks.png"; .png, .svg, .pdf; .webp, .gif, .mp4: an animation
     std::string show = "cracks";        // one of figure_subjects()
     std::vector<double> at;             // [s] empty = at the end; several: each picture has its time in its name
     std::string colour = "opening";     // cracks: one of figure_colours()
@@ -29,6 +31,11 @@ struct FigureOptions {
     std::vector<double> mark;           // [SI] isolines of a temperature; of curves places of the abscissa
     double aspect = 1;                  // [-] a slender body: magnification of its short side relative to the long one
     bool panel = false;                 // one of several in a sheet: no title, no legend, and no axes of a body
+    double every = 0;                   // [s] of an animation, between two pictures; `at` then has all of its times
+    double speed = 0;                   // [-] of an animation: simulated time over its own; 0: it takes 8 s
+    std::string curves;                 // of an animation: one of growing_subjects(), below the body; empty = none
+
+    bool is_animation() const;
 };
 
 /// What a figure needs of a run besides its frames and histories.
@@ -41,6 +48,8 @@ struct FigureContext {
 
 /// The words allowed for FigureOptions::show, colour and over.
 std::vector<std::string> figure_subjects(), figure_colours(), figure_abscissas();
+/// Curves with a point for every line of the histories, for FigureOptions::curves.
+std::vector<std::string> growing_subjects();
 /// Whether a subject is drawn from a frame, once for each time in `at`.
 bool shows_body(const std::string& subject);
 /// Whether FigureOptions::mark has a meaning.
@@ -78,6 +87,10 @@ Legend panel_legend(const FigureOptions& options, const Frame& frame, const Hist
 DrawnFigure draw_figure(const FigureOptions& options, const Frame& frame, const Histories& histories,
                         const FigureContext& context, const std::filesystem::path& directory,
                         const FigureScale* common = nullptr);
+
+/// The same in memory, without a file; of an animation with its curves up to the time of the frame.
+DrawnFigure draw_picture(const FigureOptions& options, const Frame& frame, const Histories& histories,
+                         const FigureContext& context, const FigureScale& common);
 
 /// Throws UserError, with what can be drawn, where these histories are not enough for a figure.
 void check_figure(const FigureOptions& options, const Histories& histories);

@@ -21,7 +21,8 @@ FinishedRun read_finished_run(const std::filesystem::path& run);
 FigureScale scale_of(const FigureOptions& options, const std::filesystem::path& run,
                      const std::vector<std::size_t>& frames, const Histories& histories, const FigureContext& context);
 
-/// Draws a figure at several frames with their common scale into `directory` and returns the files.
+/// Draws a figure at several frames with their common scale into `directory` and returns the files: of an animation
+/// one, with the frames as its pictures; none without frames.
 std::vector<std::filesystem::path> draw_sequence(const FigureOptions& options, const std::filesystem::path& run,
                                                  const std::vector<std::size_t>& frames, const Histories& histories,
                                                  const FigureContext& context, const std::filesystem::path& directory);

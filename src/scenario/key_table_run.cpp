@@ -103,8 +103,15 @@ void add_keys_of_run(KeyTable& t) {
     t.text("name", "prefix of its columns").a_name().computed("probe1, probe2, ...").to(&ProbeOptions::name);
 
     t.list("figure[]", "a picture drawn by the run");
-    t.text("file", "file name that ends in .png, .svg or .pdf; the time is added if there are several")
+    t.text("file", "file name that ends in .png, .svg or .pdf; the time is added if there are several. An animation of "
+        "the body ends in .webp, or where ffmpeg is installed in .gif or .mp4")
         .required().to(&FigureOptions::file);
+    t.number("every", "s", "simulated time between two pictures of an animation").above(0).computed("output.every")
+        .to(&FigureOptions::every);
+    t.number("speed", "", "simulated time over time of the animation: 1e-5 shows 10 us in a second").above(0)
+        .computed("all of it in 8 s").to(&FigureOptions::speed);
+    t.word("curves", growing_subjects(), "curves that grow below the body in an animation").computed("none")
+        .to(&FigureOptions::curves);
     t.word("show", figure_subjects(), "subject: cracks, a field of the body, or curves over time")
         .otherwise("cracks").to(&FigureOptions::show);
     t.number("at", "s", "times of pictures of the body; several pictures share one colour range and are drawn at the "
@@ -123,7 +130,8 @@ void add_keys_of_run(KeyTable& t) {
         .to(&FigureOptions::range);
     t.number("mark", "*", "values that are marked: isolines of a temperature; of probes and reactions vertical lines "
         "at these places of the abscissa").one_or_list().computed("none").to(&FigureOptions::mark);
-    t.integer("width", "width in pixels").at_least(200).at_most(20000).otherwise("1600").to(&FigureOptions::width);
+    t.integer("width", "width in pixels").at_least(200).at_most(20000).computed("1600, of an animation 800")
+        .to(&FigureOptions::width);
     t.text("title", "title; empty: that of the scenario").otherwise("").to(&FigureOptions::title);
     t.flag("panel", "without title, legend and axes, as a panel of a contact sheet: knap sweep draws the panels of all "
         "runs with one colour range").otherwise("false").to(&FigureOptions::panel);

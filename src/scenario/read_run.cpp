@@ -110,17 +110,47 @@ void check_subject(const Table& figure) {
         error("no probe watches a stress", "add a [[probe]] with watch = \"stress\"");
 }
 
+/// Its times are those of the pictures.
+void read_animation(const Table& table, FigureOptions& figure) {
+    constexpr double max_pictures = 5000;
+    if (!shows_body(figure.show))
+        table.error("exclusive-keys", "file", "is an animation, which shows the body",
+                    "show = \"cracks\" with curves = \"" + figure.show + "\"");
+    if (table.given("at"))
+        table.error("exclusive-keys", "at", "belongs to pictures", "every = ... for the times of an animation");
+    if (figure.panel) table.error("exclusive-keys", "panel", "belongs to pictures", "another figure for the sheet");
+    const double end = table.scenario().time.end, n = end / figure.every;
+    if (!(end > 0 && figure.every > 0)) return;
+    if (n > max_pictures)
+        return table.error("out-of-range", "every",
+                           "asks for " + shortest(std::ceil(n)) + " pictures, " + shortest(max_pictures) + " at most",
+                           "a larger every");
+    figure.at.clear();
+    for (int k = 0; k <= static_cast<int>(n * (1 + 1e-9)); ++k) figure.at.push_back(k * figure.every);
+    if (figure.at.back() < end * (1 - 1e-9)) figure.at.push_back(end);
+}
+
 void read_figure(const Table& table, std::set<std::string>& files) {
     const double end = table.scenario().time.end;
-    if (end > 0) table.compute("at", Node::of_list({Node::of_number(end)}));
     FigureOptions figure;
+    figure.file = table.has("file") ? table.text("file") : "";
+    const bool animation = figure.is_animation();
+    if (end > 0 && !animation) table.compute("at", Node::of_list({Node::of_number(end)}));
+    if (animation) table.compute("every", Node::of_number(table.scenario().output.every));
+    table.compute("width", Node::of_integer(animation ? animation_width : figure.width));
     table.fill(figure);
     const std::string& file = figure.file;
     const std::string type = std::filesystem::path(file).extension().string();
     const bool is_plain_name = file.find_first_of("/\\") == std::string::npos && !file.starts_with('.');
-    if (table.has("file") && (!is_plain_name || (type != ".png" && type != ".svg" && type != ".pdf")))
+    if (table.has("file") && (!is_plain_name || (type != ".png" && type != ".svg" && type != ".pdf" && !animation)))
         table.error("bad-name", "file", "= \"" + file + "\" cannot be the file of a figure",
-                    "a plain name that ends in .png, .svg or .pdf; figures are written to the run directory");
+                    "a plain name that ends in .png, .svg or .pdf, of an animation in .webp, .gif or .mp4; figures are "
+                    "written to the run directory");
+    if (animation) read_animation(table, figure);
+    else if (table.has("file"))
+        for (const char* key : {"every", "speed", "curves"})
+            if (table.given(key))
+                table.error("exclusive-keys", key, "belongs to an animation", "a file that ends in .webp");
     if (table.has("file") && !files.insert(file).second)
         table.error("duplicate-name", "file", "= \"" + file + "\" is the file of another figure, too");
     std::ranges::sort(figure.at);

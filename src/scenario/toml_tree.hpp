@@ -62,6 +62,9 @@ struct Node {
 
     static Node of_text(std::string value) { return {.type = Type::text, .text = std::move(value)}; }
     static Node of_number(double value) { return {.type = Type::number, .number = value}; }
+    static Node of_integer(int value) {
+        return {.type = Type::integer, .number = static_cast<double>(value), .integer = value};
+    }
     static Node of_boolean(bool value) { return {.type = Type::boolean, .boolean = value}; }
     static Node of_list(std::vector<Node> items) { return {.type = Type::array, .children = std::move(items)}; }
 };

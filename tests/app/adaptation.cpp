@@ -50,7 +50,7 @@ void check_same(const fs::path& a, const fs::path& b) {
     int n = 0;
     for (const auto& file : fs::recursive_directory_iterator(a)) {
         const std::string ending = file.path().extension();
-        if (ending != ".csv" && ending != ".vtu") continue;
+        if (ending != ".csv" && ending != ".vtu" && ending != ".webp") continue;
         ++n;
         CHECK_MESSAGE(text_of(file.path()) == text_of(b / fs::relative(file.path(), a)), file.path().string());
     }
@@ -61,7 +61,7 @@ void check_same(const fs::path& a, const fs::path& b) {
 
 TEST_CASE("adaptation: the same bits for one and two and three threads and for a run in parts") {
     const Folder folder("adaptation bits");
-    write(folder, scene());
+    write(folder, scene("", "[[figure]]\nfile = \"crack.webp\"\nevery = \"1.5 us\"\ncurves = \"crack_length\"\n"));
     const Answer whole = run(folder, "-j 1 -o " + folder.in_shell("whole"));
     CAPTURE(whole.text);
     REQUIRE(whole.code == 0);

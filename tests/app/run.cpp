@@ -10,6 +10,16 @@
 
 using namespace program;
 
+namespace {
+
+std::ptrdiff_t count_of(const std::string& text, const std::string& word) {
+    std::ptrdiff_t n = 0;
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++n;
+    return n;
+}
+
+}  // namespace
+
 TEST_CASE("a run directory is complete") {
     const Folder folder("complete");
     const Answer run =
@@ -80,6 +90,21 @@ TEST_CASE("a run directory is complete") {
         CHECK(command("render " + folder.in_shell("run")).code == 0);
         CHECK(command("render " + folder.in_shell("run") + " --show nothing").code == 2);
         CHECK(command("render " + folder.in_shell("run") + " --show speed --at 20mm").has("a length"));
+    }
+    SUBCASE("it is animated, the same picture by picture each time") {
+        const std::string run = folder.in_shell("run"), file = "run/rendered/cracks.webp";
+        CHECK(command("render " + run + " --animate --curves crack_length").code == 0);
+        const std::string bytes = text_of(folder.path / file);
+        CHECK(bytes.substr(0, 4) == "RIFF");
+        CHECK(count_of(bytes, "ANMF") == 21);
+        CHECK(bytes.size() < 500'000);
+        CHECK(command("render " + run + " --animate --curves crack_length").code == 0);
+        CHECK(text_of(folder.path / file) == bytes);
+        CHECK(command("render " + run + " --animate --every 10us").code == 0);
+        CHECK(count_of(text_of(folder.path / file), "ANMF") == 5);
+        CHECK(command("render " + run + " --animate --curves rose").code == 2);
+        CHECK(command("render " + run + " --animate --every 20us --file a.mp4").has(
+            std::system("ffmpeg -version >/dev/null 2>&1") == 0 ? "a.mp4" : "no-ffmpeg"));
     }
     SUBCASE("info tells of it") {
         CHECK(command("info " + folder.in_shell("run")).has("edge_cracked_block"));

@@ -3,6 +3,7 @@
 #include "support/synthetic_run.hpp"
 
 #include "base/error.hpp"
+#include "figures/animation.hpp"
 #include "figures/contact_sheet.hpp"
 #include "figures/curve_figures.hpp"
 
@@ -315,4 +316,49 @@ TEST_CASE("figures: what cannot be drawn is refused") {
         CHECK_THROWS_AS(draw({.file = file, .width = 300}, pictures() / "missing"), SimulationError);
     for (const char* subject : {"cracks", "materials", "speed"}) CHECK(shows_body(subject));
     CHECK_FALSE(shows_body("energy"));
+}
+
+TEST_CASE("figures: the pictures of an animation have one page and its curves grow") {
+    FigureOptions options{.file = "crack.webp", .width = animation_width, .curves = "energy"};
+    const FigureContext context{.title = "Edge-cracked block in tension", .rayleigh_speed = 2125};
+    const Histories histories = synthetic::histories();
+    Frame frame = plate();
+    const FigureScale common = scale_of(options, frame, histories, context);
+    const double end = histories.energy.column("time").back();
+    const auto inked_below = [&](double time) {  // of the curves: coloured pixels in the lower part
+        frame.time = time;
+        const DrawnFigure drawn = draw_picture(options, frame, histories, context, common);
+        cairo_surface_t* const image = drawn.image.get();
+        REQUIRE(cairo_image_surface_get_width(image) == animation_width);
+        const int height = cairo_image_surface_get_height(image), top = height - 400;
+        REQUIRE(height > 600);
+        int n = 0;
+        for (int y = top; y < height; ++y)
+            for (int x = 0; x < 500; ++x) {  // not the legend
+                const auto* p = cairo_image_surface_get_data(image) + y * cairo_image_surface_get_stride(image) + 4 * x;
+                n += std::max({p[0], p[1], p[2]}) - std::min({p[0], p[1], p[2]}) > 60;
+            }
+        return n;
+    };
+    const int start = inked_below(0), middle = inked_below(0.5 * end), all = inked_below(end);
+    CHECK(start < middle);
+    CHECK(middle < all);
+    CHECK(draw_picture(options, frame, histories, context, common).texts.size() >= 8);
+
+    // .webp: as many pictures as were given, shown for their times
+    const auto picture = [&](std::size_t i) -> Still {
+        frame.time = static_cast<double>(i) * 0.25 * end;
+        return {draw_picture(options, frame, histories, context, common).image, 0.2};
+    };
+    const std::filesystem::path file = pictures() / "crack.webp";
+    write_animation(file, 5, picture);
+    std::ifstream in(file, std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(in), {});
+    std::vector<int> durations;  // [ms]: bytes 12 to 14 of a chunk ANMF after its head of 8
+    for (std::size_t at = bytes.find("ANMF"); at != bytes.npos; at = bytes.find("ANMF", at + 1))
+        durations.push_back(static_cast<unsigned char>(bytes[at + 20]) + 256 * static_cast<unsigned char>(bytes[at + 21]));
+    CHECK(durations == std::vector<int>(5, 200));
+    CHECK_THROWS_AS(write_animation(pictures() / "crack.avi", 5, picture), UserError);
+    options.curves = "fragments";
+    CHECK_THROWS_AS(draw_picture(options, frame, histories, context, common), UserError);
 }

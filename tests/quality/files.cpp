@@ -93,7 +93,7 @@ TEST_CASE("tools are executable and stop at the first error") {
 
 TEST_CASE("every third-party package has its page") {
     const File index = source_tree::read(source_tree::root() / "third_party_notes" / "README.md");
-    for (const char* name : {"eigen", "cgal", "vtk", "cli11", "tomlplusplus", "nlohmann_json", "doctest", "cairo", "openmp", "dejavu"}) {
+    for (const char* name : {"eigen", "cgal", "vtk", "cli11", "tomlplusplus", "nlohmann_json", "doctest", "cairo", "libwebp", "openmp", "dejavu"}) {
         const std::string page = std::string(name) + ".md";
         CAPTURE(page);
         CHECK(std::filesystem::exists(source_tree::root() / "third_party_notes" / page));

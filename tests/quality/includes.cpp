@@ -127,4 +127,5 @@ TEST_CASE("cereal and Boost are each behind one file in app") {
 TEST_CASE("VTK is in output only and cairo in figures only") {
     for (const std::string& user : users_of({"vtk"})) CHECK(user.starts_with("src/output/"));
     for (const std::string& user : users_of({"cairo"})) CHECK(user.starts_with("src/figures/"));
+    CHECK(users_of({"webp/"}) == std::set<std::string>{"src/figures/animation.cpp"});
 }

@@ -192,6 +192,11 @@ file = "b.pdf"
 show = "stress_xy"
 at = ["20 us", "40 us"]
 range = ["-1 MPa", "1 MPa"]
+[[figure]]
+file = "c.webp"
+every = "10 us"
+speed = 1e-5
+curves = "energy"
 [limits]
 penetration = "2 um"
 law_lag = 0.3
@@ -720,6 +725,9 @@ const Case cases[] = {
     {rectangle, "limits.rotation_work_part", "0.002"},
     {rectangle, "limits.slip", "\"none\""},
     {rectangle, "limits.overlap", "3e-06"},
+    {rectangle, "figure[2].every", "1e-05"},
+    {rectangle, "figure[2].speed", "1e-05"},
+    {rectangle, "figure[2].curves", "\"energy\""},
     {rectangle, "figure[0].over", "\"time\""},
     {rectangle, "figure[0].aspect", "5"},
     {rectangle, "figure[0].panel", "true"},
@@ -1032,6 +1040,8 @@ TEST_CASE("scenario: the structs hold the values of the file") {
     CHECK_FALSE(s.output.fields);
     CHECK(s.figures.at(1).at == std::vector<double>{20e-6, 40e-6});
     CHECK(s.figures.at(0).range == std::vector<double>{0, 1});
+    CHECK(s.figures.at(2).at.size() == 9);
+    CHECK(s.figures.at(2).width == animation_width);
     REQUIRE(s.expect.size() == 5);
     CHECK(s.expect[1].unit == "cR");
     CHECK(s.expect[1].below == 0.65);

@@ -4,6 +4,7 @@
 #include "app/run/setup.hpp"
 #include "base/formatted.hpp"
 #include "base/union_find.hpp"
+#include "figures/animation.hpp"
 #include "mesh/polygon.hpp"
 #include "model/contradictions.hpp"
 
@@ -174,6 +175,12 @@ StepPlan plan_of(const ReadResult& read, const Model& model, double until) {
 }
 
 void check_model(const ReadResult& read, const Model& model) {
+    for (std::size_t i = 0; i < read.scenario.figures.size(); ++i)
+        if (const FigureOptions& figure = read.scenario.figures[i]; figure.is_animation()) try {
+                check_animation(figure.file);  // not only at the end of a long run
+            } catch (const UserError& error) {
+                throw UserError({read.at(item("figure", i) + ".file", error.diagnostics.front())});
+            }
     if (read.scenario.specimen) try {
             Specimen(model, Reactions(model), *read.scenario.specimen);
         } catch (const UserError& error) {

@@ -1,0 +1,32 @@
+#pragma once
+// Animations: .webp by libwebp; .gif and .mp4 by the program ffmpeg, where it is installed. The same pictures give the
+// same bytes.
+#include "figures/canvas.hpp"
+
+#include <functional>
+
+namespace knap {
+
+/// By the ending of the file.
+bool is_animation(const std::filesystem::path& file);
+
+/// Throws UserError where this machine cannot write it.
+void check_animation(const std::filesystem::path& file);
+
+struct Still {
+    Image image{nullptr, nullptr};
+    double seconds = 0;  // for which it is shown
+};
+
+/// Writes `n` pictures, made one after the other. All have the width of the last one and are drawn on a page of its
+/// height, from the bottom up. Throws UserError as check_animation does, OutputError for a file that cannot be written.
+void write_animation(const std::filesystem::path& file, std::size_t n,
+                     const std::function<Still(std::size_t)>& picture);
+
+/// An image as .webp, which is smaller than a .png.
+std::string webp_of(const Image& image);
+
+/// One image above the other, on white. Both have the same width.
+Image stacked(const Image& above, const Image& below);
+
+}  // namespace knap
