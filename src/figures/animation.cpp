@@ -26,7 +26,7 @@ namespace {
 
 using std::filesystem::path;
 
-constexpr float quality = 80;  // of pictures with many colours; line drawings are stored without loss
+constexpr float quality = 80;  // of pictures with many colours
 constexpr int effort = 3;      // of 6: more takes longer and saves some percent
 constexpr int film_rate = 25;  // [1/s] pictures of .gif and .mp4
 constexpr const char* maker = "ffmpeg";
@@ -93,13 +93,15 @@ WebPConfig config() {
     return config;
 }
 
-std::string animated_webp(std::size_t n, const std::function<Still(std::size_t)>& still) {
+/// Drawings of lines are stored without loss, as what changes between two pictures. The pictures of a field are stored
+/// whole: the encoder leaves out changes that are smaller than its error, and they would add up.
+std::string animated_webp(std::size_t n, bool lines, const std::function<Still(std::size_t)>& still) {
     const auto fail = [](const char* why) { throw OutputError(std::string("cannot make a .webp: ") + why); };
     WebPAnimEncoderOptions options;
     WebPAnimEncoderOptionsInit(&options);
-    options.allow_mixed = 1;
-    options.kmin = 9, options.kmax = 17;
-    const WebPConfig each = config();
+    options.kmin = 0, options.kmax = lines ? 0 : 1;
+    WebPConfig each = config();
+    each.lossless = lines ? 1 : 0;
     std::unique_ptr<WebPAnimEncoder, void (*)(WebPAnimEncoder*)> encoder(nullptr, WebPAnimEncoderDelete);
     double time = 0;  // [ms]
     for (std::size_t i = 0; i < n; ++i) {
@@ -260,7 +262,7 @@ void check_animation(const path& file) {
             "a name that ends in .webp, which needs nothing; or install ffmpeg (Debian: apt install ffmpeg)");
 }
 
-void write_animation(const path& file, std::size_t n, const std::function<Still(std::size_t)>& picture) {
+void write_animation(const path& file, std::size_t n, const std::function<Still(std::size_t)>& picture, bool lines) {
     check_animation(file);
     const int height = height_of(picture(n - 1).image);
     const auto still = [&](std::size_t i) {
@@ -268,7 +270,7 @@ void write_animation(const path& file, std::size_t n, const std::function<Still(
         one.image = with_height(std::move(one.image), height);
         return one;
     };
-    if (file.extension() == ".webp") return write_whole_file(file, animated_webp(n, still));
+    if (file.extension() == ".webp") return write_whole_file(file, animated_webp(n, lines, still));
     write_whole_file(file, [&](const path& written) { make_film(file, written, n, still); });
 }
 

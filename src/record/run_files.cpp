@@ -23,10 +23,11 @@ std::vector<std::filesystem::path> animate(const FigureOptions& options, const s
     const double span = times.at(frames.back()) - times.at(frames.front()),
                  speed = options.speed > 0 ? options.speed : span / duration;
     const std::filesystem::path file = directory / options.file;
-    write_animation(file, frames.size(), [&](std::size_t i) -> Still {
+    const auto picture = [&](std::size_t i) -> Still {
         const double shown = i + 1 < frames.size() ? (times.at(frames[i + 1]) - times.at(frames[i])) / speed : rest;
         return {draw_picture(options, read_frame(run, frames[i]), histories, context, common).image, shown};
-    });
+    };
+    write_animation(file, frames.size(), picture, options.show == "cracks" || options.show == "materials");
     return {file};
 }
 
