@@ -58,7 +58,9 @@ const char* const path = "PATH";  // completion offers files for such values onl
 class CommandLine {
 public:
     CommandLine(int argc, char** argv)
-        : run_{.command = {argv, argv + argc}}, study_{.program = argv[0]}, sweep_{.program = argv[0]} {
+        : run_{.command = {argv, argv + argc}},
+          study_{.program = argv[0], .command = run_.command},
+          sweep_{.program = argv[0], .command = run_.command} {
         app.set_version_flag("--version", version_text);
         app.require_subcommand(1);
         app.fallthrough(false);

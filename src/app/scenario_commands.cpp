@@ -6,6 +6,7 @@
 #include "app/run/findings.hpp"
 #include "app/run/heat_scales.hpp"
 #include "app/run/law_table.hpp"
+#include "app/run/run_text.hpp"
 #include "app/run/setup.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
@@ -115,18 +116,9 @@ void print_methods(const Scenario& scenario, const Model& model) {
         breakable ? "yes" : "no (elastic)", breakable && shear ? "yes" : "no", friction ? "yes" : "no",
         restitution ? "with restitution" : "plastic", scenario.supports.empty() ? "no" : "yes",
         model.prescribed.empty() ? "no" : "yes");
-    const SchemeOptions& scheme = scenario.time.scheme;
-    const char* beta = scheme.cohesion == CohesionScheme::implicit_beta ? "implicit beta" : "explicit beta";
-    if (scheme.bulk == BulkScheme::implicit_theta)
-        std::printf(
-            "  scheme: implicit bulk (theta %g, %s mass%s), %s; all interfaces together: method of multipliers, sparse "
-            "factorisations\n",
-            scheme.theta, name_of(scheme.mass), scenario.time.start_in_equilibrium ? ", from equilibrium" : "", beta);
-    else
-        std::printf("  scheme: explicit lumped bulk, %s; one exact problem per vertex that may open%s\n", beta,
-                    scheme.damping > 0 ? "; mass-proportional damping" : "");
+    std::printf("  scheme: %s\n", scheme_text(scenario).c_str());
     if (scenario.time.rest.ends_run) std::printf("  ends at rest, at the latest at time.end\n");
-    print_absorbing(model, scheme);
+    print_absorbing(model, scenario.time.scheme);
 }
 
 void print_run(const Scenario& scenario, const Model& model, const StepPlan& plan, const Cost& cost,

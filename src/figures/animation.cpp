@@ -288,6 +288,22 @@ std::string webp_of(const Image& image) {
     return bytes;
 }
 
+std::string webp_of_png(const path& file, int width) {
+    const Image image(cairo_image_surface_create_from_png(file.string().c_str()), cairo_surface_destroy);
+    if (cairo_surface_status(image.get()) != CAIRO_STATUS_SUCCESS) throw OutputError("cannot read " + file.string());
+    const double scale = std::min(1., static_cast<double>(width) / width_of(image));
+    const Image smaller = blank(static_cast<int>(std::ceil(scale * width_of(image))),
+                                static_cast<int>(std::ceil(scale * height_of(image))));
+    cairo_t* cairo = cairo_create(smaller.get());
+    cairo_scale(cairo, scale, scale);
+    cairo_set_source_surface(cairo, image.get(), 0, 0);
+    cairo_pattern_set_filter(cairo_get_source(cairo), CAIRO_FILTER_GOOD);
+    cairo_paint(cairo);
+    cairo_destroy(cairo);
+    cairo_surface_flush(smaller.get());
+    return webp_of(smaller);
+}
+
 Image stacked(const Image& above, const Image& below) {
     Image page = blank(width_of(above), height_of(above) + height_of(below));
     place(above, page, 0);

@@ -27,6 +27,9 @@ void write_animation(const std::filesystem::path& file, std::size_t n,
 /// An image as .webp, which is smaller than a .png.
 std::string webp_of(const Image& image);
 
+/// A .png as .webp of this width [pixel] at most.
+std::string webp_of_png(const std::filesystem::path& file, int width);
+
 /// One image above the other, on white. Both have the same width.
 Image stacked(const Image& above, const Image& below);
 

@@ -63,6 +63,8 @@ void add_keys_of_run(KeyTable& t) {
     t.number("checkpoint_every", "s", "wall time between two checkpoints; the same command continues an interrupted "
         "run from its last checkpoint").at_least(0).otherwise("60").to(&OutputOptions::checkpoint_every);
     t.flag("fields", "write .vtu frames").otherwise("true").to(&OutputOptions::fields);
+    t.flag("report", "write report.html, a page with figures, frames, numbers and warnings; of studies and sweeps, too")
+        .otherwise("true").to(&OutputOptions::report);
     t.flag("breaks", "write breaks.csv, a line for every broken interface: time, place, direction, length, mode (part "
         "of sliding) and energy")
         .computed("true with a specimen or a figure that needs them").to(&OutputOptions::breaks);

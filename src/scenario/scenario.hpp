@@ -89,6 +89,7 @@ struct OutputOptions {
     double history_every = 0;      // [s] between lines of energy.csv and cracks.csv
     bool fields = true;            // write .vtu frames
     bool breaks = false;           // write breaks.csv
+    bool report = true;            // write report.html
     double checkpoint_every = 60;  // [s] of wall time between checkpoints
 };
 

@@ -106,6 +106,24 @@ TEST_CASE("a run directory is complete") {
         CHECK(command("render " + run + " --animate --every 20us --file a.mp4").has(
             std::system("ffmpeg -version >/dev/null 2>&1") == 0 ? "a.mp4" : "no-ffmpeg"));
     }
+    SUBCASE("its report holds all of it") {
+        const std::string report = text_of(folder.path / "run/report.html");
+        CHECK(report.size() > 200'000);
+        CHECK(report.size() < 3'000'000);
+        CHECK(report.find("Does a crack in a glass plate run, how fast, and does it branch,") != std::string::npos);
+        for (const char* words : {"E = 32 GPa", "Rayleigh 21", "energy_residual", "triangles of order 1", "J/m2",
+                                  "figures/cracks_20us.png", "@page { size: A4", "type=\"range\"", "run edge_cracked_block"})
+            CHECK_MESSAGE(count_of(report, words) > 0, words);
+        // nothing is fetched: every address is inside the page
+        CHECK(count_of(report, "src=\"") == count_of(report, "src=\"data:image/"));
+        CHECK(count_of(report, "href=") == 0);
+        const auto before = [&](const char* a, const char* b) { return report.find(a) < report.find(b); };
+        CHECK(before("<h2>Frames", "<h2>Figures"));
+        CHECK(before("<h2>Figures", "<h2>Results"));
+        CHECK(count_of(report, "data:image/webp;base64,") >= 4);
+        CHECK(command("run " + small_block() + "-s output.report=false -o " + folder.in_shell("plain")).code == 0);
+        CHECK_FALSE(fs::exists(folder.path / "plain/report.html"));
+    }
     SUBCASE("info tells of it") {
         CHECK(command("info " + folder.in_shell("run")).has("edge_cracked_block"));
         CHECK(command("info --json " + folder.in_shell("run")).has("\"summary\""));

@@ -2,6 +2,7 @@
 #include "program.hpp"
 
 #include "app/ensemble/ensemble.hpp"
+#include "app/run/report.hpp"
 #include "base/error.hpp"
 #include "output/history_csv.hpp"
 #include "support/relative.hpp"

@@ -166,6 +166,7 @@ every = "1 us"
 history_every = "0.1 us"
 checkpoint_every = "5 s"
 fields = false
+report = false
 breaks = true
 [[probe]]
 at = ["5 mm", "5 mm"]
@@ -692,6 +693,7 @@ const Case cases[] = {
     {rectangle, "output.history_every", "1e-07"},
     {rectangle, "output.checkpoint_every", "5"},
     {rectangle, "output.fields", "false"},
+    {rectangle, "output.report", "false"},
     {rectangle, "output.breaks", "true"},
     {tested, "specimen.test", "\"bending\""},
     {tested, "specimen.force", "\"load0\""},

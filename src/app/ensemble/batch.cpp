@@ -2,10 +2,13 @@
 #include "app/ensemble/ensemble.hpp"
 #include "app/run/checkpoint.hpp"
 #include "app/run/process.hpp"
+#include "app/run/report.hpp"
 #include "app/run/run_directory.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/whole_file.hpp"
+#include "record/html.hpp"
+#include "record/version.hpp"
 
 #include <fcntl.h>
 #include <sys/prctl.h>
@@ -175,15 +178,30 @@ bool do_runs(const std::string& scenario, const std::vector<const EnsembleRun*>&
     return !signals.interrupted();
 }
 
-}  // namespace
-
-std::string quoted_for_shell(const std::string& word) {
-    const auto plain = [](char c) { return is_plain(c) || std::strchr("+=,/:%@", c) != nullptr; };
-    if (!word.empty() && std::ranges::all_of(word, plain)) return word;
-    std::string quoted = "'";
-    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return quoted + "'";
+/// report.html, with the way to the reports of its runs.
+void write_report(const Ensemble& ensemble, const std::vector<fs::path>& figures, const std::string& overview,
+                  const Texts& command, const fs::path& directory) {
+    Texts troubles;
+    std::string runs;
+    for (const EnsembleRun& run : ensemble.runs) {
+        if (const std::string trouble = run.result.trouble(); !trouble.empty())
+            troubles.push_back(run.name + ": " + trouble);
+        const std::string name = html_text(run.name);
+        runs += "<li><a href=\"runs/" + name + "/report.html\">" + name + "</a> " + html_text(run.result.status) +
+                "</li>\n";
+    }
+    write_whole_file(
+        directory / "report.html",
+        html_page(
+            ensemble.title.empty() ? ensemble.name : ensemble.title, ensemble.question,
+            html_section("Warnings", html_list(troubles, "bad")) + html_section("Results", html_of_markdown(overview)) +
+                html_section("Figures", html_figures(figures)) + html_section("Runs", "<ul>\n" + runs + "</ul>\n") +
+                html_section("How to repeat it",
+                             html_table({}, {{"command", command_line(command)},
+                                             {"program", "knap " + version() + " (" + git_hash() + ")"}}))));
 }
+
+}  // namespace
 
 ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const BatchOptions& options) {
     const std::string& kind = ensemble.kind;
@@ -196,9 +214,8 @@ ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const Batc
     make_directory(runs);
     if (options.print_commands) {
         for (const EnsembleRun* run : to_do) {
-            Texts words = command_of(options.program, scenario, *run, runs, options.force);
-            std::ranges::transform(words, words.begin(), quoted_for_shell);
-            std::printf("%s\n", joined(words, " ").c_str());
+            const Texts words = command_of(options.program, scenario, *run, runs, options.force);
+            std::printf("%s\n", command_line(words).c_str());
         }
         std::fprintf(
             stderr,
@@ -215,7 +232,9 @@ ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const Batc
     write_whole_file(directory / (kind + ".csv"), runs_csv(ensemble));
     if (ensemble.n_seeds > 0) write_whole_file(directory / "statistics.csv", statistics_csv(ensemble));
     std::printf("%s%-9s%s\n", text.c_str(), (kind + ":").c_str(), directory.c_str());
-    for (const fs::path& figure : draw_ensemble(ensemble, directory)) std::printf("figure:  %s\n", figure.c_str());
+    const std::vector<fs::path> figures = draw_ensemble(ensemble, directory);
+    for (const fs::path& figure : figures) std::printf("figure:  %s\n", figure.c_str());
+    if (ensemble.report) write_report(ensemble, figures, text, options.command, directory);
     const auto successful = [](const EnsembleRun& run) { return run.result.trouble().empty(); };
     return std::ranges::all_of(ensemble.runs, successful) ? exit_done : exit_failed;
 }

@@ -22,8 +22,9 @@ struct BatchOptions {
     int n_at_once = 1;             // simultaneous runs
     bool force = false;            // repeat finished runs and replace those of another ensemble
     bool quiet = false;
-    bool print_commands = false;   // run nothing, print the command line of each run
-    std::string program = "knap";  // first word of these lines
+    bool print_commands = false;       // run nothing, print the command line of each run
+    std::string program = "knap";      // first word of these lines
+    std::vector<std::string> command;  // as typed, for the report
 };
 
 /// The numbers of a run, from its directory.
@@ -68,7 +69,8 @@ struct Variant {
 
 struct Ensemble {
     std::string kind;  // "study" or "sweep"
-    std::string name, title;
+    std::string name, title, question;
+    bool report = true;             // write report.html
     std::string record;             // text of <kind>.toml
     std::vector<std::string> keys;  // that are varied; of a study "line" and "level"
     std::vector<Variant> variants;
@@ -104,9 +106,6 @@ std::vector<std::string> seed_overrides(const std::string& text);
 
 /// Letters, digits, - and . of a text with _ between them, for file names.
 std::string plain_name(const std::string& text);
-
-/// A word of a shell command, in quotes where it needs them.
-std::string quoted_for_shell(const std::string& word);
 
 /// Does all runs that are not finished, judges and draws; or prints their command lines.
 ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const BatchOptions& options);

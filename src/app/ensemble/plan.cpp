@@ -1,9 +1,11 @@
 // The runs of a study and of a sweep.
 #include "app/ensemble/ensemble.hpp"
 #include "app/run/continuation.hpp"
+#include "app/run/report.hpp"
 #include "app/run/step_plan.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "record/html.hpp"
 #include "record/outputs.hpp"
 
 #include <algorithm>
@@ -213,6 +215,8 @@ Ensemble plan_study(const std::string& scenario, const Texts& overrides) {
     const ReadResult read = open_scenario(scenario, overrides);
     Ensemble study{.kind = "study",
                    .name = read.scenario.name,
+                   .question = question_of(read.source.text()),
+                   .report = read.scenario.output.report,
                    .record = resolved_for_run(read),
                    .keys = {"line", "level"},
                    .n_seeds = static_cast<std::size_t>(read.scenario.study.n_seeds),
@@ -255,10 +259,13 @@ Ensemble plan_sweep(const std::string& scenario, const Texts& overrides) {
     Texts single;
     for (const SweepKey& key : given)
         if (key.values.size() == 1) single.push_back(key.key + "=" + key.values.front());
-    const Scenario base = open_scenario(scenario, single).scenario;
+    const ReadResult read = open_scenario(scenario, single);
+    const Scenario& base = read.scenario;
     Ensemble sweep{.kind = "sweep",
                    .name = base.name,
                    .title = base.title,
+                   .question = question_of(read.source.text()),
+                   .report = base.output.report,
                    .record = "# knap sweep " + quoted_for_shell(scenario),
                    .n_seeds = static_cast<std::size_t>(base.sweep.n_seeds)};
     for (const std::string& set : overrides) sweep.record += " -s " + quoted_for_shell(set);

@@ -6,6 +6,7 @@
 #include "app/run/excavations.hpp"
 #include "app/run/findings.hpp"
 #include "app/run/process.hpp"
+#include "app/run/report.hpp"
 #include "app/run/run_directory.hpp"
 #include "app/run/run_text.hpp"
 #include "app/run/setup.hpp"
@@ -355,6 +356,7 @@ void Run::finish() {
     if (record_.status == "failed") checkpoints_.remove();
     else if (complete) checkpoints_.keep_for_later_end();
     std::fputs(end.c_str(), stdout);
+    if (setup_.scenario.output.report) write_report(setup_.scenario, record_, recorder_, setup_.directory);
 }
 
 ExitCode exit_code(const RunRecord& record) {

@@ -44,6 +44,7 @@ bool is_vacant(const fs::path& directory) {
 bool is_made_by_runs(fs::path name) {
     if (name.extension() == ".part") name = name.stem();
     static const std::set<fs::path> names{"run.json",
+                                          "report.html",
                                           "log.txt",
                                           "scenario.toml",
                                           "resolved.toml",

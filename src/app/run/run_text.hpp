@@ -2,6 +2,7 @@
 // Texts of a run for people: in log.txt, on the screen at its end, and as the reason of a failure.
 #include "app/run/dump_lcp.hpp"
 #include "record/run_record.hpp"
+#include "scenario/scenario.hpp"
 #include "stepper/step_control.hpp"
 
 #include <filesystem>
@@ -29,6 +30,9 @@ std::string violated_text(const Gates& gates, const State& now, const Vec2& fast
 
 /// Warning: the simulated time, to `end` [s], was over before the body came to rest.
 std::string not_at_rest_text(double end);
+
+/// The methods of bulk and cohesion.
+std::string scheme_text(const Scenario& scenario);
 
 /// The results of a run.
 std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory);

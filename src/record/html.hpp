@@ -1,0 +1,40 @@
+#pragma once
+// report.html: one page that holds its pictures, needs no network, and prints on A4.
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace knap {
+
+/// The text with its special characters escaped.
+std::string html_text(std::string_view text);
+
+using HtmlRow = std::vector<std::string>;
+/// Cells are texts.
+std::string html_table(const HtmlRow& header, const std::vector<HtmlRow>& rows);
+
+/// A heading with what follows; empty where nothing does.
+std::string html_section(const std::string& heading, const std::string& content);
+
+/// A list, as of warnings; empty without items.
+std::string html_list(const std::vector<std::string>& items, const std::string& style = "");
+
+/// The Markdown that the program writes itself: tables, lists and paragraphs.
+std::string html_of_markdown(const std::string& text);
+
+/// A slider over pictures of .webp, each with its caption; the last one is shown first and printed.
+std::string html_slider(const std::vector<std::pair<std::string, std::string>>& pictures);
+
+/// Pictures of files inside the page: as they are while there is room, further ones smaller. Files of other kinds, and
+/// files that no longer exist, are left out.
+std::string html_figures(const std::vector<std::filesystem::path>& files);
+
+/// All of it. `question`: below the title.
+std::string html_page(const std::string& title, const std::string& question, const std::string& body);
+
+/// The first comment of a scenario up to its question mark; empty where it does not ask.
+std::string question_of(const std::string& scenario);
+
+}  // namespace knap
