@@ -9,6 +9,9 @@ namespace {
 
 Bearing bearing_of(double part) { return part >= 1 ? Bearing::full : part > 0 ? Bearing::part : Bearing::none; }
 
+// of speed [m/s] and impulse [N s]: far ahead of a wave explicit steps leave motions whose squares are no normal
+// numbers
+constexpr double at_rest = 1e-150;
 constexpr double found_at = 1e-9;  // of speed and impulse: a link within this distance of a kink is at it
 
 }  // namespace
@@ -32,8 +35,8 @@ FanScales scales_of(const FanProblem& problem, double rest) {
     }
     // an impulse is a difference of momenta, whose rounding limits it; for a fan at rest without load any unit will do
     impulse += 0.01 * mass * speed;
-    if (impulse == 0) impulse = 1;
-    if (speed == 0) speed = 1;
+    if (impulse < at_rest) impulse = 1;
+    if (speed < at_rest) speed = 1;
     return {.impulse = impulse,
             .speed = speed,
             .impulse_tolerance = relative_tolerance * impulse,

@@ -92,6 +92,17 @@ void add_link(FanProblem& fan, Index before, Index after, double N_x, double N_y
 
 }  // namespace
 
+TEST_CASE("a motion whose numbers are hardly different from zero is one of a body at rest") {
+    FanSolver solver;
+    for (const double speed : {3e-320, 1e-310, 1e-200}) {  // far ahead of a wave
+        FanProblem fan = coupled_contact(0.3, -speed, 0.3 * speed);
+        const FanSolution solution = solver.solve(fan);
+        CHECK(solution.residual <= 1e-10);
+        CHECK(solution.status == FanSolution::Status::exact);
+        CHECK(fan.bodies[0].end_velocity.norm() <= 2 * speed);
+    }
+}
+
 TEST_CASE("random fans meet every law and no impact or friction gives energy") {
     FanSolver solver;
     for (const bool prescribed : {false, true})

@@ -81,7 +81,7 @@ std::optional<AdaptedModel> Adaptation::look(Model& model, const State& now, con
         if (size <= options_.size) fine += mesh.area(t);
         n += std::max(1.0, n_triangles_of(mesh.area(t), size));
     }
-    if (fine > pays_below * area) {
+    if (fine > pays_below * area && !ended_) {
         std::ranges::fill(wanted, options_.size);
         n = n_triangles_of(area, options_.size);
         ended_ = true;
