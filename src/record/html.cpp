@@ -26,8 +26,8 @@ h2 { font-size: 1.15em; margin: 1.8em 0 .5em; border-bottom: 1px solid #ccc }
 .bad li, .warn li { list-style: "\26A0  "; margin: .2em 0 }
 table { border-collapse: collapse; font-size: .9em }
 th, td { text-align: left; vertical-align: top; padding: .15em .9em .15em 0; border-bottom: 1px solid #e4e4e4 }
-th, td:first-child { white-space: nowrap }
-td { font-variant-numeric: tabular-nums; overflow-wrap: anywhere }
+th { white-space: nowrap }
+td { font-variant-numeric: tabular-nums; overflow-wrap: break-word }
 figure { margin: 0 0 1em; break-inside: avoid }
 img { max-width: 100%; height: auto }
 figcaption { color: #555; font-size: .85em }
@@ -37,7 +37,7 @@ input[type=range] { width: 100% }
 @page { size: A4; margin: 15mm }
 @media print {
   body { margin: 0; max-width: none; font-size: 10pt }
-  th, td:first-child { white-space: normal }
+  th { white-space: normal }
   .screen, details { display: none }
   tr { break-inside: avoid }
   h2 { break-after: avoid }
