@@ -49,6 +49,18 @@ public:
     fs::path path;
 };
 
+/// The tables and frames of two runs are the same; `least`: of them there are more.
+inline void check_same(const fs::path& a, const fs::path& b, int least) {
+    int n = 0;
+    for (const auto& file : fs::recursive_directory_iterator(a)) {
+        const std::string ending = file.path().extension();
+        if (ending != ".csv" && ending != ".vtu" && ending != ".webp") continue;
+        ++n;
+        CHECK_MESSAGE(text_of(file.path()) == text_of(b / fs::relative(file.path(), a)), file.path().string());
+    }
+    CHECK(n > least);
+}
+
 /// A small block that breaks within a second.
 inline std::string small_block() {
     return "edge_cracked_block -q -j 1 -s 'mesh.size=2 mm' -s 'time.end=40 us' -s 'expect={}' ";
