@@ -14,6 +14,17 @@
 namespace knap {
 namespace {
 
+/// Soft rock that does not break: a part of both scenes.
+constexpr const char* rock = R"([material.rock]
+density = "2400 kg/m3"
+E       = "0.2 GPa"
+nu      = 0.25
+[interface.default]
+breakable = false
+friction  = 0.5
+[contact]
+)";
+
 /// Fifty stones that do not break fall into a box; at 0.6 s all of them move, at 1.5 s they lie.
 constexpr const char* rubble = R"(knap = 1
 name = "rubble"
@@ -26,14 +37,6 @@ pattern = "heap"
 box     = ["0 m", "0 m", "2 m", "3 m"]
 size    = "0.25 m"
 number  = 50
-[material.rock]
-density = "2400 kg/m3"
-E       = "0.2 GPa"
-nu      = 0.25
-[interface.default]
-breakable = false
-friction  = 0.5
-[contact]
 [[obstacle]]
 shape  = "half plane"
 at     = ["0 m", "0 m"]
@@ -63,14 +66,6 @@ size     = ["0.3 m", "0.2 m"]
 rotation = "large"
 [mesh]
 size = "10 mm"
-[material.rock]
-density = "2400 kg/m3"
-E       = "0.2 GPa"
-nu      = 0.25
-[interface.default]
-breakable = false
-friction  = 0.5
-[contact]
 [time]
 end = "1 s"
 )";
@@ -121,7 +116,7 @@ public:
     }
 
 private:
-    Scenario scenario_ = read_scenario_text(rubble, "rubble", {}).scenario;
+    Scenario scenario_ = read_scenario_text(std::string(rubble) + rock, "rubble", {}).scenario;
     Model model_ = build_model(scenario_), free_ = without_contact(model_);
     MoreauJean stepper_{model_, scenario_.time.scheme}, of_free_{free_, scenario_.time.scheme};
     State now_ = initial_state(model_), next_ = now_;
@@ -165,7 +160,8 @@ void measure_dust(std::vector<Measurement>& measured) {
 void measure_ground(std::vector<Measurement>& measured) {
     const auto time_of_find = [](const std::string& beyond, double& n_edges) {
         const Scenario scenario =
-            read_scenario_text(sliding, "sliding", {"support=[{on = \"bottom\", beyond = \"" + beyond + "\"}]"})
+            read_scenario_text(std::string(sliding) + rock, "sliding",
+                               {"support=[{on = \"bottom\", beyond = \"" + beyond + "\"}]"})
                 .scenario;
         const Model model = build_model(scenario);
         State state = initial_state(model);

@@ -87,7 +87,7 @@ std::optional<AdaptedModel> Adaptation::look(Model& model, const State& now, con
         ended_ = true;
         warning_ = formatted(
             "warning[adapt]: at t = %.6g s more than half of the body is to be fine: all of it is from now on, %.3g "
-            "triangles; a uniform mesh (mesh.size = %.3g m, no [adapt]) is as fast\n",
+            "triangles; a uniform mesh (mesh.size = %.3g m, no [adapt]) is faster\n",
             now.time, n, options_.size);
     }
     std::optional<AdaptedModel> refined;
