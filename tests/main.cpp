@@ -12,7 +12,9 @@ unsigned n_matched = 0;
 // Only counts the cases that the filters let through; doctest itself calls an empty run a success.
 struct Counter : knap::tests::Listener {
     explicit Counter(const doctest::ContextOptions&) {}
-    void report_query(const doctest::QueryData& data) override { n_matched += data.run_stats->numTestCasesPassingFilters; }
+    void report_query(const doctest::QueryData& data) override {
+        n_matched += data.run_stats->numTestCasesPassingFilters;
+    }
     void test_run_end(const doctest::TestRunStats& stats) override { n_matched += stats.numTestCasesPassingFilters; }
 };
 }  // namespace

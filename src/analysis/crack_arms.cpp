@@ -117,8 +117,7 @@ void CrackArms::close(Index edge, Index a, Index b) {
     if (same) {
         const CrackNode& fork = nodes_[common(a, b)];
         const Index n_edges = 1 + nodes_[a].n_edges + nodes_[b].n_edges - 2 * fork.n_edges;
-        const double length =
-            graph().length[edge] + nodes_[a].distance + nodes_[b].distance - 2 * fork.distance;
+        const double length = graph().length[edge] + nodes_[a].distance + nodes_[b].distance - 2 * fork.distance;
         if (n_edges < 2 * options_.arm_edges || length < 2 * options_.least_length) return;
     }
     const auto rank = [&](Index node) {
@@ -198,7 +197,7 @@ void CrackArms::start_arm(Index base, Index node) {
 /// When the first edge of an arm beyond one of its nodes cracked.
 double CrackArms::start_time(Index arm, Index base) const {
     const std::vector<Index>& nodes = arms_[arm].nodes;
-    double time = std::numeric_limits<double>::infinity();
+    double time = infinity;
     for (std::size_t i = nodes.size(); i-- > 1 && nodes[i] != base;) time = std::min(time, nodes_[nodes[i]].since);
     return time;
 }

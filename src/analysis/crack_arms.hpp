@@ -14,8 +14,8 @@ struct CrackOptions {
     Index chord_edges = 1;        // lengths of paths are measured along chords of so many edges, not along the zigzag
     Index speed_edges = 20;       // a tip speed is fitted over growth by so many edges
     double speed_length = 0;      // and by at least this length [m]
-    Index start_edges = 5;  // growth from which a tip speed is known; most edges that a running tip breaks at once
-    double fastest = std::numeric_limits<double>::infinity();  // [m/s] of waves: bound of tip speeds
+    Index start_edges = 5;      // growth from which a tip speed is known; most edges that a running tip breaks at once
+    double fastest = infinity;  // [m/s] of waves: bound of tip speeds
 
     bool is_arm(Index n_edges, double length) const {
         return length >= least_length &&

@@ -67,7 +67,7 @@ CrackHistory::Growth CrackHistory::growth(Index arm) const {
     growth.way = arms_.way_from(-1, arms_.arms()[arm].tip());
     const std::size_t n = growth.way.size();
     growth.reached.resize(n);
-    double time = std::numeric_limits<double>::infinity();
+    double time = infinity;
     for (std::size_t i = n; i-- > 1;) growth.reached[i] = time = std::min(time, arms_.nodes()[growth.way[i]].since);
     growth.reached[0] = time;  // the time until the first edge cracks does not count
 

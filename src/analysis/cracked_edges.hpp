@@ -7,7 +7,6 @@
 #include "stepper/adaptation.hpp"
 
 #include <functional>
-#include <limits>
 #include <map>
 #include <queue>
 #include <span>
@@ -19,7 +18,7 @@ struct Search;
 
 class CrackedEdges {
 public:
-    static constexpr double never = std::numeric_limits<double>::infinity();
+    static constexpr double never = infinity;
 
     /// `gap_edges`: the largest number of damaged interfaces in a gap that is bridged.
     CrackedEdges(InterfaceGraph graph, Index gap_edges);
@@ -84,7 +83,7 @@ struct Search {
             order.push_back(vertex);
             if (!goes_on(vertex, distance)) return;
             for (const Index e : edges.edges_at(vertex))
-                if (const double l = length(e); l < std::numeric_limits<double>::infinity())
+                if (const double l = length(e); l < infinity)
                     queue.emplace(distance + l, ties == Ties::first_found ? n_found++ : edges.far_end(e, vertex),
                                   vertex, e);
         };

@@ -4,12 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace knap {
 namespace {
 
-constexpr double degree = M_PI / 180;
 constexpr double negligible_overlap = 1e-3;  // of the area of a triangle: faces that slid a little
 constexpr double straight = 1e-6;            // [rad] a support that turns by less continues straight on
 
@@ -54,7 +52,7 @@ DeformationWatch::DeformationWatch(const Model& model) : model_(model) {
 
 void DeformationWatch::renew() {
     const Model& model = model_;
-    double lowest = std::numeric_limits<double>::infinity();  // [m] height of a triangle
+    double lowest = infinity;  // [m] height of a triangle
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
         for (Index k = 0; k < 3; ++k)
             lowest = std::min(
@@ -124,8 +122,7 @@ void DeformationWatch::look_at(const State& state) {
 double DeformationWatch::straight_length(Index interface, int direction, double slip) const {
     const Index next = next_on_support_.at(interface)[direction];
     if (next == support_turns) return 0;
-    if (next == support_ends || !(model_.interfaces[next].length < slip))
-        return std::numeric_limits<double>::infinity();
+    if (next == support_ends || !(model_.interfaces[next].length < slip)) return infinity;
     const double length = model_.interfaces[next].length;
     return length + straight_length(next, direction, slip - length);
 }

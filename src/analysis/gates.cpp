@@ -5,12 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace knap {
 namespace {
 
-constexpr double none = std::numeric_limits<double>::infinity();
 constexpr bool fixed = false, allowed = true;
 
 // Rates are exact up to the error of the solvers: rounding times the condition number. 1e-16 is usual; of 20 000 random
@@ -76,34 +74,34 @@ bool turns_freely(const GateView& run) { return run.deformation != nullptr && ru
 
 const GateRule rules[] = {
     {{"energy_residual", "", "error of the discrete energy balance over the largest energy of the run", step_or_load},
-     {none, none, fixed},
+     {infinity, infinity, fixed},
      [](const GateView& run) {
          return GateValue{.value = run.ledger.largest_residual() / energy_scale(run.ledger),
                           .limit = 1e-10 + rounding_of_energy(run.ledger)};
      }},
     {{"impact_injection", "",
       "largest work of one impact in one step over the largest energy; a positive work injects energy", at_rounding},
-     {none, max_injected, fixed},
+     {infinity, max_injected, fixed},
      [](const GateView& run) { return GateValue{run.ledger.worst().worst_impact_work / energy_scale(run.ledger)}; }},
     {{"friction_injection", "",
       "largest work of friction at one point in one step over the largest energy; a positive work injects energy",
       at_rounding},
-     {none, max_injected, fixed},
+     {infinity, max_injected, fixed},
      [](const GateView& run) { return GateValue{run.ledger.worst().worst_friction_work / energy_scale(run.ledger)}; }},
     {{"cohesion_growth", "", "largest increase of the cohesion beta of a point; cohesion never heals", at_rounding},
-     {none, 0, fixed},
+     {infinity, 0, fixed},
      [](const GateView& run) { return GateValue{run.ledger.worst().largest_beta_growth}; }},
     {{"interface_residual", "", "largest violation of the interface laws, scaled",
       "The solver of the interfaces found no motion that satisfies all interface laws. Usual cause: a body driven "
       "against an obstacle or support that cannot give way, very large friction, or slivers. Try a smaller time.step, "
       "less friction, a better mesh, and check the prescribed motions."},
-     {none, max_residual, fixed},
+     {infinity, max_residual, fixed},
      [](const GateView& run) { return GateValue{run.ledger.worst().residual}; }},
     {{"largest_speed", "m/s",
       "largest speed of the body; the limit is the speed of its lightest corner if that had ten times all energy "
       "supplied so far",
       step_or_load},
-     {none, none, fixed},
+     {infinity, infinity, fixed},
      [](const GateView& run) {
          return GateValue{.value = run.ledger.worst().largest_speed,
                           .limit = std::max(speed_of_supplied_energy(run.ledger), speed_of_rounding(run))};
@@ -113,7 +111,7 @@ const GateRule rules[] = {
       "whichever is larger",
       "Usual cause: a body driven against itself faster than the step resolves. Try a smaller time.step, and check the "
       "prescribed motions."},
-     {none, none, allowed},
+     {infinity, infinity, allowed},
      [](const GateView& run) {
          return GateValue{.value = run.ledger.worst().penetration,
                           .limit = std::max(run.critical_opening, 1e-3 * run.size)};
@@ -143,7 +141,7 @@ const GateRule rules[] = {
       "largest error of the rates of contacts between free faces over their speeds; momentum and energy are exact all "
       "the same, but single contacts may do positive work",
       "Usual cause: pieces wedged by friction. Try less friction, or a smaller time.safety."},
-     {1e-6, none, fixed},
+     {1e-6, infinity, fixed},
      [](const GateView& run) { return GateValue{run.ledger.worst().contact_residual}; }},
     {{"law_lag", "",
       "law lag (staggering error of beta): difference between the work of the interfaces and the energy that their "
@@ -167,22 +165,22 @@ const GateRule rules[] = {
       "energy",
       "Usual cause: damaged interfaces that vibrate. Try a smaller time.step_cracking or time.safety, mesh.order = 2, "
       "a load that rises gradually (ramp), or restitution = 0."},
-     {0.05, none, fixed},
+     {0.05, infinity, fixed},
      [](const GateView& run) { return over_dissipated(run, run.ledger.row().crossing_loss); }},
     {{"scheme_dissipation_part", "",
       "energy damped by the time scheme with theta above 0.5 (scheme dissipation), over the dissipated energy",
       "Try a theta nearer to 0.5, or a smaller time.step and time.step_cracking."},
-     {0.05, none, fixed},
+     {0.05, infinity, fixed},
      [](const GateView& run) { return over_dissipated(run, run.ledger.row().scheme_dissipation); }},
     {{"step_change_part", "", "energy gained or lost by changes of the step, over the dissipated energy",
       "Try a time.step_cracking nearer to time.step."},
-     {0.05, none, fixed},
+     {0.05, infinity, fixed},
      [](const GateView& run) { return over_dissipated(run, run.ledger.row().step_change_work); }},
     {{"rotation_work_part", "",
       "largest defect of the elastic energy by large rotations (rotation_work) over the largest energy; it decreases "
       "with the square of the step (place: of the largest strain)",
       "Try a smaller time.step or time.safety, or a slower motion."},
-     {none, 1e-3, allowed},
+     {infinity, 1e-3, allowed},
      [](const GateView& run) {
          return GateValue{.value = run.ledger.largest_rotation_work() / energy_scale(run.ledger),
                           .place = of_deformation<&DeformationWatch::strain>(run).place};
@@ -190,7 +188,7 @@ const GateRule rules[] = {
     {{"heat_residual", "", "error of the balance of heat over its contents and flows; with conduction",
       "The equations of heat conduction were not solved to rounding: look for flat triangles (mesh.quality) and "
       "conductivities that differ by many powers of ten."},
-     {none, 1e-10, fixed},
+     {infinity, 1e-10, fixed},
      [](const GateView& run) { return GateValue{run.ledger.largest_heat_residual()}; }},
     {{"temperature_overshoot", "",
       "largest excess of a temperature over those around it and before, over the largest difference of temperatures, "
@@ -205,7 +203,7 @@ const GateRule rules[] = {
       "Cracks that run at a speed v, or jump, radiate about v/c_R of the energy that they release, and the waves "
       "stay in a free body. Try time.damping (1/s, some 10 over time.end or more), a smaller heat.time_factor or a "
       "slower field with a later time.end. Where waves are the question the number is an answer, and no error."},
-     {0.01, none, fixed},
+     {0.01, infinity, fixed},
      [](const GateView& run) {
          const EnergyRow& row = run.ledger.row();
          return GateValue{
@@ -229,7 +227,7 @@ const GateRule rules[] = {
       "largest principal strain of a triangle with large rotations; the elastic law is that of small strains",
       "Usual cause: loads beyond the strength of an elastic body, an impact that is too fast, or single triangles that "
       "are crushed. Check the units of loads and E."},
-     {strain_warning, none, allowed},
+     {strain_warning, infinity, allowed},
      [](const GateView& run) {
          GateValue found = of_deformation<&DeformationWatch::strain>(run);
          found.judged = found.judged && turns_freely(run);
@@ -258,7 +256,7 @@ const GateRule rules[] = {
       "at the start are in contact",
       "End the run before separate faces meet, or place a crack or an obstacle between them; where that place does not "
       "matter, [limits] overlap sets another limit."},
-     {none, none, allowed},
+     {infinity, infinity, allowed},
      [](const GateView& run) {
          GateValue found = of_deformation<&DeformationWatch::overlap>(run);
          if (!found.judged) return found;

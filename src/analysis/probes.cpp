@@ -4,8 +4,6 @@
 #include "element/shape_functions.hpp"
 #include "model/selections.hpp"
 
-#include <limits>
-
 namespace knap {
 namespace {
 
@@ -27,7 +25,7 @@ double shape_function(Index order, Index k, const Eigen::Vector3d& l) {
 /// The interface that can break whose middle is nearest to a place.
 Index interface_near(const Model& model, const ProbeOptions& probe) {
     Index nearest = -1;
-    double distance = std::numeric_limits<double>::infinity();
+    double distance = infinity;
     for (std::size_t i = 0; i < model.interfaces.size(); ++i) {
         const Interface& interface = model.interfaces[i];
         if (interface.cracked || !model.laws[interface.law].breakable()) continue;

@@ -7,8 +7,8 @@ namespace knap {
 namespace {
 
 constexpr double passages = 10;
-constexpr double rounding = 1e-12;  // [-] kinetic energy over strain energy: that of a body which never moved
-constexpr double for_ever = std::numeric_limits<double>::infinity();
+constexpr double rest_rounding = 1e-12;  // [-] kinetic energy over strain energy: that of a body which never moved
+constexpr double for_ever = infinity;
 
 /// [s] The last change of a history.
 double last_change(const TimeFunction& history) {
@@ -55,7 +55,7 @@ RestWatch::RestWatch(const Model& model, const RestOptions& options)
 
 void RestWatch::after_step(const EnergyRow& row) {
     largest_kinetic_ = std::max(largest_kinetic_, row.kinetic);
-    const double small = std::max(below_ * std::min(largest_kinetic_, row.strain), rounding * row.strain);
+    const double small = std::max(below_ * std::min(largest_kinetic_, row.strain), rest_rounding * row.strain);
     const bool quiet = row.time > settled_ && row.kinetic <= small;
     if (!quiet) since_ = std::numeric_limits<double>::quiet_NaN();
     else if (std::isnan(since_)) since_ = row.time;

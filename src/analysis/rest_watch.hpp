@@ -11,9 +11,9 @@ namespace knap {
 
 struct RestOptions {
     bool ends_run = false;
-    double below = 1e-3;  // [-] kinetic energy over the largest so far, and over the strain energy
-    double duration = 0;  // [s] for which it must be; 0: ten passages of a shear wave across the body
-    double not_before = -std::numeric_limits<double>::infinity();  // [s] the end of the last excavation
+    double below = 1e-3;            // [-] kinetic energy over the largest so far, and over the strain energy
+    double duration = 0;            // [s] for which it must be; 0: ten passages of a shear wave across the body
+    double not_before = -infinity;  // [s] the end of the last excavation
 };
 
 class RestWatch {

@@ -159,10 +159,9 @@ void measure_dust(std::vector<Measurement>& measured) {
 /// fifty steps, and searches on the way.
 void measure_ground(std::vector<Measurement>& measured) {
     const auto time_of_find = [](const std::string& beyond, double& n_edges) {
-        const Scenario scenario =
-            read_scenario_text(std::string(sliding) + rock, "sliding",
-                               {"support=[{on = \"bottom\", beyond = \"" + beyond + "\"}]"})
-                .scenario;
+        const Scenario scenario = read_scenario_text(std::string(sliding) + rock, "sliding",
+                                                     {"support=[{on = \"bottom\", beyond = \"" + beyond + "\"}]"})
+                                      .scenario;
         const Model model = build_model(scenario);
         State state = initial_state(model);
         for (Index p = 0; p < model.n_points(); ++p) state.retired[p] = model.ground.of_point[p] >= 0;

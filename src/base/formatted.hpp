@@ -1,5 +1,7 @@
 #pragma once
-// printf into a string.
+// printf into a string; the text of a place.
+#include "base/vec.hpp"
+
 #include <cstdarg>
 #include <cstddef>
 #include <cstdio>
@@ -18,5 +20,8 @@ namespace knap {
     va_end(values);
     return text;
 }
+
+/// As messages name a place: "(0.01, 0.02) m".
+inline std::string place_text(const Vec2& x) { return formatted("(%.6g, %.6g) m", x.x(), x.y()); }
 
 }  // namespace knap

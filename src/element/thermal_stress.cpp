@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 
 namespace knap {
 
@@ -18,7 +17,7 @@ ThermalStress::ThermalStress(const Mesh& mesh, const std::vector<Elastic>& mater
         triangles_.push_back({.edge1 = mesh.corner(t, 1) - origin,
                               .edge2 = mesh.corner(t, 2) - origin,
                               .half_pressure = (material.first_lame(plane) + material.shear_modulus()) * thickness,
-                              .threshold = std::numeric_limits<double>::infinity(),
+                              .threshold = infinity,
                               .volume = mesh.area(t) * thickness});
     }
 }
@@ -29,7 +28,7 @@ void ThermalStress::set_stress_criterion(const std::vector<double>& threshold_of
     fan_of_corner_ = fan_of_corner;
     for (Index t = 0; t < n_triangles(); ++t) {
         Triangle& here = triangles_[t];
-        here.threshold = std::numeric_limits<double>::infinity();
+        here.threshold = infinity;
         for (Index k = 0; k < n_corners(); ++k)
             here.threshold = std::min(here.threshold, threshold_of_fan[fan_of_corner[n_corners() * t + k]]);
         here.threshold *= here.volume * here.volume;

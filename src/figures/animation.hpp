@@ -21,8 +21,8 @@ struct Still {
 /// Writes `n` pictures, made one after the other. All have the width of the last one and are drawn on a page of its
 /// height, from the bottom up. `lines`: drawings of lines without a field. Throws UserError as check_animation does,
 /// OutputError for a file that cannot be written.
-void write_animation(const std::filesystem::path& file, std::size_t n,
-                     const std::function<Still(std::size_t)>& picture, bool lines = false);
+void write_animation(const std::filesystem::path& file, std::size_t n, const std::function<Still(std::size_t)>& picture,
+                     bool lines = false);
 
 /// An image as .webp, which is smaller than a .png.
 std::string webp_of(const Image& image);

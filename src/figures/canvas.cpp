@@ -20,7 +20,6 @@ namespace {
 // of the font, relative to its size: height of a capital, above and below the baseline
 constexpr double cap_height = 0.73, ascent = 0.78, descent = 0.22;
 constexpr double subscript_size = 0.72, subscript_drop = 0.18;
-constexpr double degree = std::numbers::pi / 180;
 
 /// Part of a text of one size, and where it starts [unit] from the text's position (y downwards, as in Cairo).
 struct TextPart {

@@ -7,8 +7,9 @@ namespace knap {
 namespace {
 
 constexpr Colour grid_colour{0.88, 0.88, 0.88};
-constexpr double line_width = 0.7, tick_length = 3.5;                      // [unit]
-constexpr double above = 19, baseline = 9, leading = 1.3, aside_gap = 14;  // [unit] of titles; leading: of their size
+constexpr double line_width = 0.7, tick_length = 3.5;  // [unit]
+constexpr double above = 19, baseline = 9, title_leading = 1.3,
+                 aside_gap = 14;  // [unit] of titles; leading: of their size
 
 }  // namespace
 
@@ -105,7 +106,7 @@ void Plot::draw_axes(Canvas& canvas, bool grid) const {
 
 double Title::height() const {
     const double n = static_cast<double>(std::max<std::size_t>(lines.size(), 1)) - 1 + (aside_below ? 1 : 0);
-    return above + baseline + n * leading * size;
+    return above + baseline + n * title_leading * size;
 }
 
 Title fitted_title(const std::string& text, const std::string& aside, double width) {
@@ -130,7 +131,7 @@ void draw_title(Canvas& canvas, const Title& title, double left, double right, d
     double y = bottom + title.height() - above;
     for (const std::string& line : title.lines) {
         canvas.text({left, y}, line, {.size = title.size, .bold = true});
-        y -= leading * title.size;
+        y -= title_leading * title.size;
     }
     canvas.text({right, bottom + baseline}, title.aside, {.size = title_size, .across = Across::right});
 }

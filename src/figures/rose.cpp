@@ -9,9 +9,9 @@
 namespace knap {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180, petal_angle = 180. / n_petals;  // petal_angle [degree]
-constexpr double radius = 138, plot_top = 376;                                    // [unit]
-const Vec2 centre(200, 196);                                                      // [unit]
+constexpr double petal_angle = 180. / n_petals;  // petal_angle [degree]
+constexpr double radius = 138, plot_top = 376;   // [unit]
+const Vec2 centre(200, 196);                     // [unit]
 
 Vec2 direction(double angle) { return {std::cos(angle * degree), std::sin(angle * degree)}; }
 

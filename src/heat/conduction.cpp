@@ -258,7 +258,7 @@ double Conduction::warmed(std::span<const Index> corners, double T, double heat)
 
 double Conduction::stable_step(const State& begin) {
     find_gaps(begin);
-    into_.assign(model_.mesh.n_corners(), std::numeric_limits<double>::infinity());
+    into_.assign(model_.mesh.n_corners(), infinity);
     for_each_node(begin, [&](std::span<const Index> corners) {
         double C = 0, sum = 0;
         for (const Index c : corners) C += capacity_[c], sum += diagonal_[c] + of_gaps_[c];

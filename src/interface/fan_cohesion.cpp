@@ -8,10 +8,10 @@
 namespace knap {
 namespace {
 
-constexpr int max_solves = 1000;      // tens are usual
-constexpr double settled = 1e-14;     // [-] change of beta
-constexpr double tolerated = 1e-10;   // [-] gap of a step that is accepted: the gate of every run
-constexpr double worth_mixing = 0.9;  // ratio of gaps; above, softening outweighs inertia and the secant diverges
+constexpr int max_cohesion_solves = 1000;  // tens are usual
+constexpr double beta_tolerance = 1e-14;   // [-] change of beta
+constexpr double tolerated = 1e-10;        // [-] gap of a step that is accepted: the gate of every run
+constexpr double worth_mixing = 0.9;       // ratio of gaps; above, softening outweighs inertia and the secant diverges
 
 /// beta+ by the law at the end openings of a solved problem.
 double cohesion_after(const FanProblem& problem, const LinkCohesion& at) {
@@ -39,7 +39,7 @@ FanSolution solve_softening(FanProblem& problem, FanSolver& solver, std::vector<
             top += at.gap() * change;
             bottom += change * change;
         }
-        if (gap <= settled || solve == max_solves) {
+        if (gap <= beta_tolerance || solve == max_cohesion_solves) {
             solution.iterations = iterations;
             solution.residual = std::max(solution.residual, gap);
             solution.settled = gap <= tolerated;

@@ -6,10 +6,10 @@
 namespace knap {
 namespace {
 
-constexpr int max_solves = 30;      // three are usual
-constexpr double settled = 1e-12;   // [-] error of r
-constexpr double rounding = 1e-13;  // [-] of the speeds, in the opening that r is taken at
-constexpr double touching = 1e-12;  // [-] of kappa: a point this near to it is on the softening branch
+constexpr int max_ramp_solves = 30;          // three are usual
+constexpr double ramp_tolerance = 1e-12;     // [-] error of r
+constexpr double speed_rounding = 1e-13;     // [-] of the speeds, in the opening that r is taken at
+constexpr double touching_envelope = 1e-12;  // [-] of kappa: a point this near to it is on the softening branch
 
 /// A link whose energy is linear at the end of its step and was quadratic at its start gets the tangent of r at the
 /// velocities found, or with `damping` < 1 nearer to where its last one touches; the others their ramp. Returns the
@@ -21,7 +21,7 @@ double follow_energy(const FanProblem& problem, double damping, double speed, Fa
     const double opened = std::max(link.middle.x(), 0.0) + link.gamma * std::abs(link.middle.y());  // s-
     const double a = link.kappa - opened, d = 2 * (mean - opened);
     const auto part_at = [&](double passed) { return 1 - 0.5 * a * a / (link.kappa * passed); };
-    const bool may_pass = a > touching * link.kappa;
+    const bool may_pass = a > touching_envelope * link.kappa;
     const double part = may_pass && d > a ? part_at(d) : mean / link.kappa;
     const double last = may_pass ? a * std::sqrt(0.25 * h * link.ramp / link.kappa) : 0;  // d of the tangent
     const double next = last + damping * (std::max(d, a) - last);
@@ -33,8 +33,8 @@ double follow_energy(const FanProblem& problem, double damping, double speed, Fa
     }
     link.ramp_start.x() += shift - link.ramp_shift;
     link.ramp_shift = shift;
-    return std::max(
-        0.0, std::abs(link.borne / link.cohesive - std::clamp(part, 0.0, 1.0)) - rounding * h * speed / link.kappa);
+    return std::max(0.0, std::abs(link.borne / link.cohesive - std::clamp(part, 0.0, 1.0)) -
+                             speed_rounding * h * speed / link.kappa);
 }
 
 }  // namespace
@@ -50,8 +50,8 @@ FanSolution solve_on_ramps(FanProblem& problem, FanSolver& solver, double rest) 
         for (FanLink& link : problem.links)
             if (link.kappa > 0 && link.cohesive > 0)
                 error = std::max(error, follow_energy(problem, damping, speed, link));
-        if (error <= settled || solve == max_solves) {
-            solution.residual = std::max(solution.residual, error > settled ? error : 0);
+        if (error <= ramp_tolerance || solve == max_ramp_solves) {
+            solution.residual = std::max(solution.residual, error > ramp_tolerance ? error : 0);
             return solution;
         }
         // the states of several links may jump to and fro between stiff and soft tangents

@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace knap {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 ContactBound contact_bound_explicit(double u_N, double V_N, double restitution, double h, double touching) {
     if (u_N <= touching) return {true, V_N <= 0 ? -restitution * V_N : -V_N};

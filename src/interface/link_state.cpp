@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace knap {
 namespace {
@@ -109,7 +108,7 @@ void LinkState::fit(const FanLink& link, const Vec2& velocity, const Vec2& impul
                  P_T = link.tangent().dot(impulse);
     const bool presses = p > scales.impulse_tolerance;
     int nearest = 0;
-    double smallest = std::numeric_limits<double>::infinity();
+    double smallest = infinity;
     for (int i = 0; i < law.staircase(presses).n_states(); ++i) {
         const StaircasePiece at = law.staircase(presses).piece(i);
         const double off = at.stick ? std::abs(v_T - at.kink) : std::max({at.low - v_T, v_T - at.high, 0.0});

@@ -14,13 +14,13 @@
 namespace knap {
 namespace {
 
-constexpr int max_iterations = 300;
+constexpr int max_qp_iterations = 300;
 constexpr double proximal = 1e-10;        // compared with a diagonal of one
 constexpr double symmetry = 1e-12;        // largest difference of the scaled matrix and its transpose
 constexpr double smallest_pivot = -1e-9;  // a pivot below is not due to rounding: the problem is not convex
 constexpr double sufficient = 1e-4;       // part of the decrease that the slope promises
 constexpr double rounding_step = 1e-9;    // of steps so small that the objective only shows its rounding
-constexpr int n_halvings = 40;
+constexpr int max_qp_halvings = 40;
 
 bool is_box_constrained(const BoxLcp& box) {
     for (const BoxUnknown& u : box.unknowns)
@@ -77,7 +77,7 @@ private:
     /// Along the projected step until the objective decreases enough.
     bool search(Eigen::VectorXd& x, const Eigen::VectorXd& slope, const Eigen::VectorXd& step) const {
         double length = 1;
-        for (int count = 0; count < n_halvings; ++count, length *= 0.5) {
+        for (int count = 0; count < max_qp_halvings; ++count, length *= 0.5) {
             const Eigen::VectorXd next = projected(x + length * step), change = next - x;
             const double promised = slope.dot(change), decrease = promised + 0.5 * change.dot(box_.M * change);
             if (decrease > sufficient * promised && change.cwiseAbs().maxCoeff() > rounding_step) continue;
@@ -98,7 +98,7 @@ private:
 LcpSolution solve_by_convex_qp(const LcpProblem& problem, const LcpOptions& options) {
     const BoxLcp box = presolve(problem);
     Eigen::VectorXd x = box.box_start(options.start);
-    const int limit = options.max_iterations > 0 ? options.max_iterations : max_iterations;
+    const int limit = options.max_iterations > 0 ? options.max_iterations : max_qp_iterations;
     int n_solves = 0;
     LcpStatus status = box.residual(x) <= options.tolerance ? LcpStatus::solved : LcpStatus::not_applicable;
     if (is_box_constrained(box)) status = ProjectedNewton(box).run(options.tolerance, limit, x, n_solves);

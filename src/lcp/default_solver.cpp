@@ -2,6 +2,7 @@
 // the rest. Where both fail, as in steps beyond Assumption 1, proximal points are tried, then every other solver on the
 // whole problem, until an answer is accepted: it solves any problem that one of them solves, and a problem that none
 // solves takes as long as all of them together. It never forms a dense matrix of a large problem.
+#include "base/vec.hpp"
 #include "lcp/presolve.hpp"
 #include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
@@ -9,13 +10,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
 namespace knap {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int sweeps_between_checks = 5;  // of their rate
 constexpr double steady = 0.999;          // a change whose ratio to the last one is nearer to one is a drift
 constexpr int max_rays = 100;

@@ -10,8 +10,8 @@
 namespace knap {
 namespace {
 
-constexpr int max_sweeps = 20000;
-constexpr int sweeps_between_checks = 5;
+constexpr int max_gauss_seidel_sweeps = 20000;
+constexpr int gauss_seidel_check_interval = 5;
 
 /// Row i of M x + q, and its entry in the column `other`.
 double row_value(const BoxLcp& box, int i, const Eigen::VectorXd& x, int other, double& entry) {
@@ -73,7 +73,7 @@ double sweep(const BoxLcp& box, Eigen::VectorXd& x, int n_sweeps) {
 
 LcpSolution solve_by_gauss_seidel(const LcpProblem& problem, const LcpOptions& options) {
     const BoxLcp box = presolve(problem);
-    const int limit = options.limit(max_sweeps);
+    const int limit = options.limit(max_gauss_seidel_sweeps);
     Eigen::VectorXd x = box.box_start(options.start);
     LcpStatus status = LcpStatus::solved;
     int n_sweeps = 0;
@@ -82,8 +82,8 @@ LcpSolution solve_by_gauss_seidel(const LcpProblem& problem, const LcpOptions& o
         else if (!std::isfinite(residual)) status = LcpStatus::stalled;
         else if (n_sweeps >= limit) status = LcpStatus::iteration_limit;
         if (status != LcpStatus::solved) break;
-        sweep(box, x, std::min(sweeps_between_checks, limit - n_sweeps));
-        n_sweeps += sweeps_between_checks;
+        sweep(box, x, std::min(gauss_seidel_check_interval, limit - n_sweeps));
+        n_sweeps += gauss_seidel_check_interval;
     }
     return lcp_solution(problem, status, box.lcp_point(x), n_sweeps);
 }

@@ -12,7 +12,7 @@
 namespace knap {
 namespace {
 
-constexpr int max_iterations = 150;
+constexpr int max_interior_point_iterations = 150;
 constexpr double part_of_longest_step = 0.995;
 constexpr double min_step = 1e-10;
 constexpr int max_crossover_steps = 10;
@@ -68,7 +68,7 @@ private:
 }  // namespace
 
 LcpSolution solve_by_interior_point(const LcpProblem& problem, const LcpOptions& options) {
-    const int n = problem.size(), limit = options.limit(max_iterations);
+    const int n = problem.size(), limit = options.limit(max_interior_point_iterations);
     if (n == 0 || problem.q.minCoeff() >= 0)
         return lcp_solution(problem, LcpStatus::solved, Eigen::VectorXd::Zero(n), 0);
     LcpProblem scaled = problem;

@@ -3,6 +3,7 @@
 // reliable on degenerate and redundant problems: a pivot must not be small compared with its column, and ratios closer
 // than rounding are a tie. Where the path ends on a ray, paths from other covering vectors are tried. The reference
 // solver: dense; a path of k pivots costs k^2 n / 2 operations, and k is about n / 2 here.
+#include "base/vec.hpp"
 #include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
 
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace knap {
@@ -195,7 +195,7 @@ private:
     }
 
     double residual(const Vector& z) const {
-        if (!z.allFinite()) return std::numeric_limits<double>::infinity();
+        if (!z.allFinite()) return infinity;
         Vector w = M_ * z;
         w += q_;
         return w.cwiseMin(z).cwiseAbs().maxCoeff();
@@ -228,8 +228,7 @@ LcpSolution solve_by_lemke(const LcpProblem& problem, const LcpOptions& options)
 
 bool solve_lcp_by_lemke(const MatrixIn& M, const VectorIn& q, Eigen::Ref<Eigen::VectorXd> z) {
     const auto follow = [&]<int max>() {
-        const auto path =
-            Tableau<max>(M, q).first_path_to_solution(n_covering_vectors, std::numeric_limits<double>::infinity());
+        const auto path = Tableau<max>(M, q).first_path_to_solution(n_covering_vectors, infinity);
         z = path.z;
         return path.status == LcpStatus::solved;
     };

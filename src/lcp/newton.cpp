@@ -14,10 +14,10 @@ namespace knap {
 namespace {
 
 constexpr double first_proximal = 1e-10, min_proximal = 1e-12, max_proximal = 1.0;
-constexpr int n_halvings = 4;
-constexpr int n_remembered = 6;      // norms that the line search compares with
-constexpr int max_iterations = 100;  // of each start of the solver
-constexpr int n_starts = 4;          // each after four times the sweeps of the one before
+constexpr int max_newton_halvings = 4;
+constexpr int n_remembered = 6;             // norms that the line search compares with
+constexpr int max_newton_iterations = 100;  // of each start of the solver
+constexpr int n_starts = 4;                 // each after four times the sweeps of the one before
 constexpr int first_sweeps = 5;
 
 enum State : signed char { lower = -1, free = 0, upper = 1 };
@@ -95,7 +95,7 @@ private:
     bool search(Eigen::VectorXd& x, Eigen::VectorXd& F, Eigen::VectorXd& map, const Eigen::VectorXd& step,
                 double reference) const {
         double length = 1;
-        for (int count = 0; count <= n_halvings; ++count, length *= 0.5) {
+        for (int count = 0; count <= max_newton_halvings; ++count, length *= 0.5) {
             const Eigen::VectorXd next = x + length * step, next_F = box_.value(next),
                                   next_map = box_.natural_map(next, next_F);
             if (!(next_map.norm() <= (1 - 1e-3 * length) * reference)) continue;
@@ -135,7 +135,7 @@ LcpSolution solve_by_newton(const LcpProblem& problem, const LcpOptions& options
             if (can_sweep) sweep(box, start, n_sweeps);
             x = whole.box_start(box.lcp_point(start));
         }
-        status = solve_box_by_newton(whole, options.tolerance, options.limit(max_iterations), x, n_solves);
+        status = solve_box_by_newton(whole, options.tolerance, options.limit(max_newton_iterations), x, n_solves);
         if (status == LcpStatus::solved) break;
     }
     return lcp_solution(problem, status, whole.lcp_point(x), n_solves);

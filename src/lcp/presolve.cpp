@@ -1,16 +1,15 @@
 #include "lcp/presolve.hpp"
 
+#include "base/vec.hpp"
 #include "lcp/linear_system.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace knap {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double rounding = 1e-13;  // relative difference of numbers that count as equal
+constexpr double equal_numbers = 1e-13;  // relative difference of numbers that count as equal
 
 using Entries = std::vector<std::pair<int, double>>;  // index and value
 
@@ -34,10 +33,10 @@ bool are_opposite(const Matrix& A, int i, int j, int ignored) {
         scale = std::max(scale, std::abs(a.value()));
         largest_sum = std::max(largest_sum, std::abs(a.value() + b.value()));
     }
-    return !a && !b && largest_sum <= rounding * scale;
+    return !a && !b && largest_sum <= equal_numbers * scale;
 }
 
-bool equal(double a, double b) { return std::abs(a - b) <= rounding * std::abs(a); }
+bool equal(double a, double b) { return std::abs(a - b) <= equal_numbers * std::abs(a); }
 
 /// Finds the two patterns. Rows that fit neither stay as they are.
 class Patterns {
@@ -98,7 +97,7 @@ private:
             else if (row == j) factor_of_j = value;
             else u.feeds = row, u.feed_factor = value, ++n_fed;
         if (!(u.slack_factor > 0) || !equal(u.slack_factor, factor_of_j) || n_fed > 1) return;
-        if (std::abs(q_[i] + q_[j]) > rounding * std::abs(q_[i])) return;
+        if (std::abs(q_[i] + q_[j]) > equal_numbers * std::abs(q_[i])) return;
         if (!are_opposite(M_, i, j, k) || !are_opposite(columns_, i, j, k)) return;
         u.feed_factor /= u.slack_factor;
         if (!positive.empty()) u.bound_by = positive[0].first, u.bound_factor = positive[0].second / a;

@@ -1,15 +1,16 @@
 #include "lcp/scaling.hpp"
 
+#include "base/vec.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace knap {
 namespace {
 
-constexpr int max_sweeps = 30;    // each takes the square root of the remaining factor
-constexpr double near_one = 1.5;  // largest entries between its inverse and itself are accepted
+constexpr int max_scaling_sweeps = 30;  // each takes the square root of the remaining factor
+constexpr double near_one = 1.5;        // largest entries between its inverse and itself are accepted
 
 /// The largest |entry| of D M D in each row or column of that number; 0 where there is none.
 Eigen::VectorXd largest_entries(const LcpMatrix& M, const Eigen::VectorXd& factor) {
@@ -50,7 +51,7 @@ void scale_bounds(const LcpMatrix& M, const Eigen::VectorXd& diagonal, Eigen::Ve
     for (double& f : factor)
         if (f == 0) f = 1;
     bool changed = true;
-    for (int sweep = 0; changed && sweep < max_sweeps; ++sweep) {
+    for (int sweep = 0; changed && sweep < max_scaling_sweeps; ++sweep) {
         const Eigen::VectorXd largest = largest_entries(of_bounds, factor);
         changed = false;
         for (int i = 0; i < M.rows(); ++i) {
@@ -86,13 +87,13 @@ LcpScaling equilibrate(LcpProblem& problem) {
 }
 
 double natural_residual(const LcpProblem& problem, const Eigen::VectorXd& z) {
-    if (z.size() != problem.q.size() || !z.allFinite()) return std::numeric_limits<double>::infinity();
+    if (z.size() != problem.q.size() || !z.allFinite()) return infinity;
     if (problem.size() == 0) return 0;
     return (problem.M * z + problem.q).cwiseMin(z).cwiseAbs().maxCoeff();
 }
 
 double scaled_residual(const LcpProblem& problem, const Eigen::VectorXd& z) {
-    if (z.size() != problem.q.size()) return std::numeric_limits<double>::infinity();
+    if (z.size() != problem.q.size()) return infinity;
     LcpProblem scaled = problem;
     return natural_residual(scaled, equilibrate(scaled).scaled_z(z));
 }

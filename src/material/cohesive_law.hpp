@@ -16,7 +16,6 @@
 #include "material/thermal.hpp"
 
 #include <algorithm>
-#include <limits>
 
 namespace knap {
 
@@ -48,8 +47,8 @@ struct CohesiveLaw {
     std::array<double, 2> friction_range() const;
 
     /// An interface that cannot break; it costs nothing.
-    static CohesiveLaw unbreakable() { return {.sigma_c = std::numeric_limits<double>::infinity()}; }
-    bool breakable() const { return sigma_c < std::numeric_limits<double>::infinity(); }
+    static CohesiveLaw unbreakable() { return {.sigma_c = infinity}; }
+    bool breakable() const { return sigma_c < infinity; }
 
     /// [m] Opening at which the cohesion is lost; 2 G_c/sigma_c of linear softening.
     double delta_c() const {
@@ -83,8 +82,7 @@ struct CohesiveLaw {
     /// [-] Part of the way to B that the cohesion goes in a step of h [s].
     double relaxed_part(double h) const { return 1 / (1 + relaxation_time / h); }
     /// Cohesion at the end of a step of h [s] that began with `cohesion` and ends at opening (u_N, u_T).
-    double next_cohesion(double cohesion, double u_N, double u_T,
-                         double h = std::numeric_limits<double>::infinity()) const;
+    double next_cohesion(double cohesion, double u_N, double u_T, double h = infinity) const;
     /// [J/m2] Delayed softening: what a fall of the cohesion at the equivalent opening s dissipates beyond G_c f(beta),
     /// int sigma_c (s - s(beta)) d beta.
     double viscous_dissipation(double before, double after, double s) const;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace knap {
 namespace {
@@ -66,7 +65,7 @@ SofteningShape::SofteningShape(std::vector<Vec2> knots) : knots_(std::move(knots
     for (std::size_t i = 0; i + 1 < knots_.size(); ++i) {
         const Vec2 &a = knots_[i], &b = knots_[i + 1];
         const double fall = a.y() - b.y(), length = b.x() - a.x();
-        slopes_.push_back(length > 0 ? fall / length : std::numeric_limits<double>::infinity());
+        slopes_.push_back(length > 0 ? fall / length : infinity);
         consumed_.push_back(consumed_.back() + 0.5 * fall * (a.x() + b.x()));
     }
 }

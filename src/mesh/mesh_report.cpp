@@ -4,15 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <queue>
 
 namespace knap {
 namespace {
 
-constexpr double degree = 180 / std::numbers::pi;
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double degrees_per_radian = 180 / std::numbers::pi;
 
 /// The vertices that every vertex shares an edge with.
 Grouped<Index> neighbours_of_vertices(const Mesh& mesh) {
@@ -40,7 +38,7 @@ void judge_triangles(const Mesh& mesh, MeshReport& report) {
         double smallest = 180, longest_edge = 0;
         for (Index k = 0; k < 3; ++k) {
             const Vec2 to_next = mesh.side_vector(t, k), to_last = mesh.corner(t, (k + 2) % 3) - mesh.corner(t, k);
-            const double angle = degree * std::atan2(cross(to_next, to_last), to_next.dot(to_last));
+            const double angle = degrees_per_radian * std::atan2(cross(to_next, to_last), to_next.dot(to_last));
             smallest = std::min(smallest, angle);
             report.largest_angle = std::max(report.largest_angle, angle);
             longest_edge = std::max(longest_edge, to_next.norm());

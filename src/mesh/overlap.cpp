@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace knap {
@@ -26,7 +25,7 @@ struct Triangle {
 /// [m] The smallest distance, over the sides of a, that b reaches behind the side. Zero for a side of either triangle
 /// where they are separate (separating axis theorem).
 double depth_behind_sides(const Triangle& a, const Triangle& b) {
-    double smallest = std::numeric_limits<double>::infinity();
+    double smallest = infinity;
     for (Index k = 0; k < 3; ++k) {
         const Vec2 along = a.side(k).normalized();
         double reach = 0;

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <limits>
 
 namespace knap {
 
@@ -22,7 +21,6 @@ struct TriangleQuality {
 /// The worst step and the worst angle among some triangles; quality(t) is a TriangleQuality.
 template <class Quality>
 TriangleQuality worst_of(std::span<const Index> triangles, const Quality& quality) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     TriangleQuality worst{infinity, infinity};
     for (const Index t : triangles) {
         const TriangleQuality q = quality(t);

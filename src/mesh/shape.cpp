@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace knap {
 
@@ -83,7 +82,7 @@ std::optional<ShapeOverlap> overlap(const Shape& a, const Shape& b, double toler
     ShapeOverlap deepest{tolerance, Vec2::Zero()};
     const auto try_at = [&](const Vec2& p, const Shape& shape, const std::vector<Segment>& border) {
         if (!shape.contains(p)) return;
-        double depth = std::numeric_limits<double>::infinity();
+        double depth = infinity;
         for (const Segment& side : border) depth = std::min(depth, distance_to_segment(side.a, side.b, p));
         if (depth > deepest.depth) deepest = {depth, p};
     };

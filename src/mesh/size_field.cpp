@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace knap {
 namespace {
 
-constexpr double turn = 2 * std::numbers::pi;
+constexpr double full_turn = 2 * std::numbers::pi;
 constexpr double min_sides_of_turn = 12;
 
 double length_of(const std::vector<Segment>& line) {
@@ -22,7 +21,7 @@ LengthInSizes length_in_sizes(const Arc& arc, const SizeField& size) {
 }
 
 double n_sides(const Arc& arc, double length_in_sizes) {
-    const double of_turn = std::ceil(min_sides_of_turn * std::abs(arc.sweep) / turn * (1 - 1e-12));
+    const double of_turn = std::ceil(min_sides_of_turn * std::abs(arc.sweep) / full_turn * (1 - 1e-12));
     return std::max({1.0, of_turn, std::ceil(length_in_sizes)});
 }
 
@@ -30,7 +29,7 @@ double n_sides(const Arc& arc, double length_in_sizes) {
 
 double RefinedPlace::distance(const Vec2& p) const {
     if (line.empty()) return box.distance(p);
-    double nearest = std::numeric_limits<double>::infinity();
+    double nearest = infinity;
     for (const Segment& s : line) nearest = std::min(nearest, distance_to_segment(s.a, s.b, p));
     return std::max(0.0, nearest - half_width);
 }
@@ -42,7 +41,7 @@ double RefinedPlace::area() const {
 }
 
 double RefinedPlace::perimeter() const {
-    return line.empty() ? 2 * box.extent().sum() : 2 * length_of(line) + turn * half_width;
+    return line.empty() ? 2 * box.extent().sum() : 2 * length_of(line) + full_turn * half_width;
 }
 
 RefinedPlace refined_strip(const std::vector<Vec2>& points, double width, double size) {
@@ -96,8 +95,8 @@ std::optional<Arc> arc_through(const Vec2& a, const Vec2& through, const Vec2& b
     const auto direction = [&](const Vec2& x) { return std::atan2(x.y() - c.y(), x.x() - c.x()); };
     const double from = direction(Vec2::Zero());
     double sweep = direction(q) - from;
-    if (area > 0 && sweep < 0) sweep += turn;  // a, through and b counterclockwise
-    if (area < 0 && sweep > 0) sweep -= turn;
+    if (area > 0 && sweep < 0) sweep += full_turn;  // a, through and b counterclockwise
+    if (area < 0 && sweep > 0) sweep -= full_turn;
     return Arc{a + c, c.norm(), from, sweep};
 }
 
@@ -114,8 +113,8 @@ std::vector<Vec2> points_within(const Arc& arc, const SizeField& size) {
 std::vector<Vec2> circle(const Vec2& centre, double radius, const SizeField& size) {
     if (size.slope() == 0)
         return circle(centre, radius,
-                      static_cast<int>(std::max(min_sides_of_turn, std::ceil(turn * radius / size.largest()))));
-    const Arc arc{centre, radius, 0, turn};
+                      static_cast<int>(std::max(min_sides_of_turn, std::ceil(full_turn * radius / size.largest()))));
+    const Arc arc{centre, radius, 0, full_turn};
     std::vector<Vec2> points{arc.at(0)};
     for (const Vec2& p : points_within(arc, size)) points.push_back(p);
     return points;

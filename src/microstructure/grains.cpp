@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace knap {
@@ -107,7 +106,7 @@ bool PowerDiagram::visit_ring(const Vec2& x, int ring, Visit visit) const {
 
 Index PowerDiagram::cell_at(const Vec2& x) const {
     Index best = -1;
-    double smallest = std::numeric_limits<double>::infinity();
+    double smallest = infinity;
     for (int ring = 0;; ++ring) {
         const double reach = std::max(0, ring - 1) * bin_;  // nothing in this ring is nearer
         if (reach * reach - largest_weight_ > smallest) return best;

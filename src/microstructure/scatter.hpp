@@ -9,7 +9,6 @@
 #include "base/random.hpp"
 #include "base/vec.hpp"
 
-#include <limits>
 #include <vector>
 
 namespace knap {
@@ -22,7 +21,7 @@ struct Scatter {
     double length = 0;       // [m] l_0 that the mean belongs to; 0 = pieces of every length alike
     double area = 0;         // [m2] likewise, of the part of the body that an interface stands for
     double lowest = 0;       // [-] of the mean: the distribution is truncated below and above
-    double highest = std::numeric_limits<double>::infinity();
+    double highest = infinity;
     double correlation = 0;                      // [m] correlation length of the field; 0 = every interface by itself
     bool of_strength = true, of_energy = false;  // the factor multiplies sigma_c, G_c
 

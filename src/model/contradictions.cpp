@@ -10,7 +10,7 @@
 namespace knap {
 namespace {
 
-constexpr Index none = -1;
+constexpr Index no_node = -1;
 
 /// Two piecewise linear functions are equal if they are at all points of both.
 bool same_motion(const Load& a, const Load& b, int k) {
@@ -29,8 +29,8 @@ public:
         : model_(model),
           mesh_(model.mesh),
           loads_(loads),
-          driver_(mesh_.n_corners(), {none, none}),
-          driver_of_edge_(mesh_.boundary_edges.size(), {none, none}) {}
+          driver_(mesh_.n_corners(), {no_node, no_node}),
+          driver_of_edge_(mesh_.boundary_edges.size(), {no_node, no_node}) {}
 
     std::vector<Contradiction> found() {
         const Index n = static_cast<Index>(loads_.size());
@@ -64,7 +64,7 @@ private:
             for (Index c = 0; c < mesh_.n_corners(); ++c) {
                 if (!held[c]) continue;
                 const Index other = std::exchange(driver_[c][k], number);
-                if (other == none) continue;
+                if (other == no_node) continue;
                 const auto [equal, is_new] = same_motion_.try_emplace({other, number, k});
                 if (is_new) equal->second = same_motion(loads_[other], load, k);
                 if (!equal->second) report(Contradiction::Kind::motions, other, number, k, mesh_.corner(c));
@@ -84,7 +84,7 @@ private:
             const Vec2 traction =
                 is_stress ? stress_times(load.stress, -turned_left(along.normalized())) : load.vector();
             for (int k = 0; k < 2; ++k)
-                if (driver_of_edge_[e][k] != none && std::abs(traction[k]) > 1e-9 * size)
+                if (driver_of_edge_[e][k] != no_node && std::abs(traction[k]) > 1e-9 * size)
                     report(Contradiction::Kind::traction, driver_of_edge_[e][k], number, k,
                            mesh_.corner(triangle, side) + 0.5 * along);
         }
@@ -95,14 +95,14 @@ private:
         const std::vector<char> selected = selected_corners(mesh_, loads_[number].on);
         for (int k = 0; k < 2; ++k) {
             if (loads_[number].vector()[k] == 0) continue;
-            Index first = none;
+            Index first = no_node;
             bool all_driven = true;
             for (Index c = 0; c < mesh_.n_corners() && all_driven; ++c) {
                 if (!selected[c]) continue;
-                if (first == none) first = c;
-                all_driven = driver_[c][k] != none;
+                if (first == no_node) first = c;
+                all_driven = driver_[c][k] != no_node;
             }
-            if (all_driven && first != none)
+            if (all_driven && first != no_node)
                 report(Contradiction::Kind::force, driver_[first][k], number, k, mesh_.corner(first));
         }
     }

@@ -1,7 +1,6 @@
 #include "model/obstacle.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <numbers>
 
 namespace knap {
@@ -11,7 +10,7 @@ const Vec2& next(const std::vector<Vec2>& points, std::size_t i) { return points
 
 /// Of a counterclockwise convex polygon, both in its frame.
 SurfaceDistance distance_to_polygon(const std::vector<Vec2>& points, const Vec2& p) {
-    constexpr double infinite = std::numeric_limits<double>::infinity();
+    constexpr double infinite = infinity;
     SurfaceDistance inside{-infinite, Vec2::Zero()}, nearest{infinite, Vec2::Zero()};
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Vec2 side = next(points, i) - points[i], outward = -turned_left(side.normalized());

@@ -120,7 +120,7 @@ void read_sides(vtkDataArray* array, Frame& frame) {
 }
 
 /// One file of a frame: points, cells of consecutive points, arrays (those of points first).
-struct Part {
+struct FramePart {
     std::string name, doc;
     struct {
         std::vector<Vec2> Frame::*position;
@@ -136,9 +136,9 @@ using Int = vtkTypeInt32Array;
 using Byte = vtkUnsignedCharArray;
 using Double = vtkDoubleArray;
 
-const std::vector<Part>& parts() {
+const std::vector<FramePart>& parts() {
     constexpr Of points = Of::points, cells = Of::cells;
-    static const std::vector<Part> list{
+    static const std::vector<FramePart> list{
         {"bulk",
          "arrays of fields/bulk_NNNN.vtu: the triangles, each with corners of its own; points in m, undeformed; the "
          "field TimeValue is the time in s",
@@ -184,7 +184,7 @@ const std::vector<Part>& parts() {
 }
 
 /// Points that are written; of interfaces only those that are not intact or lie on a support.
-Entries points_of(const Part& part, const Frame& frame) {
+Entries points_of(const FramePart& part, const Frame& frame) {
     Entries points((frame.*part.geometry.position).size());
     std::iota(points.begin(), points.end(), 0);
     if (part.geometry.position == &F::end_position)
@@ -207,7 +207,7 @@ vtkFieldData* data_of(vtkUnstructuredGrid* grid, Of of) {
     return of == Of::points ? static_cast<vtkFieldData*>(grid->GetPointData()) : grid->GetCellData();
 }
 
-void write_part(const Part& part, const Frame& frame, const path& file) {
+void write_part(const FramePart& part, const Frame& frame, const path& file) {
     const Entries points = points_of(part, frame);
     const Index n = part.geometry.points_per_cell;
     Entries cells(points.size() / n);
@@ -249,7 +249,7 @@ void write_part(const Part& part, const Frame& frame, const path& file) {
     });
 }
 
-void read_part(const Part& part, const path& file, Frame& frame) {
+void read_part(const FramePart& part, const path& file, Frame& frame) {
     const auto fail = [&](const std::string& problem) {
         throw UserError("damaged-file", "`" + file.string() + "` " + problem);
     };
@@ -277,21 +277,21 @@ void read_part(const Part& part, const path& file, Frame& frame) {
     }
 }
 
-std::string file_of(const Part& part, std::size_t frame) {
+std::string file_of(const FramePart& part, std::size_t frame) {
     const std::string number = std::to_string(frame);
     return "fields/" + part.name + "_" + std::string(4 - std::min<std::size_t>(number.size(), 4), '0') + number +
            ".vtu";
 }
 
 /// The parts of every frame; the outlines only where there are obstacles.
-std::span<const Part> parts_with(bool obstacles) { return std::span(parts()).first(obstacles ? 3 : 2); }
+std::span<const FramePart> parts_with(bool obstacles) { return std::span(parts()).first(obstacles ? 3 : 2); }
 
 void write_collection(const path& run, const std::vector<double>& times, bool obstacles) {
     std::string text =
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  "
         "<Collection>\n";
     for (std::size_t i = 0; i < times.size(); ++i)
-        for (const Part& part : parts_with(obstacles))
+        for (const FramePart& part : parts_with(obstacles))
             text += "    <DataSet timestep=\"" + shortest(times[i] + 0.0) + "\" part=\"" +
                     std::to_string(&part - parts().data()) + "\" file=\"" + file_of(part, i) + "\"/>\n";
     write_whole_file(run / "run.pvd", text + "  </Collection>\n</VTKFile>\n");
@@ -302,7 +302,7 @@ void write_collection(const path& run, const std::vector<double>& times, bool ob
 const std::vector<OutputTable>& frame_outputs() {
     static const std::vector<OutputTable> tables = [] {
         std::vector<OutputTable> tables;
-        for (const Part& part : parts()) {
+        for (const FramePart& part : parts()) {
             OutputTable& table = tables.emplace_back(OutputTable{"fields/" + part.name, part.doc, {}});
             for (const Array& array : part.arrays) table.rows.push_back(array.output);
         }
@@ -322,14 +322,14 @@ VtkSeries::VtkSeries(path run, std::vector<double> written) : run_(std::move(run
 
 void VtkSeries::write(const Frame& frame) {
     const bool obstacles = frame.n_obstacles() > 0;
-    for (const Part& part : parts_with(obstacles)) write_part(part, frame, run_ / file_of(part, times_.size()));
+    for (const FramePart& part : parts_with(obstacles)) write_part(part, frame, run_ / file_of(part, times_.size()));
     times_.push_back(frame.time);
     write_collection(run_, times_, obstacles);
 }
 
 bool VtkSeries::has(std::size_t frame) const {
     std::error_code none;
-    return std::ranges::all_of(parts_with(false), [&](const Part& part) {
+    return std::ranges::all_of(parts_with(false), [&](const FramePart& part) {
         return std::filesystem::exists(run_ / file_of(part, frame), none);
     });
 }
@@ -338,7 +338,7 @@ std::vector<std::string> VtkSeries::missing(bool obstacles) const {
     std::vector<std::string> files;
     std::error_code none;
     for (std::size_t i = 0; i < times_.size(); ++i)
-        for (const Part& part : parts_with(obstacles))
+        for (const FramePart& part : parts_with(obstacles))
             if (!std::filesystem::exists(run_ / file_of(part, i), none)) files.push_back(file_of(part, i));
     return files;
 }
@@ -361,7 +361,7 @@ std::vector<double> frame_times(const path& run) {
 
 Frame read_frame(const path& run, std::size_t index) {
     Frame frame;
-    for (const Part& part : parts())
+    for (const FramePart& part : parts())
         if (const path file = run / file_of(part, index); &part != &parts()[2] || std::filesystem::exists(file))
             read_part(part, file, frame);
     frame.length_scale = diagonal(frame.position);

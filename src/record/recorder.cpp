@@ -18,7 +18,7 @@
 namespace knap {
 namespace {
 
-constexpr double never = std::numeric_limits<double>::infinity(), none = std::numeric_limits<double>::quiet_NaN();
+constexpr double never = infinity, none = std::numeric_limits<double>::quiet_NaN();
 
 // Explicit bulk, minimum numbers of steps: a look costs a fraction of a step, a search for overlap several steps.
 constexpr std::int64_t steps_between_looks = 32, steps_between_searches = 256;

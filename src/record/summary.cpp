@@ -18,7 +18,7 @@ double Summary::operator[](const std::string& name) const {
 
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// A load or obstacle that drives the body.
 struct Driver {
@@ -37,8 +37,8 @@ struct Driver {
 
 /// Cracks where edges are too long for their process zone, as beyond a place of small triangles.
 struct Unresolved {
-    double part = none;             // [-] of the length of all cracks
-    Vec2 place = Vec2(none, none);  // [m] where it began
+    double part = not_a_number;                     // [-] of the length of all cracks
+    Vec2 place = Vec2(not_a_number, not_a_number);  // [m] where it began
 };
 
 /// On edges longer than `longest` [m]; 0: no law has a process zone.
@@ -81,9 +81,9 @@ struct Facts {
     Unresolved unresolved;
     double incubation;  // [J]
     double thickness;   // [m]
-    double n_tensile = none, n_shear = none;
+    double n_tensile = not_a_number, n_shear = not_a_number;
     Strength strength;
-    MaterialConstants material{none, none};
+    MaterialConstants material{not_a_number, not_a_number};
 };
 
 Facts::Facts(const Model& model, const State& end, const Recorder& of)
@@ -133,9 +133,11 @@ double farthest_law_lag(F f) {
     const double last = f.ledger.law_lag(), largest = f.ledger.largest_law_lag();
     return std::abs(last) > std::abs(largest) ? last : largest;
 }
-FirstBranching branching(F f) { return f.cracks.first_branching().value_or(FirstBranching{none, {none, none}}); }
-Vec2 overlap_place(F f) { return f.overlap.value > 0 ? f.overlap.place : Vec2(none, none); }
-double over(double value, double scale) { return scale > 0 ? value / scale : none; }
+FirstBranching branching(F f) {
+    return f.cracks.first_branching().value_or(FirstBranching{not_a_number, {not_a_number, not_a_number}});
+}
+Vec2 overlap_place(F f) { return f.overlap.value > 0 ? f.overlap.place : Vec2(not_a_number, not_a_number); }
+double over(double value, double scale) { return scale > 0 ? value / scale : not_a_number; }
 
 struct SummaryRow {
     std::string_view name, unit, doc;
@@ -192,10 +194,10 @@ constexpr SummaryRow rows[]{
     {"reaction_x", "N",
      "force on the body, at the end, of the load or obstacle named by reaction_of in run.json: the first one "
      "that moves",
-     [](F f) { return f.driver ? f.driver->at_end.force.x() : none; }},
-    {"reaction_y", "N", "likewise", [](F f) { return f.driver ? f.driver->at_end.force.y() : none; }},
+     [](F f) { return f.driver ? f.driver->at_end.force.x() : not_a_number; }},
+    {"reaction_y", "N", "likewise", [](F f) { return f.driver ? f.driver->at_end.force.y() : not_a_number; }},
     {"largest_reaction", "N", "largest magnitude of this force over the run",
-     [](F f) { return f.driver ? f.driver->largest_force() : none; }},
+     [](F f) { return f.driver ? f.driver->largest_force() : not_a_number; }},
     {"broken_length", "m", "length of all broken interfaces", [](F f) { return f.pattern.broken_length; }},
     {"crack_length", "m", "length of all crack arms along edges, without side twigs and single broken interfaces",
      [](F f) { return f.pattern.crack_length; }},
@@ -214,7 +216,7 @@ constexpr SummaryRow rows[]{
      [](F f) { return f.unresolved.place.x(); }},
     {"unresolved_y", "m", "likewise", [](F f) { return f.unresolved.place.y(); }},
     {"first_growth_time", "s", "first broken edge of a crack that counts",
-     [](F f) { return f.cracks.first_growth_time().value_or(none); }},
+     [](F f) { return f.cracks.first_growth_time().value_or(not_a_number); }},
     {"max_tip_speed", "m/s", "largest speed of a crack tip, fitted over half a window of growth or more",
      [](F f) { return f.cracks.max_tip_speed(); }},
     {"mean_tip_speed", "m/s", "mean speed of the main tip over the second half of its growth",
@@ -238,7 +240,7 @@ constexpr SummaryRow rows[]{
     {"shear_breaks", "", "interfaces that broke more by sliding; with output.breaks", [](F f) { return f.n_shear; },
      with_breaks},
     {"rest_time", "s", "time since which the body is at rest; with until = \"rest\"",
-     [](F f) { return f.recorder.at_rest() ? f.recorder.rest()->since() : none; }, may_rest},
+     [](F f) { return f.recorder.at_rest() ? f.recorder.rest()->since() : not_a_number; }, may_rest},
     {"peak_stress", "Pa", "largest stress of the specimen: its strength", [](F f) { return f.strength.peak_stress; },
      of_specimen},
     {"peak_strain", "", "axial strain at that stress", [](F f) { return f.strength.peak_strain; }, of_specimen},
@@ -268,7 +270,7 @@ constexpr SummaryRow rows[]{
     {"largest_rotation", "deg", "largest rotation of a triangle over the run",
      [](F f) { return f.deformation.rotation().value; }},
     {"largest_strain", "", "largest principal strain of a triangle over the run; with large rotations only",
-     [](F f) { return f.deformation.large_rotation() ? f.deformation.strain().value : none; }},
+     [](F f) { return f.deformation.large_rotation() ? f.deformation.strain().value : not_a_number; }},
     {"largest_area_change", "", "largest relative change of the area of a triangle over the run",
      [](F f) { return f.deformation.area_change().value; }},
     {"largest_slip", "",

@@ -25,7 +25,6 @@ bool Range::contains(double value) const {
 }
 
 std::string Range::text() const {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     std::vector<std::string> parts;
     if (low > -infinity) parts.push_back((low_included ? "at least " : "greater than ") + shortest(low));
     if (high < infinity) parts.push_back((high_included ? "at most " : "less than ") + shortest(high));

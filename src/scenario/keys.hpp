@@ -7,7 +7,6 @@
 #include "scenario/toml_tree.hpp"
 
 #include <functional>
-#include <limits>
 #include <span>
 #include <typeinfo>
 
@@ -40,7 +39,7 @@ struct FormRule {
 FormRule rule_of(Form form);
 
 struct Range {
-    double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+    double low = -infinity, high = infinity;
     bool low_included = true, high_included = true;
     bool contains(double value) const;
     std::string text() const;  // "greater than 0"; empty if unbounded

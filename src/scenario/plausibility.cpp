@@ -54,7 +54,7 @@ void check(const Table& table, const Plausible& range) {
 /// Stresses above these would mean strains beyond those of the linear theory; velocities faster than waves.
 void check_strains(Reading& reading) {
     const Scenario& scenario = reading.scenario;
-    double softest = std::numeric_limits<double>::infinity(), stiffest = 0, fastest = 0;
+    double softest = infinity, stiffest = 0, fastest = 0;
     for (const NamedMaterial& material : scenario.materials) {
         softest = std::min(softest, material.elastic.E);
         stiffest = std::max(stiffest, material.elastic.E);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 
 namespace knap {
 namespace {
@@ -14,7 +13,6 @@ namespace {
 /// Bodies may lie in each other by this part of the mesh size, as bodies in contact may (stepper/contact).
 constexpr double allowed_overlap = 1e-3;
 constexpr int max_bodies = 5000;  // of one pattern
-constexpr double degree = std::numbers::pi / 180;
 
 void check_shape_is_given(const Table& domain, const Table& mesh) {
     if (!domain.given("shape") && (!domain.given() || domain.has("")))

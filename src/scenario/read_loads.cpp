@@ -2,14 +2,9 @@
 #include "scenario/reading.hpp"
 
 #include <algorithm>
-#include <numbers>
 
 namespace knap {
-namespace {
-
-constexpr double degree = std::numbers::pi / 180;
-
-}  // namespace
+namespace {}  // namespace
 
 TimeFunction read_history(const Table& table) {
     const auto form = table.one_of({"ramp", "table", "csv"}, false);

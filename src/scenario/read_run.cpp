@@ -281,7 +281,7 @@ void read_specimen(Reading& reading) {
 void read_limits(const Table& table) {
     for (const GateRule& rule : gate_rules()) {
         const std::string name(rule.name);
-        const auto limit = table.text(name) == "none" ? std::numeric_limits<double>::infinity() : table.number(name);
+        const auto limit = table.text(name) == "none" ? infinity : table.number(name);
         if (limit) table.scenario().allowed_limits.push_back({name, *limit});
     }
 }

@@ -126,7 +126,7 @@ double guaranteed_step(double size, const std::vector<Elastic>& materials, Plane
 std::vector<double> wanted_sizes(const Model& model, const State& state, const AdaptOptions& options,
                                  const std::optional<Vec2>& also) {
     const Mesh& mesh = model.mesh;
-    std::vector<double> distance(mesh.vertices.size(), std::numeric_limits<double>::infinity());
+    std::vector<double> distance(mesh.vertices.size(), infinity);
     const auto mark = [&](Index triangle) {
         for (const Index v : mesh.triangles[triangle]) distance[v] = 0;
     };

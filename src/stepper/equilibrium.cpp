@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 
 namespace knap {
@@ -28,8 +27,8 @@ namespace {
 // steps.
 constexpr double first_step = 1, last_step = 1e4, growth = 10;
 constexpr int max_steps = 200, max_rounds = 100;
-constexpr double in_equilibrium = 1e-12;  // force carried by inertia, over the loads
-constexpr double good_enough = 1e-9;      // where rounding prevents less
+constexpr double in_equilibrium = 1e-12;    // force carried by inertia, over the loads
+constexpr double accepted_residual = 1e-9;  // where rounding prevents less
 constexpr double jammed = 3;    // a large step that increases this force by more has jammed the body, with friction
 constexpr double stays = 0.95;  // a step that leaves more of it changes nothing
 
@@ -157,10 +156,10 @@ public:
         if (!turned_.large_rotation) return now;
         // Large rotations: forces of small ones + (forces of large ones - forces of small ones) = 0, with the bracket
         // of the last round. A round leaves the part of the error by which turning changes the stiffness.
-        double last = std::numeric_limits<double>::infinity();
+        double last = infinity;
         for (int round = 0;; ++round) {
             const double change = correct(now);
-            if (change <= in_equilibrium || (change <= good_enough && change > 0.5 * last)) return now;
+            if (change <= in_equilibrium || (change <= accepted_residual && change > 0.5 * last)) return now;
             if (round == max_rounds || !(change <= 2 * last))
                 no_equilibrium("the body turns or strains too far", place_of_largest_displacement(now));
             last = change;
@@ -228,7 +227,7 @@ void EquilibriumSearch::find_still(State& now) {
         part = after;
         std::swap(now, next);
         stop(now);
-        if (stalled && part <= good_enough) break;
+        if (stalled && part <= accepted_residual) break;
         const double largest = wait > 0 ? h : last_step * passage;
         if ((stalled && h >= largest) || step == max_steps)
             no_equilibrium("nothing holds the body, it would move away", still_.mesh.corner(inertia.fastest));
@@ -246,7 +245,7 @@ void start_in_equilibrium(const Model& model, MassMatrix mass, State& start) {
     for (std::size_t o = 0; o < now.obstacles.size(); ++o) now.obstacles[o].velocity = start.obstacles[o].velocity;
     now.retired = start.retired;
     now.temperature = start.temperature, now.temperature_before = start.temperature_before;
-    for (Incubation& memory : now.incubation) memory.time = -std::numeric_limits<double>::infinity();
+    for (Incubation& memory : now.incubation) memory.time = -infinity;
     start = std::move(now);
 }
 

@@ -18,7 +18,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, cutback_reas
 }};
 
 /// [s] Rounding of a time that is a sum of steps.
-double rounding(const State& state, double time) {
+double time_rounding(const State& state, double time) {
     return static_cast<double>(state.n_steps + 1) * std::numeric_limits<double>::epsilon() * time;
 }
 
@@ -27,9 +27,13 @@ double rounding(const State& state, double time) {
 std::string_view name_of(CutbackReason reason) { return reason_texts[static_cast<std::size_t>(reason)].first; }
 std::string_view describe(CutbackReason reason) { return reason_texts[static_cast<std::size_t>(reason)].second; }
 
-bool StepControl::has_reached(const State& state, double time) { return state.time >= time - rounding(state, time); }
+bool StepControl::has_reached(const State& state, double time) {
+    return state.time >= time - time_rounding(state, time);
+}
 
-double StepControl::tolerance(const State& begin) const { return std::min(rounding(begin, limits_.end), 0.25 * step_); }
+double StepControl::tolerance(const State& begin) const {
+    return std::min(time_rounding(begin, limits_.end), 0.25 * step_);
+}
 
 bool StepControl::depends_on_end(const State& begin) const {
     return limits_.end - begin.time < 2 * step_ - tolerance(begin);

@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace breaks_test {
+
 using namespace knap;
 using namespace knap::tests;
 using doctest::Approx;
@@ -128,3 +130,5 @@ TEST_CASE("breaks: curves count them") {
     CHECK(chart.curves[1].y.back() == 2);
     CHECK(chart.curves[2].y.back() == 1);
 }
+
+}  // namespace breaks_test

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <set>
 
+namespace crack_arms_test {
+
 using namespace knap;
 using namespace crack_drawing;
 using knap::tests::relative;
@@ -563,3 +565,5 @@ TEST_CASE("a gap through a wide damaged zone is found among its vertices: its wa
     CHECK(joined(2 * n) == 2 + 2 * n);
     CHECK(joined(2 * n - 1) == 2);
 }
+
+}  // namespace crack_arms_test

@@ -9,6 +9,8 @@
 
 #include <cmath>
 
+namespace crack_history_test {
+
 using namespace knap;
 using namespace crack_drawing;
 using knap::tests::relative;
@@ -145,3 +147,5 @@ TEST_CASE("two cracks that meet did not run the length of the other") {
     CHECK(history.pattern().crack_length == relative(42 * mm));
     CHECK(history.max_tip_speed() == relative(1000, 0.03));  // of the first half window, five edges
 }
+
+}  // namespace crack_history_test

@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+namespace crack_shapes_test {
+
 using namespace knap;
 using namespace crack_drawing;
 using knap::tests::relative;
@@ -335,3 +337,5 @@ TEST_CASE("the numbering of interfaces does not matter") {
     CHECK(cracks(r).main_end->vertex == cracks(d).main_end->vertex);
     CHECK(cracks(r).n_branches == cracks(d).n_branches);
 }
+
+}  // namespace crack_shapes_test

@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace deformation_watch_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -158,3 +160,5 @@ TEST_CASE("deformation: sliding along a straight support is no slip and sliding 
     CHECK(slip(-10) == 0);                   // away from the wall along the floor; the wall is not felt sideways
     CHECK(slip(10) == relative(10, 1e-14));  // the last edge of the floor ends at the wall
 }
+
+}  // namespace deformation_watch_test

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <limits>
 
+namespace energy_ledger_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -157,3 +159,5 @@ TEST_CASE("figures: the energy figure closes with the energy of the start and al
     REQUIRE(curve(older, "surface"));
     CHECK(curve(older, "sum of all")->y == std::vector<double>{0, 4});
 }
+
+}  // namespace energy_ledger_test

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace fragments_test {
+
 using namespace knap;
 using doctest::Approx;
 
@@ -149,3 +151,5 @@ TEST_CASE("fragments: history and paths") {
     CHECK(lines[1][1] == 0);
     CHECK(std::vector<double>(lines[1].begin() + 2, lines[1].end()) == table.rows[1]);
 }
+
+}  // namespace fragments_test

@@ -12,6 +12,8 @@
 #include <limits>
 #include <set>
 
+namespace gates_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -192,3 +194,5 @@ TEST_CASE("gates: the speed limit is that of the lightest corner with ten times 
     CHECK(level(4.5, 1) == GateLevel::violated);  // sqrt 20
     CHECK(level(0, 0) == GateLevel::ok);
 }
+
+}  // namespace gates_test

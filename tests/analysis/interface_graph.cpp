@@ -12,6 +12,8 @@
 #include <cmath>
 #include <numeric>
 
+namespace interface_graph_test {
+
 using namespace knap;
 using doctest::Approx;
 
@@ -127,3 +129,5 @@ TEST_CASE("of second order halves of interfaces break when their two points have
     CHECK(fragments.pieces[0].mass == Approx(5 * 2 * 0.5 * 1000));
     CHECK(fragments.pieces[0].centre.x() == Approx(5.5));
 }
+
+}  // namespace interface_graph_test

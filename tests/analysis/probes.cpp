@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+namespace probes_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -39,3 +41,5 @@ TEST_CASE("a probe of a box has the mean stress of its triangles") {
     CHECK_THROWS_AS(Probes(model, {{.name = "none", .watch = Watch::stress, .box = Box{{5, 5}, {6, 6}}}}),
                     SimulationError);
 }
+
+}  // namespace probes_test

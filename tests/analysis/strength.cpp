@@ -13,6 +13,8 @@
 
 #include <cmath>
 
+namespace strength_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -199,3 +201,5 @@ TEST_CASE("strength: peak and stresses of cracks of a curve made by hand") {
     CHECK(std::isnan(end.crack_damage));
     CHECK(std::isnan(strength_of(History{rising.columns, {}}, {0.4, 0.6}).peak_stress));
 }
+
+}  // namespace strength_test

@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+namespace adaptation_test {
+
 using namespace program;
 
 namespace {
@@ -163,3 +165,5 @@ TEST_CASE("adaptation: what it does not go together with") {
     large.replace(large.find("0.15 mm"), 7, "1.50 mm");
     refused(large, "bad-value", "`adapt.size` is not below mesh.size");
 }
+
+}  // namespace adaptation_test

@@ -11,6 +11,8 @@
 #include <numbers>
 #include <set>
 
+namespace bodies_test {
+
 using namespace knap;
 using namespace program;
 
@@ -173,3 +175,5 @@ end = "40 us"
     CHECK(ghost == tests::relative(start, 1e-9));
     CHECK(std::abs(other) < 1e-9 * start);
 }
+
+}  // namespace bodies_test

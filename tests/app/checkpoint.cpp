@@ -13,6 +13,8 @@
 #include <thread>
 #include <vector>
 
+namespace checkpoint_test {
+
 using namespace program;
 
 namespace {
@@ -25,7 +27,8 @@ const std::string implicit_block =
 /// Half of the time is spent in refinements.
 const std::string refined_block =
     "edge_cracked_block -q -j 1 -s 'mesh.size=4 mm' -s 'adapt={ size = \"0.5 mm\", every = 10 }' -s "
-    "'interface.default.sigma_c=8 MPa' -s 'time.end=25 us' -s 'output.every=2 us' -s 'expect={}' -s output.breaks=true ";
+    "'interface.default.sigma_c=8 MPa' -s 'time.end=25 us' -s 'output.every=2 us' -s 'expect={}' -s "
+    "output.breaks=true ";
 
 /// Conduction, cracks and a time factor.
 const std::string explicit_quench =
@@ -273,3 +276,5 @@ TEST_CASE("damaged checkpoints are told from whole ones") {
         CHECK_THROWS_AS(knap::unpacked_checkpoint(damaged), knap::SimulationError);
     }
 }
+
+}  // namespace checkpoint_test

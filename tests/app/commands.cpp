@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <regex>
 
+namespace commands_test {
+
 using namespace program;
 
 TEST_CASE("check says what would happen") {
@@ -294,3 +296,5 @@ TEST_CASE("what has no room in memory is no internal error") {
     CHECK(large.has("larger mesh.size"));
 }
 #endif
+
+}  // namespace commands_test

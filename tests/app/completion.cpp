@@ -4,6 +4,8 @@
 #include <regex>
 #include <sstream>
 
+namespace completion_test {
+
 using namespace program;
 
 namespace {
@@ -79,3 +81,5 @@ TEST_CASE("the compressed manual is that page and holds no time") {
     CHECK(command("--version >/dev/null; zcat '" KNAP_BINARY_DIR "/knap.1.gz'").text ==
           text_of(KNAP_SOURCE_DIR "/tools/package/knap.1"));
 }
+
+}  // namespace completion_test

@@ -10,6 +10,8 @@
 #include <queue>
 #include <vector>
 
+namespace cracks_test {
+
 using namespace program;
 using knap::History;
 
@@ -218,3 +220,5 @@ TEST_CASE("the summary says where a crack left the triangles that resolve it") {
             "unresolved_part = { above = 0.3, below = 0.8 }, unresolved_x = { above = \"72 mm\", below = \"76 mm\" }");
     expects("3.08 MPa", "unresolved_part = { at_most = 0 }");  // 14 mm, longer than all edges
 }
+
+}  // namespace cracks_test

@@ -3,6 +3,8 @@
 
 #include <vector>
 
+namespace damaged_test {
+
 using namespace program;
 
 namespace {
@@ -109,3 +111,5 @@ TEST_CASE("what a figure cannot be is said before it is drawn") {
     CHECK_FALSE(fs::exists(folder.path / "run" / "rendered" / "reactions.png"));
     CHECK(command("render " + folder.in_shell("run") + " --show speed --at 1us --aspect 10").code == 0);
 }
+
+}  // namespace damaged_test

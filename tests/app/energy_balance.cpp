@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace energy_balance_test {
+
 using namespace program;
 
 namespace {
@@ -110,3 +112,5 @@ TEST_CASE("energy balance: a gallery that is excavated while the rock breaks") {
     for (const char* name : {"excavated_energy", "dissipated"}) CHECK_MESSAGE(balance.end_of(name) > 0, name);
     CHECK(balance.end_of("excavation_work") < 0);
 }
+
+}  // namespace energy_balance_test

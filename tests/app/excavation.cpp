@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+namespace excavation_test {
+
 using namespace program;
 
 namespace {
@@ -149,3 +151,5 @@ TEST_CASE("excavation: messages") {
     warned(scene(), "excavation[1]: ");
     warned(scene("[[excavation]]\nat = \"7 ms\"\nbox = [0, 0, 1, 1]\n"), "does not vanish in this run");
 }
+
+}  // namespace excavation_test

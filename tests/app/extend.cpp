@@ -1,6 +1,8 @@
 // A finished run goes on to a later time.end, with the bits of a run of that length.
 #include "program.hpp"
 
+namespace extend_test {
+
 using namespace program;
 
 namespace {
@@ -106,3 +108,5 @@ TEST_CASE("a run that was stopped may go on to a later end and a damaged one is 
     CHECK(text_of(run / "resolved.toml") == resolved);
     CHECK(text_of(run / "run.json") == record);
 }
+
+}  // namespace extend_test

@@ -2,6 +2,8 @@
 // a run endless.
 #include "program.hpp"
 
+namespace findings_test {
+
 using namespace program;
 
 namespace {
@@ -197,3 +199,5 @@ TEST_CASE("check judges the conduction of heat") {
               .has("of the time in which heat crosses `alumina`"));
     CHECK_FALSE(command("check granite_heating -s mesh.size='1 mm'").has("\nheat\n"));  // prescribed
 }
+
+}  // namespace findings_test

@@ -1,6 +1,8 @@
 // Meshes from Gmsh on the command line.
 #include "program.hpp"
 
+namespace gmsh_test {
+
 using namespace program;
 
 namespace {
@@ -88,3 +90,5 @@ TEST_CASE("a mesh with a fault ends with 2 and its line and one that can be mend
     refused("3\n1 2 0 1 2 3\n2 2 0 1 3 4\n3 2 0 3 1 2\n", "in the file twice");
     refused("3\n1 2 0 1 2 3\n2 2 0 1 3 4\n3 2 0 1 3 5\n", "same side of the edge");  // of which three triangles
 }
+
+}  // namespace gmsh_test

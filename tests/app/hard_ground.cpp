@@ -11,6 +11,8 @@
 #include <future>
 #include <thread>
 
+namespace hard_ground_test {
+
 using namespace program;
 
 TEST_CASE("a full disk ends a run with 3 and says which file") {
@@ -283,3 +285,5 @@ TEST_CASE("what is no scenario is refused in a few lines") {
     CHECK(many.has("20"));
     CHECK(many.text.size() < 50 * 200);  // the first alone names the blocks at the top
 }
+
+}  // namespace hard_ground_test

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+namespace law_lag_test {
+
 using namespace program;
 
 namespace {
@@ -57,3 +59,5 @@ TEST_CASE("law lag: a crack that is all but free ends the run and is told what t
     CHECK_FALSE(small.has("VIOLATED"));
     CHECK_FALSE(small.has("warning[scheme_dissipation_part]"));
 }
+
+}  // namespace law_lag_test

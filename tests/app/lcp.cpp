@@ -3,6 +3,8 @@
 
 #include "lcp/matrix_market.hpp"
 
+namespace lcp_test {
+
 using namespace program;
 
 namespace {
@@ -75,3 +77,5 @@ TEST_CASE("lcp takes several problems and solves those of an unloaded beam and s
     CHECK(all.has("not applicable: convex_qp, which needs a matrix that is symmetric"));
     CHECK(command("lcp --json " + stored("line_2") + " " + stored("line_4")).text.starts_with("["));
 }
+
+}  // namespace lcp_test

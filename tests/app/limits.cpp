@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+namespace limits_test {
+
 using namespace program;
 
 namespace {
@@ -221,3 +223,5 @@ TEST_CASE("limits: a crack that did not grow and one whose growth is in few line
     CHECK(record_of(folder)["summary"]["mean_tip_speed"].get<double>() > 100);
     CHECK(record_of(folder)["summary"]["mean_tip_speed"].get<double>() < 3000);
 }
+
+}  // namespace limits_test

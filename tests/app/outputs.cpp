@@ -11,6 +11,8 @@
 #include <set>
 #include <sstream>
 
+namespace outputs_test {
+
 using namespace knap;
 using namespace program;
 using Json = nlohmann::ordered_json;
@@ -127,8 +129,10 @@ TEST_CASE("outputs: every column and number and array of a run is in the list an
     for (const char* part : {"bulk", "interfaces", "obstacles"})
         for (const std::string& array : arrays_in(made / "fields" / (std::string(part) + "_0001.vtu")))
             CHECK_MESSAGE(find_output("fields/" + std::string(part), array) != nullptr, part, " ", array);
-    CHECK(arrays_in(made / "fields/bulk_0001.vtu").size() == output_table("fields/bulk").rows.size() - 2);  // no grains, no heat
-    CHECK(arrays_in(made / "fields/interfaces_0001.vtu").size() == output_table("fields/interfaces").rows.size() - 1);  // no fluid
+    CHECK(arrays_in(made / "fields/bulk_0001.vtu").size() ==
+          output_table("fields/bulk").rows.size() - 2);  // no grains, no heat
+    CHECK(arrays_in(made / "fields/interfaces_0001.vtu").size() ==
+          output_table("fields/interfaces").rows.size() - 1);  // no fluid
 
     const Json record = Json::parse(text_of(made / "run.json"));
     for (const auto& entry : record.items())
@@ -190,3 +194,5 @@ TEST_CASE("outputs: studies name loads and their tables carry units") {
     CHECK(number.code == 2);
     CHECK(number.has("its column `largest_slip` has the name of a summary number"));
 }
+
+}  // namespace outputs_test

@@ -8,6 +8,8 @@
 
 #include <sstream>
 
+namespace published_beam_test {
+
 using namespace program;
 using knap::tests::PublishedBeam;
 using knap::tests::relative;
@@ -125,3 +127,5 @@ TEST_CASE("dcb at 0.01 mm: the published algorithm to the end" * doctest::test_s
         CHECK(all.crack < 0.011);
     }
 }
+
+}  // namespace published_beam_test

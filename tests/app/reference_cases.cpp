@@ -11,6 +11,8 @@
 #include <sstream>
 #include <vector>
 
+namespace reference_cases_test {
+
 using namespace knap::tests;
 
 namespace {
@@ -87,8 +89,7 @@ TEST_CASE("C2 a double cantilever beam is opened slowly" * doctest::test_suite("
     }
 }
 
-TEST_CASE("a notched beam of concrete carries what the fictitious crack model says" *
-          doctest::test_suite("slow")) {
+TEST_CASE("a notched beam of concrete carries what the fictitious crack model says" * doctest::test_suite("slow")) {
     describe(
         "The scenario three_point_bending with linear softening and with Petersson's bilinear one of the same strength "
         "and fracture energy: largest force against Hillerborg's fictitious crack on half the beam "
@@ -163,3 +164,5 @@ TEST_CASE("D1 an edge-cracked block of glass is pulled apart in large implicit s
     }
     verify_near("dissipated energy [J/m], mean", dissipated, 0.27, {0.06, 0.03});
 }
+
+}  // namespace reference_cases_test

@@ -8,6 +8,8 @@
 #include <chrono>
 #include <thread>
 
+namespace run_test {
+
 using namespace program;
 
 namespace {
@@ -103,16 +105,17 @@ TEST_CASE("a run directory is complete") {
         CHECK(command("render " + run + " --animate --every 10us").code == 0);
         CHECK(count_of(text_of(folder.path / file), "ANMF") == 5);
         CHECK(command("render " + run + " --animate --curves rose").code == 2);
-        CHECK(command("render " + run + " --animate --every 20us --file a.mp4").has(
-            std::system("ffmpeg -version >/dev/null 2>&1") == 0 ? "a.mp4" : "no-ffmpeg"));
+        CHECK(command("render " + run + " --animate --every 20us --file a.mp4")
+                  .has(std::system("ffmpeg -version >/dev/null 2>&1") == 0 ? "a.mp4" : "no-ffmpeg"));
     }
     SUBCASE("its report holds all of it") {
         const std::string report = text_of(folder.path / "run/report.html");
         CHECK(report.size() > 200'000);
         CHECK(report.size() < 3'000'000);
         CHECK(report.find("Does a crack in a glass plate run, how fast, and does it branch,") != std::string::npos);
-        for (const char* words : {"E = 32 GPa", "Rayleigh 21", "energy_residual", "triangles of order 1", "J/m2",
-                                  "figures/cracks_20us.png", "@page { size: A4", "type=\"range\"", "run edge_cracked_block"})
+        for (const char* words :
+             {"E = 32 GPa", "Rayleigh 21", "energy_residual", "triangles of order 1", "J/m2", "figures/cracks_20us.png",
+              "@page { size: A4", "type=\"range\"", "run edge_cracked_block"})
             CHECK_MESSAGE(count_of(report, words) > 0, words);
         // nothing is fetched: every address is inside the page
         CHECK(count_of(report, "src=\"") == count_of(report, "src=\"data:image/"));
@@ -226,3 +229,5 @@ TEST_CASE("Ctrl-C ends a run with its outputs complete") {
     CHECK(fs::file_size(run / "figures/energy.png") > 0);
     CHECK(text_of(run / "energy.csv").back() == '\n');
 }
+
+}  // namespace run_test

@@ -6,6 +6,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+namespace run_directory_test {
+
 using namespace program;
 
 namespace {
@@ -207,3 +209,5 @@ TEST_CASE("run directory: a volume of its own has more than nothing in it") {
     CHECK(command("run " + bar + "-o " + folder.in_shell("run")).code == 0);
     CHECK(fs::exists(folder.path / "run/lost+found"));
 }
+
+}  // namespace run_directory_test

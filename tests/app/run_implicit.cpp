@@ -7,6 +7,8 @@
 
 #include <algorithm>
 
+namespace run_implicit_test {
+
 using namespace program;
 
 namespace {
@@ -244,3 +246,5 @@ TEST_CASE("a run says how many steps were found by pivots") {
     CHECK(knap::end_of_run(record, "somewhere").find("pivots  solved 3 steps on which this solver failed") !=
           std::string::npos);
 }
+
+}  // namespace run_implicit_test

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+namespace run_preload_test {
+
 using namespace program;
 
 namespace {
@@ -66,3 +68,5 @@ TEST_CASE("a run from equilibrium that its interfaces or supports do not hold fa
     CHECK(check.has("error[not-held]"));
     CHECK(check.has("column.toml:"));
 }
+
+}  // namespace run_preload_test

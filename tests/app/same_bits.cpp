@@ -7,6 +7,8 @@
 #include <map>
 #include <vector>
 
+namespace same_bits_test {
+
 using namespace program;
 
 namespace {
@@ -101,3 +103,5 @@ TEST_CASE("golden: four scenarios have the bits that they had") {
         CHECK_MESSAGE(known.at(scene.name) == hash, advice);
     }
 }
+
+}  // namespace same_bits_test

@@ -1,6 +1,8 @@
 // Standard streams that are closed, or whose reader goes away.
 #include "program.hpp"
 
+namespace streams_test {
+
 using namespace program;
 
 namespace {
@@ -40,3 +42,5 @@ TEST_CASE("a reader of the messages who goes away ends nothing") {
     CHECK(fs::file_size(folder.path / "sweep/sweep.csv") > 0);
     CHECK(codes("list") == "code 0\n");
 }
+
+}  // namespace streams_test

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <sstream>
 
+namespace study_test {
+
 using namespace program;
 using namespace knap;
 
@@ -277,3 +279,5 @@ TEST_CASE("study: mistakes are reported before anything runs") {
     CHECK(command("study " KNAP_SOURCE_DIR "/scenarios/hopkinson_time_piece.toml --refine mesh")
               .has("cannot be refined"));
 }
+
+}  // namespace study_test

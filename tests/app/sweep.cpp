@@ -17,6 +17,8 @@
 #include <sstream>
 #include <thread>
 
+namespace sweep_test {
+
 using namespace program;
 using namespace knap;
 
@@ -341,3 +343,5 @@ TEST_CASE("sweep: printed command lines are done by a Slurm array and by GNU par
     CHECK(all.has("4 of 4 runs are to be done"));
     CHECK(all.has(" --force -s "));
 }
+
+}  // namespace sweep_test

@@ -9,6 +9,8 @@
 #include <map>
 #include <vector>
 
+namespace thermal_cracks_test {
+
 using namespace program;
 using namespace knap::tests;
 using knap::History;
@@ -145,3 +147,5 @@ TEST_CASE("H9 coarse grains break their borders at lower temperatures than fine 
                {0.5, 0.2});  // 0 if strength decides
     }
 }
+
+}  // namespace thermal_cracks_test

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+namespace until_rest_test {
+
 using namespace program;
 using Json = nlohmann::json;
 
@@ -74,3 +76,5 @@ TEST_CASE("until rest: refused where something moves for ever") {
     CHECK(answer.code == 2);
     CHECK(answer.has("never-rests"));
 }
+
+}  // namespace until_rest_test

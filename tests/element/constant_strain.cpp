@@ -9,6 +9,8 @@
 
 #include <doctest/doctest.h>
 
+namespace constant_strain_test {
+
 using namespace knap;
 
 namespace {
@@ -76,3 +78,5 @@ TEST_CASE("two lanes and four give the same bits") {
     check_lanes<StrainMeasure::green>();
 }
 #endif
+
+}  // namespace constant_strain_test

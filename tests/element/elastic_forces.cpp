@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace elastic_forces_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -270,3 +272,5 @@ TEST_CASE("large rotations: the stress criterion bounds the forces at any strain
         }
     }
 }
+
+}  // namespace elastic_forces_test

@@ -17,6 +17,8 @@
 #include <cmath>
 #include <vector>
 
+namespace fictitious_crack_test {
+
 using namespace knap::tests;
 
 namespace {
@@ -140,3 +142,5 @@ TEST_CASE("the fictitious crack gives the peak load that three_point_bending exp
         CHECK(fine == relative(expected, 0.01));
     }
 }
+
+}  // namespace fictitious_crack_test

@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace quadratic_triangles_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -230,3 +232,5 @@ TEST_CASE("second order: the stress criterion marks fans by the forces on their 
     CHECK(n_candidates > 10);
     CHECK(n_held > 10);
 }
+
+}  // namespace quadratic_triangles_test

@@ -15,6 +15,8 @@
 #include <array>
 #include <set>
 
+namespace figure_scales_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -136,13 +138,15 @@ TEST_CASE("figures: titles are whole") {
 // T = 300 + 50 x/width in both materials and on both sides of the crack: the isoline of 325 is x = width/2.
 TEST_CASE("figures: a temperature is smooth and its isolines lie where they must") {
     const Frame frame = synthetic::frame(20);
-    const DrawnFigure figure = draw({.show = "temperature", .width = 1120, .mark = {325}}, frame, {}, pictures() / "isoline.png");
+    const DrawnFigure figure =
+        draw({.show = "temperature", .width = 1120, .mark = {325}}, frame, {}, pictures() / "isoline.png");
     const Pixels pixels(figure.file);
     std::set<int> columns, rows;
     for (int y = 0; y < 7 * pixels.height() / 10; ++y)  // the legend is below
         for (int x = 0; x < pixels.width(); ++x) {
             const std::uint32_t colour = pixels.at(x, y) & 0xFFFFFF;
-            if ((colour >> 16) > 0xC0 && ((colour >> 8) & 0xFF) < 0x40 && (colour & 0xFF) < 0x40) columns.insert(x), rows.insert(y);
+            if ((colour >> 16) > 0xC0 && ((colour >> 8) & 0xFF) < 0x40 && (colour & 0xFF) < 0x40)
+                columns.insert(x), rows.insert(y);
         }
     REQUIRE(columns.size() >= 2);
     CHECK(*columns.rbegin() - *columns.begin() < 8);
@@ -164,12 +168,14 @@ TEST_CASE("figures: a temperature is smooth and its isolines lie where they must
 }
 
 TEST_CASE("figures: displacements over the temperature and the thermal work as supply") {
-    const History probes{{"time", "a_u_x", "a_u_y", "a_v_x", "a_v_y", "a_T"}, {{0, 0, 0, 0, 0, -6}, {1, 1e-3, 0, 0, 0, -2}}};
+    const History probes{{"time", "a_u_x", "a_u_y", "a_v_x", "a_v_y", "a_T"},
+                         {{0, 0, 0, 0, 0, -6}, {1, 1e-3, 0, 0, 0, -2}}};
     const Chart chart = probe_chart(probes, true, true);
     REQUIRE(chart.curves.size() == 1);
     CHECK(chart.curves[0].x == std::vector<double>{-6, -2});
     CHECK(chart.x_unit == "°C");
-    const History energy{{"time", "kinetic", "strain", "dissipated", "external_work", "thermal_work"}, {{0, 0, 0, 0, 0, 0}, {1, 1, 2, 3, 1, 5}}};
+    const History energy{{"time", "kinetic", "strain", "dissipated", "external_work", "thermal_work"},
+                         {{0, 0, 0, 0, 0, 0}, {1, 1, 2, 3, 1, 5}}};
     const Chart balance = energy_chart(energy);
     CHECK(balance.curves[0].y.back() == 6);  // the sum of all
     CHECK(balance.curves[1].label == "external + thermal work");
@@ -407,3 +413,5 @@ TEST_CASE("figures: panels are bare and their legend stands below all") {
     CHECK(labels(draw_chart(small, pictures() / "curve.png", 560, {.axes = wide, .panel = true})) !=
           labels(draw_chart(small, pictures() / "curve.png", 560, {.panel = true})));
 }
+
+}  // namespace figure_scales_test

@@ -18,6 +18,8 @@
 #include <limits>
 #include <set>
 
+namespace figures_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -356,9 +358,12 @@ TEST_CASE("figures: the pictures of an animation have one page and its curves gr
     const std::string bytes(std::istreambuf_iterator<char>(in), {});
     std::vector<int> durations;  // [ms]: bytes 12 to 14 of a chunk ANMF after its head of 8
     for (std::size_t at = bytes.find("ANMF"); at != bytes.npos; at = bytes.find("ANMF", at + 1))
-        durations.push_back(static_cast<unsigned char>(bytes[at + 20]) + 256 * static_cast<unsigned char>(bytes[at + 21]));
+        durations.push_back(static_cast<unsigned char>(bytes[at + 20]) +
+                            256 * static_cast<unsigned char>(bytes[at + 21]));
     CHECK(durations == std::vector<int>(5, 200));
     CHECK_THROWS_AS(write_animation(pictures() / "crack.avi", 5, picture), UserError);
     options.curves = "fragments";
     CHECK_THROWS_AS(draw_picture(options, frame, histories, context, common), UserError);
 }
+
+}  // namespace figures_test

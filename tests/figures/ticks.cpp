@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+namespace ticks_test {
+
 using namespace knap;
 
 TEST_CASE("ticks: round and inside and no more than requested") {
@@ -120,3 +122,5 @@ TEST_CASE("colour map: grows in lightness or is symmetric") {
     CHECK(map(-3).blue == map(0).blue);
     CHECK(map(7).red == map(1).red);
 }
+
+}  // namespace ticks_test

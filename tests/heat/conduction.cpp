@@ -11,6 +11,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace conduction_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -338,3 +340,5 @@ TEST_CASE("H3 the stress of a plate that convection cools") {
     verify("largest error of the energy balance", 1 + run.ledger.largest_residual() / run.ledger.largest_energy(), 1,
            {1e-11});
 }
+
+}  // namespace conduction_test

@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace formulas_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -81,3 +83,5 @@ TEST_CASE("a table over a grid is linear between its places and constant outside
     CHECK_MESSAGE(message(twice).find("there is a second line for x = 1, y = 2, t = 0") != std::string::npos,
                   message(twice));
 }
+
+}  // namespace formulas_test

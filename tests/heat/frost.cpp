@@ -11,6 +11,8 @@
 
 #include <cmath>
 
+namespace frost_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -45,8 +47,11 @@ const Shaped shapes[] = {{"linear", {}},
 }  // namespace
 
 TEST_CASE("H20 a joint that is warmed under load breaks when phi(T) sigma_c has fallen to it") {
-    describe("Two points carry 1.2 Pa in tension, sigma_c = 2 Pa at -10 C; T rises by 10 K in 1 s and phi falls linearly from 1 to 0.2, so that "
-             "phi sigma_c = 1.2 Pa at t = 0.5 s. First loss of cohesion, within a step; and the energy that the break has dissipated.");
+    describe(
+        "Two points carry 1.2 Pa in tension, sigma_c = 2 Pa at -10 C; T rises by 10 K in 1 s and phi falls linearly "
+        "from 1 to 0.2, so that "
+        "phi sigma_c = 1.2 Pa at t = 0.5 s. First loss of cohesion, within a step; and the energy that the break has "
+        "dissipated.");
     for (const Shaped& shape : shapes)
         for (const SchemeOptions& scheme : all_paths()) {
             on_path(scheme);
@@ -83,8 +88,11 @@ TEST_CASE("H20 a joint that is warmed under load breaks when phi(T) sigma_c has 
 
 // An opening that is held: beta stays, and phi alone changes the force and what closing would give back.
 TEST_CASE("H20 the energy of an open joint that thaws changes by dphi beta sigma_c s") {
-    describe("Two points are pulled open by 0.3 delta_c and held while T rises from -10 C to -4 C and falls back: beta stays, the traction is "
-             "phi beta sigma_c, and the ledger's law_change is dphi beta sigma_c s (a half of it with secant unloading), zero after the cycle.");
+    describe(
+        "Two points are pulled open by 0.3 delta_c and held while T rises from -10 C to -4 C and falls back: beta "
+        "stays, the traction is "
+        "phi beta sigma_c, and the ledger's law_change is dphi beta sigma_c s (a half of it with secant unloading), "
+        "zero after the cycle.");
     for (const Unloading unloading : {Unloading::constant, Unloading::secant})
         for (const Shaped& shape : shapes)
             for (const SchemeOptions& scheme : both_paths()) {
@@ -94,7 +102,8 @@ TEST_CASE("H20 the energy of an open joint that thaws changes by dphi beta sigma
                 law.unloading = unloading;
                 law.of_temperature = tables(falling);
                 ModelInput input = warm_points(law, true, "-10 + max(0, min(6*(t - 0.2), 6*(2.2 - t)))");
-                input.loads = {load(Load::Kind::displacement, "base", 0.0, 0.3 * delta_c, {.time = {0, 0.1}, .value = {0, 1}})};
+                input.loads = {
+                    load(Load::Kind::displacement, "base", 0.0, 0.3 * delta_c, {.time = {0, 0.1}, .value = {0, 1}})};
                 SchemeOptions options = scheme;
                 options.respect_assumption_1 = false;
                 Run run(input, options);
@@ -113,20 +122,24 @@ TEST_CASE("H20 the energy of an open joint that thaws changes by dphi beta sigma
                 const std::string of = std::string(", ") + shape.name + (part < 1 ? ", secant" : "");
                 verify("law_change over dphi beta sigma_c s" + of,
                        run.ledger.row().law_change / (2 * part * dphi * beta * sigma_c * 0.3 * delta_c), 1, {1e-10});
-                verify("traction over phi beta sigma_c" + of, run.now.points[0].traction.x() / (-(1 + dphi) * beta * sigma_c), 1, {1e-10});
+                verify("traction over phi beta sigma_c" + of,
+                       run.now.points[0].traction.x() / (-(1 + dphi) * beta * sigma_c), 1, {1e-10});
                 CHECK(cohesion(run.model, run.now, 0) == relative(beta, 1e-12));
                 CHECK(run.ledger.row().dissipated == relative(dissipated, 1e-12));
                 CHECK(law_of(run.model, run.now, run.model.fan_points[0]).sigma_c < 0.53 * sigma_c);
                 go(2.5);
                 CHECK(std::abs(run.ledger.row().law_change) < 1e-14);
-                CHECK(run.now.points[0].traction.x() == relative(-beta * sigma_c, 1e-10));  // no healing, but it freezes again
+                CHECK(run.now.points[0].traction.x() ==
+                      relative(-beta * sigma_c, 1e-10));  // no healing, but it freezes again
                 CHECK(run.ledger.largest_residual() < 1e-13 * run.ledger.largest_energy());
             }
 }
 
 TEST_CASE("H21 a mass slides when mu(T) has fallen to the slope") {
-    describe("Point masses on a slope of 30 degrees (g = 9.81) while T rises by 10 K in 1 s and mu falls linearly from 0.8 to 0.3: the slide "
-             "begins when mu = tan 30, and the speed at t = 1 s is the integral of g (sin - mu(T(t)) cos).");
+    describe(
+        "Point masses on a slope of 30 degrees (g = 9.81) while T rises by 10 K in 1 s and mu falls linearly from 0.8 "
+        "to 0.3: the slide "
+        "begins when mu = tan 30, and the speed at t = 1 s is the integral of g (sin - mu(T(t)) cos).");
     const double g = 9.81, angle = M_PI / 6, h = 1e-4;
     for (const SchemeOptions& scheme : both_paths()) {
         on_path(scheme);
@@ -152,8 +165,10 @@ TEST_CASE("H21 a mass slides when mu(T) has fallen to the slope") {
 
 // p(T) against p(t) with the same values: the same motion.
 TEST_CASE("H22 the pressure of ice is that of the temperature at the crack") {
-    describe("A joint in a block of 1 m x 1 m holds ice: p = 1.12 MPa/K below 0 C, at most 5 MPa (Clapeyron with a cap). Forces at a temperature that "
-             "varies along the joint; and the run with T(t) against one with the same p(t).");
+    describe(
+        "A joint in a block of 1 m x 1 m holds ice: p = 1.12 MPa/K below 0 C, at most 5 MPa (Clapeyron with a cap). "
+        "Forces at a temperature that "
+        "varies along the joint; and the run with T(t) against one with the same p(t).");
     const TemperatureTable clapeyron{.temperature = {-5. / 1.12, 0}, .value = {5e6, 0}};
     Shape shape;
     shape.outer = {.points = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, .boundary = {0, 1, 2, 3}};
@@ -162,8 +177,8 @@ TEST_CASE("H22 the pressure of ice is that of the temperature at the crack") {
     const auto block = [&](const std::string& temperature) {
         Heat heat = field(temperature, {0});
         heat.every = 1;
-        ModelInput input = heated(triangulate(shape, {.size = 0.1, .seed = 2}), heat, {.density = 2500, .E = 30e9, .nu = 0.2},
-                                  {.sigma_c = 1e7, .G_c = 100, .gamma = 1});
+        ModelInput input = heated(triangulate(shape, {.size = 0.1, .seed = 2}), heat,
+                                  {.density = 2500, .E = 30e9, .nu = 0.2}, {.sigma_c = 1e7, .G_c = 100, .gamma = 1});
         input.laws.push_back({.sigma_c = 1e6, .G_c = 10, .gamma = 1});
         input.law_of_joint = {1};
         input.crack_pressures = {{.pressure = 5e6, .joint_law = 1}};
@@ -191,7 +206,8 @@ TEST_CASE("H22 the pressure of ice is that of the temperature at the crack") {
     const Frame frame = make_frame(model, initial_state(model));
     REQUIRE(frame.fluid.size() == frame.end_position.size());
     for (std::size_t i = 0; i < frame.fluid.size(); ++i)
-        if (const Vec2& x = frame.end_position[i]; std::abs(x.y() - 0.5) > 0.2 || x.x() > 0.6) CHECK(frame.fluid[i] == 0);
+        if (const Vec2& x = frame.end_position[i]; std::abs(x.y() - 0.5) > 0.2 || x.x() > 0.6)
+            CHECK(frame.fluid[i] == 0);
     CHECK(std::ranges::max(frame.fluid) == relative(1.12e6 * 8 * 0.5, 1e-12));
     verify("force on a face", sum, expected, {1e-12});
 
@@ -202,7 +218,8 @@ TEST_CASE("H22 the pressure of ice is that of the temperature at the crack") {
     const double h = 0.8 * ice.stepper.stable_step();
     for (int i = 0; i < 150; ++i) ice.step(h), time.step(h);
     CHECK(time.ledger.row().external_work > 1);
-    verify("work of p(T) over that of p(t)", ice.ledger.row().external_work / time.ledger.row().external_work, 1, {1e-10});
+    verify("work of p(T) over that of p(t)", ice.ledger.row().external_work / time.ledger.row().external_work, 1,
+           {1e-10});
     CHECK(ice.ledger.row().dissipated == relative(time.ledger.row().dissipated, 1e-9));
     CHECK(ice.ledger.row().dissipated > 0);
     CHECK(ice.ledger.largest_residual() < 1e-12 * ice.ledger.largest_energy());
@@ -225,7 +242,8 @@ TEST_CASE("the energy balance closes to rounding while a body that thaws tears")
     constexpr double a = 1e-5;
     for (const SchemeOptions& scheme : all_paths())
         for (const Index order : {1, 2}) {
-            if (scheme.bulk == BulkScheme::explicit_lumped && scheme.cohesion == CohesionScheme::implicit_beta) continue;
+            if (scheme.bulk == BulkScheme::explicit_lumped && scheme.cohesion == CohesionScheme::implicit_beta)
+                continue;
             for (const Unloading unloading : {Unloading::constant, Unloading::secant}) {
                 const bool implicit = scheme.bulk == BulkScheme::implicit_theta;
                 if (implicit && order == 2) continue;  // slow, and the same code
@@ -239,12 +257,14 @@ TEST_CASE("the energy balance closes to rounding while a body that thaws tears")
                 heat.every = 3;
                 Mesh mesh = bar_mesh(6, 3, 2, 1);
                 mesh.order = order;
-                ModelInput input = heated(std::move(mesh), heat, {.density = 1, .E = 1, .nu = 0.3}, law, PlaneModel::strain);
+                ModelInput input =
+                    heated(std::move(mesh), heat, {.density = 1, .E = 1, .nu = 0.3}, law, PlaneModel::strain);
                 input.loads = {load(Load::Kind::displacement, "left", 0.0, std::nullopt)};
                 Run run(std::move(input), options);
                 const double h = implicit ? 0.02 : 0.4 * run.stepper.stable_step();
                 int taken = 0;
-                for (int i = 0; i < (implicit ? 40 : 800); ++i) taken += run.step_if_taken(h * (0.8 + 0.2 * std::sin(i)));
+                for (int i = 0; i < (implicit ? 40 : 800); ++i)
+                    taken += run.step_if_taken(h * (0.8 + 0.2 * std::sin(i)));
                 const EnergyRow& row = run.ledger.row();
                 CHECK(taken > 20);
                 CHECK(run.ledger.largest_residual() < (implicit ? 2e-11 : 1e-13) * run.ledger.largest_energy());
@@ -256,3 +276,5 @@ TEST_CASE("the energy balance closes to rounding while a body that thaws tears")
             }
         }
 }
+
+}  // namespace frost_test

@@ -46,7 +46,8 @@ struct Still {
         double largest = 0;
         for (Index t = 0; t < model.mesh.n_triangles(); ++t)
             for (Index k = 0; k < 3; ++k)
-                largest = std::max(largest, knap::stress(model, now, t, coordinates(model.mesh, k)).cwiseAbs().maxCoeff());
+                largest =
+                    std::max(largest, knap::stress(model, now, t, coordinates(model.mesh, k)).cwiseAbs().maxCoeff());
         return largest;
     }
     double strain_energy() const { return EnergyLedger(model, now).row().strain; }

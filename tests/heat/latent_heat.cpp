@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace latent_heat_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -40,8 +42,10 @@ double neumann(double a, double b, double latent_over_c) {
 }  // namespace
 
 TEST_CASE("H23 the front of melting goes as Neumann's") {
-    describe("A half space at -2 C whose face is at 5 C from t = 0, latent heat L/c = 20 K, taken up between -0.05 and 0.05 C; k = rho = c = 1. Place "
-             "of T = 0 against 2 lambda sqrt(kappa t) (F. Neumann, two phases with equal properties), cells of 0.0075.");
+    describe(
+        "A half space at -2 C whose face is at 5 C from t = 0, latent heat L/c = 20 K, taken up between -0.05 and 0.05 "
+        "C; k = rho = c = 1. Place "
+        "of T = 0 against 2 lambda sqrt(kappa t) (F. Neumann, two phases with equal properties), cells of 0.0075.");
     constexpr double a = 5, b = 2, L = 20;
     const double lambda = neumann(a, b, L);
     for (const bool implicit : {false, true}) {
@@ -65,7 +69,8 @@ TEST_CASE("H23 the front of melting goes as Neumann's") {
                     const Index c = 3 * t + k, d = 3 * t + (k + 1) % 3;
                     const Vec2 p = model.mesh.corner(c), q = model.mesh.corner(d);
                     const double T_c = now.temperature->of_corner[c], T_d = now.temperature->of_corner[d];
-                    if (p.y() == 0 && q.y() == 0 && T_c > 0 && T_d <= 0) front = p.x() + (q.x() - p.x()) * T_c / (T_c - T_d);
+                    if (p.y() == 0 && q.y() == 0 && T_c > 0 && T_d <= 0)
+                        front = p.x() + (q.x() - p.x()) * T_c / (T_c - T_d);
                 }
             verify("front at t = " + digits(end), front, 2 * lambda * std::sqrt(end), {0.01, 0.003});
         }
@@ -86,7 +91,8 @@ TEST_CASE("melting takes up its latent heat once for every step size") {
             Conduction conduction(model);
             State now = initial_state(model);
             for (const double t : {0.3, 0.8, 0.9, 1.7, 3.0}) {  // from far below to far above in one step, too
-                now.temperature = implicit ? conduction.implicit_step(now, t / factor) : conduction.explicit_step(now, t / factor);
+                now.temperature =
+                    implicit ? conduction.implicit_step(now, t / factor) : conduction.explicit_step(now, t / factor);
                 for (const double T : now.temperature->of_corner) CHECK(std::abs(level(T) - (-2 + 2.5 * t)) < 1e-12);
                 CHECK(book(*now.temperature) < 1e-14);
             }
@@ -97,19 +103,24 @@ TEST_CASE("two materials of which one freezes share the temperature of their nod
     for (const bool implicit : {false, true})
         for (const Index order : {1, 2}) {
             Heat heat = melting("3*sin(7*x)*cos(5*y)", 30, {-1, 0});
-            heat.materials.push_back({.conductivity = 4, .heat_capacity = 2, .latent_heat = 7, .freezing_range = {-0.3, 0.4}});
+            heat.materials.push_back(
+                {.conductivity = 4, .heat_capacity = 2, .latent_heat = 7, .freezing_range = {-0.3, 0.4}});
             heat.materials.push_back({.conductivity = 2, .heat_capacity = 1});
-            heat.exchanges = {{.kind = HeatExchange::Kind::convection, .on = {.boundary = "top"}, .value = -5, .transfer = 8},
-                              {.kind = HeatExchange::Kind::temperature, .on = {.boundary = "left"}, .value = 4}};
+            heat.exchanges = {
+                {.kind = HeatExchange::Kind::convection, .on = {.boundary = "top"}, .value = -5, .transfer = 8},
+                {.kind = HeatExchange::Kind::temperature, .on = {.boundary = "left"}, .value = 4}};
             Mesh mesh = bar_mesh(12, 6, 2, 1, [](int i) { return i % 3; });
             mesh.order = order;
             const Model model = make_model(heated(std::move(mesh), heat, unit));
             Conduction conduction(model);
             State now = initial_state(model);
             for (int i = 1; i <= 30; ++i)
-                now.temperature = implicit ? conduction.implicit_step(now, 0.02 * i) : conduction.explicit_step(now, 0.02 * i);
+                now.temperature =
+                    implicit ? conduction.implicit_step(now, 0.02 * i) : conduction.explicit_step(now, 0.02 * i);
             CHECK(book(*now.temperature) < 1e-13);
             CHECK(now.temperature->heat_moved > 0.1 * now.temperature->heat_scale);
             CHECK(now.temperature->overshoot <= 1e-12);
         }
 }
+
+}  // namespace latent_heat_test

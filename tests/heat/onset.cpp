@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace onset_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -59,10 +61,13 @@ TimeFunction mean_of(double transfer, double end, double growth) {
 
 /// [s] Of the first loss of cohesion; infinite without one.
 double first_crack(double DT, double transfer, const TimeFunction& mean) {
-    Run run(cooled(DT, transfer, mean),
-            {.bulk = BulkScheme::implicit_theta, .cohesion = CohesionScheme::implicit_beta, .theta = 1, .respect_assumption_1 = false});
+    Run run(cooled(DT, transfer, mean), {.bulk = BulkScheme::implicit_theta,
+                                         .cohesion = CohesionScheme::implicit_beta,
+                                         .theta = 1,
+                                         .respect_assumption_1 = false});
     for (std::size_t i = 1; i < mean.time.size(); ++i)
-        for (double h = mean.time[i] - run.now.time; run.now.time < mean.time[i] * (1 - 1e-12); h = std::min(h, mean.time[i] - run.now.time)) {
+        for (double h = mean.time[i] - run.now.time; run.now.time < mean.time[i] * (1 - 1e-12);
+             h = std::min(h, mean.time[i] - run.now.time)) {
             if (!run.step_if_taken(h)) h *= 0.5;
             REQUIRE(h > 1e-6 * mean.time[i]);
             if (run.ledger.row().surface() > 1e-9) return run.now.time;  // [J] 2e-5 of a point at the face
@@ -73,10 +78,15 @@ double first_crack(double DT, double transfer, const TimeFunction& mean) {
 }  // namespace
 
 TEST_CASE("H25 a plate that is quenched cracks from the drop of temperature of its strength on") {
-    describe("A plate of alumina (E = 370 GPa, nu = 0.3, a = 7.5e-6/K, kappa = 8.85e-6 m2/s, sigma_c = 180 MPa, 10 mm thick) cooled on both "
-             "faces with the coefficient h: smallest drop of temperature at which it cracks, by bisection, sigma_c/(E a) over the largest "
-             "(mean - theta) of the Fourier series; and the time of the first crack for a drop of 380 K. A strip of two columns, rows "
-             "of 2 um at the face, implicit bulk with theta = 1 and steps of 5 % (for the first crack 2 %) of the time so far.");
+    describe(
+        "A plate of alumina (E = 370 GPa, nu = 0.3, a = 7.5e-6/K, kappa = 8.85e-6 m2/s, sigma_c = 180 MPa, 10 mm "
+        "thick) cooled on both "
+        "faces with the coefficient h: smallest drop of temperature at which it cracks, by bisection, sigma_c/(E a) "
+        "over the largest "
+        "(mean - theta) of the Fourier series; and the time of the first crack for a drop of 380 K. A strip of two "
+        "columns, rows "
+        "of 2 um at the face, implicit bulk with theta = 1 and steps of 5 % (for the first crack 2 %) of the time so "
+        "far.");
     struct Row {
         double transfer, DT, time;
     };
@@ -93,6 +103,9 @@ TEST_CASE("H25 a plate that is quenched cracks from the drop of temperature of i
         verify("drop of temperature" + of, 0.5 * (holds + cracks), row.DT, {0.015});
         // set afterwards: a one-dimensional computation with these rows and steps is up to 5.7 % late (backward Euler, the mean over the
         // row at the face), and up to two steps pass before a point has opened visibly
-        verify("first crack at a drop of 380 K" + of, first_crack(380, row.transfer, mean_of(row.transfer, 12e-3, 1.02)), row.time, {0.1});
+        verify("first crack at a drop of 380 K" + of,
+               first_crack(380, row.transfer, mean_of(row.transfer, 12e-3, 1.02)), row.time, {0.1});
     }
 }
+
+}  // namespace onset_test

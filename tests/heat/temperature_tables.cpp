@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace temperature_tables_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -62,8 +64,10 @@ struct Warmed {
 }  // namespace
 
 TEST_CASE("H24 a wall whose k is linear in T has the temperatures of Kirchhoff's transform") {
-    describe("A wall between T = 0 and 1, k = 1 + 2 T: T + T^2 = 2 x (G. Kirchhoff 1894), largest error over the nodes of 20 "
-             "cells, which is rounding since the k of two nodes is the mean over their temperatures.");
+    describe(
+        "A wall between T = 0 and 1, k = 1 + 2 T: T + T^2 = 2 x (G. Kirchhoff 1894), largest error over the nodes of "
+        "20 "
+        "cells, which is rounding since the k of two nodes is the mean over their temperatures.");
     for (const Index order : {1, 2})
         for (const bool implicit : {false, true}) {
             on_path(implicit ? "backward Euler" : "forward Euler");
@@ -79,8 +83,9 @@ TEST_CASE("H24 a wall whose k is linear in T has the temperatures of Kirchhoff's
 }
 
 TEST_CASE("H24 where k and c follow the temperature alike T + T^2 conducts as T of a linear material") {
-    describe("A half space at T = 0 whose face is at 1 from t = 0, k = c = 1 + 2 T, rho = 1: T + T^2 = 2 erfc(x/sqrt(4 t)); "
-             "largest error of T at t = 0.1 with cells of 0.02.");
+    describe(
+        "A half space at T = 0 whose face is at 1 from t = 0, k = c = 1 + 2 T, rho = 1: T + T^2 = 2 erfc(x/sqrt(4 t)); "
+        "largest error of T at t = 0.1 with cells of 0.02.");
     for (const bool implicit : {false, true}) {
         on_path(implicit ? "backward Euler" : "forward Euler");
         Heat heat = following("0");
@@ -88,9 +93,8 @@ TEST_CASE("H24 where k and c follow the temperature alike T + T^2 conducts as T 
         Warmed half(heated(bar_mesh(150, 1, 3, 0.02), heat, unit));
         const int n = implicit ? 400 : 1;
         for (int i = 1; i <= n; ++i) half.go(0.1 * i / n, implicit);
-        const double error = half.error([](double x) {
-            return 0.5 * (std::sqrt(1 + 8 * std::erfc(x / std::sqrt(0.4))) - 1);
-        });
+        const double error =
+            half.error([](double x) { return 0.5 * (std::sqrt(1 + 8 * std::erfc(x / std::sqrt(0.4))) - 1); });
         verify_small("error of T", error, {3e-3});
         CHECK(half.book() < 1e-13);
         CHECK(half.now.temperature->overshoot <= 1e-13);
@@ -111,7 +115,8 @@ TEST_CASE("H24 a plate with a source stores the integral of c") {
                 double error = 0;
                 for (const double T : plate.now.temperature->of_corner) {
                     const double sensible = T < 1 ? T + T * T : 3 * T - 1;
-                    error = std::max(error, std::abs(sensible + latent * std::clamp((T - 0.5) / 0.25, 0., 1.) - 2.5 * t));
+                    error =
+                        std::max(error, std::abs(sensible + latent * std::clamp((T - 0.5) / 0.25, 0., 1.) - 2.5 * t));
                 }
                 if (latent == 0) verify_small("error of the stored heat, t = " + digits(t), error, {1e-12});
                 else CHECK(error < 1e-12);
@@ -142,3 +147,5 @@ TEST_CASE("materials with k and c over temperature share their nodes and keep th
             CHECK(body.now.temperature->overshoot <= 1e-12);
         }
 }
+
+}  // namespace temperature_tables_test

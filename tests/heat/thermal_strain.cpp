@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace thermal_strain_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -313,3 +315,5 @@ TEST_CASE("the energy balance with changing temperatures closes to rounding") {
             }
         }
 }
+
+}  // namespace thermal_strain_test

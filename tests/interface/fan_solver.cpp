@@ -8,6 +8,8 @@
 
 #include <doctest/doctest.h>
 
+namespace fan_solver_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -430,3 +432,5 @@ TEST_CASE("between kinks nearer than rounding the force says which one holds") {
         CHECK(FanJudge(*fan).verdict().worst() <= 1e-10);
     }
 }
+
+}  // namespace fan_solver_test

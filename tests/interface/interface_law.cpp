@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+namespace interface_law_test {
+
 using namespace knap;
 
 namespace {
@@ -100,3 +102,5 @@ TEST_CASE("the bound on the normal velocity never lets a contact add energy") {
         CHECK(0.5 * (v + b) <= 0);  // p >= 0 works on the mean velocity
     }
 }
+
+}  // namespace interface_law_test

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace self_stress_test {
+
 using namespace knap;
 
 namespace {
@@ -77,3 +79,5 @@ TEST_CASE("the half planes that bind are the mechanism") {
     CHECK(std::min(found.binding[0], found.binding[1]) == 0);
     CHECK(std::max(found.binding[0], found.binding[1]) == 1);
 }
+
+}  // namespace self_stress_test

@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+namespace collection_test {
+
 using namespace knap;
 using knap::tests::CohesiveBody;
 using knap::tests::CohesiveScene;
@@ -299,3 +301,5 @@ TEST_CASE("generated problems have the structure of the stored ones") {
     CHECK(modes.eigenvalues().minCoeff() > -1e-12);
     CHECK((normal - normal.transpose()).cwiseAbs().maxCoeff() < 1e-14);
 }
+
+}  // namespace collection_test

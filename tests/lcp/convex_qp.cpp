@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+namespace convex_qp_test {
+
 using namespace knap;
 
 namespace {
@@ -74,3 +76,5 @@ TEST_CASE("convex QP reports problems to which it does not apply") {
     M << 1, 2, 2, 1;  // symmetric, indefinite
     CHECK(solve_by_convex_qp(lcp_problem(M, -Eigen::Vector2d::Ones())).status == LcpStatus::not_applicable);
 }
+
+}  // namespace convex_qp_test

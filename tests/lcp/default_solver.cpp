@@ -10,6 +10,8 @@
 
 #include <string>
 
+namespace default_solver_test {
+
 using namespace knap;
 using knap::tests::CohesiveBody;
 using knap::tests::CohesiveScene;
@@ -162,3 +164,5 @@ TEST_CASE("a warm start is nearer to the solution along a run") {
     CAPTURE(warm);
     CHECK(warm < 0.5 * cold);
 }
+
+}  // namespace default_solver_test

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+namespace lemke_test {
+
 using namespace knap;
 
 namespace {
@@ -56,3 +58,5 @@ TEST_CASE("Lemke finds solutions with friction and reports when there is none") 
     CHECK(solved(wedge, Eigen::VectorXd::Constant(1, -1)).size() == 0);
     CHECK(solved(wedge, Eigen::VectorXd::Constant(1, 2)).isZero());
 }
+
+}  // namespace lemke_test

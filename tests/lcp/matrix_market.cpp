@@ -9,6 +9,8 @@
 #include <sstream>
 #include <string>
 
+namespace matrix_market_test {
+
 using namespace knap;
 
 namespace {
@@ -82,3 +84,5 @@ TEST_CASE("a written problem reads back to the same bits and is never overwritte
     write_lcp(folder / "empty", lcp_problem(Eigen::MatrixXd(0, 0), Eigen::VectorXd(0)));
     CHECK(read_lcp(folder / "empty").size() == 0);
 }
+
+}  // namespace matrix_market_test

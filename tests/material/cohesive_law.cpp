@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+namespace cohesive_law_test {
+
 using namespace knap;
 
 namespace {
@@ -60,3 +62,5 @@ TEST_CASE("an interface breaks at its critical opening and has then spent G_c") 
     CHECK(!CohesiveLaw::unbreakable().breakable());
     CHECK(law.breakable());
 }
+
+}  // namespace cohesive_law_test

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+namespace elastic_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -59,3 +61,5 @@ TEST_CASE("plane stress and plane strain are Hooke's law with the third directio
               doctest::Approx(std::sqrt(glass.stiffness(plane)(0, 0) / glass.density)).epsilon(1e-14));
     }
 }
+
+}  // namespace elastic_test

@@ -9,6 +9,8 @@
 
 #include <cmath>
 
+namespace softening_shape_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -164,3 +166,5 @@ TEST_CASE("a step wave opens interfaces of every shape as the closed forms say")
         CHECK(at_03 == relative(opening, tolerance));
     }
 }
+
+}  // namespace softening_shape_test

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace arcs_test {
+
 using namespace knap;
 using knap::testing::relative;
 
@@ -90,3 +92,5 @@ TEST_CASE("the sides of a round hole follow the local mesh size") {
         CHECK((edge.boundary == 1) == (middle.norm() < 3));
     }
 }
+
+}  // namespace arcs_test

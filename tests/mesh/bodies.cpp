@@ -7,6 +7,8 @@
 
 #include <numbers>
 
+namespace bodies_test {
+
 using namespace knap;
 using knap::testing::add_hole;
 using knap::testing::block;
@@ -109,3 +111,5 @@ TEST_CASE("bodies: a turned shape keeps its area and its lines") {
     CHECK((shape.cracks[0].points[1] - Vec2(0.08, -0.01)).norm() < 1e-15);
     CHECK((shape.regions[0].points[0] - Vec2(0.07, -0.09)).norm() < 1e-15);
 }
+
+}  // namespace bodies_test

@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace cell_grid_test {
+
 using namespace knap;
 using knap::testing::block;
 
@@ -60,3 +62,5 @@ TEST_CASE("a graded grid finds the same neighbours as a look at all points") {
     CHECK(n_crowded > 500);
     CHECK(factors.size() > 500);
 }
+
+}  // namespace cell_grid_test

@@ -9,6 +9,8 @@
 #include <limits>
 #include <vector>
 
+namespace covered_twice_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -91,3 +93,5 @@ TEST_CASE("covered twice: triangles with a common vertex may overlap a little") 
     CHECK(lifted(0.05) == 0);  // the height is 1/sqrt 2
     CHECK(lifted(0.2) > 0.1);
 }
+
+}  // namespace covered_twice_test

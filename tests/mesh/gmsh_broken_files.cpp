@@ -3,6 +3,8 @@
 
 #include <map>
 
+namespace gmsh_broken_files_test {
+
 using namespace knap;
 using namespace knap::testing;
 
@@ -79,3 +81,5 @@ TEST_CASE("gmsh: any byte may be changed") {
         CHECK(n_refused > 100);
     }
 }
+
+}  // namespace gmsh_broken_files_test

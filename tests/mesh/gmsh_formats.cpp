@@ -10,6 +10,8 @@
 #include <map>
 #include <numbers>
 
+namespace gmsh_formats_test {
+
 using namespace knap;
 using namespace knap::testing;
 
@@ -159,3 +161,5 @@ TEST_CASE("gmsh: sections that do not describe the mesh are skipped") {
               .mesh.n_triangles() == 2);
     CHECK(mistake(square_file("0\n", "0\n", "$Comments\nno end\n")).message.find("has no end") != std::string::npos);
 }
+
+}  // namespace gmsh_formats_test

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstring>
 
+namespace gmsh_mistakes_test {
+
 using namespace knap;
 using namespace knap::testing;
 
@@ -175,3 +177,5 @@ TEST_CASE("gmsh: probable mistakes give warnings") {
     CHECK(read.warnings[1].find("2 nodes of the boundary coincide with others") != std::string::npos);
     CHECK(read.warnings[2].find("2 lines of the group `9`") != std::string::npos);
 }
+
+}  // namespace gmsh_mistakes_test

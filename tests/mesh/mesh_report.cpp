@@ -10,6 +10,8 @@
 
 #include <cmath>
 
+namespace mesh_report_test {
+
 using namespace knap;
 using namespace knap::tests;
 using knap::testing::block;
@@ -84,3 +86,5 @@ TEST_CASE("a mesh too small for far paths reports none") {
     CHECK(report.mean_path_excess == 0);
     CHECK(judge(Mesh{}).n_triangles == 0);
 }
+
+}  // namespace mesh_report_test

@@ -7,6 +7,8 @@
 #include <functional>
 #include <numbers>
 
+namespace overlaps_test {
+
 using namespace knap;
 
 namespace {
@@ -76,3 +78,5 @@ TEST_CASE("overlap: a disc of very many triangles around one vertex has none") {
     CHECK(mesh.boundary_edges.size() == n_slivers);
     CHECK_FALSE(find_overlap(mesh).has_value());
 }
+
+}  // namespace overlaps_test

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <map>
 
+namespace refine_test {
+
 using namespace knap;
 
 namespace {
@@ -154,3 +156,5 @@ TEST_CASE("refined mesh: triangles that are not allowed do not come about") {
     CHECK(n_low(bound->mesh) == 0);
     CHECK(bound->mesh.n_triangles() > 0.7 * free->mesh.n_triangles());
 }
+
+}  // namespace refine_test

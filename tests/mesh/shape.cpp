@@ -8,6 +8,8 @@
 
 #include <limits>
 
+namespace shape_test {
+
 using namespace knap;
 using knap::testing::add_hole;
 using knap::testing::block;
@@ -154,3 +156,5 @@ TEST_CASE("details far below the mesh size are rejected") {
         CHECK(blamed(shape, options) == "holes[0]");
     }
 }
+
+}  // namespace shape_test

@@ -13,6 +13,8 @@
 #include <map>
 #include <numbers>
 
+namespace triangulate_test {
+
 using namespace knap;
 using knap::testing::add_hole;
 using knap::testing::block;
@@ -332,3 +334,5 @@ TEST_CASE("neighbours are near in memory") {
     std::nth_element(jumps.begin(), jumps.begin() + static_cast<std::ptrdiff_t>(jumps.size() / 2), jumps.end());
     CHECK(jumps[jumps.size() / 2] < 20);
 }
+
+}  // namespace triangulate_test

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace body_patterns_test {
+
 using namespace knap;
 using knap::tests::relative;
 
@@ -128,3 +130,5 @@ TEST_CASE("a heap has the requested stones at their distance") {
     many.number = 1000;
     CHECK_THROWS_AS(heap(many, box, 3, "heap"), ShapeError);
 }
+
+}  // namespace body_patterns_test

@@ -15,6 +15,8 @@
 #include <numbers>
 #include <numeric>
 
+namespace grains_test {
+
 using namespace knap;
 using knap::testing::add_hole;
 using knap::testing::block;
@@ -205,3 +207,5 @@ TEST_CASE("minerals meet their fractions whatever the size of their grains") {
         CHECK(area[2] == relative(0.1 * 0.004, 0.03));
     }
 }
+
+}  // namespace grains_test

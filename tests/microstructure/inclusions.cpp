@@ -14,6 +14,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace inclusions_test {
+
 using namespace knap;
 using knap::testing::block;
 using knap::testing::relative;
@@ -203,3 +205,5 @@ TEST_CASE("a picture paints triangles by the material that covers most of them")
     CHECK(map.at({0.01, 0.03}) == 1);  // rows of a picture begin at the top
     CHECK(map.at({0.01, 0.01}) == -1);
 }
+
+}  // namespace inclusions_test

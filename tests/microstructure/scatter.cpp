@@ -11,6 +11,8 @@
 #include <numbers>
 #include <vector>
 
+namespace scatter_test {
+
 using namespace knap;
 using knap::tests::relative;
 
@@ -137,3 +139,5 @@ TEST_CASE("a random field has the requested correlation") {
     CHECK(std::abs(sum / n) < 0.06);
     CHECK(std::abs(fourth / n - 3) < 0.4);  // as of a normal number
 }
+
+}  // namespace scatter_test

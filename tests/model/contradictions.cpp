@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+namespace contradictions_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -90,3 +92,5 @@ TEST_CASE("a force on driven nodes only is an error") {
     CHECK(found({load(force, "left", 0.0, 1.0), load(velocity, "left", 0.0, std::nullopt)}).empty());
     CHECK(found({load(force, "top", 1.0, 1.0), load(velocity, "left", 0.0, 0.0)}).empty());
 }
+
+}  // namespace contradictions_test

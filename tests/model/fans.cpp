@@ -9,6 +9,8 @@
 #include <map>
 #include <numeric>
 
+namespace fans_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -330,3 +332,5 @@ TEST_CASE("of second order stress and traction follow a linear strain") {
         CHECK(found.y() == doctest::Approx(-sigma * n.x() * turned_left(n).x()).scale(1).epsilon(1e-12));
     }
 }
+
+}  // namespace fans_test

@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+namespace initial_velocities_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -133,3 +135,5 @@ TEST_CASE("selections by body") {
     wrong.initial_velocities = {{.on = {.body = "cap"}, .value = {1, 0}}};
     CHECK_THROWS_AS(make_model(std::move(wrong)), EmptySelection);
 }
+
+}  // namespace initial_velocities_test

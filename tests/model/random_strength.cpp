@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace random_strength_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -113,3 +115,5 @@ TEST_CASE("a correlated field gives the same strength on every mesh") {
         CHECK(strength_near(16, x) != relative(strength_near(16, x + Vec2(4, 0)), 1e-3));
     }
 }
+
+}  // namespace random_strength_test

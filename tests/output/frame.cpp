@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace frame_test {
+
 using namespace knap;
 using doctest::Approx;
 
@@ -151,3 +153,5 @@ TEST_CASE("frame: a triangle of second order is drawn as six and its interfaces 
     }
     CHECK(precrack == Approx(1));
 }
+
+}  // namespace frame_test

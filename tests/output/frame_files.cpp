@@ -18,6 +18,8 @@
 #include <regex>
 #include <sstream>
 
+namespace frame_files_test {
+
 using namespace knap;
 namespace fs = std::filesystem;
 
@@ -257,3 +259,5 @@ TEST_CASE("history files: a broken line is named") {
         }
     }
 }
+
+}  // namespace frame_files_test

@@ -19,6 +19,8 @@
 #include <thread>
 #include <vector>
 
+namespace frame_writer_test {
+
 using namespace knap;
 namespace fs = std::filesystem;
 
@@ -178,3 +180,5 @@ TEST_CASE("frame writer: its processor time is its own") {
     CHECK(writer.cpu() >= long_enough);
     CHECK(writer.cpu() < 1.5 * long_enough);
 }
+
+}  // namespace frame_writer_test

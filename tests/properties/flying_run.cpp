@@ -1,5 +1,7 @@
 #include "properties/flying_run.hpp"
 
+#include "properties/wild_body.hpp"
+
 #include "analysis/deformation_watch.hpp"
 #include "analysis/gates.hpp"
 #include "base/error.hpp"
@@ -13,7 +15,6 @@
 namespace knap::tests {
 namespace {
 
-constexpr double max_strain = 0.2;         // [-] a larger one changes the stable step
 constexpr double max_overlap = 0.05;       // [-] of two triangles, beyond the reported depth
 constexpr double rounding_energy = 1e-24;  // [J] of bodies at rest; E and size are of order 1
 constexpr int search_every = 10;           // steps

@@ -80,9 +80,9 @@ int run_flying_bodies(std::uint64_t first, long long n_cases, bool shrink) {
         n_rejected += outcome.rejected, n_refused += !outcome.refusal.empty(), n_contact += outcome.n_contacts > 0;
         n_steps += outcome.n_steps, n_cuts += outcome.n_cuts, n_contacts += outcome.n_contacts;
         n_broken += outcome.n_broken, n_retired += outcome.n_retired;
-        for (const auto worst : {&FlyingOutcome::depth, &FlyingOutcome::overlap, &FlyingOutcome::injected,
-                                 &FlyingOutcome::residual, &FlyingOutcome::energy_error, &FlyingOutcome::momentum_error,
-                                 &FlyingOutcome::moment_error})
+        for (const auto worst :
+             {&FlyingOutcome::depth, &FlyingOutcome::overlap, &FlyingOutcome::injected, &FlyingOutcome::residual,
+              &FlyingOutcome::energy_error, &FlyingOutcome::momentum_error, &FlyingOutcome::moment_error})
             most.*worst = std::max(most.*worst, outcome.*worst);
         if (!outcome.refusal.empty()) ++refusals[outcome.refusal];
         if (outcome.broken_law.empty()) continue;
@@ -92,13 +92,15 @@ int run_flying_bodies(std::uint64_t first, long long n_cases, bool shrink) {
         if (shrink) std::printf("%s", text_of(shrunk(scene, outcome.broken_law)).c_str());
         std::fflush(stdout);
     }
-    std::printf("%lld flying scenes, %d rejected, %d in contact: %ld steps, %ld cut, %ld contacts, %ld points broken, %ld "
-                "retired; %d refused, %d failed\n",
-                n_cases, n_rejected, n_contact, n_steps, n_cuts, n_contacts, n_broken, n_retired, n_refused, n_failed);
-    std::printf("largest: depth %.2g, overlap %.2g, positive works %.2g, residual %.2g; errors of energy %.2g, momentum "
-                "%.2g, angular momentum %.2g\n",
-                most.depth, most.overlap, most.injected, most.residual, most.energy_error, most.momentum_error,
-                most.moment_error);
+    std::printf(
+        "%lld flying scenes, %d rejected, %d in contact: %ld steps, %ld cut, %ld contacts, %ld points broken, %ld "
+        "retired; %d refused, %d failed\n",
+        n_cases, n_rejected, n_contact, n_steps, n_cuts, n_contacts, n_broken, n_retired, n_refused, n_failed);
+    std::printf(
+        "largest: depth %.2g, overlap %.2g, positive works %.2g, residual %.2g; errors of energy %.2g, momentum "
+        "%.2g, angular momentum %.2g\n",
+        most.depth, most.overlap, most.injected, most.residual, most.energy_error, most.momentum_error,
+        most.moment_error);
     for (const auto& [reason, n] : refusals) std::printf("refused %d times: %s\n", n, reason.c_str());
     return n_failed;
 }
@@ -137,19 +139,23 @@ int main(int argc, char** argv) {
         if (wrong.empty() && seed % 4 == 0) wrong = difference_in_other_units(wild, outcome);
         Tally& tally = tallies[text_of(wild.body.scheme)];
         ++tally.n, tally.n_stopped += !outcome.stop.empty(), tally.n_failed += !wrong.empty();
-        tally.n_steps += outcome.n_steps, tally.n_cuts += outcome.n_cuts, tally.n_damaged += outcome.n_damaged, tally.n_broken += outcome.n_broken;
+        tally.n_steps += outcome.n_steps, tally.n_cuts += outcome.n_cuts, tally.n_damaged += outcome.n_damaged,
+            tally.n_broken += outcome.n_broken;
         if (!outcome.stop.empty()) ++stops[outcome.stop.substr(0, 60)];
         if (wrong.empty()) continue;
         ++n_failed;
         const CohesiveLaw& law = wild.body.input.laws[0];
-        std::printf("FAILED: %s (%s, theta %g, %s mass, gamma %g, mu %g, e %g)\n", wrong.c_str(), text_of(wild.body.scheme).c_str(), wild.body.scheme.theta,
-                    wild.body.scheme.mass == MassMatrix::lumped ? "lumped" : "consistent", law.gamma, law.friction, law.restitution);
+        std::printf("FAILED: %s (%s, theta %g, %s mass, gamma %g, mu %g, e %g)\n", wrong.c_str(),
+                    text_of(wild.body.scheme).c_str(), wild.body.scheme.theta,
+                    wild.body.scheme.mass == MassMatrix::lumped ? "lumped" : "consistent", law.gamma, law.friction,
+                    law.restitution);
         say_how_to_repeat();
         std::fflush(stdout);
     }
     for (const auto& [scheme, tally] : tallies)
-        std::printf("%s: %d bodies, %ld steps, %ld cut, %d runs stopped, %ld points damaged, %ld broken; %d failed\n", scheme.c_str(), tally.n, tally.n_steps, tally.n_cuts,
-                    tally.n_stopped, tally.n_damaged, tally.n_broken, tally.n_failed);
+        std::printf("%s: %d bodies, %ld steps, %ld cut, %d runs stopped, %ld points damaged, %ld broken; %d failed\n",
+                    scheme.c_str(), tally.n, tally.n_steps, tally.n_cuts, tally.n_stopped, tally.n_damaged,
+                    tally.n_broken, tally.n_failed);
     for (const auto& [reason, n] : stops) std::printf("stopped %d times: %s\n", n, reason.c_str());
     if (n_cases > 0 && tallies.empty()) return 1;
     return n_failed == 0 ? 0 : 1;

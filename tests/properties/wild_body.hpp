@@ -7,6 +7,8 @@
 
 namespace knap::tests {
 
+inline constexpr double max_strain = 0.2;  // [-] of a run with Green's strain: a larger one changes the stable step
+
 struct WildBody {
     RandomBody body;        // its step is that of the implicit bulk, its velocities are per vertex
     double safety;          // [-] step over the stable one, of the explicit bulk
@@ -19,7 +21,11 @@ struct WildBody {
 class WildBodies {
 public:
     explicit WildBodies(std::uint64_t seed)
-        : seed_(seed), random_(seed, "wild"), pressing_(seed, "press"), resisting_(seed, "resist"), turning_(seed, "turn") {}
+        : seed_(seed),
+          random_(seed, "wild"),
+          pressing_(seed, "press"),
+          resisting_(seed, "resist"),
+          turning_(seed, "turn") {}
 
     WildBody body() {
         WildBody made{.body = RandomBodies(seed_, {.units = false, .most_cells = 4}).body()};
@@ -142,7 +148,8 @@ private:
     /// Damping and absorbing boundaries, also of a stream of their own.
     void resist(WildBody& made) {
         if (made.body.scheme.bulk != BulkScheme::explicit_lumped) return;
-        if (resisting_.uniform() < 0.1) made.body.scheme.damping = std::pow(10, resisting_.uniform(-3, 1)) / made.body.step;
+        if (resisting_.uniform() < 0.1)
+            made.body.scheme.damping = std::pow(10, resisting_.uniform(-3, 1)) / made.body.step;
         ModelInput& input = made.body.input;
         if (resisting_.uniform() < 0.1 && input.supports.empty() && std::ranges::none_of(input.loads, &Load::drives))
             made.body.scheme.absorbing = {{.boundary = "right", .box = {}, .body = {}}};

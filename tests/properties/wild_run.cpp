@@ -12,8 +12,6 @@
 namespace knap::tests {
 namespace {
 
-constexpr double max_strain = 0.2;  // [-] with Green's strain: a larger one changes the stable step
-
 bool is_explicit(const WildBody& wild) { return wild.body.scheme.bulk == BulkScheme::explicit_lumped; }
 
 /// Velocities of the body per vertex; corners that are apart from the start scatter about them, each by its place in the mesh.

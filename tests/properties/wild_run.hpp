@@ -8,10 +8,10 @@
 namespace knap::tests {
 
 struct WildOutcome {
-    std::string broken_law;  // what it did wrong, with place and numbers; empty for a good run
-    std::string stop;        // why it ended early, which is legal if it says why; empty for a run to its end
-    int n_steps = 0;         // taken
-    int n_cuts = 0;          // steps not taken
+    std::string broken_law;           // what it did wrong, with place and numbers; empty for a good run
+    std::string stop;                 // why it ended early, which is legal if it says why; empty for a run to its end
+    int n_steps = 0;                  // taken
+    int n_cuts = 0;                   // steps not taken
     int n_damaged = 0, n_broken = 0;  // points at the end
     State end;
 };

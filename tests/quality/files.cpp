@@ -3,7 +3,10 @@
 
 #include <doctest/doctest.h>
 
+#include <cstdlib>
 #include <regex>
+
+namespace files_test {
 
 using source_tree::File;
 
@@ -37,9 +40,16 @@ TEST_CASE("lines of src fit the screen") {
         const auto columns = [](const std::string& l) {
             return std::count_if(l.begin(), l.end(), [](char c) { return (c & 0xC0) != 0x80; });
         };
-        const auto n_wide = std::count_if(file.lines.begin(), file.lines.end(), [&](const std::string& l) { return columns(l) > 120; });
+        const auto n_wide =
+            std::count_if(file.lines.begin(), file.lines.end(), [&](const std::string& l) { return columns(l) > 120; });
         CHECK_MESSAGE(n_wide == 0, file.path, " has ", n_wide, " lines of more than 120 columns");
     }
+}
+
+TEST_CASE("clang-format leaves the files as they are") {
+    if (std::system("command -v clang-format >/dev/null") != 0) return;  // a tool of developers, not of users
+    const std::string files = "find src tests tools -name '*.[ch]pp' -print0 | xargs -0 clang-format --dry-run -Werror";
+    CHECK(std::system(("cd '" KNAP_SOURCE_DIR "' && " + files).c_str()) == 0);
 }
 
 TEST_CASE("every header has pragma once in its first line") {
@@ -93,11 +103,13 @@ TEST_CASE("tools are executable and stop at the first error") {
 
 TEST_CASE("every third-party package has its page") {
     const File index = source_tree::read(source_tree::root() / "third_party_notes" / "README.md");
-    for (const char* name : {"eigen", "cgal", "vtk", "cli11", "tomlplusplus", "nlohmann_json", "doctest", "cairo", "libwebp", "openmp", "dejavu"}) {
+    for (const char* name : {"eigen", "cgal", "vtk", "cli11", "tomlplusplus", "nlohmann_json", "doctest", "cairo",
+                             "libwebp", "openmp", "dejavu"}) {
         const std::string page = std::string(name) + ".md";
         CAPTURE(page);
         CHECK(std::filesystem::exists(source_tree::root() / "third_party_notes" / page));
-        CHECK(std::any_of(index.lines.begin(), index.lines.end(), [&](const std::string& l) { return l.find(page) != std::string::npos; }));
+        CHECK(std::any_of(index.lines.begin(), index.lines.end(),
+                          [&](const std::string& l) { return l.find(page) != std::string::npos; }));
     }
 }
 
@@ -107,8 +119,11 @@ TEST_CASE("notes name files that exist") {
         if (!file.has_extension(".md")) continue;
         for (const std::string& line : file.lines) {
             for (std::sregex_iterator m(line.begin(), line.end(), pattern), end; m != end; ++m) {
-                CHECK_MESSAGE(std::filesystem::exists(source_tree::root() / (*m)[1].str()), file.path, " names ", (*m)[1].str());
+                CHECK_MESSAGE(std::filesystem::exists(source_tree::root() / (*m)[1].str()), file.path, " names ",
+                              (*m)[1].str());
             }
         }
     }
 }
+
+}  // namespace files_test

@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <string>
 
+namespace guards_test {
+
 namespace {
 
 std::string quoted(const std::string& path) { return "'" + path + "'"; }
@@ -48,3 +50,5 @@ TEST_CASE("guard: ctest that finds no test fails") {
     };
     CHECK(std::any_of(script.lines.begin(), script.lines.end(), asks_for_it));
 }
+
+}  // namespace guards_test

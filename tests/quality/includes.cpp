@@ -6,6 +6,8 @@
 #include <map>
 #include <regex>
 
+namespace includes_test {
+
 using source_tree::File;
 
 namespace {
@@ -129,3 +131,5 @@ TEST_CASE("VTK is in output only and cairo in figures only") {
     for (const std::string& user : users_of({"cairo"})) CHECK(user.starts_with("src/figures/"));
     CHECK(users_of({"webp/"}) == std::set<std::string>{"src/figures/animation.cpp"});
 }
+
+}  // namespace includes_test

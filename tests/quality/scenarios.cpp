@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <memory>
 
+namespace scenarios_test {
+
 using source_tree::File;
 
 namespace {
@@ -41,7 +43,8 @@ TEST_CASE("every scenario opens with its question and its source and says what i
     for (const File& scenario : scenarios()) {
         CAPTURE(scenario.path);
         const auto has = [&](const std::string& start) {
-            return std::any_of(scenario.lines.begin(), scenario.lines.end(), [&](const std::string& l) { return l.starts_with(start); });
+            return std::any_of(scenario.lines.begin(), scenario.lines.end(),
+                               [&](const std::string& l) { return l.starts_with(start); });
         };
         REQUIRE(!scenario.lines.empty());
         CHECK(scenario.lines.front().starts_with("# "));
@@ -56,7 +59,8 @@ TEST_CASE("every scenario is listed in the gallery") {
     if (scenarios().empty()) return;
     const std::string gallery = text_of(source_tree::read(source_tree::root() / "scenarios" / "README.md"));
     for (const File& scenario : scenarios()) {
-        CHECK_MESSAGE(gallery.find(std::filesystem::path(scenario.path).filename().string()) != std::string::npos, scenario.path);
+        CHECK_MESSAGE(gallery.find(std::filesystem::path(scenario.path).filename().string()) != std::string::npos,
+                      scenario.path);
     }
 }
 
@@ -77,3 +81,5 @@ TEST_CASE("the list of outputs is up to date") {
     const bool same = text_of(source_tree::read(source_tree::root() / "scenarios" / "OUTPUTS.md")) == outputs;
     CHECK_MESSAGE(same, "write it anew: knap schema --outputs > scenarios/OUTPUTS.md");
 }
+
+}  // namespace scenarios_test

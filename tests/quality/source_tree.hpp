@@ -36,7 +36,8 @@ inline std::vector<File> files_below(const std::string& folder) {
     std::vector<File> files;
     if (!fs::exists(root() / folder)) return files;
     for (const auto& entry : fs::recursive_directory_iterator(root() / folder)) {
-        if (entry.is_regular_file() && !binary.contains(entry.path().extension().string())) files.push_back(read(entry.path()));
+        if (entry.is_regular_file() && !binary.contains(entry.path().extension().string()))
+            files.push_back(read(entry.path()));
     }
     std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return a.path < b.path; });
     return files;

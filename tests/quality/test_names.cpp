@@ -6,6 +6,8 @@
 #include <map>
 #include <regex>
 
+namespace names_test {
+
 using source_tree::File;
 
 namespace {
@@ -61,8 +63,11 @@ TEST_CASE("every folder of tests is registered") {
         });
         if (is_program) continue;
         const std::string call = "knap_tests(" + below.substr(0, below.find('/')) + " ";
-        CHECK_MESSAGE(std::any_of(cmake.lines.begin(), cmake.lines.end(), [&](const std::string& l) { return l.starts_with(call); }),
+        CHECK_MESSAGE(std::any_of(cmake.lines.begin(), cmake.lines.end(),
+                                  [&](const std::string& l) { return l.starts_with(call); }),
                       file.path);
         CHECK_MESSAGE(!case_names(file).empty(), "no test case in ", file.path);
     }
 }
+
+}  // namespace names_test

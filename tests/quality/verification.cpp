@@ -5,6 +5,8 @@
 
 #include <regex>
 
+namespace verification_test {
+
 using source_tree::File;
 
 namespace {
@@ -27,8 +29,13 @@ TEST_CASE("the verification report has the cases that the tests have") {
     for (const File& file : source_tree::files_below("tests"))
         if (file.is_cpp()) tests.push_back(file);
     const std::set<std::string> in_tests = case_names(tests, R"(^TEST_CASE\(")");
-    const std::set<std::string> in_report = case_names({source_tree::read(source_tree::root() / "tests" / "VERIFICATION.md")}, "^## ");
+    const std::set<std::string> in_report =
+        case_names({source_tree::read(source_tree::root() / "tests" / "VERIFICATION.md")}, "^## ");
     CHECK(in_tests.size() > 30);
-    for (const std::string& name : in_tests) CHECK_MESSAGE(in_report.contains(name), name, " is not in the report: tools/verify");
-    for (const std::string& name : in_report) CHECK_MESSAGE(in_tests.contains(name), name, " has no test any more: tools/verify");
+    for (const std::string& name : in_tests)
+        CHECK_MESSAGE(in_report.contains(name), name, " is not in the report: tools/verify");
+    for (const std::string& name : in_report)
+        CHECK_MESSAGE(in_tests.contains(name), name, " has no test any more: tools/verify");
 }
+
+}  // namespace verification_test

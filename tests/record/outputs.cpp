@@ -10,6 +10,8 @@
 #include <set>
 #include <string>
 
+namespace outputs_test {
+
 using namespace knap;
 
 TEST_CASE("outputs: every row has a name of its own in its table and a known unit and a meaning") {
@@ -67,3 +69,5 @@ TEST_CASE("outputs: texts of values have a unit and there is no minus zero") {
     CHECK(value_text(std::nan(""), "J") == "none");
     CHECK(value_text(1.0 / 3, "", 3) == "0.333");
 }
+
+}  // namespace outputs_test

@@ -10,6 +10,8 @@
 #include <cstdio>
 #include <string>
 
+namespace progress_test {
+
 using namespace knap;
 
 TEST_CASE("progress: rate and time left count from where this process began") {
@@ -34,3 +36,5 @@ TEST_CASE("progress: rate and time left count from where this process began") {
     CHECK(line.find(" 0.00e+00 triangle-steps/s") != std::string::npos);
     CHECK(line.find(" s left") == std::string::npos);  // nothing is known of it yet
 }
+
+}  // namespace progress_test

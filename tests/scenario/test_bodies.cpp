@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <numbers>
 
+namespace bodies_test {
+
 using namespace knap;
 using knap::tests::relative;
 using samples::changed;
@@ -230,3 +232,5 @@ TEST_CASE("contact: what cannot be") {
     reports(one + "[contact]\n[[contact.pair]]\nmaterials = [\"glass\", \"glass\"]\n", "missing-key",
             "neither friction nor restitution");
 }
+
+}  // namespace bodies_test

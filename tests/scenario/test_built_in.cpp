@@ -10,6 +10,8 @@
 #include <set>
 #include <sstream>
 
+namespace built_in_test {
+
 using namespace knap;
 
 namespace {
@@ -165,3 +167,5 @@ TEST_CASE("built-in: a clear begin of a name is enough") {
     CHECK_THROWS_AS(open_scenario("dcb_", {}), UserError);  // dcb_displacement, dcb_force, dcb_williams
     CHECK_THROWS_AS(open_scenario("edg", {}), UserError);   // too short to be meant
 }
+
+}  // namespace built_in_test

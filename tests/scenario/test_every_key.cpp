@@ -12,6 +12,8 @@
 #include <fstream>
 #include <set>
 
+namespace every_key_test {
+
 using namespace knap;
 
 namespace {
@@ -1245,3 +1247,5 @@ TEST_CASE("scenario: a history from a csv file is part of the resolved scenario"
         CHECK(error.diagnostics[0].line == 19);
     }
 }
+
+}  // namespace every_key_test

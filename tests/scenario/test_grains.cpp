@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <numbers>
 
+namespace grains_test {
+
 using namespace knap;
 using knap::tests::relative;
 using samples::changed;
@@ -166,3 +168,5 @@ TEST_CASE("maps: colours become materials") {
     CHECK(reports(changed("two_halves.png", "none.png", map(right)), "missing-file", "cannot be read"));
     CHECK(reports(changed("data/two_halves.png", "test_grains.cpp", map(right)), "bad-file", "not a PNG"));
 }
+
+}  // namespace grains_test

@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+namespace locate_test {
+
 using namespace knap;
 
 namespace {
@@ -53,3 +55,5 @@ TEST_CASE("locate: keys and tables above them") {
     CHECK(result.at("mesh.grading", {}).file == "--set mesh.grading=0.5");
     CHECK(result.at("mesh.grading", {}).line == 0);
 }
+
+}  // namespace locate_test

@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <fstream>
 
+namespace mesh_file_test {
+
 using namespace knap;
 
 namespace {
@@ -199,3 +201,5 @@ TEST_CASE("mesh file: a built-in scenario has its mesh in the binary") {
                         built_in.scenario.given->mesh.interior_edges.end(),
                         [](const InteriorEdge& edge) { return edge.cracked; }) == 3);
 }
+
+}  // namespace mesh_file_test

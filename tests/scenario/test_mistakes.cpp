@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <fstream>
 
+namespace mistakes_test {
+
 using namespace knap;
 using samples::changed;
 using samples::least;
@@ -639,3 +641,5 @@ TEST_CASE("a specimen whose other end moves is warned of where it has no gauge")
     CHECK(samples::read(with(specimen + "axial = [\"top\", \"bottom\"]\n" + other)).warnings.empty());
     CHECK(samples::read(with(specimen + "[[load]]\non = \"bottom\"\nvelocity = [1, 0]\n")).warnings.empty());
 }
+
+}  // namespace mistakes_test

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+namespace overrides_test {
+
 using namespace knap;
 using samples::least;
 using samples::mistakes;
@@ -105,3 +107,5 @@ TEST_CASE("set: a path of very many keys is refused") {
     REQUIRE(found.size() == 1);
     CHECK(found[0].code == "bad-override");
 }
+
+}  // namespace overrides_test

@@ -8,6 +8,8 @@
 #include <regex>
 #include <utility>
 
+namespace readme_test {
+
 using namespace knap;
 
 namespace {
@@ -94,3 +96,5 @@ TEST_CASE("the examples of the READMEs and of the list of keys are scenarios") {
         CHECK_MESSAGE(wrong.empty(), example.file << ":" << example.line << "\n" << wrong);
     }
 }
+
+}  // namespace readme_test

@@ -10,6 +10,8 @@
 
 #include <sstream>
 
+namespace schema_test {
+
 using namespace knap;
 
 namespace {
@@ -88,3 +90,5 @@ TEST_CASE("schema: there is a key for every gate that a scenario may move and fo
     }
     CHECK(keys_below("limits").size() == n);
 }
+
+}  // namespace schema_test

@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+namespace temperatures_test {
+
 using namespace knap;
 
 namespace {
@@ -23,7 +25,8 @@ TEST_CASE("temperatures: one unit says where all of them count from") {
     CHECK_FALSE(heat(warm("\"293 K\"", "300 K")).celsius);
     CHECK(heat(warm("\"20 C\"", "-7.5 C")).reference == 20);
     CHECK(heat(warm("\"20 C\"", "-7.5 C")).field_at({0, 0}, 0) == -7.5);
-    CHECK(heat(warm("\"20 C\"", "300") + "[[figure]]\nfile = \"T.png\"\nshow = \"temperature\"\nmark = \"0 C\"\nrange = [0, \"9 C\"]\n")
+    CHECK(heat(warm("\"20 C\"", "300") +
+               "[[figure]]\nfile = \"T.png\"\nshow = \"temperature\"\nmark = \"0 C\"\nrange = [0, \"9 C\"]\n")
               .celsius);
 }
 
@@ -36,3 +39,5 @@ TEST_CASE("temperatures: a resolved scenario has the same zero") {
     CHECK(again.heat->reference == 20);
     CHECK(full_listing(first).find("C\" K") == std::string::npos);
 }
+
+}  // namespace temperatures_test

@@ -7,6 +7,8 @@
 #include <clocale>
 #include <cmath>
 
+namespace units_test {
+
 using namespace knap;
 
 namespace {
@@ -110,3 +112,5 @@ TEST_CASE("units: shortest text reads back") {
         CHECK(parse_quantity(shortest(x)).value == x);
     CHECK(shortest(-0.0) == "-0.0");
 }
+
+}  // namespace units_test

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <complex>
 
+namespace absorbing_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -258,3 +260,5 @@ TEST_CASE("absorbing boundary: refused where the boundary is held or led") {
     led.loads = {load(Load::Kind::velocity, "left", 0.0, 1.0)};
     CHECK_THROWS_AS(Run(led, let_out("left")), UserError);
 }
+
+}  // namespace absorbing_test

@@ -14,6 +14,8 @@
 
 #include <cmath>
 
+namespace adaptation_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -259,3 +261,5 @@ TEST_CASE("adaptation: wanted sizes follow the stress and grow away from it") {
               adapt.grading * (model.mesh.vertices[a] - model.mesh.vertices[b]).norm() * (1 + 1e-12));
     }
 }
+
+}  // namespace adaptation_test

@@ -11,6 +11,8 @@
 #include <cstdlib>
 #include <numbers>
 
+namespace allocations_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -273,3 +275,5 @@ TEST_CASE("the detection of contacts lives on the memory of its first searches")
 }
 
 #endif
+
+}  // namespace allocations_test

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace crack_pressure_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -185,3 +187,5 @@ TEST_CASE("E26 a crack under pressure has the stress intensity p sqrt(pi a)") {
                  exact = pressure * std::sqrt(std::numbers::pi * a);
     verify("K over p sqrt(pi a)", K / exact, 1, {0.01, 0.002});
 }
+
+}  // namespace crack_pressure_test

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+namespace damping_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -88,11 +90,12 @@ TEST_CASE("damping: random bodies with cracks and friction and obstacles close t
     int n = 0, n_broken = 0, n_absorbing = 0;
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
         WildBody wild = WildBodies(seed).body();
-        if (wild.body.scheme.bulk != BulkScheme::explicit_lumped || !wild.body.input.obstacles.empty() != (seed % 2)) continue;
+        if (wild.body.scheme.bulk != BulkScheme::explicit_lumped || !wild.body.input.obstacles.empty() != (seed % 2))
+            continue;
         const double h = wild.safety * Run(wild.body.input, wild.body.scheme).stepper.stable_step();
         wild.body.scheme.damping = 0.1 * static_cast<double>(1 + seed % 7) / h;  // up to a half of the motion in a step
-        if (const auto& loads = wild.body.input.loads; wild.body.input.supports.empty() && seed % 3 != 0 &&
-                                                       std::ranges::none_of(loads, &Load::drives))
+        if (const auto& loads = wild.body.input.loads;
+            wild.body.input.supports.empty() && seed % 3 != 0 && std::ranges::none_of(loads, &Load::drives))
             wild.body.scheme.absorbing = {{.boundary = "right"}}, ++n_absorbing;
         Run run(wild.body.input, wild.body.scheme);
         Balance balance(run.ledger.row().kinetic + run.ledger.row().strain);
@@ -110,3 +113,5 @@ TEST_CASE("damping: random bodies with cracks and friction and obstacles close t
     CHECK(n_absorbing > 5);
     CHECK(n_broken > 100);
 }
+
+}  // namespace damping_test

@@ -9,6 +9,8 @@
 
 #include <cmath>
 
+namespace delayed_softening_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -142,3 +144,5 @@ TEST_CASE("E9 delayed softening takes its part of Assumption 1") {
                2, {1e-12});
     }
 }
+
+}  // namespace delayed_softening_test

@@ -10,6 +10,8 @@
 
 #include <cmath>
 
+namespace excavation_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -419,3 +421,5 @@ TEST_CASE("excavation: the successor keeps numbers and drops what vanished") {
             if (rest.has_vanished(rest.mesh.triangle_of(c))) CHECK((fan.n_corners == 1 && fan.n_points == 0));
     for (const CornerLoad& at : rest.corner_loads) CHECK_FALSE(rest.has_vanished(rest.mesh.triangle_of(at.corner)));
 }
+
+}  // namespace excavation_test

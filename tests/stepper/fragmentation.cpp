@@ -14,6 +14,8 @@
 
 #include <cmath>
 
+namespace fragmentation_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -85,3 +87,5 @@ TEST_CASE("a stretched bar of alumina breaks into as many pieces as published" *
             CHECK(cracks > pieces - 1 - 1e-9);  // whole cracks, and what damaged edges have lost
         }
 }
+
+}  // namespace fragmentation_test

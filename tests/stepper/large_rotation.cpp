@@ -10,6 +10,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace large_rotation_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -281,3 +283,5 @@ TEST_CASE("a partly open joint that turns rigidly keeps its opening and its trac
     for (std::size_t node = 0; node < end.velocity.size(); ++node)
         CHECK((turned_end.velocity[node] - turned(end.velocity[node], angle)).norm() <= 1e-11);
 }
+
+}  // namespace large_rotation_test

@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace obstacle_corners_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -121,3 +123,5 @@ TEST_CASE("a sharp boulder that falls between the nodes of a block does not pass
                 check_energy_balance(run);
             }
 }
+
+}  // namespace obstacle_corners_test

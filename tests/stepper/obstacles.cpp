@@ -10,6 +10,8 @@
 
 #include <cmath>
 
+namespace obstacles_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -322,3 +324,5 @@ TEST_CASE("obstacles give the same bits for one and two threads") {
     CHECK(same_bits(one, two));
     for (std::size_t o = 0; o < 2; ++o) CHECK(one.obstacles[o].velocity == two.obstacles[o].velocity);
 }
+
+}  // namespace obstacles_test

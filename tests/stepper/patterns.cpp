@@ -11,6 +11,8 @@
 #include <iterator>
 #include <set>
 
+namespace patterns_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -219,3 +221,5 @@ TEST_CASE("E17 it does not matter from where on a point counts as broken") {
         }
     }
 }
+
+}  // namespace patterns_test

@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+namespace reactions_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -55,3 +57,5 @@ TEST_CASE("reactions of a support do not reach what stands on it unless it is dr
     CHECK(reactions.at(run.now)[0].force.x() == relative(1, 1e-12));
     CHECK(reactions.at(run.now)[0].force.y() == 0);
 }
+
+}  // namespace reactions_test

@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+namespace rigidity_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -204,3 +206,5 @@ TEST_CASE("what cannot part starts with one velocity whatever the scenario gives
         CHECK((run.mean_velocity([](Index) { return true; }) - momentum).norm() <= 1e-12 * momentum.norm());
     }
 }
+
+}  // namespace rigidity_test

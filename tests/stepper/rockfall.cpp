@@ -14,6 +14,8 @@
 
 #include <cmath>
 
+namespace rockfall_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -114,3 +116,5 @@ TEST_CASE(
                 CHECK(run.ledger.worst().residual <= 1e-10);
             }
 }
+
+}  // namespace rockfall_test

@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+namespace second_order_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -178,3 +180,5 @@ TEST_CASE("second order: a body force and a traction move the body as a whole") 
     const Vec2 expected = 6 * glass.density * Vec2(2, -1) + 2 * Vec2(5e3, 1e3) + 6 * Vec2(100, 300);
     CHECK((force - expected).norm() <= 1e-12 * expected.norm());
 }
+
+}  // namespace second_order_test

@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace single_point_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -243,3 +245,5 @@ TEST_CASE("B13 a ball with restitution .8 comes to rest at its Zeno time") {
                      run.ledger.largest_residual() / run.ledger.largest_energy(), {1e-10, 1e-11});
     }
 }
+
+}  // namespace single_point_test

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+namespace sliding_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -174,3 +176,5 @@ TEST_CASE("E8 a damaged point that has closed sticks again with what strength is
     verify_that("its cohesion stays, to the bit", cohesion(run.model, run.now, 0) == beta);
     check_energy_balance(run);
 }
+
+}  // namespace sliding_test

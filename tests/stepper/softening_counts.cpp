@@ -10,6 +10,8 @@
 
 #include <vector>
 
+namespace softening_counts_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -123,3 +125,5 @@ TEST_CASE("books: what closing gives back is told from what is dissipated") {
         CHECK(broken.recoverable == 0);
     }
 }
+
+}  // namespace softening_counts_test

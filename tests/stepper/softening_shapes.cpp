@@ -9,6 +9,8 @@
 
 #include <cmath>
 
+namespace softening_shapes_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -134,16 +136,17 @@ TEST_CASE("B1 a mass thrown off moves as its softening says at every time") {
                 REQUIRE(run.last.rejection == Rejection::none);
                 const double v1 = v - h / 2 * pull(s), v2 = v - h / 2 * pull(s + h / 2 * v),
                              v3 = v - h * pull(s + h / 2 * v1),
-                             next = v - h / 6 * (pull(s) + 2 * pull(s + h / 2 * v) + 2 * pull(s + h / 2 * v1) +
-                                                 pull(s + h * v2));
+                             next = v - h / 6 *
+                                            (pull(s) + 2 * pull(s + h / 2 * v) + 2 * pull(s + h / 2 * v1) +
+                                             pull(s + h * v2));
                 s += h / 6 * (v + 2 * v1 + 2 * v2 + v3), v = next;
                 const double t = run.now.time;
                 if (v <= 0 || pull(s) <= 0) break;
                 // with v_e the speed vanishes where it breaks, and every error grows: up to s = d
                 if (name != "exponential" || s < d)
                     worst = std::max(worst, std::abs(run.u(0, 0).y() - s) / law.delta_c());
-                const double exact = name == "linear"    ? 1 - std::cosh(t) + v0 * std::sinh(t)
-                                     : name == "Dugdale" ? v0 * t - 0.5 * t * t
+                const double exact = name == "linear"                 ? 1 - std::cosh(t) + v0 * std::sinh(t)
+                                     : name == "Dugdale"              ? v0 * t - 0.5 * t * t
                                      : name == "exponential" && s < d ? 2 * d * std::log1p(v0 * t / (2 * d))
                                                                       : s;
                 formula = std::max(formula, std::abs(exact - s) / law.delta_c());
@@ -180,8 +183,8 @@ TEST_CASE("A3 the work of mode II is G_c for every gamma and friction adds mu ov
                     CHECK(cohesion(run.model, run.now, 0) == 0);
                     CHECK(pressure < 1e-9 * law.sigma_c);
                     const EnergyRow& end = run.ledger.row();
-                    const std::string at = ", gamma = " + digits(gamma) + ", mu = " + digits(mu) +
-                                           (linear ? ", linear" : ", petersson");
+                    const std::string at =
+                        ", gamma = " + digits(gamma) + ", mu = " + digits(mu) + (linear ? ", linear" : ", petersson");
                     verify("dissipated over G_c" + at, end.dissipated / (2 * law.G_c), 1, {1e-12});
                     // steps of delta_c/1667: the traction of a step is that of its start or of its mean
                     verify("cohesive work over G_c" + at, end.cohesive_work / (2 * law.G_c), 1, {4.0 / n, 2.0 / n});
@@ -222,3 +225,5 @@ TEST_CASE("E9 Assumption 1 sees the steepest piece of the softening") {
                {1e-12});
     }
 }
+
+}  // namespace softening_shapes_test

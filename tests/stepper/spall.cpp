@@ -9,6 +9,8 @@
 #include <cmath>
 #include <random>
 
+namespace spall_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -72,8 +74,7 @@ double peak_of(const Model& model, double strain_rate) {
             ledger.add(now, report);
         }
         double sum = 0;
-        for (Index t = 0; t < model.mesh.n_triangles(); ++t)
-            sum += model.mesh.area(t) * stress(model, now, t)[0];
+        for (Index t = 0; t < model.mesh.n_triangles(); ++t) sum += model.mesh.area(t) * stress(model, now, t)[0];
         mean = sum / (length * 1e-4);
         peak = std::max(peak, mean);
     }
@@ -226,3 +227,5 @@ TEST_CASE("E27 means of four bars differ by the weakest links of these bars" * d
         verify(m + "100 1/s, mean of all bars over 10 MPa", at_100 / granite.sigma_c, 1.25, {0.05, 0.03});
     }
 }
+
+}  // namespace spall_test

@@ -12,6 +12,8 @@
 #include <cstring>
 #include <string>
 
+namespace static_preload_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -435,3 +437,5 @@ TEST_CASE("a body that turns too far for the search is refused") {
     const std::string message = Start(input, {}).complaint();
     CHECK_MESSAGE(message.find("turns or strains too far") != std::string::npos, message);
 }
+
+}  // namespace static_preload_test

@@ -6,6 +6,8 @@
 
 #include <vector>
 
+namespace step_control_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -187,3 +189,5 @@ TEST_CASE("step control: the place of damage is the vertex that lost most cohesi
         if (model.fans[end.split_fans[rank]].vertex == 1) end.points[end.first_point[rank]].cohesion = 0.5;
     CHECK(place_of_damage(model, begin, end) == model.mesh.vertices[1]);
 }
+
+}  // namespace step_control_test

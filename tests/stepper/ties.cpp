@@ -11,6 +11,8 @@
 #include <cstring>
 #include <set>
 
+namespace ties_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -288,3 +290,5 @@ TEST_CASE("E11 friction of 1 and 10 and 1000") {
         check_energy_balance(run);
     }
 }
+
+}  // namespace ties_test

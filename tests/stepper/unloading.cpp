@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+namespace unloading_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -209,3 +211,5 @@ TEST_CASE("a pulled block breaks with secant unloading and its energies balance"
                 run.ledger.worst().fan_fallbacks, " of ", run.ledger.worst().fan_solves);
     }
 }
+
+}  // namespace unloading_test

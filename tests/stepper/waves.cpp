@@ -11,6 +11,8 @@
 
 #include <cmath>
 
+namespace waves_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -535,3 +537,5 @@ TEST_CASE("B12 two bars exchange their velocities or graze each other") {
     for (const SchemeOptions& path : both_paths())
         for (const bool equal : {true, false}) collide(path, equal);
 }
+
+}  // namespace waves_test

@@ -15,7 +15,8 @@ namespace knap::tests {
 /// The bodies are small and the tests run side by side: one thread, unless a test asks for more.
 inline const bool one_thread = (omp_set_num_threads(1), true);
 
-inline Load load(Load::Kind kind, const std::string& boundary, std::optional<double> x, std::optional<double> y, TimeFunction history = {}) {
+inline Load load(Load::Kind kind, const std::string& boundary, std::optional<double> x, std::optional<double> y,
+                 TimeFunction history = {}) {
     return {.kind = kind, .on = {.boundary = boundary, .box = {}}, .value = {x, y}, .history = std::move(history)};
 }
 
@@ -39,7 +40,8 @@ inline ModelInput point_masses(const CohesiveLaw& law, bool glued) {
 class Run {
 public:
     explicit Run(ModelInput input, const SchemeOptions& scheme = {}) : Run(make_model(std::move(input)), scheme) {}
-    explicit Run(Model made, const SchemeOptions& scheme = {}) : model(std::move(made)), stepper(model, scheme), now(initial_state(model)), ledger(model, now) {}
+    explicit Run(Model made, const SchemeOptions& scheme = {})
+        : model(std::move(made)), stepper(model, scheme), now(initial_state(model)), ledger(model, now) {}
     Run(const Run&) = delete;  // the stepper refers to the model
 
     const StepReport& step(double h) {
@@ -59,8 +61,12 @@ public:
     }
 
     /// Displacement and velocity of the corner of `triangle` at its vertex k.
-    Vec2 u(Index triangle, Index k) const { return now.displacement[now.node_of_corner[model.mesh.corners_per_triangle() * triangle + k]]; }
-    Vec2 v(Index triangle, Index k) const { return now.velocity[now.node_of_corner[model.mesh.corners_per_triangle() * triangle + k]]; }
+    Vec2 u(Index triangle, Index k) const {
+        return now.displacement[now.node_of_corner[model.mesh.corners_per_triangle() * triangle + k]];
+    }
+    Vec2 v(Index triangle, Index k) const {
+        return now.velocity[now.node_of_corner[model.mesh.corners_per_triangle() * triangle + k]];
+    }
 
     /// Mass-weighted mean velocity of all triangles that `chosen` accepts.
     Vec2 mean_velocity(const std::function<bool(Index)>& chosen) const {
@@ -89,7 +95,9 @@ inline bool same_bits(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
 }
 
 inline bool same_bits(const State& a, const State& b) {
-    if (!same_bits(a.displacement, b.displacement) || !same_bits(a.velocity, b.velocity) || a.split_fans != b.split_fans) return false;
+    if (!same_bits(a.displacement, b.displacement) || !same_bits(a.velocity, b.velocity) ||
+        a.split_fans != b.split_fans)
+        return false;
     for (std::size_t i = 0; i < a.points.size(); ++i)
         if (a.points[i].cohesion != b.points[i].cohesion) return false;
     return true;

@@ -23,15 +23,16 @@
 namespace knap::tests {
 
 struct CohesiveScene {
-    int n_x = 2, n_y = 2;     // cells of two triangles
-    bool every_edge = true;   // else one line of interfaces at half height
-    double step = 2;          // in units of the smallest height of a triangle over the wave speed
+    int n_x = 2, n_y = 2;    // cells of two triangles
+    bool every_edge = true;  // else one line of interfaces at half height
+    double step = 2;         // in units of the smallest height of a triangle over the wave speed
     double theta = 1, restitution = 0, gamma = 1, friction = 0.5;
-    double stiffness = 100;   // E: the cohesive length is half as many critical openings, a triangle two wide
-    double stretch = 1.2;     // speed of the ends, in units of the one that reaches the strength as a plane wave
-    double shear = 0.3;       // the same along the ends
-    double notch = 0.4;       // part of the length that is broken at half height from the start
-    double noise = 0.2;       // random speeds of the vertices at the start, in the same units: without, much is at rest and ties
+    double stiffness = 100;  // E: the cohesive length is half as many critical openings, a triangle two wide
+    double stretch = 1.2;    // speed of the ends, in units of the one that reaches the strength as a plane wave
+    double shear = 0.3;      // the same along the ends
+    double notch = 0.4;      // part of the length that is broken at half height from the start
+    double noise =
+        0.2;  // random speeds of the vertices at the start, in the same units: without, much is at rest and ties
     int seed = 1;
 };
 
@@ -67,14 +68,17 @@ public:
         for (int i = 0; i < m; ++i) {
             const int k = place(touching, i);
             for (int d = 0; d < 2; ++d) {
-                std::vector<std::pair<int, double>> targets;  // rows that hold the rate of this point and direction, with their sign
+                std::vector<std::pair<int, double>>
+                    targets;  // rows that hold the rate of this point and direction, with their sign
                 if (d == 0) targets.push_back({rows.beta(i), 1.0});
                 if (d == 0 && k >= 0) targets.push_back({rows.normal(k), 1.0});
                 if (d == 1 && k >= 0) targets.insert(targets.end(), {{rows.slip(k), 1.0}, {rows.slip(k) + 1, -1.0}});
                 if (d == 1) targets.insert(targets.end(), {{rows.tangent(i), 1.0}, {rows.tangent(i) + 1, -1.0}});
                 for (LcpMatrix::InnerIterator entry(W_, 2 * i + d); entry; ++entry)
-                    for (const auto& [column, c] : impulses(static_cast<int>(entry.col()) / 2, static_cast<int>(entry.col()) % 2))
-                        for (const auto& [row, sign] : targets) entries.emplace_back(row, column, sign * entry.value() * c);
+                    for (const auto& [column, c] :
+                         impulses(static_cast<int>(entry.col()) / 2, static_cast<int>(entry.col()) % 2))
+                        for (const auto& [row, sign] : targets)
+                            entries.emplace_back(row, column, sign * entry.value() * c);
                 for (const auto& [row, sign] : targets) q[row] += sign * V[2 * i + d];
             }
             const double S = points_[i].area;
@@ -121,7 +125,8 @@ public:
             P[2 * i + 1] += z[rows.slip(k)] - z[rows.slip(k) + 1];
             last_.row(i).tail(4) << z[rows.normal(k)], z[rows.slip(k)], z[rows.slip(k) + 1], z[rows.zeta(k)];
         }
-        const Eigen::VectorXd mean = free_motion() + scene_.theta * h_ * Eigen::VectorXd(M_hat_.solve(H_.transpose() * P));  // v at k + theta
+        const Eigen::VectorXd mean =
+            free_motion() + scene_.theta * h_ * Eigen::VectorXd(M_hat_.solve(H_.transpose() * P));  // v at k + theta
         u_ += h_ * mean;
         v_ += (mean - v_) / scene_.theta;
     }
@@ -133,19 +138,23 @@ public:
         Eigen::VectorXd z = Eigen::VectorXd::Zero(rows.size());
         for (int i = 0; i < static_cast<int>(last_.rows()); ++i) {
             const int k = place(touching, i), r = rows.tangent(i);
-            z[i] = last_(i, 0), z[rows.beta(i)] = last_(i, 1), z[r] = last_(i, 2), z[r + 1] = last_(i, 3), z[rows.chi(i)] = last_(i, 4);
+            z[i] = last_(i, 0), z[rows.beta(i)] = last_(i, 1), z[r] = last_(i, 2), z[r + 1] = last_(i, 3),
+            z[rows.chi(i)] = last_(i, 4);
             if (k < 0) continue;
-            z[rows.normal(k)] = last_(i, 5), z[rows.slip(k)] = last_(i, 6), z[rows.slip(k) + 1] = last_(i, 7), z[rows.zeta(k)] = last_(i, 8);
+            z[rows.normal(k)] = last_(i, 5), z[rows.slip(k)] = last_(i, 6), z[rows.slip(k) + 1] = last_(i, 7),
+            z[rows.zeta(k)] = last_(i, 8);
         }
         return z;
     }
 
     int n_broken() const { return static_cast<int>(std::count(beta_.begin(), beta_.end(), 0.0)); }
-    int n_damaged() const { return static_cast<int>(std::count_if(beta_.begin(), beta_.end(), [](double b) { return b > 0 && b < 1; })); }
+    int n_damaged() const {
+        return static_cast<int>(std::count_if(beta_.begin(), beta_.end(), [](double b) { return b > 0 && b < 1; }));
+    }
 
 private:
     struct Point {
-        int a, b;                // nodes; side b is the one the normal points to
+        int a, b;  // nodes; side b is the one the normal points to
         Eigen::Vector2d normal;
         double area;
     };
@@ -182,7 +191,9 @@ private:
     }
 
     /// Half of the mesh that a triangle belongs to where only the line is split.
-    int side_of(std::size_t triangle) const { return static_cast<int>(triangle / (2 * scene_.n_x)) >= scene_.n_y / 2 ? 1 : 0; }
+    int side_of(std::size_t triangle) const {
+        return static_cast<int>(triangle / (2 * scene_.n_x)) >= scene_.n_y / 2 ? 1 : 0;
+    }
 
     void make_points() {
         std::map<std::pair<int, int>, int> nodes;  // (vertex, half or triangle)
@@ -194,7 +205,7 @@ private:
             }
         n_nodes_ = static_cast<int>(nodes.size());
         std::map<std::pair<int, int>, std::pair<std::size_t, int>> open;  // edge by its vertices -> (triangle, side)
-        std::map<std::pair<int, int>, std::size_t> by_nodes;              // points of two edges between the same nodes are one
+        std::map<std::pair<int, int>, std::size_t> by_nodes;  // points of two edges between the same nodes are one
         for (std::size_t t = 0; t < triangles_.size(); ++t)
             for (int k = 0; k < 3; ++k) {
                 const int p = triangles_[t][k], r = triangles_[t][(k + 1) % 3];
@@ -206,14 +217,17 @@ private:
                 for (int end = 0; end < 2; ++end) {
                     const int a = node_[s][end == 0 ? (l + 1) % 3 : l], b = node_[t][end == 0 ? k : (k + 1) % 3];
                     const auto [found, fresh] = by_nodes.try_emplace({a, b}, points_.size());
-                    if (fresh) points_.push_back({a, b, normal, 0.5 * along.norm()}), where_.push_back(vertices_[end == 0 ? p : r]);
+                    if (fresh)
+                        points_.push_back({a, b, normal, 0.5 * along.norm()}),
+                            where_.push_back(vertices_[end == 0 ? p : r]);
                     else points_[found->second].area += 0.5 * along.norm();
                 }
             }
     }
 
     void make_operators() {
-        const double nu = 0.25, lambda = scene_.stiffness * nu / ((1 + nu) * (1 - 2 * nu)), shear = scene_.stiffness / (2 * (1 + nu));
+        const double nu = 0.25, lambda = scene_.stiffness * nu / ((1 + nu) * (1 - 2 * nu)),
+                     shear = scene_.stiffness / (2 * (1 + nu));
         const double speed = std::sqrt(lambda + 2 * shear);
         std::vector<Eigen::Triplet<double>> stiffness, mass;
         double least_height = 1e300;
@@ -227,9 +241,11 @@ private:
                 least_height = std::min(least_height, 1 / g.norm());
                 for (int l = 0; l < 3; ++l) {
                     const Eigen::Vector2d f = inverse.row(l).tail(2);
-                    const Eigen::Matrix2d block = area * (lambda * g * f.transpose() + shear * f * g.transpose() + shear * g.dot(f) * Eigen::Matrix2d::Identity());
+                    const Eigen::Matrix2d block = area * (lambda * g * f.transpose() + shear * f * g.transpose() +
+                                                          shear * g.dot(f) * Eigen::Matrix2d::Identity());
                     for (int i = 0; i < 2; ++i)
-                        for (int j = 0; j < 2; ++j) stiffness.emplace_back(2 * node_[t][k] + i, 2 * node_[t][l] + j, block(i, j));
+                        for (int j = 0; j < 2; ++j)
+                            stiffness.emplace_back(2 * node_[t][k] + i, 2 * node_[t][l] + j, block(i, j));
                 }
                 for (int i = 0; i < 2; ++i) mass.emplace_back(2 * node_[t][k] + i, 2 * node_[t][k] + i, area / 3);
             }
@@ -261,7 +277,8 @@ private:
     void make_state() {
         u_ = Eigen::VectorXd::Zero(2 * n_nodes_), v_ = u_;
         beta_.assign(points_.size(), 1.0);
-        const double height = 2.0 * scene_.n_y, length = 2.0 * scene_.n_x, impedance = std::sqrt(1.2 * scene_.stiffness);
+        const double height = 2.0 * scene_.n_y, length = 2.0 * scene_.n_x,
+                     impedance = std::sqrt(1.2 * scene_.stiffness);
         Random random(scene_.seed, "cohesive state");
         std::vector<Eigen::Vector2d> noise(vertices_.size());
         for (Eigen::Vector2d& v : noise) v << random.uniform(-1, 1), random.uniform(-1, 1);
@@ -274,12 +291,12 @@ private:
                 v_.segment<2>(2 * node_[t][k]) += scene_.noise / impedance * noise[triangles_[t][k]];
             }
         for (int i = 0; i < n_points(); ++i)
-            if (std::abs(2 * where_[i].y() - height) < 1e-9 && std::abs(points_[i].normal.x()) < 1e-9 && where_[i].x() < scene_.notch * length) beta_[i] = 0;
+            if (std::abs(2 * where_[i].y() - height) < 1e-9 && std::abs(points_[i].normal.x()) < 1e-9 &&
+                where_[i].x() < scene_.notch * length)
+                beta_[i] = 0;
     }
 
-    Eigen::VectorXd free_motion() const {
-        return M_hat_.solve(M_ * v_ - scene_.theta * h_ * (K_ * u_));
-    }
+    Eigen::VectorXd free_motion() const { return M_hat_.solve(M_ * v_ - scene_.theta * h_ * (K_ * u_)); }
 
     /// Rates at k + theta without the impulses that are unknown.
     Eigen::VectorXd rates() const {

@@ -24,7 +24,9 @@ public:
         for (const FanBody& body : problem.bodies)
             for (int k = 0; k < 2; ++k)
                 if (body.inverse_mass[k] > 0)
-                    impulse_ = std::max(impulse_, std::max(std::abs(body.velocity[k]), std::abs(body.free_velocity[k])) / body.inverse_mass[k]);
+                    impulse_ =
+                        std::max(impulse_, std::max(std::abs(body.velocity[k]), std::abs(body.free_velocity[k])) /
+                                               body.inverse_mass[k]);
         for (const FanLink& link : problem.links) {
             if (link.unbreakable) continue;
             impulse_ = std::max(impulse_, link.cohesive);
@@ -61,8 +63,12 @@ public:
     double impulse_scale() const { return impulse_; }
 
 private:
-    Vec2 before(const FanLink& link) const { return problem_.velocity_before(link.after) - problem_.velocity_before(link.before); }
-    Vec2 after(const FanLink& link) const { return problem_.velocity_after(link.after) - problem_.velocity_after(link.before); }
+    Vec2 before(const FanLink& link) const {
+        return problem_.velocity_before(link.after) - problem_.velocity_before(link.before);
+    }
+    Vec2 after(const FanLink& link) const {
+        return problem_.velocity_after(link.after) - problem_.velocity_after(link.before);
+    }
     static double normal_part(const FanLink& link, const Vec2& a) { return link.normal.dot(a); }
     static double tangential_part(const FanLink& link, const Vec2& a) { return turned_left(link.normal).dot(a); }
 
@@ -77,8 +83,9 @@ private:
             }
             const Vec2 change = body.end_velocity - body.free_velocity;
             for (int k = 0; k < 2; ++k)
-                worst = std::max(worst, body.inverse_mass[k] == 0 ? std::abs(change[k]) / speed_
-                                                                  : std::abs(change[k] / body.inverse_mass[k] - pushed[k]) / impulse_);
+                worst = std::max(worst, body.inverse_mass[k] == 0
+                                            ? std::abs(change[k]) / speed_
+                                            : std::abs(change[k] / body.inverse_mass[k] - pushed[k]) / impulse_);
         }
         return worst;
     }
@@ -99,8 +106,11 @@ private:
         const double s = link.ramp_start.x() + normal_part(link, V) +
                          link.gamma * std::abs(link.ramp_start.y() + tangential_part(link, V)),
                      part = link.borne / link.cohesive;
-        const double off = part >= 1 ? std::max(link.ramp - s, 0.0) : part <= 0 ? std::max(s, 0.0) : std::abs(s - part * link.ramp);
-        return std::max(std::min(off / speed_, std::abs(link.borne - link.cohesive * std::clamp(s / link.ramp, 0.0, 1.0)) / impulse_),
+        const double off = part >= 1   ? std::max(link.ramp - s, 0.0)
+                           : part <= 0 ? std::max(s, 0.0)
+                                       : std::abs(s - part * link.ramp);
+        return std::max(std::min(off / speed_,
+                                 std::abs(link.borne - link.cohesive * std::clamp(s / link.ramp, 0.0, 1.0)) / impulse_),
                         std::max(part - 1, -part) * link.cohesive / impulse_);
     }
     double contact(const FanLink& link) const { return normal_part(link, link.impulse) + cohesion(link); }
@@ -109,7 +119,8 @@ private:
         const Vec2 V = after(link);
         if (link.unbreakable) return V.cwiseAbs().maxCoeff() / speed_;
         const double p = contact(link), b = bound(link);
-        const double normal = b == -INFINITY ? std::abs(p) / impulse_ : std::abs(std::min(p / impulse_, (normal_part(link, V) - b) / speed_));
+        const double normal = b == -INFINITY ? std::abs(p) / impulse_
+                                             : std::abs(std::min(p / impulse_, (normal_part(link, V) - b) / speed_));
         return std::max({normal, tangential_distance(link, std::max(p, 0.0)), ramp_distance(link)});
     }
 

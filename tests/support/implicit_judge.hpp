@@ -22,7 +22,9 @@ struct ImplicitVerdict {
     double normal = 0;                          // P_N against p and beta_theta
     double tangential = 0;                      // P_T against the signs of u_T+ and w_T
     double impact_work = 0, friction_work = 0;  // largest of a single point; should be <= 0
-    double worst() const { return std::max({balance, contact, cohesion, normal, tangential, impact_work, friction_work}); }
+    double worst() const {
+        return std::max({balance, contact, cohesion, normal, tangential, impact_work, friction_work});
+    }
 };
 
 class ImplicitJudge {
@@ -66,7 +68,8 @@ public:
             const double sign_w = std::abs(passage.w_T) <= near ? 0 : std::copysign(1, passage.w_T);
             const double sign_u = std::abs(passage.end_u_T) <= near * h_ ? 0 : std::copysign(1, passage.end_u_T);
             const double mu = model_.laws[point.law].friction, G = passage.tangential_strength / impulse_;
-            const Eigen::VectorXd N = grouped(pushed(point, point.normal)), T = grouped(pushed(point, turned_left(point.normal)));
+            const Eigen::VectorXd N = grouped(pushed(point, point.normal)),
+                                  T = grouped(pushed(point, turned_left(point.normal)));
             const auto add = [&](const Eigen::VectorXd& push) {
                 for (Eigen::Index i = 0; i < push.size(); ++i)
                     if (push[i] != 0) entries.emplace_back(static_cast<int>(i), n, push[i]);
@@ -98,13 +101,18 @@ public:
         for (const FanPoint& point : model_.fan_points) {
             if (unbreakable(point)) continue;
             const Passage passage = passage_of(point, end);
-            const auto value = [&](int i) { return place[point.point][i] < 0 ? 0 : impulse_ * x[place[point.point][i]]; };
+            const auto value = [&](int i) {
+                return place[point.point][i] < 0 ? 0 : impulse_ * x[place[point.point][i]];
+            };
             const bool sticks = place[point.point][1] >= 0, uncrossed = place[point.point][4] >= 0;
             const double p = value(0), mu = model_.laws[point.law].friction;
-            const double friction = sticks ? value(1) - value(2) : std::abs(passage.w_T) <= near ? 0 : -std::copysign(mu * p, passage.w_T);
-            const double cohesive = uncrossed              ? value(4) - passage.tangential_strength
-                                    : passage.end_u_T == 0 ? 0
-                                                           : -std::copysign(passage.tangential_strength, passage.end_u_T);
+            const double friction = sticks                          ? value(1) - value(2)
+                                    : std::abs(passage.w_T) <= near ? 0
+                                                                    : -std::copysign(mu * p, passage.w_T);
+            const double cohesive = uncrossed ? value(4) - passage.tangential_strength
+                                    : passage.end_u_T == 0
+                                        ? 0
+                                        : -std::copysign(passage.tangential_strength, passage.end_u_T);
             end.contact[point.point] = p;
             end.impulse[point.point] = {p - passage.strength, friction + cohesive};
         }
@@ -123,21 +131,22 @@ private:
         const CohesiveLaw& law = model_.laws[point.law];
         const double theta = options_.theta;
         const Vec2 n = point.normal, t = turned_left(n);
-        const Vec2 u = displacement(point.after) - displacement(point.before), V = velocity(point.after) - velocity(point.before),
+        const Vec2 u = displacement(point.after) - displacement(point.before),
+                   V = velocity(point.after) - velocity(point.before),
                    w = rate(end, point.after) - rate(end, point.before);
         const double u_N = point.gap + n.dot(u), approach = std::max(-n.dot(V), 0.0);
-        const double scale = displacement(point.after).norm() + displacement(point.before).norm() + point.gap + law.delta_c();
+        const double scale =
+            displacement(point.after).norm() + displacement(point.before).norm() + point.gap + law.delta_c();
         Passage made{.w_N = n.dot(w), .w_T = t.dot(w), .u_T = t.dot(u)};
         made.end_u_T = made.u_T + h_ * made.w_T;
         made.cohesion = point.cracked || law.sigma_c == 0 ? 0 : knap::cohesion(model_, begin_, point.point);
         const bool touches = u_N <= 1e-11 * scale;
         const double e = made.cohesion > 0 ? 0 : law.restitution;  // restitution is for faces without cohesion
-        if (touches)
-            made.bound = -(1 - theta * (1 + e)) * approach;
-        else if (e == 0)
-            made.bound = std::min(-u_N / h_, -(1 - theta) * approach);
+        if (touches) made.bound = -(1 - theta * (1 + e)) * approach;
+        else if (e == 0) made.bound = std::min(-u_N / h_, -(1 - theta) * approach);
         if (driven(point)) made.bound.reset();
-        made.end_cohesion = made.cohesion > 0 ? law.next_cohesion(made.cohesion, u_N + h_ * made.w_N, made.end_u_T, h_) : 0;
+        made.end_cohesion =
+            made.cohesion > 0 ? law.next_cohesion(made.cohesion, u_N + h_ * made.w_N, made.end_u_T, h_) : 0;
         const bool implicit = options_.cohesion == CohesionScheme::implicit_beta;
         const double beta = implicit ? theta * made.end_cohesion + (1 - theta) * made.cohesion : made.cohesion;
         made.strength = made.cohesion > 0 ? h_ * point.area * law.sigma_c * beta : 0;
@@ -164,15 +173,22 @@ private:
             if (unbreakable(point)) continue;
             const double strength = h_ * point.area * (point.cracked ? 0 : model_.laws[point.law].sigma_c);
             impulse_ = std::max({impulse_, end.impulse[point.point].norm(), strength});
-            speed_ = std::max(speed_, strength / model_.corner_mass[point.after == rigid_support ? point.before : point.after]);
+            speed_ = std::max(speed_,
+                              strength / model_.corner_mass[point.after == rigid_support ? point.before : point.after]);
         }
         impulse_ = std::max(impulse_, mass * speed_);
     }
 
     bool unbreakable(const FanPoint& point) const { return !point.cracked && !model_.laws[point.law].breakable(); }
-    Vec2 velocity(Index corner) const { return corner == rigid_support ? Vec2::Zero() : begin_.velocity[begin_.node_of_corner[corner]]; }
-    Vec2 displacement(Index corner) const { return corner == rigid_support ? Vec2::Zero() : begin_.displacement[begin_.node_of_corner[corner]]; }
-    static Vec2 rate(const StepLcpEnd& end, Index corner) { return corner == rigid_support ? Vec2::Zero() : end.rate[corner]; }
+    Vec2 velocity(Index corner) const {
+        return corner == rigid_support ? Vec2::Zero() : begin_.velocity[begin_.node_of_corner[corner]];
+    }
+    Vec2 displacement(Index corner) const {
+        return corner == rigid_support ? Vec2::Zero() : begin_.displacement[begin_.node_of_corner[corner]];
+    }
+    static Vec2 rate(const StepLcpEnd& end, Index corner) {
+        return corner == rigid_support ? Vec2::Zero() : end.rate[corner];
+    }
     bool prescribed(Index corner, int k) const {
         return !model_.prescribed.empty() && model_.prescribed_of_corner[corner] >= 0 &&
                model_.prescribed[model_.prescribed_of_corner[corner]].component[k];
@@ -182,7 +198,8 @@ private:
     bool driven(const FanPoint& point) const {
         for (int k = 0; k < 2; ++k)
             for (const Index corner : {point.before, point.after})
-                if (std::abs(point.normal[k]) > 1e-12 && corner != rigid_support && !prescribed(corner, k)) return false;
+                if (std::abs(point.normal[k]) > 1e-12 && corner != rigid_support && !prescribed(corner, k))
+                    return false;
         return true;
     }
 
@@ -194,15 +211,18 @@ private:
         std::vector<Index> itself(n);
         for (Index c = 0; c < n; ++c) at_theta[c] = displacement(c) + theta * h_ * rate(end, c), itself[c] = c;
         std::vector<std::uint8_t> candidate(model_.fans.size());
-        ElasticForces(model_.mesh, model_.materials, model_.plane, model_.thickness).evaluate(at_theta, itself, left, candidate);
+        ElasticForces(model_.mesh, model_.materials, model_.plane, model_.thickness)
+            .evaluate(at_theta, itself, left, candidate);
         for (Vec2& force : left) force *= h_;
         for (const CornerLoad& load : model_.corner_loads) {
             const TimeFunction& history = model_.histories[load.history];
-            left[load.corner] += h_ * (theta * history(begin_.time + h_) + (1 - theta) * history(begin_.time)) * load.force;
+            left[load.corner] +=
+                h_ * (theta * history(begin_.time + h_) + (1 - theta) * history(begin_.time)) * load.force;
         }
         for (const FanPoint& point : model_.fan_points) {
             if (unbreakable(point)) continue;
-            const Vec2 P = end.impulse[point.point].x() * point.normal + end.impulse[point.point].y() * turned_left(point.normal);
+            const Vec2 P =
+                end.impulse[point.point].x() * point.normal + end.impulse[point.point].y() * turned_left(point.normal);
             if (point.after != rigid_support) left[point.after] += P;
             if (point.before != rigid_support) left[point.before] -= P;
         }
@@ -210,7 +230,8 @@ private:
             const Vec2 change = end.velocity[c] - velocity(c);
             const Index t = model_.mesh.triangle_of(c), first = c - model_.mesh.place_in_triangle(c);
             const ElementMatrix& parts = mass_matrix(model_.mesh.order, options_.mass);
-            for (Index k = 0; k < parts.rows(); ++k) left[first + k] -= parts(k, c - first) * model_.triangle_mass(t) * change;
+            for (Index k = 0; k < parts.rows(); ++k)
+                left[first + k] -= parts(k, c - first) * model_.triangle_mass(t) * change;
         }
         // the right side of the balance less its left side
         return left;
@@ -251,17 +272,21 @@ private:
         found.normal = std::max(found.normal, std::abs(P.x() - (p - passage.strength)) / impulse_);
 
         // -P_T in G sgn(u_T+) + mu p sgn(w_T): distance of (w_T, P_T) from the graph
-        const double G = passage.tangential_strength, F = law.friction * std::max(p, 0.0), held = -P.y(), crossing = -passage.u_T / h_;
+        const double G = passage.tangential_strength, F = law.friction * std::max(p, 0.0), held = -P.y(),
+                     crossing = -passage.u_T / h_;
         const auto off_graph = [&](double at) {
-            const double low = (at > crossing ? G : -G) + (at > 0 ? F : -F), high = (at < crossing ? -G : G) + (at < 0 ? -F : F);
+            const double low = (at > crossing ? G : -G) + (at > 0 ? F : -F),
+                         high = (at < crossing ? -G : G) + (at < 0 ? -F : F);
             return std::max({low - held, held - high, 0.0}) / impulse_;
         };
         double distance = off_graph(w_T);
-        for (const double at : {0.0, crossing}) distance = std::min(distance, std::max(std::abs(w_T - at) / speed_, off_graph(at)));
+        for (const double at : {0.0, crossing})
+            distance = std::min(distance, std::max(std::abs(w_T - at) / speed_, off_graph(at)));
         found.tangential = std::max(found.tangential, distance);
 
         found.impact_work = std::max(found.impact_work, p * w_N / (impulse_ * speed_));
-        if (passage.cohesion == 0) found.friction_work = std::max(found.friction_work, P.y() * w_T / (impulse_ * speed_));
+        if (passage.cohesion == 0)
+            found.friction_work = std::max(found.friction_work, P.y() * w_T / (impulse_ * speed_));
     }
 
     const Model& model_;

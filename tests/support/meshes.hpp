@@ -11,7 +11,8 @@ inline void name_sides(Mesh& mesh, double length, double height) {
     mesh.boundary_names = {"left", "right", "bottom", "top"};
     find_edges(mesh);
     for (BoundaryEdge& edge : mesh.boundary_edges) {
-        const Vec2 middle = 0.5 * (mesh.corner(edge.triangle, edge.side) + mesh.corner(edge.triangle, (edge.side + 1) % 3));
+        const Vec2 middle =
+            0.5 * (mesh.corner(edge.triangle, edge.side) + mesh.corner(edge.triangle, (edge.side + 1) % 3));
         const double near = 1e-9 * (length + height);
         edge.boundary = middle.x() < near ? 0 : middle.x() > length - near ? 1 : middle.y() < near ? 2 : 3;
     }

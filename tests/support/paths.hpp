@@ -13,13 +13,17 @@ inline std::string name_of(const SchemeOptions& scheme) {
            (scheme.cohesion == CohesionScheme::explicit_beta ? ", explicit" : ", implicit");
 }
 
-inline constexpr SchemeOptions both_explicit{}, both_implicit{.bulk = BulkScheme::implicit_theta, .cohesion = CohesionScheme::implicit_beta};
+inline constexpr SchemeOptions both_explicit{},
+    both_implicit{.bulk = BulkScheme::implicit_theta, .cohesion = CohesionScheme::implicit_beta};
 
 /// The two pairs that are of second order.
 inline std::vector<SchemeOptions> both_paths() { return {both_explicit, both_implicit}; }
 
 inline std::vector<SchemeOptions> all_paths() {
-    return {both_explicit, {.cohesion = CohesionScheme::implicit_beta}, {.bulk = BulkScheme::implicit_theta}, both_implicit};
+    return {both_explicit,
+            {.cohesion = CohesionScheme::implicit_beta},
+            {.bulk = BulkScheme::implicit_theta},
+            both_implicit};
 }
 
 inline void on_path(const SchemeOptions& scheme) { on_path(name_of(scheme)); }

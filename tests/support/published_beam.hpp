@@ -27,7 +27,8 @@ struct PublishedBeam {
     using Vector = Eigen::VectorXd;
     using Sparse = Eigen::SparseMatrix<double>;
 
-    static constexpr double E = 2700, nu = 0.39, density = 1.18e-3, sigma_c = 45, G_c = 0.14, delta_c = 2 * G_c / sigma_c;
+    static constexpr double E = 2700, nu = 0.39, density = 1.18e-3, sigma_c = 45, G_c = 0.14,
+                            delta_c = 2 * G_c / sigma_c;
     static constexpr double theta = 0.5, speed = 1, touching = 1e-8, broken = 1e-12;
     static constexpr double length = 2, height = 0.2, glued = 1.6;  // [mm]
 
@@ -37,13 +38,15 @@ struct PublishedBeam {
 
     /// What may be done otherwise than they do.
     struct Options {
-        bool one_point = true;         // mass of one Gauss point; else the exact consistent one
-        bool leaves_its_area = true;   // the held node to its neighbour; else its part of the glue never opens
-        bool hovers = true;            // contact stops a point where its middle of the step would touch; else it lands on the wall, or stops
+        bool one_point = true;        // mass of one Gauss point; else the exact consistent one
+        bool leaves_its_area = true;  // the held node to its neighbour; else its part of the glue never opens
+        bool hovers =
+            true;  // contact stops a point where its middle of the step would touch; else it lands on the wall, or stops
     };
 
     /// Nodes [mm] and the nodes of the triangles, counterclockwise.
-    PublishedBeam(std::vector<std::array<double, 2>> nodes, std::vector<std::array<int, 3>> triangles, const Options& options)
+    PublishedBeam(std::vector<std::array<double, 2>> nodes, std::vector<std::array<int, 3>> triangles,
+                  const Options& options)
         : x(std::move(nodes)), triangle(std::move(triangles)), hovers(options.hovers) {
         assemble(options.one_point);
         hold_and_drive();
@@ -56,17 +59,18 @@ struct PublishedBeam {
     void step(double h) {
         const StepMatrix& matrix = matrix_of(h);
         const Vector i_hat = M * v - theta * (1 - theta) * h * h * (K * v) - h * (K * u);
-        const auto free_velocity = [&](const Vector& impulse) {  // free components of M_hat v+ = impulse, the others are given
-            const Vector left = impulse - M * given - theta * theta * h * h * (K * given);
-            Vector right(n_free);
-            for (int d = 0; d < left.size(); ++d)
-                if (number[d] >= 0) right[number[d]] = left[d];
-            const Vector solved = matrix.factor.solve(right);
-            Vector all = given;
-            for (int d = 0; d < left.size(); ++d)
-                if (number[d] >= 0) all[d] = solved[number[d]];
-            return all;
-        };
+        const auto free_velocity =
+            [&](const Vector& impulse) {  // free components of M_hat v+ = impulse, the others are given
+                const Vector left = impulse - M * given - theta * theta * h * h * (K * given);
+                Vector right(n_free);
+                for (int d = 0; d < left.size(); ++d)
+                    if (number[d] >= 0) right[number[d]] = left[d];
+                const Vector solved = matrix.factor.solve(right);
+                Vector all = given;
+                for (int d = 0; d < left.size(); ++d)
+                    if (number[d] >= 0) all[d] = solved[number[d]];
+                return all;
+            };
         const Vector a = at_points(free_velocity(i_hat)), v_N = at_points(v), u_N = at_points(u);
         const Vector q = interface_impulses(h, matrix.W, a, u_N, v_N);
         Vector impulse = i_hat;
@@ -80,7 +84,8 @@ struct PublishedBeam {
     Energies energies() const {
         double surface = 0;
         const Vector u_N = at_points(u).cwiseMax(0);  // they let penetrations work, too
-        for (int i = 0; i < n_points(); ++i) surface += area[i] * (sigma_c * beta[i] * u_N[i] + G_c * (1 - beta[i]) * (1 - beta[i]));
+        for (int i = 0; i < n_points(); ++i)
+            surface += area[i] * (sigma_c * beta[i] * u_N[i] + G_c * (1 - beta[i]) * (1 - beta[i]));
         return {.strain = 0.5 * u.dot(K * u), .kinetic = 0.5 * v.dot(M * v), .surface = surface};
     }
 
@@ -98,12 +103,12 @@ struct PublishedBeam {
     std::vector<std::array<double, 2>> x;
     std::vector<std::array<int, 3>> triangle;
     bool hovers;
-    std::vector<int> node;            // of the points, along the glue
-    std::vector<double> area, beta;   // [mm2], [-]
-    Vector u, v;                      // [mm], [mm/ms]
-    double time = 0;                  // [ms]
-    double worst = 0;                 // residual of all steps: velocities [mm/ms]
-    int most_rounds = 0;              // of the active set in a step
+    std::vector<int> node;           // of the points, along the glue
+    std::vector<double> area, beta;  // [mm2], [-]
+    Vector u, v;                     // [mm], [mm/ms]
+    double time = 0;                 // [ms]
+    double worst = 0;                // residual of all steps: velocities [mm/ms]
+    int most_rounds = 0;             // of the active set in a step
 
 private:
     struct StepMatrix {
@@ -146,7 +151,9 @@ private:
         M.setFromTriplets(mass.begin(), mass.end());
     }
 
-    bool is_at(int n, double at_x, double at_y) const { return std::abs(x[n][0] - at_x) + std::abs(x[n][1] - at_y) < 1e-9; }
+    bool is_at(int n, double at_x, double at_y) const {
+        return std::abs(x[n][0] - at_x) + std::abs(x[n][1] - at_y) < 1e-9;
+    }
     bool is_held(int n) const { return std::abs(x[n][0]) < 1e-9; }
 
     void hold_and_drive() {
@@ -187,11 +194,13 @@ private:
         const Sparse all = M + theta * theta * h * h * K;
         for (int column = 0; column < all.outerSize(); ++column)
             for (Sparse::InnerIterator entry(all, column); entry; ++entry)
-                if (number[entry.row()] >= 0 && number[column] >= 0) entries.emplace_back(number[entry.row()], number[column], entry.value());
+                if (number[entry.row()] >= 0 && number[column] >= 0)
+                    entries.emplace_back(number[entry.row()], number[column], entry.value());
         Sparse matrix(n_free, n_free);
         matrix.setFromTriplets(entries.begin(), entries.end());
         found->second.factor.compute(matrix);
-        if (found->second.factor.info() != Eigen::Success) throw std::runtime_error("the matrix of a step cannot be factorised");
+        if (found->second.factor.info() != Eigen::Success)
+            throw std::runtime_error("the matrix of a step cannot be factorised");
         found->second.W.resize(n_points(), n_points());
         for (int j = 0; j < n_points(); ++j) {
             const Vector column = found->second.factor.solve(Vector::Unit(n_free, number[2 * node[j] + 1]));
@@ -208,7 +217,8 @@ private:
     }
 
     /// In given states the problem is linear; points whose state does not fit change it, all at once, late in a step one at a time.
-    Vector interface_impulses(double h, const Eigen::MatrixXd& W, const Vector& a, const Vector& u_N, const Vector& v_N) {
+    Vector interface_impulses(double h, const Eigen::MatrixXd& W, const Vector& a, const Vector& u_N,
+                              const Vector& v_N) {
         std::vector<char> may_touch(n_points());
         for (int i = 0; i < n_points(); ++i) may_touch[i] = !hovers || u_N[i] + h / 2 * v_N[i] <= touching;
         for (int i = 0; i < n_points(); ++i) {
@@ -229,7 +239,8 @@ private:
             if (!fits) continue;
             most_rounds = std::max(most_rounds, round);
             for (int i = 0; i < n_points(); ++i) {
-                if (state[i].contact == Contact::closed) worst = std::max(worst, std::abs(after[i] - least_velocity(h, u_N[i], v_N[i])));
+                if (state[i].contact == Contact::closed)
+                    worst = std::max(worst, std::abs(after[i] - least_velocity(h, u_N[i], v_N[i])));
                 beta[i] = cohesion_at(i, u_N[i] + h * ((1 - theta) * v_N[i] + theta * after[i]));
                 if (beta[i] <= broken) beta[i] = 0;
             }
@@ -240,7 +251,8 @@ private:
 
     double cohesion_at(int i, double opening) const { return std::min(beta[i], std::max(0.0, 1 - opening / delta_c)); }
 
-    Vector solve_states(double h, const Eigen::MatrixXd& W, const Vector& a, const Vector& u_N, const Vector& v_N) const {
+    Vector solve_states(double h, const Eigen::MatrixXd& W, const Vector& a, const Vector& u_N,
+                        const Vector& v_N) const {
         Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n_points(), n_points());
         Vector b(n_points());
         for (int i = 0; i < n_points(); ++i) {
@@ -253,7 +265,8 @@ private:
             A(i, i) = 1;
             b[i] = -full * (1 - theta) * beta[i];
             if (state[i].cohesion == Cohesion::holds) b[i] -= full * theta * beta[i];
-            if (state[i].cohesion == Cohesion::falls) {  // beta+ = 1 - (u + h (1 - theta) v + h theta (a + W q))/delta_c
+            if (state[i].cohesion ==
+                Cohesion::falls) {  // beta+ = 1 - (u + h (1 - theta) v + h theta (a + W q))/delta_c
                 A.row(i) -= full * theta * theta * h / delta_c * W.row(i);
                 b[i] -= full * theta * (1 - (u_N[i] + h * (1 - theta) * v_N[i] + h * theta * a[i]) / delta_c);
             }
@@ -263,11 +276,15 @@ private:
 
     PointState fitting(int i, double h, bool may_touch, double q, double after, double u_N, double v_N) const {
         const double opening = u_N + h * ((1 - theta) * v_N + theta * after), wanted = 1 - opening / delta_c;
-        const double full = h * sigma_c * area[i], p = q + full * (theta * cohesion_at(i, opening) + (1 - theta) * beta[i]);
+        const double full = h * sigma_c * area[i],
+                     p = q + full * (theta * cohesion_at(i, opening) + (1 - theta) * beta[i]);
         PointState right = state[i];
         if (state[i].contact == Contact::closed && p < -1e-12 * full) right.contact = Contact::open;
-        if (state[i].contact == Contact::open && may_touch && after < least_velocity(h, u_N, v_N)) right.contact = Contact::closed;
-        right.cohesion = beta[i] <= broken || wanted <= 0 ? Cohesion::gone : wanted < beta[i] ? Cohesion::falls : Cohesion::holds;
+        if (state[i].contact == Contact::open && may_touch && after < least_velocity(h, u_N, v_N))
+            right.contact = Contact::closed;
+        right.cohesion = beta[i] <= broken || wanted <= 0 ? Cohesion::gone
+                         : wanted < beta[i]               ? Cohesion::falls
+                                                          : Cohesion::holds;
         return right;
     }
 

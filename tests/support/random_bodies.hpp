@@ -12,11 +12,11 @@ namespace knap::tests {
 struct RandomBodyOptions {
     bool friction = true, tangential = true, restitution = true;
     bool driven = true, support = true, unbreakable = true;
-    bool units = true;     // any units of length, mass and time
-    int most_cells = 3;    // each way, of two triangles
-    Index order = 1;       // of the triangles
+    bool units = true;   // any units of length, mass and time
+    int most_cells = 3;  // each way, of two triangles
+    Index order = 1;     // of the triangles
     std::shared_ptr<const SofteningShape> softening = nullptr;
-    double delay = 0;     // relaxation time of the laws over the step
+    double delay = 0;      // relaxation time of the laws over the step
     double longest = 1.2;  // step, as a part of what Assumption 1 asks of the smallest triangle alone
 };
 
@@ -74,7 +74,8 @@ inline void in_units(RandomBody& made, double length, double mass, double time) 
 
 class RandomBodies {
 public:
-    RandomBodies(std::uint64_t seed, const RandomBodyOptions& options = {}) : random_(seed, "body"), options_(options) {}
+    RandomBodies(std::uint64_t seed, const RandomBodyOptions& options = {})
+        : random_(seed, "body"), options_(options) {}
 
     RandomBody body() {
         RandomBody made;
@@ -109,7 +110,12 @@ private:
     }
 
     void make_laws(RandomBody& made) {
-        CohesiveLaw law{.sigma_c = 1, .G_c = std::pow(10, random_.uniform(-2, 0)), .gamma = 0, .friction = 0, .restitution = 0, .softening = options_.softening};
+        CohesiveLaw law{.sigma_c = 1,
+                        .G_c = std::pow(10, random_.uniform(-2, 0)),
+                        .gamma = 0,
+                        .friction = 0,
+                        .restitution = 0,
+                        .softening = options_.softening};
         if (options_.tangential) law.gamma = one_of({0.0, 1.0, random_.uniform(0, 2)});
         if (options_.friction) law.friction = one_of({0.0, 0.3, random_.uniform(0, 1)});
         if (options_.restitution) law.restitution = one_of({0.0, 0.5, random_.uniform(0, 1)});
@@ -128,19 +134,24 @@ private:
     void make_loads(RandomBody& made) {
         ModelInput& input = made.input;
         if (options_.support && chance(0.4))
-            input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = chance(0.6), .gap = chance(0.3) ? 0.01 : 0}};
+            input.supports = {{.on = {.boundary = "bottom", .box = {}},
+                               .law = 0,
+                               .glued = chance(0.6),
+                               .gap = chance(0.3) ? 0.01 : 0}};
         const auto number = [&](double size) { return random_.uniform(-size, size); };
         if (chance(0.5))
-            input.loads.push_back(load(Load::Kind::traction, one_of({"left", "right", "top"}), number(1), number(1), {{0, 2}, {0.5, 1}}));
+            input.loads.push_back(
+                load(Load::Kind::traction, one_of({"left", "right", "top"}), number(1), number(1), {{0, 2}, {0.5, 1}}));
         if (chance(0.3)) input.loads.push_back(load(Load::Kind::body_force, "", number(1), number(1)));
         if (options_.driven && chance(0.3)) {
             std::optional<double> x, y;
             if (chance(0.7)) x = number(0.3);
             if (!x || chance(0.5)) y = number(0.3);
             const bool by_place = chance(0.5);
-            const TimeFunction history = by_place ? TimeFunction{{0, 0.05, 5}, {0, 0.02, 3}} : TimeFunction{{0, 1}, {0.2, 1}};
-            input.loads.push_back(
-                load(by_place ? Load::Kind::displacement : Load::Kind::velocity, one_of({"left", "right", "top"}), x, y, history));
+            const TimeFunction history =
+                by_place ? TimeFunction{{0, 0.05, 5}, {0, 0.02, 3}} : TimeFunction{{0, 1}, {0.2, 1}};
+            input.loads.push_back(load(by_place ? Load::Kind::displacement : Load::Kind::velocity,
+                                       one_of({"left", "right", "top"}), x, y, history));
         }
     }
 
@@ -152,8 +163,10 @@ private:
             // mass over area of the points: 1/3 over 1/2 of the edge, or 2/15 over 4/6 in its middle
             const double m = input.mesh.area(t) * input.thickness / 3 * (options_.order == 1 ? 1 : 0.3);
             for (Index k = 0; k < 3; ++k) {
-                const double S = 0.5 * input.thickness * (input.mesh.corner(t, k) - input.mesh.corner(t, (k + 1) % 3)).norm();
-                least = std::min(least, std::sqrt(m * law.softening_length() / (4 * law.sigma_c * S * (1 + law.gamma * law.gamma))));
+                const double S =
+                    0.5 * input.thickness * (input.mesh.corner(t, k) - input.mesh.corner(t, (k + 1) % 3)).norm();
+                least = std::min(
+                    least, std::sqrt(m * law.softening_length() / (4 * law.sigma_c * S * (1 + law.gamma * law.gamma))));
             }
             mass = std::min(mass, m);
         }

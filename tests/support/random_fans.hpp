@@ -89,7 +89,8 @@ private:
             link.before = fan.closed ? (i + n - 1) % n : i - 1;
             link.after = i == n ? -1 : i;
             angle += lattice ? 2 * M_PI / lattice : random_.uniform(0.05, 1.95) * 2 * M_PI / n;
-            const Vec2 ray = lattice == 4 ? Vec2(one_of({Vec2(1, 0), Vec2(0, 1), Vec2(-1, 0), Vec2(0, -1)})) : Vec2(std::cos(angle), std::sin(angle));
+            const Vec2 ray = lattice == 4 ? Vec2(one_of({Vec2(1, 0), Vec2(0, 1), Vec2(-1, 0), Vec2(0, -1)}))
+                                          : Vec2(std::cos(angle), std::sin(angle));
             link.normal = turned_left(ray);
             link.cohesive = chance(0.3) ? 0 : strength * mass_ * speed_ * one_of({1.0, 1.0, random_.uniform()});
             if (some_unbreakable && chance(0.4)) link.unbreakable = true, link.cohesive = 0;
@@ -116,8 +117,10 @@ private:
 
     void prescribe(FanProblem& fan) {
         const int kind = one_of({0, 0, 0, 0, 1, 2});
-        const bool supported = std::any_of(fan.links.begin(), fan.links.end(), [](const FanLink& l) { return l.before < 0 || l.after < 0; });
-        const Vec2 before = supported ? Vec2(Vec2::Zero()) : Vec2(speed_ * vector()), after = supported ? before : Vec2(speed_ * vector());
+        const bool supported = std::any_of(fan.links.begin(), fan.links.end(),
+                                           [](const FanLink& l) { return l.before < 0 || l.after < 0; });
+        const Vec2 before = supported ? Vec2(Vec2::Zero()) : Vec2(speed_ * vector()),
+                   after = supported ? before : Vec2(speed_ * vector());
         const std::array<bool, 2> which = {chance(0.6), chance(0.6)};
         const std::size_t single = static_cast<std::size_t>(random_.uniform(0, static_cast<double>(fan.bodies.size())));
         for (std::size_t b = 0; b < fan.bodies.size(); ++b)

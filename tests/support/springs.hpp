@@ -51,7 +51,8 @@ inline ModelInput spring_body(const SpringBody& body) {
                                .history = {}});
     for (const char* end : {"left", "right"}) {  // no springs turn
         const bool opens = body.motion == Motion::opening;
-        input.loads.push_back(load(Load::Kind::displacement, end, opens ? std::optional(0.0) : std::nullopt, opens ? std::nullopt : std::optional(0.0)));
+        input.loads.push_back(load(Load::Kind::displacement, end, opens ? std::optional(0.0) : std::nullopt,
+                                   opens ? std::nullopt : std::optional(0.0)));
     }
     return input;
 }
@@ -80,10 +81,11 @@ inline void push(ModelInput& input, Motion motion, const TimeFunction& history) 
 
 /// A constant pressure on each point.
 inline void press(ModelInput& input, double pressure) {
-    input.loads.push_back({.kind = Load::Kind::body_force,
-                           .on = {.boundary = "", .box = Box{Vec2(0.9, 0.2), Vec2(1.1, 0.4)}},  // on the triangle above the points
-                           .value = {0.0, -3 * pressure},
-                           .history = {}});
+    input.loads.push_back(
+        {.kind = Load::Kind::body_force,
+         .on = {.boundary = "", .box = Box{Vec2(0.9, 0.2), Vec2(1.1, 0.4)}},  // on the triangle above the points
+         .value = {0.0, -3 * pressure},
+         .history = {}});
 }
 
 /// Values of a function at the ends of n steps of h, linear in between.
@@ -103,12 +105,17 @@ public:
     explicit PointView(const Run& run) : run_(run) {
         while (run.model.interfaces[point_ / 2].triangle[0] != rigid_support) point_ += 2;
     }
-    double u(Motion motion = Motion::opening) const { return motion == Motion::opening ? run_.u(0, 0).y() : run_.u(0, 0).x(); }
-    double v(Motion motion = Motion::opening) const { return motion == Motion::opening ? run_.v(0, 0).y() : run_.v(0, 0).x(); }
+    double u(Motion motion = Motion::opening) const {
+        return motion == Motion::opening ? run_.u(0, 0).y() : run_.u(0, 0).x();
+    }
+    double v(Motion motion = Motion::opening) const {
+        return motion == Motion::opening ? run_.v(0, 0).y() : run_.v(0, 0).x();
+    }
     double beta() const { return cohesion(run_.model, run_.now, point_); }
     Vec2 traction() const { return knap::traction(run_.model, run_.now, point_); }
     double asymmetry() const {
-        return (run_.u(0, 0) - run_.u(0, 1)).norm() + std::abs(cohesion(run_.model, run_.now, point_) - cohesion(run_.model, run_.now, point_ + 1));
+        return (run_.u(0, 0) - run_.u(0, 1)).norm() +
+               std::abs(cohesion(run_.model, run_.now, point_) - cohesion(run_.model, run_.now, point_ + 1));
     }
 
 private:

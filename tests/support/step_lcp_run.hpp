@@ -12,7 +12,8 @@
 
 namespace knap::tests {
 
-inline constexpr SchemeOptions implicit_scheme{.bulk = BulkScheme::implicit_theta, .cohesion = CohesionScheme::implicit_beta};
+inline constexpr SchemeOptions implicit_scheme{.bulk = BulkScheme::implicit_theta,
+                                               .cohesion = CohesionScheme::implicit_beta};
 
 /// Scales that make the diagonal 1, and the largest coupling of rows without one. Row norms alone leave multipliers and their bounds (r_T
 /// and chi) a common factor, which hides u_T+ beside chi where the step is short.
@@ -35,19 +36,19 @@ inline Eigen::VectorXd scales_of_diagonal(const LcpProblem& problem) {
 inline LcpSolution solve_step(const LcpProblem& problem) {
     if (problem.size() == 0) return solve_by_lemke(problem);
     const Eigen::VectorXd scale = scales_of_diagonal(problem);
-    const LcpProblem scaled{LcpMatrix(scale.asDiagonal() * problem.M * scale.asDiagonal()), scale.cwiseProduct(problem.q)};
+    const LcpProblem scaled{LcpMatrix(scale.asDiagonal() * problem.M * scale.asDiagonal()),
+                            scale.cwiseProduct(problem.q)};
     LcpSolution found = solve_by_lemke(scaled);
     if (found.status == LcpStatus::solved) {
         Eigen::VectorXd z = found.z;
         std::vector<int> basic;
         for (int i = 0; i < scaled.size(); ++i)
-            if (z[i] > found.w[i])
-                basic.push_back(i);
-            else
-                z[i] = 0;
+            if (z[i] > found.w[i]) basic.push_back(i);
+            else z[i] = 0;
         if (!basic.empty()) {
             const Eigen::MatrixXd M_basic = Eigen::MatrixXd(scaled.M)(basic, basic);
-            const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor(M_basic);  // redundant points: singular
+            const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor(
+                M_basic);  // redundant points: singular
             for (int i = 0; i < 2; ++i) z(basic) -= factor.solve(Eigen::VectorXd((scaled.M * z + scaled.q)(basic)));
         }
         if (scaled_residual(scaled, z) < scaled_residual(scaled, found.z)) found.z = z;
@@ -112,7 +113,8 @@ public:
         double sum = 0;
         std::vector<Vec2> force(model.mesh.n_corners());
         std::vector<std::uint8_t> candidate(model.fans.size());
-        ElasticForces(model.mesh, model.materials, model.plane, model.thickness).evaluate(now.displacement, now.node_of_corner, force, candidate);
+        ElasticForces(model.mesh, model.materials, model.plane, model.thickness)
+            .evaluate(now.displacement, now.node_of_corner, force, candidate);
         for (Index c = 0; c < model.mesh.n_corners(); ++c)
             sum += 0.5 * model.corner_mass[c] * v(c).squaredNorm() - 0.5 * force[c].dot(u(c));
         return sum;
@@ -122,7 +124,8 @@ public:
         for (const FanPoint& at : model.fan_points) {
             const CohesiveLaw& law = model.laws[at.law];
             const Vec2 jump = opening_of(at.point);
-            if (!at.cracked && law.sigma_c > 0) sum += at.area * law.surface_energy(cohesion_of(at.point), jump.x(), jump.y());
+            if (!at.cracked && law.sigma_c > 0)
+                sum += at.area * law.surface_energy(cohesion_of(at.point), jump.x(), jump.y());
         }
         return sum;
     }
@@ -132,7 +135,8 @@ public:
     State now;
     StepLcpEnd end;
     ImplicitVerdict verdict;
-    double identity = 0;  // [J] energy gained in the last step less the work of loads and points; 0 for theta = 1/2, nothing prescribed
+    double identity =
+        0;  // [J] energy gained in the last step less the work of loads and points; 0 for theta = 1/2, nothing prescribed
     int n_rows = 0;
 
 private:
@@ -145,7 +149,9 @@ private:
             work += h * mean * load.force.dot(end.rate[load.corner]);
         }
         for (const FanPoint& at : model.fan_points) {
-            const auto rate = [&](Index corner) -> Vec2 { return corner == rigid_support ? Vec2::Zero() : end.rate[corner]; };
+            const auto rate = [&](Index corner) -> Vec2 {
+                return corner == rigid_support ? Vec2::Zero() : end.rate[corner];
+            };
             const Vec2 w = rate(at.after) - rate(at.before);
             work += end.impulse[at.point].dot(Vec2(at.normal.dot(w), turned_left(at.normal).dot(w)));
         }

@@ -13,8 +13,9 @@ namespace synthetic {
 
 using namespace knap;
 
-inline constexpr double width = 0.1, height = 0.04;                  // [m]
-inline constexpr double start = 0.05, fork = 0.072, tip = 0.09, front = 0.093;  // [m] x of pre-crack end, branching, tips, damage front
+inline constexpr double width = 0.1, height = 0.04;  // [m]
+inline constexpr double start = 0.05, fork = 0.072, tip = 0.09,
+                        front = 0.093;  // [m] x of pre-crack end, branching, tips, damage front
 
 /// Half the distance [m] of the two branches at x.
 inline double spread(double x) { return x < fork ? 0 : 0.5 * (x - fork) + 8 * (x - fork) * (x - fork); }
@@ -35,9 +36,11 @@ inline Eigen::Vector3d stress(const Vec2& x) {
     Eigen::Vector3d s(0.1e6, x.x() > tip ? 1e6 : 0.35e6, 0);
     for (const double sign : {-1.0, 1.0}) {
         const Vec2 d = x - Vec2(tip, 0.5 * height + sign * spread(tip));
-        const double r = d.norm() + 2e-4, a = std::atan2(d.y(), d.x()), k = 1.2e5 / std::sqrt(2 * std::numbers::pi * r), c = std::cos(a / 2);
-        s += k * c * Eigen::Vector3d(1 - std::sin(a / 2) * std::sin(1.5 * a), 1 + std::sin(a / 2) * std::sin(1.5 * a),
-                                     std::sin(a / 2) * std::cos(1.5 * a));
+        const double r = d.norm() + 2e-4, a = std::atan2(d.y(), d.x()), k = 1.2e5 / std::sqrt(2 * std::numbers::pi * r),
+                     c = std::cos(a / 2);
+        s += k * c *
+             Eigen::Vector3d(1 - std::sin(a / 2) * std::sin(1.5 * a), 1 + std::sin(a / 2) * std::sin(1.5 * a),
+                             std::sin(a / 2) * std::cos(1.5 * a));
     }
     return s;
 }
@@ -49,7 +52,8 @@ inline Frame frame(int n_x = 160) {
     std::vector<Vec2> vertices;
     for (int j = 0; j <= n_y; ++j) {
         for (int i = 0; i <= n_x; ++i) {
-            const double dx = i == 0 || i == n_x ? 0 : random.uniform(-0.33, 0.33), dy = j == 0 || j == n_y ? 0 : random.uniform(-0.33, 0.33);
+            const double dx = i == 0 || i == n_x ? 0 : random.uniform(-0.33, 0.33),
+                         dy = j == 0 || j == n_y ? 0 : random.uniform(-0.33, 0.33);
             vertices.push_back({width * (i + dx) / n_x, height * (j + dy) / n_y});
         }
     }
@@ -82,15 +86,21 @@ inline Frame frame(int n_x = 160) {
             f.side_b.push_back({here, next});
             for (const Index corner : {here, next}) {
                 const Vec2 x = f.position[corner];
-                const double opening = on_crack ? std::abs(f.displacement[corner].y() - displacement(x, sides[there / 3]).y()) : 0;
-                const double cohesion = !on_crack || x.x() > front ? 1 : x.x() > tip ? (x.x() - tip) / (front - tip) : 0;
+                const double opening =
+                    on_crack ? std::abs(f.displacement[corner].y() - displacement(x, sides[there / 3]).y()) : 0;
+                const double cohesion = !on_crack || x.x() > front ? 1
+                                        : x.x() > tip              ? (x.x() - tip) / (front - tip)
+                                                                   : 0;
                 const bool precrack = on_crack && f.position[here].x() < start && f.position[next].x() < start;
                 f.end_position.push_back(x);
                 f.cohesion.push_back(precrack ? 0 : cohesion);
                 f.opening.push_back(opening);
                 f.slip.push_back(0.1 * opening);
                 f.traction.push_back({1e6 * cohesion, 1e5});
-                f.status.push_back(precrack ? PointStatus::precrack : cohesion == 1 ? PointStatus::intact : cohesion > 0 ? PointStatus::damaged : PointStatus::broken);
+                f.status.push_back(precrack        ? PointStatus::precrack
+                                   : cohesion == 1 ? PointStatus::intact
+                                   : cohesion > 0  ? PointStatus::damaged
+                                                   : PointStatus::broken);
             }
         }
     };
@@ -106,30 +116,41 @@ inline Frame frame(int n_x = 160) {
 }
 
 inline History energy(int n = 400) {
-    History h{{"time", "kinetic", "strain", "surface", "external_work", "cohesive_work", "friction_work", "impact_work", "residual", "law_lag_energy"}, {}};
+    History h{{"time", "kinetic", "strain", "surface", "external_work", "cohesive_work", "friction_work", "impact_work",
+               "residual", "law_lag_energy"},
+              {}};
     for (int i = 0; i <= n; ++i) {
-        const double s = static_cast<double>(i) / n, external = 0.62 * s * s + 0.02 * std::sin(9 * s) * s, surface = s > 0.15 ? 0.27 * std::pow((s - 0.15) / 0.85, 1.2) : 0;
+        const double s = static_cast<double>(i) / n, external = 0.62 * s * s + 0.02 * std::sin(9 * s) * s,
+                     surface = s > 0.15 ? 0.27 * std::pow((s - 0.15) / 0.85, 1.2) : 0;
         const double friction = -0.03 * s * s * s, impact = 0, left = external - surface + friction;
-        h.rows.push_back({80e-6 * s, 0.45 * left, 0.55 * left, surface, external, surface, friction, impact, 1e-14, 1e-5});
+        h.rows.push_back(
+            {80e-6 * s, 0.45 * left, 0.55 * left, surface, external, surface, friction, impact, 1e-14, 1e-5});
     }
     return h;
 }
 
 inline History cracks(int n = 400) {
-    History h{{"time", "main_length", "crack_length", "broken_length", "damaged_length", "tips", "branches", "tip_x", "tip_y", "tip_speed", "tip_speed_over_cR", "n_broken", "n_damaged"}, {}};
+    History h{{"time", "main_length", "crack_length", "broken_length", "damaged_length", "tips", "branches", "tip_x",
+               "tip_y", "tip_speed", "tip_speed_over_cR", "n_broken", "n_damaged"},
+              {}};
     Random random(3, "speed");
     double length = 0;
     for (int i = 0; i <= n; ++i) {
-        const double s = static_cast<double>(i) / n, speed = s > 0.15 && s < 0.9 ? 1250 * (1 - std::exp(-(s - 0.15) / 0.08)) + random.uniform(-60, 60) : 0;
+        const double s = static_cast<double>(i) / n,
+                     speed =
+                         s > 0.15 && s < 0.9 ? 1250 * (1 - std::exp(-(s - 0.15) / 0.08)) + random.uniform(-60, 60) : 0;
         length += speed * 80e-6 / n;
         const double all = s > 0.5 ? length * (1 + 1.2 * (s - 0.5)) : length;
-        h.rows.push_back({80e-6 * s, length, all, 1.15 * all, s > 0.13 ? 0.004 + 0.01 * s : 0, s > 0.5 ? 2.0 : 1.0, s > 0.5 ? 1.0 : 0.0, start + length, 0.02, speed, speed / 2125, 300 * s, 40});
+        h.rows.push_back({80e-6 * s, length, all, 1.15 * all, s > 0.13 ? 0.004 + 0.01 * s : 0, s > 0.5 ? 2.0 : 1.0,
+                          s > 0.5 ? 1.0 : 0.0, start + length, 0.02, speed, speed / 2125, 300 * s, 40});
     }
     return h;
 }
 
 inline History reactions(int n = 400) {
-    History h{{"time", "load0_force_x", "load0_force_y", "load0_u_x", "load0_u_y", "load2_force_x", "load2_force_y", "load2_u_x", "load2_u_y"}, {}};
+    History h{{"time", "load0_force_x", "load0_force_y", "load0_u_x", "load0_u_y", "load2_force_x", "load2_force_y",
+               "load2_u_x", "load2_u_y"},
+              {}};
     for (int i = 0; i <= n; ++i) {
         const double s = static_cast<double>(i) / n, force = 1e3 * (s < 0.6 ? s : 0.6 * std::exp(-(s - 0.6) / 0.1));
         h.rows.push_back({80e-6 * s, 10 * s, force, 0, 1e-6 * s, -10 * s, -force, 0, 0});
@@ -138,21 +159,27 @@ inline History reactions(int n = 400) {
 }
 
 inline History probes(int n = 400) {
-    History h{{"time", "end_u_x", "end_u_y", "end_v_x", "end_v_y", "bar_stress_xx", "bar_stress_yy", "bar_stress_xy"}, {}};
+    History h{{"time", "end_u_x", "end_u_y", "end_v_x", "end_v_y", "bar_stress_xx", "bar_stress_yy", "bar_stress_xy"},
+              {}};
     for (int i = 0; i <= n; ++i) {
         const double s = static_cast<double>(i) / n;
-        h.rows.push_back({80e-6 * s, 1e-6 * s * s, -2e-6 * std::sin(9 * s), 0.025 * s, -0.225 * std::cos(9 * s), 14e6 * s * (1.8 - s), 1e5 * s, 0});
+        h.rows.push_back({80e-6 * s, 1e-6 * s * s, -2e-6 * std::sin(9 * s), 0.025 * s, -0.225 * std::cos(9 * s),
+                          14e6 * s * (1.8 - s), 1e5 * s, 0});
     }
     return h;
 }
 
 /// A rock in compression: elastic to 100 MPa, cracks from 40 MPa, most of them steep.
 inline History stress_strain(int n = 400) {
-    History h{{"time", "stress", "axial_strain", "lateral_strain", "volumetric_strain", "tensile_breaks", "shear_breaks"}, {}};
+    History h{
+        {"time", "stress", "axial_strain", "lateral_strain", "volumetric_strain", "tensile_breaks", "shear_breaks"},
+        {}};
     for (int i = 0; i <= n; ++i) {
-        const double s = static_cast<double>(i) / n, stress = 100e6 * (s < 0.7 ? s / 0.7 : std::exp(-(s - 0.7) / 0.05)), cracked = s > 0.3 ? std::pow(s - 0.3, 2) : 0;
+        const double s = static_cast<double>(i) / n, stress = 100e6 * (s < 0.7 ? s / 0.7 : std::exp(-(s - 0.7) / 0.05)),
+                     cracked = s > 0.3 ? std::pow(s - 0.3, 2) : 0;
         const double axial = 2e-3 * s, lateral = -0.6e-3 * s - 0.02 * cracked;
-        h.rows.push_back({80e-6 * s, stress, axial, lateral, axial + lateral, std::floor(700 * cracked), std::floor(300 * cracked)});
+        h.rows.push_back(
+            {80e-6 * s, stress, axial, lateral, axial + lateral, std::floor(700 * cracked), std::floor(300 * cracked)});
     }
     return h;
 }
@@ -161,19 +188,28 @@ inline History breaks(int n = 200) {
     History h{{"time", "x", "y", "angle", "length", "shear", "energy"}, {}};
     Random random(5, "breaks");
     for (int i = 0; i < n; ++i)
-        h.rows.push_back({80e-6 * (0.3 + 0.6 * i / n), 0.05, 0.02, std::fmod(180 + 90 + 40 * (random.uniform() + random.uniform() - 1), 180), 5e-4, random.uniform(0, 0.8), 1e-3});
+        h.rows.push_back({80e-6 * (0.3 + 0.6 * i / n), 0.05, 0.02,
+                          std::fmod(180 + 90 + 40 * (random.uniform() + random.uniform() - 1), 180), 5e-4,
+                          random.uniform(0, 0.8), 1e-3});
     return h;
 }
 
 inline History fragments(int n = 60) {
     History h{{"fragment", "diameter", "mass_part", "passing"}, {}};
-    for (int i = 0; i < n; ++i) h.rows.push_back({static_cast<double>(i), 0.02 * std::pow(0.93, i), 1. / n, 1 - static_cast<double>(i) / n});
+    for (int i = 0; i < n; ++i)
+        h.rows.push_back({static_cast<double>(i), 0.02 * std::pow(0.93, i), 1. / n, 1 - static_cast<double>(i) / n});
     return h;
 }
 
 /// All of them.
 inline Histories histories(int n = 400) {
-    return {.energy = energy(n), .cracks = cracks(n), .reactions = reactions(n), .probes = probes(n), .breaks = breaks(), .stress_strain = stress_strain(n), .fragments = fragments()};
+    return {.energy = energy(n),
+            .cracks = cracks(n),
+            .reactions = reactions(n),
+            .probes = probes(n),
+            .breaks = breaks(),
+            .stress_strain = stress_strain(n),
+            .fragments = fragments()};
 }
 
 }  // namespace synthetic

@@ -25,9 +25,9 @@ struct Verified {
     std::string path;  // bulk and cohesion that found it; empty where there is no choice
     std::string quantity;
     std::string found, reference;  // as text
-    std::string kind;              // of the deviation: "relative", or "absolute" in the unit of the quantity; empty for a bound
+    std::string kind;  // of the deviation: "relative", or "absolute" in the unit of the quantity; empty for a bound
     double deviation;
-    double acc, str;               // largest deviations
+    double acc, str;  // largest deviations
 };
 
 /// What the running test has noted so far.
@@ -62,22 +62,25 @@ inline std::string digits(double value, int n = 9) {
 }
 
 namespace detail {
-inline void note(const std::string& quantity, std::string found, std::string reference, const std::string& kind, double deviation, double acc, double str) {
+inline void note(const std::string& quantity, std::string found, std::string reference, const std::string& kind,
+                 double deviation, double acc, double str) {
     VerificationNotes& notes = verification_notes();
-    CHECK_MESSAGE(deviation <= acc, quantity, notes.path.empty() ? "" : " (" + notes.path + ")", ": ", found, " against ", reference, ", off by ", deviation,
-                  " and may be by ", acc);
+    CHECK_MESSAGE(deviation <= acc, quantity, notes.path.empty() ? "" : " (" + notes.path + ")", ": ", found,
+                  " against ", reference, ", off by ", deviation, " and may be by ", acc);
     notes.numbers.push_back({notes.path, quantity, std::move(found), std::move(reference), kind, deviation, acc, str});
 }
 }  // namespace detail
 
 /// Relative to the reference.
 inline void verify(const std::string& quantity, double found, double reference, const Tolerance& tolerance) {
-    detail::note(quantity, digits(found), digits(reference), "relative", std::abs(found / reference - 1), tolerance.acc, tolerance.stretch());
+    detail::note(quantity, digits(found), digits(reference), "relative", std::abs(found / reference - 1), tolerance.acc,
+                 tolerance.stretch());
 }
 
 /// In the unit of the quantity.
 inline void verify_near(const std::string& quantity, double found, double reference, const Tolerance& tolerance) {
-    detail::note(quantity, digits(found), digits(reference), "absolute", std::abs(found - reference), tolerance.acc, tolerance.stretch());
+    detail::note(quantity, digits(found), digits(reference), "absolute", std::abs(found - reference), tolerance.acc,
+                 tolerance.stretch());
 }
 
 /// An error or a residual, 0 at best.
@@ -87,14 +90,18 @@ inline void verify_small(const std::string& quantity, double found, const Tolera
 
 /// A number that may have any value up to a bound.
 inline void verify_at_most(const std::string& quantity, double found, double bound) {
-    detail::note(quantity, digits(found), "at most " + digits(bound), "", std::max(found - bound, found <= bound ? 0.0 : found), 0, 0);
+    detail::note(quantity, digits(found), "at most " + digits(bound), "",
+                 std::max(found - bound, found <= bound ? 0.0 : found), 0, 0);
 }
 
 inline void verify_at_least(const std::string& quantity, double found, double bound) {
-    detail::note(quantity, digits(found), "at least " + digits(bound), "", std::max(bound - found, found >= bound ? 0.0 : bound), 0, 0);
+    detail::note(quantity, digits(found), "at least " + digits(bound), "",
+                 std::max(bound - found, found >= bound ? 0.0 : bound), 0, 0);
 }
 
-inline void verify_that(const std::string& what, bool is_so) { detail::note(what, is_so ? "yes" : "no", "yes", "", is_so ? 0 : 1, 0, 0); }
+inline void verify_that(const std::string& what, bool is_so) {
+    detail::note(what, is_so ? "yes" : "no", "yes", "", is_so ? 0 : 1, 0, 0);
+}
 
 /// Where to draw a picture of this case, if a report is asked for.
 inline std::optional<std::filesystem::path> picture(const std::string& name) {

@@ -24,11 +24,12 @@ public:
         if (!folder || notes.numbers.empty()) return;
         std::ofstream out(*folder / "cases.tsv", std::ios::app);
         out << std::setprecision(3);
-        out << "C\t" << data_->m_name << '\t' << data_->m_test_suite << '\t' << processor_time() - start_ << '\t' << (stats.failure_flags != 0) << '\n';
+        out << "C\t" << data_->m_name << '\t' << data_->m_test_suite << '\t' << processor_time() - start_ << '\t'
+            << (stats.failure_flags != 0) << '\n';
         for (const std::string& text : notes.texts) out << "T\t" << text << '\n';
         for (const Verified& number : notes.numbers)
-            out << "N\t" << number.path << '\t' << number.quantity << '\t' << number.found << '\t' << number.reference << '\t' << number.kind << '\t' << number.deviation << '\t' << number.acc
-                << '\t' << number.str << '\n';
+            out << "N\t" << number.path << '\t' << number.quantity << '\t' << number.found << '\t' << number.reference
+                << '\t' << number.kind << '\t' << number.deviation << '\t' << number.acc << '\t' << number.str << '\n';
         for (const std::string& picture : notes.pictures) out << "P\t" << picture << '\n';
     }
 
@@ -39,7 +40,8 @@ private:
         for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
             rusage used{};
             getrusage(who, &used);
-            for (const timeval& part : {used.ru_utime, used.ru_stime}) sum += static_cast<double>(part.tv_sec) + 1e-6 * static_cast<double>(part.tv_usec);
+            for (const timeval& part : {used.ru_utime, used.ru_stime})
+                sum += static_cast<double>(part.tv_sec) + 1e-6 * static_cast<double>(part.tv_usec);
         }
         return sum;
     }

@@ -58,7 +58,13 @@ Cases read(const std::string& file) {
             test = nullptr;
             if (f.size() < 5 || !std::regex_match(f[1], parts, name)) continue;
             std::vector<Test>& tests = cases[{parts[1].str()[0], std::stoi(parts[2])}];
-            tests.push_back({.name = parts[3], .slow = f[2] == "slow", .failed = f[4] != "0", .seconds = std::stod(f[3]), .texts = {}, .pictures = {}, .numbers = {}});
+            tests.push_back({.name = parts[3],
+                             .slow = f[2] == "slow",
+                             .failed = f[4] != "0",
+                             .seconds = std::stod(f[3]),
+                             .texts = {},
+                             .pictures = {},
+                             .numbers = {}});
             test = &tests.back();
         } else if (test && f[0] == "T" && f.size() == 2) {
             test->texts.push_back(f[1]);
@@ -71,7 +77,8 @@ Cases read(const std::string& file) {
             std::exit(2);
         }
     }
-    for (auto& [which, tests] : cases) std::sort(tests.begin(), tests.end(), [](const Test& a, const Test& b) { return a.name < b.name; });
+    for (auto& [which, tests] : cases)
+        std::sort(tests.begin(), tests.end(), [](const Test& a, const Test& b) { return a.name < b.name; });
     return cases;
 }
 
@@ -81,7 +88,9 @@ std::string text_of(double value, const char* format = "%.2g") {
     return text;
 }
 
-std::string met(int n, int of) { return n == of ? "met" : "**" + std::to_string(of - n) + " of " + std::to_string(of) + " not met**"; }
+std::string met(int n, int of) {
+    return n == of ? "met" : "**" + std::to_string(of - n) + " of " + std::to_string(of) + " not met**";
+}
 
 /// How many of all numbers of a case meet a tolerance.
 template <class Criterion>
@@ -99,7 +108,8 @@ std::string paths_of(const std::vector<Test>& tests) {
     std::vector<std::string> paths;
     for (const Test& test : tests)
         for (const Number& number : test.numbers)
-            if (!number.path.empty() && std::find(paths.begin(), paths.end(), number.path) == paths.end()) paths.push_back(number.path);
+            if (!number.path.empty() && std::find(paths.begin(), paths.end(), number.path) == paths.end())
+                paths.push_back(number.path);
     std::sort(paths.begin(), paths.end());
     std::string text;
     for (const std::string& path : paths) text += (text.empty() ? "" : "; ") + path;
@@ -121,30 +131,40 @@ void print_overview(const Cases& cases) {
         n_str += count(tests, str).first == of;
         for (const Test& test : tests) (test.slow ? slow : quick) += test.seconds;
     }
-    std::printf("%d of %zu cases meet ACC in every number, %d meet STR in every number. Processor time: quick tests %.0f s, slow ones %.0f s.\n\n", n_acc, cases.size(), n_str, quick,
-                slow);
+    std::printf(
+        "%d of %zu cases meet ACC in every number, %d meet STR in every number. Processor time: quick tests %.0f s, "
+        "slow ones %.0f s.\n\n",
+        n_acc, cases.size(), n_str, quick, slow);
     std::printf("| case | | bulk, cohesion | numbers | ACC | STR | processor time |\n|---|---|---|---|---|---|---|\n");
     for (const auto& [name, tests] : cases) {
         const auto [a, of] = count(tests, acc);
         const int s = count(tests, str).first;
-        std::printf("| [%s](#%c%d) | %s | %s | %d | %s | %s | %.2g s |\n", name.text().c_str(), name.group - 'A' + 'a', name.number, tests.front().name.c_str(), paths_of(tests).c_str(), of,
-                    met(a, of).c_str(), s == of ? "met" : (std::to_string(s) + " of " + std::to_string(of)).c_str(), seconds_of(tests));
+        std::printf("| [%s](#%c%d) | %s | %s | %d | %s | %s | %.2g s |\n", name.text().c_str(), name.group - 'A' + 'a',
+                    name.number, tests.front().name.c_str(), paths_of(tests).c_str(), of, met(a, of).c_str(),
+                    s == of ? "met" : (std::to_string(s) + " of " + std::to_string(of)).c_str(), seconds_of(tests));
     }
 }
 
 void print(const CaseName& name, const std::vector<Test>& tests) {
     std::printf("\n## %s\n", name.text().c_str());
     for (const Test& test : tests) {
-        std::printf("\n**%c%s** (%s%.2g s%s)\n", std::toupper(test.name.front()), test.name.substr(1).c_str(), test.slow ? "slow, " : "", test.seconds, test.failed ? ", **FAILS**" : "");
+        std::printf("\n**%c%s** (%s%.2g s%s)\n", std::toupper(test.name.front()), test.name.substr(1).c_str(),
+                    test.slow ? "slow, " : "", test.seconds, test.failed ? ", **FAILS**" : "");
         for (const std::string& text : test.texts) std::printf("\n%s\n", text.c_str());
-        std::printf("\n| quantity | bulk, cohesion | knap | reference | deviation | ACC | STR |\n|---|---|---|---|---|---|---|\n");
+        std::printf(
+            "\n| quantity | bulk, cohesion | knap | reference | deviation | ACC | STR "
+            "|\n|---|---|---|---|---|---|---|\n");
         for (const Number& n : test.numbers) {
             const bool is_bound = n.acc == 0;
-            std::printf("| %s | %s | %s | %s | %s | %s | %s |\n", n.quantity.c_str(), n.path.empty() ? "-" : n.path.c_str(), n.found.c_str(), n.reference.c_str(),
-                        is_bound ? "" : (text_of(n.deviation) + " " + n.kind).c_str(), n.meets_acc() ? (is_bound ? "met" : ("met, " + text_of(n.acc)).c_str()) : ("**not met**, " + text_of(n.acc)).c_str(),
+            std::printf("| %s | %s | %s | %s | %s | %s | %s |\n", n.quantity.c_str(),
+                        n.path.empty() ? "-" : n.path.c_str(), n.found.c_str(), n.reference.c_str(),
+                        is_bound ? "" : (text_of(n.deviation) + " " + n.kind).c_str(),
+                        n.meets_acc() ? (is_bound ? "met" : ("met, " + text_of(n.acc)).c_str())
+                                      : ("**not met**, " + text_of(n.acc)).c_str(),
                         is_bound ? "" : ((n.meets_str() ? "met, " : "not met, ") + text_of(n.str)).c_str());
         }
-        for (const std::string& picture : test.pictures) std::printf("\n![%s](verification/%s)\n", name.text().c_str(), picture.c_str());
+        for (const std::string& picture : test.pictures)
+            std::printf("\n![%s](verification/%s)\n", name.text().c_str(), picture.c_str());
     }
 }
 
@@ -160,10 +180,14 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "%s has no cases\n", argv[1]);
         return 1;
     }
-    std::printf("# Verification\n\n"
-                "Written by `tools/verify` from runs of the tests; nothing in here is typed by hand. Each number is found, and held against its reference, by the test of that name, and the\n"
-                "test fails where ACC is not met. ACC is what a correct program must reach, STR what a good one does (a tenth of ACC where the case names nothing else). A deviation is\n"
-                "relative to the reference, or absolute in the unit of the quantity (a dimensionless one where none is named), as its line says. The quick tests run with `tools/test`, the slow ones with `tools/test --slow`.\n\n");
+    std::printf(
+        "# Verification\n\n"
+        "Written by `tools/verify` from runs of the tests; nothing in here is typed by hand. Each number is found, and "
+        "held against its reference, by the test of that name, and the\n"
+        "test fails where ACC is not met. ACC is what a correct program must reach, STR what a good one does (a tenth "
+        "of ACC where the case names nothing else). A deviation is\n"
+        "relative to the reference, or absolute in the unit of the quantity (a dimensionless one where none is named), "
+        "as its line says. The quick tests run with `tools/test`, the slow ones with `tools/test --slow`.\n\n");
     print_overview(cases);
     for (const auto& [name, tests] : cases) print(name, tests);
     return 0;

@@ -6,8 +6,6 @@
 #include "base/whole_file.hpp"
 #include "scenario/write_scenario.hpp"
 
-#include <limits>
-
 namespace knap {
 namespace {
 
@@ -96,7 +94,7 @@ Continuation continuation_of(const ReadResult& read, const Model& model, const f
             "start it again with --force, or choose another directory with --output");
     if (step_follows_from_end(scenario.time.step))
         set(continuation.read, "time.step", scenario.time.step,
-            plan_steps(first->scenario, model, std::numeric_limits<double>::infinity()).limits.largest);
+            plan_steps(first->scenario, model, infinity).limits.largest);
     continuation.first_files_of_shorter = FirstFiles{{"resolved.toml", text}};
     for (const NamedFile& named : read.scenario.files)
         continuation.first_files_of_shorter->emplace_back(named.name, named.bytes);

@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -29,7 +28,7 @@ double measured_step(const Model& model, MoreauJean& stepper, double step, doubl
     State now = initial_state(model), next = now;
     stepper.step(now, step, next);
     const Stopwatch all;
-    double fastest = std::numeric_limits<double>::infinity();
+    double fastest = infinity;
     for (int batch = 0; batch < 3 || all.cpu() < at_least_for; ++batch) {
         const Stopwatch watch;
         int n = 0;
@@ -46,7 +45,7 @@ double measured_step(const Model& model, MoreauJean& stepper, double step, doubl
 /// How much slower this machine is than that of the gallery, by a fixed loop of some milliseconds.
 double machine_slowness() {
     std::array<double, 2048> values{};
-    double fastest = std::numeric_limits<double>::infinity();
+    double fastest = infinity;
     for (int batch = 0; batch < 5; ++batch) {
         const Stopwatch watch;
         for (int repeat = 0; repeat < 200; ++repeat)

@@ -65,7 +65,7 @@ double distance_from_outline(const Mesh& mesh, const std::vector<Vec2>& outline,
     for (const InteriorEdge& edge : edges_around(mesh, triangles)) {
         const Vec2 along = mesh.side_vector(edge.triangle[0], edge.side[0]),
                    middle = mesh.corner(edge.triangle[0], edge.side[0]) + 0.5 * along;
-        double distance = std::numeric_limits<double>::infinity();
+        double distance = infinity;
         for (const Segment& side : sides) distance = std::min(distance, distance_to_segment(side.a, side.b, middle));
         largest = std::max(largest, distance / along.norm());
     }
@@ -125,7 +125,7 @@ std::vector<Diagnostic> findings_of_excavations(const ReadResult& read, const Mo
     for (Index c = 0; c < mesh.n_corners(); ++c)
         if (const PrescribedMotion* motion = model.motion_of(c); motion && is_lost(c))
             for (int k = 0; k < 2; ++k) lost[motion->history[k]] += motion->component[k];
-    for (std::size_t i = 0; i < lost.size(); ++i) {
+    for (std::size_t i = 0; i < read.scenario.loads.size(); ++i) {  // histories behind them are those of fluids
         const Load::Kind kind = read.scenario.loads[i].kind;
         if (lost[i] > 0 && kind != Load::Kind::body_force && kind != Load::Kind::acceleration)
             warn(item("load", i), "acts on a region that vanishes: that part of it ends there",

@@ -16,7 +16,6 @@
 namespace knap {
 namespace {
 
-std::string place_text(const Vec2& x) { return formatted("(%.6g, %.6g) m", x.x(), x.y()); }
 /// An error at a key.
 Diagnostic finding(const ReadResult& read, const std::string& key, const char* code, std::string message,
                    std::string note) {

@@ -11,15 +11,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace knap {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-std::string place_text(const Vec2& x) { return formatted("(%.6g, %.6g) m", x.x(), x.y()); }
 std::string extent_text(const Box& box) { return "from " + place_text(box.low) + " to " + place_text(box.high); }
 
 // ---- jumps of prescribed displacements
@@ -133,7 +129,7 @@ std::string culprits(const std::vector<std::string>& parts) {
 // ---- numbers
 constexpr double surely_short = 1e9;    // triangle-steps
 constexpr double longest = 5 * 86400.;  // [s] of one core
-constexpr double max_frames = 1e4, max_lines = 1e6, max_pictures = 1e3;
+constexpr double max_frames = 1e4, max_lines = 1e6, max_figure_times = 1e3;
 constexpr double frame_bytes = 85;  // per triangle
 
 /// The warnings on one scenario and its mesh.
@@ -262,7 +258,7 @@ public:
             body.inertia += model_.corner_mass[c] * arm.squaredNorm();
             body.momentum += model_.corner_mass[c] * cross(arm, model_.initial_velocity[c] - body.velocity / body.mass);
         }
-        constexpr double degree = std::numbers::pi / 180, from = 5;  // [deg] where the gate warns
+        constexpr double from = 5;  // [deg] where the gate warns
         for (const Motion& body : motion) {
             if (!(body.mass > 0) || body.held) continue;
             const double spin = body.momentum / body.inertia / degree, angle = std::abs(spin) * scenario_.time.end;
@@ -349,7 +345,7 @@ public:
               frame_bytes * triangles);
         check("output.history_every", scenario_.output.history_every, max_lines, "lines in each table", 500);
         for (std::size_t i = 0; i < scenario_.figures.size(); ++i)
-            if (const auto n = static_cast<double>(scenario_.figures[i].at.size()); n > max_pictures)
+            if (const auto n = static_cast<double>(scenario_.figures[i].at.size()); n > max_figure_times)
                 add(item("figure", i) + ".at", "too-many", formatted("`figure[%zu]` draws %.6g pictures", i, n),
                     "use fewer times, or frames (output.every) and `knap render` for those of interest");
     }

@@ -4,7 +4,6 @@
 #include "scenario/read_scenario.hpp"
 
 #include <filesystem>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -21,13 +20,13 @@ enum ExitCode {
 };
 
 struct RunOptions {
-    std::filesystem::path output;                            // empty: runs/<name>
-    bool force = false;                                      // replace an earlier run
-    bool quiet = false;                                      // no progress line
-    int threads = 0;                                         // 0 = all
-    double until = std::numeric_limits<double>::infinity();  // [s] end earlier
-    StepSelection dump_lcp;                                  // steps whose complementarity problems are stored
-    std::vector<std::string> command;                        // as typed, for the record
+    std::filesystem::path output;      // empty: runs/<name>
+    bool force = false;                // replace an earlier run
+    bool quiet = false;                // no progress line
+    int threads = 0;                   // 0 = all
+    double until = infinity;           // [s] end earlier
+    StepSelection dump_lcp;            // steps whose complementarity problems are stored
+    std::vector<std::string> command;  // as typed, for the record
 };
 
 ExitCode run_scenario(const ReadResult& read, const RunOptions& options);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <set>
 
@@ -122,7 +121,7 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& m
         }
     for (std::size_t f = 0; f < scenario.supports.size(); ++f) {
         if (!scenario.supports[f].glued) continue;
-        double softest = std::numeric_limits<double>::infinity(),
+        double softest = infinity,
                fastest = 0;  // only the mesh knows which one is there
         for (const NamedMaterial& material : scenario.materials)
             softest = std::min(softest, modulus(material)), fastest = std::max(fastest, speed(material));

@@ -1,20 +1,18 @@
 #include "stepper/common/obstacle_contacts.hpp"
 
-#include <limits>
-
 namespace knap {
 namespace {
 
-constexpr double near = 0.02;            // [-] of the size of a corner: nearer corners are candidates at any speed
-constexpr double reach_in_steps = 4;     // distances covered in a step at the speeds of its start
-constexpr double touching = 1e-3;        // [-] of the size of a corner: as a rounding error of the geometry
-constexpr double end_of_edge = 1e-3;     // [-] of an edge: there its end is in contact instead
-constexpr double almost_as_near = 0.05;  // [-] of an edge: likewise where an end is about as near to the obstacle
-constexpr double rounding = 1e-12;       // [-] of the coordinates whose difference is a gap
+constexpr double near = 0.02;  // [-] of the size of a corner: nearer corners are candidates at any speed
+constexpr double obstacle_reach_in_steps = 4;  // distances covered in a step at the speeds of its start
+constexpr double touching_corner = 1e-3;       // [-] of the size of a corner: as a rounding error of the geometry
+constexpr double end_of_edge = 1e-3;           // [-] of an edge: there its end is in contact instead
+constexpr double almost_as_near = 0.05;        // [-] of an edge: likewise where an end is about as near to the obstacle
+constexpr double gap_rounding = 1e-12;         // [-] of the coordinates whose difference is a gap
 
 /// The gap at x, or zero where it is rounding.
 double cleared(double gap, const Vec2& x, const ObstacleSurface& surface) {
-    return std::abs(gap) <= rounding * (x.norm() + surface.position().norm()) ? 0 : gap;
+    return std::abs(gap) <= gap_rounding * (x.norm() + surface.position().norm()) ? 0 : gap;
 }
 
 }  // namespace
@@ -30,7 +28,7 @@ ObstacleContacts::ObstacleContacts(const Model& model) : model_(model) {
         boundary_.push_back({.fan = f, .corner = corners.front(), .place = 0});
         if (fan.n_corners > 1) boundary_.push_back({.fan = f, .corner = corners.back(), .place = 1});
     }
-    corner_size_.resize(mesh.n_corners(), std::numeric_limits<double>::infinity());
+    corner_size_.resize(mesh.n_corners(), infinity);
     for (Index c = 0; c < mesh.n_corners(); ++c)
         for (Index k = 0; k < mesh.corners_per_triangle(); ++k)
             if (k != mesh.place_in_triangle(c))
@@ -89,10 +87,10 @@ void ObstacleContacts::find_at_corner(const Candidate& at, const State& begin, d
         const Vec2 arm = x - surface.position();
         const double obstacle_speed =
             velocity_at(begin.obstacles[o].velocity, arm).norm() + velocity_at(end_velocity[o], arm).norm();
-        const double reach = near * corner_size_[c] + reach_in_steps * h * (speed + obstacle_speed);
+        const double reach = near * corner_size_[c] + obstacle_reach_in_steps * h * (speed + obstacle_speed);
         if (!surface.may_reach(x, reach)) continue;
         const Vec2 motion = h * (begin.velocity[node] - velocity_at(end_velocity[o], arm));
-        const SurfaceDistance distance = surface.distance_to(x, motion, touching * corner_size_[c]);
+        const SurfaceDistance distance = surface.distance_to(x, motion, touching_corner * corner_size_[c]);
         if (distance.gap > reach) continue;
         contacts_.push_back({.corner = c,
                              .fan = at.fan,
@@ -123,8 +121,8 @@ void ObstacleContacts::find_on_edge(Index a, Index b, Index o, const State& begi
         const Vec2 arm = surface.rotation().turned(points[i]), x = surface.position() + arm;
         const double share = along.dot(x - x_a) / (length * length), gap = outward.dot(x - x_a);
         const double speed = v_a.norm() + v_b.norm() + velocity_at(end_velocity, arm).norm();
-        const double reach =
-            near * length + reach_in_steps * h * (speed + velocity_at(begin.obstacles[o].velocity, arm).norm());
+        const double reach = near * length + obstacle_reach_in_steps * h *
+                                                 (speed + velocity_at(begin.obstacles[o].velocity, arm).norm());
         if (share <= end_of_edge || share >= 1 - end_of_edge || gap > reach || gap < -near * length) continue;
         // the corner is nearest, not an adjacent edge of the obstacle
         const auto falls_towards_body = [&](std::size_t j) {

@@ -11,9 +11,9 @@ namespace knap {
 namespace {
 
 constexpr int max_steps = 60, max_secants = 20;
-constexpr double good_enough = 1e3;  // times the tolerance: the last digits are not worth a line search
-constexpr double difference = 1e-6;  // [-] of the speeds, for the slope: exact up to rounding
-constexpr int few = 12;              // components that are solved on the stack
+constexpr double no_line_search_below = 1e3;  // times the tolerance: the last digits are not worth a line search
+constexpr double difference = 1e-6;           // [-] of the speeds, for the slope: exact up to rounding
+constexpr int few = 12;                       // components that are solved on the stack
 
 }  // namespace
 
@@ -141,14 +141,14 @@ double ObstacleMotion::find_rates(const State& begin, const Accuracy& accuracy, 
         Vector next = x + change, next_error = error_at(next);
         // without friction the error is the gradient of a convex function: the zero of its slope along Newton's step is
         // the length of the step
-        if (next_error.norm() > 0.1 * before && before > good_enough * tolerance * scale) {
+        if (next_error.norm() > 0.1 * before && before > no_line_search_below * tolerance * scale) {
             const double at_0 = change.dot(error), at_1 = change.dot(next_error);
             const auto along = [&](double part) { return change.dot(error_at(x + part * change)); };
             const double length =
                 at_0 < 0 && at_1 > 0 ? zero_between(0, at_0, 1, at_1, 1e-3 * std::abs(at_0), max_secants, along) : 1;
             next = x + length * change, next_error = error_at(next);
         }
-        if (before <= good_enough * tolerance * scale && next_error.norm() >= before) break;
+        if (before <= no_line_search_below * tolerance * scale && next_error.norm() >= before) break;
         slope_is_known = next_error.norm() <= good_progress * before;  // the same linear piece
         x = next, error = next_error;
     }

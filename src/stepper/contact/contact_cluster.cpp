@@ -11,9 +11,9 @@ namespace knap {
 namespace {
 
 constexpr int first_sweeps = 12, last_sweeps = 100;
-constexpr double exact = 1e-13;        // [-] of the speeds: a residual at rounding
-constexpr double good_enough = 1e-11;  // [-] of the speeds: not worth proximal points
-constexpr double too_strong = 20;      // impulses of the last step that would cause larger rates are dropped
+constexpr double exact = 1e-13;           // [-] of the speeds: a residual at rounding
+constexpr double accepted_error = 1e-11;  // [-] of the speeds: not worth proximal points
+constexpr double too_strong = 20;         // impulses of the last step that would cause larger rates are dropped
 constexpr std::size_t bold_attempts = 6, max_attempts = 20;  // of the active set
 constexpr Eigen::Index max_dense = 60;                       // unknowns of a factor that does not use zeros
 
@@ -157,7 +157,7 @@ double ContactCluster::solve(double speed, double rounding) {
     if (settle_states(speed, tolerance))
         if (const double now = largest_error(); now < best) best = now, best_ = contacts;
     contacts = best_;
-    return best > good_enough * speed + rounding ? approach(best, speed, rounding) : best;
+    return best > accepted_error * speed + rounding ? approach(best, speed, rounding) : best;
 }
 
 /// Sweeps until no rate changes by more than `change` [m/s]; returns the residual.
@@ -176,7 +176,7 @@ double ContactCluster::sweep_to(double change, int max_sweeps) {
 /// whose operator is definite even where contacts are redundant, so that the states seldom cycle. A solution of the
 /// problem itself is a fixed point for any alpha, and the nearer to it, the smaller alpha may be.
 double ContactCluster::approach(double best, double speed, double rounding) {
-    const double tolerance = exact * speed + rounding, enough = good_enough * speed + rounding;
+    const double tolerance = exact * speed + rounding, enough = accepted_error * speed + rounding;
     exact_own_ = own_;
     free_.clear();
     for (const ClusterContact& c : contacts) free_.push_back(c.free);

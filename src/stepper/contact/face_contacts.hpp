@@ -87,8 +87,8 @@ private:
     /// What all pairs of a vertex share.
     struct Vertex {
         Vec2 x, v, t_in, t_out;
-        Vec2 outside;        // unit vector out of the body
-        double l_in, l_out;  // [m] of the edges that enter and leave it
+        Vec2 outside;                    // unit vector out of the body
+        double l_in, l_out;              // [m] of the edges that enter and leave it
         std::array<Index, 2> joint_law;  // of these edges
         std::span<const FaceContactState> before;
         bool reflex, flat;
@@ -97,9 +97,7 @@ private:
         /// [m] How much further than the vertex its edges reach against the normal.
         double overhang(const Vec2& normal) const;
         /// FreeEdge::joint_law of the edge that faces one with this tangent.
-        Index joint_law_against(const Vec2& tangent) const {
-            return joint_law[t_out.dot(tangent) < t_in.dot(tangent)];
-        }
+        Index joint_law_against(const Vec2& tangent) const { return joint_law[t_out.dot(tangent) < t_in.dot(tangent)]; }
     };
     struct Side {
         Vec2 tangent;

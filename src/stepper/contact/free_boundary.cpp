@@ -9,7 +9,8 @@
 namespace knap {
 namespace {
 
-constexpr double deepest = 0.35;  // [-] of the altitude of a triangle: the step before should have been refused
+constexpr double max_depth_in_altitudes =
+    0.35;  // [-] of the altitude of a triangle: the step before should have been refused
 
 /// [rad] The angle of a triangle at one of its corners.
 double angle_at(const Mesh& mesh, Index c) {
@@ -162,7 +163,7 @@ void FreeBoundary::add(Index h) {
                       .start_place = place_of_corner(h),
                       .end_place = place_of_corner(next_in_triangle(h)),
                       .joint_law = twin_[h] < 0 ? -1 : model_.interfaces[model_.interface_of(point_[h])].joint_law,
-                      .depth = deepest * 2 * mesh.area(h / 3) / mesh.side_vector(h / 3, h % 3).norm()});
+                      .depth = max_depth_in_altitudes * 2 * mesh.area(h / 3) / mesh.side_vector(h / 3, h % 3).norm()});
 }
 
 void FreeBoundary::add_ground(Index g) {
@@ -175,7 +176,7 @@ void FreeBoundary::add_ground(Index g) {
                       .end_place = place_of_corner(end),
                       .ground = true,
                       .joint_law = -1,
-                      .depth = deepest * (model_.ground.vertices[at.next].place - at.place).norm()});
+                      .depth = max_depth_in_altitudes * (model_.ground.vertices[at.next].place - at.place).norm()});
 }
 
 /// Reads what link() found about an edge.

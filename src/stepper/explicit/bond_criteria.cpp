@@ -8,7 +8,7 @@
 namespace knap {
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double infinite = infinity;
 
 /// [N] At all temperatures. As a function of mu the shear part has no minimum inside an interval.
 double sure_strength(const CohesiveLaw& law, double area) {

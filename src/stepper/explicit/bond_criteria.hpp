@@ -14,7 +14,6 @@
 //    corner.
 #include "stepper/explicit/absorbing_boundary.hpp"
 
-#include <limits>
 #include <vector>
 
 namespace knap {
@@ -37,7 +36,7 @@ bool within_inscribed_circles(const InscribedCircle* circle, Index n, const Forc
     using Pair = Eigen::Array2d;  // x and y at once
     const Pair F = total;
     Pair P = Pair::Zero();
-    if (circle[n - 1].strength2 < std::numeric_limits<double>::infinity()) {
+    if (circle[n - 1].strength2 < infinity) {
         for (Index i = 0; i < n; ++i) P -= (n - i) * (force(i).array() - circle[i].share * F);
         P *= 1. / n;
     }

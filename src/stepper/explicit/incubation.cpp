@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace knap {
 namespace {
@@ -11,7 +10,7 @@ constexpr double interval = 0.05;  // [-] of tau, between two values of U
 
 /// [s]
 double incubation_time(const Model& model, const Fan& fan) {
-    constexpr double none = std::numeric_limits<double>::infinity();
+    constexpr double none = infinity;
     double time = none;
     for (const FanPoint& point : model.points(fan)) {
         const CohesiveLaw& law = model.laws[point.law];

@@ -3,12 +3,10 @@
 #include "interface/self_stress.hpp"
 #include "stepper/common/point_work.hpp"
 
-#include <limits>
-
 namespace knap {
 namespace {
 
-constexpr double rounding = 1e-9;  // of a displacement: a smaller opening may touch
+constexpr double opening_rounding = 1e-9;  // of a displacement: a smaller opening may touch
 
 /// The corners on both sides of point j, by their places in the fan.
 struct Sides {
@@ -49,12 +47,12 @@ bool find_parts(const Model& model, Index rank, const ExplicitStep& step, Statio
         const Vec2& normal = work.normal[j];
         const double u_N = normal.dot(u), v_N = normal.dot(v);
         const bool open = state[j].cohesion == 0 && law.restitution == 0 &&
-                          u_N > rounding * u_after.cwiseAbs().maxCoeff() && u_N + step.drift_time * v_N > 0;
+                          u_N > opening_rounding * u_after.cwiseAbs().maxCoeff() && u_N + step.drift_time * v_N > 0;
         const bool retired = begin.has_retired(points[j].point);
         if (!held && !open && !retired) return false;
         work.is_open[j] = open || retired;
         work.strength[j] = step.kick_time * law.sigma_c * (points[j].area * factor) * state[j].cohesion;
-        work.bound[j] = retired ? -std::numeric_limits<double>::infinity() : -std::max(u_N / step.drift_time, v_N);
+        work.bound[j] = retired ? -infinity : -std::max(u_N / step.drift_time, v_N);
         if (work.is_open[j] && work.first_open < 0) work.first_open = j;
         if (work.is_open[j] && at.after > 0) ++part;
         work.part[at.after] = part;

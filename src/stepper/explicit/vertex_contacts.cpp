@@ -7,20 +7,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace knap {
 namespace {
 
-constexpr double deep = 1e-3;          // [-] of the edge: a deeper penetration is reduced by a rebound
-constexpr double merged = 1e-12;       // [-] of the speeds: nearer kinks of the friction are one
-constexpr double absurd = 1e3;         // [-] of the speeds of a cluster: no impulse of a contact causes it
-constexpr double max_injected = 1e-3;  // [-] of energy and losses of a cluster, by its residual
-constexpr double agreed = 1e-12;       // [-] of the speeds, between contacts and fans
-constexpr double rounding = 1e-15;     // [-] of the positions
-constexpr int max_rounds = 100;        // of contacts and fans
-constexpr int patience = 4;            // rounds without half the residual: a wedge has no solution
+constexpr double deep = 1e-3;                // [-] of the edge: a deeper penetration is reduced by a rebound
+constexpr double merged = 1e-12;             // [-] of the speeds: nearer kinks of the friction are one
+constexpr double absurd = 1e3;               // [-] of the speeds of a cluster: no impulse of a contact causes it
+constexpr double max_injected = 1e-3;        // [-] of energy and losses of a cluster, by its residual
+constexpr double agreed = 1e-12;             // [-] of the speeds, between contacts and fans
+constexpr double position_rounding = 1e-15;  // [-] of the positions
+constexpr int max_contact_rounds = 100;      // of contacts and fans
+constexpr int patience = 4;                  // rounds without half the residual: a wedge has no solution
 
 /// [J] Of the impulse P at a mean rate, both (N, T): what the residual of the laws injects.
 double positive_work(const Vec2& P, const Vec2& mean) {
@@ -274,12 +273,12 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
     for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
         const FaceContact& c = contacts_.all()[cluster.contacts[k]];
         speed = std::max({speed, before_[cluster.contacts[k]].norm(), problem.contact(k).free.norm()});
-        error =
-            std::max(error, rounding * (place_of_corner(c.edge[0], step.begin).norm() + c.length) / step.drift_time);
+        error = std::max(
+            error, position_rounding * (place_of_corner(c.edge[0], step.begin).norm() + c.length) / step.drift_time);
     }
-    double residual = 0, least = std::numeric_limits<double>::infinity();
+    double residual = 0, least = infinity;
     bool more_soft = false;
-    for (int round = 0, last_progress = 0; round < max_rounds; ++round) {
+    for (int round = 0, last_progress = 0; round < max_contact_rounds; ++round) {
         if (round > 0) pose(cluster, step, more_soft, work);
         for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
             const FaceContact& c = contacts_.all()[cluster.contacts[k]];

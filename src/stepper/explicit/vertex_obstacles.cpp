@@ -13,7 +13,7 @@ constexpr double edge_tolerance = 1e-14;  // [-] of the largest impulse
 constexpr int fast_sweeps = 10, max_sweeps = 500;
 constexpr double faces_agree = 1e-12;     // [-] of the momenta, a free obstacle and the faces that it touches
 constexpr double contacts_agree = 1e-12;  // [-] of the largest impulse
-constexpr int max_rounds = 200;           // of contacts between faces and on edges
+constexpr int max_obstacle_rounds = 200;  // of contacts between faces and on edges
 
 }  // namespace
 
@@ -43,7 +43,7 @@ void VertexObstacles::solve_at_rates(const ExplicitStep& step, const BetweenFace
     if (!between_faces) return solve_edges(step, work, report);
     StepReport last;
     double change = 1;
-    for (int round = 0; round < max_rounds && change > contacts_agree; ++round) {
+    for (int round = 0; round < max_obstacle_rounds && change > contacts_agree; ++round) {
         last = {};
         change = between_faces(last);
         if (now_.contacts.on_edges().empty()) break;

@@ -12,10 +12,10 @@ namespace {
 
 constexpr double contradiction = 1e-12;  // [-] residual of a fan whose rebounds contradict each other; rounding is less
 constexpr double slow = 1e-9, slowest = 1e-6;  // [-] of the largest speed
-constexpr double rounding = 1e-14;             // [-] of the velocities of a fan
+constexpr double velocity_rounding = 1e-14;    // [-] of the velocities of a fan
 constexpr double closed = 1e-5;  // [-] of the softening length: where fans turn, an opening below it counts as none
 constexpr double mean_tolerance = 1e-14;  // [-] of the velocities of a fan on an absorbing boundary
-constexpr int max_sweeps = 100;
+constexpr int max_fan_sweeps = 100;
 constexpr double caught = 1e-9;  // [-] of the tangential cohesion: a force smaller by more holds the slip at zero
 
 /// [-] beta at the start of the step, of point i of the fan.
@@ -230,7 +230,7 @@ FanSolution VertexSolver::solve(Index f, const ExplicitStep& step, Workspace& wo
     // a contraction, by less than (c_p - c_s)/(c_p + c_s)
     work.mean_velocity.assign(model_.fans[f].n_corners, Vec2::Zero());
     double change = 1, speed = 0;
-    for (int sweep = 0; sweep < max_sweeps; ++sweep) {
+    for (int sweep = 0; sweep < max_fan_sweeps; ++sweep) {
         change = 0;
         for (std::size_t i = 0; i < work.mean_velocity.size(); ++i) {
             const FanBody& body = work.problem.bodies[i];
@@ -328,7 +328,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
     }
 
     // normals round a vertex that turns differ: rates that cancel along it leave their tolerance
-    const double tolerance = problem.turns ? 10 * relative_tolerance : rounding,
+    const double tolerance = problem.turns ? 10 * relative_tolerance : velocity_rounding,
                  rate_error = (tolerance + solution.residual) * speed_scale(problem);  // [m/s]
     const auto contacts = obstacles_.contacts.of_fan(f);
     for (Index i = 0; i < static_cast<Index>(problem.links.size()); ++i) {

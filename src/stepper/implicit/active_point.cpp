@@ -1,7 +1,6 @@
 #include "stepper/implicit/active_point.hpp"
 
 #include <cmath>
-#include <limits>
 
 namespace knap {
 namespace {
@@ -51,7 +50,7 @@ void apply_prescribed(const CornerPartition& nodes, ActivePoint& point) {
         along[1] = along[1] || prescribed[1 - k] || std::abs(point.normal[k]) < 1e-9;
     }
     if (along[0]) point.law.contact.may_touch = false;
-    if (along[1]) point.law.rho_T = std::numeric_limits<double>::infinity();
+    if (along[1]) point.law.rho_T = infinity;
 }
 
 }  // namespace knap

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 
 namespace knap {
@@ -30,7 +29,7 @@ constexpr double no_force = 1e-3;      // of the move: a smaller nodal force lea
 constexpr double min_ratio = 0.1;      // of a series worth extrapolating
 constexpr double max_deviation = 0.1;  // of a move from q times the previous one
 constexpr double max_series = 20;      // moves: q is uncertain near 1
-constexpr double endless = std::numeric_limits<double>::infinity();
+constexpr double endless = infinity;
 
 }  // namespace
 
@@ -115,7 +114,7 @@ bool AugmentedLagrangian::continue_penalties(double tolerance) {
 
 /// Newton's method with line search, for given multipliers.
 bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
-    double best = std::numeric_limits<double>::infinity();
+    double best = infinity;
     int stalled = 0;
     for (int i = 0; i < max_steps; ++i) {
         if (given_up_ && given_up_()) throw StepGivenUp{};

@@ -10,7 +10,7 @@
 namespace knap {
 namespace {
 
-constexpr double rounding = 1e-14;  // of the rates
+constexpr double rate_rounding = 1e-14;  // of the rates
 constexpr int max_passes = 40;
 constexpr std::size_t max_lcp_points = 100;  // in the body: up to nine unknowns each, in a dense tableau at last
 // Over momenta, loads and strengths: a larger contact impulse is jammed and measures nothing else. Where a body that is
@@ -350,7 +350,7 @@ void ImplicitScheme::account_points(StepReport& report) const {
                          .friction = q.friction_part,
                          .rate_N = w.x() / theta,
                          .rate_T = w.y() / theta,
-                         .rate_error = (rounding + report.residual) * solver_.unit() / (point.mass * theta),
+                         .rate_error = (rate_rounding + report.residual) * solver_.unit() / (point.mass * theta),
                          .opening = u_N},
                         report);
         if (point.fan < 0) continue;

@@ -25,7 +25,6 @@
 #include "stepper/common/scheme_options.hpp"
 #include "stepper/implicit/augmented_lagrangian.hpp"
 
-#include <limits>
 #include <tuple>
 
 namespace knap {
@@ -35,7 +34,7 @@ public:
     ImplicitScheme(const Model& model, const SchemeOptions& options);
 
     StepReport step(const State& begin, double h, State& end) override;
-    double stable_step() const override { return std::numeric_limits<double>::infinity(); }
+    double stable_step() const override { return infinity; }
     void give_up_when(GiveUp asked) override { solver_.give_up_when(asked); }
     FactorSize factor_size() const override { return matrix_.size(); }
 

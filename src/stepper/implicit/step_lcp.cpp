@@ -9,7 +9,7 @@
 namespace knap {
 namespace {
 
-constexpr double rounding = 1e-12;  // [-] relative
+constexpr double lcp_rounding = 1e-12;  // [-] relative
 
 }  // namespace
 
@@ -128,7 +128,7 @@ void StepLcp::lay_out() {
         cohesive_.push_back(p);
         if (step_.implicit_beta) add_layers(law);
         const double end_at_bound = law.u_N + step_.h * law.contact.rate;
-        const bool lands = !law.contact.may_touch || end_at_bound < -rounding * law.material->delta_c();
+        const bool lands = !law.contact.may_touch || end_at_bound < -lcp_rounding * law.material->delta_c();
         if (step_.implicit_beta && lands) landing_.push_back(p);
     }
     const auto group = [&](std::size_t n) { return std::exchange(size_, size_ + static_cast<int>(n)); };

@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+namespace contact_cluster_test {
+
 using namespace knap;
 
 namespace {
@@ -91,3 +93,5 @@ TEST_CASE("a lawful motion is found for random clusters of contacts and no conta
                 CHECK(unsolved <= (friction == 0 ? 0 : 2));
             }
 }
+
+}  // namespace contact_cluster_test

@@ -9,6 +9,8 @@
 
 #include <numbers>
 
+namespace contact_speed_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -92,3 +94,5 @@ TEST_CASE("detection of contacts is cheap beside the bulk" * doctest::test_suite
         CHECK(measure(scene, 100).per_edge < 200);
     }
 }
+
+}  // namespace contact_speed_test

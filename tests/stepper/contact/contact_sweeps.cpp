@@ -8,6 +8,8 @@
 
 #include <numbers>
 
+namespace contact_sweeps_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -219,3 +221,5 @@ TEST_CASE("a block that slides along flush blocks meets no seam") {
                 CHECK(n_wrong == 0);
             }
 }
+
+}  // namespace contact_sweeps_test

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <numbers>
 
+namespace cracked_bodies_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -228,3 +230,5 @@ TEST_CASE("contacts do not depend on when the faces of retired points were added
     }
     CHECK(n > 1000);
 }
+
+}  // namespace cracked_bodies_test

@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+namespace face_contact_scenes_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -429,3 +431,5 @@ TEST_CASE("a slab slides on with the friction of its joint where the points of t
     // it rings undamped, so some contacts stick for moments: 5 % further (E29); with 0.8 it would be half of the path
     CHECK(path / exact == doctest::Approx(1).epsilon(0.04));
 }
+
+}  // namespace face_contact_scenes_test

@@ -10,6 +10,8 @@
 #include <numbers>
 #include <set>
 
+namespace face_contacts_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -353,3 +355,5 @@ TEST_CASE("the cell grid finds every pair that comes near before the list is mad
         CHECK(n_near > 0);
     }
 }
+
+}  // namespace face_contacts_test

@@ -6,6 +6,8 @@
 
 #include <set>
 
+namespace free_boundary_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -185,3 +187,5 @@ TEST_CASE("a point retires beyond a slip or opening of two thousandths of its ed
     CHECK(parted({0, 0}, 2.4, 0.01) == 2);
     CHECK(parted({0, 0}, 2.4, 0) == 0);
 }
+
+}  // namespace free_boundary_test

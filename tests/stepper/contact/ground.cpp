@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace ground_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -302,3 +304,5 @@ TEST_CASE("a support that goes on beyond its end must not run into the body") {
                          doctest::Contains("runs into the body at (2, 0) m"), UserError);
     CHECK_NOTHROW(make_model(on_ground(bodies, {}, floor(0, 1, 0.9))));
 }
+
+}  // namespace ground_test

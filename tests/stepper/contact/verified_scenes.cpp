@@ -11,6 +11,8 @@
 
 #include <numbers>
 
+namespace verified_scenes_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -268,3 +270,5 @@ TEST_CASE("E25 the teeth of a zigzag joint slide over each other") {
             {1e-6, 1e-9});
     }
 }
+
+}  // namespace verified_scenes_test

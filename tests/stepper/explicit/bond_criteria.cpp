@@ -8,6 +8,8 @@
 
 #include <random>
 
+namespace bond_criteria_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -71,3 +73,5 @@ TEST_CASE("fans cleared by the inscribed circles are bonded and most bonded fans
             CHECK(n_cleared > 0.7 * n_held);
         }
 }
+
+}  // namespace bond_criteria_test

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 
+namespace bonded_fans_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -244,3 +246,5 @@ TEST_CASE("every block of a loop is worked on once by any number of threads") {
     }
     omp_set_num_threads(before);
 }
+
+}  // namespace bonded_fans_test

@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+namespace contact_problem_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -57,3 +59,5 @@ TEST_CASE("points of random fans move as their own solver says") {
                 CHECK(n_other <= (friction ? 0.03 * n : 0));  // with friction there may be several solutions
             }
 }
+
+}  // namespace contact_problem_test

@@ -13,6 +13,8 @@
 #include <cmath>
 #include <random>
 
+namespace incubation_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -200,3 +202,5 @@ TEST_CASE("with strengths times the utilisation a fan just holds") {
         MESSAGE(n_zero, " held by friction alone");
     }
 }
+
+}  // namespace incubation_test

@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace implicit_cohesion_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -133,3 +135,5 @@ TEST_CASE("implicit beta with the explicit bulk has the same bits with one threa
     omp_set_num_threads(1);
     CHECK(ends[0] == ends[1]);
 }
+
+}  // namespace implicit_cohesion_test

@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+namespace implicit_contact_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -54,3 +56,5 @@ TEST_CASE("contacts that contradict each other round hundreds of vertices are al
         CHECK(std::abs(run.ledger.row().residual) <= 1e-13 * run.ledger.largest_energy());
     }
 }
+
+}  // namespace implicit_contact_test

@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace implicit_cracks_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -178,3 +180,5 @@ TEST_CASE("C1 a debonding strip has the exact speed of its crack") {
         CHECK(run.ledger.worst().residual <= 1e-10);
     }
 }
+
+}  // namespace implicit_cracks_test

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <numeric>
 
+namespace implicit_dynamics_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -386,3 +388,5 @@ TEST_CASE("B15 an impacting stick gains nothing from friction") {
         CHECK(run.ledger.worst().residual <= 1e-10);
     }
 }
+
+}  // namespace implicit_dynamics_test

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstring>
 
+namespace implicit_meshes_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -246,3 +248,5 @@ TEST_CASE("a support that cannot break holds the body in implicit steps") {
     CHECK(top == relative(-5e-3, 1e-9));  // mean along the row; the vertices differ with their shares of the mass
     check_energy_balance(run);
 }
+
+}  // namespace implicit_meshes_test

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <string>
 
+namespace implicit_pairs_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -104,3 +106,5 @@ TEST_CASE("B3 the four pairs of schemes find the same motion") {
                    reference, {5 * h, h});
     }
 }
+
+}  // namespace implicit_pairs_test

@@ -9,6 +9,8 @@
 
 #include <cmath>
 
+namespace implicit_points_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -372,3 +374,5 @@ TEST_CASE("E8 a stuck point under a rotating load does not drift with the implic
             check_energy_balance(run);
         }
 }
+
+}  // namespace implicit_points_test

@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+namespace obstacles_implicit_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -233,3 +235,5 @@ TEST_CASE("an implicit boulder on an elastic bar is braked as the wave solution 
     CHECK(worst < 0.02);
     check_energy_balance(run);
 }
+
+}  // namespace obstacles_implicit_test

@@ -12,6 +12,8 @@
 
 #include <cmath>
 
+namespace step_lcp_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -312,3 +314,5 @@ TEST_CASE("step LCP: random motions of a closed fan obey the equations and the e
     CHECK(n_unsolved <= 2);
     CHECK(n_broken > 20);
 }
+
+}  // namespace step_lcp_test

@@ -7,6 +7,8 @@
 
 #include <doctest/doctest.h>
 
+namespace step_lcp_comparison_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -200,3 +202,5 @@ TEST_CASE("implicit stepper: two thousand random bodies move as the full complem
         CHECK(tally.n_steps > 7000);
     }
 }
+
+}  // namespace step_lcp_comparison_test

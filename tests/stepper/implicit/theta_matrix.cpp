@@ -8,6 +8,8 @@
 
 #include <Eigen/Dense>
 
+namespace theta_matrix_test {
+
 using namespace knap;
 using namespace knap::tests;
 
@@ -188,3 +190,5 @@ TEST_CASE("gmres solves in as many products as the matrix has eigenvalues") {
     CHECK(gmres.solve(product, Eigen::VectorXd::Zero(9), 9, 1e-13));
     CHECK(gmres.solution().isZero(0));
 }
+
+}  // namespace theta_matrix_test

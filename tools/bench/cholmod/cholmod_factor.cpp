@@ -22,7 +22,8 @@ CholmodFactor::~CholmodFactor() {
 cholmod_sparse CholmodFactor::view(const SparseMatrix& A, int stored) const {
     cholmod_sparse seen{};
     seen.nrow = A.rows(), seen.ncol = A.cols(), seen.nzmax = A.nonZeros();
-    seen.p = const_cast<int*>(A.outerIndexPtr()), seen.i = const_cast<int*>(A.innerIndexPtr()), seen.x = const_cast<double*>(A.valuePtr());
+    seen.p = const_cast<int*>(A.outerIndexPtr()), seen.i = const_cast<int*>(A.innerIndexPtr()),
+    seen.x = const_cast<double*>(A.valuePtr());
     seen.stype = stored, seen.itype = CHOLMOD_INT, seen.xtype = CHOLMOD_REAL, seen.dtype = CHOLMOD_DOUBLE;
     seen.sorted = seen.packed = 1;
     return seen;

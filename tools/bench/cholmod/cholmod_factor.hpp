@@ -6,7 +6,10 @@
 
 namespace knap {
 
-enum class Kind { supernodal, simplicial };  // L L' of dense blocks, L D L' column by column: only the second can be modified
+enum class Kind {
+    supernodal,
+    simplicial
+};  // L L' of dense blocks, L D L' column by column: only the second can be modified
 
 class CholmodFactor {
 public:

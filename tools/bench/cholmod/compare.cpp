@@ -58,8 +58,8 @@ struct Table {
             const Line& line = lines[key];
             const double time = median(line.times),
                          ours = lines.count({key.first, "knap"}) ? median(lines[{key.first, "knap"}].times) : NAN;
-            std::printf("%s,%s,%s,%d,%s,%s,%.4g,", blas.c_str(), body.c_str(), state.c_str(), n_unknowns, key.first.c_str(),
-                        key.second.c_str(), time);
+            std::printf("%s,%s,%s,%d,%s,%s,%.4g,", blas.c_str(), body.c_str(), state.c_str(), n_unknowns,
+                        key.first.c_str(), key.second.c_str(), time);
             std::printf(std::isnan(ours) ? "-," : "%.3g,", time / ours);
             std::printf(line.entries > 0 ? "%.0f," : "-,", line.entries);
             std::printf(line.residual > 0 ? "%.1e\n" : "-\n", line.residual);
@@ -82,10 +82,12 @@ struct Way {
     int ordering;
     Kind kind;
 };
-const Way ways[] = {
-    {"CHOLMOD supernodal AMD", CHOLMOD_AMD, Kind::supernodal},       {"CHOLMOD supernodal METIS", CHOLMOD_METIS, Kind::supernodal},
-    {"CHOLMOD supernodal NESDIS", CHOLMOD_NESDIS, Kind::supernodal}, {"CHOLMOD simplicial AMD", CHOLMOD_AMD, Kind::simplicial},
-    {"CHOLMOD simplicial METIS", CHOLMOD_METIS, Kind::simplicial},   {"CHOLMOD simplicial NESDIS", CHOLMOD_NESDIS, Kind::simplicial}};
+const Way ways[] = {{"CHOLMOD supernodal AMD", CHOLMOD_AMD, Kind::supernodal},
+                    {"CHOLMOD supernodal METIS", CHOLMOD_METIS, Kind::supernodal},
+                    {"CHOLMOD supernodal NESDIS", CHOLMOD_NESDIS, Kind::supernodal},
+                    {"CHOLMOD simplicial AMD", CHOLMOD_AMD, Kind::simplicial},
+                    {"CHOLMOD simplicial METIS", CHOLMOD_METIS, Kind::simplicial},
+                    {"CHOLMOD simplicial NESDIS", CHOLMOD_NESDIS, Kind::simplicial}};
 
 void from_scratch(const CrackedBody& body, Index n_split, int repeats, Table& table) {
     const Setting setting(body, n_split);
@@ -106,7 +108,8 @@ void from_scratch(const CrackedBody& body, Index n_split, int repeats, Table& ta
         time("analysis", "knap", [&] { ours = std::make_unique<ThetaMatrix>(body.model, body.mass); });
         ours->set(setting.partition, 2 * body.stiffness_factor);
         if (!ours->factorise(setting.points)) std::exit(1);
-        ours->set(setting.partition, body.stiffness_factor);  // now its memory is there, as CHOLMOD's is in the second round
+        ours->set(setting.partition,
+                  body.stiffness_factor);  // now its memory is there, as CHOLMOD's is in the second round
         time("factor", "knap", [&] { ours->factorise(setting.points); });
         std::vector<Vec2> x;
         ours->solve(b, x);
@@ -121,12 +124,14 @@ void from_scratch(const CrackedBody& body, Index n_split, int repeats, Table& ta
             CholmodFactor& factor = *theirs[i];
             time("analysis", name, [&] { factor.analyse(L); });
             factor.factorise(L);
-            time("factor", name, [&] { factor.factorise(L); });  // again: with the symbolic analysis and the memory that are there
+            time("factor", name,
+                 [&] { factor.factorise(L); });  // again: with the symbolic analysis and the memory that are there
             Eigen::VectorXd solved = factor.solve(flat);
             time("substitution", name, [&] { factor.solve(flat); });
             table.line("factor", name).entries = factor.n_entries();
             table.line("factor", name).residual = residual(A, solved, flat);
-            if (!((solved - ours_x).norm() < 1e-10 * ours_x.norm())) std::fprintf(stderr, "%s: another solution\n", name), std::exit(1);
+            if (!((solved - ours_x).norm() < 1e-10 * ours_x.norm()))
+                std::fprintf(stderr, "%s: another solution\n", name), std::exit(1);
             const std::vector<int> permutation = factor.permutation();
             time("analysis with a permutation that is known", name, [&] { factor.analyse(L, permutation); });
         }
@@ -139,12 +144,16 @@ void from_scratch(const CrackedBody& body, Index n_split, int repeats, Table& ta
 class Extended {
 public:
     Extended(const CrackedBody& body, bool splits, int ordering)
-        : body_(body), intact_(body, 0), broken_(body, static_cast<Index>(body.path.size())), factor(CHOLMOD_NATURAL, Kind::simplicial) {
+        : body_(body),
+          intact_(body, 0),
+          broken_(body, static_cast<Index>(body.path.size())),
+          factor(CHOLMOD_NATURAL, Kind::simplicial) {
         const SparseMatrix A = lower(assembled(body, intact_));
         CholmodFactor ordered(ordering, Kind::simplicial);
         ordered.analyse(A);
         place_of_path_.assign(body.model.fans.size(), -1);
-        for (std::size_t i = 0; i < body.path.size() && splits; ++i) place_of_path_[body.path[i]] = static_cast<Index>(i);
+        for (std::size_t i = 0; i < body.path.size() && splits; ++i)
+            place_of_path_[body.path[i]] = static_cast<Index>(i);
         std::vector<Index> fan_of_unknown(intact_.n_unknowns);
         for (std::size_t j = 0; j < intact_.unknown.size(); ++j)
             if (intact_.unknown[j] >= 0)
@@ -152,7 +161,8 @@ public:
         std::vector<std::vector<Index>> broken_of_fan(body.model.fans.size());
         for (std::size_t j = 0; j < broken_.unknown.size(); ++j)
             if (broken_.unknown[j] >= 0)
-                broken_of_fan[body.model.fan_of_corner[broken_.partition.corner_of_node[j / 2]]].push_back(broken_.unknown[j]);
+                broken_of_fan[body.model.fan_of_corner[broken_.partition.corner_of_node[j / 2]]].push_back(
+                    broken_.unknown[j]);
         intact_at_.assign(intact_.n_unknowns, -1), broken_at_.assign(broken_.n_unknowns, -1);
         for (const int u : ordered.permutation()) {
             intact_at_[u] = n++;
@@ -167,7 +177,8 @@ public:
         std::vector<Index> at(setting.n_unknowns);
         for (std::size_t j = 0; j < setting.unknown.size(); ++j) {
             if (setting.unknown[j] < 0) continue;
-            const Index corner = setting.partition.corner_of_node[j / 2], path = place_of_path_[body_.model.fan_of_corner[corner]];
+            const Index corner = setting.partition.corner_of_node[j / 2],
+                        path = place_of_path_[body_.model.fan_of_corner[corner]];
             const bool split = path >= 0 && path < n_split;
             const Setting& from = split ? broken_ : intact_;
             const Index u = from.unknown[2 * from.partition.node_of_corner[corner] + j % 2];
@@ -181,7 +192,8 @@ public:
         std::vector<Eigen::Triplet<double, int>> entries;
         there.assign(n, 0);
         for (int j = 0; j < A.outerSize(); ++j)
-            for (SparseMatrix::InnerIterator entry(A, j); entry; ++entry) entries.emplace_back(at[entry.row()], at[j], entry.value());
+            for (SparseMatrix::InnerIterator entry(A, j); entry; ++entry)
+                entries.emplace_back(at[entry.row()], at[j], entry.value());
         for (const Index k : at) there[k] = 1;
         for (int k = 0; k < n; ++k)
             if (!there[k]) entries.emplace_back(k, k, 1);
@@ -222,7 +234,8 @@ public:
         const std::vector<Index> at = places(after, n_split);
         std::map<Index, std::pair<double, const PointTangent*>> change;
         for (const PointTangent& p : before.points) change[p.sides.fan_point] = {-p.block(0, 0), &p};
-        for (const PointTangent& p : after.points) change[p.sides.fan_point].first += p.block(0, 0), change[p.sides.fan_point].second = &p;
+        for (const PointTangent& p : after.points)
+            change[p.sides.fan_point].first += p.block(0, 0), change[p.sides.fan_point].second = &p;
         std::vector<Eigen::Triplet<double, int>> entries;
         int n_columns = 0;
         bool adds = true;
@@ -230,7 +243,8 @@ public:
             if (what.first == 0) continue;
             adds = what.first > 0;
             for (int k = 0; k < 2; ++k, ++n_columns)
-                for (const auto& [node, sign] : {std::pair(what.second->sides.after, 1.0), std::pair(what.second->sides.before, -1.0)})
+                for (const auto& [node, sign] :
+                     {std::pair(what.second->sides.after, 1.0), std::pair(what.second->sides.before, -1.0)})
                     if (const Index u = node < 0 ? -1 : after.unknown[2 * node + k]; u >= 0)
                         entries.emplace_back(at[u], n_columns, sign * std::sqrt(std::abs(what.first)));
         }
@@ -292,7 +306,8 @@ void follow_the_crack(const CrackedBody& body, Table& table) {
     };
     const auto check = [&](const std::string& quantity) {
         for (std::size_t i = 0; i < theirs.size(); ++i)
-            table.line(quantity, "CHOLMOD modified simplicial " + orderings[i].first).residual = theirs[i]->residual_of_solution();
+            table.line(quantity, "CHOLMOD modified simplicial " + orderings[i].first).residual =
+                theirs[i]->residual_of_solution();
     };
     const auto residual_of_ours = [&](const Setting& setting) {
         std::vector<Vec2> x;
@@ -309,7 +324,8 @@ void follow_the_crack(const CrackedBody& body, Table& table) {
                 auto next = std::make_unique<Setting>(body, n_split);
                 table.line(quantity, "knap").times.push_back(milliseconds([&] { go_to(*next); }));
                 for (std::size_t i = 0; i < theirs.size(); ++i)
-                    put(quantity, i, splits ? theirs[i]->split(*next, n_split) : theirs[i]->update(*now, *next, n_split), !splits);
+                    put(quantity, i,
+                        splits ? theirs[i]->split(*next, n_split) : theirs[i]->update(*now, *next, n_split), !splits);
                 now = std::move(next);
             }
             table.line(quantity, "knap").residual = residual_of_ours(*now);
@@ -326,7 +342,8 @@ void follow_the_crack(const CrackedBody& body, Table& table) {
         for (int again = 0; again < 6; ++again) {
             const Setting &from = again % 2 ? stronger : held, &to = again % 2 ? held : stronger;
             table.line(quantity, "knap").times.push_back(milliseconds([&] { go_to(to); }));
-            for (std::size_t i = 0; i < theirs.size(); ++i) put(quantity, i, theirs[i]->update(from, to, n_split), true);
+            for (std::size_t i = 0; i < theirs.size(); ++i)
+                put(quantity, i, theirs[i]->update(from, to, n_split), true);
         }
         table.line(quantity, "knap").residual = residual_of_ours(held);
         check(quantity);
@@ -341,8 +358,9 @@ int main(int argc, char** argv) {
     Table table{.blas = dlsym(RTLD_DEFAULT, "openblas_get_config") ? "OpenBLAS" : "reference"};
     if (argc < 2 || std::strcmp(argv[1], "--no-header") != 0)
         std::puts("blas,matrix,state,unknowns,quantity,by,processor_time_ms,over_knap,entries_of_L,residual");
-    for (const auto& [scenario, size] : {std::pair("edge_cracked_block_implicit", "2 mm"), std::pair("edge_cracked_block_implicit", "1 mm"),
-                                         std::pair("edge_cracked_block_implicit", "0.5 mm"), std::pair("dcb_displacement", "")}) {
+    for (const auto& [scenario, size] :
+         {std::pair("edge_cracked_block_implicit", "2 mm"), std::pair("edge_cracked_block_implicit", "1 mm"),
+          std::pair("edge_cracked_block_implicit", "0.5 mm"), std::pair("dcb_displacement", "")}) {
         const CrackedBody body = cracked_body(scenario, size, 100);
         table.body = body.name;
         from_scratch(body, 0, 5, table);

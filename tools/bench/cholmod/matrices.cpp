@@ -20,7 +20,8 @@ CrackedBody cracked_body(const std::string& scenario_name, const std::string& me
     CrackedBody body{scenario_name + (mesh_size.empty() ? "" : " " + mesh_size), build_model(scenario)};
     const Model& model = body.model;
     const std::vector<double> stable = stable_steps(model.mesh, model.materials, model.plane);
-    const double h = scenario.time.step.seconds(0.8 * *std::ranges::min_element(stable)), theta = scenario.time.scheme.theta;
+    const double h = scenario.time.step.seconds(0.8 * *std::ranges::min_element(stable)),
+                 theta = scenario.time.scheme.theta;
     body.stiffness_factor = theta * theta * h * h;
     body.mass = scenario.time.scheme.mass;
 
@@ -28,8 +29,11 @@ CrackedBody cracked_body(const std::string& scenario_name, const std::string& me
     bool glued = false;
     Vec2 tip = Vec2::Zero();
     const auto holds = [&](const FanPoint& p) { return !p.cracked && model.laws[p.law].breakable(); };
-    for (const FanPoint& p : model.fan_points) glued = glued || ((p.before == rigid_support || p.after == rigid_support) && holds(p));
-    const auto place = [&](const Fan& fan) -> Vec2 { return fan.vertex < 0 ? Vec2::Constant(1e9) : model.mesh.vertices[fan.vertex]; };
+    for (const FanPoint& p : model.fan_points)
+        glued = glued || ((p.before == rigid_support || p.after == rigid_support) && holds(p));
+    const auto place = [&](const Fan& fan) -> Vec2 {
+        return fan.vertex < 0 ? Vec2::Constant(1e9) : model.mesh.vertices[fan.vertex];
+    };
     for (const Fan& fan : model.fans)
         if (fan.split_at_start && !glued && place(fan).x() > tip.x()) tip = place(fan);
     const double band = 1.2 * mean_edge(model.mesh);
@@ -63,7 +67,8 @@ Setting::Setting(const CrackedBody& body, Index n_split, Index n_stronger) {
     for (const std::array<bool, 2>& node : partition.prescribed)
         for (const bool fixed : node) unknown.push_back(fixed ? -1 : n_unknowns++);
 
-    const double stiffness = 0.3 * body.stiffness_factor * model.materials[0].E * model.thickness;  // of the size of the diagonal of M_hat
+    const double stiffness =
+        0.3 * body.stiffness_factor * model.materials[0].E * model.thickness;  // of the size of the diagonal of M_hat
     const auto add_points = [&](Index f, bool split) {
         const Fan& fan = model.fans[f];
         for (Index i = fan.first_point; i < fan.first_point + fan.n_points; ++i) {
@@ -81,7 +86,8 @@ Setting::Setting(const CrackedBody& body, Index n_split, Index n_stronger) {
     for (Index i = 0; i < static_cast<Index>(body.path.size()); ++i)
         add_points(body.path[i], i < n_split);  // those of the path first, in its order
     for (std::size_t f = 0; f < model.fans.size(); ++f)
-        if (std::ranges::find(body.path, static_cast<Index>(f)) == body.path.end()) add_points(static_cast<Index>(f), false);
+        if (std::ranges::find(body.path, static_cast<Index>(f)) == body.path.end())
+            add_points(static_cast<Index>(f), false);
 }
 
 std::vector<Vec2> Setting::right_hand_side() const {
@@ -103,9 +109,10 @@ double element_matrices(const CrackedBody& body) {
     const Model& model = body.model;
     double sum = 0;
     for (Index t = 0; t < model.mesh.n_triangles(); ++t)
-        sum += stiffness_matrix(model.mesh, t, model.materials[model.mesh.region[t]], model.plane, model.thickness)(0, 0) *
-                   body.stiffness_factor +
-               model.triangle_mass(t);
+        sum +=
+            stiffness_matrix(model.mesh, t, model.materials[model.mesh.region[t]], model.plane, model.thickness)(0, 0) *
+                body.stiffness_factor +
+            model.triangle_mass(t);
     return sum;
 }
 
@@ -120,7 +127,8 @@ SparseMatrix assembled(const CrackedBody& body, const Setting& setting) {
     const Index n = model.mesh.corners_per_triangle();
     const ElementMatrix& M = mass_matrix(model.mesh.order, body.mass);
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
-        const ElementMatrix K = stiffness_matrix(model.mesh, t, model.materials[model.mesh.region[t]], model.plane, model.thickness);
+        const ElementMatrix K =
+            stiffness_matrix(model.mesh, t, model.materials[model.mesh.region[t]], model.plane, model.thickness);
         const double mass = model.triangle_mass(t);
         const Index* node = &setting.partition.node_of_corner[n * t];
         for (int i = 0; i < 2 * n; ++i)

@@ -29,7 +29,8 @@ struct Setting {
     Setting(const CrackedBody& body, Index n_split, Index n_stronger = 0);
 
     CornerPartition partition;
-    std::vector<PointTangent> points;             // two of three points of fans that have come apart, and of the glue that still holds
+    std::vector<PointTangent>
+        points;  // two of three points of fans that have come apart, and of the glue that still holds
     std::vector<Vec2> right_hand_side() const;
     Eigen::VectorXd as_vector(const std::vector<Vec2>& of_node) const;  // free components, in the order of matrix()
     std::vector<Index> unknown;                                         // per node and component, or -1
