@@ -1,5 +1,5 @@
 // The other commands.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include "app/run/run_text.hpp"
 #include "app/run/step_plan.hpp"

@@ -1,5 +1,5 @@
 // What comes with the package: completion of the command line in bash, and the manual page.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include <regex>
 #include <sstream>

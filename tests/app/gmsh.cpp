@@ -1,5 +1,5 @@
 // Meshes from Gmsh on the command line.
-#include "program.hpp"
+#include "app/program.hpp"
 
 namespace gmsh_test {
 

@@ -1,5 +1,5 @@
 // knap lcp as a person runs it.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include "lcp/matrix_market.hpp"
 

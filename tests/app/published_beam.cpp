@@ -1,7 +1,7 @@
 // dcb_displacement with interface edges of 0.01 mm against the algorithm it is taken from, on the same mesh in the same
 // steps; what is ours on purpose, and what it changes: scenarios/BENCHMARKS.md.
 #include "support/published_beam.hpp"
-#include "program.hpp"
+#include "app/program.hpp"
 #include "support/relative.hpp"
 
 #include "output/history_csv.hpp"

@@ -1,5 +1,5 @@
 // Standard streams that are closed, or whose reader goes away.
-#include "program.hpp"
+#include "app/program.hpp"
 
 namespace streams_test {
 

@@ -1,5 +1,5 @@
 // A run of three bodies: frames, tables and a figure know them apart.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include "output/history_csv.hpp"
 #include "output/vtk_series.hpp"

@@ -1,5 +1,5 @@
 // Where people run programs: full disks, foreign languages, folders with any name, files that are no scenarios.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include <linux/capability.h>
 #include <signal.h>

@@ -1,6 +1,6 @@
 // The lines of the energy figure add up to the work of the loads, in every line of energy.csv, whatever the numbers
 // took.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include "figures/curve_figures.hpp"
 #include "output/history_csv.hpp"

@@ -1,5 +1,5 @@
 // knap run on the implicit path: cut steps, runs that cannot go on, stored complementarity problems.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include "app/run/dump_lcp.hpp"
 #include "app/run/run_text.hpp"

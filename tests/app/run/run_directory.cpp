@@ -1,5 +1,5 @@
 // How a run takes its directory: the one that was named, from nobody who is in it, and whole whatever happens.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include <fcntl.h>
 #include <sys/file.h>

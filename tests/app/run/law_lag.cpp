@@ -1,6 +1,6 @@
 // Cracks that cost more or less than G_c since the steps are too large: a warning, the end of the run, and what the
 // scenario allows.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,5 @@
 // Every number that a run writes carries its unit, and the list of outputs (scenarios/OUTPUTS.md) has all of them.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include "output/history_csv.hpp"
 #include "record/outputs.hpp"

@@ -1,6 +1,6 @@
 // A run that leaves what knap computes says so, goes on, and ends where its results would mislead; [limits] moves that
 // end.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include <nlohmann/json.hpp>
 

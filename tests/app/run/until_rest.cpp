@@ -1,5 +1,5 @@
 // time.until = "rest": the run ends at rest, says so, and resumes with the same bits.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,7 @@
 // Crack patterns of the scenarios with heat, against theory (H7, H8, H9).
+#include "app/program.hpp"
 #include "base/vec.hpp"
 #include "output/history_csv.hpp"
-#include "program.hpp"
 #include "support/verification.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Run directories that are no longer what a run left, and paths that cannot be.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 // knap run: its directory, what it refuses, how it ends.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include <signal.h>
 #include <unistd.h>

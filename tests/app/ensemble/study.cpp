@@ -1,5 +1,5 @@
 // knap study: runs, errors, orders, statistics.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include "app/ensemble/ensemble.hpp"
 #include "output/history_csv.hpp"

@@ -1,8 +1,8 @@
 // Endurance: a run that is killed, interrupted or damaged goes on with the same bits, and nothing is lost.
 #include "app/run/checkpoint.hpp"
+#include "app/program.hpp"
 #include "base/error.hpp"
 #include "base/random.hpp"
-#include "program.hpp"
 
 #include <fcntl.h>
 #include <signal.h>

@@ -1,7 +1,7 @@
 // Refinement during whole runs: same bits for threads and resumed runs, books, files, and what is refused or said.
+#include "app/program.hpp"
 #include "output/history_csv.hpp"
 #include "output/vtk_series.hpp"
-#include "program.hpp"
 
 #include <nlohmann/json.hpp>
 

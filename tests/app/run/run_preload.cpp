@@ -1,5 +1,5 @@
 // knap run with time.start = "equilibrium": a body that rests under its loads, and those that cannot begin.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,7 @@
 // Excavations in whole runs: same bits for threads and resumed runs, files without what vanished, messages.
+#include "app/program.hpp"
 #include "output/history_csv.hpp"
 #include "output/vtk_series.hpp"
-#include "program.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,6 +1,6 @@
 // What a mesh says of a scenario before it runs: loads that contradict each other, jumps, what lies outside, what makes
 // a run endless.
-#include "program.hpp"
+#include "app/program.hpp"
 
 namespace findings_test {
 

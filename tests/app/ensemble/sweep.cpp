@@ -1,5 +1,5 @@
 // knap sweep: which runs, what is kept, its tables, and its command lines for other schedulers.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include "app/ensemble/ensemble.hpp"
 #include "app/run/report.hpp"

@@ -1,8 +1,8 @@
 // Cracks of whole runs: what cracks.csv and arms.csv say, held against the broken interfaces of breaks.csv, which know
 // nothing of arms.
 #include "analysis/crack_history.hpp"
+#include "app/program.hpp"
 #include "output/history_csv.hpp"
-#include "program.hpp"
 
 #include <algorithm>
 #include <cmath>

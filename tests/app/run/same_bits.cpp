@@ -1,6 +1,6 @@
 // The same scenario gives the same bits: for any number of threads, for Debug and Release (tools/test --debug), and for
 // the program of yesterday unless somebody meant to change what it computes.
-#include "program.hpp"
+#include "app/program.hpp"
 
 #include <boost/crc.hpp>
 

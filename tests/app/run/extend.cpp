@@ -1,5 +1,5 @@
 // A finished run goes on to a later time.end, with the bits of a run of that length.
-#include "program.hpp"
+#include "app/program.hpp"
 
 namespace extend_test {
 
