@@ -40,7 +40,9 @@ struct FanBody {
     }
 };
 
-/// An interface point of the chain.
+/// An interface point of the chain, with its results. They are not an object of their own: a problem is assembled anew
+/// for each solution, a fan has some six links, and the accounts of a step read the data and the results of each link
+/// together.
 struct FanLink {
     Index before, after;             // neighbouring bodies, or -1 = support (at rest)
     Vec2 normal;                     // N; T = turned_left(N)

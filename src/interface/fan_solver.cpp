@@ -6,12 +6,12 @@
 namespace knap {
 namespace {
 
-constexpr int max_corrections = 40;             // changes of state before the pivots
+constexpr int max_corrections = 40;             // changes of state before Lemke's method
 constexpr int patient_corrections = 8;          // from here on only the worst violation changes its state
-constexpr int max_tried = 200000;               // combinations of states, where the pivots end without a solution
+constexpr int max_tried = 200000;               // combinations of states, where Lemke's method ends without a solution
 constexpr double max_violation = 1e-10;         // relative, of a solution of the active set: the gate of every run
-constexpr double usual_violation = 1e-11;       // above it the pivots may be more accurate: contacts that disagree
-constexpr double max_pivoted_violation = 1e-8;  // of a solution of the pivots
+constexpr double usual_violation = 1e-11;       // above it Lemke's method may be more accurate: contacts that disagree
+constexpr double max_pivoted_violation = 1e-8;  // of a solution of Lemke's method
 
 void apply(const StateChange& change, LinkState& state) {
     state.set(change.closed, change.tangential_state);
@@ -121,7 +121,7 @@ int FanSolver::correct_states(bool only_worst) {
 
 FanSolution::Status FanSolver::find_states_by_lemke() {
     if (solve_by_lemke()) return FanSolution::Status::pivoted;
-    // on ramps much smaller than what they could bear the pivots lose digits; their states are right
+    // on ramps much smaller than what they could bear Lemke's method loses digits; their states are right
     int n_solves = 0;
     const auto has_ramp = [](const FanLink& link) { return link.ramp > 0; };
     if (std::ranges::any_of(problem_->links, has_ramp) && settle_states(max_corrections, n_solves))

@@ -4,8 +4,8 @@
 // In a given set of states the problem is linear (linear_fan.hpp). A link that violates its law changes its state
 // (link_state.hpp); without a violation the solution is exact. States are guessed from the motion before the step, so
 // that almost every problem takes one linear solve. A chain that sticks all round is decided by find_self_stress
-// (self_stress.hpp). Where the states cycle (friction, degenerate ties), Lemke's pivots find them (fan_lcp.hpp) and the
-// active set refines the result; where the pivots fail, combinations of states are tried.
+// (self_stress.hpp). Where the states cycle (friction, degenerate ties), Lemke's method finds them (fan_lcp.hpp) and
+// the active set refines the result; where it fails, combinations of states are tried.
 #include "interface/fan_lcp.hpp"
 #include "interface/linear_fan.hpp"
 #include "interface/self_stress.hpp"
@@ -15,8 +15,8 @@ namespace knap {
 struct FanSolution {
     enum class Status {
         exact,     // by the active set
-        pivoted,   // the active set cycled; by Lemke's pivots
-        searched,  // the pivots ended without a solution; by trying the states of the links that moved
+        pivoted,   // the active set cycled; by Lemke's method
+        searched,  // Lemke's method ended without a solution; by trying the states of the links that moved
         relaxed,   // no solution (large friction can wedge): solved without restitution, or else without friction
         failed     // no solution found
     };

@@ -4,9 +4,9 @@
 //     contact       0 <= p  perp  rate_N - bound >= 0
 //     tangential   -P_T in sum (cohesive_i + friction_i p) sgn(rate_T - kink_i)      at most three kinks
 //
-// Three solvers use it: the active set of a fan (link_state.hpp), complementarity rows (staircase_lcp.hpp) and the
-// resolvent of the augmented Lagrangian (point_law.hpp). The rate is the end velocity V+ with the explicit bulk, the
-// mean rate w in the theta scheme.
+// Four solvers use it: the active set of a fan (link_state.hpp), complementarity rows (staircase_lcp.hpp), the
+// resolvent of the augmented Lagrangian (point_law.hpp) and clusters of contacts between free faces
+// (contact_cluster.hpp). The rate is the end velocity V+ with the explicit bulk, the mean rate w in the theta scheme.
 #include <array>
 #include <span>
 

@@ -18,16 +18,16 @@ void update_cohesion(const PointLaw& law, double u_N, double u_T, PointResponse&
     if (!(law.ramp > 0)) return;
     const double theta = law.step->theta, mean_N = law.u_N + theta * (u_N - law.u_N),
                  mean_T = law.u_T + theta * (u_T - law.u_T);
-    const double at = law.material->equivalent_opening(mean_N, mean_T) / law.ramp;
-    r.on_ramp = at > 0 && at < 1;
+    const double part = law.material->equivalent_opening(mean_N, mean_T) / law.ramp;
+    r.on_ramp = part > 0 && part < 1;
     r.opens_on_ramp = mean_N > 0;
-    r.ramp_part = std::min(at, 1.0);
+    r.ramp_part = std::min(part, 1.0);
     r.cohesion_theta *= r.ramp_part;
 }
 
 /// The resolvent of the staircase  -q_T in sum W_i sgn(w_T - kink_i): its force and its signs (0 at their kink).
-void find_tangential(const PointLaw& law, double w_T, PointResponse& r) {
-    const double p = law.friction_follows ? r.contact : law.pressed;
+void find_tangential(const PointLaw& law, const Multipliers& at, double w_T, PointResponse& r) {
+    const double p = at.friction_follows ? r.contact : at.pressed;
     const auto weight = [&](const Staircase::Kink& kink) {
         return kink.friction * p + kink.cohesive * r.cohesion_theta;
     };
@@ -39,11 +39,11 @@ void find_tangential(const PointLaw& law, double w_T, PointResponse& r) {
     for (const Staircase::Kink& kink : law.tangential.kinks()) {
         const double W = weight(kink);
         double sign = -1;
-        if (std::isinf(law.rho_T)) {
+        if (std::isinf(at.rho_T)) {
             sign = w_T > kink.rate ? 1 : w_T < kink.rate ? -1 : 0;
             force += (1 + sign) * W;
         } else if (passed) {
-            const double at_kink = law.rho_T * (w_T - kink.rate) - law.tangential_guess;  // -q_T for this rate
+            const double at_kink = at.rho_T * (w_T - kink.rate) - at.tangential;  // -q_T for this rate
             sign = at_kink > force + 2 * W ? 1 : at_kink >= force && W > 0 ? 0 : -1;
             force = sign > 0 ? force + 2 * W : sign == 0 ? at_kink : force;
         }
@@ -62,10 +62,10 @@ void find_tangential(const PointLaw& law, double w_T, PointResponse& r) {
     else r.friction_part = r.tangential - std::clamp(r.tangential, -G, G);
 }
 
-std::uint32_t piece(const PointLaw& law, const PointResponse& r) {
+std::uint32_t piece(const Multipliers& at, const PointResponse& r) {
     const auto digit = [](double sign) { return static_cast<std::uint32_t>(sign + 1); };
     std::uint32_t state = r.closed | (r.sticks << 1);
-    if (r.closed && !r.sticks && law.friction_follows) state |= digit(r.friction_sign) << 2;
+    if (r.closed && !r.sticks && at.friction_follows) state |= digit(r.friction_sign) << 2;
     if (r.on_ramp) state |= (r.opens_on_ramp << 13) | (1u << 12) | (digit(r.cohesion_sign) << 6);
     if (r.softens)
         state |= 16u | (r.opens << 5) | (digit(r.cohesion_sign) << 6) | (static_cast<std::uint32_t>(r.piece) << 8);
@@ -81,21 +81,21 @@ void PointLaw::set_staircase() {
     tangential.add({.rate = u_T == 0 ? 0 : -u_T / until, .cohesive = material->gamma * strength, .friction = 0}, 0);
 }
 
-PointResponse respond(const PointLaw& law, double w_N, double w_T) {
+PointResponse respond(const PointLaw& law, const Multipliers& at, double w_N, double w_T) {
     PointResponse r;
-    r.contact = law.contact.may_touch ? std::max(0.0, law.contact_guess - law.rho_N * (w_N - law.contact.rate)) : 0;
+    r.contact = law.contact.may_touch ? std::max(0.0, at.contact - at.rho_N * (w_N - law.contact.rate)) : 0;
     r.closed = r.contact > 0;
     // a closed or sticking component has the rate of its bound or kink, not the one of the augmentation
     const double u_N = law.u_N + law.step->h * (r.closed ? law.contact.rate : w_N), u_T = law.u_T + law.step->h * w_T;
     update_cohesion(law, u_N, u_T, r);
-    find_tangential(law, w_T, r);
+    find_tangential(law, at, w_T, r);
     if (r.sticks) {
         update_cohesion(law, u_N, law.ramp > 0 ? law.u_T + law.step->h * r.kink : r.kink == 0 ? law.u_T : 0, r);
         const double kink = r.kink;
-        find_tangential(law, w_T, r);
+        find_tangential(law, at, w_T, r);
         if (!r.sticks || r.kink != kink) update_cohesion(law, u_N, u_T, r);
     }
-    r.state = piece(law, r);
+    r.state = piece(at, r);
     return r;
 }
 
@@ -109,12 +109,12 @@ Vec2 loss_direction(const PointLaw& law, const PointResponse& r) {
     return {r.opens && !r.closed ? 1.0 : 0.0, r.sticks ? 0 : law.material->gamma * r.cohesion_sign};
 }
 
-Eigen::Matrix2d tangent(const PointLaw& law, const PointResponse& r, Softening softening) {
-    const bool with_friction = r.closed && law.friction > 0 && law.friction_follows && softening != Softening::at_all;
+Eigen::Matrix2d tangent(const PointLaw& law, const Multipliers& at, const PointResponse& r, Softening softening) {
+    const bool with_friction = r.closed && law.friction > 0 && at.friction_follows && softening != Softening::at_all;
     Eigen::Matrix2d D = Eigen::Matrix2d::Zero();
-    if (r.closed) D(0, 0) = law.rho_N;
-    if (r.sticks) D(1, 1) = std::isinf(law.rho_T) ? 0 : law.rho_T;
-    else if (with_friction) D(1, 0) = -law.friction * r.friction_sign * law.rho_N;  // -q_T = mu p sgn, dp = -rho dw_N
+    if (r.closed) D(0, 0) = at.rho_N;
+    if (r.sticks) D(1, 1) = std::isinf(at.rho_T) ? 0 : at.rho_T;
+    else if (with_friction) D(1, 0) = -law.friction * r.friction_sign * at.rho_N;  // -q_T = mu p sgn, dp = -rho dw_N
     if ((softening != Softening::none && r.softens) || (softening == Softening::at_all && r.breaks)) {
         // q = -C beta_theta (1, gamma sgn), d beta_theta = theta h d beta/ds (opens, gamma sgn) . dw
         const Vec2 loss = loss_direction(law, r);

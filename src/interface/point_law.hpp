@@ -5,12 +5,12 @@
 //     p = max(0, p^ - rho (w_N - bound)),
 //     q_T = t^ - rho (w_T - omega)   with   -q_T in F sgn(omega) + G sgn(omega + u_T/h),
 //
-// Secant unloading: beta_theta is multiplied by clamp(s/kappa, 0, 1) with s at u + theta h w, the mean of the step for
-// theta = 1/2, where its work is then the change of the elastic energy.
-//
 // with multipliers p^, t^ from the iterate before: a fixed point satisfies the law itself, whatever rho > 0 (method of
 // multipliers: Hestenes, Powell, Rockafellar; for contact P. Alart, A. Curnier 1991). Redundant points do no harm, and
 // the derivative is definite.
+//
+// Secant unloading: beta_theta is multiplied by clamp(s/kappa, 0, 1) with s at u + theta h w, the mean of the step for
+// theta = 1/2, where its work is then the change of the elastic energy.
 #include "base/vec.hpp"
 #include "interface/interface_law.hpp"
 #include "material/cohesive_law.hpp"
@@ -33,8 +33,7 @@ struct ThetaStep {
 
 /// Impulses are those of the law times theta, as they enter the equation of w [N s].
 struct PointLaw {
-    // over the step
-    double u_N, u_T;  // [m] at its start
+    double u_N, u_T;  // [m] at the start of the step
     double strength;  // [N s] C = theta h S sigma_c; 0: no cohesion left
     double cohesion;  // [-] beta at its start
     const CohesiveLaw* material;
@@ -42,17 +41,19 @@ struct PointLaw {
     double friction;  // [-] Coulomb's mu; 0 where the scheme neglects friction
     ContactBound contact;
     const ThetaStep* step;
-    bool friction_follows = true;  // friction is bounded by mu p, else by mu `pressed` (Tresca, a step towards Coulomb)
-    double pressed = 0;            // [N s]
-    Staircase tangential = {};     // with cohesive weights for beta_theta = 1
-
-    // augmentation
-    double rho_N = 0, rho_T = 0;  // [kg]; infinite rho_T: the rate itself decides (prescribed on both sides)
-    double contact_guess = 0;     // [N s] p^ >= 0
-    double tangential_guess = 0;  // [N s] t^
+    Staircase tangential = {};  // with cohesive weights for beta_theta = 1
 
     /// The kinks of the tangential law, when the law over the step is known.
     void set_staircase();
+};
+
+/// The iterate of the method of multipliers.
+struct Multipliers {
+    double contact = 0;            // [N s] p^ >= 0
+    double tangential = 0;         // [N s] t^
+    double rho_N = 0, rho_T = 0;   // [kg]; infinite rho_T: the rate itself decides (prescribed on both sides)
+    bool friction_follows = true;  // friction is bounded by mu p, else by mu `pressed` (Tresca, a step towards Coulomb)
+    double pressed = 0;            // [N s]
 };
 
 struct PointResponse {
@@ -71,7 +72,7 @@ struct PointResponse {
     double normal(const PointLaw& law) const { return contact - law.strength * cohesion_theta; }  // [N s] q_N
 };
 
-PointResponse respond(const PointLaw& law, double w_N, double w_T);
+PointResponse respond(const PointLaw& law, const Multipliers& at, double w_N, double w_T);
 
 enum class Softening {
     none,
@@ -87,6 +88,6 @@ double softening_modulus(const PointLaw& law, const PointResponse& response, Sof
 Vec2 loss_direction(const PointLaw& law, const PointResponse& response);
 
 /// -dq/dw in (N, T) of the piece of `response`; with softening it may be indefinite.
-Eigen::Matrix2d tangent(const PointLaw& law, const PointResponse& response, Softening softening);
+Eigen::Matrix2d tangent(const PointLaw& law, const Multipliers& at, const PointResponse& response, Softening softening);
 
 }  // namespace knap

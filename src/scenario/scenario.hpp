@@ -20,7 +20,7 @@
 #include "scenario/ensemble_options.hpp"
 #include "scenario/toml_tree.hpp"
 #include "stepper/adaptation.hpp"
-#include "stepper/common/scheme_options.hpp"
+#include "stepper/common/step_scheme.hpp"
 
 #include <memory>
 

@@ -8,7 +8,6 @@
 // problem per vertex) and implicit_scheme.hpp (all interfaces and the stiffness together), each with explicit or
 // implicit cohesion.
 #include "heat/heat_step.hpp"
-#include "stepper/common/scheme_options.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/equilibrium.hpp"
 
@@ -30,7 +29,7 @@ public:
     void start_in_equilibrium(State& start) const { knap::start_in_equilibrium(model_, options_.mass, start); }
 
     /// Ends a long step early, by StepGivenUp. Without it every step is completed.
-    void give_up_when(GiveUp asked) { scheme_->give_up_when(asked); }
+    void give_up_when(GiveUp condition) { scheme_->give_up_when(condition); }
 
     double stable_step() const { return scheme_->stable_step(); }      // [s]; infinite for the implicit scheme
     FactorSize factor_size() const { return scheme_->factor_size(); }  // of the implicit scheme

@@ -1,6 +1,6 @@
 #pragma once
 // The four pairs of a scheme for the bulk and one for the cohesion, by name.
-#include "stepper/common/scheme_options.hpp"
+#include "stepper/common/step_scheme.hpp"
 #include "support/verification.hpp"
 
 #include <string>

@@ -1,7 +1,7 @@
 #pragma once
 // knap run --dump-lcp: stores the complementarity problems of selected steps for `knap lcp` and other programs.
 #include "model/state.hpp"
-#include "stepper/common/scheme_options.hpp"
+#include "stepper/common/step_scheme.hpp"
 
 #include <array>
 #include <filesystem>

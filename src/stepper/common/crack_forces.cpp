@@ -48,8 +48,9 @@ void CrackForces::enter(Index interface, Reached& reached) {
         if (!reached.vertices[a] && !reached.vertices[b]) continue;
         const bool passes = is_passable(i);
         for (Index k = 0; k < n; ++k) {
-            const bool beside = k < 2 ? reached.vertices[k == 0 ? a : b] != 0 : true;  // places: the ends, the middle
-            if (!is_broken_[n * i + k] || !(beside || passes) || reached.is_point[n * i + k]) continue;
+            const bool at_reached_vertex =
+                k < 2 ? reached.vertices[k == 0 ? a : b] != 0 : true;  // places: the ends, the middle
+            if (!is_broken_[n * i + k] || !(at_reached_vertex || passes) || reached.is_point[n * i + k]) continue;
             reached.is_point[n * i + k] = 1;
             reached.points.push_back(n * i + k);
         }

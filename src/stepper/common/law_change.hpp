@@ -2,7 +2,8 @@
 // What the energy of interfaces changes by when their laws follow a change of the temperature, phi -> phi + dphi, while
 // openings and cohesion stand:
 //
-//     law change = dphi (beta sigma_c s) S     of what closing gives back; no force works, so it is in no other book
+//     law change = dphi (beta sigma_c s) S     of what closing gives back. No force does work, so no other energy term
+//                                              contains it.
 //
 // What was dissipated stays dissipated: a crack has consumed the G_c of the time at which it opened.
 #include "model/state.hpp"

@@ -139,8 +139,8 @@ void ObstacleContacts::find_on_edge(Index a, Index b, Index o, const State& begi
                              .arm = arm + 0.5 * h * end_velocity.z() * turned_left(arm),
                              .normal = -outward,
                              .gap = cleared(gap, x, surface),
-                             .beside = b,
-                             .fan_beside = model_.fan_of_corner[b],
+                             .second_corner = b,
+                             .second_fan = model_.fan_of_corner[b],
                              .share = share});
     }
 }

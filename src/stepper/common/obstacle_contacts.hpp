@@ -19,19 +19,19 @@ struct ObstacleContact {
     Index corner;
     Index fan;
     Index obstacle;
-    Vec2 arm;           // [m] from the origin of the obstacle to the contact
-    Vec2 normal;        // out of the obstacle
-    double gap;         // [m]
-    Index beside = -1;  // the corner at the other end of the edge, and its fan
-    Index fan_beside = -1;
-    double share = 0;  // [-] of the contact that belongs to `beside`; the rest belongs to `corner`
+    Vec2 arm;                  // [m] from the origin of the obstacle to the contact
+    Vec2 normal;               // out of the obstacle
+    double gap;                // [m]
+    Index second_corner = -1;  // the corner at the other end of the edge, and its fan
+    Index second_fan = -1;
+    double share = 0;  // [-] of the contact that belongs to `second_corner`; the rest belongs to `corner`
 
-    bool is_on_edge() const { return beside >= 0; }
+    bool is_on_edge() const { return second_corner >= 0; }
     /// Interpolates a field of the corners at the contact.
     template <class OfCorner>
     Vec2 of_body(const OfCorner& of_corner) const {
         if (!is_on_edge()) return of_corner(corner);
-        return (1 - share) * of_corner(corner) + share * of_corner(beside);
+        return (1 - share) * of_corner(corner) + share * of_corner(second_corner);
     }
     /// Mainly the motion along the surface is prescribed. At a free obstacle the friction would then hardly have a
     /// definite value.

@@ -1,6 +1,7 @@
 #include "stepper/common/obstacle_motion.hpp"
 
 #include "base/secant.hpp"
+#include "stepper/common/point_work.hpp"
 
 #include <Eigen/LU>
 
@@ -72,7 +73,7 @@ void ObstacleMotion::finish(const State& begin, const std::vector<Vec3>& wrench,
             const double change = state.velocity[k] - before[k],
                          work_rate = theta_scheme_ ? rate[k] : 0.5 * (before[k] + state.velocity[k]);
             if (obstacle.is_free(k)) report.external_work += kick_time_ * force_[o][k] * work_rate;
-            else report.external_work -= wrench[o][k] * work_rate;
+            else account_drive(-wrench[o][k], work_rate, report);
             if (obstacle.is_free(k))
                 report.damping_work -= 2 * damping_ * obstacle.inertia_of(k) * work_rate * work_rate;
             if (obstacle.is_free(k) && theta_scheme_)

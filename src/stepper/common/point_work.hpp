@@ -1,5 +1,6 @@
 #pragma once
-// The terms of one interface point, or of one contact with an obstacle, in the report of a step, for both schemes.
+// The terms of one interface point, one contact with an obstacle or one prescribed component in the report of a step,
+// for both schemes.
 //
 // Contact and friction impulses work with the rate of the scheme: the mean velocity (V+ + V-)/2 in the leapfrog energy,
 // w/theta in the theta scheme. The energy Psi = beta sigma_c s + G_c f(beta) of a point has two parts: G_c f(beta),
@@ -30,6 +31,18 @@ inline void account_contact(const ContactWork& at, StepReport& report) {
     report.worst_impact_work = std::max(report.worst_impact_work, impact - at.rate_error * at.contact);
     report.worst_friction_work = std::max(report.worst_friction_work, friction - at.rate_error * std::abs(at.friction));
     report.penetration = std::max(report.penetration, -at.opening);
+}
+
+/// A prescribed component: the impulse [N s] that its drive gives to the body works with the rate of the scheme [m/s].
+/// `on_mass` [J]: of it, where the end velocity is not that of the scheme.
+inline void account_drive(double impulse, double rate, StepReport& report, double on_mass = 0) {
+    report.external_work += impulse * rate + on_mass;
+}
+
+/// [J] That contacts did beyond account_contact, since their rates changed after they were solved.
+inline void account_correction(double work, StepReport& report) {
+    report.impact_work += work;
+    report.contact_injection += std::max(0.0, work);
 }
 
 /// A point over a step. `kappa` [m]: of secant unloading, else 0.

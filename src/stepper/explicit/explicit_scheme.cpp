@@ -243,7 +243,7 @@ void ExplicitScheme::add_thermal_forces(const MeshBlock& block, const ExplicitSt
 /// A fan near an obstacle is solved as a split one, in which the fan solver finds what sticks.
 void ExplicitScheme::split_at_contacts(const State& begin) {
     for (const ObstacleContact& contact : obstacle_step_.contacts.all())
-        for (const Index f : {contact.fan, contact.fan_beside})
+        for (const Index f : {contact.fan, contact.second_fan})
             if (f >= 0) splits_[f] = begin.split_rank[f] < 0;
 }
 
@@ -308,20 +308,11 @@ void ExplicitScheme::move_bonded(Index corner, const Vec2& force, const Vec2& co
     const Vec2 velocity = velocity_as_one(corner, force, contact, step);
     nodes.move(f, f, mass, force, velocity);
     if (const PrescribedMotion* motion = model_.motion_of(corner)) {
-        const Vec2 resistance = absorbing_.force_on_fan(f, 0.5 * (step.begin.velocity[f] + velocity));
-        account_drive(f, *motion, force + resistance, contact, step, report);
-    }
-}
-
-void ExplicitScheme::account_drive(Index fan, const PrescribedMotion& motion, const Vec2& force, const Vec2& contact,
-                                   const ExplicitStep& step, StepReport& report) const {
-    const Vec2 before = step.begin.velocity[fan], after = step.end.velocity[fan];
-    const Vec2 impulse = step.impulse(model_.fans[fan].mass, before, after) - step.kick_time * force - contact;
-    Vec2& reaction = step.end.reaction[&motion - model_.prescribed.data()];
-    for (int k = 0; k < 2; ++k) {
-        if (!motion.component[k]) continue;
-        report.external_work += 0.5 * impulse[k] * (after[k] + before[k]);
-        reaction[k] = impulse[k] / step.kick_time;
+        const Vec2 before = step.begin.velocity[f], mean = 0.5 * (before + velocity);
+        const Vec2 impulse = step.impulse(mass, before, velocity) -
+                             step.kick_time * (force + absorbing_.force_on_fan(f, mean)) - contact;
+        for (int k = 0; k < 2; ++k)
+            if (motion->component[k]) step.drive(model_.prescribed_of_corner[corner], k, impulse[k], mean[k], report);
     }
 }
 

@@ -41,8 +41,6 @@ private:
     Vec2 velocity_as_one(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step) const;
     void move_bonded(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step, NodeMotion& nodes,
                      StepReport& report) const;
-    void account_drive(Index fan, const PrescribedMotion& motion, const Vec2& force, const Vec2& contact,
-                       const ExplicitStep& step, StepReport& report) const;
     void solve_contacts(const ExplicitStep& step, StepReport& report);
     void advance_bonded_contacts(const ExplicitStep& step, StepReport& report);
     void release(const ExplicitStep& step, StepReport& report);

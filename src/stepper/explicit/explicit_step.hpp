@@ -10,7 +10,7 @@
 //     v+ = decay v + mobility M^-1 (k (F - K u) + H' P),     decay = (1 - d)/(1 + d),     mobility = 1/(1 + d)
 #include "base/pair.hpp"
 #include "model/state.hpp"
-#include "stepper/common/step_report.hpp"
+#include "stepper/common/point_work.hpp"
 
 #include <algorithm>
 #include <span>
@@ -52,6 +52,11 @@ struct ExplicitStep {
     /// [N s] That takes a mass from `before` to `after` [m/s], against the damping.
     Vec2 impulse(double mass, const Vec2& before, const Vec2& after) const {
         return damped_impulse(mass, before, after, damping);
+    }
+    /// The drive of component k of a prescribed motion gives to its node an impulse [N s], at the mean velocity [m/s].
+    void drive(Index motion, int k, double impulse, double velocity, StepReport& report) const {
+        account_drive(impulse, velocity, report);
+        end.reaction[motion][k] += impulse / kick_time;
     }
     /// [s] Times a change of velocity and a force: the work of a change of the step size in the leapfrog energy.
     double change_time() const { return 0.25 * (drift_time - begin.last_step); }

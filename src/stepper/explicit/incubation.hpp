@@ -1,6 +1,6 @@
 #pragma once
-// Incubated strength (after Yu. V. Petrov, N. F. Morozov, J. Appl. Mech. 61, 1994, 710): a bond breaks not as soon as
-// it is overloaded, but once the overload has lasted. Per bonded fan
+// Incubated strength (after Yu. V. Petrov, N. F. Morozov, J. Appl. Mech. 61, 1994, 710): a bond breaks only after an
+// overload of some duration. Per bonded fan
 //
 //     dq/dt = (U - q)/tau,      q = 0 at the start, q = U of a start in equilibrium
 //

@@ -8,8 +8,8 @@
 
 namespace knap {
 
-/// Fans of a block with their corners. The corners of a fan are filled up to a multiple of `group` by a place that has
-/// no force: most fans have 5 to 7, and a processor that cannot foresee where a sum ends loses more than it takes.
+/// Fans of a block with their corners. Each fan is padded to a multiple of `group` with a place that has no force; the
+/// padding costs less than mispredicted loop ends.
 template <class Corner>
 struct BlockFans {
     struct BlockFan {

@@ -28,7 +28,7 @@ bool VertexObstacles::couple(Index fan) const {
     return std::ranges::any_of(now_.contacts.of_fan(fan),
                                [&](const ObstacleContact& c) { return model_.obstacles[c.obstacle].is_free(); }) ||
            std::ranges::any_of(now_.contacts.on_edges(),
-                               [&](const ObstacleContact& c) { return c.fan == fan || c.fan_beside == fan; });
+                               [&](const ObstacleContact& c) { return c.fan == fan || c.second_fan == fan; });
 }
 
 void VertexObstacles::solve(const ExplicitStep& step, const BetweenFaces& between_faces, VertexSolver::Workspace& work,
@@ -112,7 +112,7 @@ void VertexObstacles::solve_edges(const ExplicitStep& step, VertexSolver::Worksp
     edges_.clear();
     for (const ObstacleContact& e : contacts)
         edges_.push_back({.mobility = step.mobility * ((1 - e.share) * (1 - e.share) / model_.fans[e.fan].mass +
-                                                       e.share * e.share / model_.fans[e.fan_beside].mass)});
+                                                       e.share * e.share / model_.fans[e.second_fan].mass)});
     double change = 1, largest = 0;
     for (int sweep = 0; sweep < max_sweeps && change > edge_tolerance * largest && !contacts.empty(); ++sweep) {
         change = 0;
@@ -166,9 +166,7 @@ void VertexObstacles::correct_work(const State& end, StepReport& report) const {
     for (std::size_t o = 0; o < wrench_.size(); ++o)
         for (int k = 0; k < 3; ++k) {
             if (!model_.obstacles[o].is_free(k)) continue;
-            const double work = 0.5 * wrench_[o][k] * (end.obstacles[o].velocity[k] - now_.motion.rate()[o][k]);
-            report.impact_work += work;
-            report.contact_injection += std::max(0.0, work);
+            account_correction(0.5 * wrench_[o][k] * (end.obstacles[o].velocity[k] - now_.motion.rate()[o][k]), report);
         }
 }
 

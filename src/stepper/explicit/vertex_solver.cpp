@@ -81,7 +81,7 @@ Vec2 ObstacleStep::edge_impulse_on(Index corner) const {
     for (std::size_t i = contacts.n_at_corners(); i < contacts.all().size(); ++i) {
         const ObstacleContact& contact = contacts.all()[i];
         if (contact.corner == corner) sum += (1 - contact.share) * impulse[i];
-        if (contact.beside == corner) sum += contact.share * impulse[i];
+        if (contact.second_corner == corner) sum += contact.share * impulse[i];
     }
     return sum;
 }
@@ -307,9 +307,8 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
     // the impulse of a prescribed motion is the rest of the balance of its corner, and it works
     const auto drive = [&](Index body, int k, double impulse) {
         if (body < 0 || body >= fan.n_corners || problem.bodies[body].inverse_mass[k] != 0) return;
-        report.external_work +=
-            impulse * (0.5 * (problem.bodies[body].velocity[k] + problem.bodies[body].end_velocity[k]));
-        end.reaction[model_.prescribed_of_corner[corners[body]]][k] += impulse / step.kick_time;
+        step.drive(model_.prescribed_of_corner[corners[body]], k, impulse,
+                   0.5 * (problem.bodies[body].velocity[k] + problem.bodies[body].end_velocity[k]), report);
     };
     for (Index i = 0; i < fan.n_corners; ++i) {
         const Index corner = corners[i];

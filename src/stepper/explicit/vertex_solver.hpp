@@ -9,7 +9,7 @@
 #include "interface/fan_solver.hpp"
 #include "stepper/common/obstacle_contacts.hpp"
 #include "stepper/common/obstacle_motion.hpp"
-#include "stepper/common/scheme_options.hpp"
+#include "stepper/common/step_scheme.hpp"
 #include "stepper/explicit/absorbing_boundary.hpp"
 #include "stepper/explicit/explicit_step.hpp"
 #include "stepper/explicit/stationary_fans.hpp"

@@ -42,7 +42,7 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
 void apply_prescribed(const CornerPartition& nodes, ActivePoint& point) {
     std::array<bool, 2> prescribed{true, true}, along{false, false};  // x, y; N, T
     for (int k = 0; k < 2; ++k)
-        for (const Index node : {point.sides.before, point.sides.after, point.sides.beside})
+        for (const Index node : {point.sides.before, point.sides.after, point.sides.second_node})
             prescribed[k] = prescribed[k] && nodes.is_prescribed(node, k);
     for (int k = 0; k < 2; ++k) {
         if (!prescribed[k]) continue;
@@ -50,7 +50,7 @@ void apply_prescribed(const CornerPartition& nodes, ActivePoint& point) {
         along[1] = along[1] || prescribed[1 - k] || std::abs(point.normal[k]) < 1e-9;
     }
     if (along[0]) point.law.contact.may_touch = false;
-    if (along[1]) point.law.rho_T = infinity;
+    if (along[1]) point.multipliers.rho_T = infinity;
 }
 
 }  // namespace knap

@@ -10,6 +10,7 @@ struct ActivePoint {
     Index fan = -1;  // into Model::fans, points of a fan in succession; -1: contact with an obstacle
     Vec2 normal;
     PointLaw law;
+    Multipliers multipliers = {};
     PointResponse response = {};
     Vec2 rate = Vec2::Zero();          // [m/s] (w_N, w_T)
     Vec2 support_rate = Vec2::Zero();  // [m/s] (N, T) of the obstacle

@@ -80,7 +80,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
 /// The method of multipliers.
 bool AugmentedLagrangian::find_multipliers(double goal, int max_steps) {
     const bool has_potential = std::ranges::none_of(
-        x_.points, [](const ActivePoint& p) { return p.law.friction > 0 && p.law.friction_follows; });
+        x_.points, [](const ActivePoint& p) { return p.law.friction > 0 && p.multipliers.friction_follows; });
     last_move_.clear();
     set_augmentation(final_augmentation_);
     for (int outer = 0, n_near = 0; outer < max_outer_steps; ++outer) {
@@ -141,21 +141,21 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
 /// Tresca's law, friction bounded by the contact impulses of the previous round, with bounds that approach Coulomb's.
 void AugmentedLagrangian::iterate_friction() {
     for (ActivePoint& point : x_.points)
-        point.law.friction_follows = false, point.law.pressed = point.law.contact_guess;
+        point.multipliers.friction_follows = false, point.multipliers.pressed = point.multipliers.contact;
     double goal = 1e-4;
     for (int round = 0; round < max_friction_rounds; ++round) {
         const int factorisations = counts_.factorisations;
         if (!find_multipliers(goal, max_newton_steps)) break;
         double largest_lag = 0;
         for (ActivePoint& p : x_.points) {
-            const double lag = p.response.contact - p.law.pressed;
+            const double lag = p.response.contact - p.multipliers.pressed;
             largest_lag = std::max(largest_lag, p.law.friction * std::abs(lag));
-            p.law.pressed += 0.5 * lag;  // the full lag may oscillate without end
+            p.multipliers.pressed += 0.5 * lag;  // the full lag may oscillate without end
         }
         if (counts_.factorisations == factorisations) break;  // no point changed its piece: Newton's method converges
         goal = std::min(goal, 1e-3 * largest_lag / unit_);
     }
-    for (ActivePoint& point : x_.points) point.law.friction_follows = true;
+    for (ActivePoint& point : x_.points) point.multipliers.friction_follows = true;
     forget_factor();
 }
 
@@ -165,7 +165,7 @@ void AugmentedLagrangian::evaluate() {
     residual_ = bulk_impulse_;
     for (ActivePoint& point : x_.points) {
         point.rate = point.rate_at(x_.rate);
-        point.response = respond(point.law, point.rate.x(), point.rate.y());
+        point.response = respond(point.law, point.multipliers, point.rate.x(), point.rate.y());
         point.sides.add_force(-point.impulse(), residual_);
     }
 }
@@ -187,7 +187,7 @@ Index AugmentedLagrangian::worst_node() const {
 void AugmentedLagrangian::make_tangents(Softening softening) {
     tangents_.clear();
     for (const ActivePoint& point : x_.points) {
-        const Eigen::Matrix2d D = tangent(point.law, point.response, softening);
+        const Eigen::Matrix2d D = tangent(point.law, point.multipliers, point.response, softening);
         if (D.isZero(0)) continue;
         Eigen::Matrix2d axes, symmetric = D;
         axes << point.normal, turned_left(point.normal);
@@ -244,7 +244,7 @@ double AugmentedLagrangian::step_length() {
             if (turn_[j].isZero(0)) continue;
             const ActivePoint& point = x_.points[j];
             const Vec2 rate = point.rate + a * turn_[j];
-            const PointResponse r = respond(point.law, rate.x(), rate.y());
+            const PointResponse r = respond(point.law, point.multipliers, rate.x(), rate.y());
             sum -= r.normal(point.law) * turn_[j].x() + r.tangential * turn_[j].y();
         }
         return sum;
@@ -265,11 +265,11 @@ double AugmentedLagrangian::update_multipliers() {
     move_.resize(x_.points.size());
     for (std::size_t j = 0; j < move_.size(); ++j) {
         const PointResponse& q = x_.points[j].response;
-        PointLaw& law = x_.points[j].law;
-        move_[j] = {q.contact - law.contact_guess, q.tangential - law.tangential_guess};
+        Multipliers& multipliers = x_.points[j].multipliers;
+        move_[j] = {q.contact - multipliers.contact, q.tangential - multipliers.tangential};
         longest = std::max(longest, move_[j].cwiseAbs().maxCoeff());
-        law.contact_guess = q.contact;
-        law.tangential_guess = q.tangential;
+        multipliers.contact = q.contact;
+        multipliers.tangential = q.tangential;
     }
     return longest;
 }
@@ -306,11 +306,12 @@ void AugmentedLagrangian::extrapolate_multipliers(double min_move) {
             product += last_move_[end].dot(d);
             length += d.squaredNorm();
             const PointLaw& law = point.law;
-            if (point.response.closed && d.x() < 0) to_bound = std::min(to_bound, law.contact_guess / -d.x());
+            const Multipliers& multipliers = point.multipliers;
+            if (point.response.closed && d.x() < 0) to_bound = std::min(to_bound, multipliers.contact / -d.x());
             if (!point.response.sticks || d.y() == 0) continue;
             const double bound =
-                law.friction * law.contact_guess + law.material->gamma * law.strength * point.response.cohesion_theta;
-            const double left = bound - std::copysign(law.tangential_guess, law.tangential_guess * d.y());
+                law.friction * multipliers.contact + law.material->gamma * law.strength * point.response.cohesion_theta;
+            const double left = bound - std::copysign(multipliers.tangential, multipliers.tangential * d.y());
             to_bound = std::min(to_bound, std::max(0.0, left) / std::abs(d.y()));
         }
         if (longest <= min_move || points[first].fan < 0) continue;
@@ -324,16 +325,16 @@ void AugmentedLagrangian::extrapolate_multipliers(double min_move) {
         for (std::size_t j = first; j < end; ++j) {
             last_move_[j] = extrapolates ? Vec2::Zero() : move_[j];
             if (!extrapolates) continue;
-            points[j].law.contact_guess = std::max(0.0, points[j].law.contact_guess + multiple * move_[j].x());
-            points[j].law.tangential_guess += multiple * move_[j].y();
+            points[j].multipliers.contact = std::max(0.0, points[j].multipliers.contact + multiple * move_[j].x());
+            points[j].multipliers.tangential += multiple * move_[j].y();
         }
     }
 }
 
 void AugmentedLagrangian::set_augmentation(double augmentation) {
     for (ActivePoint& point : x_.points) {
-        point.law.rho_N = augmentation * point.mass;
-        if (!std::isinf(point.law.rho_T)) point.law.rho_T = augmentation * point.mass;
+        point.multipliers.rho_N = augmentation * point.mass;
+        if (!std::isinf(point.multipliers.rho_T)) point.multipliers.rho_T = augmentation * point.mass;
     }
     if (augmentation == augmentation_) return;
     augmentation_ = augmentation;

@@ -43,7 +43,7 @@ public:
     /// known beforehand, contact impulses may raise it to `largest_scale`.
     bool solve(double scale, double largest_scale, Effort effort);
 
-    void give_up_when(GiveUp asked) { given_up_ = asked; }
+    void give_up_when(GiveUp condition) { given_up_ = condition; }
     const SolverCounts& counts() const { return counts_; }
     double unit() const { return unit_; }  // [N s] scale of the tolerances
     /// Softening outweighs inertia and stiffness at the solution: Assumption 1 does not hold there.

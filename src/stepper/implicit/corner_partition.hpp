@@ -14,8 +14,8 @@ namespace knap {
 struct PointSides {
     Index fan_point;         // into Model::fan_points; -1: contact with an obstacle
     Index before, after;     // nodes; -1: the rigid support, or the obstacle
-    Index beside = -1;       // contact on an edge: the node of its second corner
-    double share = 0;        // [-] of `beside` in the motion of that contact
+    Index second_node = -1;  // contact on an edge: the node of its second corner
+    double share = 0;        // [-] of `second_node` in the motion of that contact
     Index leaf_corner = -1;  // contact: a corner of its triangle
 
     /// visit(node, weight in the relative motion after - before)
@@ -23,7 +23,7 @@ struct PointSides {
     void for_each_node(const Visit& visit) const {
         if (after >= 0) visit(after, 1 - share);
         if (before >= 0) visit(before, -1.0);
-        if (beside >= 0) visit(beside, share);
+        if (second_node >= 0) visit(second_node, share);
     }
     /// A force on `after`, and its reaction on `before`.
     void add_force(const Vec2& force, std::vector<Vec2>& of_node) const {
@@ -31,7 +31,7 @@ struct PointSides {
     }
     Vec2 jump(const std::vector<Vec2>& of_node) const {
         const auto at = [&](Index node) -> Vec2 { return node < 0 ? Vec2::Zero() : of_node[node]; };
-        if (beside >= 0) return (1 - share) * at(after) + share * at(beside) - at(before);
+        if (second_node >= 0) return (1 - share) * at(after) + share * at(second_node) - at(before);
         return at(after) - at(before);
     }
     bool operator==(const PointSides&) const = default;

@@ -1,6 +1,7 @@
 #include "stepper/implicit/implicit_bulk.hpp"
 
 #include "base/room.hpp"
+#include "stepper/common/point_work.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -215,7 +216,7 @@ void ImplicitBulk::account(const std::vector<Vec2>& rate, const std::vector<Vec2
         for (int k = 0; k < 2; ++k) {
             if (!nodes_->prescribed[i][k]) continue;
             const double deviation = rate[i][k] - 0.5 * (end(i)[k] + velocity_[i][k]) - (theta - 0.5) * change(i)[k];
-            report.external_work += reaction[i][k] / theta * rate[i][k] - deviation * of_node[i][k];
+            account_drive(reaction[i][k] / theta, rate[i][k], report, -deviation * of_node[i][k]);
         }
 }
 

@@ -175,26 +175,27 @@ ActivePoint ImplicitScheme::contact_point(const ObstacleContact& contact) const 
     const Vec2 velocity = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }) -
                           velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
     const bool led = obstacle.is_free() && contact.is_led_along(partition_.prescribed[node]);
-    ActivePoint made{.sides = {.fan_point = -1,
-                               .before = -1,
-                               .after = node,
-                               .beside = contact.is_on_edge() ? partition_.node_of_corner[contact.beside] : -1,
-                               .share = contact.share,
-                               .leaf_corner = contact.corner},
-                     .normal = contact.normal,
-                     .law = {.u_N = contact.gap,
-                             .u_T = 0,
-                             .strength = 0,
-                             .cohesion = 0,
-                             .material = &obstacle.contact,
-                             .friction = led ? 0 : obstacle.contact.friction,
-                             .contact = contact_bound_theta(contact.gap, contact.normal.dot(velocity),
-                                                            obstacle.contact.restitution, step_.h, step_.theta, 0),
-                             .step = &step_}};
+    ActivePoint made{
+        .sides = {.fan_point = -1,
+                  .before = -1,
+                  .after = node,
+                  .second_node = contact.is_on_edge() ? partition_.node_of_corner[contact.second_corner] : -1,
+                  .share = contact.share,
+                  .leaf_corner = contact.corner},
+        .normal = contact.normal,
+        .law = {.u_N = contact.gap,
+                .u_T = 0,
+                .strength = 0,
+                .cohesion = 0,
+                .material = &obstacle.contact,
+                .friction = led ? 0 : obstacle.contact.friction,
+                .contact = contact_bound_theta(contact.gap, contact.normal.dot(velocity), obstacle.contact.restitution,
+                                               step_.h, step_.theta, 0),
+                .step = &step_}};
     made.support_rate = made.in_frame(velocity_at(obstacles_.rate()[contact.obstacle], contact));
     made.mass = mass_between(-1, node);
     if (const double s = contact.share; contact.is_on_edge())
-        made.mass = 1 / ((1 - s) * (1 - s) / made.mass + s * s / mass_between(-1, made.sides.beside));
+        made.mass = 1 / ((1 - s) * (1 - s) / made.mass + s * s / mass_between(-1, made.sides.second_node));
     apply_prescribed(partition_, made);
     made.law.set_staircase();
     return made;
@@ -218,11 +219,11 @@ void ImplicitScheme::guess_multipliers() {
     double momentum = bulk_.largest_impulse(), strength = 0, pressing = 0;
     for (std::size_t j = 0; j < x_.points.size(); ++j) {
         ActivePoint& point = x_.points[j];
-        point.law.contact_guess = point.law.contact.may_touch ? std::max(0.0, guess_of(j).x()) : 0;
-        point.law.tangential_guess = std::isinf(point.law.rho_T) ? 0 : guess_of(j).y();
+        point.multipliers.contact = point.law.contact.may_touch ? std::max(0.0, guess_of(j).x()) : 0;
+        point.multipliers.tangential = std::isinf(point.multipliers.rho_T) ? 0 : guess_of(j).y();
         momentum = std::max(momentum, point.mass * point.support_rate.norm());
         strength = std::max(strength, point.law.strength);
-        pressing = std::max(pressing, point.law.contact_guess);
+        pressing = std::max(pressing, point.multipliers.contact);
     }
     momentum_scale_ = std::max(momentum, strength);
     scale_ = std::max({strength, 1e-3 * momentum, std::min(pressing, max_pressing * momentum_scale_)});
@@ -231,14 +232,14 @@ void ImplicitScheme::guess_multipliers() {
 /// Bonded fans whose interfaces cannot carry the impulses that their corners need. False: there are none.
 bool ImplicitScheme::activate_opening_fans(StepReport& report) {
     for (std::size_t j = 0; j < x_.points.size(); ++j)
-        guess_of(j) = {x_.points[j].law.contact_guess, x_.points[j].law.tangential_guess};
+        guess_of(j) = {x_.points[j].multipliers.contact, x_.points[j].multipliers.tangential};
     for (Index c = 0; c < model_.mesh.n_corners(); ++c) corner_rate_[c] = x_.rate[partition_.node_of_corner[c]];
     contact_impulse_.assign(model_.mesh.n_corners(), Vec2::Zero());
     for (std::size_t i = 0; i < contacts_.all().size(); ++i) {
         const ObstacleContact& contact = contacts_.all()[i];
         const Vec2 impulse = contact_points()[i].impulse();
         contact_impulse_[contact.corner] += (1 - contact.share) * impulse;
-        if (contact.is_on_edge()) contact_impulse_[contact.beside] += contact.share * impulse;
+        if (contact.is_on_edge()) contact_impulse_[contact.second_corner] += contact.share * impulse;
     }
     bool any = false;
     for (Index f = 0; f < static_cast<Index>(model_.fans.size()); ++f) {
@@ -305,14 +306,13 @@ void ImplicitScheme::check_residual(StepReport& report) const {
     const double unit = solver_.unit();
     for (const ActivePoint& point : x_.points) {
         const Vec2 w = point.rate_at(x_.rate);
-        PointLaw law = point.law;
-        law.contact_guess = point.response.contact;
-        law.tangential_guess = point.response.tangential;
-        law.rho_N = point.mass;
-        if (!std::isinf(law.rho_T)) law.rho_T = point.mass;
-        const PointResponse again = respond(law, w.x(), w.y());
+        Multipliers multipliers = point.multipliers;
+        multipliers.contact = point.response.contact, multipliers.tangential = point.response.tangential;
+        multipliers.rho_N = point.mass;
+        if (!std::isinf(multipliers.rho_T)) multipliers.rho_T = point.mass;
+        const PointResponse again = respond(point.law, multipliers, w.x(), w.y());
         report.residual =
-            std::max({report.residual, std::abs(again.normal(law) - point.response.normal(point.law)) / unit,
+            std::max({report.residual, std::abs(again.normal(point.law) - point.response.normal(point.law)) / unit,
                       std::abs(again.tangential - point.response.tangential) / unit});
     }
     // the balance is a sum of momenta and loads; the strength of a weak interface is no measure of their rounding, and

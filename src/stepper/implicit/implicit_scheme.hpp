@@ -22,7 +22,7 @@
 #include "stepper/common/bond_check.hpp"
 #include "stepper/common/obstacle_contacts.hpp"
 #include "stepper/common/obstacle_motion.hpp"
-#include "stepper/common/scheme_options.hpp"
+#include "stepper/common/step_scheme.hpp"
 #include "stepper/implicit/augmented_lagrangian.hpp"
 
 #include <tuple>
@@ -35,7 +35,7 @@ public:
 
     StepReport step(const State& begin, double h, State& end) override;
     double stable_step() const override { return infinity; }
-    void give_up_when(GiveUp asked) override { solver_.give_up_when(asked); }
+    void give_up_when(GiveUp condition) override { solver_.give_up_when(condition); }
     FactorSize factor_size() const override { return matrix_.size(); }
 
 private:

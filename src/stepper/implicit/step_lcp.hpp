@@ -32,7 +32,7 @@
 // the layout is that of lcp/spurious_breaking.hpp. With theta < 1 no bond breaks spuriously: beta_theta > 0 wherever
 // beta > 0, so r_T stays and with it chi = |u_T|.
 #include "lcp/problem.hpp"
-#include "stepper/common/scheme_options.hpp"
+#include "stepper/common/step_scheme.hpp"
 #include "stepper/implicit/active_point.hpp"
 
 #include <Eigen/SparseCholesky>

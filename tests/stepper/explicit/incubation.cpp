@@ -1,6 +1,6 @@
 // Incubated strength: the utilisation of a fan, and two triangles that are pulled apart by a force that grows.
 #include "stepper/explicit/incubation.hpp"
-#include "analysis/incubation_energy.hpp"
+#include "analysis/energy_ledger.hpp"
 #include "interface/self_stress.hpp"
 #include "mesh/triangulate.hpp"
 #include "stepper/common/bond_check.hpp"
