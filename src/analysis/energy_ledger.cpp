@@ -29,6 +29,13 @@ double kinetic_energy(const Model& model, const State& state, MassMatrix mass) {
     return energy;
 }
 
+template <double EnergyRow::*member>
+constexpr EnergyTerm number(const char* name, const char* unit, const char* doc, const EnergyTerm::Use& use = {}) {
+    return {{{name, unit, doc}, [](const EnergyRow& row) { return row.*member; }}, member, use};
+}
+
+enum CurveColour { blue, vermilion, green, orange, purple, sky };  // in the order of curve_colour()
+
 }  // namespace
 
 EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix mass, double weakest_point)
@@ -54,24 +61,11 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.dissipated = report.dissipated - consumed_change_ + excavated_dissipated_;
     row_.recoverable = report.recoverable;
     row_.interface_elastic = report.interface_elastic;
-    row_.external_work += report.external_work;
-    row_.cohesive_work += report.cohesive_work;
-    row_.friction_work += report.friction_work;
-    row_.impact_work += report.impact_work;
-    row_.step_change_work += report.step_change_work;
-    row_.rotation_work += report.rotation_work;
-    row_.damping_work += report.damping_work;
-    row_.radiated_work += report.radiated_work;
-    row_.excavation_work += report.excavation_work;
-    row_.scheme_dissipation += report.scheme_dissipation;
-    row_.thermal_work += report.thermal_work;
-    row_.law_change += report.law_change;
-    row_.viscous_dissipation += report.viscous_dissipation;
-    row_.crossing_loss += report.crossing_loss;
-    const double work = row_.external_work - row_.cohesive_work + row_.friction_work + row_.impact_work +
-                        row_.step_change_work + row_.rotation_work + row_.damping_work + row_.radiated_work -
-                        row_.scheme_dissipation + row_.excavation_work - row_.excavated_energy + row_.thermal_work +
-                        row_.adaptation;
+    double work = 0;
+    for (const EnergyTerm& term : energy_terms()) {
+        if (term.use.step != nullptr) row_.*term.value += report.*term.use.step;
+        if (term.use.work != 0) work += term.use.work * row_.*term.value;
+    }
     row_.residual = row_.kinetic + row_.strain - start_energy_ - work;
     row_.law_lag = row_.cohesive_work + row_.law_change - row_.crossing_loss - row_.viscous_dissipation -
                    row_.surface() - row_.excavated_recoverable;
@@ -125,82 +119,167 @@ void EnergyLedger::renew(const Model& model, double weakest_point) {
     weakest_point_ = std::min(weakest_point_, weakest_point);
 }
 
-std::span<const Measure<EnergyRow>> energy_columns() {
+std::span<const EnergyTerm> energy_terms() {
     using R = EnergyRow;
-    static constexpr Measure<R> columns[] = {
-        {"time", "s", "end of the step", [](const R& r) { return r.time; }},
-        {"kinetic", "J", "kinetic energy; with the explicit bulk at the middle of the step",
-         [](const R& r) { return r.kinetic; }},
-        {"strain", "J",
-         "elastic energy; with the explicit bulk 1/2 u_n' K u_{n+1}, with large rotations U_n - 1/2 f_n . (u_{n+1} - "
-         "u_n)",
-         [](const R& r) { return r.strain; }},
-        {"surface", "J", "energy Psi of broken and damaged interfaces: dissipated + recoverable + interface_elastic",
-         [](const R& r) { return r.surface(); }},
-        {"dissipated", "J",
-         "energy that damage has consumed irreversibly: G_c (1 - beta)^2 over all interface points with linear "
-         "softening",
-         [](const R& r) { return r.dissipated; }},
-        {"recoverable", "J", "energy that damaged interfaces return when they close: beta sigma_c s",
-         [](const R& r) { return r.recoverable; }},
-        {"interface_elastic", "J",
-         "energy that damaged interfaces with secant unloading return when they close: beta sigma_c s^2/(2 kappa); "
-         "where "
-         "there is some",
-         [](const R& r) { return r.interface_elastic; }},
-        {"external_work", "J", "work of loads and prescribed motions so far",
-         [](const R& r) { return r.external_work; }},
-        {"cohesive_work", "J", "work against the cohesion so far", [](const R& r) { return r.cohesive_work; }},
-        {"friction_work", "J", "work of friction so far, never positive", [](const R& r) { return r.friction_work; }},
-        {"impact_work", "J", "work of impacts so far, never positive", [](const R& r) { return r.impact_work; }},
-        {"residual", "J", "error of the discrete energy balance", [](const R& r) { return r.residual; }},
-        {"law_lag_energy", "J",
-         "law lag (staggering error of beta): cohesive work minus crossing loss minus surface energy; decreases with "
-         "the step",
-         [](const R& r) { return r.law_lag; }},
-        {"crossing_loss_energy", "J",
-         "crossing loss (slip-reversal loss): part of the cohesive work that is lost where slips cross zero, so far",
-         [](const R& r) { return r.crossing_loss; }},
-        {"scheme_dissipation", "J", "energy that theta > 1/2 has damped so far, never negative",
-         [](const R& r) { return r.scheme_dissipation; }},
-        {"step_change_work", "J", "change of the leapfrog energy by changes of the step so far",
-         [](const R& r) { return r.step_change_work; }},
-        {"rotation_work", "J",
-         "defect of the elastic energy in the leapfrog energy so far, of second order in the step; with large "
-         "rotations "
-         "only",
-         [](const R& r) { return r.rotation_work; }},
-        {"damping_work", "J", "work of mass-proportional damping so far, never positive; where there is damping",
-         [](const R& r) { return r.damping_work; }},
-        {"radiated_work", "J", "work of absorbing boundaries so far, never positive; where there are some",
-         [](const R& r) { return r.radiated_work; }},
-        {"excavation_work", "J",
-         "work so far of the forces that excavated regions had on the rest, while they decrease; with excavations",
-         [](const R& r) { return r.excavation_work; }},
-        {"excavated_energy", "J", "kinetic and elastic energy that left with excavated regions so far; likewise",
-         [](const R& r) { return r.excavated_energy; }},
-        {"excavated_recoverable", "J", "recoverable energy of their interfaces that left with them; likewise",
-         [](const R& r) { return r.excavated_recoverable; }},
-        {"adaptation", "J",
-         "change of the energy by refinements of the mesh so far: short waves that the old vertices carried alone; "
-         "with [adapt]",
-         [](const R& r) { return r.adaptation; }},
-        {"thermal_work", "J", "work of thermal strains that change so far; with heat",
-         [](const R& r) { return r.thermal_work; }},
-        {"law_change", "J",
-         "change of the recoverable and elastic energy of interfaces by strengths that follow the temperature, so far; "
-         "where there are some",
-         [](const R& r) { return r.law_change; }},
-        {"viscous_dissipation", "J",
-         "energy that delayed softening has dissipated so far in addition to `dissipated`, never negative; with a "
-         "relaxation_time",
-         [](const R& r) { return r.viscous_dissipation; }},
-        {"heat", "J", "heat stored since the start, sum of C (T - T at the start); with conduction",
-         [](const R& r) { return r.heat; }},
-        {"heat_in", "J", "heat that came through boundaries and from sources so far; with conduction",
-         [](const R& r) { return r.heat_in; }},
-        {"step", "s", "size of the last step", [](const R& r) { return r.step; }}};
-    return columns;
+    using S = StepReport;
+    using W = RareWorks;
+    static constexpr EnergyTerm terms[] = {
+        number<&R::time>("time", "s", "end of the step"),
+        number<&R::kinetic>("kinetic", "J", "kinetic energy; with the explicit bulk at the middle of the step",
+                            {.drawn = 1, .label = "kinetic", .colour = blue, .always = true}),
+        number<&R::strain>("strain", "J",
+                           "elastic energy; with the explicit bulk 1/2 u_n' K u_{n+1}, with large rotations U_n - 1/2 "
+                           "f_n . (u_{n+1} - u_n)",
+                           {.drawn = 1, .label = "strain", .colour = orange, .always = true}),
+        {{{"surface", "J", "energy Psi of broken and damaged interfaces: dissipated + recoverable + interface_elastic"},
+          [](const R& r) { return r.surface(); }},
+         nullptr,
+         {}},
+        number<&R::dissipated>("dissipated", "J",
+                               "energy that damage has consumed irreversibly: G_c (1 - beta)^2 over all interface "
+                               "points with linear softening",
+                               {.drawn = 1, .label = "dissipated", .colour = vermilion, .always = true}),
+        number<&R::recoverable>("recoverable", "J",
+                                "energy that damaged interfaces return when they close: beta sigma_c s",
+                                {.drawn = 1, .label = "recoverable", .colour = green}),
+        number<&R::interface_elastic>(
+            "interface_elastic", "J",
+            "energy that damaged interfaces with secant unloading return when they close: beta sigma_c s^2/(2 kappa); "
+            "where there is some",
+            {.with = &W::secant, .drawn = 1, .label = "recoverable, secant", .colour = sky, .dash = 1}),
+        number<&R::external_work>("external_work", "J", "work of loads and prescribed motions so far",
+                                  {.step = &S::external_work, .work = 1}),
+        number<&R::cohesive_work>("cohesive_work", "J", "work against the cohesion so far",
+                                  {.step = &S::cohesive_work, .work = -1}),
+        number<&R::friction_work>(
+            "friction_work", "J", "work of friction so far, never positive",
+            {.step = &S::friction_work, .work = 1, .drawn = -1, .label = "lost in friction", .colour = purple}),
+        number<&R::impact_work>(
+            "impact_work", "J", "work of impacts so far, never positive",
+            {.step = &S::impact_work, .work = 1, .drawn = -1, .label = "lost in impact", .colour = sky}),
+        number<&R::residual>("residual", "J", "error of the discrete energy balance"),
+        number<&R::law_lag>("law_lag_energy", "J",
+                            "law lag (staggering error of beta): cohesive work minus crossing loss minus surface "
+                            "energy; decreases with the step",
+                            {.drawn = 1, .label = "law lag", .colour = vermilion, .dash = 1}),
+        number<&R::crossing_loss>(
+            "crossing_loss_energy", "J",
+            "crossing loss (slip-reversal loss): part of the cohesive work that is lost where slips cross zero, so far",
+            {.step = &S::crossing_loss, .drawn = 1, .label = "crossing loss", .colour = purple, .dash = 1}),
+        number<&R::scheme_dissipation>("scheme_dissipation", "J",
+                                       "energy that theta > 1/2 has damped so far, never negative",
+                                       {.step = &S::scheme_dissipation,
+                                        .work = -1,
+                                        .drawn = 1,
+                                        .label = "damped by the scheme",
+                                        .colour = green,
+                                        .dash = 1}),
+        number<&R::step_change_work>("step_change_work", "J",
+                                     "change of the leapfrog energy by changes of the step so far",
+                                     {.step = &S::step_change_work,
+                                      .work = 1,
+                                      .drawn = -1,
+                                      .label = "lost in changes of step",
+                                      .colour = blue,
+                                      .dash = 1}),
+        number<&R::rotation_work>("rotation_work", "J",
+                                  "defect of the elastic energy in the leapfrog energy so far, of second order in the "
+                                  "step; with large rotations only",
+                                  {.with = &W::rotation,
+                                   .step = &S::rotation_work,
+                                   .work = 1,
+                                   .drawn = -1,
+                                   .label = "defect of rotation",
+                                   .colour = orange,
+                                   .dash = 1}),
+        number<&R::damping_work>("damping_work", "J",
+                                 "work of mass-proportional damping so far, never positive; where there is damping",
+                                 {.with = &W::damping,
+                                  .step = &S::damping_work,
+                                  .work = 1,
+                                  .drawn = -1,
+                                  .label = "damped",
+                                  .colour = green,
+                                  .dash = 2}),
+        number<&R::radiated_work>("radiated_work", "J",
+                                  "work of absorbing boundaries so far, never positive; where there are some",
+                                  {.with = &W::radiation,
+                                   .step = &S::radiated_work,
+                                   .work = 1,
+                                   .drawn = -1,
+                                   .label = "radiated",
+                                   .colour = purple,
+                                   .dash = 2}),
+        number<&R::excavation_work>(
+            "excavation_work", "J",
+            "work so far of the forces that excavated regions had on the rest, while they decrease; with excavations",
+            {.with = &W::excavation,
+             .step = &S::excavation_work,
+             .work = 1,
+             .drawn = -1,
+             .label = "taken by released forces",
+             .colour = blue,
+             .dash = 2}),
+        number<&R::excavated_energy>(
+            "excavated_energy", "J",
+            "kinetic and elastic energy that left with excavated regions so far; likewise",
+            {.with = &W::excavation, .work = -1, .drawn = 1, .label = "excavated", .colour = sky, .dash = 2}),
+        number<&R::excavated_recoverable>(
+            "excavated_recoverable", "J",
+            "recoverable energy of their interfaces that left with them; likewise",
+            {.with = &W::excavation, .drawn = 1, .label = "excavated, recoverable", .colour = orange, .dash = 2}),
+        number<&R::adaptation>("adaptation", "J",
+                               "change of the energy by refinements of the mesh so far: short waves that the old "
+                               "vertices carried alone; with [adapt]",
+                               {.with = &W::adaptation, .work = 1}),
+        number<&R::thermal_work>("thermal_work", "J", "work of thermal strains that change so far; with heat",
+                                 {.with = &W::heat, .step = &S::thermal_work, .work = 1}),
+        number<&R::law_change>("law_change", "J",
+                               "change of the recoverable and elastic energy of interfaces by strengths that follow "
+                               "the temperature, so far; where there are some",
+                               {.with = &W::law_change,
+                                .step = &S::law_change,
+                                .drawn = -1,
+                                .label = "lost in changes of strength",
+                                .colour = purple,
+                                .dash = 2}),
+        number<&R::viscous_dissipation>("viscous_dissipation", "J",
+                                        "energy that delayed softening has dissipated so far in addition to "
+                                        "`dissipated`, never negative; with a relaxation_time",
+                                        {.with = &W::delay,
+                                         .step = &S::viscous_dissipation,
+                                         .drawn = 1,
+                                         .label = "dissipated by delay",
+                                         .colour = vermilion,
+                                         .dash = 2}),
+        number<&R::heat>("heat", "J", "heat stored since the start, sum of C (T - T at the start); with conduction",
+                         {.with = &W::conduction}),
+        number<&R::heat_in>("heat_in", "J",
+                            "heat that came through boundaries and from sources so far; with conduction",
+                            {.with = &W::conduction}),
+        number<&R::step>("step", "s", "size of the last step")};
+    static_assert(
+        std::ranges::count_if(terms, [](const EnergyTerm& term) { return term.value != nullptr; }) * sizeof(double) ==
+            sizeof(R),
+        "every member of EnergyRow has a row");
+    return terms;
+}
+
+double incubation_energy(const Model& model, const State& state) {
+    double sum = 0;
+    for (std::size_t s = 0; s < state.split_fans.size(); ++s) {
+        const double phi = state.strength_factor(state.split_fans[s]);
+        if (phi == 1) continue;
+        const auto points = model.points(model.fans[state.split_fans[s]]);
+        for (std::size_t j = 0; j < points.size(); ++j) {
+            const CohesiveLaw& law = law_of(model, state, points[j]);
+            if (points[j].cracked || !law.breakable() || law.sigma_c <= 0) continue;
+            const PointState& known = state.points[state.first_point[s] + j];
+            sum += (phi - 1) * points[j].area *
+                   law.consumed(known.cohesion, law.ramp(known.cohesion, known.largest_opening));
+        }
+    }
+    return sum;
 }
 
 double median_kinetic_part(const History& energy) {
@@ -215,19 +294,9 @@ double median_kinetic_part(const History& energy) {
 }
 
 std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works) {
-    const auto all = energy_columns();
-    std::vector<Measure<EnergyRow>> columns(all.begin(), all.end());
-    std::erase_if(columns, [&](const Output& column) {
-        return (column.name == "rotation_work" && !works.rotation) ||
-               (column.name == "damping_work" && !works.damping) ||
-               (column.name == "radiated_work" && !works.radiation) ||
-               (column.name == "interface_elastic" && !works.secant) ||
-               (column.name == "adaptation" && !works.adaptation) || (column.name == "thermal_work" && !works.heat) ||
-               (column.name == "law_change" && !works.law_change) ||
-               (column.name == "viscous_dissipation" && !works.delay) ||
-               (column.name.starts_with("heat") && !works.conduction) ||
-               (column.name.starts_with("excavat") && !works.excavation);
-    });
+    std::vector<Measure<EnergyRow>> columns;
+    for (const EnergyTerm& term : energy_terms())
+        if (term.use.with == nullptr || works.*term.use.with) columns.push_back(term);
     return columns;
 }
 

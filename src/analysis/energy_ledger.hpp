@@ -12,7 +12,7 @@
 //     surface energy  Psi = dissipated + recoverable = sum over points of S (G_c f(beta) + beta sigma_c s); with secant
 //                     unloading dissipated + interface_elastic = S (G_c f + beta sigma_c (kappa + s^2/kappa)/2)
 //     thermal work    of thermal strains e that change, -int sigma : de (src/heat/README.md has the stresses); the
-//                     elastic energy is that of eps - e. Stored heat is another book: heat = heat in, to rounding
+//                     elastic energy is that of eps - e. Stored heat has a balance of its own: heat = heat in
 //     law change      of recoverable and elastic energy, where strengths follow the temperature (law_change.hpp); no
 //                     term of the first balance. `dissipated` has the G_c of the time at which it was dissipated
 //     crossing loss   part of the cohesive work that is stored nowhere: where a slip crosses zero within a step, the
@@ -31,8 +31,8 @@
 #include "model/state.hpp"
 #include "output/outputs.hpp"
 #include "stepper/adaptation.hpp"
-#include "stepper/common/scheme_options.hpp"
 #include "stepper/common/step_report.hpp"
+#include "stepper/common/step_scheme.hpp"
 
 #include <algorithm>
 
@@ -60,25 +60,45 @@ struct EnergyRow {
 
     double surface() const { return dissipated + recoverable + interface_elastic; }  // Psi
 
-    void serialize(auto& archive) {
-        archive(time, step, kinetic, strain, dissipated, recoverable, interface_elastic, external_work, cohesive_work,
-                friction_work, impact_work, step_change_work, rotation_work, damping_work, radiated_work,
-                excavation_work, excavated_energy, excavated_recoverable, adaptation, scheme_dissipation, thermal_work,
-                law_change, viscous_dissipation, heat, heat_in, residual, crossing_loss, law_lag);
-    }
+    void serialize(auto& archive);
 };
-std::span<const Measure<EnergyRow>> energy_columns();
-
-/// [-] Median of kinetic over strain energy over the lines of energy.csv, so that single jumps of cracks do not count;
-/// NaN: no line has strain energy.
-double median_kinetic_part(const History& energy);
 
 /// Works that only some scenes have; energy.csv of the others has no columns for them.
 struct RareWorks {
     bool rotation = false, damping = false, radiation = false, excavation = false, adaptation = false, secant = false,
          heat = false, conduction = false, law_change = false, delay = false, incubation = false;
 };
+
+/// All that is known of a number of EnergyRow: its column of energy.csv, how the ledger sums it up, and its curve in
+/// the energy figure.
+struct EnergyTerm : Measure<EnergyRow> {
+    struct Use {
+        bool RareWorks::*with = nullptr;     // only scenes with it have the column; null: all
+        double StepReport::*step = nullptr;  // what a step adds to it; null: see EnergyLedger
+        int work = 0;                        // its sign among the works of the balance
+        int drawn = 0;                       // its sign in the figure; 0: not drawn
+        const char* label = "";              // in the figure
+        int colour = 0, dash = 0;            // curve_colour() and line pattern: 1 marks errors of the scheme
+        bool always = false;                 // drawn even where it is negligible
+    };
+    double EnergyRow::*value;  // null: a sum of others
+    Use use;
+};
+std::span<const EnergyTerm> energy_terms();
 std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works);
+
+void EnergyRow::serialize(auto& archive) {
+    for (const EnergyTerm& term : energy_terms())
+        if (term.value != nullptr) archive(this->*term.value);
+}
+
+/// [J] Part of the dissipated energy beyond the fracture energy of the laws, of incubated strengths: sum of (phi - 1) S
+/// G_c f(beta), at the temperatures of the state.
+double incubation_energy(const Model& model, const State& state);
+
+/// [-] Median of kinetic over strain energy over the lines of energy.csv, so that single jumps of cracks do not count;
+/// NaN: no line has strain energy.
+double median_kinetic_part(const History& energy);
 
 class EnergyLedger {
 public:

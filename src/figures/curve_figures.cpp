@@ -1,18 +1,17 @@
 #include "figures/curve_figures.hpp"
 
 #include "analysis/breaks.hpp"
+#include "analysis/energy_ledger.hpp"
 #include "analysis/specimen.hpp"
 #include "analysis/strength.hpp"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 namespace knap {
 namespace {
 
-const Colour blue = curve_colour(0), vermilion = curve_colour(1), green = curve_colour(2), orange = curve_colour(3),
-             purple = curve_colour(4), sky = curve_colour(5);
+const Colour blue = curve_colour(0), vermilion = curve_colour(1);
 constexpr Colour light_grey{0.75, 0.75, 0.75};
 constexpr double visible = 1e-3;  // of the largest value
 
@@ -94,35 +93,8 @@ Curve staircase(const std::string& label, const Column& x, const Column& rise, c
 Chart energy_chart(const History& energy) {
     // Solid and dotted: physical terms, dashed: errors of the numerical scheme; losses are positive. Their sum equals
     // what was supplied, the energy at the start with the external and thermal work, to rounding.
-    struct Term {
-        const char *label, *column;
-        double sign;
-        Colour colour;
-        int dash;
-        bool always;
-    };
-    const char* dissipated = energy.has("dissipated") ? "dissipated" : "surface";  // older runs: with the recoverable
-    const std::array terms{Term{"kinetic", "kinetic", 1, blue, 0, true},
-                           Term{"strain", "strain", 1, orange, 0, true},
-                           Term{dissipated, dissipated, 1, vermilion, 0, true},
-                           Term{"recoverable", "recoverable", 1, green, 0, false},
-                           Term{"recoverable, secant", "interface_elastic", 1, sky, 1, false},
-                           Term{"dissipated by delay", "viscous_dissipation", 1, vermilion, 2, false},
-                           Term{"lost in friction", "friction_work", -1, purple, 0, false},
-                           Term{"lost in impact", "impact_work", -1, sky, 0, false},
-                           Term{"damped", "damping_work", -1, green, 2, false},
-                           Term{"radiated", "radiated_work", -1, purple, 2, false},
-                           Term{"excavated", "excavated_energy", 1, sky, 2, false},
-                           Term{"excavated, recoverable", "excavated_recoverable", 1, orange, 2, false},
-                           Term{"taken by released forces", "excavation_work", -1, blue, 2, false},
-                           Term{"law lag", "law_lag_energy", 1, vermilion, 1, false},
-                           Term{"crossing loss", "crossing_loss_energy", 1, purple, 1, false},
-                           Term{"damped by the scheme", "scheme_dissipation", 1, green, 1, false},
-                           Term{"lost in changes of step", "step_change_work", -1, blue, 1, false},
-                           Term{"defect of rotation", "rotation_work", -1, orange, 1, false},
-                           Term{"lost in changes of strength", "law_change", -1, purple, 2, false}};
     const Column time = energy.column("time");
-    const auto column = [&](const char* name, double sign) {
+    const auto column = [&](const std::string& name, double sign) {
         return energy.has(name) ? scaled(energy.column(name), sign) : Column(time.size(), 0.);
     };
     Column sum(time.size(), 0.), work = column("external_work", 1);
@@ -137,11 +109,15 @@ Chart energy_chart(const History& energy) {
                     {(start > 0 ? "start + " : "") + supplied, time, work, black, 1.4, 1}};
     if (thermal && largest(column("external_work", 1)) > visible * largest(work))
         chart.curves.push_back({"of it thermal work", time, warmed, vermilion, 1.6, 2});
-    for (const Term& term : terms) {
-        const Column values = column(term.column, term.sign);
+    for (const EnergyTerm& term : energy_terms()) {
+        if (term.use.drawn == 0) continue;
+        const bool older = term.name == "dissipated" && !energy.has("dissipated");  // runs with the recoverable in it
+        const std::string name = older ? "surface" : std::string(term.name);
+        const Column values = column(name, term.use.drawn);
         std::ranges::transform(sum, values, sum.begin(), std::plus<>());
-        if (term.always || largest(values) > visible * largest(work))
-            chart.curves.push_back({term.label, time, values, term.colour, 1.6, term.dash});
+        if (term.use.always || largest(values) > visible * largest(work))
+            chart.curves.push_back({older ? name : term.use.label, time, values,
+                                    curve_colour(static_cast<std::size_t>(term.use.colour)), 1.6, term.use.dash});
     }
     chart.curves[0].y = sum;
     return chart;

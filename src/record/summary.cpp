@@ -1,7 +1,6 @@
 #include "record/summary.hpp"
 
 #include "analysis/fragments.hpp"
-#include "analysis/incubation_energy.hpp"
 #include "analysis/strength.hpp"
 #include "base/formatted.hpp"
 
@@ -204,8 +203,7 @@ constexpr SummaryRow rows[]{
     {"main_length", "m", "length of the main crack along chords", [](F f) { return f.pattern.main_length; }},
     {"work_per_advance", "J/m2",
      "work of the interfaces over length of the main crack and thickness: while one crack runs, what its advance "
-     "costs, "
-     "with the zigzag and the damage beside it; larger than G_c, and branches add to it",
+     "costs, with the zigzag and the damage beside it; larger than G_c, and branches add to it",
      [](F f) { return over(f.energy.cohesive_work, f.pattern.main_length * f.thickness); }},
     {"unresolved_part", "",
      "part of the length of all cracks on edges longer than 1.5 process zones (of a crack at rest, of the law with the "
@@ -260,8 +258,7 @@ constexpr SummaryRow rows[]{
      "with a lateral gauge",
      [](F f) { return f.strength.dilatancy; }, in_compression},
     {"crack_damage_stress", "Pa",
-     "stress at which the volumetric strain turns from contraction to dilation (Martin and Chandler 1994); "
-     "likewise",
+     "stress at which the volumetric strain turns from contraction to dilation (Martin and Chandler 1994); likewise",
      [](F f) { return f.strength.crack_damage; }, in_compression},
     {"largest_penetration", "m", "largest overlap of two sides in contact over the run",
      [](F f) { return f.ledger.worst().penetration; }},
