@@ -35,26 +35,22 @@ InterfaceGraph interface_graph(const Model& model) {
 }
 
 std::vector<InterfaceStatus> interface_status(const Model& model, const State& state) {
-    const Index order = model.mesh.order;
-    std::vector<InterfaceStatus> status(order * model.interfaces.size(), InterfaceStatus::intact);
-    std::vector<std::uint8_t> n_broken_points(status.size(), 0);
-    for (std::size_t i = 0; i < status.size(); ++i) {
-        const Interface& interface = model.interfaces[i / order];
-        if (interface.cracked || model.laws[interface.law].sigma_c <= 0) status[i] = InterfaceStatus::precrack;
-    }
+    const Index order = model.mesh.order, n_points = model.points_per_interface();
+    std::vector<InterfaceStatus> of_point(n_points * model.interfaces.size(), InterfaceStatus::intact);
     for (std::size_t s = 0; s < state.split_fans.size(); ++s) {  // points of bonded fans are intact
         const Fan& fan = model.fans[state.split_fans[s]];
-        for (Index k = 0; k < fan.n_points; ++k) {
-            const double cohesion = state.points[state.first_point[s] + k].cohesion;
-            const Index point = model.fan_points[fan.first_point + k].point, interface = model.interface_of(point);
-            const Index place = point % model.points_per_interface();  // of second order the middle is in both halves
-            for (Index i = order * interface; i < order * (interface + 1); ++i) {
-                if (cohesion >= 1 || status[i] == InterfaceStatus::precrack) continue;
-                if (order == 2 && place < 2 && i % 2 != place) continue;
-                if (cohesion <= 0) ++n_broken_points[i];
-                status[i] = n_broken_points[i] == 2 ? InterfaceStatus::broken : InterfaceStatus::damaged;
-            }
-        }
+        for (Index k = 0; k < fan.n_points; ++k)
+            of_point[model.fan_points[fan.first_point + k].point] =
+                status_of(state.points[state.first_point[s] + k].cohesion);
+    }
+    std::vector<InterfaceStatus> status(order * model.interfaces.size());
+    for (Index i = 0; i < static_cast<Index>(status.size()); ++i) {
+        const Interface& interface = model.interfaces[i / order];
+        const Index first = n_points * (i / order);  // of second order the third point, the middle, is in both halves
+        const bool precrack = interface.cracked || model.laws[interface.law].sigma_c <= 0;
+        status[i] = precrack     ? InterfaceStatus::precrack
+                    : order == 1 ? status_of(of_point[first], of_point[first + 1])
+                                 : status_of(of_point[first + i % 2], of_point[first + 2]);
     }
     return status;
 }

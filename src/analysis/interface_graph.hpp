@@ -4,8 +4,6 @@
 
 namespace knap {
 
-using InterfaceStatus = PointStatus;
-
 /// Constant during a run but for the boundary, which an excavation changes.
 struct InterfaceGraph {
     std::vector<Vec2> vertices;              // [m]

@@ -1,7 +1,6 @@
 #include "base/text.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 
@@ -28,11 +27,7 @@ int edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-std::string shortest(double value) {
-    if (value == 0 && std::signbit(value)) return "-0.0";
-    char buffer[32];
-    return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
+std::string shortest(double value) { return value == 0 && std::signbit(value) ? "-0.0" : decimal(value); }
 
 std::string_view trimmed(std::string_view text) {
     const std::size_t begin = text.find_first_not_of(" \t");

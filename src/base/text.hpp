@@ -1,5 +1,6 @@
 #pragma once
 // Text: numbers as decimals, characters of UTF-8, words that are nearly alike.
+#include <charconv>
 #include <cstddef>
 #include <sstream>
 #include <string>
@@ -16,7 +17,13 @@ std::string concatenated(const Parts&... parts) {
     return std::move(text).str();
 }
 
-/// The shortest decimal text that reads back as the same double; "-0.0" for minus zero, since "-0" is an integer in
+/// The shortest decimal text that reads back as the same number, whatever the locale; or in a format of std::to_chars.
+template <class Number, class... Format>
+std::string decimal(Number value, Format... format) {
+    char digits[64];
+    return {digits, std::to_chars(digits, digits + sizeof digits, value, format...).ptr};
+}
+/// The same of a double, but "-0.0" for minus zero, since "-0" is an integer in
 /// TOML.
 std::string shortest(double value);
 

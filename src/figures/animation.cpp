@@ -1,5 +1,6 @@
 #include "figures/animation.hpp"
 
+#include "base/child_process.hpp"
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
 
@@ -29,7 +30,7 @@ using std::filesystem::path;
 constexpr float quality = 80;  // of pictures with many colours
 constexpr int effort = 3;      // of 6: more takes longer and saves some percent
 constexpr int film_rate = 25;  // [1/s] pictures of .gif and .mp4
-constexpr const char* maker = "ffmpeg";
+constexpr const char* encoder_name = "ffmpeg";
 
 int width_of(const Image& image) { return cairo_image_surface_get_width(image.get()); }
 int height_of(const Image& image) { return cairo_image_surface_get_height(image.get()); }
@@ -124,42 +125,36 @@ std::string animated_webp(std::size_t n, bool lines, const std::function<Still(s
 // ---- .gif and .mp4
 
 /// Empty where it is not installed.
-path find_maker() {
+path find_encoder() {
     std::istringstream places(std::getenv("PATH") ? std::getenv("PATH") : "");
     for (std::string place; std::getline(places, place, ':');)
-        if (const path file = path(place) / maker; !place.empty() && access(file.c_str(), X_OK) == 0) return file;
+        if (const path file = path(place) / encoder_name; !place.empty() && access(file.c_str(), X_OK) == 0)
+            return file;
     return {};
 }
 
-/// A process that reads raw pictures from its standard input. What it says is kept for errors.
-class Maker {
+/// A process that reads raw pictures from its standard input. Its output is kept for error messages.
+class Encoder {
 public:
-    explicit Maker(std::vector<std::string> words) {
-        std::array<int, 2> in{}, said{};
-        if (pipe2(in.data(), O_CLOEXEC) != 0 || pipe2(said.data(), O_CLOEXEC) != 0)
+    explicit Encoder(std::vector<std::string> words) {
+        std::array<int, 2> in{}, out{};
+        if (pipe2(in.data(), O_CLOEXEC) != 0 || pipe2(out.data(), O_CLOEXEC) != 0)
             throw OutputError(std::string("cannot make a pipe: ") + std::strerror(errno));
-        std::vector<char*> arguments;
-        for (std::string& word : words) arguments.push_back(word.data());
-        arguments.push_back(nullptr);
-        child_ = fork();
-        if (child_ == 0) {
-            setpgid(0, 0);  // Ctrl-C ends the run, which then completes its files
-            if (dup2(in[0], STDIN_FILENO) >= 0 && dup2(said[1], STDERR_FILENO) >= 0 &&
-                dup2(said[1], STDOUT_FILENO) >= 0)
-                execv(arguments[0], arguments.data());
-            _exit(127);
-        }
-        close(in[0]), close(said[1]);
-        in_ = in[1], said_ = said[0];
-        if (child_ < 0) throw OutputError(std::string("cannot start ") + maker + ": " + std::strerror(errno));
+        const std::string file = words.front();
+        // a group of its own: Ctrl-C ends the run, which then completes its files
+        child_ = start_process(file.c_str(), std::move(words), in[0], out[1], [] { return setpgid(0, 0) == 0; });
+        const int error = errno;
+        close(in[0]), close(out[1]);
+        in_ = in[1], output_ = out[0];
+        if (child_ < 0) throw OutputError(std::string("cannot start ") + encoder_name + ": " + std::strerror(error));
     }
-    ~Maker() {
+    ~Encoder() {
         close_input();
-        close(said_);
+        close(output_);
         if (child_ > 0) waitpid(child_, nullptr, 0);
     }
-    Maker(const Maker&) = delete;
-    Maker& operator=(const Maker&) = delete;
+    Encoder(const Encoder&) = delete;
+    Encoder& operator=(const Encoder&) = delete;
 
     /// False once the process reads no more.
     bool take(const Image& image) {
@@ -174,12 +169,12 @@ public:
         return true;
     }
 
-    /// What it said of its failure; empty where it succeeded.
+    /// Its error message; empty where it succeeded.
     std::string finish() {
         close_input();
         std::string text;
         std::array<char, 4096> part{};
-        for (ssize_t n; (n = read(said_, part.data(), part.size())) > 0 || (n < 0 && errno == EINTR);)
+        for (ssize_t n; (n = read(output_, part.data(), part.size())) > 0 || (n < 0 && errno == EINTR);)
             if (n > 0) text.append(part.data(), static_cast<std::size_t>(n));
         int status = 0;
         while (waitpid(child_, &status, 0) < 0 && errno == EINTR) {
@@ -194,13 +189,13 @@ private:
         if (in_ >= 0) close(std::exchange(in_, -1));
     }
     pid_t child_ = -1;
-    int in_ = -1, said_ = -1;
+    int in_ = -1, output_ = -1;
 };
 
 void make_film(const path& file, const path& written, std::size_t n, const std::function<Still(std::size_t)>& still) {
     const bool gif = file.extension() == ".gif";
-    std::optional<Maker> process;
-    // a maker that ends early must not end this program
+    std::optional<Encoder> process;
+    // an encoder that exits early must not end this program
     const auto before = std::signal(SIGPIPE, SIG_IGN);
     double shown = 0;  // [s]
     std::int64_t taken = 0;
@@ -209,7 +204,7 @@ void make_film(const path& file, const path& written, std::size_t n, const std::
         const Still one = still(i);
         if (!process) {
             std::vector<std::string> words{
-                find_maker().string(),
+                find_encoder().string(),
                 "-nostdin",
                 "-loglevel",
                 "error",
@@ -242,7 +237,7 @@ void make_film(const path& file, const path& written, std::size_t n, const std::
     }
     const std::string failure = process ? process->finish() : "no pictures";
     std::signal(SIGPIPE, before);
-    if (!failure.empty()) throw OutputError("cannot write " + file.string() + ": " + maker + ": " + failure);
+    if (!failure.empty()) throw OutputError("cannot write " + file.string() + ": " + encoder_name + ": " + failure);
 }
 
 }  // namespace
@@ -256,7 +251,7 @@ void check_animation(const path& file) {
     if (!is_animation(file))
         throw UserError("figure-file", "animations cannot be written as `" + file.filename().string() + "`",
                         "known endings: .webp, .gif, .mp4");
-    if (file.extension() != ".webp" && find_maker().empty())
+    if (file.extension() != ".webp" && find_encoder().empty())
         throw UserError(
             "no-ffmpeg", "`" + file.filename().string() + "` needs the program ffmpeg, which is not installed",
             "a name that ends in .webp, which needs nothing; or install ffmpeg (Debian: apt install ffmpeg)");

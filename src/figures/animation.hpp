@@ -18,9 +18,9 @@ struct Still {
     double seconds = 0;  // for which it is shown
 };
 
-/// Writes `n` pictures, made one after the other. All have the width of the last one and are drawn on a page of its
-/// height, from the bottom up. `lines`: drawings of lines without a field. Throws UserError as check_animation does,
-/// OutputError for a file that cannot be written.
+/// Writes `n` pictures, made one after the other. All pictures must have the width of the last one; each is aligned
+/// with the bottom of a page of its height. `lines`: drawings of lines without a field. Throws UserError as
+/// check_animation does, OutputError for a file that cannot be written.
 void write_animation(const std::filesystem::path& file, std::size_t n, const std::function<Still(std::size_t)>& picture,
                      bool lines = false);
 

@@ -1,13 +1,27 @@
 #include "figures/body_figures.hpp"
 
-#include "output/outputs.hpp"
-
 #include <algorithm>
 #include <array>
 #include <map>
 #include <set>
 
 namespace knap {
+
+/// Interfaces that are drawn in one stroke.
+struct Layer {
+    std::vector<Index> interfaces;
+    Colour colour;
+    double width;            // [unit]
+    bool only_open = false;  // only interfaces whose faces are visibly apart
+};
+
+/// A figure of the body: what its triangles and interfaces look like.
+struct BodyDrawing {
+    int n_parts = 1;                // of each side of a triangle, which is drawn as the square of it
+    std::vector<Colour> triangles;  // of all these parts
+    std::vector<Layer> layers;      // from below to above
+};
+
 namespace {
 
 constexpr Colour body_colour{0.90, 0.90, 0.89}, damaged_colour{0.10, 0.38, 0.66}, outline_colour{0.35, 0.35, 0.35},
@@ -21,14 +35,10 @@ Vec2 deformed(const Frame& frame, Index corner, double magnification) {
     return frame.position[corner] + magnification * frame.displacement[corner];
 }
 
-const BodyField& field_of(const FigureOptions& options) {
-    return *std::ranges::find(body_fields(), options.show, &BodyField::name);
-}
-
-std::vector<Index> interfaces_of(const Frame& frame, InterfaceKind kind) {
+std::vector<Index> interfaces_of(const Frame& frame, InterfaceStatus status) {
     std::vector<Index> found;
     for (Index i = 0; i < frame.n_interfaces(); ++i)
-        if (kind_of(frame, i) == kind) found.push_back(i);
+        if (drawn_status(frame, i) == status) found.push_back(i);
     return found;
 }
 
@@ -97,65 +107,7 @@ ValueSpan seen_span(const FigureOptions& options, const Frame& frame, std::vecto
     return span_of(std::move(values), outliers);
 }
 
-// ---- colours
-
-ColourScale with_range(ColourScale scale, const FigureOptions& options, const ValueSpan& values, Limits range) {
-    if (options.range.size() == 2) range = {options.range[0], options.range[1]};
-    scale.low = range.low, scale.high = range.high;
-    scale.more_below = values.min < range.low;
-    scale.more_above = values.max > range.high;
-    return scale;
-}
-
-ColourScale field_scale(const FigureOptions& options, const Frame& frame, const ValueSpan& values) {
-    const BodyField& field = field_of(options);
-    double low = values.low, high = values.high;
-    if (field.is_signed) {  // the values of the other sign may be those of a few large triangles: no outliers
-        low = std::min(low, std::max(values.min, -values.high));
-        high = std::max(high, std::min(values.max, -values.low));
-    }
-    return with_range({.map = field.is_signed ? ColourMap::diverging : ColourMap::viridis,
-                       .quantity = field.quantity,
-                       .unit = unit_of_temperature(field.unit, frame.celsius) == "C" ? "°C" : field.unit,
-                       .about_zero = field.is_signed},
-                      options, values, round_limits(low, high, field.is_signed));
-}
-
-ColourScale crack_scale(const FigureOptions& options, const ValueSpan& values) {
-    const CrackColour& colour = crack_colour(options.colour);
-    Limits range = round_limits(values.low, values.high, false);
-    if (colour.unit == "m") range = {0, values.high > 0 ? range.high : 1e-6};  // openings and slips start at zero
-    return with_range({.map = colour.map, .quantity = colour.quantity, .unit = colour.unit}, options, values,
-                      colour.range.value_or(range));
-}
-
-/// Light enough for black cracks; the grains of a material have one of four shades.
-Colour material_colour(std::int32_t region, std::int32_t grain) {
-    static constexpr double palette[][3]{{0.80, 0.80, 0.78}, {0.94, 0.72, 0.62}, {0.62, 0.78, 0.90},
-                                         {0.80, 0.86, 0.60}, {0.93, 0.84, 0.55}, {0.80, 0.70, 0.88},
-                                         {0.58, 0.86, 0.78}, {0.93, 0.68, 0.80}};
-    const auto& c = palette[static_cast<std::size_t>(region) % std::size(palette)];
-    const std::uint32_t mixed = static_cast<std::uint32_t>(grain) * 2654435769u;  // Fibonacci hashing
-    const double shade = grain < 0 ? 1 : 0.86 + 0.05 * static_cast<double>(mixed >> 30);
-    return {shade * c[0], shade * c[1], shade * c[2]};
-}
-
 // ---- drawing
-
-/// Interfaces that are drawn in one stroke.
-struct Layer {
-    std::vector<Index> interfaces;
-    Colour colour;
-    double width;            // [unit]
-    bool only_open = false;  // only interfaces whose faces are visibly apart
-};
-
-/// A figure of the body: what its triangles and interfaces look like.
-struct BodyDrawing {
-    int n_parts = 1;                // of each side of a triangle, which is drawn as the square of it
-    std::vector<Colour> triangles;  // of all these parts
-    std::vector<Layer> layers;      // from below to above
-};
 
 /// The less cohesion is left the darker: a process zone is a haze that is visible in print.
 void add_damaged(BodyDrawing& drawing, const Frame& frame, const std::vector<Index>& damaged) {
@@ -177,16 +129,16 @@ BodyDrawing cracks_drawing(const FigureOptions& options, const Frame& frame, con
     std::vector<Index> coloured, others;
     for (Index i = 0; i < frame.n_interfaces(); ++i)
         if (std::isfinite(values[i])) coloured.push_back(i);
-        else if (kind_of(frame, i) == InterfaceKind::broken) others.push_back(i);
+        else if (drawn_status(frame, i) == InterfaceStatus::broken) others.push_back(i);
     std::ranges::sort(coloured, [&](Index a, Index b) {
         return colour.smallest_last ? values[a] > values[b] : values[a] < values[b];
     });
-    const std::vector<Index> damaged = interfaces_of(frame, InterfaceKind::damaged);
+    const std::vector<Index> damaged = interfaces_of(frame, InterfaceStatus::damaged);
     BodyDrawing drawing{.triangles = std::vector<Colour>(frame.n_triangles(), body_colour),
                         .layers = {{damaged, outline_colour, outline_width, true}}};
     if (!colour.damaged) add_damaged(drawing, frame, damaged);
     if (!colour.precracks)
-        drawing.layers.push_back({interfaces_of(frame, InterfaceKind::precrack), black, precrack_width});
+        drawing.layers.push_back({interfaces_of(frame, InterfaceStatus::precrack), black, precrack_width});
     drawing.layers.push_back({others, outline_colour, path_width});
     for (const Index i : coloured) drawing.layers.push_back({{i}, colours(values[i]), broken_width});
     return drawing;
@@ -229,32 +181,40 @@ std::vector<Vec2> isoline(const Frame& frame, double (*at_corner)(const Frame&, 
     return ends;
 }
 
-/// Coloured triangles with black cracks, over a field with a white border: they must be visible on dark colours, too.
-BodyDrawing field_drawing(const FigureOptions& options, const Frame& frame, const FigureScale& scale) {
-    const bool materials = options.show == "materials";
-    const ColourScale colours =
-        materials ? ColourScale{.map = ColourMap::viridis} : field_scale(options, frame, scale.values);
-    const auto value = materials ? nullptr : field_of(options).value;
-    BodyDrawing drawing;
-    const auto at_corner = materials ? nullptr : field_of(options).at_corner;
-    if (at_corner) drawing.n_parts = n_parts_of(frame.n_triangles());
-    for (Index t = 0; t < frame.n_triangles(); ++t) {
-        if (at_corner)
-            for_each_part(drawing.n_parts, [&](const Eigen::Matrix3d& corners) {
-                const Eigen::Vector3d values(at_corner(frame, 3 * t), at_corner(frame, 3 * t + 1),
-                                             at_corner(frame, 3 * t + 2));
-                drawing.triangles.push_back(colours((corners * values).mean()));
-            });
-        else
-            drawing.triangles.push_back(
-                value ? colours(value(frame, t))
-                      : material_colour(frame.region[t], frame.grain.empty() ? -1 : frame.grain[t]));
-    }
-    std::vector<Index> paths = interfaces_of(frame, InterfaceKind::broken);
-    for (const Index i : interfaces_of(frame, InterfaceKind::precrack)) paths.push_back(i);
-    drawing.layers = {{interfaces_of(frame, InterfaceKind::damaged), outline_colour, outline_width, true},
-                      {materials ? std::vector<Index>() : paths, {1, 1, 1, 0.75}, 3 * path_width},
+/// Black cracks, over a field with a white border: they must be visible on dark colours, too.
+void add_cracks(BodyDrawing& drawing, const Frame& frame, bool border) {
+    std::vector<Index> paths = interfaces_of(frame, InterfaceStatus::broken);
+    for (const Index i : interfaces_of(frame, InterfaceStatus::precrack)) paths.push_back(i);
+    drawing.layers = {{interfaces_of(frame, InterfaceStatus::damaged), outline_colour, outline_width, true},
+                      {border ? paths : std::vector<Index>(), {1, 1, 1, 0.75}, 3 * path_width},
                       {paths, black, path_width}};
+}
+
+BodyDrawing materials_drawing(const FigureOptions&, const Frame& frame, const History&, const FigureScale&) {
+    BodyDrawing drawing;
+    for (Index t = 0; t < frame.n_triangles(); ++t)
+        drawing.triangles.push_back(material_colour(frame.region[t], frame.grain.empty() ? -1 : frame.grain[t]));
+    add_cracks(drawing, frame, false);
+    return drawing;
+}
+
+BodyDrawing field_drawing(const FigureOptions& options, const Frame& frame, const History&, const FigureScale& scale) {
+    const BodyField& field = *body_field(options.show);
+    const ColourScale colours = field_scale(options, frame, scale.values);
+    BodyDrawing drawing;
+    if (field.at_corner) drawing.n_parts = n_parts_of(frame.n_triangles());
+    for (Index t = 0; t < frame.n_triangles(); ++t) {
+        if (!field.at_corner) {
+            drawing.triangles.push_back(colours(field.value(frame, t)));
+            continue;
+        }
+        const Eigen::Vector3d values(field.at_corner(frame, 3 * t), field.at_corner(frame, 3 * t + 1),
+                                     field.at_corner(frame, 3 * t + 2));
+        for_each_part(drawing.n_parts, [&](const Eigen::Matrix3d& corners) {
+            drawing.triangles.push_back(colours((corners * values).mean()));
+        });
+    }
+    add_cracks(drawing, frame, true);
     return drawing;
 }
 
@@ -270,8 +230,8 @@ std::vector<Vec2> parts_of(const std::vector<Vec2>& corners, int n) {
 }
 
 bool draws_isolines(const FigureOptions& options) {
-    return !options.mark.empty() && options.show != "cracks" && options.show != "materials" &&
-           field_of(options).at_corner;
+    const BodyField* field = body_field(options.show);
+    return !options.mark.empty() && field && field->at_corner;
 }
 
 /// The edges that belong to one triangle only.
@@ -324,7 +284,69 @@ void draw_layer(Canvas& canvas, const Frame& frame, const std::vector<Vec2>& cor
     canvas.segments(ends, layer.colour, width);
 }
 
+void add_crack_scale(const FigureOptions& options, const Frame& frame, const History& breaks, FigureScale& scale) {
+    scale.values =
+        seen_span(options, frame, crack_values(crack_colour(options.colour), frame, breaks), 0.02, [&](Index i) {
+            return std::array{frame.side_a[i][0], frame.side_a[i][1], frame.side_b[i][0], frame.side_b[i][1]};
+        });
+    scale.damaged = !interfaces_of(frame, InterfaceStatus::damaged).empty();
+    scale.precracks = !interfaces_of(frame, InterfaceStatus::precrack).empty();
+}
+
+void add_crack_legend(const FigureOptions& options, const Frame&, const FigureContext&, const FigureScale& scale,
+                      Legend& legend) {
+    const CrackColour& colour = crack_colour(options.colour);
+    if (std::isfinite(scale.values.low)) legend.bar = crack_scale(options, scale.values);
+    else legend.note = "no broken interface";
+    if (!colour.precracks && scale.precracks) legend.entries.push_back({"pre-crack", black, precrack_width});
+    if (!colour.damaged && scale.damaged)
+        legend.entries.push_back({"damaged, not broken", damaged_colour, damaged_width});
+}
+
+void add_materials(const FigureOptions&, const Frame& frame, const FigureContext& context, const FigureScale&,
+                   Legend& legend) {
+    const std::set<std::int32_t> present(frame.region.begin(), frame.region.end());
+    for (const std::int32_t region : present) {
+        const bool named = region < static_cast<std::int32_t>(context.materials.size());
+        legend.entries.push_back(
+            {named ? context.materials[region] : "material " + std::to_string(region), material_colour(region, -1), 9});
+    }
+}
+
+void add_field_scale(const FigureOptions& options, const Frame& frame, const History&, FigureScale& scale) {
+    std::vector<double> values;
+    for (Index t = 0; t < frame.n_triangles(); ++t) values.push_back(body_field(options.show)->value(frame, t));
+    scale.values = seen_span(options, frame, std::move(values), 0.005, [](Index t) {
+        return std::array{3 * t, 3 * t + 1, 3 * t + 2};
+    });
+}
+
+void add_field_legend(const FigureOptions& options, const Frame& frame, const FigureContext&, const FigureScale& scale,
+                      Legend& legend) {
+    legend.bar = field_scale(options, frame, scale.values);
+}
+
+const BodyKind body_kinds[] = {
+    {"cracks", true, true, cracks_drawing, add_crack_scale, add_crack_legend},
+    {"materials", false, true, materials_drawing,
+     [](const FigureOptions&, const Frame&, const History&, FigureScale&) {}, add_materials},
+    {"", false, false, field_drawing, add_field_scale, add_field_legend},
+};
+
 }  // namespace
+
+const BodyKind* body_kind(const std::string& show) {
+    const auto found = std::ranges::find(body_kinds, body_field(show) ? "" : show, &BodyKind::show);
+    return found == std::end(body_kinds) ? nullptr : &*found;
+}
+
+std::vector<std::string> body_subjects() {
+    std::vector<std::string> names;
+    for (const BodyKind& kind : body_kinds)
+        if (!kind.show.empty()) names.push_back(kind.show);
+    for (const BodyField& field : body_fields()) names.push_back(field.name);
+    return names;
+}
 
 Plot body_plot(Box seen, const FigureOptions& options, double below) {
     const Vec2 stretch = stretch_of(seen, options.aspect);
@@ -357,42 +379,14 @@ Plot body_plot(Box seen, const FigureOptions& options, double below) {
 
 FigureScale body_scale(const FigureOptions& options, const Frame& frame, const History& breaks) {
     FigureScale scale{.seen = seen_part(options, frame)};
-    if (options.show == "cracks") {
-        scale.values =
-            seen_span(options, frame, crack_values(crack_colour(options.colour), frame, breaks), 0.02, [&](Index i) {
-                return std::array{frame.side_a[i][0], frame.side_a[i][1], frame.side_b[i][0], frame.side_b[i][1]};
-            });
-        scale.damaged = !interfaces_of(frame, InterfaceKind::damaged).empty();
-        scale.precracks = !interfaces_of(frame, InterfaceKind::precrack).empty();
-    } else if (options.show != "materials") {
-        const auto value = field_of(options).value;
-        std::vector<double> values;
-        for (Index t = 0; t < frame.n_triangles(); ++t) values.push_back(value(frame, t));
-        scale.values = seen_span(options, frame, std::move(values), 0.005, [](Index t) {
-            return std::array{3 * t, 3 * t + 1, 3 * t + 2};
-        });
-    }
+    body_kind(options.show)->add_scale(options, frame, breaks, scale);
     return scale;
 }
 
 Legend body_legend(const FigureOptions& options, const Frame& frame, const FigureContext& context,
                    const FigureScale& scale) {
     Legend legend;
-    if (options.show == "cracks") {
-        const CrackColour& colour = crack_colour(options.colour);
-        if (std::isfinite(scale.values.low)) legend.bar = crack_scale(options, scale.values);
-        else legend.note = "no broken interface";
-        if (!colour.precracks && scale.precracks) legend.entries.push_back({"pre-crack", black, precrack_width});
-        if (!colour.damaged && scale.damaged)
-            legend.entries.push_back({"damaged, not broken", damaged_colour, damaged_width});
-    } else if (options.show == "materials") {
-        const std::set<std::int32_t> present(frame.region.begin(), frame.region.end());
-        for (const std::int32_t region : present) {
-            const bool named = region < static_cast<std::int32_t>(context.materials.size());
-            legend.entries.push_back({named ? context.materials[region] : "material " + std::to_string(region),
-                                      material_colour(region, -1), 9});
-        }
-    } else legend.bar = field_scale(options, frame, scale.values);
+    body_kind(options.show)->add_legend(options, frame, context, scale, legend);
     if (draws_isolines(options))
         for (const double value : options.mark)
             legend.entries.push_back({short_number(value) + " " + legend.bar->unit, isoline_colour, isoline_width});
@@ -411,8 +405,7 @@ DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const Hi
     const Title title = fitted_title(options.title.empty() ? context.title : options.title,
                                      "t = " + time_text(frame.time) + (magnified.empty() ? "" : ", ") + magnified,
                                      narrow ? full_width : area.width);
-    const BodyDrawing drawing =
-        options.show == "cracks" ? cracks_drawing(options, frame, breaks, scale) : field_drawing(options, frame, scale);
+    const BodyDrawing drawing = body_kind(options.show)->drawing(options, frame, breaks, scale);
     std::vector<Vec2> corners;  // on the page
     for (Index c = 0; c < 3 * frame.n_triangles(); ++c)
         corners.push_back(plot.on_page(deformed(frame, c, options.deform)));
@@ -427,7 +420,8 @@ DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const Hi
         draw_layer(canvas, frame, corners, layer, (options.panel ? 1.8 : 1) * layer.width);  // panels are shown smaller
     if (draws_isolines(options))
         for (const double value : options.mark)
-            canvas.segments(isoline(frame, field_of(options).at_corner, value, corners), isoline_colour, isoline_width);
+            canvas.segments(isoline(frame, body_field(options.show)->at_corner, value, corners), isoline_colour,
+                            isoline_width);
     canvas.unclip();
     if (!options.panel) {
         plot.draw_axes(canvas, false);

@@ -1,6 +1,7 @@
 #pragma once
 // Figures of the body at one moment: its cracks, its materials, or a field on it, with the obstacles around it. A new
-// field is a row of body_fields(), a new colour of cracks a row of crack_colours() (both in body_quantities.cpp).
+// field is a row of body_fields(), a new colour of cracks a row of crack_colours() (both in body_quantities.cpp), a new
+// kind a row of body_kinds (body_figures.cpp).
 #include "figures/figures.hpp"
 #include "figures/legend.hpp"
 #include "figures/plot.hpp"
@@ -15,12 +16,26 @@ struct BodyField {
     bool is_signed;  // zero is the middle of the colours
     double (*value)(const Frame&, Index triangle);
     double (*at_corner)(const Frame&, Index corner) = nullptr;  // null: constant in a triangle; else drawn linearly
+    FigureNeed needs = FigureNeed::nothing;
 };
 const std::vector<BodyField>& body_fields();
+/// Null for another subject.
+const BodyField* body_field(const std::string& show);
 
-/// Status of an interface of a frame (of second order: of half an interface).
-enum class InterfaceKind { intact, damaged, broken, precrack };
-InterfaceKind kind_of(const Frame& frame, Index interface);
+struct BodyDrawing;
+struct BodyKind {
+    std::string show;                             // "": each of body_fields()
+    bool by_colour = false, few_colours = false;  // FigureOptions::colour has a meaning; has_few_colours()
+    BodyDrawing (*drawing)(const FigureOptions&, const Frame&, const History& breaks, const FigureScale&);
+    void (*add_scale)(const FigureOptions&, const Frame&, const History& breaks, FigureScale&);
+    void (*add_legend)(const FigureOptions&, const Frame&, const FigureContext&, const FigureScale&, Legend&);
+};
+/// Null for a figure that is drawn from histories.
+const BodyKind* body_kind(const std::string& show);
+std::vector<std::string> body_subjects();
+
+/// Status of an interface as it is drawn: initially open contact with a support is no crack.
+InterfaceStatus drawn_status(const Frame& frame, Index interface);
 
 /// A quantity that colours cracks.
 struct CrackColour {
@@ -40,6 +55,12 @@ const CrackColour& crack_colour(const std::string& name);
 
 /// Value per interface; NaN without one. An interface that is not in `breaks` (breaks.csv) has no value of it.
 std::vector<double> crack_values(const CrackColour& colour, const Frame& frame, const History& breaks);
+
+/// Scales of colours for values of a field and of cracks; the colour of a grain (-1: none) of a material, light enough
+/// for black cracks, in one of four shades.
+ColourScale field_scale(const FigureOptions& options, const Frame& frame, const ValueSpan& values);
+ColourScale crack_scale(const FigureOptions& options, const ValueSpan& values);
+Colour material_colour(std::int32_t region, std::int32_t grain);
 
 /// The axes of a figure of the part `seen` of the plane with `below` [unit] for a legend: equal scales in x and y, but
 /// for FigureOptions::aspect. A slender part is widened so that its axis has room for labels.

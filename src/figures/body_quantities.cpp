@@ -2,6 +2,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "figures/body_figures.hpp"
+#include "output/outputs.hpp"
 
 #include <algorithm>
 #include <array>
@@ -17,6 +18,14 @@ Vec2 corner_mean(const Values& values, Index t) {
 
 /// Over the two ends of an interface.
 double end_mean(const std::vector<double>& values, Index i) { return 0.5 * (values[2 * i] + values[2 * i + 1]); }
+
+ColourScale with_range(ColourScale scale, const FigureOptions& options, const ValueSpan& values, Limits range) {
+    if (options.range.size() == 2) range = {options.range[0], options.range[1]};
+    scale.low = range.low, scale.high = range.high;
+    scale.more_below = values.min < range.low;
+    scale.more_above = values.max > range.high;
+    return scale;
+}
 
 }  // namespace
 
@@ -41,19 +50,21 @@ const std::vector<BodyField>& body_fields() {
                  throw UserError("no-heat", "a figure shows `temperature`, and the run has none", "[heat]");
              return (f.temperature[3 * t] + f.temperature[3 * t + 1] + f.temperature[3 * t + 2]) / 3;
          },
-         [](F f, Index c) { return f.temperature[c]; }},
+         [](F f, Index c) { return f.temperature[c]; }, FigureNeed::heat},
         {"principal_stress", "largest principal stress σ_{1}", "Pa", false,
          [](F f, Index t) { return largest_principal(f.stress[t]); }},
     };
     return fields;
 }
 
-InterfaceKind kind_of(const Frame& frame, Index i) {
-    const PointStatus a = frame.status[2 * i], b = frame.status[2 * i + 1];
-    const bool on_support = frame.side_a[i][0] < 0 || frame.side_b[i][0] < 0;  // contact with a support is no crack
-    if (a == PointStatus::precrack) return on_support ? InterfaceKind::intact : InterfaceKind::precrack;
-    if (a == PointStatus::broken && b == PointStatus::broken) return InterfaceKind::broken;
-    return a == PointStatus::intact && b == PointStatus::intact ? InterfaceKind::intact : InterfaceKind::damaged;
+const BodyField* body_field(const std::string& show) {
+    const auto found = std::ranges::find(body_fields(), show, &BodyField::name);
+    return found == body_fields().end() ? nullptr : &*found;
+}
+
+InterfaceStatus drawn_status(const Frame& frame, Index i) {
+    const InterfaceStatus status = frame.status_of_interface(i);
+    return status == InterfaceStatus::precrack && frame.on_support(i) ? InterfaceStatus::intact : status;
 }
 
 const std::vector<CrackColour>& crack_colours() {
@@ -106,9 +117,10 @@ std::vector<double> crack_values(const CrackColour& colour, const Frame& frame, 
     }
     std::vector<double> values(frame.n_interfaces(), NAN);
     for (Index i = 0; i < frame.n_interfaces(); ++i) {
-        const InterfaceKind kind = kind_of(frame, i);
-        const bool coloured = kind == InterfaceKind::broken || (kind == InterfaceKind::damaged && colour.damaged) ||
-                              (kind == InterfaceKind::precrack && colour.precracks);
+        const InterfaceStatus status = drawn_status(frame, i);
+        const bool coloured = status == InterfaceStatus::broken ||
+                              (status == InterfaceStatus::damaged && colour.damaged) ||
+                              (status == InterfaceStatus::precrack && colour.precracks);
         if (coloured && colour.value) values[i] = colour.value(frame, i);
         if (!coloured || of_break.empty()) continue;
         const Vec2 a = frame.end_position[2 * i], b = frame.end_position[2 * i + 1];
@@ -119,6 +131,38 @@ std::vector<double> crack_values(const CrackColour& colour, const Frame& frame, 
                         values[i] = found->second;
     }
     return values;
+}
+
+ColourScale field_scale(const FigureOptions& options, const Frame& frame, const ValueSpan& values) {
+    const BodyField& field = *body_field(options.show);
+    double low = values.low, high = values.high;
+    if (field.is_signed) {  // the values of the other sign may be those of a few large triangles: no outliers
+        low = std::min(low, std::max(values.min, -values.high));
+        high = std::max(high, std::min(values.max, -values.low));
+    }
+    return with_range({.map = field.is_signed ? ColourMap::diverging : ColourMap::viridis,
+                       .quantity = field.quantity,
+                       .unit = unit_of_temperature(field.unit, frame.celsius) == "C" ? "°C" : field.unit,
+                       .about_zero = field.is_signed},
+                      options, values, round_limits(low, high, field.is_signed));
+}
+
+ColourScale crack_scale(const FigureOptions& options, const ValueSpan& values) {
+    const CrackColour& colour = crack_colour(options.colour);
+    Limits range = round_limits(values.low, values.high, false);
+    if (colour.unit == "m") range = {0, values.high > 0 ? range.high : 1e-6};  // openings and slips start at zero
+    return with_range({.map = colour.map, .quantity = colour.quantity, .unit = colour.unit}, options, values,
+                      colour.range.value_or(range));
+}
+
+Colour material_colour(std::int32_t region, std::int32_t grain) {
+    static constexpr double palette[][3]{{0.80, 0.80, 0.78}, {0.94, 0.72, 0.62}, {0.62, 0.78, 0.90},
+                                         {0.80, 0.86, 0.60}, {0.93, 0.84, 0.55}, {0.80, 0.70, 0.88},
+                                         {0.58, 0.86, 0.78}, {0.93, 0.68, 0.80}};
+    const auto& c = palette[static_cast<std::size_t>(region) % std::size(palette)];
+    const std::uint32_t mixed = static_cast<std::uint32_t>(grain) * 2654435769u;  // Fibonacci hashing
+    const double shade = grain < 0 ? 1 : 0.86 + 0.05 * static_cast<double>(mixed >> 30);
+    return {shade * c[0], shade * c[1], shade * c[2]};
 }
 
 }  // namespace knap

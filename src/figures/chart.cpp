@@ -111,13 +111,13 @@ DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, in
         .size = larger * type_size};
 
     const std::vector<LegendEntry> entries = place.panel ? std::vector<LegendEntry>() : entries_of(chart);
-    const double beside = entries.empty() ? 0 : entries_width(entries) + chart_gap;
+    const double legend_width = entries.empty() ? 0 : entries_width(entries) + chart_gap;
     plot.area = {0, 42 * larger, page_width,
-                 std::max(plot_height, std::min(entries_height(entries, beside - chart_gap), max_chart_height))};
+                 std::max(plot_height, std::min(entries_height(entries, legend_width - chart_gap), max_chart_height))};
     const int max_x = place.panel ? 5 : 9, max_y = place.panel ? 5 : 8;
     plot.fit_ticks(max_x, max_y);
     plot.area.left = std::max(58 * larger, plot.y_label_width() + 2.6 * plot.size);
-    plot.area.width = page_width - plot.area.left - chart_margin_right - beside;
+    plot.area.width = page_width - plot.area.left - chart_margin_right - legend_width;
     plot.fit_ticks(max_x, max_y);
     const Title title = fitted_title(chart.title, "", page_width - plot.area.left - chart_margin_right);
 
@@ -143,7 +143,7 @@ DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, in
     canvas.unclip();
     for (const Curve& curve : chart.curves) draw_points(canvas, plot, curve);
     draw_entries(canvas, entries,
-                 {plot.area.right() + chart_gap, plot.area.bottom, beside - chart_gap, plot.area.height});
+                 {plot.area.right() + chart_gap, plot.area.bottom, legend_width - chart_gap, plot.area.height});
     if (!place.panel) draw_title(canvas, title, plot.area.left, page_width - chart_margin_right, plot.area.top());
     if (!chart.levels.empty()) draw_levels(canvas, plot, chart.levels, sampled(lines, 0.4 * plot.size));
     return canvas.finish();

@@ -21,43 +21,42 @@ struct Source {
 /// A figure that is drawn from histories. A new one is a row of curve_kinds.
 struct CurveKind {
     const char* show;
-    Chart (*chart)(const Source&);        // null: the rose
-    History Histories::*table = nullptr;  // null: every run has it
-    const char* origin = "";              // of the table
-    bool grows = false;                   // a point for every line of the histories
+    Chart (*chart)(const Source&);  // null: the rose
+    History Histories::*table;
+    FigureNeed needs = FigureNeed::nothing;
+    bool grows = false;  // a point for every line of the histories
+    bool marks = false;  // takes_marks()
 };
 
-constexpr const char* origin_of_probes = "probes.csv is written where the scenario has a [[probe]]";
-constexpr const char* origin_of_breaks = "breaks.csv is written with output.breaks = true";
-
 const CurveKind curve_kinds[] = {
-    {"energy", [](const Source& s) { return energy_chart(s.histories.energy); }, &Histories::energy, "", true},
-    {"crack_length", [](const Source& s) { return crack_length_chart(s.histories.cracks); }, &Histories::cracks, "",
-     true},
+    {"energy", [](const Source& s) { return energy_chart(s.histories.energy); }, &Histories::energy,
+     FigureNeed::nothing, true},
+    {"crack_length", [](const Source& s) { return crack_length_chart(s.histories.cracks); }, &Histories::cracks,
+     FigureNeed::nothing, true},
     {"crack_speed", [](const Source& s) { return crack_speed_chart(s.histories.cracks, s.context.rayleigh_speed); },
-     &Histories::cracks, "", true},
+     &Histories::cracks, FigureNeed::nothing, true},
     {"reactions", [](const Source& s) { return reaction_chart(s.histories.reactions, s.options.over == "time"); },
-     &Histories::reactions, "reactions.csv is written where a load prescribes a motion or there is an obstacle", true},
+     &Histories::reactions, FigureNeed::driver, true, true},
     {"probes",
      [](const Source& s) {
          return probe_chart(s.histories.probes, s.options.over == "temperature", s.context.celsius);
      },
-     &Histories::probes, origin_of_probes, true},
+     &Histories::probes, FigureNeed::probe_of_motion, true, true},
     {"probe_velocities", [](const Source& s) { return probe_velocity_chart(s.histories.probes); }, &Histories::probes,
-     origin_of_probes, true},
+     FigureNeed::probe_of_place, true},
     {"probe_stresses", [](const Source& s) { return probe_stress_chart(s.histories.probes); }, &Histories::probes,
-     origin_of_probes, true},
+     FigureNeed::probe_of_stress, true},
     {"stress_strain", [](const Source& s) { return stress_strain_chart(s.histories.stress_strain); },
-     &Histories::stress_strain, "stress_strain.csv is written where the scenario has a [specimen]", true},
+     &Histories::stress_strain, FigureNeed::specimen, true},
     {"breaks",
      [](const Source& s) {
          const std::vector<double> time = s.histories.energy.column("time");
          return break_chart(s.histories.breaks, time.front(), time.back());
      },
-     &Histories::breaks, origin_of_breaks},
-    {"rose", nullptr, &Histories::breaks, origin_of_breaks},
+     &Histories::breaks, FigureNeed::breaks},
+    {"rose", nullptr, &Histories::breaks, FigureNeed::breaks},
     {"fragments", [](const Source& s) { return fragment_size_chart(s.histories.fragments); }, &Histories::fragments,
-     "fragments.csv is written at the end of a run"},
+     FigureNeed::fragments},
 };
 
 /// Null for a figure of the body.
@@ -66,11 +65,40 @@ const CurveKind* curve_kind(const std::string& show) {
     return found == std::end(curve_kinds) ? nullptr : &*found;
 }
 
-/// Why a figure cannot be drawn from these histories: the origin of the table it needs; null where it can be.
-const char* missing_table(const std::string& show, const std::string& colour, const Histories& histories) {
-    if (needs_breaks(show, colour)) return histories.breaks.columns.empty() ? origin_of_breaks : nullptr;
-    const CurveKind* kind = curve_kind(show);
-    return kind && *kind->origin && (histories.*kind->table).columns.empty() ? kind->origin : nullptr;
+bool by_colour(const std::string& show) {
+    const BodyKind* kind = body_kind(show);
+    return kind && kind->by_colour;
+}
+
+/// Why a figure cannot be drawn from these histories; null where it can be.
+const char* missing(const std::string& show, const std::string& colour, const Histories& histories) {
+    const auto unless = [](const History& table, const char* origin) {
+        return table.columns.empty() ? origin : nullptr;
+    };
+    const auto unless_probe = [&](std::initializer_list<const char*> endings, const char* reason) {
+        if (histories.probes.columns.empty()) return "probes.csv is written where the scenario has a [[probe]]";
+        for (const std::string& column : histories.probes.columns)
+            for (const char* ending : endings)
+                if (column.ends_with(ending)) return static_cast<const char*>(nullptr);
+        return reason;
+    };
+    switch (need_of_figure(show, colour)) {
+        case FigureNeed::nothing:
+        case FigureNeed::heat: return nullptr;  // a frame tells whether there is some
+        case FigureNeed::driver:
+            return unless(histories.reactions,
+                          "reactions.csv is written where a load prescribes a motion or there is an obstacle");
+        case FigureNeed::probe_of_motion:
+            return unless_probe({"_u_x", "_opening"}, "its probes watch stresses, which have no displacement");
+        case FigureNeed::probe_of_place:
+            return unless_probe({"_v_x"}, "none of its probes watches a place, which would have a velocity");
+        case FigureNeed::probe_of_stress: return unless_probe({"_stress_xx"}, "none of its probes watches a stress");
+        case FigureNeed::specimen:
+            return unless(histories.stress_strain, "stress_strain.csv is written where the scenario has a [specimen]");
+        case FigureNeed::breaks: return unless(histories.breaks, "breaks.csv is written with output.breaks = true");
+        case FigureNeed::fragments: return unless(histories.fragments, "fragments.csv is written at the end of a run");
+    }
+    return nullptr;
 }
 
 void check(const FigureOptions& options) {
@@ -118,31 +146,23 @@ void check_figure(const FigureOptions& options, const Histories& histories) {
                             "known: " + joined(growing_subjects()));
         check_figure(below, histories);
     }
-    const char* reason = missing_table(options.show, options.colour, histories);
-    const auto lacks = [&](const char* ending) {
-        return std::ranges::none_of(histories.probes.columns, [&](const auto& c) { return c.ends_with(ending); });
-    };
-    if (!reason && options.show == "probes" && lacks("_u_x") && lacks("_opening"))
-        reason = "its probes watch stresses, which have no displacement";
-    if (!reason && options.show == "probes" && options.over == "temperature" && lacks("_T"))
+    const char* reason = missing(options.show, options.colour, histories);
+    if (!reason && options.over == "temperature" &&
+        need_of_figure(options.show, options.colour) == FigureNeed::probe_of_motion &&
+        std::ranges::none_of(histories.probes.columns, [](const auto& column) { return column.ends_with("_T"); }))
         reason = "no probe of a place has a temperature, which needs [heat]";
-    if (!reason && options.show == "probe_velocities" && lacks("_v_x"))
-        reason = "none of its probes watches a place, which would have a velocity";
-    if (!reason && options.show == "probe_stresses" && lacks("_stress_xx"))
-        reason = "none of its probes watches a stress";
     if (!reason) return;
     std::vector<std::string> possible;
     for (const std::string& subject : figure_subjects())
-        if (!missing_table(subject, "opening", histories) && (subject == "cracks" || subject != options.show))
+        if (!missing(subject, FigureOptions{}.colour, histories) && (subject != options.show || by_colour(subject)))
             possible.push_back(subject);
-    const std::string what = options.show == "cracks" ? "cracks by " + options.colour : options.show;
+    const std::string what = options.show + (by_colour(options.show) ? " by " + options.colour : "");
     throw UserError("nothing-to-show", "the run has no data for a figure of `" + what + "`",
                     std::string(reason) + "; it has " + joined(possible));
 }
 
 std::vector<std::string> figure_subjects() {
-    std::vector<std::string> names{"cracks", "materials"};
-    for (const BodyField& field : body_fields()) names.push_back(field.name);
+    std::vector<std::string> names = body_subjects();
     for (const CurveKind& kind : curve_kinds) names.emplace_back(kind.show);
     return names;
 }
@@ -164,27 +184,31 @@ std::vector<std::string> growing_subjects() {
 
 bool FigureOptions::is_animation() const { return knap::is_animation(file); }
 
-bool shows_body(const std::string& subject) {
-    return subject == "cracks" || subject == "materials" ||
-           std::ranges::count(body_fields(), subject, &BodyField::name) > 0;
+bool shows_body(const std::string& subject) { return body_kind(subject) != nullptr; }
+
+bool has_few_colours(const std::string& subject) {
+    const BodyKind* kind = body_kind(subject);
+    return kind && kind->few_colours;
 }
 
 bool takes_marks(const std::string& subject) {
-    const auto field = std::ranges::find(body_fields(), subject, &BodyField::name);
-    return field != body_fields().end() ? field->at_corner != nullptr : subject == "probes" || subject == "reactions";
+    if (const CurveKind* kind = curve_kind(subject)) return kind->marks;
+    const BodyField* field = body_field(subject);
+    return field && field->at_corner;
 }
 
-bool needs_breaks(const std::string& show, const std::string& colour) {
-    if (const CurveKind* kind = curve_kind(show)) return kind->table == &Histories::breaks;
+FigureNeed need_of_figure(const std::string& show, const std::string& colour) {
+    if (const CurveKind* kind = curve_kind(show)) return kind->needs;
+    if (const BodyField* field = body_field(show)) return field->needs;
     const auto found = std::ranges::find(crack_colours(), colour, &CrackColour::name);
-    return show == "cracks" && found != crack_colours().end() && !found->column.empty();
+    const bool by_table = by_colour(show) && found != crack_colours().end() && !found->column.empty();
+    return by_table ? FigureNeed::breaks : FigureNeed::nothing;
 }
 
 std::string_view unit_of_figure(const std::string& show, const std::string& colour) {
+    if (const BodyField* field = body_field(show)) return field->unit;
     for (const CrackColour& known : crack_colours())
-        if (show == "cracks" && known.name == colour) return known.unit;
-    for (const BodyField& field : body_fields())
-        if (field.name == show) return field.unit;
+        if (by_colour(show) && known.name == colour) return known.unit;
     return "";
 }
 

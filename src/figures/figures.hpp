@@ -46,6 +46,19 @@ struct FigureContext {
     bool celsius = false;                // temperatures are in degrees Celsius
 };
 
+/// What a figure needs of a scenario, or of the histories of a run.
+enum class FigureNeed {
+    nothing,
+    heat,
+    driver,  // a load with a prescribed motion, or an obstacle
+    probe_of_motion,
+    probe_of_place,
+    probe_of_stress,
+    specimen,
+    breaks,     // breaks.csv
+    fragments,  // a run that has ended
+};
+
 /// The words allowed for FigureOptions::show, colour and over.
 std::vector<std::string> figure_subjects(), figure_colours(), figure_abscissas();
 /// Curves with a point for every line of the histories, for FigureOptions::curves.
@@ -54,8 +67,9 @@ std::vector<std::string> growing_subjects();
 bool shows_body(const std::string& subject);
 /// Whether FigureOptions::mark has a meaning.
 bool takes_marks(const std::string& subject);
-/// Whether a figure is drawn from breaks.csv.
-bool needs_breaks(const std::string& show, const std::string& colour);
+FigureNeed need_of_figure(const std::string& show, const std::string& colour);
+/// Whether it has few colours, which an animation keeps without loss.
+bool has_few_colours(const std::string& subject);
 /// Unit of the values that are coloured: "m"; "" for none.
 std::string_view unit_of_figure(const std::string& show, const std::string& colour);
 /// Whether a figure is drawn from stored frames at the end of a run, when the common range of its pictures is known.

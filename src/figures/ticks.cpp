@@ -1,20 +1,15 @@
 #include "figures/ticks.hpp"
 
+#include "base/text.hpp"
+
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 namespace knap {
 namespace {
 
 constexpr double slack = 1e-9;  // of rounding, relative to a step or a decade
-
-template <class... Format>
-std::string decimal(double value, Format... format) {
-    char text[64];
-    return {text, std::to_chars(text, text + sizeof text, value, format...).ptr};
-}
 
 /// With an exponent where fixed notation would need more digits than a double has.
 std::string fixed(double value, int decimals) {

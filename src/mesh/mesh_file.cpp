@@ -1,9 +1,9 @@
 #include "mesh/mesh_file.hpp"
 
+#include "base/text.hpp"
 #include "mesh/polygon.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <stdexcept>
 
 namespace knap {
@@ -14,11 +14,7 @@ class Text {
 public:
     Text& operator<<(const std::string& words) { return text += words, *this; }
     template <class Number>
-    requires std::is_arithmetic_v<Number> Text& operator<<(Number number) {
-        char digits[32];
-        text.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
-        return *this;
-    }
+    requires std::is_arithmetic_v<Number> Text& operator<<(Number number) { return text += decimal(number), *this; }
     std::string text;
 };
 

@@ -102,10 +102,7 @@ void add_point(const Model& model, const State& state, Index point, const std::v
     frame.cohesion.push_back(beta);
     frame.opening.push_back(u.x());
     frame.slip.push_back(u.y());
-    frame.status.push_back(interface.cracked ? PointStatus::precrack
-                           : beta == 1       ? PointStatus::intact
-                           : beta > 0        ? PointStatus::damaged
-                                             : PointStatus::broken);
+    frame.status.push_back(interface.cracked ? InterfaceStatus::precrack : status_of(beta));
     if (bonded && model.mesh.order == 1 && !model.large_rotation) {
         const auto [a, b] = interface.triangle;
         frame.traction.push_back(traction(0.5 * (frame.stress[places[a]] + frame.stress[places[b]]), interface.normal));

@@ -12,13 +12,21 @@ namespace knap {
 struct Model;
 struct State;
 
-/// State of a point, or of an interface by its two points.
-enum class PointStatus : std::uint8_t {
+/// Of a point, and of an interface (of second order: of half of one) by its two points.
+enum class InterfaceStatus : std::uint8_t {
     intact = 0,   // cohesion 1
-    damaged = 1,  // cohesion below 1, of an interface at one point at least, and not 0 (of an interface: not at both)
-    broken = 2,   // cohesion 0, of an interface at both points
+    damaged = 1,  // between them
+    broken = 2,   // cohesion 0
     precrack = 3  // no cohesion from the start
 };
+constexpr InterfaceStatus status_of(double cohesion) {
+    return cohesion >= 1 ? InterfaceStatus::intact : cohesion > 0 ? InterfaceStatus::damaged : InterfaceStatus::broken;
+}
+/// Broken where both points are, damaged where at least one is no longer intact.
+constexpr InterfaceStatus status_of(InterfaceStatus a, InterfaceStatus b) {
+    if (a == InterfaceStatus::precrack || b == InterfaceStatus::precrack) return InterfaceStatus::precrack;
+    return a == b ? a : InterfaceStatus::damaged;
+}
 
 inline constexpr Index n_outline_points = 96;
 
@@ -40,18 +48,20 @@ struct Frame {
     // interfaces: interface i owns the points 2i, 2i+1 (its two ends); one of second order is drawn as two halves
     std::vector<std::array<Index, 2>> side_a;  // per interface: the corner of side A at each end, -1: support
     std::vector<std::array<Index, 2>> side_b;
-    std::vector<Vec2> end_position;     // [m] per point, reference
-    std::vector<double> cohesion;       // per point
-    std::vector<double> opening, slip;  // [m] per point
-    std::vector<Vec2> traction;         // [Pa] per point (N, T)
-    std::vector<PointStatus> status;    // per point
-    std::vector<double> fluid;          // [Pa] per point, pressure on its faces; empty without [[pressure]]
+    std::vector<Vec2> end_position;       // [m] per point, reference
+    std::vector<double> cohesion;         // per point
+    std::vector<double> opening, slip;    // [m] per point
+    std::vector<Vec2> traction;           // [Pa] per point (N, T)
+    std::vector<InterfaceStatus> status;  // per point
+    std::vector<double> fluid;            // [Pa] per point, pressure on its faces; empty without [[pressure]]
 
     // obstacles: n_outline_points per obstacle, a closed polygon; a half plane is drawn as a strip of it
     std::vector<Vec2> obstacle_position;      // [m] reference
     std::vector<Vec2> obstacle_displacement;  // [m]
     std::vector<std::uint8_t> half_plane;     // per obstacle: 1 = a strip (points 0, 1 on its surface, 2 below 1)
 
+    InterfaceStatus status_of_interface(Index i) const { return status_of(status[2 * i], status[2 * i + 1]); }
+    bool on_support(Index interface) const { return side_a[interface][0] < 0 || side_b[interface][0] < 0; }
     bool is_half_plane(Index obstacle) const { return !half_plane.empty() && half_plane[obstacle] != 0; }
     Index n_obstacles() const { return static_cast<Index>(obstacle_position.size()) / n_outline_points; }
     Index n_triangles() const { return static_cast<Index>(region.size()); }

@@ -189,9 +189,7 @@ Entries points_of(const FramePart& part, const Frame& frame) {
     std::iota(points.begin(), points.end(), 0);
     if (part.geometry.position == &F::end_position)
         std::erase_if(points, [&](Index p) {
-            const Index i = p / 2;
-            return frame.status[2 * i] == PointStatus::intact && frame.status[2 * i + 1] == PointStatus::intact &&
-                   frame.side_a[i][0] >= 0 && frame.side_b[i][0] >= 0;
+            return frame.status_of_interface(p / 2) == InterfaceStatus::intact && !frame.on_support(p / 2);
         });
     return points;
 }

@@ -84,30 +84,50 @@ void read_probe(const Table& table, std::size_t number) {
     table.scenario().probes.push_back(std::move(probe));
 }
 
+FigureNeed need_of(const Table& figure) {
+    const FigureOptions usual;
+    return need_of_figure(figure.has("show") ? figure.text("show") : usual.show,
+                          figure.has("colour") ? figure.text("colour") : usual.colour);
+}
+
 /// Figures of data that the run does not have.
 void check_subject(const Table& figure) {
-    const std::vector<ProbeOptions>& probes = figure.scenario().probes;
-    const bool has_probes = !figure.reading().list("probe").empty();
-    const std::string show = figure.text("show");
-    const auto error = [&](const std::string& text, const std::string& cure) {
-        figure.error("nothing-to-show", "show", "= \"" + show + "\", but " + text, cure);
+    const auto need = [&](bool met, const std::string& lacks, const std::string& cure) {
+        if (!met) figure.error("nothing-to-show", "show", "= \"" + figure.text("show") + "\", but " + lacks, cure);
+        return met;
     };
-    if (show == "temperature" && !figure.reading().table("heat").given()) error("nothing has a temperature", "[heat]");
-    if (show == "reactions" && figure.reading().drivers().empty())
-        error("no load prescribes a motion and there is no obstacle",
-              "a reaction is the force of a load with velocity or displacement");
     using Watch = ProbeOptions::Watch;
-    const auto lacks = [&](Watch a, Watch b) {
-        return !probes.empty() &&
-               std::ranges::none_of(probes, [&](const auto& p) { return p.watch == a || p.watch == b; });
+    const auto need_probe = [&](std::initializer_list<Watch> of, const char* lacks, const char* cure) {
+        const std::vector<ProbeOptions>& probes = figure.scenario().probes;
+        if (!need(!figure.reading().list("probe").empty(), "there is none", "add a [[probe]]") || probes.empty())
+            return;
+        need(std::ranges::any_of(probes, [&](const auto& p) { return std::ranges::count(of, p.watch) > 0; }), lacks,
+             cure);
     };
-    if (show.starts_with("probe") && !has_probes) error("there is none", "add a [[probe]]");
-    if (show == "probes" && lacks(Watch::place, Watch::interface))
-        error("all probes watch stresses", "show = \"probe_stresses\"");
-    if (show == "probe_velocities" && lacks(Watch::place, Watch::place))
-        error("no probe watches a place", "add a [[probe]] that watches a place");
-    if (show == "probe_stresses" && lacks(Watch::stress, Watch::stress))
-        error("no probe watches a stress", "add a [[probe]] with watch = \"stress\"");
+    switch (need_of(figure)) {
+        case FigureNeed::heat:
+            need(figure.reading().table("heat").given(), "nothing has a temperature", "[heat]");
+            break;
+        case FigureNeed::driver:
+            need(!figure.reading().drivers().empty(), "no load prescribes a motion and there is no obstacle",
+                 "a reaction is the force of a load with velocity or displacement");
+            break;
+        case FigureNeed::probe_of_motion:
+            need_probe({Watch::place, Watch::interface}, "all probes watch stresses", "show = \"probe_stresses\"");
+            break;
+        case FigureNeed::probe_of_place:
+            need_probe({Watch::place}, "no probe watches a place", "add a [[probe]] that watches a place");
+            break;
+        case FigureNeed::probe_of_stress:
+            need_probe({Watch::stress}, "no probe watches a stress", "add a [[probe]] with watch = \"stress\"");
+            break;
+        case FigureNeed::specimen:
+            need(figure.reading().table("specimen").given(), "there is no specimen", "add a [specimen]");
+            break;
+        case FigureNeed::nothing:
+        case FigureNeed::breaks:  // read_breaks
+        case FigureNeed::fragments: break;
+    }
 }
 
 /// Its times are those of the pictures.
@@ -238,13 +258,9 @@ void check_expectations(Reading& reading) {
 void read_breaks(Reading& reading, bool specimen) {
     std::string user = specimen ? "a [specimen]" : "";
     for (const Table& figure : reading.list("figure")) {
-        const std::string show = figure.has("show") ? figure.text("show") : "cracks";
-        const std::string colour = figure.has("colour") ? figure.text("colour") : "opening";
-        if (user.empty() && needs_breaks(show, colour))
-            user = "`" + figure.path(show == "breaks" || show == "rose" ? "show" : "colour") + "`";
-        if (show == "stress_strain" && !specimen)
-            figure.error("nothing-to-show", "show", "= \"stress_strain\", but there is no specimen",
-                         "add a [specimen]");
+        const bool of_body = !figure.has("show") || shows_body(figure.text("show"));
+        if (user.empty() && need_of(figure) == FigureNeed::breaks)
+            user = "`" + figure.path(of_body ? "colour" : "show") + "`";
     }
     const Table output = reading.table("output");
     output.compute("breaks", Node::of_boolean(!user.empty()));

@@ -170,7 +170,8 @@ std::string_view unit_of_key(const Key& key, const Node& table) {
     if (key.path.starts_with("expect.")) return unit_of("summary", table.name);
     if (key.path.starts_with("study.")) return unit_of_quantity(key, table);
     const Node *show = table.find("show"), *colour = table.find("colour");
-    return unit_of_figure(show ? show->text : "cracks", colour ? colour->text : "opening");
+    const FigureOptions usual;
+    return unit_of_figure(show ? show->text : usual.show, colour ? colour->text : usual.colour);
 }
 
 enum class Applies { no, perhaps, yes };

@@ -240,7 +240,7 @@ TEST_CASE("figures: cracks have the colour of slip or mode or time of breaking")
     const Frame frame = synthetic::frame(30);
     History breaks = synthetic::breaks(0);
     for (Index i = 0; i < frame.n_interfaces(); ++i) {
-        if (kind_of(frame, i) != InterfaceKind::broken) continue;
+        if (drawn_status(frame, i) != InterfaceStatus::broken) continue;
         const Vec2 middle = 0.5 * (frame.end_position[2 * i] + frame.end_position[2 * i + 1]);
         breaks.rows.push_back(
             {1e-3 * middle.x(), middle.x(), middle.y(), 0, 1e-3, middle.y() / synthetic::height, 1e-3});
@@ -249,11 +249,11 @@ TEST_CASE("figures: cracks have the colour of slip or mode or time of breaking")
     const std::vector<double> slip = values("slip"), mode = values("mode"), time = values("break_time");
     Index n_broken = 0, n_slipped = 0;
     for (Index i = 0; i < frame.n_interfaces(); ++i) {
-        const InterfaceKind kind = kind_of(frame, i);
-        CHECK(std::isfinite(slip[i]) == (kind == InterfaceKind::broken || kind == InterfaceKind::precrack));
-        CHECK(std::isfinite(mode[i]) == (kind == InterfaceKind::broken));
+        const InterfaceStatus status = drawn_status(frame, i);
+        CHECK(std::isfinite(slip[i]) == (status == InterfaceStatus::broken || status == InterfaceStatus::precrack));
+        CHECK(std::isfinite(mode[i]) == (status == InterfaceStatus::broken));
         n_slipped += slip[i] > 0;
-        if (kind != InterfaceKind::broken) continue;
+        if (status != InterfaceStatus::broken) continue;
         ++n_broken;
         const Vec2 middle = 0.5 * (frame.end_position[2 * i] + frame.end_position[2 * i + 1]);
         CHECK(time[i] == doctest::Approx(1e-3 * middle.x()));
@@ -264,7 +264,8 @@ TEST_CASE("figures: cracks have the colour of slip or mode or time of breaking")
     for (const std::string& colour : figure_colours()) {
         const FigureOptions options{.file = colour + ".png", .colour = colour, .width = 560};
         CHECK(draw_figure(options, frame, {.breaks = breaks}, {}, pictures()).file == pictures() / (colour + ".png"));
-        if (needs_breaks("cracks", colour)) CHECK_THROWS_AS(draw_figure(options, frame, {}, {}, pictures()), UserError);
+        if (need_of_figure("cracks", colour) == FigureNeed::breaks)
+            CHECK_THROWS_AS(draw_figure(options, frame, {}, {}, pictures()), UserError);
     }
     // undamaged interfaces are pale, broken ones dark
     const ColourMap cohesion = crack_colour("beta").map;
@@ -277,8 +278,8 @@ TEST_CASE("figures: cracks have the colour of slip or mode or time of breaking")
 
 TEST_CASE("figures: opened edges that hold still have outlines") {
     Frame frame = synthetic::frame(20);
-    for (PointStatus& status : frame.status)
-        if (status != PointStatus::intact) status = PointStatus::damaged;
+    for (InterfaceStatus& status : frame.status)
+        if (status != InterfaceStatus::intact) status = InterfaceStatus::damaged;
     for (double& cohesion : frame.cohesion) cohesion = std::max(cohesion, 0.99);
     const auto n_dark = [&](double deform) {
         const Pixels pixels(draw({.show = "velocity_x", .deform = deform, .range = {-1e3, 1e3}, .width = 1120}, frame,

@@ -82,7 +82,7 @@ TEST_CASE("frame: both sides of an interface lie on its points") {
             CHECK(frame.opening[2 * i + end] == 0);
         }
         const bool at_crack = frame.end_position[2 * i].x() == 2 && frame.end_position[2 * i + 1].x() == 2;
-        CHECK(frame.status[2 * i] == (at_crack ? PointStatus::precrack : PointStatus::intact));
+        CHECK(frame.status[2 * i] == (at_crack ? InterfaceStatus::precrack : InterfaceStatus::intact));
         n_precracked += at_crack;
     }
     CHECK(n_precracked == 2);
@@ -100,7 +100,7 @@ TEST_CASE("frame: status and opening of a point that is torn by hand") {
     const Index in_fan = model.fan_point_of[point] - model.fans[fan].first_point;
     PointState& torn_point = state.points[state.first_point[state.split_rank[fan]] + in_fan];
     for (const auto& [cohesion, status] :
-         {std::pair(0.25, PointStatus::damaged), std::pair(0.0, PointStatus::broken)}) {
+         {std::pair(0.25, InterfaceStatus::damaged), std::pair(0.0, InterfaceStatus::broken)}) {
         torn_point.cohesion = cohesion;
         CHECK(make_frame(model, state).status[point] == status);
         CHECK(make_frame(model, state).cohesion[point] == cohesion);
@@ -149,7 +149,7 @@ TEST_CASE("frame: a triangle of second order is drawn as six and its interfaces 
             CHECK(std::abs(frame.opening[2 * i + end]) <= 1e-17);
         }
         CHECK(frame.side_a[i][0] / 3 == frame.side_a[i][1] / 3);
-        if (frame.status[2 * i] == PointStatus::precrack) precrack += model.interfaces[i / 2].length / 2;
+        if (frame.status[2 * i] == InterfaceStatus::precrack) precrack += model.interfaces[i / 2].length / 2;
     }
     CHECK(precrack == Approx(1));
 }

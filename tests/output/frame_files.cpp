@@ -75,7 +75,8 @@ TEST_CASE("frame files: the interfaces that are not intact come back") {
     Index j = 0;
     std::array<int, 4> n_of_status{};
     for (Index i = 0; i < written.n_interfaces(); ++i) {
-        if (written.status[2 * i] == PointStatus::intact && written.status[2 * i + 1] == PointStatus::intact) continue;
+        if (written.status[2 * i] == InterfaceStatus::intact && written.status[2 * i + 1] == InterfaceStatus::intact)
+            continue;
         REQUIRE(j < read.n_interfaces());
         CHECK(read.side_a[j] == written.side_a[i]);
         CHECK(read.side_b[j] == written.side_b[i]);
@@ -97,7 +98,7 @@ TEST_CASE("frame files: the interfaces that are not intact come back") {
 
 TEST_CASE("frame files: a support is kept and an uncracked body has no interfaces") {
     Frame frame = synthetic::frame(5);
-    for (PointStatus& status : frame.status) status = PointStatus::intact;
+    for (InterfaceStatus& status : frame.status) status = InterfaceStatus::intact;
     const fs::path run = fresh("intact");
     VtkSeries series(run);
     series.write(frame);

@@ -97,10 +97,10 @@ inline Frame frame(int n_x = 160) {
                 f.opening.push_back(opening);
                 f.slip.push_back(0.1 * opening);
                 f.traction.push_back({1e6 * cohesion, 1e5});
-                f.status.push_back(precrack        ? PointStatus::precrack
-                                   : cohesion == 1 ? PointStatus::intact
-                                   : cohesion > 0  ? PointStatus::damaged
-                                                   : PointStatus::broken);
+                f.status.push_back(precrack        ? InterfaceStatus::precrack
+                                   : cohesion == 1 ? InterfaceStatus::intact
+                                   : cohesion > 0  ? InterfaceStatus::damaged
+                                                   : InterfaceStatus::broken);
             }
         }
     };

@@ -4,6 +4,7 @@
 #include "app/run/process.hpp"
 #include "app/run/report.hpp"
 #include "app/run/run_directory.hpp"
+#include "base/child_process.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/whole_file.hpp"
@@ -71,23 +72,19 @@ Texts command_of(const std::string& program, const std::string& scenario, const 
 /// read it.
 pid_t start(const std::string& scenario, const EnsembleRun& run, const fs::path& runs, bool force,
             const sigset_t& signals) {
-    Texts words =
-        command_of("knap", scenario, run, runs, force || !Checkpoints::problem_in(runs / run.name, false).empty());
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
+    const bool anew = force || !Checkpoints::problem_in(runs / run.name, false).empty();
     const fs::path path = runs / (run.name + ".log");
     // O_NONBLOCK: a pipe without a reader is an error, not a long wait
     const int log = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC, 0666);
     if (log < 0) throw OutputError("cannot write " + path.string() + ": " + std::strerror(errno));
-    const pid_t batch = getpid(), child = fork();
-    if (child == 0) {
+    const pid_t batch = getpid();
+    const auto prepare = [&] {
         // when the batch ends, even by SIGKILL, the run ends as by Ctrl-C: otherwise it would keep its directory locked
-        if (prctl(PR_SET_PDEATHSIG, SIGTERM) != 0 || getppid() != batch) _exit(127);
-        sigprocmask(SIG_SETMASK, &signals, nullptr);
-        if (dup2(log, STDOUT_FILENO) >= 0 && dup2(log, STDERR_FILENO) >= 0) execv("/proc/self/exe", arguments.data());
-        _exit(127);
-    }
+        if (prctl(PR_SET_PDEATHSIG, SIGTERM) != 0 || getppid() != batch) return false;
+        return sigprocmask(SIG_SETMASK, &signals, nullptr) == 0;
+    };
+    const pid_t child =
+        start_process("/proc/self/exe", command_of("knap", scenario, run, runs, anew), -1, log, prepare);
     close(log);
     if (child < 0) throw SimulationError(std::string("cannot start a run: ") + std::strerror(errno));
     return child;
