@@ -26,10 +26,28 @@ struct History {
 struct Histories {
     History energy, cracks, reactions, probes, breaks, stress_strain, fragments, fragment_history, fragment_paths;
 
-    void serialize(auto& archive) {
-        archive(energy, cracks, reactions, probes, breaks, stress_strain, fragments, fragment_history, fragment_paths);
-    }
+    void serialize(auto& archive);
 };
+
+struct HistoryFile {
+    const char* name;
+    History Histories::*table;
+    bool regular = false;  // a line at every output.history_every
+    bool drawn = true;     // in some figure
+};
+inline constexpr HistoryFile history_files[]{{"energy.csv", &Histories::energy, true},
+                                             {"cracks.csv", &Histories::cracks, true},
+                                             {"reactions.csv", &Histories::reactions, true},
+                                             {"probes.csv", &Histories::probes, true},
+                                             {"breaks.csv", &Histories::breaks},
+                                             {"stress_strain.csv", &Histories::stress_strain, true},
+                                             {"fragments.csv", &Histories::fragments},
+                                             {"fragment_history.csv", &Histories::fragment_history, false, false},
+                                             {"fragment_paths.csv", &Histories::fragment_paths, false, false}};
+
+void Histories::serialize(auto& archive) {
+    for (const HistoryFile& file : history_files) archive(this->*file.table);
+}
 
 /// "time [s]" -> "time"
 std::string_view name_in_header(std::string_view header);

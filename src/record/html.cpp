@@ -5,6 +5,8 @@
 #include "base/whole_file.hpp"
 #include "figures/animation.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -13,8 +15,8 @@
 namespace knap {
 namespace {
 
-constexpr std::size_t room = 1'300'000;  // [byte] of pictures that are kept as they are
-constexpr int small_width = 900;         // [pixel] of further ones
+constexpr std::size_t max_whole = 1'300'000;  // [byte] of pictures that are kept as they are
+constexpr int small_width = 900;              // [pixel] of further ones
 
 const char* const style = R"(
 body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #222; max-width: 60em; margin: 2em auto;
@@ -76,6 +78,14 @@ std::string base64(std::string_view bytes) {
 
 std::string address_of(const std::string& type, std::string_view bytes) {
     return "data:image/" + type + ";base64," + base64(bytes);
+}
+
+/// A string of JSON inside a <script>, which entities do not end and "</script>" would.
+std::string json_text(const std::string& text) {
+    std::string quoted;
+    for (const char c : nlohmann::json(printable(text)).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace))
+        quoted += c == '<' ? std::string("\\u003c") : std::string(1, c);
+    return quoted;
 }
 
 std::string cells(const HtmlRow& row, const char* kind) {
@@ -147,7 +157,7 @@ std::string html_slider(const std::vector<std::pair<std::string, std::string>>& 
     if (pictures.empty()) return "";
     std::string list;
     for (const auto& [bytes, caption] : pictures)
-        list += (list.empty() ? "[\"" : ",\n[\"") + address_of("webp", bytes) + "\", \"" + html_text(caption) + "\"]";
+        list += (list.empty() ? "[\"" : ",\n[\"") + address_of("webp", bytes) + "\", " + json_text(caption) + "]";
     const std::string last = std::to_string(pictures.size() - 1), &caption = pictures.back().second;
     return "<figure id=\"frames\"><img alt=\"" + html_text(caption) + "\" src=\"" +
            address_of("webp", pictures.back().first) + "\">\n<figcaption>" + html_text(caption) +
@@ -176,7 +186,7 @@ std::string html_figures(const std::vector<std::filesystem::path>& files) {
     for (File& file : found) by_size.push_back(&file);
     std::ranges::stable_sort(by_size, {}, &File::size);
     std::size_t taken = 0;
-    for (File* file : by_size) file->whole = (taken += file->size) <= room;
+    for (File* file : by_size) file->whole = (taken += file->size) <= max_whole;
     std::string text;
     for (const auto& [path, size, whole] : found) {
         const std::string ending = path.extension().string(), type = ending == ".svg" ? "svg+xml" : ending.substr(1);

@@ -27,8 +27,8 @@ std::string html_of_markdown(const std::string& text);
 /// A slider over pictures of .webp, each with its caption; the last one is shown first and printed.
 std::string html_slider(const std::vector<std::pair<std::string, std::string>>& pictures);
 
-/// Pictures of files inside the page: as they are while there is room, further ones smaller. Files of other kinds, and
-/// files that no longer exist, are left out.
+/// Pictures of files inside the page: the smallest ones as they are up to a total size, further ones smaller. Files of
+/// other kinds, and files that no longer exist, are left out.
 std::string html_figures(const std::vector<std::filesystem::path>& files);
 
 /// All of it. `question`: below the title.

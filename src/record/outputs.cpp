@@ -45,13 +45,13 @@ std::vector<OutputTable> all_tables() {
          "numbers of a run: `summary` of run.json, log.txt, stdout, `knap info`; [expect], studies and sweeps refer to "
          "them by name",
          summary_outputs()},
-        {"energy.csv", "energies and works since the start; a line every output.history_every",
-         rows_of(energy_columns())},
+        {"energy.csv",
+         "energies and works since the start; a line every output.history_every",
+         {energy_terms().begin(), energy_terms().end()}},
         {"cracks.csv", "cracks; a line at the same times", rows_of(crack_columns())},
         {"reactions.csv",
          "forces and motions of all that drives the body, at the same times; each column starts with the name of a "
-         "load "
-         "(load0, load1, ... where it has none) or of an obstacle",
+         "load (load0, load1, ... where it has none) or of an obstacle",
          rows_after_names(driver_columns(), obstacle_columns())},
         {"probes.csv",
          "probed places, interfaces and stresses, at the same times; each column starts with the name of a probe",
@@ -148,8 +148,8 @@ std::string_view unit_of(std::string_view table, std::string_view name) {
 }
 
 std::string_view unit_of_column(std::string_view column) {
-    for (const char* table : {"energy.csv", "cracks.csv", "reactions.csv", "probes.csv", "stress_strain.csv"})
-        if (const Output* row = find_output(table, column)) return row->unit;
+    for (const HistoryFile& file : history_files)
+        if (const Output* row = file.regular ? find_output(file.name, column) : nullptr) return row->unit;
     return "";
 }
 
@@ -187,14 +187,13 @@ std::string outputs_markdown() {
     std::string text =
         "# What a run writes\n\n"
         "This list is written by the program (`knap schema --outputs`). Units are SI (temperatures in K, or in C where "
-        "the "
-        "scenario gives them so); a name without a unit is a pure "
-        "number, a count or a text. A body is computed in the plane with the thickness `domain.thickness` (1 m unless "
-        "the scenario sets it; `thickness_m` of run.json): J, N, N m, kg and kg m/s refer to this thickness.\n\n"
+        "the scenario gives them so); a name without a unit is a pure number, a count or a text. A body is computed in "
+        "the plane with the thickness `domain.thickness` (1 m unless the scenario sets it; `thickness_m` of run.json): "
+        "J, N, N m, kg and kg m/s refer to this thickness.\n\n"
         "A table starts with one line of names with units in brackets, as `time [s]`. The value of an event that never "
         "happened, or that is unknown, is an empty field (`null` in run.json, `none` in texts), so that pandas, "
-        "numpy.genfromtxt and spreadsheets read it as missing. `*` stands for a name that the scenario gives. "
-        "A scenario (study, expect, sweep) refers to a column by its name without the unit.\n";
+        "numpy.genfromtxt and spreadsheets read it as missing. `*` stands for a name that the scenario gives. A "
+        "scenario (study, expect, sweep) refers to a column by its name without the unit.\n";
     for (const OutputTable& table : output_tables()) {
         text += "\n## " + table.name + "\n\n" + table.doc + ".\n\n| name | unit | meaning |\n|---|---|---|\n";
         for (const Output& row : table.rows)

@@ -1,5 +1,6 @@
 #pragma once
-// Observes a run: energy ledger, gates, deformation, cracks; writes tables, field frames and figures at their times.
+// Observes a run: energy ledger, gates, deformation, cracks; Tables, FrameOutput and FigureOutput write what they find
+// at its times.
 #include "analysis/breaks.hpp"
 #include "analysis/crack_history.hpp"
 #include "analysis/deformation_watch.hpp"
@@ -9,14 +10,10 @@
 #include "analysis/reactions.hpp"
 #include "analysis/rest_watch.hpp"
 #include "analysis/specimen.hpp"
-#include "figures/figures.hpp"
-#include "output/frame.hpp"
-#include "output/frame_writer.hpp"
-#include "output/vtk_series.hpp"
+#include "record/figure_output.hpp"
+#include "record/tables.hpp"
 
 #include <filesystem>
-#include <fstream>
-#include <functional>
 #include <optional>
 
 namespace knap {
@@ -41,19 +38,6 @@ struct RecorderOptions {
     bool resumes = false;  // files of an earlier part of the run exist: nothing is written before open_files()
 };
 
-/// Time spent on output.
-struct OutputTime {
-    double cpu = 0;                // [s] processor time of all output
-    double frames = 0;             // [s] its part for frames
-    double figures = 0;            // [s] its part for figures
-    double waited_for_frames = 0;  // [s] wall time for which steps waited for the frame writer
-
-    template <class Archive>
-    void serialize(Archive& archive) {
-        archive(cpu, frames, figures, waited_for_frames);
-    }
-};
-
 class Recorder {
 public:
     Recorder(const Model& model, const State& start, RecorderOptions options);
@@ -74,7 +58,7 @@ public:
     void after_adaptation(const State& now, const Renumbering& numbers, const LeapfrogEnergies& energies);
 
     /// Returns when all frames so far are on disk: before a checkpoint that counts them.
-    void finish_frames();
+    void finish_frames() { frames_.wait(); }
 
     /// Last lines, last frame, and the figures of the end; also after an interruption. Where the run ended early,
     /// figures at times that it did not reach show its last state.
@@ -88,31 +72,23 @@ public:
     bool at_rest() const { return rest_ && rest_->at_rest(); }
     const GateKeeper& gates() const { return gates_; }  // after the last step
     GateKeeper& gates() { return gates_; }
-    const Histories& histories() const { return histories_; }
+    const Histories& histories() const { return tables_.all(); }
     const RecorderOptions& options() const { return options_; }
-    const std::vector<std::filesystem::path>& figures() const { return drawn_; }
+    const std::vector<std::filesystem::path>& figures() const { return figures_.drawn(); }
     OutputTime time() const;
     /// Frames and figures that this run wrote and that no longer exist.
     std::vector<std::string> missing_files() const;
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(ledger_, deformation_, look_, search_, gates_, cracks_, histories_, next_frame_, next_history_,
-                next_fragments_, last_line_, frame_times_, next_at_, drawn_, time_);
+        archive(ledger_, deformation_, look_, search_, gates_, cracks_, tables_, lines_, fragments_, last_line_,
+                figures_, frames_, time_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
         if (rest_) archive(*rest_);
     }
 
 private:
-    class Timed;
-    /// A table of the run directory.
-    struct Sheet {
-        std::string file;  // "energy.csv"
-        History* history;
-        std::function<std::vector<double>(const State&)> line;  // every history_every; null: a line per event
-        std::ofstream stream;
-    };
     /// Motion since the last look at the deformation.
     struct Watch {
         double path = 0;        // [m] of the fastest vertices
@@ -124,18 +100,9 @@ private:
     };
     void renew_observers();
     void watch_deformation(const State& now, double speed);
-    void open(Sheet& sheet) const;
-    void add_line(Sheet& sheet, std::vector<double> line);
     void write_lines(const State& now);
-    void write_table(const char* file, const History& history) const;
     void write_arms();
     void write_fragments(const State& now);
-    void write_frame(const State& now);
-    void count_frame_time();
-    bool is_due(std::size_t figure, const State& now) const;
-    void draw_due(const State& now, bool at_end);
-    void draw_sequences();
-    void show_last_state(double end);
 
     const Model& model_;
     RecorderOptions options_;
@@ -148,19 +115,13 @@ private:
     std::optional<Breaks> breaks_;
     std::optional<Specimen> specimen_;
     std::optional<RestWatch> rest_;
-    Histories histories_;
-    std::vector<Sheet> sheets_;
-    std::size_t fragment_sheets_ = 0;  // the first of two
-    std::optional<VtkSeries> series_;
-    double next_frame_ = 0, next_history_ = 0, next_fragments_ = 0;  // [s]
-    Watch look_, search_;                                            // of the deformation, and for overlaps
-    double last_line_ = -1;                                          // [s] time of the last line
-    std::vector<double> frame_times_;                                // [s]
-    std::vector<std::size_t> next_at_;                               // per figure: number of its next time
-    std::vector<std::filesystem::path> drawn_;
     OutputTime time_;
-    double counted_ = 0;                 // [s] processor time of the frame writer that time_ contains
-    std::optional<FrameWriter> writer_;  // destroyed first: its thread uses the other members
+    Tables tables_;
+    Every lines_, fragments_;
+    Watch look_, search_;    // of the deformation, and for overlaps
+    double last_line_ = -1;  // [s] time of the last line
+    FigureOutput figures_;
+    FrameOutput frames_;
 };
 
 }  // namespace knap

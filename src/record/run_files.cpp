@@ -27,7 +27,7 @@ std::vector<std::filesystem::path> animate(const FigureOptions& options, const s
         const double shown = i + 1 < frames.size() ? (times.at(frames[i + 1]) - times.at(frames[i])) / speed : rest;
         return {draw_picture(options, read_frame(run, frames[i]), histories, context, common).image, shown};
     };
-    write_animation(file, frames.size(), picture, options.show == "cracks" || options.show == "materials");
+    write_animation(file, frames.size(), picture, has_few_colours(options.show));
     return {file};
 }
 
@@ -35,24 +35,17 @@ std::vector<std::filesystem::path> animate(const FigureOptions& options, const s
 
 FinishedRun read_finished_run(const std::filesystem::path& run) {
     const nlohmann::ordered_json record = read_run_json(run);
-    const auto read_if_there = [&](const char* name) {
-        return std::filesystem::exists(run / name) ? read_csv(run / name) : History{};
-    };
-    const auto read_lines = [&](const char* name) {
-        History history = read_csv(run / name);
-        if (history.rows.empty())
-            throw UserError("damaged-file", "`" + (run / name).string() + "` has no line of numbers");
-        return history;
-    };
+    Histories histories;
+    for (const HistoryFile& file : history_files) {
+        const bool is_needed = file.table == &Histories::energy || file.table == &Histories::cracks;
+        if (!file.drawn || (!is_needed && !std::filesystem::exists(run / file.name))) continue;
+        histories.*file.table = read_csv(run / file.name);
+        if (is_needed && (histories.*file.table).rows.empty())
+            throw UserError("damaged-file", "`" + (run / file.name).string() + "` has no line of numbers");
+    }
     const std::string title = record["title"];
     return {.directory = run,
-            .histories = {.energy = read_lines("energy.csv"),
-                          .cracks = read_lines("cracks.csv"),
-                          .reactions = read_if_there("reactions.csv"),
-                          .probes = read_if_there("probes.csv"),
-                          .breaks = read_if_there("breaks.csv"),
-                          .stress_strain = read_if_there("stress_strain.csv"),
-                          .fragments = read_if_there("fragments.csv")},
+            .histories = std::move(histories),
             .context = {.title = title.empty() ? record["name"].get<std::string>() : title,
                         .rayleigh_speed = record["rayleigh_speed_m_per_s"],
                         .materials = record["materials"],

@@ -1,5 +1,5 @@
 #pragma once
-// What was built, when asked by `knap --version` and written into run.json.
+// What was built: for `knap --version` and run.json.
 #include <string>
 #include <utility>
 #include <vector>

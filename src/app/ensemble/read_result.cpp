@@ -22,9 +22,9 @@ struct Column {
 
 /// Empty where no history has the column.
 Column column_of(const fs::path& run, const std::string& name, bool explicit_bulk) {
-    for (const char* file : {"energy.csv", "cracks.csv", "reactions.csv", "probes.csv", "stress_strain.csv"}) {
-        if (!fs::exists(run / file)) continue;
-        const History history = read_csv(run / file);
+    for (const HistoryFile& file : history_files) {
+        if (!file.regular || !fs::exists(run / file.name)) continue;
+        const History history = read_csv(run / file.name);
         if (!history.has(name)) continue;
         Column column{history.column("time"), history.column(name)};
         // with the explicit bulk these terms belong to the middle of a step, as its velocities do

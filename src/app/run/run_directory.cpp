@@ -3,6 +3,7 @@
 #include "app/run/checkpoint.hpp"
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
+#include "output/history_csv.hpp"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -49,23 +50,15 @@ bool is_made_by_runs(fs::path name) {
                                           "scenario.toml",
                                           "resolved.toml",
                                           "mesh.msh",
-                                          "energy.csv",
-                                          "cracks.csv",
                                           "arms.csv",
-                                          "reactions.csv",
-                                          "probes.csv",
-                                          "breaks.csv",
-                                          "fragments.csv",
-                                          "fragment_history.csv",
-                                          "fragment_paths.csv",
                                           "run.pvd",
                                           "fields",
-                                          "stress_strain.csv",
                                           "figures",
                                           "lcp",
                                           "checkpoint",
                                           "checkpoint.previous",
                                           "checkpoint.end"};
+    if (std::ranges::any_of(history_files, [&](const HistoryFile& file) { return name == file.name; })) return true;
     return names.contains(name);
 }
 

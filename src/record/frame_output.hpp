@@ -1,0 +1,51 @@
+#pragma once
+// The frames of a run, which a thread of their own writes.
+#include "output/frame_writer.hpp"
+#include "output/vtk_series.hpp"
+#include "record/output_time.hpp"
+
+#include <optional>
+
+namespace knap {
+
+class FrameOutput {
+public:
+    /// `every` [s]; 0: only frames of figures. `time` must outlive it.
+    FrameOutput(const Model& model, std::filesystem::path directory, double every, OutputTime& time)
+        : model_(model), directory_(std::move(directory)), every_(every), clock_(every), time_(time) {}
+
+    bool has_times() const { return every_ > 0; }
+    bool is_due(double time) const { return clock_.is_due(time); }
+    bool is_open() const { return writer_.has_value(); }
+    void open();
+    void start(const State& start);
+    /// `of_figure`: a figure needs this moment.
+    void after_step(const State& now, bool of_figure);
+    /// The last frame.
+    void finish(const State& now, bool ended_early);
+    /// Returns when all frames so far are on disk; wait(): while the steps do.
+    void complete();
+    void wait();
+
+    const std::vector<double>& times() const { return times_; }  // [s]
+    bool has(std::size_t k) const { return series_->has(k); }    // it was not deleted
+    std::vector<std::string> missing_files() const;
+    double uncounted() const { return writer_ ? writer_->cpu() - counted_ : 0; }  // [s] of the writer, not yet in time
+
+    void serialize(auto& archive) { archive(clock_, times_); }
+
+private:
+    void write(const State& now);
+
+    const Model& model_;
+    std::filesystem::path directory_;
+    double every_;
+    Every clock_;
+    OutputTime& time_;
+    std::vector<double> times_;
+    double counted_ = 0;  // [s] processor time of the writer that time_ contains
+    std::optional<VtkSeries> series_;
+    std::optional<FrameWriter> writer_;  // destroyed first: its thread uses the other members
+};
+
+}  // namespace knap
