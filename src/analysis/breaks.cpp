@@ -16,8 +16,7 @@ std::span<const Measure<Break>> break_columns() {
         {"length", "m", "length of the interface", [](const B& b) { return b.length; }},
         {"shear", "",
          "part of sliding in the opening at which the interface broke: 0 opened, 1 slid; above 1/2 it counts as a "
-         "shear "
-         "break",
+         "shear break",
          [](const B& b) { return b.shear; }},
         {"energy", "J", "fracture energy of the interface: G_c (at the temperature of the moment) times its area",
          [](const B& b) { return b.energy; }}};

@@ -10,7 +10,7 @@ CrackOptions crack_options(double extent, double process_zone, double fastest, I
     return {.arm_edges = 10 * edges_per_side,
             .short_arm_edges = 5 * edges_per_side,
             .short_arm_length = 0.05 * extent,
-            .least_length = 0.01 * extent,
+            .min_length = 0.01 * extent,
             .gap_edges = 2 * edges_per_side,
             .chord_edges = 10 * edges_per_side,
             .speed_edges = 20 * edges_per_side,
@@ -39,8 +39,8 @@ void CrackArms::renumber(InterfaceGraph graph, const Renumbering& numbers) {
         node.vertex = numbers.vertex[node.vertex];
         if (node.edge >= 0) node.edge = numbers.interface[node.edge];
     }
-    for (Index& e : loose_.edges) e = numbers.interface[e];
-    for (Index& v : loose_.way) v = numbers.vertex[v];
+    for (Index& e : isolated_.edges) e = numbers.interface[e];
+    for (Index& v : isolated_.way) v = numbers.vertex[v];
 }
 
 void CrackArms::grow(double time, std::span<const InterfaceStatus> status) {
@@ -53,13 +53,13 @@ void CrackArms::grow(double time, std::span<const InterfaceStatus> status) {
     std::set<Index> examined;  // edges of stretches that are too small
     for (const Index e : cracked) {
         if (node_of_[e] != -1 || examined.contains(e)) continue;
-        LooseStretch stretch = loose_stretch(e);
+        IsolatedStretch stretch = isolated_stretch(e);
         if (stretch.at_end_of_precrack || options_.is_arm(static_cast<Index>(stretch.edges.size()), stretch.length)) {
             start_crack(stretch.way.front(), stretch.start);
             continue;
         }
         examined.insert(stretch.edges.begin(), stretch.edges.end());
-        if (stretch.length > loose_.length) loose_ = std::move(stretch);
+        if (stretch.length > isolated_.length) isolated_ = std::move(stretch);
     }
     for (Junction& junction : junctions_)
         if (junction.n_counted < 2) count_branchings(junction);
@@ -118,7 +118,7 @@ void CrackArms::close(Index edge, Index a, Index b) {
         const CrackNode& fork = nodes_[common(a, b)];
         const Index n_edges = 1 + nodes_[a].n_edges + nodes_[b].n_edges - 2 * fork.n_edges;
         const double length = graph().length[edge] + nodes_[a].distance + nodes_[b].distance - 2 * fork.distance;
-        if (n_edges < 2 * options_.arm_edges || length < 2 * options_.least_length) return;
+        if (n_edges < 2 * options_.arm_edges || length < 2 * options_.min_length) return;
     }
     const auto rank = [&](Index node) {
         const bool is_tip = nodes_[node].arm >= 0 && arms_[nodes_[node].arm].tip() == node;
@@ -225,7 +225,7 @@ void CrackArms::take_long_stretch(Index vertex) {
             const Index node = node_of_[e], n = node < 0 ? 0 : nodes_[node].n_edges - nodes_[base_of(node)].n_edges;
             if (n > n_longest) longest = node, n_longest = n;
         }
-        if (longest < 0 || length < options_.least_length) return;
+        if (longest < 0 || length < options_.min_length) return;
         start_arm(base_of(longest), longest);
         arms_.back().kept = nodes_[longest].distance;
     }
@@ -233,9 +233,9 @@ void CrackArms::take_long_stretch(Index vertex) {
 
 // ---- cracks ----
 
-/// The loose stretch of an edge. It starts at a pre-crack, at its end rather than its side; without one at the
+/// The isolated stretch of an edge. It starts at a pre-crack, at its end rather than its side; without one at the
 /// boundary, at an end of a longest path across; without either in the middle of its longest path.
-LooseStretch CrackArms::loose_stretch(Index edge) const {
+IsolatedStretch CrackArms::isolated_stretch(Index edge) const {
     const auto search_from = [&](Index root) {
         const auto length = [&](Index e) { return is_free(e) ? graph().length[e] : CrackedEdges::never; };
         const auto goes_on = [&](Index v, double) { return v == root || !edges_.terminal(v); };
@@ -243,7 +243,7 @@ LooseStretch CrackArms::loose_stretch(Index edge) const {
     };
     const auto [a, b] = graph().ends[edge];
     const Search all = search_from(edges_.terminal(a) ? b : a);
-    LooseStretch found;
+    IsolatedStretch found;
     std::set<Index> stretch;
     for (const Index v : all.order)
         for (const Index e : edges_.edges_at(v))

@@ -9,7 +9,7 @@ struct CrackOptions {
     Index arm_edges = 10;         // a path is an arm when it has so many edges; a shorter one is a twig
     Index short_arm_edges = 10;   // or when it has so many
     double short_arm_length = 0;  // and this length [m]
-    double least_length = 0;      // [m] of any arm: edges may be too small to be seen in a picture of the body
+    double min_length = 0;        // [m] of any arm: edges may be too small to be seen in a picture of the body
     Index gap_edges = 0;          // largest number of damaged interfaces between two broken stretches of one crack
     Index chord_edges = 1;        // lengths of paths are measured along chords of so many edges, not along the zigzag
     Index speed_edges = 20;       // a tip speed is fitted over growth by so many edges
@@ -18,7 +18,7 @@ struct CrackOptions {
     double fastest = infinity;  // [m/s] of waves: bound of tip speeds
 
     bool is_arm(Index n_edges, double length) const {
-        return length >= least_length &&
+        return length >= min_length &&
                (n_edges >= arm_edges || (n_edges >= short_arm_edges && length >= short_arm_length));
     }
 };
@@ -80,7 +80,7 @@ struct Junction {
 };
 
 /// A connected set of cracked edges that is too small to be a crack.
-struct LooseStretch {
+struct IsolatedStretch {
     std::vector<Index> edges;
     CrackStart start = CrackStart::none;
     bool at_end_of_precrack = false;
@@ -110,7 +110,7 @@ public:
     const std::vector<CrackArm>& arms() const { return arms_; }
     const std::vector<CrackTree>& cracks() const { return cracks_; }
     const std::vector<Branching>& branchings() const { return branchings_; }
-    const LooseStretch& longest_loose() const { return loose_; }
+    const IsolatedStretch& longest_isolated() const { return isolated_; }
     /// Per arm: another crack continues from it near its end, so that the rest of it is a twig.
     std::vector<std::uint8_t> passed() const;
     Index first_of(Index crack) const;  // the start of the chain of cracks that it continues; or itself
@@ -125,7 +125,7 @@ public:
     std::vector<Index> way(Index node) const;
 
     void serialize(auto& archive) {
-        archive(edges_, node_of_, owner_, nodes_, arms_, cracks_, branchings_, junctions_, loose_);
+        archive(edges_, node_of_, owner_, nodes_, arms_, cracks_, branchings_, junctions_, isolated_);
     }
 
 private:
@@ -153,7 +153,7 @@ private:
     }
     double beyond(Index arm, Index node) const { return nodes_[arms_[arm].tip()].distance - nodes_[node].distance; }
     double start_time(Index arm, Index base) const;
-    LooseStretch loose_stretch(Index edge) const;
+    IsolatedStretch isolated_stretch(Index edge) const;
     void start_crack(Index vertex, CrackStart start);
     void continue_crack(Index from, Index at);
     void count_branchings(Junction& junction);
@@ -170,8 +170,8 @@ private:
     std::vector<CrackTree> cracks_;
     std::vector<Branching> branchings_;
     std::vector<Junction> junctions_;
-    LooseStretch loose_;      // the longest so far
-    bool continued_ = false;  // a crack continues another one since the last time
+    IsolatedStretch isolated_;  // the longest so far
+    bool continued_ = false;    // a crack continues another one since the last time
 };
 
 }  // namespace knap

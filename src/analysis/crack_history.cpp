@@ -199,14 +199,14 @@ void CrackHistory::find_main() {
         pattern_.main_end = tip_of(main_arm_);
         pattern_.main_start = arms_.cracks()[arms_.first_of(arms[main_arm_].crack)].start;
         vertices = vertices_of(arms_.way(arms[main_arm_].tip()));
-    } else if (const LooseStretch& loose = arms_.longest_loose(); loose.length > 0) {
-        vertices = loose.way;
-        length = loose.length;
-        for (const Index e : loose.edges) grew_at(arms_.edges().since(e));
+    } else if (const IsolatedStretch& isolated = arms_.longest_isolated(); isolated.length > 0) {
+        vertices = isolated.way;
+        length = isolated.length;
+        for (const Index e : isolated.edges) grew_at(arms_.edges().since(e));
         pattern_.n_cracks = 1;
-        pattern_.main_start = loose.start;
-        pattern_.main_end = {-1, vertices.back(), arms_.graph().vertices[vertices.back()], 0, unknown, loose.ends};
-        if (!loose.ends) pattern_.tips.push_back(*pattern_.main_end);
+        pattern_.main_start = isolated.start;
+        pattern_.main_end = {-1, vertices.back(), arms_.graph().vertices[vertices.back()], 0, unknown, isolated.ends};
+        if (!isolated.ends) pattern_.tips.push_back(*pattern_.main_end);
     }
     pattern_.crack_length = std::max(pattern_.crack_length, length);
     if (!vertices.empty()) pattern_.main_length = std::max(pattern_.main_length, along_chords(vertices).back());
@@ -261,8 +261,7 @@ std::span<const Measure<CrackMoment>> crack_columns() {
          [](const M& m) { return m.history.pattern().main_length; }},
         {"crack_length", "m",
          "length of all crack arms, along edges, without twigs and isolated broken interfaces; written again at the "
-         "end "
-         "of the run, where an arm counts from its first edge on",
+         "end of the run, where an arm counts from its first edge on",
          [](const M& m) { return m.history.pattern().crack_length; }},
         {"broken_length", "m", "length of all broken interfaces",
          [](const M& m) { return m.history.pattern().broken_length; }},

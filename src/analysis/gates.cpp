@@ -50,7 +50,7 @@ double rounding_of_energy(const EnergyLedger& ledger) {
     return rounding_of(ledger.n_steps()) * (1 + ledger.largest_free_thermal() / energy_scale(ledger));
 }
 
-// [m/s] In a step that is s of the stable one, the strain energy of the leapfrog, 1/2 u_n' K u_{n+1}, is at least -s^2
+// [m/s] With a step of s times the stable step, the strain energy of the leapfrog, 1/2 u_n' K u_{n+1}, is at least -s^2
 // times the kinetic energy, which so is at most 1/(1 - s^2) of the supplied energy: 2.8 times with a safety of 0.8. No
 // part can have more. Kinetic energy that grows without bound has no supply.
 double speed_of_supplied_energy(const EnergyLedger& ledger) {
@@ -212,8 +212,7 @@ const GateRule rules[] = {
      }},
     {{"rotation", "deg",
       "largest rotation of a triangle; knap assumes small rotations, and a body that turns by an angle a grows by tan "
-      "a "
-      "squared",
+      "a squared",
       "Set domain.rotation = \"large\", where nothing else excludes it (explicit bulk, mesh.order = 1, start at rest), "
       "or end the run earlier if its question is answered by then. If only fragments turn that no longer matter, allow "
       "it: [limits] rotation = \"none\" and area_change = \"none\"."},

@@ -313,8 +313,7 @@ struct Bench {
         kernel("both", both, 133, 71);
         std::printf(
             "  %-28s %6.2f ns  mean to %.3g us: tests of candidate fans, %.3g fans apart a step; at most %.0f ns for "
-            "one "
-            "of these\n",
+            "one of these\n",
             "interfaces", 1e9 * (all - both), 1e6 * until, solves * n, solves > 0 ? 1e9 * (all - both) / solves : 0);
         add("interfaces [ns a triangle-step]", 1e9 * (all - both));
         if (solves > 0) add("interfaces [ns a fan that is apart]", 1e9 * (all - both) / solves);

@@ -155,8 +155,8 @@ void measure_dust(std::vector<Measurement>& measured) {
     measured.push_back({"dust: detection for a free edge [ns]", 1e9 * one_thread_time(watch) / (n_steps * n_edges)});
 }
 
-/// A block that slides over a ground of 40 000 edges, of which it meets some thirty: it moves to another one of them in
-/// fifty steps, and searches on the way.
+/// A block that slides over a ground of 40 000 edges, of which it touches about thirty: it reaches a new one every
+/// fifty steps, and repeats the search meanwhile.
 void measure_ground(std::vector<Measurement>& measured) {
     const auto time_of_find = [](const std::string& beyond, double& n_edges) {
         const Scenario scenario = read_scenario_text(std::string(sliding) + rock, "sliding",

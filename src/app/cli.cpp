@@ -73,8 +73,7 @@ public:
         add_lcp(), add_bench();
         app.footer(  // after the commands, which would have it as well
             "Exit codes: 0 success, 1 internal error, 2 bad scenario or option, 3 the simulation failed, ran out of "
-            "memory "
-            "or violated a gate, or no solver solved the problem,\n"
+            "memory or violated a gate, or no solver solved the problem,\n"
             "4 an [expect] value failed, 130 interrupted.");
     }
 
@@ -122,9 +121,9 @@ private:
             ->check(CLI::Range(1, 1024));
         command->add_option("--until", until_, "end earlier, as in 20us");
         command->add_flag("--force", run_.force, "replace an earlier run");
-        command->add_option("--dump-lcp", dump_lcp_,
-                            "store the complementarity problems of these steps in <run>/lcp: 10,20 or 10:5:40 (every "
-                            "fifth)");
+        command->add_option(
+            "--dump-lcp", dump_lcp_,
+            "store the complementarity problems of these steps in <run>/lcp: 10,20 or 10:5:40 (every fifth)");
         command->add_flag("-q,--quiet", run_.quiet, "no progress line");
     }
 
@@ -278,9 +277,9 @@ private:
     void add_bench() {
         CLI::App* command = add("bench", "fixed work: triangle-steps per core-second, ratios within one run",
                                 [this] { return bench(bench_); });
-        command->add_flag("--full", bench_.full,
-                          "all 80 us of the block, 151 000 and a million triangles, meshes, frames, figures, implicit "
-                          "steps");
+        command->add_flag(
+            "--full", bench_.full,
+            "all 80 us of the block, 151 000 and a million triangles, meshes, frames, figures, implicit steps");
         command->add_option("--csv", bench_.csv, "write the measurements to this file")->type_name(path);
     }
 

@@ -72,8 +72,7 @@ void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
     if (cracks_anywhere(scenario))
         std::printf(
             "  a crack along the edges of a random mesh costs 1.1 to 1.3 G_c per length, however small they are: its "
-            "path "
-            "is 5 %% longer, the rest is damage\n  beside it. To meet a measured toughness, divide G_c by "
+            "path is 5 %% longer, the rest is damage\n  beside it. To meet a measured toughness, divide G_c by "
             "work_per_advance/G_c of a first run (summary)\n");
     const SchemeOptions& scheme = scenario.time.scheme;
     for (const Resolution& r : found) {

@@ -117,8 +117,8 @@ void add_keys_of_body(KeyTable& t) {
     t.integer("rows", "number of rows").at_least(1).at_most(10000).required().only_with("pattern", {"wall"});
     t.number("block", "m", "width and height of a block")
         .pair().above(0).required().only_with("pattern", {"wall"}).to(&WallOptions::block);
-    t.number("bond", "", "shift of every second row over block and gap, with shorter blocks at its ends; 0: stacked "
-        "columns").at_least(0).below(1).otherwise("0.5").only_with("pattern", {"wall"}).to(&WallOptions::bond);
+    t.number("bond", "", "shift of every second row over block and gap, with shorter blocks at its ends; 0: "
+        "stacked columns").at_least(0).below(1).otherwise("0.5").only_with("pattern", {"wall"}).to(&WallOptions::bond);
     t.number("origin", "m", "lower left corner of the wall")
         .pair().otherwise("[0, 0]").only_with("pattern", {"wall"}).to(&WallOptions::origin);
     t.number("gap", "m", "distance between neighbours; 0: they touch")
@@ -142,8 +142,8 @@ void add_keys_of_body(KeyTable& t) {
         .at_least(1).at_most(5).otherwise("1").only_with("pattern", {"heap"}).to(&InclusionOptions::elongation);
     t.number("direction", "deg", "angle of the long axis to x; without it random")
         .only_with("pattern", {"heap"}).to(&InclusionOptions::direction, radians);
-    t.number("angle", "deg", "angle by which the pattern is turned about its origin or the lower left corner of its "
-        "box").otherwise("0");
+    t.number("angle", "deg", "angle by which the pattern is turned about its origin or the lower left "
+        "corner of its box").otherwise("0");
     add_matter_and_motion(t);
 
     t.table("mesh", "the triangle mesh").required();
@@ -155,8 +155,8 @@ void add_keys_of_body(KeyTable& t) {
     t.integer("order", "order of the displacement in a triangle; 2: seven nodes a triangle and three points an "
         "interface, more accurate in waves, impact and bending, with triangles of twice the size")
         .at_least(1).at_most(2).otherwise("1").to(&Scenario::order);
-    t.list("mesh.refine[]", "a place with smaller triangles, a box or a strip; the smallest size holds where places "
-        "overlap");
+    t.list("mesh.refine[]", "a place with smaller triangles, a box or a strip; the smallest size holds "
+        "where places overlap");
     t.number("inside", "m", "lower left and upper right corner of a box; or along").box();
     t.number("along", "m", "polyline of at least two points in the middle of a strip, such as the path of a crack")
         .points();
@@ -211,8 +211,8 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.text("body", "name of the body; required where there are several");
     t.text("name", "boundary name of the edges of pores").a_name().computed("pores");
 
-    t.list("joints[]", "a joint set: closed cracks, or interfaces with a law of their own; with thickness and material "
-        "veins");
+    t.list("joints[]", "a joint set: closed cracks, or interfaces with a law of their own; with thickness "
+        "and material veins");
     t.number("direction", "deg", "mean angle of the traces to x").required().to(&JointOptions::direction, radians);
     t.number("spread", "deg", "standard deviation of the angle")
         .at_least(0).at_most(30).otherwise("0").to(&JointOptions::spread, radians);
@@ -257,8 +257,8 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.flag("breakable", "false: the interface never breaks").otherwise("true");
     t.number("sigma_c", "Pa", "tensile strength; 0: contact and friction only; required unless breakable = false")
         .at_least(0);
-    t.number("G_c", "J/m2", "fracture energy, dissipated as G_c (1 - beta)^2 with linear softening; either G_c or "
-        "delta_c").above(0);
+    t.number("G_c", "J/m2", "fracture energy, dissipated as G_c (1 - beta)^2 with linear softening; "
+        "either G_c or delta_c").above(0);
     t.number("delta_c", "m", "opening at which the cohesion is lost, 2 G_c/sigma_c with linear softening; either G_c "
         "or delta_c").above(0);
     using Shape = SofteningOptions::Shape;
@@ -275,8 +275,8 @@ void add_keys_of_microstructure(KeyTable& t) {
         .at_least(0.1).at_most(10).otherwise("2").only_with("softening", {"power"}).to(&SofteningOptions::exponent);
     t.number("table", "", "2 to 13 pairs [opening, traction] from opening 0 down to traction 0, in any units: scaled "
         "to sigma_c and G_c").points().second("").only_with("softening", {"table"}).to(&SofteningOptions::table);
-    t.text("csv", "file with lines `opening, traction` instead of a table, relative to the scenario file; # starts a "
-        "comment").only_with("softening", {"table"});
+    t.text("csv", "file with lines `opening, traction` instead of a table, relative to the scenario file; # "
+        "starts a comment").only_with("softening", {"table"});
     t.word("unloading", {"constant", "secant"}, "traction of a damaged interface that closes: constant beta sigma_c, "
         "or secant: falls to 0 with the opening").otherwise("constant")
         .to(&CohesiveLaw::unloading, {Unloading::constant, Unloading::secant});
@@ -334,8 +334,8 @@ void add_keys_of_loads(KeyTable& t) {
     add_place(t, "absorb[]", "place: a boundary, a box, a body, or what they have in common; required");
 
     t.list("load[]", "a load or prescribed motion: exactly one of traction, pressure, stress, force, velocity, "
-        "displacement, body_force, acceleration; its factor over time by at most one of ramp, table, csv, otherwise "
-        "constant");
+        "displacement, body_force, acceleration; its factor over time by at most one of ramp, table, csv, "
+        "otherwise constant");
     t.text("name", "name of the load in reactions.csv, in the summary, in specimen.force, [expect] and [study]; "
         "letters, digits, blanks, _ and -").a_name().computed("load0, load1, ...").to(&Load::name);
     add_place(t, "load[]", "place: a boundary, a box, a body, or what they have in common; body_force and "

@@ -56,24 +56,21 @@ void add_keys_of_heat(KeyTable& t) {
     add_history(t, "rise time: the factor grows linearly from 0 to 1 and stays 1");
     t.flag("conduction", "temperatures follow from conduction; without it they are prescribed")
         .otherwise("false").to(&Heat::conduction);
-    t.integer("every", "steps of the explicit bulk for one of the temperature; the thermal strain is constant in "
-        "between")
+    t.integer("every", "steps of the explicit bulk for one of the temperature; the thermal strain is "
+        "constant in between")
         .at_least(1).at_most(1000000).otherwise("10").to(&Heat::every);
-    t.number("time_factor", "", "heat runs so many times faster than the motion (heat capacities are divided by "
-        "it): t times "
-        "the factor is the time of the heat. The motion stays quasi-static while its kinetic energy is small "
-        "against the strain "
-        "energy").at_least(1).otherwise("1").to(&Heat::time_factor);
+    t.number("time_factor", "", "heat runs so many times faster than the motion (heat capacities are divided by it): "
+        "t times the factor is the time of the heat. The motion stays quasi-static while its kinetic energy is small "
+        "against the strain energy").at_least(1).otherwise("1").to(&Heat::time_factor);
     t.number("gap_conductivity", "W/m/K", "conductivity of what fills open cracks: air 0.025, water 0.6, ice 2.2; "
         "0: none")
         .at_least(0).otherwise("0.025").to(&Heat::gap_conductivity);
     t.number("closed_conductance", "W/m2/K", "conductance of closed points of cracks; 0: cracks are insulated")
         .at_least(0).computed("50 conductivities over the length of the edge").to(&Heat::closed_conductance);
-    t.list("heat.exchange[]", "heat through a boundary or into a region, with conduction: exactly one of temperature, "
-        "outside, flux, source; boundaries without one are insulated, and so are new faces of cracks; a factor over "
-        "time "
-        "by at most one of ramp, table, csv multiplies flux and source, and differences of temperatures to "
-        "heat.reference");
+    t.list("heat.exchange[]", "heat through a boundary or into a region, with conduction: exactly one of "
+        "temperature, outside, flux, source; boundaries without one are insulated, and so are new faces of cracks; a "
+        "factor over time by at most one of ramp, table, csv multiplies flux and source, and differences of "
+        "temperatures to heat.reference");
     add_place(t, "heat.exchange[]", "place: a boundary, a box, a body, or what they have in common; source without it "
         "acts on all bodies");
     t.number("temperature", "K", "prescribed temperature of the vertices");

@@ -91,8 +91,8 @@ void add_keys_of_run(KeyTable& t) {
     t.number("modulus_between", "", "stress interval of the fit of modulus and Poisson's ratio, over the peak stress")
         .pair().at_least(0).at_most(1).otherwise("[0.4, 0.6]").to(&SpecimenOptions::modulus_between);
 
-    t.list("probe[]", "a point whose motion, interface whose opening, or box whose mean stress is written to "
-        "probes.csv");
+    t.list("probe[]", "a point whose motion, interface whose opening, or box whose mean stress is "
+        "written to probes.csv");
     t.number("at", "m", "position; outside the body the nearest vertex")
         .pair().required().only_with("watch", {"place", "interface"}).to(&ProbeOptions::at);
     t.word("watch", {"place", "interface", "stress"}, "place: displacement and velocity of the point; interface: "
@@ -153,8 +153,8 @@ void add_keys_of_run(KeyTable& t) {
     t.number("area_change", "", "maximum relative change of the area of a triangle; without domain.rotation = "
         "\"large\" a rotation by a changes it by tan^2 a")
         .above(0).or_word("none").computed("1/3, warning from 5 %; 0.7 with domain.rotation = \"large\"");
-    t.number("rotation_work_part", "", "maximum defect of the elastic energy by large rotations over the largest "
-        "energy").above(0).or_word("none").otherwise("0.001");
+    t.number("rotation_work_part", "", "maximum defect of the elastic energy by large rotations over "
+        "the largest energy").above(0).or_word("none").otherwise("0.001");
     t.number("temperature_overshoot", "", "maximum excess of a temperature over those around it, over the largest "
         "difference; with conduction").above(0).or_word("none").computed("0.05, warning from 0.001");
     t.number("slip", "", "maximum slip of a point under pressure over the length of its edge; not of sliding along "

@@ -174,7 +174,7 @@ private:
 };
 
 /// The number of the law that `interface` names; none, and an error, if there is no such law.
-std::optional<Index> law_of(const Table& table) {
+std::optional<Index> named_law(const Table& table) {
     if (!table.has("interface") || !table.reading().values.has("interface")) return std::nullopt;
     std::vector<std::string> names;
     for (const NamedLaw& named : table.scenario().laws) names.push_back(named.name);
@@ -219,13 +219,13 @@ void read_laws(Reading& reading) {
     std::size_t joint = 0;
     for (const Table& table : reading.list("joints")) {
         if (!table.has("interface")) continue;
-        const Index law = law_of(table).value_or(0);
+        const Index law = named_law(table).value_or(0);
         if (joint < scenario.law_of_joint.size()) scenario.law_of_joint[joint++] = law;
     }
     for (std::size_t i = 0; i < scenario.supports.size(); ++i) {
         const Table table = reading.table(item("support", i));
         Support& support = scenario.supports[i];
-        const auto law = law_of(table);
+        const auto law = named_law(table);
         if (!law) continue;
         support.law = *law;
         const NamedLaw& named = scenario.laws[*law];

@@ -386,7 +386,7 @@ TEST_CASE("many edges are no arm where they are too short to be seen beside the 
         s.row(0, 0, 1, 0, 20, 1 * us, 1 * us);
         s.row(12, 0, 0, 1, 5, 12 * us, 1 * us);
         CrackOptions o = options();
-        o.least_length = least;
+        o.min_length = least;
         CHECK(run(s, 30 * us, o).pattern().n_branches == (least < 5 * mm ? 1 : 0));
     }
 }

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <cstdlib>
+#include <map>
 #include <regex>
 
 namespace files_test {
@@ -50,6 +51,19 @@ TEST_CASE("clang-format leaves the files as they are") {
     if (std::system("command -v clang-format >/dev/null") != 0) return;  // a tool of developers, not of users
     const std::string files = "find src tests tools -name '*.[ch]pp' -print0 | xargs -0 clang-format --dry-run -Werror";
     CHECK(std::system(("cd '" KNAP_SOURCE_DIR "' && " + files).c_str()) == 0);
+}
+
+TEST_CASE("no class is defined in two .cpp") {
+    static const std::regex member(R"(^(?:[\w:<>,&*\[\] ]*[ &*>])?([A-Z]\w*)::~?\w+\(.*[^;]$)");
+    std::map<std::string, std::string> file_of;
+    for (const File& file : source_tree::files_below("src"))
+        for (const std::string& line : file.lines)
+            if (std::smatch m; file.has_extension(".cpp") && std::regex_match(line, m, member)) {
+                const auto [known, is_new] = file_of.emplace(m[1], file.path);
+                CHECK_MESSAGE(known->second == file.path, m[1].str(), " is defined in ", known->second, " and ",
+                              file.path);
+            }
+    CHECK(file_of.size() > 50);
 }
 
 TEST_CASE("every header has pragma once in its first line") {
@@ -104,7 +118,7 @@ TEST_CASE("tools are executable and stop at the first error") {
 TEST_CASE("every third-party package has its page") {
     const File index = source_tree::read(source_tree::root() / "third_party_notes" / "README.md");
     for (const char* name : {"eigen", "cgal", "vtk", "cli11", "tomlplusplus", "nlohmann_json", "doctest", "cairo",
-                             "libwebp", "openmp", "dejavu"}) {
+                             "libwebp", "openmp", "dejavu", "cereal", "boost"}) {
         const std::string page = std::string(name) + ".md";
         CAPTURE(page);
         CHECK(std::filesystem::exists(source_tree::root() / "third_party_notes" / page));

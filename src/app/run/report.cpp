@@ -24,9 +24,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t min_pictures = 3, max_pictures = 24;
-constexpr double share = 0.03;         // of the processor time of the run, for more than the fewest pictures
-constexpr std::size_t room = 700'000;  // [byte] of all pictures
-constexpr int picture_width = 640;     // [pixel]
+constexpr double share = 0.03;              // of the processor time of the run, for more than the fewest pictures
+constexpr std::size_t max_bytes = 700'000;  // of all pictures
+constexpr int picture_width = 640;          // [pixel]
 
 /// "0.3 mm"; other units, and values that are small for any prefix, in SI.
 std::string with_prefix(double value, std::string_view unit) {
@@ -155,7 +155,8 @@ std::string frames(const RunRecord& record, const Recorder& recorder, const fs::
     std::size_t size = 0;
     for (const std::size_t k : from_coarse_to_fine(times.size())) {
         const bool enough = pictures.size() >= min_pictures;
-        if (pictures.size() >= max_pictures || size > room || (enough && watch.cpu() > share * record.spent.cpu)) break;
+        if (pictures.size() >= max_pictures || size > max_bytes || (enough && watch.cpu() > share * record.spent.cpu))
+            break;
         try {
             const Frame frame = read_frame(directory, k);
             if (!scale) scale = scale_of(options, frame, histories, context);

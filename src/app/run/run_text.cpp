@@ -22,12 +22,11 @@ std::string solver_text(const RunRecord& record) {
         const auto n = static_cast<double>(record.steps), solves = static_cast<double>(counts.linear_solves);
         text += formatted(
             "  solver  %.2f linear solves and %.2f factorisations per step, %.3g s of processor time per step, %.3g s "
-            "per "
-            "solve\n",
+            "per solve\n",
             solves / n, static_cast<double>(counts.factorisations) / n, record.spent.steps / n,
             record.spent.steps / solves);
         if (counts.fan_fallbacks > 0)
-            text += formatted("  pivots  solved %lld steps on which this solver failed (Lemke fallback)\n",
+            text += formatted("  Lemke   solved %lld steps on which this solver failed (Lemke fallback)\n",
                               Count(counts.fan_fallbacks));
         if (record.factor.unknowns > 0)
             text += formatted("  factor  of %lld unknowns with %lld entries, %.1f per unknown\n",
@@ -36,14 +35,14 @@ std::string solver_text(const RunRecord& record) {
     }
     for (const CutbackReason reason : cutback_reasons)
         if (const std::int64_t n = record.n_cutbacks[static_cast<std::size_t>(reason)]; n > 0)
-            text += formatted("  cuts    %lld: %s\n", Count(n), describe(reason).data());
+            text += formatted("  cutbacks %lld: %s\n", Count(n), describe(reason).data());
     return text;
 }
 
 }  // namespace
 
 std::string cutback_text(const Cutback& cut, const Vec2& where) {
-    return formatted("cut: t = %.9g s, step %.4g s -> %.4g s at (%.6g, %.6g) m: %s\n", cut.time, cut.from, cut.to,
+    return formatted("cutback: t = %.9g s, step %.4g s -> %.4g s at (%.6g, %.6g) m: %s\n", cut.time, cut.from, cut.to,
                      where.x(), where.y(), describe(cut.reason).data());
 }
 
@@ -58,8 +57,7 @@ std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest) {
             : "";
     return formatted(
         "the run cannot continue from t = %.9g s at (x, y) = (%.6g, %.6g) m: %s, even in a step of %.4g s; the "
-        "smallest "
-        "step allowed is %.4g s. Try %stime.step_min = \"%.3g s\"",
+        "smallest step allowed is %.4g s. Try %stime.step_min = \"%.3g s\"",
         cut.time, where.x(), where.y(), describe(cut.reason).data(), cut.from, smallest, alternatives, 1e-3 * smallest);
 }
 

@@ -53,11 +53,10 @@ StepPlan plan_steps(const Scenario& scenario, double stable_step, double until) 
                       "E, nu or density of a material, or mesh.size, is too large or too small for double precision");
     const double requested = requested_step(time, stable_step);
     const std::int64_t n =
-        time.step.value > 0
-            ? count("time.step", time.end, requested, "use a larger time.step, or a smaller time.end")
-            : count("time.end", time.end, requested,
-                    "use a smaller time.end; the step follows from time.safety, mesh.size, and E and density of the "
-                    "materials");
+        time.step.value > 0 ? count("time.step", time.end, requested, "use a larger time.step, or a smaller time.end")
+                            : count("time.end", time.end, requested,
+                                    "use a smaller time.end; the step follows from time.safety, mesh.size, and E and "
+                                    "density of the materials");
     // equal steps, unless one is cut; a step given in seconds is used as it is, and the last ones may be shorter
     const double step = time.step.value > 0 && !time.step.of_stable_step ? std::min(requested, time.end)
                                                                          : time.end / static_cast<double>(n);

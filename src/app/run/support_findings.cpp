@@ -9,7 +9,7 @@
 namespace knap {
 namespace {
 
-constexpr double beside = 1e-3;  // [-] of the edge: where the other side of a face is looked for
+constexpr double offset = 1e-3;  // [-] of the edge: where the other side of a face is looked for
 
 bool in_triangle(const Mesh& mesh, Index t, const Vec2& x) {
     for (Index k = 0; k < 3; ++k)
@@ -28,7 +28,7 @@ std::vector<Diagnostic> findings_of_supports(const ReadResult& read, const Model
         const auto beyond = [&](std::size_t e) -> Vec2 {
             const auto& [triangle, side, boundary] = mesh.boundary_edges[e];
             const Vec2 along = mesh.side_vector(triangle, side);
-            return mesh.corner(triangle, side) + 0.5 * along - beside * turned_left(along);
+            return mesh.corner(triangle, side) + 0.5 * along - offset * turned_left(along);
         };
         const auto touches = [&](std::size_t e) {
             const Vec2 x = beyond(e);

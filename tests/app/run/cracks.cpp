@@ -186,9 +186,10 @@ TEST_CASE("the starter plate forks as its picture shows") {
     const std::vector<double> tip_x = cracks.column("tip_x"), tip_y = cracks.column("tip_y");
     for (std::size_t i = 1; i < tip_x.size(); ++i)
         CHECK_FALSE(std::hypot(tip_x[i] - tip_x[i - 1], tip_y[i] - tip_y[i - 1]) > 6e-3);
-    CHECK(largest_live_jump(folder.path / "run") <
-          10e-3);  // a loose stretch of less than ten edges that joins; breaks.csv knows no damaged edges that bridge a
-                   // gap sooner
+    CHECK(
+        largest_live_jump(folder.path / "run") <
+        10e-3);  // an isolated stretch of less than ten edges that joins; breaks.csv knows no damaged edges that bridge a
+                 // gap sooner
 }
 
 TEST_CASE("coarse blocks: no length falls and no arm of ten edges is lost") {

@@ -87,11 +87,11 @@ TEST_CASE("a run cuts its steps where cohesion begins to fall and says so") {
     CAPTURE(run.text);
     REQUIRE(run.code == 0);
     const std::string log = text_of(folder.path / "run/log.txt"), json = text_of(folder.path / "run/run.json");
-    CHECK(log.find("cut: t = ") != std::string::npos);
+    CHECK(log.find("cutback: t = ") != std::string::npos);
     CHECK(log.find("at (0.008, ") != std::string::npos);  // the line in the middle
     CHECK(log.find("m: cohesion begins to fall") != std::string::npos);
     CHECK(json.find("\"softening\": 1,") != std::string::npos);
-    CHECK(run.has("cuts    1: cohesion begins to fall"));
+    CHECK(run.has("cutbacks 1: cohesion begins to fall"));
     CHECK(run.has(" to 7.917e-06 s;"));
     const std::string resolved = text_of(folder.path / "run/resolved.toml");
     CHECK(resolved.find("step = \"100 CFL\"") != std::string::npos);
@@ -142,7 +142,7 @@ TEST_CASE("a step beyond Assumption 1 ends the run or is cut or is taken as the 
     const Answer cut = command(masses + "-o " + folder.in_shell("cut"));
     CAPTURE(cut.text);
     CHECK(cut.code == 0);
-    CHECK(cut.has("cuts    1: Assumption 1"));
+    CHECK(cut.has("cutbacks 1: Assumption 1"));
     // or one of the solutions is good enough
     const Answer ignored = command(masses + "-s time.assumption_1=ignore -o " + folder.in_shell("ignored"));
     CHECK(ignored.code == 0);
@@ -243,7 +243,7 @@ TEST_CASE("a run says how many steps were found by pivots") {
     record.counts.linear_solves = 40;
     CHECK(knap::end_of_run(record, "somewhere").find("pivots") == std::string::npos);
     record.counts.fan_fallbacks = 3;
-    CHECK(knap::end_of_run(record, "somewhere").find("pivots  solved 3 steps on which this solver failed") !=
+    CHECK(knap::end_of_run(record, "somewhere").find("Lemke   solved 3 steps on which this solver failed") !=
           std::string::npos);
 }
 
