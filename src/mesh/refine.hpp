@@ -1,6 +1,6 @@
 #pragma once
-// Refines a mesh where triangles are larger than wanted, between two steps of a run. Only triangles that may change are
-// replaced; all others stay as they are. Old vertices stay, too, and random points are put between them, as in the
+// Refines a mesh where triangles are larger than requested, between two steps of a run. Only triangles that may change
+// are replaced; all others stay as they are. Old vertices stay, too, and random points are put between them, as in the
 // first mesh:
 //
 //     patch       the triangles that may change and are too large: circumradius above 1.25 Poisson radii
@@ -22,7 +22,7 @@
 namespace knap {
 
 struct Refinement {
-    std::span<const double> size;          // [m] per vertex: the wanted mean edge length, linear between vertices
+    std::span<const double> size;          // [m] per vertex: the requested mean edge length, linear between vertices
     std::span<const std::uint8_t> frozen;  // [0/1] per triangle: it must not change
     /// A new triangle is allowed: else its vertices are left out again. Without: all are.
     std::function<bool(const Mesh& mesh, Index triangle)> allowed;
@@ -45,7 +45,7 @@ struct RefinedMesh {
 
 /// Nothing where no triangle is too large, or where none can be refined. Of meshes of first order without grains and
 /// parts. The same bits for the same input.
-std::optional<RefinedMesh> refined(const Mesh& mesh, const Refinement& wanted);
+std::optional<RefinedMesh> refined(const Mesh& mesh, const Refinement& requested);
 
 /// [m] Radius of the circle through the corners of a triangle.
 double circumradius(const Mesh& mesh, Index triangle);

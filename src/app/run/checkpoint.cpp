@@ -67,7 +67,7 @@ void restore(const std::string& bytes, RunMemory& memory) {
 namespace {
 
 constexpr const char* magic = "knap-checkpoint";
-constexpr int format_number = 12;
+constexpr int format_number = 13;
 
 std::string program() { return version() + "-" + git_hash() + (git_dirty() ? "-changed" : ""); }
 
