@@ -9,10 +9,10 @@
 namespace knap {
 
 /// Mesh, wave speeds, resolution, methods, steps, and estimated cost of a scenario.
-ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool time);
+ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time);
 
 /// Reports on the mesh; writes it to `output` (.vtu, .msh or .svg) where one is given.
-ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& output, bool force);
+ExitCode mesh_scenario(ReadResult read, const std::filesystem::path& output, bool force);
 
 /// Writes <name>.toml, a scenario to start from.
 ExitCode write_new_scenario(const std::string& name, bool force);

@@ -137,11 +137,11 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
         cost.first_step, long_measured ? "" : ", briefly; --time measures longer", cost.mean_over_first);
     if (scenario.adapt.active()) {
         const AdaptationForecast expected = forecast(scenario, model.mesh);
-        std::printf("  adapt: about %.2g triangles after a crack of %.3g m, a uniform mesh has %.2g: gain %.2g%s\n",
-                    expected.at_end, expected.crack, expected.uniform, expected.gain,
-                    expected.gain < 2 ? "; it does not pay here: the process zone is long, or all of the body is near "
-                                        "its strength"
-                                      : "");
+        std::printf(
+            "  adapt: about %.2g triangles after cracks of %.3g m, a uniform mesh has %.2g: gain %.2g, within a factor "
+            "of 2 in "
+            "five scenes; less where much of the body is near its strength\n",
+            expected.at_end, expected.crack, expected.uniform, expected.gain);
     }
     std::printf("  %.0f MB of memory, %.0f MB of disk space for %.0f frames\n", cost.memory, cost.disk, cost.n_frames);
 }
@@ -166,7 +166,7 @@ void print_grains(const Scenario& scenario, const Mesh& mesh) {
 
 }  // namespace
 
-ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool time) {
+ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
     const Scenario& scenario = read.scenario;
     const Stopwatch watch;
     const Model model = model_of(read);
@@ -194,7 +194,7 @@ ExitCode check_scenario(const ReadResult& read, bool full, bool strict, bool tim
     return strict && !(read.warnings.empty() && found.empty()) ? exit_bad_input : exit_done;
 }
 
-ExitCode mesh_scenario(const ReadResult& read, const std::filesystem::path& output, bool force) {
+ExitCode mesh_scenario(ReadResult read, const std::filesystem::path& output, bool force) {
     const Model model = model_of(read);
     const MeshReport report = judge(model.mesh);
     print_warnings(read.warnings), print_warnings(findings_of_places(read, model));

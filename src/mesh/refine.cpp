@@ -34,8 +34,8 @@ double circumradius_of(const Vec2& a, const Vec2& b, const Vec2& c) {
 class Patch {
 public:
     /// `kept` [0/1]: triangles that stay although they are too large.
-    Patch(const Mesh& mesh, const Refinement& refinement, const std::vector<std::uint8_t>& kept)
-        : mesh_(mesh), refinement_(refinement), random_(refinement.seed, "refine") {
+    Patch(const Mesh& mesh, const Refinement& requested, const std::vector<std::uint8_t>& kept)
+        : mesh_(mesh), requested_(requested), random_(requested.seed, "refine") {
         find_triangles(kept);
         if (triangles_.empty()) return;
         old_.emplace(mesh, triangles_);
@@ -71,14 +71,14 @@ private:
 
     double size_at(const Place& at) const {  // [m]
         double size = 0;
-        for (int k = 0; k < 3; ++k) size += at.weight[k] * refinement_.size[mesh_.triangles[at.triangle][k]];
+        for (int k = 0; k < 3; ++k) size += at.weight[k] * requested_.size[mesh_.triangles[at.triangle][k]];
         return size;
     }
     double radius_at(const Place& at) const { return radius_per_size * size_at(at); }
     double radius_of(Index triangle) const { return radius_at({triangle, {1. / 3, 1. / 3, 1. / 3}}); }
 
     const Mesh& mesh_;
-    const Refinement& refinement_;
+    const Refinement& requested_;
     Random random_;
     std::vector<Index> triangles_;           // ascending
     std::vector<std::uint8_t> in_patch_;     // [0/1] per triangle of the mesh before
@@ -100,7 +100,7 @@ void Patch::find_triangles(const std::vector<std::uint8_t>& kept) {
     in_patch_.assign(mesh_.n_triangles(), 0);
     number_.assign(mesh_.n_vertices(), -1);
     for (Index t = 0; t < mesh_.n_triangles(); ++t) {
-        if (refinement_.frozen[t] || kept[t] || circumradius(mesh_, t) <= too_large * radius_of(t)) continue;
+        if (requested_.frozen[t] || kept[t] || circumradius(mesh_, t) <= too_large * radius_of(t)) continue;
         in_patch_[t] = 1;
         triangles_.push_back(t);
         for (const Index v : mesh_.triangles[t]) {
@@ -146,7 +146,7 @@ void Patch::find_lines() {
 /// Into random pieces of the local radius.
 void Patch::divide(const Line& line) {
     const Vec2 a = points_[line.from], b = points_[line.to];
-    const auto radius = [&](Index point) { return radius_per_size * refinement_.size[old_vertices_[point]]; };
+    const auto radius = [&](Index point) { return radius_per_size * requested_.size[old_vertices_[point]]; };
     const auto& corners = mesh_.triangles[line.triangle];
     const auto corner = [&](Index point) { return std::ranges::find(corners, old_vertices_[point]) - corners.begin(); };
     Index from = line.from;
@@ -290,7 +290,7 @@ Mesh Patch::inside() {
 /// Points on lines stay. Only the smallest requested size matters for the step; where edges grow, large triangles may
 /// be of any shape but flat.
 void Patch::relax(Mesh& part) {
-    const double smallest = std::ranges::min(refinement_.size);
+    const double smallest = std::ranges::min(requested_.size);
     relax_worst(
         part, on_line_, [&](const Vec2&) { return smallest; }, QualityTarget(min_angle + 2));
     for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -316,7 +316,7 @@ std::vector<Index> Patch::fill() {
         }
         std::vector<std::uint8_t> leave_out(points_.size(), 0);
         for (Index t = 0; t < part_.n_triangles(); ++t)
-            if (!(part_.area(t) > 0) || (refinement_.allowed && !refinement_.allowed(part_, t)))
+            if (!(part_.area(t) > 0) || (requested_.allowed && !requested_.allowed(part_, t)))
                 leave_out[std::ranges::max(part_.triangles[t])] = 1;  // the newest
         if (std::ranges::count(leave_out, 1) == 0) return {};
         std::size_t n = n_fixed_;
@@ -397,10 +397,10 @@ double circumradius(const Mesh& mesh, Index triangle) {
     return circumradius_of(mesh.corner(triangle, 0), mesh.corner(triangle, 1), mesh.corner(triangle, 2));
 }
 
-std::optional<RefinedMesh> refined(const Mesh& mesh, const Refinement& refinement) {
+std::optional<RefinedMesh> refined(const Mesh& mesh, const Refinement& requested) {
     std::vector<std::uint8_t> kept(mesh.n_triangles(), 0);
     while (true) {
-        Patch patch(mesh, refinement, kept);
+        Patch patch(mesh, requested, kept);
         if (patch.empty()) return std::nullopt;
         const std::vector<Index> not_allowed = patch.fill();
         if (not_allowed.empty()) return patch.replaced();

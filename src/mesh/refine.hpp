@@ -45,7 +45,7 @@ struct RefinedMesh {
 
 /// Nothing where no triangle is too large, or where none can be refined. Of meshes of first order without grains and
 /// parts. The same bits for the same input.
-std::optional<RefinedMesh> refined(const Mesh& mesh, const Refinement& refinement);
+std::optional<RefinedMesh> refined(const Mesh& mesh, const Refinement& requested);
 
 /// [m] Radius of the circle through the corners of a triangle.
 double circumradius(const Mesh& mesh, Index triangle);

@@ -176,7 +176,9 @@ const std::vector<Member>& members() {
         {"adaptation", "",
          "with [adapt]: batches: refinements; largest_batch: new triangles of one; coarse_breaks: vertices that came "
          "apart in coarse triangles; angular_momentum: its change by refinements [kg m2/s]; cpu: [s] of refinements, a "
-         "part of cpu_parts_s.steps; gain: triangle-steps of a uniform mesh of adapt.size over those of the run",
+         "part of cpu_parts_s.steps; gain: triangle-steps of a uniform mesh of adapt.size over those of the run, null "
+         "where "
+         "the mesh reached adapt.limit and stayed coarse",
          [](R r) {
              if (r.adaptation_gain == 0) return absent;
              return Json{{"batches", r.adaptation.batches},
@@ -184,7 +186,7 @@ const std::vector<Member>& members() {
                          {"coarse_breaks", r.adaptation.coarse_breaks},
                          {"angular_momentum", r.adaptation.angular_momentum},
                          {"cpu", r.adaptation.cpu},
-                         {"gain", r.adaptation_gain}};
+                         {"gain", number(r.adaptation_gain)}};
          }},
         {"fan_problems", "",
          "numbers of the problems of vertices: solved, linear_solves, fallbacks, bond_checks, released; face_contacts: "

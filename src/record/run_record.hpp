@@ -53,7 +53,7 @@ struct RunRecord {
     FactorSize factor;                   // of the implicit bulk, at the end
     std::int64_t triangle_steps = 0;
     AdaptationCounts adaptation;
-    double adaptation_gain = 0;  // [-] 0: the mesh does not change
+    double adaptation_gain = 0;  // [-] 0: no [adapt]; NaN: the mesh stayed coarse
     Summary summary;
     Gates gates;
     std::vector<ExpectResult> expect;

@@ -170,7 +170,8 @@ void add_keys_of_body(KeyTable& t) {
     t.text("cracks", "physical curves of mesh.file inside the body that are closed initial cracks").list();
 
     t.table("adapt", "refinement of the mesh during the run, where interfaces may break soon: mesh.size is the size of "
-        "all else, and mesh.grading holds between. Explicit bulk, first order, small rotations");
+        "all else, and mesh.grading holds between. Where the forecast of knap check finds no gain, the mesh is uniform "
+        "from the start. Explicit bulk, first order, small rotations");
     t.number("size", "m", "mean edge length where interfaces may break").above(0).required().to(&AdaptOptions::size);
     t.number("load", "", "part of the strength, as the stress of a triangle in its worst direction, from which it is "
         "to be fine").above(0).below(1).otherwise("0.3").to(&AdaptOptions::load);

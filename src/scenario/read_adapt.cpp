@@ -9,7 +9,7 @@ namespace {
 /// Parts of a scenario whose place on a refined mesh is not defined yet.
 void refuse_others(Reading& reading, const Table& table) {
     const Scenario& scenario = reading.scenario;
-    const auto refuse = [&](bool is_there, const std::string& what, const char* cure) {
+    const auto refuse = [&](bool is_there, const std::string& what, const std::string& cure) {
         if (is_there) table.error("exclusive-keys", "", "does not go together with " + what, cure);
     };
     const char* fine_from_start = "[[mesh.refine]] makes a region fine from the start";
@@ -31,7 +31,8 @@ void refuse_others(Reading& reading, const Table& table) {
            "a probe of an interface", "a probe of a place or of a stress");
     for (const NamedLaw& law : scenario.laws) {
         refuse(law.scatter.any() && law.scatter.correlation == 0,
-               "strengths that scatter from interface to interface (`" + law.name + "`)", "a correlation length");
+               "strengths that scatter from interface to interface (`" + law.name + "`)",
+               "`interface." + law.name + ".scatter.correlation`, a length over which strengths are alike");
         refuse(law.law.breakable() && law.law.incubation_time > 0, "an incubation_time", fine_from_start);
     }
 }

@@ -123,13 +123,15 @@ double guaranteed_step(double size, const std::vector<Elastic>& materials, Plane
     return reserve * QualityTarget::step_ratio * std::ranges::min(stable_steps(equilateral, materials, plane));
 }
 
-std::vector<double> wanted_sizes(const Model& model, const State& state, const AdaptOptions& options,
-                                 const std::optional<Vec2>& also) {
+std::vector<double> requested_sizes(const Model& model, const State& state, const AdaptOptions& options,
+                                    const std::optional<Vec2>& also) {
     const Mesh& mesh = model.mesh;
     std::vector<double> distance(mesh.vertices.size(), infinity);
     const auto mark = [&](Index triangle) {
         for (const Index v : mesh.triangles[triangle]) distance[v] = 0;
     };
+    std::vector<Eigen::Vector3d> stresses;  // [Pa] per triangle
+    for (Index t = 0; t < mesh.n_triangles(); ++t) stresses.push_back(stress(model, state, t));
     std::vector<Index> law(mesh.n_triangles(), -1);  // of the weakest interface that may get any direction
     for (std::size_t i = 0; i < model.interfaces.size(); ++i) {
         const Interface& interface = model.interfaces[i];
@@ -141,14 +143,14 @@ std::vector<double> wanted_sizes(const Model& model, const State& state, const A
         for (const Index t : interface.triangle) {
             if (t == rigid_support) continue;
             if (on_line) {
-                if (load_factor(stress(model, state, t), interface.normal, own) > options.load) mark(t);
+                if (load_factor(stresses[t], interface.normal, own) > options.load) mark(t);
             } else if (law[t] < 0 || own.sigma_c < model.laws[law[t]].sigma_c) {
                 law[t] = interface.law;
             }
         }
     }
     for (Index t = 0; t < mesh.n_triangles(); ++t)
-        if (law[t] >= 0 && load_factor(stress(model, state, t), model.laws[law[t]]) > options.load) mark(t);
+        if (law[t] >= 0 && load_factor(stresses[t], model.laws[law[t]]) > options.load) mark(t);
     if (also) {
         const auto nearest =
             std::ranges::min_element(mesh.vertices, {}, [&](const Vec2& x) { return (x - *also).squaredNorm(); });
@@ -193,7 +195,7 @@ std::vector<std::uint8_t> coarse_fans(const Model& model, double size) {
 }
 
 std::optional<AdaptedModel> adapt(const Model& model, const State& state, const AdaptOptions& options,
-                                  const std::vector<double>& wanted, ModelInput input, std::uint64_t seed) {
+                                  const std::vector<double>& requested, ModelInput input, std::uint64_t seed) {
     const std::vector<std::uint8_t> frozen = frozen_triangles(model, state);
     const auto is_stable = [&](const Mesh& mesh, Index t) {
         const Mesh one{.vertices = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)},
@@ -202,7 +204,7 @@ std::optional<AdaptedModel> adapt(const Model& model, const State& state, const 
         return stable_steps(one, model.materials, model.plane).front() >= options.smallest_step;
     };
     std::optional<RefinedMesh> fine =
-        refined(model.mesh, {.size = wanted, .frozen = frozen, .allowed = is_stable, .seed = seed});
+        refined(model.mesh, {.size = requested, .frozen = frozen, .allowed = is_stable, .seed = seed});
     if (!fine) return std::nullopt;
     input.mesh = std::move(fine->mesh);
     AdaptedModel next{.model = make_model(std::move(input))};

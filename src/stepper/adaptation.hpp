@@ -4,7 +4,7 @@
 //     trigger     kappa = max over directions of t_N/sigma_c and (|t_T| + mu t_N)/((gamma + mu) sigma_c), of the mean
 //                 stress of a triangle and the laws of its interfaces; in the one direction of an edge of a joint or
 //                 between two materials, which keeps it; marked above `load`
-//     wanted      `size` within `margin` edges of everything marked, growing from there by `grading` per distance
+//     requested      `size` within `margin` edges of everything marked, growing from there by `grading` per distance
 //     may change  triangles whose vertices are all bonded; cracks keep their interfaces
 //     transfer    old vertices keep u and v, new ones take them linearly from the old triangles; then each patch gets
 //                 back the momentum that this cost it, by one velocity for all its vertices
@@ -45,10 +45,10 @@ double load_factor(const Eigen::Vector3d& stress, const Vec2& normal, const Cohe
 double guaranteed_step(double size, const std::vector<Elastic>& materials, PlaneModel plane);
 
 /// [m] Wanted mean edge lengths per vertex. `also`: a place [m] that is marked, too.
-std::vector<double> wanted_sizes(const Model& model, const State& state, const AdaptOptions& options,
-                                 const std::optional<Vec2>& also = {});
+std::vector<double> requested_sizes(const Model& model, const State& state, const AdaptOptions& options,
+                                    const std::optional<Vec2>& also = {});
 
-/// [0/1] Per fan: bonded, and its edges are longer than 3/2 of `size`. It may not come apart (Model::too_coarse).
+/// [0/1] Per fan: its edges are longer than 3/2 of `size` on average (Model::too_coarse: it may not come apart).
 std::vector<std::uint8_t> coarse_fans(const Model& model, double size);
 
 /// The numbers of a refined mesh for those of the mesh before.
@@ -69,15 +69,15 @@ struct AdaptedModel {
 /// Of a run.
 struct AdaptationCounts {
     std::int64_t batches = 0, largest_batch = 0;  // refinements, and most new triangles of one
-    std::int64_t coarse_breaks = 0;               // vertices that came apart although their edges are too long
+    std::int64_t coarse_breaks = 0;               // at the end: vertices that came apart although they are coarse
     double angular_momentum = 0;                  // [kg m2/s] sum of its changes
     double cpu = 0;                               // [s]
 
-    void serialize(auto& archive) { archive(batches, largest_batch, coarse_breaks, angular_momentum, cpu); }
+    void serialize(auto& archive) { archive(batches, largest_batch, angular_momentum, cpu); }
 };
 
 /// Nothing where no triangle is too large. `input`: of the model, without its mesh. `seed`: of this batch.
 std::optional<AdaptedModel> adapt(const Model& model, const State& state, const AdaptOptions& options,
-                                  const std::vector<double>& wanted, ModelInput input, std::uint64_t seed);
+                                  const std::vector<double>& requested, ModelInput input, std::uint64_t seed);
 
 }  // namespace knap

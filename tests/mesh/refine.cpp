@@ -59,7 +59,7 @@ Lines lines_of(const Mesh& mesh) {
 
 }  // namespace
 
-TEST_CASE("refined mesh: fine where wanted with the lines and borders of the old one") {
+TEST_CASE("refined mesh: fine where requested with the lines and borders of the old one") {
     const Mesh old = plate();
     for (const Vec2 centre : {Vec2(0.6, 0.3), Vec2(0.7, 0.25), Vec2(0.45, 0.5), Vec2(1, 0), Vec2(0.32, 0.25)}) {
         CAPTURE(centre.transpose());

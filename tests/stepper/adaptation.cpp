@@ -5,6 +5,7 @@
 #include "base/random.hpp"
 #include "element/triangle_matrices.hpp"
 #include "mesh/triangulate.hpp"
+#include "model/successor.hpp"
 #include "stepper/moreau_jean.hpp"
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
@@ -46,7 +47,7 @@ Model model_on(Mesh mesh, const CohesiveLaw& law = {.sigma_c = 1e9, .G_c = 10}) 
 }
 
 /// Small at one place.
-std::vector<double> wanted_at(const Mesh& mesh, const Vec2& centre) {
+std::vector<double> requested_at(const Mesh& mesh, const Vec2& centre) {
     std::vector<double> size;
     for (const Vec2& x : mesh.vertices)
         size.push_back(std::min(coarse, fine + 0.3 * std::max(0.0, (x - centre).norm() - 10 * fine)));
@@ -79,7 +80,7 @@ TEST_CASE("adaptation: uniform strain and uniform motion go through a refinement
     const auto v = [](const Vec2&) -> Vec2 { return {3, -2}; };
     const double h = 1e-8;
     const State state = state_of(model, h, u, v);
-    const auto next = adapt(model, state, options(model), wanted_at(model.mesh, {0.015, 0.01}), plate(), 1);
+    const auto next = adapt(model, state, options(model), requested_at(model.mesh, {0.015, 0.01}), plate(), 1);
     REQUIRE(next);
     CHECK(next->model.mesh.n_triangles() > 3 * model.mesh.n_triangles());
     for (std::size_t f = 0; f < next->model.fans.size(); ++f) {
@@ -89,7 +90,7 @@ TEST_CASE("adaptation: uniform strain and uniform motion go through a refinement
     }
     const Eigen::Vector3d uniform = stress(model, state, 0);
     for (Index t = 0; t < next->model.mesh.n_triangles(); ++t)
-        CHECK((stress(next->model, next->state, t) - uniform).norm() <= 1e-9 * uniform.norm());
+        CHECK((stress(next->model, next->state, t) - uniform).norm() <= 1e-12 * uniform.norm());
     const LeapfrogEnergies before = leapfrog_energies(model, state);
     CHECK(next->energies.kinetic == relative(before.kinetic, 1e-12));
     CHECK(next->energies.strain == relative(before.strain, 1e-12));
@@ -102,7 +103,7 @@ TEST_CASE("adaptation: a rigid rotation stays one") {
     const auto u = [](const Vec2&) -> Vec2 { return Vec2::Zero(); };
     const auto v = [](const Vec2& x) -> Vec2 { return 40 * turned_left(x - Vec2(0.015, 0.01)); };
     const State state = state_of(model, 1e-8, u, v);
-    const auto next = adapt(model, state, options(model), wanted_at(model.mesh, {0.012, 0.011}), plate(), 1);
+    const auto next = adapt(model, state, options(model), requested_at(model.mesh, {0.012, 0.011}), plate(), 1);
     REQUIRE(next);
     for (std::size_t f = 0; f < next->model.fans.size(); ++f)
         CHECK((next->state.velocity[f] - v(next->model.mesh.vertices[next->model.fans[f].vertex])).norm() <= 1e-12);
@@ -125,7 +126,7 @@ TEST_CASE("adaptation: a load on an edge that is divided stays and so do materia
     const Model model = make_model(input);
     const auto zero = [](const Vec2&) -> Vec2 { return Vec2::Zero(); };
     const State state = state_of(model, 1e-8, zero, zero);
-    const auto next = adapt(model, state, options(model), wanted_at(model.mesh, {0.015, 0.02}), input, 1);
+    const auto next = adapt(model, state, options(model), requested_at(model.mesh, {0.015, 0.02}), input, 1);
     REQUIRE(next);
     REQUIRE(next->model.corner_loads.size() > model.corner_loads.size());
     const auto force = [](const Model& m) {
@@ -156,7 +157,7 @@ TEST_CASE("adaptation: momentum stays and the energy does not grow for any field
         const auto v = [&](const Vec2& x) -> Vec2 { return 5 * std::cos(k.dot(x) + phase) * along; };
         const State state = state_of(model, 1e-8, u, v);
         const Vec2 centre(random.uniform(0, 0.03), random.uniform(0, 0.02));
-        const auto next = adapt(model, state, options(model), wanted_at(model.mesh, centre), plate(), 7);
+        const auto next = adapt(model, state, options(model), requested_at(model.mesh, centre), plate(), 7);
         REQUIRE(next);
         const Vec2 defect = momentum_of(next->model, next->state) - momentum_of(model, state);
         CHECK(defect.norm() <= 1e-14 * 5 * 2500 * 0.03 * 0.02);
@@ -165,6 +166,104 @@ TEST_CASE("adaptation: momentum stays and the energy does not grow for any field
         for (const double step : stable_steps(next->model.mesh, model.materials, model.plane))
             CHECK(step >= options(model).smallest_step * (1 - 1e-12));
     }
+}
+
+TEST_CASE("adaptation: what the split of a triangle loses") {
+    // of one triangle of mass m at the weights w, before any diagonal is flipped:
+    //     kinetic energy     m/6 sum over i < j of w_i w_j |v_i - v_j|^2, lost
+    //     angular momentum   -m/3 sum over i < j of w_i w_j (x_i - x_j) x (v_i - v_j)
+    //     strain energy, momentum    unchanged
+    Random random(8, "splits");
+    for (int i = 0; i < 30; ++i) {
+        CAPTURE(i);
+        const Model model = model_on(plate_mesh(static_cast<std::uint64_t>(i) + 1));
+        const auto any = [&](double scale) {
+            return [&random, scale](const Vec2&) -> Vec2 {
+                return scale * Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
+            };
+        };
+        const State state = state_of(model, 1e-8, any(1e-6), any(5));
+        const Index split = static_cast<Index>(random.uniform(0, model.mesh.n_triangles()));
+        const double a = random.uniform(0.1, 0.4), b = random.uniform(0.1, 0.4);
+        const std::array<double, 3> weight{a, b, 1 - a - b};
+
+        RefinedMesh finer{.mesh = model.mesh};
+        Mesh& mesh = finer.mesh;
+        const std::array<Index, 3> corners = mesh.triangles[split];
+        const Index middle = mesh.n_vertices();
+        Vec2 place = Vec2::Zero();
+        for (int k = 0; k < 3; ++k) place += weight[k] * mesh.vertices[corners[k]];
+        mesh.vertices.push_back(place);
+        for (Index v = 0; v < middle; ++v) finer.origin.push_back({.vertex = v});
+        finer.origin.push_back({.triangle = split, .weight = weight});
+        for (Index t = 0; t < mesh.n_triangles(); ++t) finer.triangle_before.push_back(t == split ? -1 : t);
+        mesh.triangles[split][2] = middle;
+        for (int k = 1; k < 3; ++k) {
+            mesh.triangles.push_back({corners[k], corners[(k + 1) % 3], middle});
+            mesh.region.push_back(mesh.region[split]), finer.triangle_before.push_back(-1);
+        }
+        find_edges(mesh);
+        const Model next = model_on(mesh);
+        const State after = carried_over(model, state, next, finer);
+
+        double kinetic = 0, angular = 0, scale = 0;  // [kg m2/s]: of the angular momentum
+        const double mass = model.triangle_mass(split);
+        for (int k = 0; k < 3; ++k)
+            for (int l = 0; l < k; ++l) {
+                const Vec2 x = mesh.vertices[corners[k]] - mesh.vertices[corners[l]],
+                           v = state.velocity[model.fan_of_corner[3 * split + k]] -
+                               state.velocity[model.fan_of_corner[3 * split + l]];
+                kinetic += mass / 6 * weight[k] * weight[l] * v.squaredNorm();
+                angular -= mass / 3 * weight[k] * weight[l] * cross(x, v);
+            }
+        const auto angular_of = [&](const Model& m, const State& s) {
+            double sum = 0;
+            for (Index c = 0; c < m.mesh.n_corners(); ++c) {
+                const Vec2 &x = m.mesh.corner(c), &v = s.velocity[s.node_of_corner[c]];
+                sum += m.corner_mass[c] * cross(x, v), scale += m.corner_mass[c] * x.norm() * v.norm();
+            }
+            return sum;
+        };
+        const LeapfrogEnergies e = leapfrog_energies(model, state), e_after = leapfrog_energies(next, after);
+        CHECK(kinetic > 0);
+        CHECK(std::abs(e.kinetic - e_after.kinetic - kinetic) <= 1e-13 * e.kinetic);
+        CHECK(std::abs(e_after.strain - e.strain) <= 1e-13 * e.strain);
+        const double change = angular_of(next, after) - angular_of(model, state);
+        CHECK(std::abs(change - angular) <= 1e-13 * scale);
+        const double all = 5 * 2500 * 0.03 * 0.02;  // [kg m/s]
+        CHECK((momentum_of(next, after) - momentum_of(model, state)).norm() <= 1e-13 * all);
+    }
+}
+
+TEST_CASE("adaptation: a fragment that is entirely frozen keeps its triangles") {
+    ModelInput input = plate({.sigma_c = 1e6, .G_c = 1});
+    input.mesh = plate_mesh();
+    const Model model = make_model(input);
+    const auto zero = [](const Vec2&) -> Vec2 { return Vec2::Zero(); };
+    State state = state_of(model, 1e-8, zero, zero);
+    for (Index f = 0; f < std::ssize(model.fans); ++f) split(model, f, state);
+    const std::vector<double> all_fine(model.mesh.vertices.size(), fine);
+    CHECK_FALSE(adapt(model, state, options(model), all_fine, plate(), 1));
+    // beside it the rest of the body is refined
+    State half = state_of(model, 1e-8, zero, zero);
+    for (Index f = 0; f < std::ssize(model.fans); ++f)
+        if (model.mesh.vertices[model.fans[f].vertex].x() < 0.015) split(model, f, half);
+    const auto next = adapt(model, half, options(model), all_fine, plate(), 1);
+    REQUIRE(next);
+    std::size_t n_kept = 0, n_frozen = 0;
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
+        bool frozen = false;
+        for (Index k = 0; k < 3; ++k) frozen |= model.mesh.corner(t, k).x() < 0.015;
+        n_frozen += frozen;
+    }
+    for (Index t = 0; t < next->model.mesh.n_triangles(); ++t) {
+        const Index old = next->numbers.triangle_before[t];
+        if (old < 0) continue;
+        ++n_kept;
+        for (Index k = 0; k < 3; ++k) CHECK(next->model.mesh.corner(t, k) == model.mesh.corner(old, k));
+    }
+    CHECK(n_kept >= n_frozen);
+    CHECK(n_frozen > 100);
 }
 
 TEST_CASE("E33 the balance closes over a hundred refinements of a shaken body") {
@@ -198,10 +297,10 @@ TEST_CASE("E33 the balance closes over a hundred refinements of a shaken body") 
             now = next;
         }
         const Vec2 centre(random.uniform(0, 0.03), random.uniform(0, 0.02));
-        std::vector<double> wanted;
+        std::vector<double> requested;
         for (const Vec2& x : model.mesh.vertices)
-            wanted.push_back(std::min(coarse, fine + 0.3 * std::max(0.0, (x - centre).norm() - 3 * fine)));
-        auto next = adapt(model, now, options(model), wanted, plate(), static_cast<std::uint64_t>(look) + 1);
+            requested.push_back(std::min(coarse, fine + 0.3 * std::max(0.0, (x - centre).norm() - 3 * fine)));
+        auto next = adapt(model, now, options(model), requested, plate(), static_cast<std::uint64_t>(look) + 1);
         if (!next) continue;
         ++n_batches;
         const double before = ledger.row().adaptation;
@@ -212,7 +311,7 @@ TEST_CASE("E33 the balance closes over a hundred refinements of a shaken body") 
     CHECK(n_batches > 70);
     const double scale = 5 * 2500 * 0.03 * 0.02;  // [kg m/s]
     verify_small("error of the balance of energy", ledger.largest_residual() / ledger.largest_energy(), {1e-13});
-    verify_small("change of the momentum", (momentum_of(model, now) - momentum).norm() / scale, {1e-13});
+    verify_small("change of the momentum", (momentum_of(model, now) - momentum).norm() / scale, {1e-14});
     verify_small("largest energy that a refinement adds", std::max(0.0, largest_gain), {1e-6});
     CHECK(ledger.row().adaptation < -1e-3 * ledger.largest_energy());
 }
@@ -240,12 +339,12 @@ TEST_CASE("adaptation: the load factor is the largest over all directions") {
     CHECK(load_factor({1, 1, 1}, CohesiveLaw::unbreakable()) == 0);
 }
 
-TEST_CASE("adaptation: wanted sizes follow the stress and grow away from it") {
+TEST_CASE("adaptation: requested sizes follow the stress and grow away from it") {
     const Model model = model_on(plate_mesh(), {.sigma_c = 1e6, .G_c = 1});
     const AdaptOptions adapt = options(model);
     const auto bent = [](const Vec2& x) -> Vec2 { return {1e-2 * x.x() * std::max(0.0, x.x() - 0.02), 0}; };
     const State state = state_of(model, 1e-8, bent, [](const Vec2&) -> Vec2 { return Vec2::Zero(); });
-    const std::vector<double> size = wanted_sizes(model, state, adapt);
+    const std::vector<double> size = requested_sizes(model, state, adapt);
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
         if (load_factor(stress(model, state, t), model.laws[0]) <= adapt.load) continue;
         for (const Index v : model.mesh.triangles[t]) CHECK(size[v] == fine);

@@ -7,6 +7,7 @@
 #include "record/run_files.hpp"
 
 #include <algorithm>
+#include <regex>
 #include <set>
 
 namespace knap {
@@ -37,7 +38,9 @@ void add_guides(Chart& chart) {
 Chart chart_of(const Ensemble& study, std::size_t q, bool over_cost) {
     const StudyQuantity& quantity = study.quantities[q];
     const bool errors = !study.errors.empty(), step = study.study.refine == Refine::step;
-    Chart chart{.title = (study.title.empty() ? study.name : study.title) + ": " + quantity.name,
+    const std::regex symbol("\\b([A-Za-z])_([A-Za-z])\\b");  // G_c
+    Chart chart{.title = (study.title.empty() ? study.name : study.title) + ": " +
+                         std::regex_replace(quantity.name, symbol, "$1_{$2}"),
                 .x_quantity = over_cost ? "processor time"
                               : step    ? "step"
                                         : "mesh size",

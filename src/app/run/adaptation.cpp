@@ -9,97 +9,146 @@
 namespace knap {
 namespace {
 
-constexpr double pays_below = 0.5;    // of the area that is to be fine
+constexpr double pays_from = 2;       // gain of the forecast
+constexpr double all_above = 0.5;     // of the area that is to be fine
 constexpr std::size_t max_looks = 8;  // at the mesh in one step
+
+/// A mesh that will have the sizes [m] given at its vertices.
+struct FutureMesh {
+    double area = 0, fine = 0;  // [m2] of all, and of what has the smallest size
+    double n = 0;               // triangles
+};
+
+FutureMesh future_mesh(const Mesh& mesh, const std::vector<double>& sizes, double smallest) {
+    FutureMesh future;
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        const double size = (sizes[a] + sizes[b] + sizes[c]) / 3, area = mesh.area(t);
+        future.area += area;
+        if (size <= smallest) future.fine += area;
+        future.n += std::max(1.0, n_triangles_of(area, size));
+    }
+    return future;
+}
 
 }  // namespace
 
 double n_triangles_of(double area, double size) { return 2.36 * area / (size * size); }
 
 /// The stress exceeds 0.3 of the strength within some 5 cohesive lengths of a moving tip (measured), elsewhere within
-/// r ~ K^2: the width of the strip that a crack leaves is 10 l (0.3/load)^2, the margins, and the graded borders.
+/// r ~ K^2: the width of the strip that a crack leaves is 10 l (0.3/load)^2, the margins, and the graded borders. Along
+/// a line that alone may break only its own triangles are marked.
 AdaptationForecast forecast(const Scenario& scenario, const Mesh& mesh) {
     const AdaptOptions& adapt = scenario.adapt;
-    double cohesive_length = 0, area = 0;
+    double cohesive_length = 0;
     for (const Resolution& r : judge_resolution(scenario, mesh))
-        cohesive_length = std::max(cohesive_length, r.cohesive_length);
-    for (Index t = 0; t < mesh.n_triangles(); ++t) area += mesh.area(t);
+        if (r.anywhere) cohesive_length = std::max(cohesive_length, r.cohesive_length);
     const double width = 10 * cohesive_length * 0.09 / (adapt.load * adapt.load) + 2 * adapt.margin * adapt.size +
                          2 * adapt.size / adapt.grading;
-    AdaptationForecast expected{.crack = bounding_box(mesh.vertices).extent().maxCoeff(),
-                                .uniform = n_triangles_of(area, adapt.size)};
-    expected.at_end = mesh.n_triangles() + n_triangles_of(std::min(area, width * expected.crack), adapt.size);
+    const FutureMesh uniform = future_mesh(mesh, std::vector<double>(mesh.vertices.size(), adapt.size), adapt.size);
+    const double across = bounding_box(mesh.vertices).extent().maxCoeff();
+    AdaptationForecast expected{.uniform = uniform.n};
+    for (const Crack& crack : scenario.bodies.front().shape.cracks)
+        if (crack.joint < 0) expected.crack += across - bounding_box(crack.points).extent().maxCoeff();
+    if (expected.crack <= 0) expected.crack = across;
+    expected.at_end = mesh.n_triangles() + n_triangles_of(std::min(uniform.area, width * expected.crack), adapt.size);
     expected.gain = 2 * expected.uniform / (mesh.n_triangles() + expected.at_end);
     return expected;
 }
 
-void Adaptation::begin(Model& model) const {
-    if (options_.active()) model.too_coarse = coarse_fans(model, options_.size);
+std::string replace_where_it_does_not_pay(Scenario& scenario, const Mesh& coarse) {
+    AdaptOptions& adapt = scenario.adapt;
+    if (!adapt.active()) return {};
+    const AdaptationForecast expected = forecast(scenario, coarse);
+    if (expected.gain >= pays_from || expected.uniform > adapt.limit) return {};
+    scenario.mesh.size = adapt.size;
+    for (Body& body : scenario.bodies) body.mesh.size = adapt.size, body.mesh.refine = scenario.mesh.refine;
+    adapt.size = 0;
+    return formatted(
+        "refinement during the run does not pay here: a uniform mesh of adapt.size has %.2g triangles, and most of "
+        "them "
+        "would be needed (gain %.2g, below %.2g), because the process zone is long. This run has the uniform mesh from "
+        "the start",
+        expected.uniform, expected.gain, pays_from);
+}
+
+void Adaptation::guard(Model& model) const {
+    if (!options_.active()) return;
+    if (stays_coarse()) model.too_coarse.clear();
+    else model.too_coarse = coarse_fans(model, options_.size);
 }
 
 void Adaptation::repeat(Model& model) const {
-    if (mesh_.triangles.empty()) return begin(model);
-    ModelInput input = input_;
-    input.mesh = mesh_;
-    model = make_model(std::move(input));
-    begin(model);
-    if (ended_) model.too_coarse.clear();
+    if (!mesh_.triangles.empty()) {
+        ModelInput input = input_;
+        input.mesh = mesh_;
+        model = make_model(std::move(input));
+    }
+    guard(model);
+}
+
+/// Those that came apart keep their triangles, so that the state knows all of them.
+AdaptationCounts Adaptation::counts(const Model& model, const State& now) const {
+    AdaptationCounts counts = counts_;
+    const std::vector<std::uint8_t> coarse = coarse_fans(model, options_.size);
+    for (std::size_t f = 0; f < coarse.size(); ++f)
+        counts.coarse_breaks += coarse[f] && now.split_rank[f] >= 0 && !model.fans[f].split_at_start;
+    return counts;
 }
 
 /// A vertex that is still coarse may split in this step, and those allowed before in it; after many looks all may.
-void Adaptation::allow(const Vec2& place, double time, Model& model) {
+void Adaptation::allow(const Vec2& place, const State& now, Model& model) {
     allowed_.push_back(place);
-    std::vector<std::uint8_t>& coarse = model.too_coarse;
-    const std::int64_t n_before = counts_.coarse_breaks;
-    if (allowed_.size() > max_looks) coarse.clear(), ++counts_.coarse_breaks;
-    for (std::size_t f = 0; f < coarse.size(); ++f) {
-        if (!coarse[f]) continue;
-        const auto at = std::ranges::find(allowed_, model.mesh.vertices[model.fans[f].vertex]);
-        if (at == allowed_.end()) continue;
-        coarse[f] = 0;
-        counts_.coarse_breaks += at + 1 == allowed_.end();  // the others were counted
+    const bool all = allowed_.size() > max_looks;
+    bool is_coarse = false;
+    for (std::size_t f = 0; f < model.too_coarse.size(); ++f) {
+        if (!model.too_coarse[f]) continue;
+        const Vec2& vertex = model.mesh.vertices[model.fans[f].vertex];
+        if (!all && std::ranges::find(allowed_, vertex) == allowed_.end()) continue;
+        model.too_coarse[f] = 0;
+        is_coarse |= vertex == place;
     }
-    if (n_before == 0 && counts_.coarse_breaks > 0)
-        warning_ = formatted(
-            "warning[adapt]: at t = %.6g s the vertex at (%.6g, %.6g) m comes apart although its triangles are too "
-            "large: at the faces of cracks, and where parts of them would need a smaller step, they stay as they are. "
-            "It is the first one; adaptation.coarse_breaks in run.json is their number. [[mesh.refine]] makes a region "
-            "fine from the start\n",
-            time, place.x(), place.y());
+    if (!is_coarse || told_ || counts(model, now).coarse_breaks > 0) return;
+    told_ = true;
+    warning_ = formatted(
+        "warning[adapt]: at t = %.6g s the vertex at (%.6g, %.6g) m splits in triangles that are too large. They could "
+        "not be refined because they touch a crack or would need a smaller step. This is the first such vertex; "
+        "adaptation.coarse_breaks in run.json is their number. [[mesh.refine]] makes a region fine from the start\n",
+        now.time, place.x(), place.y());
+}
+
+void Adaptation::after_step(Model& model) {
+    if (!allowed_.empty()) guard(model);
+    allowed_.clear();
 }
 
 std::optional<AdaptedModel> Adaptation::look(Model& model, const State& now, const std::optional<Vec2>& also) {
     const Stopwatch watch;
     const Mesh& mesh = model.mesh;
     if (!also) next_look_ = now.n_steps + static_cast<std::int64_t>(options_.every);
-    std::vector<double> wanted = wanted_sizes(model, now, options_, also);
-    double area = 0, fine = 0, n = 0;
-    for (Index t = 0; t < mesh.n_triangles(); ++t) {
-        const auto& [a, b, c] = mesh.triangles[t];
-        const double size = (wanted[a] + wanted[b] + wanted[c]) / 3;
-        area += mesh.area(t);
-        if (size <= options_.size) fine += mesh.area(t);
-        n += std::max(1.0, n_triangles_of(mesh.area(t), size));
-    }
-    if (fine > pays_below * area && !ended_) {
-        std::ranges::fill(wanted, options_.size);
+    std::vector<double> requested = requested_sizes(model, now, options_, also);
+    const auto [area, fine, n_requested] = future_mesh(mesh, requested, options_.size);
+    double n = n_requested;
+    if (fine > all_above * area && mesh_state_ == MeshState::follows) {
+        std::ranges::fill(requested, options_.size);
         n = n_triangles_of(area, options_.size);
-        ended_ = true;
+        mesh_state_ = MeshState::is_fine;
         warning_ = formatted(
-            "warning[adapt]: at t = %.6g s more than half of the body is to be fine: all of it is from now on, %.3g "
-            "triangles; a uniform mesh (mesh.size = %.3g m, no [adapt]) is faster\n",
+            "warning[adapt]: at t = %.6g s more than half of the body must be refined, so all of it is refined now, "
+            "%.3g triangles; a uniform mesh (mesh.size = %.3g m, no [adapt]) is faster\n",
             now.time, n, options_.size);
     }
     std::optional<AdaptedModel> refined;
     if (n > options_.limit) {
-        ended_ = true;
+        mesh_state_ = MeshState::stays;
         warning_ = formatted(
             "warning[adapt]: at t = %.6g s the mesh would have %.3g triangles, adapt.limit is %.3g: it stays as it is, "
-            "and interfaces break in coarse triangles\n",
+            "and interfaces break in coarse triangles; adaptation.coarse_breaks in run.json is the number of their "
+            "vertices\n",
             now.time, n, options_.limit);
-        model.too_coarse.clear();
+        guard(model);
     } else {
-        refined = adapt(model, now, options_, wanted, input_, static_cast<std::uint64_t>(counts_.batches) + 1);
+        refined = adapt(model, now, options_, requested, input_, static_cast<std::uint64_t>(counts_.batches) + 1);
     }
     if (refined) {
         ++counts_.batches;
@@ -109,7 +158,7 @@ std::optional<AdaptedModel> Adaptation::look(Model& model, const State& now, con
         mesh_ = refined->model.mesh;
     }
     Model& present = refined ? refined->model : model;
-    if (also) allow(*also, now.time, present);
+    if (also) allow(*also, refined ? refined->state : now, present);
     counts_.cpu += watch.cpu();
     return refined;
 }

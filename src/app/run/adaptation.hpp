@@ -13,47 +13,60 @@ public:
     /// `input`: of the model, without its mesh.
     Adaptation(const AdaptOptions& options, ModelInput input) : options_(options), input_(std::move(input)) {}
 
-    /// At the start of a run.
-    void begin(Model& model) const;
+    /// Which vertices of a model may not come apart; at the start of a run.
+    void guard(Model& model) const;
     /// A look at the mesh is due before the next step.
-    bool is_due(const State& now) const { return options_.active() && !ended_ && now.n_steps >= next_look_; }
+    bool is_due(const State& now) const {
+        return options_.active() && mesh_state_ == MeshState::follows && now.n_steps >= next_look_;
+    }
     /// Looks at the mesh, and refines it where it is too coarse; `also` [m]: a vertex that a step would have split.
     /// Where nothing can be refined there, the model allows it to split.
     std::optional<AdaptedModel> look(Model& model, const State& now, const std::optional<Vec2>& also = {});
-    void after_step() { allowed_.clear(); }
+    void after_step(Model& model);
     /// The model after all refinements so far, from that at the start of the run.
     void repeat(Model& model) const;
 
-    const AdaptationCounts& counts() const { return counts_; }
+    AdaptationCounts counts(const Model& model, const State& now) const;
+    /// The mesh reached adapt.limit.
+    bool stays_coarse() const { return mesh_state_ == MeshState::stays; }
     /// A line that says why the mesh changes no more, or that a vertex came apart in large triangles; once each.
     std::string take_warning() { return std::exchange(warning_, {}); }
 
     void serialize(auto& archive) {
-        archive(next_look_, ended_, counts_);
+        archive(next_look_, mesh_state_, counts_);
         if (options_.active()) archive(mesh_);
     }
 
 private:
-    void allow(const Vec2& place, double time, Model& model);
+    /// What becomes of the mesh: it is refined where that is due; it is fine everywhere; it is at adapt.limit.
+    enum class MeshState : std::uint8_t { follows, is_fine, stays };
+
+    void allow(const Vec2& place, const State& now, Model& model);
 
     AdaptOptions options_;
     ModelInput input_;
     std::int64_t next_look_ = 0;  // step
-    bool ended_ = false;
+    MeshState mesh_state_ = MeshState::follows;
+    bool told_ = false;  // that a vertex came apart in large triangles
     AdaptationCounts counts_;
     Mesh mesh_;  // the present one; empty before the first refinement
     std::string warning_;
     std::vector<Vec2> allowed_;  // [m] vertices that may split in this step although they are coarse
 };
 
-/// The numbers of triangles to expect of [adapt], within a factor of 2, where one crack crosses the body along its
-/// longer side.
+/// The numbers of triangles to expect of [adapt] where every initial crack, or else one, crosses the body along its
+/// longer side. `gain` was within a factor of 2 of that of the run in five scenes (scenarios/BENCHMARKS.md); it knows
+/// no loads.
 struct AdaptationForecast {
-    double crack = 0;                // [m]
+    double crack = 0;                // [m] advance of all cracks
     double at_end = 0, uniform = 0;  // triangles; of a uniform mesh of adapt.size
     double gain = 1;                 // [-] triangle-steps of the uniform mesh over those of the run
 };
 AdaptationForecast forecast(const Scenario& scenario, const Mesh& mesh);
+
+/// Replaces [adapt] by a uniform mesh of its size where the forecast on the coarse mesh finds no gain; the reason, or
+/// nothing.
+std::string replace_where_it_does_not_pay(Scenario& scenario, const Mesh& coarse);
 
 /// [-] Triangles of a random mesh of mean edge length `size` [m] over an area [m2], measured.
 double n_triangles_of(double area, double size);

@@ -79,6 +79,7 @@ Continuation continuation_of(const ReadResult& read, const Model& model, const f
     if (!first || end < first_end) return {.read = read};
     Continuation continuation{.read = read};
     Scenario& scenario = continuation.read.scenario;
+    first->scenario.adapt = scenario.adapt;  // whether it pays does not depend on the end
     keep_defaults(continuation.read, *first);
     if (resolved_with_end(continuation.read, first_end) != text) return {.read = read};
     if (end == first_end) {  // the same run

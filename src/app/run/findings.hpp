@@ -8,8 +8,9 @@
 
 namespace knap {
 
-/// Throws UserError: a shape that cannot be meshed, a selection of nothing, loads that contradict each other.
-Model model_of(const ReadResult& read);
+/// Throws UserError: a shape that cannot be meshed, a selection of nothing, loads that contradict each other. Where
+/// [adapt] does not pay, the scenario gets a uniform mesh instead, and a warning.
+Model model_of(ReadResult& read);
 
 /// Throws UserError: a step that the mesh does not allow.
 StepPlan plan_of(const ReadResult& read, const Model& model, double until);

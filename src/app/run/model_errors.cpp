@@ -1,5 +1,6 @@
 // Errors of a scenario that only its mesh shows.
 #include "analysis/rest_watch.hpp"
+#include "app/run/adaptation.hpp"
 #include "app/run/findings.hpp"
 #include "app/run/setup.hpp"
 #include "base/formatted.hpp"
@@ -145,9 +146,17 @@ void refuse_unheld_body(const ReadResult& read, const Model& model) {
 
 }  // namespace
 
-Model model_of(const ReadResult& read) {
+Model model_of(ReadResult& read) {
     try {
         Model model = build_model(read.scenario);
+        if (const std::string reason = replace_where_it_does_not_pay(read.scenario, model.mesh); !reason.empty()) {
+            read.warnings.push_back(read.at("adapt", {.severity = Diagnostic::Severity::warning,
+                                                      .code = "adapt",
+                                                      .message = reason,
+                                                      .note = "a larger adapt.load, a smaller adapt.size, or "
+                                                              "[[mesh.refine]] along a path that is known"}));
+            model = build_model(read.scenario);
+        }
         std::vector<Diagnostic> found;
         for (const Contradiction& c : find_contradictions(model, read.scenario.loads))
             found.push_back(described(read, c));

@@ -138,16 +138,19 @@ public:
     Warnings(const ReadResult& read, const Model& model) : read_(read), scenario_(read.scenario), model_(model) {}
 
     void on_resolution() {
+        const char* const size = scenario_.given                  ? "mesh.file"
+                                 : read_.values.has("adapt.size") ? "adapt.size"
+                                                                  : "mesh.size";
         for (const Resolution& r : judge_resolution(scenario_, mesh_))
             if (r.steep_zone() == 0)
-                add(scenario_.given ? "mesh.file" : "mesh.size", "resolution",
+                add(size, "resolution",
                     formatted(
                         "the traction of the law `%s` (`%s`) drops at once, which no mesh resolves: crack speed and "
                         "branching will depend on the mesh",
                         r.law.c_str(), r.material.c_str()),
                     "help: a short slope instead of the drop, as plateau = 0.9, or accept the dependence on the mesh");
             else if (r.n_edges < 5)
-                add(scenario_.given ? "mesh.file" : "mesh.size", "resolution",
+                add(size, "resolution",
                     formatted("the process zone of `%s` (%.3g m for a crack at rest%s) is covered by %.1f edges; crack "
                               "speed and branching will depend on the mesh",
                               r.material.c_str(), r.steep_zone(),

@@ -18,6 +18,7 @@
 #include "stepper/moreau_jean.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace knap {
@@ -106,6 +107,7 @@ private:
     void step();
     void excavate();
     void adapt(const std::optional<Vec2>& also = {});
+    void replace_model(const auto& replace);
     void renew_stepper();
     void save();
     void report_warnings();
@@ -210,6 +212,15 @@ void Run::renew_stepper() {
     stepper_->give_up_when(InterruptGuard::interrupted);
 }
 
+/// `replace` gives the run another model and the state of it; frames of the present one are written before.
+void Run::replace_model(const auto& replace) {
+    recorder_.finish_frames();
+    stepper_.reset();
+    replace();
+    next_ = now_;
+    renew_stepper();
+}
+
 /// A trial step of the whole body shows the forces that the region exerts on the rest.
 void Run::excavate() {
     const SchemeOptions& scheme = setup_.scenario.time.scheme;
@@ -221,25 +232,17 @@ void Run::excavate() {
                 formatted("no step from t = %.9g s, where a region is to vanish: see its place (%.6g, "
                           "%.6g) m",
                           now_.time, trial.where.x(), trial.where.y()));
-    recorder_.finish_frames();
-    stepper_.reset();
     ExcavationEnergies energies;
-    log_.add(excavations_.perform(next_, scheme.damping, setup_.model, now_, energies));
-    next_ = now_;
-    renew_stepper();
+    replace_model([&] { log_.add(excavations_.perform(next_, scheme.damping, setup_.model, now_, energies)); });
     recorder_.after_excavation(energies);
 }
 
 /// A look at the mesh, which is refined where that is due, or where a step would break it at a coarse place.
 void Run::adapt(const std::optional<Vec2>& also) {
-    std::optional<AdaptedModel> refined = adaptation_.look(setup_.model, now_, also);
+    auto refined = adaptation_.look(setup_.model, now_, also);
     report(adaptation_.take_warning());
     if (!refined) return;
-    recorder_.finish_frames();
-    stepper_.reset();
-    setup_.model = std::move(refined->model), now_ = std::move(refined->state);
-    next_ = now_;
-    renew_stepper();
+    replace_model([&] { setup_.model = std::move(refined->model), now_ = std::move(refined->state); });
     recorder_.after_adaptation(now_, refined->numbers, refined->energies);
 }
 
@@ -259,7 +262,7 @@ void Run::step() {
     if (setup_.options.dump_lcp.contains(next_.n_steps))
         log_.add(dump_lcp(setup_.model, now_, h, setup_.scenario.time.scheme, setup_.directory / "lcp"));
     std::swap(now_, next_);
-    adaptation_.after_step();
+    adaptation_.after_step(setup_.model);
     triangle_steps_ += setup_.model.mesh.n_triangles();
     recorder_.after_step(now_, report);
     progress_->after_step(now_, recorder_, setup_.model.mesh.n_triangles());
@@ -337,11 +340,11 @@ void Run::finish() {
     record_.triangles = setup_.model.mesh.n_triangles();
     record_.interfaces = static_cast<Index>(setup_.model.interfaces.size());
     record_.triangle_steps = triangle_steps_;
-    record_.adaptation = adaptation_.counts();
-    if (setup_.scenario.adapt.active())
-        record_.adaptation_gain = static_cast<double>(now_.n_steps) *
-                                  n_triangles_of(recorder_.deformation().body_area(), setup_.scenario.adapt.size) /
-                                  static_cast<double>(triangle_steps_);
+    if (const double size = setup_.scenario.adapt.size; setup_.scenario.adapt.active()) {
+        const double n = n_triangles_of(recorder_.deformation().body_area(), size), steps = now_.n_steps;
+        record_.adaptation = adaptation_.counts(setup_.model, now_);
+        record_.adaptation_gain = adaptation_.stays_coarse() ? NAN : n * steps / triangle_steps_;
+    }
     record_.summary = summarise(setup_.model, now_, recorder_);
     record_.gates = recorder_.gates().gates();
     if (record_.status == "done" && complete)
@@ -367,7 +370,7 @@ ExitCode exit_code(const RunRecord& record) {
 
 }  // namespace
 
-ExitCode run_scenario(const ReadResult& requested, const RunOptions& options) {
+ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
     if (!(options.until > 0))
         throw UserError("bad-value", "`--until " + shortest(options.until) + " s` ends the run before it starts",
                         "use a time after t = 0, as in 20us");
@@ -389,7 +392,7 @@ ExitCode run_scenario(const ReadResult& requested, const RunOptions& options) {
     AdaptOptions adapt = scenario.adapt;
     adapt.smallest_step = plan.stable_step;
     Adaptation adaptation(adapt, model_input(scenario));
-    adaptation.begin(model);
+    adaptation.guard(model);
     if (!options.dump_lcp.empty()) check_dump(model, scenario.time.scheme);
     std::optional<MoreauJean> stepper(std::in_place, model, scenario.time.scheme);
     stepper->give_up_when(InterruptGuard::interrupted);

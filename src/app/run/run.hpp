@@ -29,6 +29,6 @@ struct RunOptions {
     std::vector<std::string> command;  // as typed, for the record
 };
 
-ExitCode run_scenario(const ReadResult& read, const RunOptions& options);
+ExitCode run_scenario(ReadResult read, const RunOptions& options);
 
 }  // namespace knap

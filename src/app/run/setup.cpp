@@ -101,12 +101,13 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& m
     std::set<std::pair<Index, Index>> meeting;  // materials of separate bodies have no interface
     for (const InteriorEdge& interface : mesh.interior_edges)
         meeting.insert(std::minmax(mesh.region[interface.triangle[0]], mesh.region[interface.triangle[1]]));
-    const auto judge_law = [&](const std::string& where, const NamedLaw& law, double modulus, double wave_speed) {
+    const auto judge_law = [&](const std::string& where, const NamedLaw& law, double modulus, double wave_speed,
+                               bool anywhere) {
         if (!law.law.breakable() || law.law.sigma_c <= 0) return;
         const double length = modulus * law.law.G_c / (law.law.sigma_c * law.law.sigma_c),
                      zone = 9 * std::numbers::pi / 32 * length,
                      steepness = law.law.softening ? 2 * law.law.softening->steepest() : 1;
-        found.push_back({where, law.name, length, zone, zone / steepness / edge, wave_speed, steepness});
+        found.push_back({where, law.name, length, zone, zone / steepness / edge, wave_speed, steepness, anywhere});
     };
     const auto modulus = [&](const NamedMaterial& material) { return material.elastic.plane_modulus(scenario.plane); };
     const auto speed = [&](const NamedMaterial& material) {
@@ -117,7 +118,7 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& m
             if (!meeting.contains({static_cast<Index>(a), static_cast<Index>(b)})) continue;
             const NamedMaterial &one = scenario.materials[a], &other = scenario.materials[b];
             judge_law(a == b ? one.name : one.name + "-" + other.name, scenario.laws[scenario.law_of_pair[a][b]],
-                      std::min(modulus(one), modulus(other)), std::max(speed(one), speed(other)));
+                      std::min(modulus(one), modulus(other)), std::max(speed(one), speed(other)), a == b);
         }
     for (std::size_t f = 0; f < scenario.supports.size(); ++f) {
         if (!scenario.supports[f].glued) continue;
@@ -125,7 +126,8 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& m
                fastest = 0;  // only the mesh knows which one is there
         for (const NamedMaterial& material : scenario.materials)
             softest = std::min(softest, modulus(material)), fastest = std::max(fastest, speed(material));
-        judge_law("support " + std::to_string(f + 1), scenario.laws[scenario.supports[f].law], 2 * softest, fastest);
+        judge_law("support " + std::to_string(f + 1), scenario.laws[scenario.supports[f].law], 2 * softest, fastest,
+                  false);
     }
     return found;
 }

@@ -20,6 +20,7 @@ struct Resolution {
     double n_edges;          // edges along its steep part, where cracks are expected
     double wave_speed;       // [m/s] dilatational, of the faster material
     double steepness;        // [-] steepest slope of the softening over that of linear softening
+    bool anywhere;           // within one material: cracks may run along all edges
 
     /// [m] The part in which the traction falls fastest; a mesh that does not resolve it breaks edge by edge.
     double steep_zone() const { return process_zone / steepness; }
