@@ -224,6 +224,7 @@ void Run::excavate() {
     recorder_.finish_frames();
     stepper_.reset();
     ExcavationEnergies energies;
+    report(excavations_.moved_warning(setup_.model, now_));
     log_.add(excavations_.perform(next_, scheme.damping, setup_.model, now_, energies));
     next_ = now_;
     renew_stepper();
