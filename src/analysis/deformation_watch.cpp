@@ -47,7 +47,18 @@ bool on_support(const Interface& interface) {
 DeformationWatch::DeformationWatch(const Model& model) : model_(model) {
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) body_area_ += model.mesh.area(t);
     triangle_area_ = body_area_ / std::max<Index>(1, model.mesh.n_triangles());
+    obstacle_pairs_ = obstacles_that_may_meet(model.obstacles);
     renew();
+}
+
+void DeformationWatch::look_at_obstacles(const State& state) {
+    const auto surface = [&](Index i) -> ObstacleSurface {
+        return {model_.obstacles[i].outline, state.obstacles[i].pose};
+    };
+    for (const auto& [i, j] : obstacle_pairs_) {
+        const auto [gap, place] = gap_between(surface(i), surface(j));
+        obstacle_overlap_.add(-gap, place);
+    }
 }
 
 void DeformationWatch::renew() {

@@ -1,7 +1,8 @@
 #pragma once
 // Checks the assumptions of the kinematics: small rotations (unless they may be large), small strains, small slips
 // between faces in contact, and contact only between initial neighbours. The recorder calls it when the body has moved
-// far enough, not at every step.
+// far enough, not at every step; obstacles, which are few, at every step.
+#include "model/obstacle_gap.hpp"
 #include "model/state.hpp"
 
 #include <map>
@@ -32,6 +33,9 @@ public:
     /// Overlap: as expensive as some steps.
     void look_for_overlap(const State& state);
 
+    /// Free obstacles that meet others.
+    void look_at_obstacles(const State& state);
+
     /// [m] No vertex may move farther between two calls of look_at: a relative motion of two vertices by as much turns
     /// no triangle by more than 2 degrees; with large rotations it strains none by more than 20 %.
     double look_path() const { return look_path_; }
@@ -44,6 +48,7 @@ public:
     bool large_rotation() const { return model_.large_rotation; }  // strain is watched
     const Extreme& slip() const { return slip_; }        // [-] of a point under pressure, over the length of its edge
     const Extreme& overlap() const { return overlap_; }  // [m2] area covered twice; place in the deformed body
+    const Extreme& obstacle_overlap() const { return obstacle_overlap_; }  // [m] depth
     double triangle_area() const { return triangle_area_; }  // [m2] mean; where smaller, that of overlapping triangles
     double body_area() const { return body_area_; }          // [m2]
     /// Of a corner in the reference body; none for -1.
@@ -51,7 +56,9 @@ public:
         return corner < 0 ? std::nullopt : std::optional(model_.mesh.corner(corner));
     }
 
-    void serialize(auto& archive) { archive(rotation_, strain_, area_change_, slip_, overlap_, triangle_area_); }
+    void serialize(auto& archive) {
+        archive(rotation_, strain_, area_change_, slip_, overlap_, obstacle_overlap_, triangle_area_);
+    }
 
 private:
     double straight_length(Index interface, int direction, double slip) const;
@@ -62,7 +69,8 @@ private:
 
     const Model& model_;
     double triangle_area_ = 0, body_area_ = 0, look_path_ = 0;
-    Extreme rotation_, strain_, area_change_, slip_, overlap_;
+    Extreme rotation_, strain_, area_change_, slip_, overlap_, obstacle_overlap_;
+    std::vector<std::array<Index, 2>> obstacle_pairs_;
 };
 
 }  // namespace knap

@@ -243,6 +243,16 @@ const GateRule rules[] = {
          if (turns_freely(run)) found.warning = found.limit = area_limit_of_green;  // `strain` warns
          return found;
      }},
+    {{"obstacle_overlap", "m",
+      "largest depth of a free obstacle in another obstacle; obstacles do not touch each other",
+      "End the run before they meet, or make one of them a [[body]] of a stiff material; where it does not matter, "
+      "[limits] obstacle_overlap sets another limit."},
+     {infinity, infinity, allowed},
+     [](const GateView& run) {
+         GateValue found = of_deformation<&DeformationWatch::obstacle_overlap>(run);
+         found.warning = 1e-6 * run.size, found.limit = 1e-3 * run.size;
+         return found;
+     }},
     {{"slip", "",
       "largest slip of a point under pressure over the length of its edge; contact is computed with the initial "
       "neighbour, which is no longer opposite",

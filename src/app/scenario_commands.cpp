@@ -129,12 +129,16 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
         std::printf("  after the first loss of cohesion h = %.4g s (%.3g CFL): up to %.0f steps\n",
                     plan.limits.cracking, plan.limits.cracking / plan.stable_step,
                     std::ceil(scenario.time.end / plan.limits.cracking));
+    const bool breaks_in_contact =
+        !model.contact_of_pair.empty() &&
+        std::ranges::any_of(model.interfaces, [&](const Interface& i) { return model.laws[i.law].breakable(); });
     std::printf("  about %.3g s of one core: mesh and model %.2g, steps %.2g, frames %.2g, figures %.2g, tables %.2g\n",
                 cost.total(), cost.model, cost.steps, cost.frames, cost.figures, cost.lines);
-    std::printf(
-        "  a step takes %.2g s now (measured%s), %.1f times that on average, as in the gallery; within a factor of 2 "
-        "there, more for a body that fragments\n",
-        cost.first_step, long_measured ? "" : ", briefly; --time measures longer", cost.mean_over_first);
+    std::printf("  a step takes %.2g s now (measured%s), %.1f times that on average, as in the gallery; %s\n",
+                cost.first_step, long_measured ? "" : ", briefly; --time measures longer", cost.mean_over_first,
+                breaks_in_contact
+                    ? "pieces that break and lie on each other may take 30 times as long: see the progress line"
+                    : "within a factor of 2 there, more for a body that fragments");
     if (scenario.adapt.active()) {
         const AdaptationForecast expected = forecast(scenario, model.mesh);
         std::printf(

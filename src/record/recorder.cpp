@@ -144,6 +144,7 @@ void Recorder::finish(const State& now, bool ended_early) {
 /// Looks when the fastest vertex could have moved far enough since the last look, whatever the end of the run, at
 /// frames, and at the end. A path that is not a number is far enough.
 void Recorder::watch_deformation(const State& now, double speed) {
+    deformation_.look_at_obstacles(now);
     const double reached = now.time * (1 + 1e-12), path = now.last_step * speed;
     const bool always = frames_.is_due(now.time) || (options_.end > 0 && reached >= options_.end),
                explicit_bulk = now.rate.empty();

@@ -343,7 +343,7 @@ void add_keys_of_loads(KeyTable& t) {
         "acceleration without it act on all bodies");
     t.number("traction", "Pa", "force per area on the boundary, x and y").pair();
     t.number("pressure", "Pa", "normal force per area on the boundary, towards the body; the face is that of the "
-        "undeformed body, with domain.rotation = \"large\" the present one");
+        "undeformed body, with domain.rotation = \"large\" the present one, also of fragments that fly away");
     t.number("stress", "Pa", "stress [xx, yy, xy] around the body (in situ stress), applied to the boundary as its "
         "traction, with domain.rotation = \"large\" that of the present face; tension is positive").triple();
     t.number("force", "N", "total force, x and y, shared equally by the vertices on the boundary or in the box").pair();
@@ -367,7 +367,8 @@ void add_keys_of_loads(KeyTable& t) {
     add_history(t, "rise time: the factor grows linearly from 0 to 1 and stays 1");
 
     t.list("obstacle[]", "a rigid body in contact with the meshed body: fixed, driven (velocity or displacement), or "
-        "free if it has a mass and nothing is prescribed");
+        "free if it has a mass and nothing is prescribed. Obstacles do not touch each other: what should meet a free "
+        "one is a [[body]]");
     t.text("name", "name in reactions.csv").a_name().computed("obstacle1, obstacle2, ...").to(&Obstacle::name);
     t.word("shape", {"half plane", "disc", "polygon"}, "outline; a polygon is convex").required();
     t.number("at", "m", "point on the surface").pair().required().only_with("shape", {"half plane"});
@@ -405,8 +406,9 @@ void add_keys_of_loads(KeyTable& t) {
         .computed("as in [contact]").to(&ContactLaw::restitution);
 
     t.list("excavation[]", "a region of the body that vanishes at a time, given by points, by centre and radius, or "
-        "by a box; the mesh follows its outline. Until then it is ordinary material; then the forces that it exerted "
-        "on the rest decrease linearly to zero, and the new faces are free. Its loads and supports vanish with it; "
+        "by a box, in the undeformed body: what is there at the start vanishes, wherever it has moved. The mesh "
+        "follows its outline. Until then it is ordinary material; then the forces that it exerted on the rest decrease "
+        "linearly to zero, and the new faces are free. Its loads and supports vanish with it; "
         "explicit bulk only");
     t.number("points", "m", "corners in order").points();
     add_arcs(t, "excavation[]", "sides between the points that are circular arcs");

@@ -9,7 +9,8 @@ void add_place(KeyTable& t, const std::string& table, std::string_view doc, std:
     t.table(joined_path(table, key), doc).or_text("boundary");
     t.text("boundary", "name of a boundary; with `body` also that among its boundaries: `left` for `NAME.left`, of a "
         "group that of all its bodies").to(&Selection::boundary);
-    t.number("box", "m", "lower left and upper right corner").box().to(&Selection::box);
+    t.number("box", "m", "lower left and upper right corner, in the undeformed body: what is there at the start stays "
+        "selected").box().to(&Selection::box);
     t.text("body", "name of a body, or of a group of bodies").to(&Selection::body);
     t.in(table);
 }

@@ -91,16 +91,17 @@ void add_keys_of_run(KeyTable& t) {
     t.number("modulus_between", "", "stress interval of the fit of modulus and Poisson's ratio, over the peak stress")
         .pair().at_least(0).at_most(1).otherwise("[0.4, 0.6]").to(&SpecimenOptions::modulus_between);
 
-    t.list("probe[]", "a point whose motion, interface whose opening, or box whose mean stress is "
-        "written to probes.csv");
-    t.number("at", "m", "position; outside the body the nearest vertex")
+    t.list("probe[]", "a point whose motion, interface whose opening, or box whose mean stress is written to "
+        "probes.csv");
+    t.number("at", "m", "position in the undeformed body; outside the body the nearest vertex")
         .pair().required().only_with("watch", {"place", "interface"}).to(&ProbeOptions::at);
     t.word("watch", {"place", "interface", "stress"}, "place: displacement and velocity of the point; interface: "
         "opening, slip and cohesion of the nearest breakable interface, averaged over its points; stress: mean stress "
         "in a box")
         .otherwise("place").to(&ProbeOptions::watch, {ProbeOptions::Watch::place, ProbeOptions::Watch::interface,
                                                      ProbeOptions::Watch::stress});
-    t.number("box", "m", "lower left and upper right corner of the box of a mean stress; without it the whole body")
+    t.number("box", "m", "lower left and upper right corner of the box of a mean stress, in the undeformed body: "
+        "its triangles move on; without it the whole body")
         .box().only_with("watch", {"stress"}).to(&ProbeOptions::box);
     t.text("name", "prefix of its columns").a_name().computed("probe1, probe2, ...").to(&ProbeOptions::name);
 
@@ -157,6 +158,8 @@ void add_keys_of_run(KeyTable& t) {
         "the largest energy").above(0).or_word("none").otherwise("0.001");
     t.number("temperature_overshoot", "", "maximum excess of a temperature over those around it, over the largest "
         "difference; with conduction").above(0).or_word("none").computed("0.05, warning from 0.001");
+    t.number("obstacle_overlap", "m", "maximum depth of a free obstacle in another obstacle")
+        .above(0).or_word("none").computed("a thousandth of the body, warning from a millionth");
     t.number("slip", "", "maximum slip of a point under pressure over the length of its edge; not of sliding along "
         "straight supports and obstacles").above(0).or_word("none").computed("1, warning from 0.5");
     t.number("overlap", "m2", "maximum area that the deformed body covers twice").above(0).or_word("none")

@@ -66,6 +66,11 @@ Selection read_selection(const Table& table) {
     if (std::ranges::count(bodies, on.boundary) > 0)
         table.error("unknown-name", "boundary", "= \"" + on.boundary + "\" is a body, not a boundary",
                     "on = { body = \"" + on.boundary + "\" }, or one of its boundaries, as \"NAME.left\"");
+    else if (const std::string group = on.boundary.substr(0, on.boundary.find('.'));
+             on.body.empty() && group != on.boundary && std::ranges::count(known, on.boundary) == 0 &&
+             std::ranges::count(scenario.groups, group, &BodyGroup::name) > 0)
+        table.error("unknown-name", "boundary", "= \"" + on.boundary + "\": `" + group + "` is a group of bodies",
+                    "on = { body = \"" + group + "\", boundary = \"" + on.boundary.substr(group.size() + 1) + "\" }");
     else table.reading().find(table.path("boundary"), "boundary", on.boundary, known);
     return on;
 }

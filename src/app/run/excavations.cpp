@@ -143,6 +143,23 @@ bool Excavations::is_due(const State& now) const {
     return done_.size() < planned_.size() && StepControl::has_reached(now, planned_[done_.size()].at);
 }
 
+std::string Excavations::moved_warning(const Model& model, const State& now) const {
+    const PlannedExcavation& planned = planned_[done_.size()];
+    double largest = 0, moved = 0;  // [-] of an edge, [m]
+    Vec2 place = Vec2::Zero();
+    for (const Index t : planned.triangles) {
+        const Index corner = model.mesh.corners_per_triangle() * t;
+        const Vec2& u = now.displacement_of(corner);
+        const double in_edges = u.norm() / model.mesh.side_vector(t, 0).norm();
+        if (in_edges > largest) largest = in_edges, moved = u.norm(), place = model.mesh.corner(corner) + u;
+    }
+    if (largest <= 1) return "";
+    return formatted(
+        "warning[excavated]: at t = %.6g s `%s` removes what was in its region at the start, which has moved by up to "
+        "%.3g m since, to (%.6g, %.6g) m; what is in the region now stays\n",
+        now.time, path_of(planned).c_str(), moved, place.x(), place.y());
+}
+
 std::string Excavations::perform(const State& trial, double damping, Model& model, State& now,
                                  ExcavationEnergies& energies) {
     const PlannedExcavation& planned = planned_[done_.size()];

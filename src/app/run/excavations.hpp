@@ -24,6 +24,8 @@ public:
 
     /// One vanishes at this state.
     bool is_due(const State& now) const;
+    /// Where its triangles have left their place by more than an edge.
+    std::string moved_warning(const Model& model, const State& now) const;
     /// Replaces model and state by those without the region; `trial`: the end of a step from `now`; `damping` [1/s].
     /// Returns the line of the log.
     std::string perform(const State& trial, double damping, Model& model, State& now, ExcavationEnergies& energies);

@@ -15,7 +15,8 @@ Model model_of(ReadResult& read);
 /// Throws UserError: a step that the mesh does not allow.
 StepPlan plan_of(const ReadResult& read, const Model& model, double until);
 
-/// Throws UserError: a specimen that the loads do not test, `start = "equilibrium"` of a body without support.
+/// Throws UserError: a specimen that the loads do not test, `start = "equilibrium"` of a body without support, obstacles
+/// that overlap.
 void check_model(const ReadResult& read, const Model& model);
 
 /// Warnings: probes, regions and boxes outside the body.
@@ -23,6 +24,9 @@ std::vector<Diagnostic> findings_of_places(const ReadResult& read, const Model& 
 
 /// Warnings: supports between bodies that touch.
 std::vector<Diagnostic> findings_of_supports(const ReadResult& read, const Model& model);
+
+/// Of pairs of which one is free: errors where they overlap at the start, warnings where they may meet.
+std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Model& model);
 
 /// Those, and warnings on the resolution of the process zone, on the conduction of heat, jumps of prescribed
 /// displacements, details that reduce the stable step, and implausible numbers of steps, frames, lines and pictures.

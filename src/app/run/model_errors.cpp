@@ -195,6 +195,8 @@ void check_model(const ReadResult& read, const Model& model) {
             throw UserError({read.at("specimen", error.diagnostics.front())});
         }
     refuse_unheld_body(read, model);
+    for (const Diagnostic& found : findings_of_obstacles(read, model))
+        if (found.severity == Diagnostic::Severity::error) throw UserError({found});
     if (read.scenario.time.rest.ends_run && std::isinf(settling_time(model)) && settling_time(model) > 0)
         throw UserError({finding(read, "time.until", "never-rests",
                                  "`time.until` = \"rest\", but a load or an obstacle is driven at a velocity for ever",

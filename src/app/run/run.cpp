@@ -229,10 +229,10 @@ void Run::excavate() {
          trial = stepper_->step(now_, h, next_))
         if (h *= 0.5; h < setup_.plan.limits.smallest)
             throw SimulationError(
-                formatted("no step from t = %.9g s, where a region is to vanish: see its place (%.6g, "
-                          "%.6g) m",
-                          now_.time, trial.where.x(), trial.where.y()));
+                formatted("no step from t = %.9g s, where a region is to vanish: see its place ", now_.time) +
+                place_text(trial.where));
     ExcavationEnergies energies;
+    report(excavations_.moved_warning(setup_.model, now_));
     replace_model([&] { log_.add(excavations_.perform(next_, scheme.damping, setup_.model, now_, energies)); });
     recorder_.after_excavation(energies);
 }

@@ -2,7 +2,6 @@
 
 #include <Eigen/LU>
 #include <Eigen/QR>
-#include <Eigen/SparseLU>
 
 #include <algorithm>
 #include <cmath>
@@ -15,11 +14,13 @@ constexpr double exact = 1e-13;           // [-] of the speeds: a residual at ro
 constexpr double accepted_error = 1e-11;  // [-] of the speeds: not worth proximal points
 constexpr double too_strong = 20;         // impulses of the last step that would cause larger rates are dropped
 constexpr std::size_t bold_attempts = 6, max_attempts = 20;  // of the active set
-constexpr Eigen::Index max_dense = 60;                       // unknowns of a factor that does not use zeros
+constexpr Eigen::Index max_dense = 60;                       // rows of W: more are solved by blocks
+constexpr double lack_of_blocks = 1e-9;                      // [-] of the right side, after two corrections
 
 constexpr int proximal_points = 40;
-constexpr double first_weight = 1e-2, least_weight = 1e-10, largest_weight = 1;  // alpha
-constexpr double lighter = 0.3, heavier = 10;  // after a problem that was solved, or was not
+constexpr double first_weight = 1e-4, least_weight = 1e-10, largest_weight = 1;  // alpha
+constexpr double lighter = 0.01, heavier = 10;  // after a problem that was solved, or was not
+constexpr double slow_below = 1e-3;             // sweeps
 
 /// The link of a contact in its own frame: N and T are x and y.
 FanLink link_in_frame(const ClusterContact& contact) {
@@ -146,6 +147,7 @@ void ContactCluster::find_velocities() {
 double ContactCluster::solve(double speed, double rounding) {
     const double tolerance = exact * speed + rounding;
     find_own();
+    is_analysed_ = false;
     double strongest = 0;
     for (Index i = 0; i < size(); ++i) strongest = std::max(strongest, error(i, contacts[i].impulse));
     if (strongest > too_strong * speed)
@@ -154,7 +156,8 @@ double ContactCluster::solve(double speed, double rounding) {
     double best = sweep_to(exact * speed, first_sweeps);
     if (best <= tolerance) return best;
     best_ = contacts;
-    if (settle_states(speed, tolerance))
+    // many contacts are seldom without a redundant one
+    if (2 * size() <= max_dense && settle_states(speed, tolerance))
         if (const double now = largest_error(); now < best) best = now, best_ = contacts;
     contacts = best_;
     return best > accepted_error * speed + rounding ? approach(best, speed, rounding) : best;
@@ -183,13 +186,13 @@ double ContactCluster::approach(double best, double speed, double rounding) {
     double alpha = first_weight;
     for (int k = 0; k < proximal_points && best > enough; ++k) {
         start_ = contacts;
-        bring_near(alpha);
-        bool found = sweep_to(0.1 * tolerance, first_sweeps) <= tolerance || settle_states(speed, tolerance);
-        if (!found) {
+        const auto found_after = [&](int sweeps) {
             contacts = start_;
             bring_near(alpha);
-            found = sweep_to(0.1 * tolerance, last_sweeps) <= tolerance;
-        }
+            return sweep_to(0.1 * tolerance, sweeps) <= tolerance || settle_states(speed, tolerance);
+        };
+        const bool found = (k == 0 && found_after(0)) || found_after(first_sweeps) ||
+                           (alpha >= slow_below && found_after(last_sweeps));
         bring_near(0);
         find_velocities();
         const double now = largest_error();
@@ -253,19 +256,51 @@ void ContactCluster::fit_states(const FanScales& scales) {
     }
 }
 
+/// lack_ = what A times the solution by blocks lacks to the right side.
+void ContactCluster::find_lack() {
+    lack_.setZero(by_rows_.size());
+    for (std::size_t r = 0; r < unknown_.size(); ++r) lack_[unknown_[r]] = rhs_[static_cast<Eigen::Index>(r)];
+    for (std::size_t i = 0; i < couplings.size(); ++i)
+        lack_.segment<2>(2 * couplings[i].on) -= part_[i] * by_rows_.segment<2>(2 * couplings[i].of);
+}
+
+/// As solve_linear, of a large problem; components that are known are unknowns without a coupling.
+bool ContactCluster::solve_blocks() {
+    if (!is_analysed_) {
+        factor_.start(size());
+        place_of_part_.clear();
+        for (const ContactCoupling& c : couplings)
+            place_of_part_.push_back(c.of == c.on ? c.of : factor_.add(c.on, c.of));
+        factor_.analyse();
+        is_analysed_ = true;
+    }
+    factor_.clear();
+    for (Index row = 0; row < 2 * size(); ++row)
+        if (place_[row] < 0) factor_.block(row / 2)(row % 2, row % 2) = 1;
+    for (std::size_t i = 0; i < couplings.size(); ++i) factor_.block(place_of_part_[i]) += part_[i];
+    if (!factor_.factorise()) return false;
+    by_rows_.setZero(2 * size());
+    find_lack();
+    by_rows_ = lack_;
+    factor_.solve(by_rows_);
+    find_lack();
+    factor_.solve(lack_);
+    by_rows_ += lack_;
+    find_lack();
+    for (std::size_t r = 0; r < unknown_.size(); ++r) p_[static_cast<Eigen::Index>(r)] = by_rows_[unknown_[r]];
+    return p_.allFinite() && lack_.cwiseAbs().maxCoeff() <= lack_of_blocks * rhs_.cwiseAbs().maxCoeff();
+}
+
 /// p_ = A^-1 rhs_, with the least norm where contacts are redundant and the problem is small.
 bool ContactCluster::solve_linear(Eigen::Index n) {
-    if (n > max_dense) {
-        Eigen::SparseMatrix<double> A(n, n);
-        A.setFromTriplets(triplets_.begin(), triplets_.end());
-        Eigen::SparseLU<Eigen::SparseMatrix<double>> factor(A);
-        if (factor.info() != Eigen::Success) return false;
-        p_ = factor.solve(rhs_);
-        p_ += factor.solve(rhs_ - A * p_);
-        return p_.allFinite();
-    }
+    if (2 * size() > max_dense) return solve_blocks();
     A_.setZero(n, n);
-    for (const auto& entry : triplets_) A_(entry.row(), entry.col()) += entry.value();
+    for (std::size_t i = 0; i < couplings.size(); ++i)
+        for (int k = 0; k < 2; ++k)
+            for (int l = 0; l < 2; ++l) {
+                const Eigen::Index row = place_[2 * couplings[i].on + k], column = place_[2 * couplings[i].of + l];
+                if (row >= 0 && column >= 0) A_(row, column) += part_[i](k, l);
+            }
     const Eigen::PartialPivLU<Eigen::MatrixXd> factor(A_);
     p_ = factor.solve(rhs_);
     p_ += factor.solve(rhs_ - A_ * p_);
@@ -297,23 +332,21 @@ bool ContactCluster::solve_states() {
     find_velocities();
     const auto n = static_cast<Eigen::Index>(unknown_.size());
     place_.assign(2 * states.size(), -1);
-    rhs_.resize(n);
+    rhs_.resize(n), p_.resize(n);
     for (Eigen::Index r = 0; r < n; ++r) {
         const Eigen::Index row = unknown_[r];
         const ClusterContact& c = contacts[row / 2];
         place_[row] = r;
         rhs_[r] = row % 2 == 0 ? c.law.contact.rate - c.velocity.x() : states[row / 2].tangential.kink - c.velocity.y();
     }
-    triplets_.clear();
+    part_.clear();
     for (const ContactCoupling& c : couplings) {
-        const Eigen::Index of_N = place_[2 * c.of], of_T = place_[2 * c.of + 1];
+        const StaircasePiece& tangential = states[c.of].tangential;
+        Eigen::Matrix2d& part = part_.emplace_back(c.W);
+        if (!tangential.stick) part.col(0) -= tangential.contact_offset * part.col(1);
         for (int k = 0; k < 2; ++k) {
-            const Eigen::Index r = place_[2 * c.on + k];
-            if (r < 0) continue;
-            const StaircasePiece& tangential = states[c.of].tangential;
-            const double slide = tangential.stick ? 0 : tangential.contact_offset;
-            if (of_N >= 0) triplets_.emplace_back(r, of_N, c.W(k, 0) - slide * c.W(k, 1));
-            if (of_T >= 0) triplets_.emplace_back(r, of_T, c.W(k, 1));
+            if (place_[2 * c.on + k] < 0) part.row(k).setZero();
+            if (place_[2 * c.of + k] < 0) part.col(k).setZero();
         }
     }
     if (n > 0 && !solve_linear(n)) return false;

@@ -11,13 +11,14 @@
 // friction each step has a solution, whatever the geometry.
 //
 // Gauss-Seidel sweeps solve one contact after the other in closed form; where they are slow, an active set over the
-// states of the contacts (interface/link_state.hpp) starts from their result; where that cycles, proximal points. Of
+// states of the contacts (interface/link_state.hpp) starts from their result; where that cycles, and for many contacts
+// from the beginning, proximal points. Of
 // 365 problems that the active set, 200 sweeps and Lemke's pivots left unsolved (jams of up to 290 contacts), proximal
 // points solve all. The impulses of redundant contacts are not unique; the velocities are.
 #include "interface/link_state.hpp"
+#include "stepper/contact/block_factor.hpp"
 
 #include <Eigen/Core>
-#include <Eigen/SparseCore>
 
 #include <algorithm>
 #include <vector>
@@ -83,6 +84,8 @@ private:
     bool solve_states();
     void fit_states(const FanScales& scales);
     bool solve_linear(Eigen::Index n);
+    bool solve_blocks();
+    void find_lack();
 
     Index size() const { return static_cast<Index>(contacts.size()); }
 
@@ -90,9 +93,12 @@ private:
     std::vector<Vec2> free_;                        // [m/s] V_free without alpha D
     std::vector<LinkState> states_;
     std::vector<Eigen::Index> unknown_, place_;  // rows of W; per row: its place in unknown_, or -1
-    std::vector<Eigen::Triplet<double>> triplets_;
+    std::vector<Eigen::Matrix2d> part_;          // per coupling: of it what concerns unknowns
+    std::vector<Index> place_of_part_;           // likewise: in factor_
+    bool is_analysed_ = false;                   // factor_ has the pattern of the couplings
+    BlockFactor factor_;
     Eigen::MatrixXd A_;
-    Eigen::VectorXd rhs_, p_;
+    Eigen::VectorXd rhs_, p_, by_rows_, lack_;
     std::vector<ClusterContact> best_, start_;
 };
 

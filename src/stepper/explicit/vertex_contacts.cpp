@@ -174,9 +174,10 @@ bool VertexContacts::keeps_its_parts(const TouchedFan& touched, const ExplicitSt
 void VertexContacts::solve_fan(TouchedFan& touched, const ExplicitStep& step, VertexSolver::Workspace& work) const {
     const auto corners = model_.corners(model_.fans[touched.fan]);
     solver_.solve(touched.fan, step, work);
+    std::swap(work.problem, touched.problem);
     touched.velocity.clear();
     for (const Index corner : touched.corners)
-        touched.velocity.push_back(work.problem.bodies[place_among(corners, corner)].end_velocity);
+        touched.velocity.push_back(touched.problem.bodies[place_among(corners, corner)].end_velocity);
 }
 
 /// One body for each part that contacts touch.
@@ -224,8 +225,7 @@ void VertexContacts::pose(const Cluster& cluster, const ExplicitStep& step, bool
             add_parts(touched, step, problem);
             continue;
         }
-        solve_fan(touched, step, work.split);
-        FanProblem& fan = work.split.problem;
+        FanProblem& fan = touched.problem;
         const auto corners = model_.corners(model_.fans[touched.fan]);
         for (const Index corner : touched.corners) {  // without the contacts
             FanBody& body = fan.bodies[place_among(corners, corner)];
@@ -268,6 +268,8 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
         if (touched_[s].is_soft) soften(touched_[s], step.begin, splits), has_soft = true;
     }
     spread(cluster);
+    for (const Index s : cluster.slots)
+        if (touched_[s].is_soft) solve_fan(touched_[s], step, work.split);
     pose(cluster, step, true, work);
     double speed = 0, error = 0;
     for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {

@@ -1,0 +1,93 @@
+#include "model/obstacle_gap.hpp"
+
+#include <algorithm>
+
+namespace knap {
+namespace {
+
+using Kind = Outline::Kind;
+
+/// [m] The place of corner i of a polygon.
+Vec2 corner_of(const ObstacleSurface& polygon, std::size_t i) {
+    const std::vector<Vec2>& points = polygon.outline().points;
+    return polygon.position() + polygon.rotation().turned(points[i % points.size()]);
+}
+
+/// The point of a disc or polygon that is furthest in a direction.
+Vec2 furthest(const ObstacleSurface& of, const Vec2& direction) {
+    if (of.outline().kind == Kind::disc) return of.position() + of.outline().radius * direction;
+    Vec2 best = corner_of(of, 0);
+    for (std::size_t i = 1; i < of.outline().points.size(); ++i)
+        if (const Vec2 other = corner_of(of, i); direction.dot(other - best) > 0) best = other;
+    return best;
+}
+
+/// Of a disc or polygon beyond the side of a half plane or polygon that it is furthest from.
+ObstacleGap beyond_sides(const ObstacleSurface& sides, const ObstacleSurface& other) {
+    ObstacleGap largest{-infinity, other.position()};
+    const auto look = [&](const Vec2& at, const Vec2& outward) {
+        const Vec2 nearest = furthest(other, -outward);
+        if (const double gap = outward.dot(nearest - at); gap > largest.gap) largest = {gap, nearest};
+    };
+    const Outline& outline = sides.outline();
+    if (outline.kind == Kind::half_plane) look(sides.position(), sides.rotation().turned(outline.normal));
+    for (std::size_t i = 0; i < outline.points.size(); ++i)
+        look(corner_of(sides, i), -turned_left((corner_of(sides, i + 1) - corner_of(sides, i)).normalized()));
+    return largest;
+}
+
+/// [m] From the lowest to the highest coordinate k of an obstacle at its start, however it turns if it does.
+std::array<double, 2> extent(const Obstacle& obstacle, int k, bool turns) {
+    const Outline& outline = obstacle.outline;
+    const ObstacleSurface surface(outline, obstacle.start);
+    const Vec2 along = Vec2::Unit(k);
+    const double at = obstacle.start.position[k];
+    if (outline.kind == Kind::half_plane) {
+        const double normal = turns ? 0 : Rotation::by(obstacle.start.angle).turned(outline.normal)[k];
+        return {normal <= -1 ? at : -infinity, normal >= 1 ? at : infinity};
+    }
+    double radius = outline.radius;
+    for (const Vec2& p : outline.points) radius = std::max(radius, p.norm());
+    if (turns) return {at - radius, at + radius};
+    return {furthest(surface, -along)[k], furthest(surface, along)[k]};
+}
+
+bool may_meet(const Obstacle& a, const Obstacle& b) {
+    if (!a.is_free() && !b.is_free()) return false;
+    const auto moves = [](const Obstacle& o, int k) { return o.is_free(k) || o.drive[k].value != 0; };
+    for (int k = 0; k < 2; ++k) {
+        if (moves(a, k) || moves(b, k)) continue;
+        const auto [low_a, high_a] = extent(a, k, moves(a, 2));
+        const auto [low_b, high_b] = extent(b, k, moves(b, 2));
+        if (low_a > high_b || low_b > high_a) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+ObstacleGap gap_between(const ObstacleSurface& a, const ObstacleSurface& b) {
+    const Kind kind_a = a.outline().kind, kind_b = b.outline().kind;
+    if (kind_b == Kind::half_plane && kind_a == Kind::half_plane) return {infinity, a.position()};
+    if (kind_b == Kind::half_plane) return beyond_sides(b, a);
+    if (kind_a == Kind::half_plane) return beyond_sides(a, b);
+    if (kind_a == Kind::polygon && kind_b == Kind::polygon) {
+        const ObstacleGap of_a = beyond_sides(a, b), of_b = beyond_sides(b, a);
+        return of_a.gap > of_b.gap ? of_a : of_b;
+    }
+    const bool first = kind_a == Kind::disc;  // a disc and something with a distance
+    const ObstacleSurface &disc = first ? a : b, &other = first ? b : a;
+    const auto [gap, normal] = other.distance_to(disc.position());
+    const double radius = disc.outline().radius;
+    return {gap - radius, disc.position() - radius * normal};
+}
+
+std::vector<std::array<Index, 2>> obstacles_that_may_meet(const std::vector<Obstacle>& obstacles) {
+    std::vector<std::array<Index, 2>> pairs;
+    for (std::size_t j = 0; j < obstacles.size(); ++j)
+        for (std::size_t i = 0; i < j; ++i)
+            if (may_meet(obstacles[i], obstacles[j])) pairs.push_back({static_cast<Index>(i), static_cast<Index>(j)});
+    return pairs;
+}
+
+}  // namespace knap
