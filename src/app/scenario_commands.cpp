@@ -184,7 +184,7 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
     print_mesh(judge(model.mesh));
     std::fputs(random_sets_text(scenario).c_str(), stdout);
     print_materials(scenario);
-    std::fputs(laws_text(read, model.mesh).c_str(), stdout);
+    std::fputs(laws_text(read, model).c_str(), stdout);
     print_resolution(scenario, model.mesh, plan.limits.cracking);
     print_methods(scenario, model);
     std::fputs(heat_text(scenario, model.mesh, plan.limits.largest).c_str(), stdout);

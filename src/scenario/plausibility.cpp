@@ -28,6 +28,8 @@ constexpr Plausible ranges[] = {
     {"interface", "delta_c", 1e-11, 0.1, "less than the size of an atom", "more than any solid opens before it breaks",
      "um", 0.1, 10000},
     {"interface", "friction", 0, 3, "", "more than that of any rock"},
+    {"material", "expansion", -1e-4, 1e-3, "less than that of any solid", "more than that of any solid", "um/m/K", 0.1,
+     300},
 };
 constexpr double min_modulus = ranges[0].low;  // [Pa]
 
@@ -108,6 +110,13 @@ void check_times(Reading& reading) {
         check_history(item("obstacle", i), std::ranges::max(scenario.obstacles[i].drive, {}, [](const Drive& drive) {
                                                return drive.history.time.size();
                                            }).history);
+    for (const NamedLaw& named : scenario.laws)
+        if (const double tau = named.law.relaxation_time; tau > end)
+            reading.table("interface." + named.name)
+                .warning("after-the-end", "relaxation_time",
+                         "= " + shortest(tau) + " s is longer than the run, " + shortest(end) +
+                             " s: its points hardly soften, and open with nearly their whole strength",
+                         "a number without a unit is in seconds");
     for (const Table& quantity : reading.list("study.quantity"))
         if (const auto at = quantity.number("at"); at && *at > end)
             quantity.warning(

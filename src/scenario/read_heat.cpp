@@ -19,6 +19,12 @@ constexpr KindOfExchange kinds[] = {{"temperature", HeatExchange::Kind::temperat
                                     {"flux", HeatExchange::Kind::flux},
                                     {"source", HeatExchange::Kind::source}};
 
+/// An error at a temperature below absolute zero, where the zero is that of degrees Celsius.
+void check_physical(const Table& table, const char* key, double temperature, const Heat& heat) {
+    if (heat.celsius && temperature < -273.15)
+        table.error("out-of-range", key, "= " + shortest(temperature) + " C is below absolute zero, -273.15 C");
+}
+
 void read_exchange(const Table& table, Heat& heat) {
     HeatExchange exchange;
     table.fill(exchange);
@@ -26,6 +32,7 @@ void read_exchange(const Table& table, Heat& heat) {
     for (const KindOfExchange& kind : kinds) keys.emplace_back(kind.key);
     const auto key = table.one_of(keys, true);
     exchange.history = read_history(table);
+    if (key == "temperature" || key == "outside") check_physical(table, key->c_str(), table.number(*key).value_or(0), heat);
     for (const KindOfExchange& kind : kinds) {
         if (key != kind.key) continue;
         exchange.kind = kind.kind;
@@ -157,7 +164,9 @@ bool read_zero(const Table& table) {
     zero.look_at(table.reading().values.root);
     const auto constant = constant_field(table);
     if (constant) zero.look_at(*constant);
-    const auto line = [](const Node& node) { return "line " + std::to_string(node.place.line); };
+    const auto line = [](const Node& node) {
+        return node.set_by.empty() ? "line " + std::to_string(node.place.line) : node.set_by;
+    };
     if (zero.celsius && zero.kelvin)
         table.reading().findings.error("mixed-temperatures",
                                        "temperatures in C (" + line(*zero.celsius) + ") and in K (" +
@@ -228,6 +237,7 @@ void read_heat(Reading& reading) {
     Heat heat;
     table.fill(heat);
     heat.celsius = read_zero(table);
+    check_physical(table, "reference", heat.reference, heat);
     read_field(table, heat.field);
     for (const Table& material : reading.list("material"))
         heat.materials.push_back(read_thermal(material, heat.conduction));
@@ -254,10 +264,15 @@ void read_heat(Reading& reading) {
     const Box box = scenario.given            ? bounding_box(scenario.given->mesh.vertices)
                     : scenario.bodies.empty() ? Box{}
                                               : bounding_box(scenario.bodies.front().shape.outer.points);
+    double coldest = infinity;
     for (const double t : {0.0, scenario.time.end})
-        for (const Vec2& place : {box.low, box.high, box.middle()})
-            if (!std::isfinite(heat.field_at(place, t)))
+        for (const Vec2& place : {box.low, box.high, box.middle()}) {
+            const double T = heat.field_at(place, t);
+            if (!std::isfinite(T))
                 return table.error("out-of-range", "temperature", "is no finite number everywhere in the body");
+            coldest = std::min(coldest, T);
+        }
+    check_physical(table, "temperature", coldest, heat);
     scenario.heat = std::move(heat);
 }
 

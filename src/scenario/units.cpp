@@ -103,10 +103,12 @@ std::optional<Scale> scale_of_symbol(std::string_view symbol) {
 bool is_operator(char c) { return c == '/' || c == '*' || c == '.' || c == ' '; }
 bool in_symbol(char c) { return !is_operator(c) && !(c >= '0' && c <= '9') && c != '^' && c != '-'; }
 
-/// "J/m2", "kg m/s2", "N*s^-1": factors, each a symbol and an exponent; a slash divides by the one factor after it.
+/// "J/m2", "kg m/s2", "N*s^-1", "1/K": factors, each a symbol and an exponent; a slash divides by the one factor after
+/// it.
 std::optional<Scale> scale_of(std::string_view text) {
     Scale scale;
     int sign = 1;
+    if (text.starts_with("1/")) text.remove_prefix(2), sign = -1;
     while (!text.empty()) {
         const std::size_t n = std::ranges::find_if_not(text, in_symbol) - text.begin();
         const std::optional<Scale> symbol = scale_of_symbol(text.substr(0, n));

@@ -89,6 +89,51 @@ TEST_CASE("C2 a double cantilever beam is opened slowly" * doctest::test_suite("
     }
 }
 
+// A strength of 180 instead of 45 MPa makes the process zone a tenth of the arm and less. The broken tip lags behind Williams' crack by a part of
+// the zone, whatever its shape; the length that the compliance tells does not.
+TEST_CASE("C2 the crack of a double cantilever beam has one length for all softening shapes" *
+          doctest::test_suite("slow")) {
+    describe(
+        "The scenario dcb_williams to U = .1 mm with sigma_c = 180 MPa (l_ch = E G/sigma_c^2 = .0233 mm, arm .2 mm) and "
+        "edges of 4 um, for six softening curves of one fracture energy: force, and length by the compliance, a = (3 E "
+        "I U/P)^(1/3) - .6792 h, against Williams' L(U) = (9 E I U^2/(2 b G_c))^(1/4) - .6792 h; how far the broken "
+        "tip lags behind it, against the process zone of the curve in a large body.");
+    on_path("implicit, implicit");
+    constexpr double EI = 1.8, G_c = 0.14, end_correction = 0.6792 * 0.2, l_ch = 2700 * 2 * G_c / (180. * 180);  // [N, mm]
+    struct Shape {
+        const char* name;
+        double zone;  // over l_ch
+    };
+    for (const Shape& shape : {Shape{"linear", 0.735},
+                               {"trapezoid", 0.461},
+                               {"petersson", 1.80},
+                               {"mc2010", 3.14},
+                               {"exponential", 2.77},
+                               {"power", 1.25}}) {
+        const ReferenceRun run(std::string("beam ") + shape.name,
+                               std::string("dcb_williams -s time.end='\"5.5 ms\"' -s interface.glue.sigma_c='\"180 "
+                                           "MPa\"' -s mesh.size='\"0.03 mm\"' -s 'mesh.refine=[{ inside = [\"1.2 mm\", "
+                                           "\"0 mm\", \"1.62 mm\", \"4 um\"], size = \"4 um\" }]' -s "
+                                           "interface.glue.softening=") +
+                                   shape.name);
+        const std::vector<double> time = run.column("cracks.csv", "time"),
+                                  broken = run.column("cracks.csv", "broken_length"),
+                                  force = run.column("reactions.csv", "load1_force_y");
+        for (const double U : {0.05, 0.1}) {
+            const double t = 1e-3 * (0.5 + U / 0.02);
+            std::size_t i = 0;
+            while (i + 1 < time.size() && time[i] < t - 1e-9) ++i;
+            const double whole = std::pow(9 * EI * U * U / (2 * G_c), 0.25), P = std::abs(force[i]);
+            const std::string at = ", U = " + digits(U) + " mm, " + shape.name;
+            verify("length by compliance [mm]" + at, std::cbrt(3 * EI * U / P) - end_correction, whole - end_correction,
+                   {0.015, 0.005});
+            verify("force [N]" + at, P, 3 * EI * U / (whole * whole * whole), {0.03, 0.01});
+            verify_at_most("lag of the tip over l_ch" + at, (whole - end_correction - 0.4 - 1e3 * broken[i]) / l_ch,
+                           shape.zone);
+        }
+    }
+}
+
 TEST_CASE("a notched beam of concrete carries what the fictitious crack model says" * doctest::test_suite("slow")) {
     describe(
         "The scenario three_point_bending with linear softening and with Petersson's bilinear one of the same strength "

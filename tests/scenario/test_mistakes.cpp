@@ -77,6 +77,10 @@ const Case cases[] = {
      2, 4, "small"},
     {"temperatures in C and in K", with("[heat]\ntemperature = \"20 C\"\nreference = \"293 K\"\n"),
      "mixed-temperatures", 18, 13, 7, "all of them in C, or all in K"},
+    {"a temperature below absolute zero", with("[heat]\ntemperature = \"-300 C\"\n"), "out-of-range", 17, 15, 8,
+     ""},
+    {"a reference below absolute zero", with("[heat]\ntemperature = \"20 C\"\nreference = -300\n"), "out-of-range", 18,
+     13, 4, ""},
     {"a freezing range that counts from another zero",
      changed("nu = 0.2\n", "nu = 0.2\nlatent_heat = 1000\n", with("[heat]\ntemperature = \"260 K\"\n")), "missing-key",
      11, 15, 4, "272.15 K"},
@@ -544,12 +548,19 @@ TEST_CASE("warnings: values that hardly anybody means with their place and what 
     CHECK(reports(warning_of(with(load + "pressure = \"4 GPa\"\n")), "a stress of 4e+09 Pa"));
     CHECK(reports(warning_of(with(load + "velocity = [0, \"16 km/s\"]\n")), "faster than waves"));
     CHECK(warning_of(least, {"material.glass.E=32"}).file == "--set material.glass.E=32");
+    const auto expands = [](const std::string& value) {
+        return changed("nu = 0.2\n", "nu = 0.2\nexpansion = " + value + "\n", with(heat));
+    };
+    CHECK(reports(warning_of(expands("8")), "did you mean \"8 um/m/K\"?"));
+    for (const char* value : {"8e-6", "\"8e-6 1/K\"", "\"8 um/m/K\"", "-1e-6"})
+        CHECK(samples::read(expands(value)).warnings.empty());
     CHECK(samples::read(changed("32e9", "2e3", changed("3.08e6", "500", changed("G_c = 3", "G_c = 0.1"))))
               .warnings.empty());  // a gel
     CHECK(samples::read(changed("sigma_c = 3.08e6\nG_c = 3", "sigma_c = 0")).warnings.empty());
 }
 
 TEST_CASE("warnings: what begins after the end") {
+    CHECK(reports(warning_of(changed("G_c = 3", "G_c = 3\nrelaxation_time = 2")), "= 2 s is longer than the run, 8e-05 s"));
     const Diagnostic table = warning_of(with(load + "traction = [0, 1]\ntable = [[90, 0], [100, 1]]\n"));
     CHECK(table.code == "after-the-end");
     CHECK(table.line == 19);

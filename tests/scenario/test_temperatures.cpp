@@ -40,4 +40,15 @@ TEST_CASE("temperatures: a resolved scenario has the same zero") {
     CHECK(full_listing(first).find("C\" K") == std::string::npos);
 }
 
+TEST_CASE("temperatures: one that the command line mixes in is named by its option") {
+    try {
+        samples::read(warm("\"20 C\"", "300"), {"heat.reference=293 K", "heat.temperature=20 C"});
+        FAIL("read");
+    } catch (const UserError& error) {
+        const std::string& message = error.diagnostics.at(0).message;
+        CHECK(message.find("--set heat.reference=293 K") != std::string::npos);
+        CHECK(message.find("line 0") == std::string::npos);
+    }
+}
+
 }  // namespace temperatures_test

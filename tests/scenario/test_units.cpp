@@ -59,7 +59,9 @@ const Case cases[] = {
     {"20 CFL", 20, "a multiple of the stable step"},
     {"2 %", 0.02, "a plain number"},
     {"0.2", 0.2, "a plain number"},
-    {"50 1/s", 0, nullptr},
+    {"50 1/s", 50, "a rate"},
+    {"8e-6 1/K", 8e-6, "an expansion per temperature"},
+    {"8 um/m/K", 8e-6, "an expansion per temperature"},
     {"50 Hz", 50, "a rate"},
     {"3 kg2/s", 3, "something in kg^2 s^-1"},
 };

@@ -66,7 +66,7 @@ public:
             if (unbreakable(point)) continue;
             const Passage passage = passage_of(point, end);
             const double sign_w = std::abs(passage.w_T) <= near ? 0 : std::copysign(1, passage.w_T);
-            const double sign_u = std::abs(passage.end_u_T) <= near * h_ ? 0 : std::copysign(1, passage.end_u_T);
+            const double sign_u = std::abs(passage.sign_u_T) <= near * h_ ? 0 : std::copysign(1, passage.sign_u_T);
             const double mu = model_.laws[point.law].friction, G = passage.tangential_strength / impulse_;
             const Eigen::VectorXd N = grouped(pushed(point, point.normal)),
                                   T = grouped(pushed(point, turned_left(point.normal)));
@@ -110,9 +110,9 @@ public:
                                     : std::abs(passage.w_T) <= near ? 0
                                                                     : -std::copysign(mu * p, passage.w_T);
             const double cohesive = uncrossed ? value(4) - passage.tangential_strength
-                                    : passage.end_u_T == 0
+                                    : passage.sign_u_T == 0
                                         ? 0
-                                        : -std::copysign(passage.tangential_strength, passage.end_u_T);
+                                        : -std::copysign(passage.tangential_strength, passage.sign_u_T);
             end.contact[point.point] = p;
             end.impulse[point.point] = {p - passage.strength, friction + cohesive};
         }
@@ -122,7 +122,8 @@ private:
     /// A point over the step, at the rates of `end`.
     struct Passage {
         std::optional<double> bound;  // [m/s] c, of a point that may touch
-        double w_N, w_T, u_T, end_u_T;
+        double w_N, w_T, u_T;
+        double reach, sign_u_T;  // [s] after which the slip decides the sign of the cohesion, [m] that slip
         double cohesion, end_cohesion;         // [-] before, and by the law
         double strength, tangential_strength;  // [N s] h S sigma_c beta_theta, times gamma
     };
@@ -138,17 +139,22 @@ private:
         const double scale =
             displacement(point.after).norm() + displacement(point.before).norm() + point.gap + law.delta_c();
         Passage made{.w_N = n.dot(w), .w_T = t.dot(w), .u_T = t.dot(u)};
-        made.end_u_T = made.u_T + h_ * made.w_T;
         made.cohesion = point.cracked || law.sigma_c == 0 ? 0 : knap::cohesion(model_, begin_, point.point);
+        const PointState* known = state_of(model_, begin_, point.point);
+        const double kappa = known ? law.ramp(made.cohesion, known->largest_opening) : 0;
+        made.reach = kappa > 0 ? theta * h_ : h_;
+        made.sign_u_T = made.u_T + made.reach * made.w_T;
         const bool touches = u_N <= 1e-11 * scale;
         const double e = made.cohesion > 0 ? 0 : law.restitution;  // restitution is for faces without cohesion
         if (touches) made.bound = -(1 - theta * (1 + e)) * approach;
         else if (e == 0) made.bound = std::min(-u_N / h_, -(1 - theta) * approach);
         if (driven(point)) made.bound.reset();
         made.end_cohesion =
-            made.cohesion > 0 ? law.next_cohesion(made.cohesion, u_N + h_ * made.w_N, made.end_u_T, h_) : 0;
+            made.cohesion > 0 ? law.next_cohesion(made.cohesion, u_N + h_ * made.w_N, made.u_T + h_ * made.w_T, h_) : 0;
         const bool implicit = options_.cohesion == CohesionScheme::implicit_beta;
-        const double beta = implicit ? theta * made.end_cohesion + (1 - theta) * made.cohesion : made.cohesion;
+        double beta = implicit ? theta * made.end_cohesion + (1 - theta) * made.cohesion : made.cohesion;
+        if (kappa > 0)
+            beta *= std::min(1.0, law.equivalent_opening(u_N + made.reach * made.w_N, made.sign_u_T) / kappa);
         made.strength = made.cohesion > 0 ? h_ * point.area * law.sigma_c * beta : 0;
         made.tangential_strength = law.gamma * made.strength;
         return made;
@@ -273,7 +279,7 @@ private:
 
         // -P_T in G sgn(u_T+) + mu p sgn(w_T): distance of (w_T, P_T) from the graph
         const double G = passage.tangential_strength, F = law.friction * std::max(p, 0.0), held = -P.y(),
-                     crossing = -passage.u_T / h_;
+                     crossing = -passage.u_T / passage.reach;
         const auto off_graph = [&](double at) {
             const double low = (at > crossing ? G : -G) + (at > 0 ? F : -F),
                          high = (at < crossing ? -G : G) + (at < 0 ? -F : F);

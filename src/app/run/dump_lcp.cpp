@@ -20,17 +20,19 @@ constexpr double max_entries = 2e7;  // of a stored matrix: about half a gigabyt
 /// cannot break.
 double upper_bound_of_entries(const Model& model, const SchemeOptions& scheme) {
     UnionFind parts(model.mesh.triangles.size());
-    bool friction = false, gamma = false;
+    bool friction = false, gamma = false, ramps = false;
     double n_layers = 1;  // of the cohesion of a point
-    for (const CohesiveLaw& law : model.laws)
+    for (const CohesiveLaw& law : model.laws) {
         if (law.softening) n_layers = std::max(n_layers, static_cast<double>(law.softening->knots().size() - 1));
+        ramps = ramps || law.unloading == Unloading::secant;
+    }
     for (const FanPoint& point : model.fan_points) {
         if (unbreakable(model, point) && point.before != rigid_support && point.after != rigid_support)
             parts.join(model.mesh.triangle_of(point.before), model.mesh.triangle_of(point.after));
         friction = friction || model.laws[point.law].friction_range()[1] > 0;
         gamma = gamma || model.laws[point.law].gamma > 0;
     }
-    const double rows = (scheme.cohesion == CohesionScheme::implicit_beta ? 2 * n_layers + 1 : 1) + (friction ? 3 : 0) +
+    const double rows = (scheme.cohesion == CohesionScheme::implicit_beta ? 2 * n_layers + 1 : ramps ? 3 : 1) + (friction ? 3 : 0) +
                         (gamma ? 3 : 0);
     std::vector<double> n_points(model.mesh.triangles.size(), 0);
     for (const FanPoint& point : model.fan_points)
@@ -94,12 +96,11 @@ void check_dump(const Model& model, const SchemeOptions& scheme) {
     if (scheme.bulk != BulkScheme::implicit_theta)
         throw UserError("exclusive-keys", "--dump-lcp stores the complementarity problem of the implicit bulk",
                         "set time.bulk = \"implicit\"");
-    if (!StepLcp::fits(model))
-        throw UserError(
-            "exclusive-keys",
-            "--dump-lcp stores a linear problem, and it has no rows for the ramps of unloading = \"secant\": with an "
-            "implicit cohesion they multiply two unknowns",
-            "use unloading = \"constant\"");
+    if (!StepLcp::fits(model, scheme))
+        throw UserError("exclusive-keys",
+                        "--dump-lcp stores a linear problem, and with an implicit cohesion the ramps of unloading = "
+                        "\"secant\" multiply two unknowns",
+                        "use cohesion = \"explicit\" or unloading = \"constant\"");
     const double entries = upper_bound_of_entries(model, scheme);
     if (entries > max_entries)
         throw UserError(

@@ -28,6 +28,9 @@ std::vector<Diagnostic> findings_of_supports(const ReadResult& read, const Model
 /// Of pairs of which one is free: errors where they overlap at the start, warnings where they may meet.
 std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Model& model);
 
+/// Warnings: a [[pressure]] whose source touches no crack and no joint.
+std::vector<Diagnostic> findings_of_fluids(const ReadResult& read, const Model& model);
+
 /// Those, and warnings on the resolution of the process zone, on the conduction of heat, jumps of prescribed
 /// displacements, details that reduce the stable step, and implausible numbers of steps, frames, lines and pictures.
 /// Without `cost` it is estimated where a run may be long.

@@ -3,6 +3,7 @@
 #include "base/formatted.hpp"
 #include "base/text.hpp"
 #include "model/law_of_edge.hpp"
+#include "stepper/common/crack_forces.hpp"
 
 #include <algorithm>
 #include <array>
@@ -85,11 +86,11 @@ Row row_of(const NamedLaw& named, const std::string& places, const Values& value
 
 }  // namespace
 
-std::string laws_text(const ReadResult& read, const Mesh& mesh) {
+std::string laws_text(const ReadResult& read, const Model& model) {
     const Scenario& scenario = read.scenario;
     std::vector<Row> rows{
         {"laws", "act on", "sigma_c/MPa", "G_c/(J/m2), delta_c/um", "gamma", "friction", "softening", ""}};
-    const std::vector<std::string> places = places_of_laws(scenario, mesh);
+    const std::vector<std::string> places = places_of_laws(scenario, model.mesh);
     for (std::size_t i = 0; i < scenario.laws.size(); ++i)
         rows.push_back(row_of(scenario.laws[i], places[i], read.values));
     std::array<std::size_t, std::tuple_size_v<Row>> width{};
@@ -101,6 +102,7 @@ std::string laws_text(const ReadResult& read, const Mesh& mesh) {
         for (std::size_t k = 0; k < row.size(); ++k) line += row[k] + std::string(width[k] - row[k].size() + 2, ' ');
         text += line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
     }
+    const std::vector<double> wetted = CrackForces(model).wetted(initial_state(model));
     for (std::size_t i = 0; i < scenario.crack_pressures.size(); ++i) {
         const CrackPressure& fluid = scenario.crack_pressures[i];
         text += "  " + item("pressure", i) + ' ' +
@@ -109,7 +111,7 @@ std::string laws_text(const ReadResult& read, const Mesh& mesh) {
                 (fluid.joint_law >= 0 ? ", in joints of " + scenario.laws[fluid.joint_law].name
                  : fluid.from         ? ", in cracks from its source"
                                       : ", in all cracks") +
-                '\n';
+                formatted("; %.4g mm of them at t = 0\n", 1e3 * wetted[i]);
     }
     for (std::size_t i = 0; scenario.heat && i < scenario.materials.size(); ++i)
         if (const Thermal& thermal = scenario.heat->materials[i]; thermal.latent_heat > 0)

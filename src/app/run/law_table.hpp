@@ -1,6 +1,6 @@
 #pragma once
 // The laws of a scene as `knap check` lists them: where they act, and all that they can do.
-#include "mesh/mesh.hpp"
+#include "model/model.hpp"
 #include "scenario/read_scenario.hpp"
 
 #include <string>
@@ -8,6 +8,6 @@
 namespace knap {
 
 /// A line for each law, then one for each pressure in cracks and for each material with latent heat.
-std::string laws_text(const ReadResult& read, const Mesh& mesh);
+std::string laws_text(const ReadResult& read, const Model& model);
 
 }  // namespace knap

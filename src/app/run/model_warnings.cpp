@@ -177,7 +177,7 @@ public:
                               factor, name, s.edge, s.radiated(factor)),
                     formatted("help: at most %.2g%s; the summary's kinetic_part tells afterwards",
                               std::max(1.0, s.largest_time_factor()), s.damped ? "" : " without time.damping"));
-            if (s.layer() < 3 * s.edge)
+            if (!scenario_.heat->exchanges.empty() && s.layer() < 3 * s.edge)
                 add(size, "heat",
                     formatted(
                         "heat enters `%s` by %.3g m until `time.end`, %.1f edges: its temperature depends on the mesh",
@@ -441,8 +441,8 @@ std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& m
     warnings.on_places();
     warnings.on_details(plan.stable_of_triangle);
     warnings.on_numbers(plan, cost);
-    for (const auto& others :
-         {findings_of_excavations(read, model), findings_of_supports(read, model), findings_of_obstacles(read, model)})
+    for (const auto& others : {findings_of_excavations(read, model), findings_of_supports(read, model),
+                               findings_of_obstacles(read, model), findings_of_fluids(read, model)})
         warnings.found.insert(warnings.found.end(), others.begin(), others.end());
     return std::move(warnings.found);
 }

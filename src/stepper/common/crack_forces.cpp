@@ -101,4 +101,12 @@ std::vector<double> CrackForces::pressures(const State& state) {
     return found;
 }
 
+std::vector<double> CrackForces::wetted(const State& state) {
+    std::vector<double> length(fluids_.size(), 0.0);
+    for_each_pressed(state, [&](const FanPoint& point, double, const CrackFluid& fluid) {
+        length[&fluid - model_.crack_fluids.data()] += point.area / model_.thickness;
+    });
+    return length;
+}
+
 }  // namespace knap

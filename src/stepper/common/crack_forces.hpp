@@ -23,6 +23,8 @@ public:
     const std::vector<CornerLoad>& found() const { return forces_; }
     /// [Pa] Per point, of all fluids at the time of the state.
     std::vector<double> pressures(const State& state);
+    /// [m] Length of the cracks and joints on which each fluid presses, of one face.
+    std::vector<double> wetted(const State& state);
 
 private:
     struct Reached {

@@ -125,7 +125,7 @@ void ImplicitScheme::solve_free_obstacles(StepReport& report) {
 }
 
 bool ImplicitScheme::lemke_is_cheap() const {
-    return model_.fan_points.size() <= max_lcp_points && model_.obstacles.empty() && StepLcp::fits(model_);
+    return model_.fan_points.size() <= max_lcp_points && model_.obstacles.empty() && StepLcp::fits(model_, options_);
 }
 
 /// Rates and multipliers from the step's complementarity problem, with all fans active. The method of

@@ -30,6 +30,7 @@ StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeO
     constant_ = Eigen::VectorXd::Zero(n);
     known_impulse_ = Eigen::VectorXd::Zero(n_jumps);
     add_cohesion();
+    add_ramps();
     add_contacts();
     if (tangential_) add_tangential_cohesion();
 
@@ -52,7 +53,8 @@ StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeO
     problem_.q = constant_ + rows_of_rate * free_jump + of_impulse * known_impulse_;
 }
 
-bool StepLcp::fits(const Model& model) {
+bool StepLcp::fits(const Model& model, const SchemeOptions& options) {
+    if (options.cohesion == CohesionScheme::explicit_beta) return true;
     return std::ranges::none_of(model.laws, [](const CohesiveLaw& law) { return law.unloading == Unloading::secant; });
 }
 
@@ -127,9 +129,10 @@ void StepLcp::lay_out() {
         if (law.cohesion == 0) continue;
         cohesive_.push_back(p);
         if (step_.implicit_beta) add_layers(law);
-        const double end_at_bound = law.u_N + step_.h * law.contact.rate;
+        if (law.ramp > 0) ramps_.push_back(static_cast<int>(cohesive_.size()) - 1);
+        const double end_at_bound = law.u_N + reach(law) * law.contact.rate;
         const bool lands = !law.contact.may_touch || end_at_bound < -lcp_rounding * law.material->delta_c();
-        if (step_.implicit_beta && lands) landing_.push_back(p);
+        if ((step_.implicit_beta || law.ramp > 0) && lands) landing_.push_back(p);
     }
     const auto group = [&](std::size_t n) { return std::exchange(size_, size_ + static_cast<int>(n)); };
     const std::size_t m = cohesive_.size(), c = contacts_.size();
@@ -141,7 +144,11 @@ void StepLcp::lay_out() {
     tangent_ = group(tangential_ ? 2 * m : 0);
     offset_ = group(tangential_ ? m : 0);
     opening_ = group(landing_.size());
+    ramp_ = group(ramps_.size());
 }
+
+/// [s] From the start of the step to where the cohesion looks at the opening.
+double StepLcp::reach(const PointLaw& law) const { return law.ramp > 0 ? step_.theta * step_.h : step_.h; }
 
 /// The layers of the last point of `cohesive_`.
 void StepLcp::add_layers(const PointLaw& law) {
@@ -198,7 +205,7 @@ void StepLcp::add_cohesion() {
         const double S = model_.fan_points[points_[p].sides.fan_point].area,
                      stiffness = S * law.material->sigma_c / law.material->delta_c();  // [N/m]
         coupling_.emplace_back(opening_ + k, opening_ + k, stiffness);
-        rows_of_rate_.emplace_back(opening_ + k, 2 * p, -stiffness * h);
+        rows_of_rate_.emplace_back(opening_ + k, 2 * p, -stiffness * reach(law));
         constant_[opening_ + k] = -stiffness * law.u_N;
     }
     for (int l = 0; l < static_cast<int>(layers_.size()); ++l) {
@@ -213,14 +220,36 @@ void StepLcp::add_cohesion() {
         coupling_.emplace_back(beta, beta, theta * strength * layer.length / S);
         constant_[beta] = -theta * strength * layer.end;
         if (tangential_) coupling_.emplace_back(beta, offset_ + layer.cohesive, theta * strength * law.material->gamma);
-        const auto landing = std::ranges::lower_bound(landing_, p);
-        if (landing != landing_.end() && *landing == p) {
-            coupling_.emplace_back(beta, opening_ + static_cast<int>(landing - landing_.begin()), theta * strength);
-        } else {
-            rows_of_rate_.emplace_back(beta, 2 * p, theta * strength * h);
-            constant_[beta] += theta * strength * law.u_N;
-        }
+        add_opening(beta, p, theta * strength);
         impulse_of_unknown_.emplace_back(2 * p, beta, -h * strength * theta);
+    }
+}
+
+/// factor max(u_N, 0) in a row.
+void StepLcp::add_opening(int row, Index point, double factor) {
+    const auto landing = std::ranges::lower_bound(landing_, point);
+    if (landing != landing_.end() && *landing == point) {
+        coupling_.emplace_back(row, opening_ + static_cast<int>(landing - landing_.begin()), factor);
+        return;
+    }
+    rows_of_rate_.emplace_back(row, 2 * point, factor * reach(points_[point].law));
+    constant_[row] += factor * points_[point].law.u_N;
+}
+
+void StepLcp::add_ramps() {
+    for (int k = 0; k < static_cast<int>(ramps_.size()); ++k) {
+        const Index p = cohesive_[ramps_[k]];
+        const PointLaw& law = points_[p].law;
+        const double S = model_.fan_points[points_[p].sides.fan_point].area,
+                     strength = law.material->sigma_c * law.cohesion, traction = strength / step_.theta;
+        const int row = ramp_ + k;
+        coupling_.emplace_back(row, row, traction * law.ramp / S);
+        constant_[row] = -traction * law.ramp;
+        add_opening(row, p, traction);
+        impulse_of_unknown_.emplace_back(2 * p, row, step_.h * strength);
+        if (!tangential_) continue;
+        coupling_.emplace_back(row, offset_ + ramps_[k], traction * law.material->gamma);
+        coupling_.emplace_back(offset_ + ramps_[k], row, -traction * law.material->gamma);
     }
 }
 
@@ -241,9 +270,9 @@ void StepLcp::add_tangential_cohesion() {
         const Index p = cohesive_[i];
         const PointLaw& law = points_[p].law;
         const double S = model_.fan_points[points_[p].sides.fan_point].area;
-        const double traction = law.material->gamma * law.material->sigma_c;
+        const double traction = law.material->gamma * law.material->sigma_c / (law.ramp > 0 ? step_.theta : 1);
         constant_[offset_ + i] = traction * (step_.implicit_beta ? 1 - step_.theta : 1) * S * law.cohesion;
-        add_sign(tangent_ + 2 * i, offset_ + i, p, step_.h, law.u_T);
+        add_sign(tangent_ + 2 * i, offset_ + i, p, reach(law), law.u_T);
     }
     for (int l = 0; l < static_cast<int>(layers_.size()); ++l) {
         const int i = layers_[l].cohesive;

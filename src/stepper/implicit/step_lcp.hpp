@@ -19,6 +19,14 @@
 //     chi                   S gamma sigma_c beta_theta - r_T+ - r_T-
 //     o                     S sigma_c/delta_c (o - u_N+)                          so o = max(u_N+, 0)
 //
+// Secant unloading with explicit beta (a damaged point, kappa > 0), with openings at u + theta h w in the place of u+:
+//
+//     S D                   sigma_c beta/theta (s_N + gamma chi - kappa (1 - D))  the part of beta that is not borne
+//     chi                   S gamma sigma_c beta (1 - D)/theta - r_T+ - r_T-      P_T = theta h (r_T+ - r_T-)
+//
+// so that P_N = p_N - h S sigma_c beta (1 - D) with 1 - D = min(s/kappa, 1). With implicit beta the force of the ramp is
+// the product of two unknowns, beta+ and 1 - D: such a step is no linear complementarity problem.
+//
 // Every row times its unknown is an energy [J]: only then does the scaling of lcp/scaling.hpp give the same bits in all
 // units of length, mass and time.
 //
@@ -58,8 +66,8 @@ public:
             SharedTemperatures end_temperature = nullptr);
     StepLcp(const StepLcp&) = delete;
 
-    /// Secant unloading multiplies beta_theta by the opening: no linear problem.
-    static bool fits(const Model& model);
+    /// Not for secant unloading with implicit beta.
+    static bool fits(const Model& model, const SchemeOptions& options);
 
     const LcpProblem& problem() const { return problem_; }
     StepLcpEnd end(const Eigen::VectorXd& z) const;
@@ -74,6 +82,9 @@ private:
     void make_points();
     void lay_out();
     void add_layers(const PointLaw& law);
+    double reach(const PointLaw& law) const;
+    void add_opening(int row, Index point, double factor);
+    void add_ramps();
     void add_cohesion();
     void add_contacts();
     void add_tangential_cohesion();
@@ -100,8 +111,9 @@ private:
         double start, end, length;
     };
     std::vector<Layer> layers_;  // with implicit beta
+    std::vector<int> ramps_;     // into cohesive_: points with secant unloading
     bool friction_ = false, tangential_ = false;
-    int loss_, beta_, normal_, slip_, slip_rate_, tangent_, offset_, opening_, size_ = 0;
+    int loss_, beta_, normal_, slip_, slip_rate_, tangent_, offset_, opening_, ramp_, size_ = 0;
 
     Triplets rows_of_rate_, impulse_of_unknown_, coupling_;
     Eigen::VectorXd constant_;

@@ -57,13 +57,13 @@ int crossings(const std::vector<Path>& arms, int axis, double level, double apar
 }  // namespace
 
 // Griffith theory of parallel cracks in a cooled half space, computed for this slab: an array of spacing p runs evenly to a depth a(p), then every second
-// crack stops, so that the cracks deeper than a have a spacing between p(a) and 2 p(a), p(a) = 1.25 mm (a/mm)^0.75. The mesh does
-// not resolve the process zone (2.6 edges), and the shorter cracks are too few: their gate is wider (2.6 p instead of 2 p).
+// crack stops, so that the cracks deeper than a have a spacing between p(a) and 2 p(a), p(a) = 1.25 mm (a/mm)^0.75. The mesh
+// covers the process zone by 4.2 edges only; the gate of the shorter cracks, which may be too few, is wider (2.6 p instead of 2 p).
 TEST_CASE("H7 cracks of a quenched slab stop one after the other" * doctest::test_suite("slow")) {
     describe(
-        "`alumina_quench` (400 C into water of 20 C, mesh of 0.16 mm): depth and spacing of the cracks against the "
-        "stability of arrays of Griffith "
-        "cracks. STR: the theory; ACC: what this mesh reaches for cracks of less than 2 mm.");
+        "`alumina_quench` (400 C into water of 20 C, mesh of 0.1 mm, damped): depth and spacing of the cracks against "
+        "the stability of arrays of Griffith cracks. STR: the theory; ACC: what this mesh reaches for cracks of less "
+        "than 2 mm.");
     const Folder folder("quench");
     const std::vector<Path> arms = arms_of(run(folder, "alumina_quench"));
     constexpr double mm = 1e-3, width = 25 * mm, height = 5 * mm;
