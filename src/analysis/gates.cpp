@@ -256,15 +256,16 @@ const GateRule rules[] = {
     {{"slip", "",
       "largest slip of a point under pressure over the length of its edge; contact is computed with the initial "
       "neighbour, which is no longer opposite",
-      "End the run earlier, use larger triangles where faces slide, or, where that contact does not matter, set "
-      "[limits] slip = \"none\"."},
+      "Let free faces meet: [contact] with domain.rotation = \"large\". Or end the run earlier, use larger triangles "
+      "where faces slide, or, where that contact does not matter, set [limits] slip = \"none\"."},
      {0.5, 1, allowed},
      of_deformation<&DeformationWatch::slip>},
     {{"overlap", "m2",
       "largest area that the deformed body covers twice (place in the deformed body); only faces that were neighbours "
       "at the start are in contact",
-      "End the run before separate faces meet, or place a crack or an obstacle between them; where that place does not "
-      "matter, [limits] overlap sets another limit."},
+      "Let free faces meet: [contact] with domain.rotation = \"large\". Or end the run before separate faces meet, or "
+      "place a crack or an obstacle between them; where that place does not matter, [limits] overlap sets another "
+      "limit."},
      {infinity, infinity, allowed},
      [](const GateView& run) {
          GateValue found = of_deformation<&DeformationWatch::overlap>(run);

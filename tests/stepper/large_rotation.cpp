@@ -178,14 +178,16 @@ TEST_CASE("E21 a free square turns ten times") {
         "rim "
         "speed 0.02 of the dilatational wave speed). Q: cumulated defect of the elastic energy in the leapfrog energy "
         "(rotation work), U: largest elastic energy. Reference: conservation laws, and order 2 of central "
-        "differences.");
+        "differences. Q is below 1e-3 of U only below 0.37 of the stable step.");
     on_path("explicit, explicit");
     const Turns coarse = turn(0.02, 0.8), middle = turn(0.02, 0.4), fine = turn(0.02, 0.2);
+    double aim = 2e-2;
     for (const auto& [name, found] : {std::pair{"0.8", coarse}, {"0.4", middle}, {"0.2", fine}}) {
+        aim /= 4;  // order 2
         const std::string at = std::string(", ") + name + " of the stable step";
         verify_small("identity over the largest energy" + at, found.identity, {1e-14, 1e-14});
         verify_small("change of the angular momentum over it" + at, found.momentum, {1e-13});
-        verify_small("largest Q over U" + at, found.largest_Q, {5e-3, 5e-3});
+        verify_small("largest Q over U" + at, found.largest_Q, {aim, aim});
         verify_small("change of mean Q from the first to the tenth turn, over U" + at, found.Q_drift, {1e-5, 1e-5});
     }
     verify_near("order of Q in h, 0.8 to 0.4", std::log2(coarse.largest_Q / middle.largest_Q), 2, {0.1});

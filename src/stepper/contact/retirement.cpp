@@ -2,13 +2,16 @@
 
 #include "base/parallel.hpp"
 
+#include <array>
+
 namespace knap {
 namespace {
 
-constexpr double retirement_turn = 0.002;  // [rad]
-constexpr double parting_slip = 0.02;      // [-] of the edge
-constexpr double parting_turn = 0.2;       // [rad] no corner of a usual triangle is sharper
-constexpr std::ptrdiff_t block = 256;      // fans
+constexpr double inner_overlap = 0.005;  // [-] of an edge
+constexpr double same_direction = 1e-9;  // sine of an angle between edges that is rounding
+constexpr double parting_slip = 0.02;    // [-] of the edge
+constexpr double parting_turn = 0.2;     // [rad] no corner of a usual triangle is sharper
+constexpr std::ptrdiff_t block = 256;    // fans
 
 Index next_in_triangle(Index c) { return c % 3 == 2 ? c - 2 : c + 1; }
 Index previous_in_triangle(Index c) { return c % 3 == 0 ? c + 2 : c - 1; }
@@ -37,10 +40,62 @@ struct Sides {
         return std::abs(cross(along_after, along_before)) > angle * along_after.dot(along_before);
     }
 
+    bool moved(double limit) const { return slipped(limit) || turned(limit); }
+
     const Model& model;
     const State& state;
     const FanPoint& point;
 };
+
+/// [-] Of an edge: how deep two corners that are no neighbours in their fan lie in each other. They are disjoint in the
+/// undeformed body, so an edge of one of them separates them (separating axis theorem).
+double overlap(const Model& model, const State& state, Index one, Index two) {
+    const auto along = [&](Index c, Index end) -> Vec2 { return model.mesh.corner(end) - model.mesh.corner(c); };
+    double least = infinity;
+    for (const auto& [own, other] : {std::array{one, two}, std::array{two, one}}) {
+        const Vec2 apart = state.displacement_of(other) - state.displacement_of(own),
+                   leaving = along(own, next_in_triangle(own)), entering = along(own, previous_in_triangle(own));
+        for (const Vec2& outward : {Vec2(-turned_left(leaving)), turned_left(entering)}) {
+            const Vec2 n = outward / outward.squaredNorm();
+            const auto lies_outside = [&](Index end) {
+                const Vec2 edge = along(other, end);
+                return outward.dot(edge) >= -same_direction * outward.norm() * edge.norm();
+            };
+            if (lies_outside(next_in_triangle(other)) && lies_outside(previous_in_triangle(other)))
+                least = std::min(least, -n.dot(apart));
+        }
+    }
+    return least < infinity ? least : 0;
+}
+
+bool strangers_overlap(const Model& model, const State& state, const Fan& fan) {
+    const auto corners = model.corners(fan);
+    for (Index i = 0; i < fan.n_corners; ++i)
+        for (Index j = i + 2; j < fan.n_corners; ++j) {
+            const bool are_neighbours = fan.closed && i == 0 && j + 1 == fan.n_corners;
+            if (!are_neighbours && overlap(model, state, corners[i], corners[j]) > inner_overlap) return true;
+        }
+    return false;
+}
+
+/// [-] The slip and the turn [rad] at which the broken points of a fan retire now; infinity where they stay. One of
+/// them alone separates no sides in a fan that goes round: they would be one vertex, which does not touch itself.
+double retirement_limit(const Model& model, const State& state, Index rank) {
+    const Fan& fan = model.fans[state.split_fans[rank]];
+    const auto points = model.points(fan);
+    const PointState* own = state.points.data() + state.first_point[rank];
+    const bool goes_round = fan.closed || (points.front().on_support() && points.back().on_support());
+    const auto separates = [&](double limit) {
+        std::ptrdiff_t n = goes_round ? 0 : 1;
+        for (std::size_t j = 0; j < points.size(); ++j)
+            n += state.retired[points[j].point] != 0 ||
+                 (own[j].cohesion == 0 && Sides(model, state, points[j]).moved(limit));
+        return n > 1;
+    };
+    if (!separates(retirement_slip)) return infinity;
+    if (!goes_round || strangers_overlap(model, state, fan)) return retirement_slip;
+    return separates(inner_retirement_slip) ? inner_retirement_slip : infinity;
+}
 
 }  // namespace
 
@@ -52,6 +107,7 @@ void retire_points(const Model& model, const std::vector<std::uint8_t>& before, 
         for (std::ptrdiff_t rank = b * block; rank < std::min(n, (b + 1) * block); ++rank) {
             const Fan& fan = model.fans[end.split_fans[rank]];
             const PointState* state = end.points.data() + end.first_point[rank];
+            const double limit = retirement_limit(model, end, static_cast<Index>(rank));
             for (const FanPoint& point : model.points(fan)) {
                 const double cohesion = (state++)->cohesion;
                 std::uint8_t& retired = end.retired[point.point];
@@ -59,7 +115,7 @@ void retire_points(const Model& model, const std::vector<std::uint8_t>& before, 
                 const Sides sides(model, end, point);
                 // sides that turn by so much have slipped at one end of the edge
                 const bool may_have_turned = before[point.point] != 0 || before[point.point ^ 1] != 0;
-                if (cohesion == 0 && (sides.slipped(retirement_slip) || sides.turned(retirement_turn))) retired = 1;
+                if (cohesion == 0 && limit < infinity && sides.moved(limit)) retired = 1;
                 else if (sides.slipped(parting_slip) || (may_have_turned && sides.turned(parting_turn))) retired = 2;
             }
         }

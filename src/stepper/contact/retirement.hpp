@@ -4,19 +4,26 @@
 
 namespace knap {
 
-/// [-] Of the edge. The points of a fan keep neighbours apart. Corners of a star of cracks that are no neighbours
-/// overlap by up to three times this before they meet as free faces: by 0.1 edge with 0.05, 0.028 with 0.01, 0.006 with
-/// 0.002 (protection_wall), and such overlaps jam. Below 0.001, which is rounding for the search, nothing is gained.
+/// [-] Of the edge: the slip at which a point on the surface of the body retires. Others meet its sides as one vertex
+/// at their mean. Below 0.001, which is rounding for the search, nothing is gained.
 constexpr double retirement_slip = 0.002;
+/// [-] Likewise, of a point inside the body.
+constexpr double inner_retirement_slip = 0.015;
 
-/// Marks in end.retired the points that retire: nothing holds them any more (beta = 0), and their sides have moved
-/// apart or along each other by more than this part of the edge, or have turned against each other by more than
-/// 0.002 rad. Likewise (2) the points that still hold while their sides are further apart than 0.02 of the edge or have
-/// turned by more than 0.2 rad: a hinge, whose sides are vertices of their own for others, but not for each other.
-/// The fixed normal of a point errs by (slip/length)^2; penetration in general contact falls with the threshold, forces
-/// do not depend on it between 0.02 and 0.5. Positions, velocities and energies are untouched. What leaves its place
-/// on a support meets the ground of all supports as others do. `before`: the marks of the step before, another vector;
-/// what only turns becomes a hinge the step after the other end of its edge has a mark.
+/// Marks in end.retired the points that retire: nothing holds them any more (beta = 0), their sides become vertices of
+/// their own, and these have moved apart or along each other by more than a part of the edge, or have turned by as many
+/// radians. In a fan on the surface this part is 0.002. Inside the body it is 0.015, or 0.002 as soon as corners of the
+/// fan that are no neighbours overlap by more than 0.005 of an edge, since its points keep only neighbours apart.
+///
+/// Inside, earlier is not better: at a kink both faces press, and the wedge between them cracks (its opening, slip
+/// times angle, passes the softening length). Free faces press on one side of a kink only, on a vertex as a whole;
+/// handed over at 0.002, such cracks stop half-way (contact/README.md).
+///
+/// Likewise (2) the points that still hold while their sides are further apart than 0.02 of the edge or have turned by
+/// more than 0.2 rad: a hinge, whose sides are vertices of their own for others, but not for each other. Positions,
+/// velocities and energies are untouched. What leaves its place on a support meets the ground of all supports as others
+/// do. `before`: the marks of the step before, another vector; what only turns becomes a hinge the step after the other
+/// end of its edge has a mark.
 void retire_points(const Model& model, const std::vector<std::uint8_t>& before, State& end);
 
 }  // namespace knap

@@ -41,9 +41,11 @@ Pieces zigzag(int n_cells, double slope) {
 
 }  // namespace
 
-TEST_CASE("a zigzag crack slides over to free faces at the slip at which its points retire") {
+TEST_CASE(
+    "a zigzag crack slides over to free faces at the slip at which its points retire: those on the surface first") {
     const double slope = 0.3, edge = 0.5 * std::sqrt(1 + slope * slope);
-    for (const double slip : {0.8 * retirement_slip, 1.2 * retirement_slip, 0.2}) {
+    for (const double slip : {0.8 * retirement_slip, 1.2 * retirement_slip, 0.8 * inner_retirement_slip,
+                              1.2 * inner_retirement_slip, 0.2}) {
         CAPTURE(slip);
         Pieces scene = zigzag(8, slope);
         scene.put(1, slip * edge * Vec2(1, slope) / std::sqrt(1 + slope * slope));
@@ -52,6 +54,10 @@ TEST_CASE("a zigzag crack slides over to free faces at the slip at which its poi
         if (slip < retirement_slip) {
             CHECK(std::ranges::count(scene.state.retired, 1) == 0);
             CHECK(contacts.empty());
+            continue;
+        }
+        if (slip < inner_retirement_slip) {
+            CHECK(std::ranges::count(scene.state.retired, 1) == 2);
             continue;
         }
         CHECK(std::ranges::count(scene.state.retired, 1) == 2 * 8);
