@@ -103,7 +103,7 @@ void check_subject(const Table& figure) {
     };
     if (show.starts_with("probe") && !has_probes) error("there is none", "add a [[probe]]");
     if (show == "probes" && lacks(Watch::place, Watch::interface))
-        error("all probes watch stresses", "show = \"probe_stresses\"");
+        error("no probe watches a place or an interface", "another figure, or another probe");
     if (show == "probe_velocities" && lacks(Watch::place, Watch::place))
         error("no probe watches a place", "add a [[probe]] that watches a place");
     if (show == "probe_stresses" && lacks(Watch::stress, Watch::stress))

@@ -64,6 +64,10 @@ class OneRun(unittest.TestCase):
         self.assertAlmostEqual(kinetic, self.run_.summary["kinetic_energy"], delta=1e-6 * kinetic)
         self.assertAlmostEqual(areas[bulk["region"] == 1].sum(), 8e-3 * 4e-3, delta=1e-15)
         self.assertEqual(bulk.units["velocity"], "m/s")
+        xx, yy, zz, xy, yz, zx = bulk["stress"].T
+        self.assertEqual(np.abs([zz, yz, zx]).max(), 0)  # plane stress
+        mises = np.sqrt(xx**2 - xx * yy + yy**2 + 3 * xy**2)
+        self.assertLess(np.abs(bulk["von_mises"] - mises).max(), 1e-5 * mises.max())
         self.assertLess(np.abs(start.bulk["displacement"]).max(), 1e-12)
         self.assertEqual(len(start.interfaces.cells), 0)
         broken = frame.interfaces
@@ -73,6 +77,11 @@ class OneRun(unittest.TestCase):
         self.assertIsNone(frame.obstacles)
         sides = bulk.points[broken["sides"]]
         self.assertLess(np.abs(sides[:, 0] - sides[:, 1]).max(), 1e-15)  # both corners of a point are at one place
+
+    def test_frames_of_earlier_versions_are_read(self):
+        old = tools.parents[1] / "tests/output/data/three_stresses/fields/bulk_0001.vtu"
+        grid = knap.read_vtu(old)
+        self.assertEqual(grid["stress"].shape, (len(grid.cells), 3))
 
     def test_mistakes_are_those_of_the_program(self):
         with self.assertRaisesRegex(knap.KnapError, "exit code 2(?s:.*)mesh.siz"):
