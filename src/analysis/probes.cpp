@@ -146,6 +146,19 @@ std::span<const Measure<MeanStress>> stress_columns() {
     return columns;
 }
 
+std::span<const Measure<TipFactors>> tip_columns() {
+    using M = TipFactors;
+    static constexpr Measure<M> columns[] = {
+        {"_K_I", "Pa m^0.5",
+         "stress intensity factor of opening of the tip of a probe; empty once an interface within its radius is "
+         "damaged",
+         [](const M& m) { return m.K_I; }},
+        {"_K_II", "Pa m^0.5", "likewise of sliding: positive where the left face moves in the direction of the crack",
+         [](const M& m) { return m.K_II; }},
+        {"_J", "J/m2", "energy release rate of the same tip if it went straight on", [](const M& m) { return m.J; }}};
+    return columns;
+}
+
 MeanStress Probes::mean_stress(const State& state, std::span<const Index> triangles) const {
     MeanStress sum = MeanStress::Zero();
     double area = 0;
@@ -169,6 +182,7 @@ std::vector<std::string> probe_columns(const ProbeOptions& probe) {
     switch (probe.watch) {
         case ProbeOptions::Watch::interface: return names_of(interface_columns(), probe.name);
         case ProbeOptions::Watch::stress: return names_of(stress_columns(), probe.name);
+        case ProbeOptions::Watch::tip: return names_of(tip_columns(), probe.name);
         case ProbeOptions::Watch::place: break;
     }
     return names_of(columns_of_place(probe), probe.name);
@@ -187,6 +201,8 @@ Probes::Probe Probes::placed(const ProbeOptions& probe) const {
             made.triangles = selected_triangles(model_.mesh, {.boundary = "", .box = probe.box, .body = ""});
             if (made.triangles.empty())
                 throw SimulationError("probe `" + probe.name + "` watches a box that contains no triangle");
+            break;
+        case ProbeOptions::Watch::tip: made.tip.emplace(model_, probe.at, probe.radius, probe.name);
     }
     return made;
 }
@@ -197,6 +213,7 @@ const ProbeOptions* Probes::first_lost() const {
             case ProbeOptions::Watch::interface: return model_.is_gone(model_.interfaces[probe.interface]);
             case ProbeOptions::Watch::stress:
                 return std::ranges::all_of(probe.triangles, [&](Index t) { return model_.has_vanished(t); });
+            case ProbeOptions::Watch::tip: return probe.tip->has_vanished();
             case ProbeOptions::Watch::place: break;
         }
         return probe.place.empty();
@@ -206,7 +223,14 @@ const ProbeOptions* Probes::first_lost() const {
 }
 
 void Probes::renew() {
-    for (Probe& probe : probes_) probe = placed(probe.options);
+    std::vector<Probe> renewed;
+    for (const Probe& probe : probes_) renewed.push_back(placed(probe.options));
+    probes_ = std::move(renewed);
+}
+
+void Probes::after_step(const State& state) {
+    for (Probe& probe : probes_)
+        if (probe.tip) probe.tip->after_step(state);
 }
 
 std::vector<std::string> Probes::columns() const {
@@ -223,6 +247,7 @@ std::vector<double> Probes::line(const State& state) const {
             add_values(interface_columns(), mean_of(model_, state, probe.interface), row);
         else if (probe.options.watch == ProbeOptions::Watch::stress)
             add_values(stress_columns(), mean_stress(state, probe.triangles), row);
+        else if (probe.tip) add_values(tip_columns(), probe.tip->factors(state), row);
         else
             add_values(columns_of_place(probe.options),
                        {probe.place.displacement(state), probe.place.velocity(state),

@@ -1,7 +1,8 @@
 #pragma once
 // Probes: displacement and velocity of chosen places, opening and cohesion of chosen interfaces, mean stress in chosen
-// boxes, over time. And means of the displacement at a place or along a boundary, which gauges of specimens use too.
-#include "model/state.hpp"
+// boxes, stress intensity factors of chosen tips, over time. And means of the displacement at a place or along a
+// boundary, which gauges of specimens use too.
+#include "analysis/tip_integral.hpp"
 #include "output/outputs.hpp"
 
 namespace knap {
@@ -36,8 +37,9 @@ private:
 
 struct ProbeOptions {
     std::string name;
-    Vec2 at = Vec2::Zero();  // [m] place, or the nearest interface that can break
-    enum class Watch { place, interface, stress } watch = Watch::place;
+    Vec2 at = Vec2::Zero();  // [m] place, or the nearest interface that can break, or the nearest tip of a pre-crack
+    enum class Watch { place, interface, stress, tip } watch = Watch::place;
+    double radius = 0;       // [m] of the domain round a tip
     std::optional<Box> box;  // of the mean stress; without it of all triangles
     bool heat = false;       // with the temperature of the place
 };
@@ -56,13 +58,14 @@ using MeanStress = Eigen::Vector3d;
 std::span<const Measure<PlaceMotion>> place_columns();
 std::span<const Measure<InterfaceMean>> interface_columns();
 std::span<const Measure<MeanStress>> stress_columns();
+std::span<const Measure<TipFactors>> tip_columns();
 
 /// The columns of one probe.
 std::vector<std::string> probe_columns(const ProbeOptions& probe);
 
 class Probes {
 public:
-    /// Throws SimulationError where a probe watches an interface and none can break.
+    /// Throws SimulationError where a probe watches an interface and none can break, and as TipIntegral.
     Probes(const Model& model, const std::vector<ProbeOptions>& probes);
 
     bool empty() const { return probes_.empty(); }
@@ -71,6 +74,8 @@ public:
     /// After an excavation, when only what remains at a place moves with it, or a refinement of the mesh.
     void renew();
 
+    /// At the start and at the end of every step.
+    void after_step(const State& state);
     /// Columns and line of probes.csv: time, then the columns of each probe.
     std::vector<std::string> columns() const;
     std::vector<double> line(const State& state) const;
@@ -83,6 +88,7 @@ private:
         CornerMean place;
         Index interface = -1;
         std::vector<Index> triangles = {};  // of a mean stress
+        std::optional<TipIntegral> tip = {};
     };
     Probe placed(const ProbeOptions& probe) const;
 

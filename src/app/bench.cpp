@@ -42,7 +42,7 @@ std::uint64_t hash_of(const State& state) {
 }
 
 Scenario built_in(const std::string& name, const std::vector<std::string>& overrides) {
-    return read_scenario_text(built_in_scenario(name), name, overrides).scenario;
+    return read_scenario_text(built_in_scenario(name).text, name, overrides).scenario;
 }
 
 // ---- the machine, by one thread with the compiler and flags of the program

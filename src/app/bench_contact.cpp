@@ -125,7 +125,7 @@ private:
 
 /// Triangles of the block, all of them apart by a tenth of their size, at random velocities.
 void measure_dust(std::vector<Measurement>& measured) {
-    const Scenario scenario = read_scenario_text(built_in_scenario("edge_cracked_block"), "edge_cracked_block",
+    const Scenario scenario = read_scenario_text(built_in_scenario("edge_cracked_block").text, "edge_cracked_block",
                                                  {"mesh.size=1 mm", "domain.rotation=large", "contact={}"})
                                   .scenario;
     const Model model = build_model(scenario);

@@ -11,6 +11,7 @@
 #include "scenario/keys.hpp"
 #include "scenario/schema.hpp"
 #include "scenario/units.hpp"
+#include "scenario/write_scenario.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -66,8 +67,9 @@ public:
         app.fallthrough(false);
         add_run(), add_study(), add_sweep(), add_check(), add_mesh(), add_render(), add_info(), add_new();
         add_schema();
-        add("list", "list the built-in scenarios", [] {
-            for (const std::string& built_in : built_in_scenarios()) std::printf("%s\n", built_in.c_str());
+        add("list", "list the built-in scenarios, each with its question", [] {
+            for (const BuiltIn& scenario : built_ins())
+                std::printf("%-29s %s\n", scenario.name.c_str(), question(scenario).c_str());
             return exit_done;
         });
         add_lcp(), add_bench();
@@ -107,6 +109,10 @@ private:
         command->add_flag("-q,--quiet", options.quiet, "no line for every run");
         command->add_flag("--print-commands", options.print_commands,
                           "run nothing, print a command line for each run that remains to be done");
+        command
+            ->add_option("--emit", options.emit,
+                         "run nothing, print a script that submits these runs, at most --jobs at a time")
+            ->check(CLI::IsMember({"slurm"}));
     }
 
     void add_run() {
@@ -117,7 +123,9 @@ private:
         });
         add_scenario(command, set_key);
         command->add_option("-o,--output", run_.output, "directory of the run; default runs/<name>")->type_name(path);
-        command->add_option("-j,--threads", run_.threads, "threads; default all. Results do not depend on it")
+        command
+            ->add_option("-j,--threads", run_.threads,
+                         "threads; default OMP_NUM_THREADS, SLURM_CPUS_PER_TASK or all. Results do not depend on it")
             ->check(CLI::Range(1, 1024));
         command->add_option("--until", until_, "end earlier, as in 20us");
         command->add_flag("--force", run_.force, "replace an earlier run");
@@ -238,8 +246,9 @@ private:
 
     void add_new() {
         CLI::App* command =
-            add("new", "write a scenario to start from", [this] { return write_new_scenario(name_, force_); });
+            add("new", "write a scenario to start from", [this] { return write_new_scenario(name_, from_, force_); });
         command->add_option("name", name_, "name of the scenario")->required();
+        command->add_option("--from", from_, "copy this built-in scenario, with its comments");
         command->add_flag("--force", force_, "replace an existing file");
     }
 
@@ -283,7 +292,8 @@ private:
         command->add_option("--csv", bench_.csv, "write the measurements to this file")->type_name(path);
     }
 
-    std::string scenario_, until_, dump_lcp_, refine_, levels_, schemes_, reference_, seeds_, name_, solver_, every_;
+    std::string scenario_, until_, dump_lcp_, refine_, levels_, schemes_, reference_, seeds_, name_, from_, solver_,
+        every_;
     std::vector<std::string> overrides_, quantities_, at_, box_, range_;
     std::filesystem::path output_, directory_;
     std::vector<std::filesystem::path> runs_, problems_;

@@ -15,7 +15,7 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time);
 ExitCode mesh_scenario(ReadResult read, const std::filesystem::path& output, bool force);
 
 /// Writes <name>.toml, a scenario to start from.
-ExitCode write_new_scenario(const std::string& name, bool force);
+ExitCode write_new_scenario(const std::string& name, const std::string& from, bool force);
 
 /// Draws a figure of a finished or interrupted run; without a subject (`show`) all figures of its scenario.
 ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figure, const std::filesystem::path& output);

@@ -235,12 +235,18 @@ ExitCode mesh_scenario(ReadResult read, const std::filesystem::path& output, boo
     return exit_done;
 }
 
-ExitCode write_new_scenario(const std::string& name, bool force) {
+ExitCode write_new_scenario(const std::string& name, const std::string& from, bool force) {
     const std::filesystem::path file = name.ends_with(".toml") ? name : name + ".toml";
-    if (!force) refuse_existing(file);
-    const std::string text = new_scenario(file.stem().string());
-    read_scenario_text(text, file.string());  // refuses a name that a scenario cannot have
-    write_new_file(file, text);
+    const std::string stem = file.stem().string(),
+                      text = from.empty() ? new_scenario(stem) : renamed(built_in_scenario(from), stem);
+    read_scenario_text(new_scenario(stem), file.string());  // refuses a name that a scenario cannot have
+    std::vector<BuiltIn> written{{file.string(), text}};
+    for (const BuiltIn& mesh : built_in_files())  // that it names
+        if (text.find('"' + mesh.name + '"') != text.npos)
+            written.push_back({(file.parent_path() / mesh.name).string(), mesh.text});
+    for (const BuiltIn& one : written)
+        if (!force) refuse_existing(one.name);
+    for (const BuiltIn& one : written) write_new_file(one.name, one.text);
     std::printf("wrote %s; next: knap check %s, knap run %s\n", file.string().c_str(), file.string().c_str(),
                 file.string().c_str());
     return exit_done;

@@ -20,7 +20,7 @@ OutputError cannot_write(const fs::path& path, int error) {
 }
 
 /// Errors are reported with the final name.
-void write_bytes(const fs::path& path, std::string_view text, const fs::path& final_name) {
+void write_bytes(const fs::path& path, std::string_view text, const fs::path& final_name, bool durable) {
     const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     int error = file < 0 ? errno : 0;
     while (!text.empty() && error == 0) {
@@ -28,19 +28,20 @@ void write_bytes(const fs::path& path, std::string_view text, const fs::path& fi
         if (n >= 0) text.remove_prefix(static_cast<std::size_t>(n));
         else if (errno != EINTR) error = errno;
     }
+    if (durable && error == 0 && fsync(file) != 0 && errno != EINVAL && errno != EROFS) error = errno;  // those: a pipe
     if (file >= 0 && close(file) != 0 && error == 0) error = errno;
     if (error != 0) throw cannot_write(final_name, error);
 }
 
 }  // namespace
 
-void write_whole_file(const fs::path& path, std::string_view text) {
-    write_whole_file(path, [&](const fs::path& written) { write_bytes(written, text, path); });
+void write_whole_file(const fs::path& path, std::string_view text, bool durable) {
+    write_whole_file(path, [&](const fs::path& written) { write_bytes(written, text, path, durable); });
 }
 
 void replace_whole_file(const fs::path& path, const fs::path& older, std::string_view text) {
     write_whole_file(path, [&](const fs::path& written) {
-        write_bytes(written, text, path);
+        write_bytes(written, text, path, true);
         if (std::rename(path.c_str(), older.c_str()) != 0 && errno != ENOENT) throw cannot_write(older, errno);
     });
 }

@@ -44,6 +44,8 @@ const std::vector<BodyField>& body_fields() {
         {"stress_xx", "stress σ_{xx}", "Pa", true, [](F f, Index t) { return f.stress[t][0]; }},
         {"stress_yy", "stress σ_{yy}", "Pa", true, [](F f, Index t) { return f.stress[t][1]; }},
         {"stress_xy", "stress σ_{xy}", "Pa", true, [](F f, Index t) { return f.stress[t][2]; }},
+        {"von_mises", "von Mises stress", "Pa", false, von_mises},
+        {"max_shear", "maximum shear stress", "Pa", false, max_shear},
         {"temperature", "temperature T", "K", false,
          [](F f, Index t) {
              if (f.temperature.empty())

@@ -147,6 +147,10 @@ Eigen::Vector3d stress(const Model& model, const State& state, Index t) {
 }
 
 Eigen::Vector3d stress(const Model& model, const State& state, Index t, const Eigen::Vector3d& at) {
+    return stress_with_zz(model, state, t, at).head<3>();
+}
+
+Eigen::Vector4d stress_with_zz(const Model& model, const State& state, Index t, const Eigen::Vector3d& at) {
     const Mesh& mesh = model.mesh;
     const auto g = shape_gradients(mesh, t);
     Eigen::Vector3d strain = Eigen::Vector3d::Zero();  // xx, yy, 2 xy
@@ -162,21 +166,30 @@ Eigen::Vector3d stress(const Model& model, const State& state, Index t, const Ei
             for (Index c = 0; c < 7; ++c) add(1 - 2 * at[k], weight[c], state.displacement_of(7 * t + c));
         }
     }
+    double thermal = 0;
     if (state.temperature) {  // sigma = D (eps - e)
         const double* e = &state.temperature->strain[(mesh.order == 1 ? 1 : 3) * t];
-        double here = mesh.order == 1 ? e[0] : 0;
-        for (Index k = 0; k < 3 && mesh.order == 2; ++k) here += (1 - 2 * at[k]) * e[k];
-        strain -= Eigen::Vector3d(here, here, 0);
+        thermal = mesh.order == 1 ? e[0] : 0;
+        for (Index k = 0; k < 3 && mesh.order == 2; ++k) thermal += (1 - 2 * at[k]) * e[k];
+        strain -= Eigen::Vector3d(thermal, thermal, 0);
     }
-    const Eigen::Matrix3d D = model.materials[mesh.region[t]].stiffness(model.plane);
-    if (!model.large_rotation) return D * strain;
+    const Elastic& material = model.materials[mesh.region[t]];
+    const Eigen::Matrix3d D = material.stiffness(model.plane);
+    const auto zz = [&](const Eigen::Vector3d& s) {  // e = (1 + nu) a dT
+        const double nu = material.nu;
+        return model.plane == PlaneModel::strain ? nu * (s[0] + s[1]) - material.E * thermal / (1 + nu) : 0;
+    };
+    if (!model.large_rotation) {
+        const Eigen::Vector3d s = D * strain;
+        return {s[0], s[1], s[2], zz(s)};
+    }
     Eigen::Matrix2d H = Eigen::Matrix2d::Zero();
     for (Index k = 0; k < 3; ++k) H += state.displacement_of(3 * t + k) * g[k].transpose();
     const Eigen::Matrix2d F = Eigen::Matrix2d::Identity() + H, quadratic = 0.5 * H.transpose() * H;
     const Eigen::Vector3d s = D * (strain + Eigen::Vector3d(quadratic(0, 0), quadratic(1, 1), 2 * quadratic(0, 1)));
     const Eigen::Matrix2d S = (Eigen::Matrix2d() << s[0], s[2], s[2], s[1]).finished(),
                           cauchy = F * S * F.transpose() / F.determinant();
-    return {cauchy(0, 0), cauchy(1, 1), cauchy(0, 1)};
+    return {cauchy(0, 0), cauchy(1, 1), cauchy(0, 1), zz(s) / F.determinant()};
 }
 
 Vec2 traction(const Model& model, const State& state, Index point) {

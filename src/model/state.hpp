@@ -154,5 +154,7 @@ Eigen::Vector3d coordinates(const Mesh& mesh, Index corner);
 Eigen::Vector3d stress(const Model& model, const State& state, Index triangle);
 /// [Pa] At barycentric coordinates; of order 2 the linear part of the field, without the rest of the bubble.
 Eigen::Vector3d stress(const Model& model, const State& state, Index triangle, const Eigen::Vector3d& at);
+/// [Pa] xx, yy, xy, zz likewise. In plane strain eps_zz = 0, so zz = nu (xx + yy) - E a dT; in plane stress 0.
+Eigen::Vector4d stress_with_zz(const Model& model, const State& state, Index triangle, const Eigen::Vector3d& at);
 
 }  // namespace knap

@@ -1,5 +1,6 @@
 #include "output/frame.hpp"
 
+#include "base/error.hpp"
 #include "model/state.hpp"
 #include "stepper/common/crack_forces.hpp"
 
@@ -79,7 +80,9 @@ void add_bulk(const Model& model, const State& state, Frame& frame) {
                 if (state.temperature)
                     frame.temperature.push_back(state.temperature->of_corner[mesh.corners_per_triangle() * t + k]);
             }
-            frame.stress.push_back(stress(model, state, t, middle[i]));
+            const Eigen::Vector4d stress = stress_with_zz(model, state, t, middle[i]);
+            frame.stress.push_back(stress.head<3>());
+            frame.stress_zz.push_back(stress[3]);
             frame.region.push_back(mesh.region[t]);
             if (!mesh.grain.empty()) frame.grain.push_back(mesh.grain[t]);
         }
@@ -175,10 +178,33 @@ Frame make_frame(const Model& model, const State& state, bool all) {
     return frame;
 }
 
+namespace {
+
+double stress_zz(const Frame& frame, Index t) {
+    if (frame.stress_zz.empty())
+        throw UserError("no-stress-zz", "this run of an earlier version did not store the stress zz",
+                        "it has stress_xx, stress_yy, stress_xy and principal_stress; run it again for others");
+    return frame.stress_zz[t];
+}
+
+}  // namespace
+
 double diagonal(const std::vector<Vec2>& points) { return points.empty() ? 0 : bounding_box(points).diagonal(); }
 
 double largest_principal(const Eigen::Vector3d& s) {
     return 0.5 * (s[0] + s[1]) + std::hypot(0.5 * (s[0] - s[1]), s[2]);
+}
+
+double von_mises(const Frame& frame, Index t) {
+    const Eigen::Vector3d& s = frame.stress[t];
+    const double zz = stress_zz(frame, t), a = s[0] - s[1], b = s[1] - zz, c = zz - s[0];
+    return std::sqrt(0.5 * (a * a + b * b + c * c) + 3 * s[2] * s[2]);
+}
+
+double max_shear(const Frame& frame, Index t) {
+    const Eigen::Vector3d& s = frame.stress[t];
+    const double zz = stress_zz(frame, t), high = largest_principal(s), low = s[0] + s[1] - high;
+    return 0.5 * (std::max(high, zz) - std::min(low, zz));
 }
 
 }  // namespace knap

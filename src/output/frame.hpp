@@ -39,6 +39,7 @@ struct Frame {
     std::vector<Vec2> displacement;       // [m] per corner
     std::vector<Vec2> velocity;           // [m/s] per corner
     std::vector<Eigen::Vector3d> stress;  // [Pa] per triangle: xx, yy, xy
+    std::vector<double> stress_zz;        // [Pa] per triangle; empty in frames of versions that did not store it
     std::vector<double> temperature;      // [K] per corner; empty without heat
     bool celsius = false;                 // temperatures are in degrees Celsius
     std::vector<std::int32_t> region;     // per triangle
@@ -76,5 +77,9 @@ double diagonal(const std::vector<Vec2>& points);
 
 /// Largest principal stress [Pa] of (xx, yy, xy).
 double largest_principal(const Eigen::Vector3d& stress);
+/// [Pa] of a triangle: von Mises' stress, and half the difference of the largest and the smallest of the three
+/// principal stresses. Throw UserError where the frame has no stress zz.
+double von_mises(const Frame& frame, Index triangle);
+double max_shear(const Frame& frame, Index triangle);
 
 }  // namespace knap

@@ -45,6 +45,7 @@ struct Array {
     VtkArray (*make)(const Frame&, const Entries&);  // null where the frame has no such values
     void (*read)(vtkDataArray*, Frame&) = nullptr;   // null: follows from other arrays
     bool optional = false;                           // not in every file
+    int once_components = 0;                         // earlier versions wrote so many
 };
 
 /// An array of `n` tuples with the components value(i, j).
@@ -90,9 +91,32 @@ Array stored(Of of, std::string_view name, std::string_view unit, std::string_vi
     return {{name, unit, doc}, of, n_components, make<Type, n_components, member>, read, optional};
 }
 
-VtkArray make_principal_stress(const Frame& frame, const Entries& triangles) {
-    return filled<vtkFloatArray>(triangles.size(), 1,
-                                 [&](std::size_t i, int) { return largest_principal(frame.stress[triangles[i]]); });
+/// A number of every triangle that follows from its stress.
+template <auto of>
+VtkArray make_of_stress(const Frame& frame, const Entries& triangles) {
+    return filled<vtkFloatArray>(triangles.size(), 1, [&](std::size_t i, int) { return of(frame, triangles[i]); });
+}
+double principal_stress(const Frame& frame, Index t) { return largest_principal(frame.stress[t]); }
+
+/// Components of a stress in VTK's order, by their places in (xx, yy, xy, zz); 4: zero.
+constexpr std::array stress_names{"xx", "yy", "zz", "xy", "yz", "zx"};
+constexpr std::array stress_places{0, 1, 3, 2, 4, 4};
+
+VtkArray make_stress(const Frame& frame, const Entries& triangles) {
+    return filled<vtkFloatArray>(triangles.size(), 6, [&](std::size_t i, int j) {
+        const int place = stress_places[j];
+        return place < 3 ? frame.stress[triangles[i]][place] : place == 3 ? frame.stress_zz[triangles[i]] : 0;
+    });
+}
+
+/// Earlier versions wrote (xx, yy, xy).
+void read_stress(vtkDataArray* array, Frame& frame) {
+    if (array->GetNumberOfComponents() == 3) return read_into(array, frame.stress);
+    for (vtkIdType t = 0; t < array->GetNumberOfTuples(); ++t) {
+        const double* s = array->GetTuple(t);
+        frame.stress.emplace_back(s[0], s[1], s[3]);
+        frame.stress_zz.push_back(s[2]);
+    }
 }
 
 /// Mean displacement of the two sides, so that viewers can warp the interfaces like the body.
@@ -147,8 +171,24 @@ const std::vector<FramePart>& parts() {
           stored<Float, 3, &F::velocity>(points, "velocity", "m/s", "velocity of a corner"),
           stored<Float, 1, &F::temperature>(points, "temperature", "K", "temperature of a corner; only with heat",
                                             true),
-          stored<Float, 3, &F::stress>(cells, "stress", "Pa", "xx, yy, xy, mean over a triangle; tension is positive"),
-          {{"principal_stress", "Pa", "largest principal stress of a triangle"}, cells, 1, make_principal_stress},
+          {{"stress", "Pa",
+            "xx, yy, zz, xy, yz = 0, zx = 0, mean over a triangle; tension is positive; zz is 0 in plane stress and "
+            "nu (xx + yy) - E a dT in plane strain"},
+           cells,
+           6,
+           make_stress,
+           read_stress,
+           false,
+           3},
+          {{"principal_stress", "Pa", "largest principal stress of a triangle, in the plane"},
+           cells,
+           1,
+           make_of_stress<principal_stress>},
+          {{"von_mises", "Pa", "von Mises' stress of a triangle"}, cells, 1, make_of_stress<von_mises>},
+          {{"max_shear", "Pa", "maximum shear stress: half of largest minus smallest of the three principal stresses"},
+           cells,
+           1,
+           make_of_stress<max_shear>},
           stored<Int, 1, &F::region>(cells, "region", "",
                                      "number of the material of a triangle, in the order of `materials` of run.json"),
           stored<Int, 1, &F::grain>(cells, "grain", "", "number of the grain, -1: none; only where there are grains",
@@ -225,7 +265,7 @@ void write_part(const FramePart& part, const Frame& frame, const path& file) {
         if (!made) continue;
         made->SetName(std::string(array.output.name).c_str());
         if (array.output.name == "stress")
-            for (const int j : {0, 1, 2}) made->SetComponentName(j, std::array{"xx", "yy", "xy"}[j]);
+            for (int j = 0; j < 6; ++j) made->SetComponentName(j, stress_names[j]);
         if (const std::string unit(unit_of_temperature(array.output.unit, frame.celsius)); !unit.empty())
             made->GetInformation()->Set(vtkDataArray::UNITS_LABEL(), unit.c_str());
         data_of(grid, array.of)->AddArray(made);
@@ -267,7 +307,8 @@ void read_part(const FramePart& part, const path& file, Frame& frame) {
         const std::string name(array.output.name);
         vtkDataArray* found = data_of(grid, array.of)->GetArray(name.c_str());
         if (!array.read || (!found && array.optional)) continue;
-        if (!found || found->GetNumberOfComponents() != array.n_components)
+        if (!found || (found->GetNumberOfComponents() != array.n_components &&
+                       found->GetNumberOfComponents() != array.once_components))
             fail("has no array `" + name + "` of " + std::to_string(array.n_components) + " components");
         array.read(found, frame);
         const char* const unit = found->GetInformation()->Get(vtkDataArray::UNITS_LABEL());

@@ -55,7 +55,7 @@ std::vector<OutputTable> all_tables() {
          rows_after_names(driver_columns(), obstacle_columns())},
         {"probes.csv",
          "probed places, interfaces and stresses, at the same times; each column starts with the name of a probe",
-         rows_after_names(place_columns(), interface_columns(), stress_columns())},
+         rows_after_names(place_columns(), interface_columns(), stress_columns(), tip_columns())},
         {"breaks.csv", "a line for every interface when it breaks; with output.breaks", rows_of(break_columns())},
         {"stress_strain.csv", "the specimen of a rock test, at the same times", rows_of(stress_strain_columns())},
         {"arms.csv", "a line for the start of every crack arm and for each of its edges; written at the end",

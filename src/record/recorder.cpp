@@ -67,6 +67,7 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
     }
     if (options_.rest.ends_run) rest_.emplace(model, options_.rest);
     gates_.judge(ledger_, deformation_);
+    probes_.after_step(start);
     if (options_.resumes) return;
     open_files();
     write_lines(start);
@@ -86,6 +87,7 @@ void Recorder::open_files() {
 void Recorder::after_step(const State& now, const StepReport& report) {
     ledger_.add(now, report);
     if (rest_) rest_->after_step(ledger_.row());
+    probes_.after_step(now);
     watch_deformation(now, report.largest_speed);
     gates_.judge(ledger_, deformation_);
     if (breaks_) {  // every step: between two lines none must be missed

@@ -94,12 +94,15 @@ void add_keys_of_run(KeyTable& t) {
     t.list("probe[]", "a point whose motion, interface whose opening, or box whose mean stress is written to "
         "probes.csv");
     t.number("at", "m", "position in the undeformed body; outside the body the nearest vertex")
-        .pair().required().only_with("watch", {"place", "interface"}).to(&ProbeOptions::at);
-    t.word("watch", {"place", "interface", "stress"}, "place: displacement and velocity of the point; interface: "
-        "opening, slip and cohesion of the nearest breakable interface, averaged over its points; stress: mean stress "
-        "in a box")
+        .pair().required().only_with("watch", {"place", "interface", "tip"}).to(&ProbeOptions::at);
+    t.word("watch", {"place", "interface", "stress", "tip"}, "place: displacement and velocity of the point; "
+        "interface: opening, slip and cohesion of the nearest breakable interface, averaged over its points; stress: "
+        "mean stress in a box; tip: stress intensity factors and J of the nearest tip of a pre-crack while it stands")
         .otherwise("place").to(&ProbeOptions::watch, {ProbeOptions::Watch::place, ProbeOptions::Watch::interface,
-                                                     ProbeOptions::Watch::stress});
+                                                     ProbeOptions::Watch::stress, ProbeOptions::Watch::tip});
+    t.number("radius", "m", "radius of the domain over which a tip is integrated: many edges, and inside it only the "
+        "straight crack in one material without loads")
+        .above(0).required().only_with("watch", {"tip"}).to(&ProbeOptions::radius);
     t.number("box", "m", "lower left and upper right corner of the box of a mean stress, in the undeformed body: "
         "its triangles move on; without it the whole body")
         .box().only_with("watch", {"stress"}).to(&ProbeOptions::box);

@@ -27,8 +27,11 @@ void refuse_others(Reading& reading, const Table& table) {
     refuse(scenario.specimen.has_value(), "[specimen]", fine_from_start);
     refuse(scenario.time.rest.ends_run, "time.until = \"rest\"", "time.end alone");
     refuse(std::ranges::any_of(scenario.probes,
-                               [](const ProbeOptions& probe) { return probe.watch == ProbeOptions::Watch::interface; }),
-           "a probe of an interface", "a probe of a place or of a stress");
+                               [](const ProbeOptions& probe) {
+                                   using Watch = ProbeOptions::Watch;
+                                   return probe.watch == Watch::interface || probe.watch == Watch::tip;
+                               }),
+           "a probe of an interface or of a tip", "a probe of a place or of a stress");
     for (const NamedLaw& law : scenario.laws) {
         refuse(law.scatter.any() && law.scatter.correlation == 0,
                "strengths that scatter from interface to interface (`" + law.name + "`)",

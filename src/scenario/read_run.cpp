@@ -113,7 +113,8 @@ void check_subject(const Table& figure) {
                  "a reaction is the force of a load with velocity or displacement");
             break;
         case FigureNeed::probe_of_motion:
-            need_probe({Watch::place, Watch::interface}, "all probes watch stresses", "show = \"probe_stresses\"");
+            need_probe({Watch::place, Watch::interface}, "no probe watches a place or an interface",
+                       "another figure, or another probe");
             break;
         case FigureNeed::probe_of_place:
             need_probe({Watch::place}, "no probe watches a place", "add a [[probe]] that watches a place");

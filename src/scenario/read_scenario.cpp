@@ -116,14 +116,8 @@ ReadResult read_scenario(const std::filesystem::path& file, const std::vector<st
 ReadResult open_scenario(const std::string& file_or_name, const std::vector<std::string>& overrides) {
     std::error_code code;
     if (std::filesystem::exists(file_or_name, code)) return read_scenario(file_or_name, overrides);
-    const auto names = built_in_scenarios();
-    const std::string name = full_name(file_or_name, names);
-    if (name.empty())
-        throw UserError({{.code = "missing-file",
-                          .message = "there is no file and no built-in scenario `" + file_or_name + "`",
-                          .hint = did_you_mean(file_or_name, names),
-                          .note = "built in: " + joined(names)}});
-    return read_text(built_in_scenario(name), name, overrides, {.directory = {}, .in_program = true});
+    const BuiltIn& found = built_in_scenario(file_or_name);
+    return read_text(found.text, found.name, overrides, {.directory = {}, .in_program = true});
 }
 
 std::vector<std::string> built_in_scenarios() {
@@ -132,11 +126,14 @@ std::vector<std::string> built_in_scenarios() {
     return names;
 }
 
-const std::string& built_in_scenario(const std::string& name) {
-    for (const BuiltIn& scenario : built_ins())
-        if (scenario.name == name) return scenario.text;
-    throw UserError("missing-file", "there is no built-in scenario `" + name + "`",
-                    "built in: " + joined(built_in_scenarios()));
+const BuiltIn& built_in_scenario(const std::string& name) {
+    const auto names = built_in_scenarios();
+    const auto found = std::ranges::find(built_ins(), full_name(name, names), &BuiltIn::name);
+    if (found != built_ins().end()) return *found;
+    throw UserError({{.code = "missing-file",
+                      .message = "there is no file and no built-in scenario `" + name + "`",
+                      .hint = did_you_mean(name, names),
+                      .note = "built in: " + joined(names)}});
 }
 
 Diagnostic ReadResult::at(const std::string& key_path, Diagnostic message) const {

@@ -1,5 +1,6 @@
 #pragma once
 // Reads a scenario. Throws UserError with every mistake at once.
+#include "scenario/built_in.hpp"
 #include "scenario/findings.hpp"
 #include "scenario/scenario.hpp"
 #include "scenario/values.hpp"
@@ -32,8 +33,8 @@ ReadResult read_scenario_text(const std::string& text, const std::string& name,
 /// A file or, if there is none of that name, a built-in scenario.
 ReadResult open_scenario(const std::string& file_or_name, const std::vector<std::string>& overrides = {});
 
-/// Names of the built-in scenarios, and the text of one (throws UserError for an unknown name).
+/// Names of the built-in scenarios, and one of them by its name or the beginning of it (throws UserError).
 std::vector<std::string> built_in_scenarios();
-const std::string& built_in_scenario(const std::string& name);
+const BuiltIn& built_in_scenario(const std::string& name);
 
 }  // namespace knap

@@ -223,12 +223,16 @@ private:
                 (table.find(neighbour) ? "" : ", its default"));
     }
 
-    void report_unknown_key(const Node& node, const std::string& path, const std::vector<std::string>& known) {
-        std::string hint = did_you_mean(node.name, known);
-        for (const Key& key : keys())
+    /// Returns the key that was meant; null where none is like it, or where nobody reads so many hints.
+    const std::string* report_unknown_key(const Node& node, const std::string& path,
+                                          const std::vector<std::string>& known) {
+        const std::string* meant = ++n_unknown_ > max_hints ? nullptr : nearest(node.name, known);
+        std::string hint = meant ? "did you mean `" + *meant + "`?" : "";
+        for (const Key& key : keys().first(n_unknown_ > max_hints ? 0 : keys().size()))
             if (hint.empty() && key.name() == node.name && !key.parent().empty()) hint = "there is `" + key.path + "`";
         findings_.error("unknown-key", "`" + path + "` is not a key of a scenario", node, "keys here: " + joined(known),
                         hint);
+        return meant;
     }
 
     void report_unknown(Node& found, const Node& given, std::string_view pattern, const std::string& path) {
@@ -238,9 +242,9 @@ private:
                 known.emplace_back(key->name());
         for (const Node& child : given.children) {
             if (std::ranges::count(keys_below(pattern), child.name, &Key::name) > 0) continue;
-            report_unknown_key(child, joined_path(path, child.name), known);
+            const std::string* meant = report_unknown_key(child, joined_path(path, child.name), known);
             // the key that was meant is present and invalid, so that it is not reported as missing, too
-            if (const std::string* meant = nearest(child.name, known); meant && !given.find(*meant)) {
+            if (meant && !given.find(*meant)) {
                 const auto key = std::ranges::find(keys_below(pattern), *meant, &Key::name);
                 found.children.push_back({.name = *meant, .key = *key, .valid = false});
             }
@@ -339,6 +343,8 @@ private:
     static Origin origin_of(const Node& node) { return node.set_by.empty() ? Origin::file : Origin::command_line; }
 
     Findings& findings_;
+    int n_unknown_ = 0;
+    static constexpr int max_hints = 1000;  // searching what was meant takes 20 us
 };
 
 }  // namespace

@@ -104,4 +104,14 @@ std::string new_scenario(const std::string& name) {
     return text.replace(text.find("NAME"), 4, name);
 }
 
+std::string renamed(const BuiltIn& scenario, const std::string& name) {
+    std::string text = scenario.text;
+    const std::size_t at = text.find("\nname ") + 1, first = text.find('"', at) + 1;
+    return text.replace(first, text.find('"', first) - first, name);
+}
+
+std::string question(const BuiltIn& scenario) {
+    return std::string(trimmed(std::string_view(scenario.text).substr(1, scenario.text.find('\n') - 1)));
+}
+
 }  // namespace knap

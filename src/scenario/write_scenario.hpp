@@ -12,5 +12,9 @@ std::string full_listing(const ReadResult& result);
 
 /// A commented scenario to start from (`knap new`).
 std::string new_scenario(const std::string& name);
+/// A built-in scenario under another name, with its comments.
+std::string renamed(const BuiltIn& scenario, const std::string& name);
+/// The question in the first line of a built-in scenario.
+std::string question(const BuiltIn& scenario);
 
 }  // namespace knap

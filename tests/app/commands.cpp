@@ -75,6 +75,36 @@ TEST_CASE("new writes a scenario that checks and is not overwritten") {
     CHECK(check.code == 0);
 }
 
+TEST_CASE("new --from copies a built-in scenario with its comments and the mesh that it names") {
+    const Folder folder("new_from");
+    REQUIRE(command("new --from brazilian " + folder.in_shell("my_disc.toml")).code == 0);
+    const std::string text = text_of(folder.path / "my_disc.toml"),
+                      original = text_of(KNAP_SOURCE_DIR "/scenarios/brazilian_disc.toml");
+    CHECK(text.find("name  = \"my_disc\"\n") != text.npos);
+    CHECK(text.size() == original.size() - std::string("brazilian_disc").size() + std::string("my_disc").size());
+    CHECK(text.starts_with(original.substr(0, original.find("name"))));
+    CHECK(command("new --from bar_pulled_apart " + folder.in_shell("my_disc.toml")).has("file-exists"));
+    CHECK(command("new --from bar_puled_apart " + folder.in_shell("bar")).has("did you mean `bar_pulled_apart`"));
+    REQUIRE(command("new --from hopkinson_time_piece " + folder.in_shell("bar")).code == 0);
+    CHECK(text_of(folder.path / "hopkinson_time_piece.msh") ==
+          text_of(KNAP_SOURCE_DIR "/scenarios/hopkinson_time_piece.msh"));
+    const Answer check = command("check " + folder.in_shell("bar.toml"));
+    CAPTURE(check.text);
+    CHECK(check.code == 0);
+}
+
+TEST_CASE("list has a line with the question of every built-in scenario") {
+    std::istringstream list(command("list").text);
+    std::size_t n = 0;
+    for (std::string line; std::getline(list, line); ++n) {
+        CAPTURE(line);
+        REQUIRE(n < knap::built_ins().size());
+        CHECK(line.starts_with(knap::built_ins()[n].name + " "));
+        CHECK(line.ends_with("?"));
+    }
+    CHECK(n == knap::built_ins().size());
+}
+
 TEST_CASE("bench does not overwrite a file") {
     const Folder folder("bench");
     std::ofstream(folder.path / "mine.csv") << "mine";
@@ -294,6 +324,21 @@ TEST_CASE("what has no room in memory is no internal error") {
     CHECK(large.code == 3);
     CHECK(large.has("error[out-of-memory]"));
     CHECK(large.has("larger mesh.size"));
+}
+
+TEST_CASE("a run whose memory runs out on the way is a failed one") {
+    const Folder folder("memory_of_run");
+    const std::filesystem::path record = folder.path / "run" / "run.json";
+    int kilobytes = 150'000;  // more and more, until the model fits and the run does not
+    for (; kilobytes < 400'000 && !std::filesystem::exists(record); kilobytes += 4'000)
+        command("--version >/dev/null; ulimit -v " + std::to_string(kilobytes) +
+                "; '" KNAP_PROGRAM "' run edge_cracked_block -q -j 1 --until 1us -s 'mesh.size=0.4 mm' -o " +
+                folder.in_shell("run"));
+    CAPTURE(kilobytes);
+    REQUIRE(std::filesystem::exists(record));
+    const std::string json = text_of(record);
+    CHECK(json.find("\"status\": \"failed\"") != json.npos);
+    CHECK(json.find("not enough memory") != json.npos);
 }
 #endif
 

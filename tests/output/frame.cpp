@@ -2,12 +2,14 @@
 // one place.
 #include "output/frame.hpp"
 
+#include "base/error.hpp"
 #include "model/model.hpp"
 #include "model/state.hpp"
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 
 #include <doctest/doctest.h>
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -64,6 +66,41 @@ TEST_CASE("frame: the bulk of an evenly stretched bar") {
             CHECK(frame.velocity[c] == Vec2(x.y(), -x.x()));
         }
     }
+}
+
+TEST_CASE("frame: stress across the plane and von Mises stress and maximum shear") {
+    Model model = bar();
+    for (const PlaneModel plane : {PlaneModel::strain, PlaneModel::stress}) {
+        model.plane = plane;
+        const Frame frame = make_frame(model, stretched(model));
+        const Eigen::Vector3d s = frame.stress[0];
+        const double zz = plane == PlaneModel::strain ? steel.first_lame(plane) * 8e-4 : 0;  // eps_zz = 0
+        CHECK(frame.stress_zz[0] == Approx(zz));
+        // invariants of the tensor
+        Eigen::Matrix3d tensor;
+        tensor << s[0], s[2], 0, s[2], s[1], 0, 0, 0, zz;
+        const Eigen::Matrix3d deviator = tensor - tensor.trace() / 3 * Eigen::Matrix3d::Identity();
+        CHECK(von_mises(frame, 0) == Approx(std::sqrt(1.5 * deviator.squaredNorm())));
+        const Eigen::Vector3d principal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(tensor).eigenvalues();
+        CHECK(max_shear(frame, 0) == Approx(0.5 * (principal[2] - principal[0])));
+    }
+    Frame old = make_frame(model, stretched(model));
+    old.stress_zz.clear();
+    CHECK_THROWS_WITH_AS(von_mises(old, 0), doctest::Contains("earlier version"), UserError);
+}
+
+TEST_CASE("frame: a body that cannot expand is under equal stress in all directions when it warms") {
+    Model model = bar();
+    State state = initial_state(model);
+    const double expansion = 1e-3;  // a dT
+    Temperatures warm;
+    warm.strain.assign(model.mesh.n_triangles(), (1 + steel.nu) * expansion);
+    warm.of_corner.assign(model.mesh.n_corners(), 0);
+    state.temperature = state.temperature_before = std::make_shared<Temperatures>(warm);
+    const Frame frame = make_frame(model, state);
+    const double pressure = steel.E * expansion / (1 - 2 * steel.nu);
+    for (const double s : {frame.stress[0][0], frame.stress[0][1], frame.stress_zz[0]}) CHECK(s == Approx(-pressure));
+    CHECK(von_mises(frame, 0) <= 1e-9 * pressure);
 }
 
 TEST_CASE("frame: both sides of an interface lie on its points") {

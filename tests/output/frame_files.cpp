@@ -65,6 +65,23 @@ TEST_CASE("frame files: the bulk comes back") {
     REQUIRE(read.stress.size() == written.stress.size());
     for (std::size_t t = 0; t < read.stress.size(); ++t)
         CHECK((read.stress[t] - written.stress[t]).norm() <= 2 * single * written.stress[t].norm());
+    REQUIRE(read.stress_zz.size() == written.stress_zz.size());
+    for (std::size_t t = 0; t < read.stress_zz.size(); ++t)
+        CHECK(std::abs(read.stress_zz[t] - written.stress_zz[t]) <= single * std::abs(written.stress_zz[t]));
+}
+
+TEST_CASE("frame files: those of versions that stored three stresses are read") {
+    const fs::path old = KNAP_SOURCE_DIR "/tests/output/data/three_stresses";  // bar_pulled_apart in triangles of 4 mm
+    REQUIRE(frame_times(old).size() == 2);
+    const Frame frame = read_frame(old, 1);
+    CHECK(frame.time == frame_times(old)[1]);
+    CHECK(frame.n_triangles() == static_cast<Index>(frame.stress.size()));
+    CHECK(frame.n_triangles() == 8);
+    CHECK(frame.stress_zz.empty());
+    double largest = 0;
+    for (const Eigen::Vector3d& s : frame.stress) largest = std::max(largest, std::abs(s[0]));
+    CHECK(largest > 1e3);  // [Pa]
+    CHECK(largest < 3.08e6);
 }
 
 TEST_CASE("frame files: the interfaces that are not intact come back") {

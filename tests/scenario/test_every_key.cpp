@@ -177,6 +177,10 @@ name = "middle"
 [[probe]]
 watch = "stress"
 box = ["0 mm", "1 mm", "10 mm", "11 mm"]
+[[probe]]
+watch = "tip"
+at = ["5 mm", "5 mm"]
+radius = "2 mm"
 [[figure]]
 file = "a.svg"
 show = "cracks"
@@ -710,6 +714,7 @@ const Case cases[] = {
     {rectangle, "probe[0].watch", "\"interface\""},
     {rectangle, "probe[0].name", "\"middle\""},
     {rectangle, "probe[1].box", "[0, 0.001, 0.01, 0.011]"},
+    {rectangle, "probe[2].radius", "0.002"},
     {rectangle, "figure[0].file", "\"a.svg\""},
     {rectangle, "figure[1].show", "\"stress_xy\""},
     {rectangle, "figure[0].at", "[2e-05]"},

@@ -636,7 +636,7 @@ TEST_CASE("mistakes: what only looks deep is not") {
 }
 
 TEST_CASE("mistakes: a cut-off scenario never crashes") {
-    const std::string& text = built_in_scenario("kalthoff_winkler");
+    const std::string& text = built_in_scenario("kalthoff_winkler").text;
     int n_refused = 0;
     for (std::size_t n = 0; n < text.size(); n += 7) n_refused += !mistakes(text.substr(0, n)).empty();
     CHECK(n_refused > 100);

@@ -72,6 +72,7 @@ inline Frame frame(int n_x = 160) {
             f.temperature.push_back(300 + 50 * vertices[k].x() / width);
         }
         f.stress.push_back(stress(centre));
+        f.stress_zz.push_back(0.2 * (f.stress.back()[0] + f.stress.back()[1]));
         f.region.push_back(centre.x() > 0.5 * width ? 1 : 0);
         for (int k = 0; k < 3; ++k) {
             const Index here = static_cast<Index>(f.position.size()) - 3 + k, next = here + (k == 2 ? -2 : 1);

@@ -20,7 +20,7 @@ _knap() {
         elif [[ "$before" == -* && -n "$option" ]]; then
             [[ "$option" =~ ^[^A-Z]*PATH ]] || files=""
         elif [[ "$command" =~ ^(run|check|mesh|study|sweep)$ ]]; then
-            words="$("$knap" list 2>/dev/null)"
+            words="$("$knap" list 2>/dev/null | sed 's/ .*//')"
         fi
     fi
     mapfile -t COMPREPLY < <(compgen -P "$earlier" -W "$words" -- "${word#"$earlier"}")

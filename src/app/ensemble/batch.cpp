@@ -34,8 +34,8 @@ public:
     HeldSignals() {
         std::signal(SIGCHLD, SIG_DFL);
         sigemptyset(&held_);
-        for (const int which : {SIGINT, SIGTERM, SIGCHLD}) sigaddset(&held_, which);
-        if (!ignores_hangup()) sigaddset(&held_, SIGHUP);  // blocking would end the ignoring
+        for (const int which : {SIGINT, SIGTERM, SIGHUP, SIGCHLD})
+            if (!is_ignored(which)) sigaddset(&held_, which);  // blocking would end the ignoring
         sigprocmask(SIG_BLOCK, &held_, &before_);
     }
     /// After an interrupt further ones are ignored while the program ends.
@@ -209,16 +209,16 @@ ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const Batc
     const auto to_do = runs_to_do(ensemble.runs, runs, options.force);
     write_whole_file(directory / (kind + ".toml"), ensemble.record);  // first: it marks the directory
     make_directory(runs);
-    if (options.print_commands) {
-        for (const EnsembleRun* run : to_do) {
-            const Texts words = command_of(options.program, scenario, *run, runs, options.force);
-            std::printf("%s\n", command_line(words).c_str());
-        }
-        std::fprintf(
-            stderr,
-            "%zu of %zu runs are to be done; afterwards the same command without --print-commands makes tables "
-            "and figures\n",
-            to_do.size(), ensemble.runs.size());
+    if (options.print_commands || !options.emit.empty()) {
+        Texts commands;
+        for (const EnsembleRun* run : to_do)
+            commands.push_back(command_line(command_of(options.program, scenario, *run, runs, options.force)));
+        const bool script = !options.emit.empty();
+        if (!to_do.empty())
+            std::printf("%s\n", script ? slurm_script(ensemble, scenario, to_do, commands, runs, options).c_str()
+                                       : joined(commands, "\n").c_str());
+        std::fprintf(stderr, "%zu of %zu runs are to be done; afterwards %s makes tables and figures\n", to_do.size(),
+                     ensemble.runs.size(), script ? "its last job" : "the same command without --print-commands");
         return exit_done;
     }
     if (!do_runs(scenario, to_do, runs, options)) return exit_interrupted;

@@ -23,6 +23,7 @@ struct BatchOptions {
     bool force = false;            // repeat finished runs and replace those of another ensemble
     bool quiet = false;
     bool print_commands = false;       // run nothing, print the command line of each run
+    std::string emit;                  // "slurm": run nothing, print a script that submits the runs
     std::string program = "knap";      // first word of these lines
     std::vector<std::string> command;  // as typed, for the report
 };
@@ -109,6 +110,12 @@ std::string plain_name(const std::string& text);
 
 /// Does all runs that are not finished, judges and draws; or prints their command lines.
 ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const BatchOptions& options);
+
+/// A shell script that submits the runs as an array of jobs of a minute or more, with time and memory as `knap check`
+/// estimates them, and a last job that collects. `commands`: a line per run.
+std::string slurm_script(const Ensemble& ensemble, const std::string& scenario,
+                         const std::vector<const EnsembleRun*>& to_do, const std::vector<std::string>& commands,
+                         const std::filesystem::path& runs, const BatchOptions& options);
 
 /// Fills Ensemble::errors from the results.
 void judge_errors(Ensemble& study);

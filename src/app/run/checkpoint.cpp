@@ -127,7 +127,7 @@ bool is_there(const fs::path& path) {
 void Checkpoints::write(RunMemory& memory) {
     const std::string bytes = packed_checkpoint(bytes_of(memory));
     if (newest_is_whole_) replace_whole_file(directory_ / newest, directory_ / previous, bytes);
-    else write_whole_file(directory_ / newest, bytes);
+    else write_whole_file(directory_ / newest, bytes, true);
     newest_is_whole_ = true;
     watch_ = Stopwatch();
 }

@@ -365,7 +365,7 @@ private:
 
     void check_probe(std::size_t i) {
         const ProbeOptions& probe = scenario_.probes[i];
-        if (probe.watch == ProbeOptions::Watch::stress) return;
+        if (probe.watch == ProbeOptions::Watch::stress || probe.watch == ProbeOptions::Watch::tip) return;
         const bool of_interface = probe.watch == ProbeOptions::Watch::interface;
         std::vector<std::string> bodies;
         for (Index t = 0; t < mesh_.n_triangles() && !mesh_.parts.empty(); ++t)

@@ -31,15 +31,19 @@ void note(int signal) {
 }
 
 void handle_by(void (*handler)(int)) {
-    std::signal(SIGINT, handler);
-    std::signal(SIGTERM, handler);
-    if (!ignores_hangup()) std::signal(SIGHUP, handler);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP})
+        if (!is_ignored(signal)) std::signal(signal, handler);
 }
 
 }  // namespace
 
 int use_threads(int n_requested) {
-    const int n = n_requested > 0 ? n_requested : omp_get_num_procs();
+    const char* const of_slurm = std::getenv("SLURM_CPUS_PER_TASK");
+    const int slurm = of_slurm != nullptr ? std::atoi(of_slurm) : 0;
+    const int n = n_requested > 0                             ? n_requested
+                  : std::getenv("OMP_NUM_THREADS") != nullptr ? omp_get_max_threads()
+                  : slurm > 0                                 ? slurm
+                                                              : omp_get_num_procs();
     omp_set_num_threads(n);
     return n;
 }
@@ -65,9 +69,9 @@ InterruptGuard::~InterruptGuard() { handle_by(end_at_once); }
 
 bool InterruptGuard::interrupted() { return noted != 0; }
 
-bool ignores_hangup() {
+bool is_ignored(int signal) {
     struct sigaction now {};
-    return sigaction(SIGHUP, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+    return sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
 }
 
 void keep_freed_memory() {

@@ -1,10 +1,12 @@
 #pragma once
 // This process: its threads, and the signals that end it. Ctrl-C, SIGTERM and SIGHUP (a lost terminal or connection)
-// end the program with exit code 130. An ignored SIGHUP, as under nohup, stays ignored.
+// end the program with exit code 130. Those that are ignored when it starts, as under nohup,
+// stay ignored.
 
 namespace knap {
 
-/// Sets the number of OpenMP threads of all loops, 0 = one per processor, and returns it.
+/// Sets the number of OpenMP threads of all loops and returns it. 0: that of OMP_NUM_THREADS, else of
+/// SLURM_CPUS_PER_TASK, else one per processor.
 int use_threads(int n_requested);
 
 /// Makes waiting OpenMP threads sleep after some 25 microseconds, and keeps VTK from starting threads of its own. The
@@ -26,7 +28,7 @@ public:
     static bool interrupted();
 };
 
-bool ignores_hangup();
+bool is_ignored(int signal);
 
 /// Frames and figures allocate and free the same memory some thirty times in a run. Memory returned to the system in
 /// between comes back zeroed, page by page, which took a third of the time of a frame.

@@ -353,7 +353,7 @@ void Run::finish() {
     record_.output = recorder_.time();
     record_.spent = spent();
     record_.spent.steps = stepping_time;
-    write_whole_file(setup_.directory / "run.json", run_json(record_));
+    write_whole_file(setup_.directory / "run.json", run_json(record_), true);
     const std::string end = end_of_run(record_, setup_.directory);
     log_.add(end);
     if (record_.status == "failed") checkpoints_.remove();
@@ -433,13 +433,16 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
         run.step_to_end();
         run.finish();
         return exit_code(record);
+    } catch (const std::bad_alloc&) {
+        record.status = "failed", record.reason = "there was not enough memory; a larger mesh.size needs less";
+        write_whole_file(directory / "run.json", run_json(record), true);
+        throw;
     } catch (const OutputError& error) {
-        record.status = "failed";
-        record.output_failed = true;
+        record.status = "failed", record.output_failed = true;
         record.reason = std::string(error.what()) + "; once this is repaired, the same command " +
                         (Checkpoints::exist_in(directory) ? "continues from the last checkpoint" : "starts it again");
         try {
-            write_whole_file(directory / "run.json", run_json(record));
+            write_whole_file(directory / "run.json", run_json(record), true);
         } catch (const OutputError&) {
             // the disk is still full: the old one stays
         }

@@ -143,7 +143,7 @@ bool continues_in(const fs::path& directory, const FirstFiles& files, bool force
 
 void write_record(const fs::path& directory, RunRecord record, const std::string& status) {
     record.status = status;
-    write_whole_file(directory / "run.json", run_json(record));
+    write_whole_file(directory / "run.json", run_json(record), true);
 }
 
 /// While the files of an earlier run still exist, so that nothing is lost where the new ones cannot be written.

@@ -222,6 +222,29 @@ TEST_CASE("a run under nohup outlives its terminal") {
     CHECK(exit_code_of(child) == 0);
 }
 
+TEST_CASE("a run that was started with Ctrl-C ignored is not ended by it") {
+    const Folder folder("ignored");
+    const pid_t child = started("run " + small_block() + "-s figure=[] -o " + folder.in_shell("run"),
+                                folder.path / "said", "trap '' INT; ");
+    wait_for([&] { return fs::exists(folder.path / "run/fields/bulk_0001.vtu"); });
+    kill(child, SIGINT);
+    CHECK(exit_code_of(child) == 0);
+}
+
+TEST_CASE("threads are those of the option or else of OMP_NUM_THREADS or else of Slurm") {
+    const Folder folder("threads");
+    const auto threads = [&](const std::string& environment, const std::string& option) {
+        command("--version >/dev/null; " + environment +
+                " '" KNAP_PROGRAM "' run bar_pulled_apart -q --force --until 1us " + option + " -s figure=[] -o " +
+                folder.in_shell("run"));
+        const std::string json = text_of(folder.path / "run" / "run.json"), key = "\"threads\": ";
+        return std::atoi(json.c_str() + json.find(key) + key.size());
+    };
+    CHECK(threads("OMP_NUM_THREADS=3 SLURM_CPUS_PER_TASK=2", "-j 1") == 1);
+    CHECK(threads("OMP_NUM_THREADS=3 SLURM_CPUS_PER_TASK=2", "") == 3);
+    CHECK(threads("unset OMP_NUM_THREADS; SLURM_CPUS_PER_TASK=5", "") == 5);
+}
+
 TEST_CASE("a run goes on when nobody reads what it says") {
     const Folder folder("deaf");
     command("run edge_cracked_block -j 1 -s 'mesh.size=2 mm' -s 'time.end=40 us' -s 'expect={}' -o " +

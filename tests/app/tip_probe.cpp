@@ -1,0 +1,184 @@
+// Stress intensity factors of a tip that stands ([[probe]] watch = "tip"): a static crack (C11) and one that a wave meets (C12).
+#include "program.hpp"
+#include "support/verification.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+namespace tip_probe_test {
+
+using namespace program;
+using namespace knap::tests;
+
+namespace {
+
+/// Glass whose interfaces never break, in plane strain. `crack`, `refine`, `loads`: TOML.
+std::string plate(const std::string& width, const std::string& height, const std::string& size,
+                  const std::string& rest) {
+    return "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [\"" + width + "\", \"" + height + "\"]\n" +
+           "[material.glass]\ndensity = 2450\nE = \"32 GPa\"\nnu = 0.2\n[interface.default]\nbreakable = false\n" +
+           "[mesh]\nsize = \"" + size + "\"\n" + rest;
+}
+
+/// A column of probes.csv.
+std::vector<double> column(const Folder& folder, const std::string& name) {
+    std::istringstream in(text_of(folder.path / "run" / "probes.csv"));
+    std::string line, cell;
+    std::getline(in, line);
+    std::istringstream header(line);
+    int which = 0;
+    while (std::getline(header, cell, ',') && !cell.starts_with(name + " [")) ++which;
+    REQUIRE_MESSAGE(cell.starts_with(name + " ["), line);
+    std::vector<double> values;
+    while (std::getline(in, line)) {
+        std::istringstream row(line);
+        for (int i = 0; i <= which; ++i) std::getline(row, cell, ',');
+        values.push_back(cell.empty() ? std::nan("") : std::strtod(cell.c_str(), nullptr));
+    }
+    return values;
+}
+
+void run(const Folder& folder, const std::string& toml, const std::string& options = "") {
+    std::ofstream(folder.path / "plate.toml") << toml;
+    const Answer answer =
+        command("run " + folder.in_shell("plate.toml") + " -q -j 1 -s output.fields=false -s output.report=false " +
+                options + " -o " + folder.in_shell("run") + " --force");
+    REQUIRE_MESSAGE(answer.code == 0, answer.text);
+}
+
+constexpr double modulus = 32e9 / (1 - 0.2 * 0.2);  // [Pa] E' in plane strain
+
+/// Loaded by 1 MPa at top and bottom, held at two corners.
+const std::string pulled =
+    "[[load]]\non = \"top\"\ntraction = [\"0 MPa\", \"1 MPa\"]\n[[load]]\non = \"bottom\"\ntraction = [\"0 MPa\", \"-1 "
+    "MPa\"]\n"
+    "[[load]]\non = { box = [\"-1 mm\", \"-1 mm\", \"1 mm\", \"1 mm\"] }\ndisplacement = [\"0 mm\", \"0 mm\"]\n"
+    "[[load]]\non = { box = [\"199 mm\", \"-1 mm\", \"201 mm\", \"1 mm\"] }\ndisplacement = [\"free\", \"0 mm\"]\n"
+    "[time]\nend = \"0.1 us\"\nstart = \"equilibrium\"\n";
+
+}  // namespace
+
+TEST_CASE("C11 stress intensity of static cracks") {
+    describe(
+        "A plate of 200 x 400 mm under tension with a central crack of 2a = 40 mm: K_I = sigma sqrt(pi a) sec(pi "
+        "a/W)^1/2 (1 - 0.025 alpha^2 + 0.06 alpha^4), alpha = 2 a/W (Tada, within 0.1 %). A crack of 2a = 10 mm at 45 "
+        "degrees has K_I = K_II = sigma sqrt(pi a)/2 but for 0.3 % by the width. Radii of 5 and 9 mm in triangles of "
+        "0.5 "
+        "mm (first order) and 1 mm (second order).");
+    on_path("-");
+    const Folder folder("static tip");
+    for (const char* order : {"1", "2"}) {
+        const std::string
+            probes =
+                "[[probe]]\nname = \"far\"\nwatch = \"tip\"\nat = [\"121 mm\", \"200 mm\"]\nradius = \"9 mm\"\n"
+                "[[probe]]\nname = \"near\"\nwatch = \"tip\"\nat = [\"121 mm\", \"200 mm\"]\nradius = \"5 mm\"\n",
+            fine = std::string(order) == "1" ? "0.5 mm" : "1 mm";
+        run(folder,
+            plate("200 mm", "400 mm", "8 mm",
+                  std::string("order = ") + order +
+                      "\nrefine = [{ inside = [\"65 mm\", \"180 mm\", \"135 mm\", \"220 mm\"], size = \"" + fine +
+                      "\" }]\n[[domain.crack]]\npoints = [[\"80 mm\", \"200 mm\"], [\"120 mm\", \"200 mm\"]]\n" +
+                      pulled + probes));
+        const double alpha = 0.2, K = 1e6 *
+                                      std::sqrt(std::numbers::pi * 0.02 / std::cos(std::numbers::pi * alpha / 2)) *
+                                      (1 - 0.025 * alpha * alpha + 0.06 * std::pow(alpha, 4));
+        for (const char* probe : {"far", "near"}) {
+            const std::string at = std::string(", order ") + order + ", radius " + (*probe == 'f' ? "9" : "5") + " mm",
+                              name = probe;
+            verify("K_I [MPa m^1/2], central crack" + at, 1e-6 * column(folder, name + "_K_I")[0], 1e-6 * K,
+                   {0.01, 0.005});
+            verify_near("K_II/K_I, central crack" + at, column(folder, name + "_K_II")[0] / K, 0, {0.01, 0.001});
+            verify("J E'/K_I^2, central crack" + at, column(folder, name + "_J")[0] * modulus / (K * K), 1,
+                   {0.02, 0.01});
+        }
+    }
+    run(folder,
+        plate("200 mm", "400 mm", "8 mm",
+              "order = 2\nrefine = [{ inside = [\"92 mm\", \"192 mm\", \"108 mm\", \"208 mm\"], size = \"0.25 mm\" }]\n"
+              "[[domain.crack]]\npoints = [[\"96.4645 mm\", \"196.4645 mm\"], [\"103.5355 mm\", \"203.5355 mm\"]]\n" +
+                  pulled +
+                  "[[probe]]\nwatch = \"tip\"\nat = [\"103 mm\", \"203 mm\"]\nradius = \"2.5 mm\"\nname = \"upper\"\n"
+                  "[[probe]]\nwatch = \"tip\"\nat = [\"97 mm\", \"197 mm\"]\nradius = \"2.5 mm\"\nname = \"lower\"\n"));
+    const double K = 0.5e6 * std::sqrt(std::numbers::pi * 0.005);
+    for (const char* factor : {"_K_I", "_K_II"})
+        for (const char* tip : {"upper", "lower"})
+            verify(std::string(factor + 1) + " [MPa m^1/2], inclined crack, " + tip + " tip",
+                   1e-6 * column(folder, std::string(tip) + factor)[0], 1e-6 * K, {0.01, 0.005});
+}
+
+TEST_CASE("C12 a wave of tension meets a crack that stands") {
+    describe(
+        "Freund: a plane wave of tension, a ramp of 2 us to 1 MPa from each face of a plate of 300 x 120 mm, meets a "
+        "crack "
+        "of 150 mm in its middle at t0 = 15.75 us: there sigma = 2 MPa. K_I(t) = 2 sigma sqrt(c_d (1 - 2 nu) s/pi)/(1 "
+        "- "
+        "nu), s = t - t0, for a step, integrated over the ramp, until waves come back from the faces at t0 + 29 us. "
+        "Mean "
+        "and largest deviation between t0 + 6 us and t0 + 22 us.");
+    on_path("explicit, explicit");
+    const Folder folder("dynamic tip");
+    std::string loads;
+    for (const auto& [side, value] : {std::pair{"top", "1 MPa"}, {"bottom", "-1 MPa"}})
+        loads += std::string("[[load]]\non = \"") + side + "\"\ntraction = [\"0 MPa\", \"" + value +
+                 "\"]\ntable = [[\"0 us\", 0], [\"2 us\", 1], [\"60 us\", 1]]\n";
+    run(folder, plate("300 mm", "120 mm", "1.5 mm",
+                      "refine = [{ inside = [\"138 mm\", \"48 mm\", \"162 mm\", \"72 mm\"], size = \"0.7 mm\" "
+                      "}]\n[[domain.crack]]\npoints = [[\"0 mm\", "
+                      "\"60 mm\"], [\"150 mm\", \"60 mm\"]]\n" +
+                          loads +
+                          "[time]\nend = \"38 us\"\n[output]\nhistory_every = \"0.2 us\"\n[[probe]]\nwatch = "
+                          "\"tip\"\nname = \"tip\"\nat = "
+                          "[\"150 mm\", \"60 mm\"]\nradius = \"9 mm\"\n"));
+    const double nu = 0.2, c_d = std::sqrt(32e9 * (1 - nu) / ((1 + nu) * (1 - 2 * nu) * 2450)), t0 = 0.06 / c_d;
+    const auto step = [&](double s) { return s > 0 ? 2. / 3 * s * std::sqrt(s) : 0; };  // its integral
+    const std::vector<double> time = column(folder, "time"), K_I = column(folder, "tip_K_I"),
+                              J = column(folder, "tip_J");
+    double sum = 0, sum_J = 0, worst = 0;
+    int n = 0;
+    for (std::size_t i = 0; i < time.size(); ++i) {
+        const double s = time[i] - t0;
+        if (s < 6e-6 || s > 22e-6) continue;
+        const double K =
+            2 * 2e6 * std::sqrt(c_d * (1 - 2 * nu) / std::numbers::pi) / (1 - nu) * (step(s) - step(s - 2e-6)) / 2e-6;
+        ++n, sum += K_I[i] / K, sum_J += J[i] * modulus / (K * K), worst = std::max(worst, std::abs(K_I[i] / K - 1));
+    }
+    REQUIRE(n > 70);
+    verify("mean of K_I over Freund's", sum / n, 1, {0.01, 0.003});
+    verify_small("largest deviation of K_I", worst, {0.02, 0.01});
+    verify("mean of J E'/K_I^2", sum_J / n, 1, {0.02, 0.01});
+}
+
+TEST_CASE("a tip probe refuses what its integrals do not hold for and is empty once the tip runs") {
+    const Folder folder("refused tip");
+    const std::string crack = "[[domain.crack]]\npoints = [[\"0 mm\", \"20 mm\"], [\"50 mm\", \"20 mm\"]]\n",
+                      loads = "[[load]]\non = \"top\"\ntraction = [\"0 MPa\", \"1 MPa\"]\n[time]\nend = \"1 us\"\n",
+                      probe = "[[probe]]\nwatch = \"tip\"\nat = [\"50 mm\", \"20 mm\"]\n";
+    const auto answer = [&](const std::string& rest) {
+        std::ofstream(folder.path / "plate.toml") << plate("100 mm", "40 mm", "2 mm", rest);
+        return command("run " + folder.in_shell("plate.toml") + " -q -j 1 -o " + folder.in_shell("run") + " --force");
+    };
+    CHECK(answer(crack + loads + probe + "radius = \"25 mm\"\n").has("the boundary"));
+    CHECK(answer(crack + loads + probe + "radius = \"3 mm\"\n").has("less than four edges"));
+    CHECK(answer(loads + probe + "radius = \"10 mm\"\n").has("no pre-crack ends inside the body"));
+    CHECK(answer(crack + loads + "[[probe]]\nwatch = \"tip\"\nat = [\"80 mm\", \"20 mm\"]\nradius = \"10 mm\"\n")
+              .has("farther than its radius"));
+    CHECK(answer(crack + "[[domain.crack]]\npoints = [[\"55 mm\", \"22 mm\"], [\"70 mm\", \"22 mm\"]]\n" + loads +
+                 probe + "radius = \"10 mm\"\n")
+              .has("another crack"));
+    CHECK(answer(crack + loads + probe).has("radius"));  // a required key
+    // the edge-cracked block grows at 15 us
+    const Answer block = command(
+        "run edge_cracked_block -q -j 1 -s 'mesh.size=1 mm' --until 20us -s expect={} -s figure=[] -s 'probe=[{ name = "
+        "\"tip\", watch = \"tip\", at = "
+        "[\"50 mm\", \"20 mm\"], radius = \"8 mm\" }]' -o " +
+        folder.in_shell("run") + " --force");
+    REQUIRE_MESSAGE(block.code == 0, block.text);
+    const std::vector<double> K = column(folder, "tip_K_I");
+    CHECK(K[0] == 0);
+    CHECK(std::isnan(K.back()));
+}
+
+}  // namespace tip_probe_test

@@ -1,0 +1,271 @@
+"""Reads runs, studies and sweeps of knap as arrays, and starts runs. One file; needs Python 3.9 and numpy.
+
+    import knap
+    run = knap.run("edge_cracked_block", set={"mesh.size": "1 mm"}, out="runs/coarse")   # or knap.read("runs/coarse")
+    run.summary["dissipated"], run.summary.units["dissipated"]     # 0.31, "J"; nan: it never happened
+    energy = run.table("energy")                                   # energy.csv: energy["time"], energy.units["time"]
+    frame = run.frame(40e-6)                                       # the frame nearest to 40 us
+    frame.bulk.points, frame.bulk.cells, frame.bulk["stress"]      # m, corners of triangles, Pa
+    sweep = knap.read("sweeps/plate")
+    sweep.table["mesh.size"], sweep.table.units["mesh.size"], sweep.table["dissipated"], sweep.run(0)
+
+All names, units and meanings: scenarios/OUTPUTS.md.
+"""
+import csv
+import json
+import os
+import pathlib
+import re
+import shutil
+import struct
+import subprocess
+import xml.etree.ElementTree as xml
+
+import numpy as np
+
+
+class KnapError(Exception):
+    """A run that failed, or a file that cannot be read."""
+
+
+class Table(dict):
+    """Values by name, in the order of the file, and their `units` by name ("" for pure numbers, counts and texts)."""
+
+    def __init__(self, values=(), units=()):
+        super().__init__(values)
+        self.units = dict(units)
+
+    def __missing__(self, name):
+        raise KeyError(f"{name!r}; there are: {', '.join(self)}")
+
+
+class Grid(Table):
+    """A .vtu file: arrays by name, a row per point or cell; `points` [m]; `cells`: numbers of the points of each cell."""
+
+    def __init__(self, points, cells, values, units):
+        super().__init__(values, units)
+        self.points, self.cells = points, cells
+
+
+class Frame:
+    """One moment of a run: `time` [s] and the grids `bulk`, `interfaces` and `obstacles` (None where the run has none).
+    Interfaces that are intact inside the body are not stored."""
+
+    def __init__(self, directory, time, files):
+        self.time = time
+        grids = {pathlib.Path(file).name.rsplit("_", 1)[0]: read_vtu(directory / file) for file in files}
+        self.bulk, self.interfaces, self.obstacles = map(grids.get, ("bulk", "interfaces", "obstacles"))
+
+
+class Run:
+    """A run directory. `info`: run.json; `summary`: its numbers, with units."""
+
+    def __init__(self, directory):
+        self.directory = pathlib.Path(directory)
+        self.info = json.loads((self.directory / "run.json").read_text(encoding="utf-8"))
+        numbers = {name: np.nan if value is None else value for name, value in self.info.get("summary", {}).items()}
+        self.summary = Table(numbers, self.info.get("summary_units", {}))
+        self._frames = []  # (time, files)
+
+    @property
+    def status(self):
+        return self.info["status"]
+
+    @property
+    def tables(self):
+        """Names of its tables."""
+        return sorted(file.stem for file in self.directory.glob("*.csv"))
+
+    def table(self, name):
+        """A table by the name of its file without .csv, as "energy"; missing values are nan."""
+        file = self.directory / f"{name}.csv"
+        if not file.exists():
+            raise KnapError(f"{self.directory} has no {name}.csv; there are: {', '.join(self.tables)}")
+        return read_csv(file)
+
+    @property
+    def frame_times(self):
+        """Times [s] of the stored frames."""
+        if not self._frames and (self.directory / "run.pvd").exists():
+            by_time = {}
+            for item in xml.parse(self.directory / "run.pvd").iter("DataSet"):
+                by_time.setdefault(float(item.get("timestep")), []).append(item.get("file"))
+            self._frames = list(by_time.items())
+        return np.array([time for time, _ in self._frames])
+
+    def frame(self, time=np.inf):
+        """The frame nearest to `time` [s]; without it the last one."""
+        times = self.frame_times
+        if len(times) == 0:
+            raise KnapError(f"{self.directory} has no frames")
+        return Frame(self.directory, *self._frames[-1 if time == np.inf else int(np.argmin(np.abs(times - time)))])
+
+
+class Ensemble:
+    """A directory of `knap study` or `knap sweep`. `table`: a line per run, the combination and its results;
+    `statistics`: over seeds (empty without them)."""
+
+    def __init__(self, directory, kind):
+        self.directory, self.kind = pathlib.Path(directory), kind
+        self.table = read_csv(self.directory / f"{kind}.csv")
+        statistics = self.directory / "statistics.csv"
+        self.statistics = read_csv(statistics) if statistics.exists() else Table()
+
+    def __len__(self):
+        return len(self.table["status"])
+
+    def run(self, line):
+        """The run of a line of the table of a sweep."""
+        return Run(self.directory / "runs" / self.table["run"][line])
+
+    @property
+    def runs(self):
+        """All runs that were started, by name."""
+        return {file.parent.name: Run(file.parent) for file in sorted(self.directory.glob("runs/*/run.json"))}
+
+
+def read(directory):
+    """A Run, or an Ensemble of a study or a sweep."""
+    directory = pathlib.Path(directory)
+    if (directory / "run.json").exists():
+        return Run(directory)
+    for kind in ("sweep", "study"):
+        if (directory / f"{kind}.csv").exists():
+            return Ensemble(directory, kind)
+    raise KnapError(f"{directory} has none of run.json, sweep.csv, study.csv")
+
+
+def program():
+    """Path of knap: $KNAP, else the one that was built beside this file, else that of $PATH."""
+    built = pathlib.Path(__file__).resolve().parents[2] / "build/release/knap"
+    found = os.environ.get("KNAP") or (str(built) if built.exists() else shutil.which("knap"))
+    if not found:
+        raise KnapError("knap was not found: build it, put it on PATH, or set KNAP to its path")
+    return found
+
+
+def run(scenario, set=None, out=None, threads=None, force=True, accept=(0,)):
+    """Runs a scenario, a file or the name of a built-in one, and returns its Run.
+
+    set     values of keys: {"mesh.size": "1 mm", "load[0].traction": ["0 MPa", "2 MPa"]}; a text as after --set
+    out     directory of the run; default runs/<name>
+    force   replace an earlier run; without it a finished run of the same scenario is read again
+    accept  exit codes that are no error, as 4: a value of [expect] failed
+    """
+    command = [program(), "run", str(scenario), "--quiet"]
+    for key, value in (set or {}).items():
+        command += ["--set", f"{key}={value if isinstance(value, str) else _toml(value)}"]
+    command += ["--output", str(out)] if out else []
+    command += ["--threads", str(threads)] if threads else []
+    command += ["--force"] if force else []
+    done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
+    if done.returncode not in accept:
+        raise KnapError(f"knap ended with exit code {done.returncode}: {' '.join(command)}\n{done.stderr or done.stdout}")
+    return Run(re.findall(r"^run: +(.+)$", done.stdout, re.MULTILINE)[-1])
+
+
+def _toml(value):
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(key)} = {_toml(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    return json.dumps(value.item() if isinstance(value, np.generic) else value, ensure_ascii=False)
+
+
+def read_csv(file):
+    """A table with its units. A column with texts other than numbers stays text, but "0.6 mm", "1 mm" of a sweep are
+    numbers in mm."""
+    with open(file, newline="", encoding="utf-8") as lines:
+        header, *rows = csv.reader(lines)
+    table = Table()
+    for title, column in zip(header, zip(*rows) if rows else [()] * len(header)):
+        name, unit = re.fullmatch(r"(.*?)(?: \[(.*)\])?", title, re.DOTALL).groups()
+        table[name], table.units[name] = _numbers(column, unit or "")
+    return table
+
+
+def _numbers(texts, unit):
+    try:
+        return np.array([float(text) if text else np.nan for text in texts]), unit
+    except ValueError:
+        pass
+    parts = [re.fullmatch(r"([-+0-9.eE]+) *(\S+)", text) for text in texts]
+    if not unit and all(parts) and len({part[2] for part in parts}) == 1:
+        try:
+            return np.array([float(part[1]) for part in parts]), parts[0][2]
+        except ValueError:
+            pass
+    return np.array(texts), unit
+
+
+_types = {"Float32": "f4", "Float64": "f8", "Int32": "i4", "Int64": "i8", "UInt8": "u1"}
+
+
+def read_vtu(file):
+    """A Grid of a .vtu file as runs of knap write it: raw appended data in blocks of LZ4."""
+    data = pathlib.Path(file).read_bytes()
+    start = data.find(b"<AppendedData")
+    if start < 0 or b'compressor="vtkLZ4DataCompressor"' not in data[:start]:
+        raise KnapError(f"{file} is not a frame of knap: it has no appended data that are compressed by LZ4")
+    root = xml.fromstring(data[:start] + b"</VTKFile>")
+    appended = data.index(b"_", start) + 1
+    head = {"UInt32": "I", "UInt64": "Q"}[root.get("header_type", "UInt32")]
+
+    def array(item):
+        at = appended + int(item.get("offset"))
+        n, size, last = struct.unpack_from(f"<3{head}", data, at)
+        packed = struct.unpack_from(f"<{n}{head}", data, at + 3 * struct.calcsize(head))
+        at += (3 + n) * struct.calcsize(head)
+        blocks = []
+        for i, length in enumerate(packed):
+            blocks.append(_lz4(data[at:at + length], last if last and i == n - 1 else size))
+            at += length
+        values = np.frombuffer(b"".join(blocks), "<" + _types[item.get("type")])
+        width = int(item.get("NumberOfComponents", 1))
+        return values.reshape(-1, width) if width > 1 else values
+
+    values, units = {}, {}
+    for item in [*root.iterfind(".//PointData/DataArray"), *root.iterfind(".//CellData/DataArray")]:
+        name, unit = item.get("Name"), item.find("InformationKey[@name='UNITS_LABEL']")
+        values[name], units[name] = array(item), "" if unit is None else unit.text.strip()
+    cells = {item.get("Name"): item for item in root.iterfind(".//Cells/DataArray")}
+    connectivity, offsets = array(cells["connectivity"]), array(cells["offsets"])
+    points = array(root.find(".//Points/DataArray")).reshape(-1, 3)[:, :2]
+    return Grid(points, connectivity.reshape(len(offsets), -1) if len(offsets) else connectivity, values, units)
+
+
+def _lz4(block, size):
+    """Decompresses an LZ4 block to `size` bytes."""
+    out, at, end = bytearray(), 0, len(block)
+    try:
+        while at < end:
+            token = block[at]
+            at += 1
+            length = token >> 4
+            if length == 15:
+                while (more := block[at]) == 255:
+                    length, at = length + 255, at + 1
+                length, at = length + more, at + 1
+            out += block[at:at + length]
+            at += length
+            if at >= end:
+                break
+            distance = block[at] | block[at + 1] << 8
+            at += 2
+            length = token & 15
+            if length == 15:
+                while (more := block[at]) == 255:
+                    length, at = length + 255, at + 1
+                length, at = length + more, at + 1
+            length += 4
+            start = len(out) - distance
+            if distance >= length:
+                out += out[start:start + length]
+            else:  # the copy overlaps what it writes: a pattern that repeats
+                pattern = bytes(out[start:])
+                out += (pattern * (length // distance + 1))[:length]
+    except IndexError:
+        raise KnapError("a compressed block ends too early") from None
+    if len(out) != size:
+        raise KnapError(f"a compressed block has {len(out)} bytes instead of {size}")
+    return out
