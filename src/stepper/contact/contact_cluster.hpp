@@ -79,7 +79,7 @@ private:
     void find_velocities();
     double sweep_to(double change, int max_sweeps);
     bool settle_states(double speed, double tolerance);
-    double approach(double best, double speed, double rounding);
+    double approach(double best, double speed, double rounding, double first, double lighter, int points);
     void bring_near(double alpha);
     bool solve_states();
     void fit_states(const FanScales& scales);
