@@ -22,7 +22,7 @@ struct Job {
 };
 
 Cost cost_of(const std::string& scenario, const EnsembleRun& run) {
-    const ReadResult read = open_scenario(scenario, run.overrides);
+    ReadResult read = open_scenario(scenario, run.overrides);
     const Stopwatch watch;
     const Model model = model_of(read);
     const StepPlan plan = plan_of(read, model, read.scenario.time.end);
