@@ -328,13 +328,11 @@ void Run::finish() {
     }
     for (const auto& [gate, text] : recorder_.gates().warnings())
         record_.warnings.push_back(text.substr(0, text.size() - 1));
-    record_.steps = now_.n_steps;
-    record_.time = now_.time;
+    record_.steps = now_.n_steps, record_.time = now_.time;
     record_.counts = recorder_.ledger().worst();
     record_.counts.linear_solves += control_.rejected_steps().linear_solves;
     record_.counts.factorisations += control_.rejected_steps().factorisations;
-    record_.smallest_step = control_.smallest_taken();
-    record_.largest_step = control_.largest_taken();
+    record_.smallest_step = control_.smallest_taken(), record_.largest_step = control_.largest_taken();
     record_.n_cutbacks = control_.n_cutbacks();
     record_.factor = stepper_->factor_size();
     record_.triangles = setup_.model.mesh.n_triangles();
@@ -351,8 +349,7 @@ void Run::finish() {
         record_.expect = judge_expectations(setup_.scenario.expect, record_.summary, record_.rayleigh_speed);
     record_.figures = recorder_.figures();
     record_.output = recorder_.time();
-    record_.spent = spent();
-    record_.spent.steps = stepping_time;
+    record_.spent = spent(), record_.spent.steps = stepping_time;
     write_whole_file(setup_.directory / "run.json", run_json(record_), true);
     const std::string end = end_of_run(record_, setup_.directory);
     log_.add(end);
