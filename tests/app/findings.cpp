@@ -160,7 +160,7 @@ TEST_CASE("a crack under pressure alone: check and run") {
     }
 }
 
-TEST_CASE("a pressure that reaches nothing, or draws, is a warning") {
+TEST_CASE("a pressure that reaches nothing or draws is a warning") {
     const Folder folder("pressure_nowhere");
     const std::string crack = "[[domain.crack]]\npoints = [[0, 0.02], [0.05, 0.02]]\n",
                       joints = "[[joints]]\ndirection = 0\nspacing = 0.01\ninterface = \"default\"\n";
