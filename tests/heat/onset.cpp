@@ -19,13 +19,14 @@ namespace {
 // ten thousand times the heat capacity, leaves the heat as it is.
 constexpr double lighter = 1e4;
 constexpr Elastic alumina{.density = 3980 / lighter, .E = 370e9, .nu = 0.3};
-constexpr double expansion = 7.5e-6, kappa = 31 / (3980. * 880), half = 5e-3, width = 1e-3, sigma_c = 180e6;
+constexpr double expansion = 7.5e-6, kappa = 31 / (3980. * 880), half = 5e-3, width = 5e-5, sigma_c = 180e6;
 
-/// A strip of the plate, two columns wide, with rows that are thin at the cooled face: 0.3 um.
+/// A strip of the plate, two columns wide, with rows that are thin at the cooled face: 0.5 um. It is narrow, since slender triangles
+/// leave steps unsolved.
 Mesh strip() {
-    constexpr int n_y = 50;
+    constexpr int n_y = 100;
     Mesh mesh = bar_mesh(2, n_y, width, half);
-    for (Vec2& x : mesh.vertices) x.y() = half * (1 - std::pow(1 - x.y() / half, 2.5));
+    for (Vec2& x : mesh.vertices) x.y() = half * (1 - std::pow(1 - x.y() / half, 2));
     return mesh;
 }
 
@@ -76,7 +77,9 @@ double first_crack(double DT, double transfer, const TimeFunction& mean) {
              h = std::min(h, mean.time[i] - run.now.time)) {
             if (!run.step_if_taken(h)) h *= 0.5;
             REQUIRE(h > 1e-6 * mean.time[i]);
-            if (run.ledger.row().surface() > 1e-9) return run.now.time;  // [J] 2e-5 of a point at the face
+            // [J] 1e-7 of a point at the face: a row that opens by 5e-8 delta_c. Already 5e-5 delta_c would need a stress 2 % above
+            // the strength, since the crack is one row deep
+            if (run.ledger.row().surface() > 1e-12) return run.now.time;
         }
     return std::numeric_limits<double>::infinity();
 }
@@ -89,15 +92,18 @@ TEST_CASE("H25 a plate that is quenched cracks from the drop of temperature of i
         "thick) cooled on both faces with the coefficient h: smallest drop of temperature at which it cracks, by "
         "bisection, and the time of the first crack for a drop of 380 K. References: sigma_c/(E a) over the largest "
         "(mean - theta) of the Fourier series, and the time at which (mean - theta) is sigma_c/(E a 380 K). A strip of "
-        "two columns, rows of 0.3 um at the face, implicit bulk with theta = 1 and steps of 0.5 % of the time so far.");
+        "two columns, rows of 0.5 um at the face, implicit bulk with theta = 1 and steps of 0.5 % of the time so far.");
     struct Row {
         double transfer, begin, end, DT, first_crack;  // [W/(m2 K)], [s], [s], [K], [s]
     };
+    // h infinite: times from 10 us on. Earlier the cooled layer is as thin as a row, and steps are no longer slow beside waves; by
+    // then heat has entered and the row has a mean, which cost 2 % of the stress. First cracks are late by the rows, the more the
+    // earlier they come
     constexpr double whole = 0.15 * half * half / kappa;  // beyond the largest stress of all
-    for (const Row row : {Row{2e4, 1e-3, 2 * whole, 162.10, 9.4604e-3},
-                          {5e4, 1e-3, whole, 116.03, 1.3994e-3},
-                          {1e5, 1e-3, 0.6 * whole, 97.68, 0.34150e-3},
-                          {infinity, 1e-9, 1e-6, sigma_c / (alumina.E * expansion), 0}}) {
+    for (const Row row : {Row{2e4, 1e-4, 2 * whole, 162.10, 9.4604e-3},
+                          {5e4, 1e-4, whole, 116.03, 1.3994e-3},
+                          {1e5, 1e-4, 0.6 * whole, 97.68, 0.34150e-3},
+                          {infinity, 1e-5, 1e-3, sigma_c / (alumina.E * expansion), 0}}) {
         const TimeFunction mean = mean_of(row.transfer, row.begin, row.end);
         double holds = 0.96 * row.DT, cracks = 1.04 * row.DT;
         REQUIRE(std::isinf(first_crack(holds, row.transfer, mean)));
@@ -107,13 +113,11 @@ TEST_CASE("H25 a plate that is quenched cracks from the drop of temperature of i
             (std::isinf(first_crack(DT, row.transfer, mean)) ? holds : cracks) = DT;
         }
         const std::string of = ", h = " + digits(row.transfer);
-        MESSAGE("drop" << of << ": " << 0.5 * (holds + cracks));
-        verify("drop of temperature" + of, 0.5 * (holds + cracks), row.DT, {0.02});
+        verify("drop of temperature" + of, 0.5 * (holds + cracks), row.DT, {std::isinf(row.transfer) ? 0.03 : 0.005});
         if (row.first_crack == 0) continue;
         const double found = first_crack(
-            380, row.transfer, mean_of(row.transfer, 0.01 * row.first_crack, 1.2 * row.first_crack));
-        MESSAGE("time" << of << ": " << found);
-        verify("first crack at a drop of 380 K" + of, found, row.first_crack, {0.03});
+            380, row.transfer, mean_of(row.transfer, 0.001 * row.first_crack, 1.2 * row.first_crack));
+        verify("first crack at a drop of 380 K" + of, found, row.first_crack, {0.04, 0.01});
     }
 }
 
