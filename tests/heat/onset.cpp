@@ -115,8 +115,8 @@ TEST_CASE("H25 a plate that is quenched cracks from the drop of temperature of i
         const std::string of = ", h = " + digits(row.transfer);
         verify("drop of temperature" + of, 0.5 * (holds + cracks), row.DT, {std::isinf(row.transfer) ? 0.03 : 0.005});
         if (row.first_crack == 0) continue;
-        const double found = first_crack(
-            380, row.transfer, mean_of(row.transfer, 0.001 * row.first_crack, 1.2 * row.first_crack));
+        const double found =
+            first_crack(380, row.transfer, mean_of(row.transfer, 0.001 * row.first_crack, 1.2 * row.first_crack));
         verify("first crack at a drop of 380 K" + of, found, row.first_crack, {0.04, 0.01});
     }
 }

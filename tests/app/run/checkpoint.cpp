@@ -32,7 +32,8 @@ const std::string refined_block =
 
 /// Conduction, cracks and a time factor.
 const std::string explicit_quench =
-    "alumina_quench -q -j 1 -s 'mesh.size=1 mm' -s 'time.end=100 us' -s time.damping=0 -s 'expect={}' -s output.breaks=true ";
+    "alumina_quench -q -j 1 -s 'mesh.size=1 mm' -s 'time.end=100 us' -s time.damping=0 -s 'expect={}' -s "
+    "output.breaks=true ";
 const std::string implicit_quench = explicit_quench +
                                     "-s time.bulk=implicit -s time.cohesion=implicit -s time.theta=1 -s "
                                     "time.assumption_1=ignore -s limits.law_lag=10 -s "
