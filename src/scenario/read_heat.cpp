@@ -32,7 +32,8 @@ void read_exchange(const Table& table, Heat& heat) {
     for (const KindOfExchange& kind : kinds) keys.emplace_back(kind.key);
     const auto key = table.one_of(keys, true);
     exchange.history = read_history(table);
-    if (key == "temperature" || key == "outside") check_physical(table, key->c_str(), table.number(*key).value_or(0), heat);
+    if (key == "temperature" || key == "outside")
+        check_physical(table, key->c_str(), table.number(*key).value_or(0), heat);
     for (const KindOfExchange& kind : kinds) {
         if (key != kind.key) continue;
         exchange.kind = kind.kind;

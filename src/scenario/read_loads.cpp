@@ -250,7 +250,9 @@ void read_pressures(Reading& reading) {
                 pressure.joint_law = scenario.law_of_joint[std::ranges::find(known, *name) - known.begin()];
         }
         pressure.history = read_history(table);
-        const auto pulls = [](const std::vector<double>& values) { return !values.empty() && std::ranges::min(values) < 0; };
+        const auto pulls = [](const std::vector<double>& values) {
+            return !values.empty() && std::ranges::min(values) < 0;
+        };
         if (pressure.pressure < 0 || pulls(pressure.over_temperature.value) || pulls(pressure.history.value))
             table.warning("implausible", "", "is negative at times: it draws the faces of cracks together",
                           "a fluid presses with a positive value; the value is used as given");

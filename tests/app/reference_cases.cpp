@@ -94,12 +94,14 @@ TEST_CASE("C2 a double cantilever beam is opened slowly" * doctest::test_suite("
 TEST_CASE("C2 the crack of a double cantilever beam has one length for all softening shapes" *
           doctest::test_suite("slow")) {
     describe(
-        "The scenario dcb_williams to U = .1 mm with sigma_c = 180 MPa (l_ch = E G/sigma_c^2 = .0233 mm, arm .2 mm) and "
+        "The scenario dcb_williams to U = .1 mm with sigma_c = 180 MPa (l_ch = E G/sigma_c^2 = .0233 mm, arm .2 mm) "
+        "and "
         "edges of 4 um, for six softening curves of one fracture energy: force, and length by the compliance, a = (3 E "
         "I U/P)^(1/3) - .6792 h, against Williams' L(U) = (9 E I U^2/(2 b G_c))^(1/4) - .6792 h; how far the broken "
         "tip lags behind it, against the process zone of the curve in a large body.");
     on_path("implicit, implicit");
-    constexpr double EI = 1.8, G_c = 0.14, end_correction = 0.6792 * 0.2, l_ch = 2700 * 2 * G_c / (180. * 180);  // [N, mm]
+    constexpr double EI = 1.8, G_c = 0.14, end_correction = 0.6792 * 0.2,
+                     l_ch = 2700 * 2 * G_c / (180. * 180);  // [N, mm]
     struct Shape {
         const char* name;
         double zone;  // over l_ch

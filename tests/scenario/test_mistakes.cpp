@@ -77,8 +77,7 @@ const Case cases[] = {
      2, 4, "small"},
     {"temperatures in C and in K", with("[heat]\ntemperature = \"20 C\"\nreference = \"293 K\"\n"),
      "mixed-temperatures", 18, 13, 7, "all of them in C, or all in K"},
-    {"a temperature below absolute zero", with("[heat]\ntemperature = \"-300 C\"\n"), "out-of-range", 17, 15, 8,
-     ""},
+    {"a temperature below absolute zero", with("[heat]\ntemperature = \"-300 C\"\n"), "out-of-range", 17, 15, 8, ""},
     {"a reference below absolute zero", with("[heat]\ntemperature = \"20 C\"\nreference = -300\n"), "out-of-range", 18,
      13, 4, ""},
     {"a freezing range that counts from another zero",
@@ -560,7 +559,8 @@ TEST_CASE("warnings: values that hardly anybody means with their place and what 
 }
 
 TEST_CASE("warnings: what begins after the end") {
-    CHECK(reports(warning_of(changed("G_c = 3", "G_c = 3\nrelaxation_time = 2")), "= 2 s is longer than the run, 8e-05 s"));
+    CHECK(reports(warning_of(changed("G_c = 3", "G_c = 3\nrelaxation_time = 2")),
+                  "= 2 s is longer than the run, 8e-05 s"));
     const Diagnostic table = warning_of(with(load + "traction = [0, 1]\ntable = [[90, 0], [100, 1]]\n"));
     CHECK(table.code == "after-the-end");
     CHECK(table.line == 19);

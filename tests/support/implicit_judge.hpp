@@ -123,8 +123,8 @@ private:
     struct Passage {
         std::optional<double> bound;  // [m/s] c, of a point that may touch
         double w_N, w_T, u_T;
-        double reach, sign_u_T;  // [s] after which the slip decides the sign of the cohesion, [m] that slip
-        double cohesion, end_cohesion;         // [-] before, and by the law
+        double reach, sign_u_T;         // [s] after which the slip decides the sign of the cohesion, [m] that slip
+        double cohesion, end_cohesion;  // [-] before, and by the law
         double strength, tangential_strength;  // [N s] h S sigma_c beta_theta, times gamma
     };
 

@@ -125,8 +125,7 @@ private:
         made.scheme.theta = one_of({0.5, 0.5, random_.uniform(0.5, most)});
         made.scheme.cohesion = chance(0.75) ? CohesionScheme::implicit_beta : CohesionScheme::explicit_beta;
         made.scheme.mass = chance(0.7) ? MassMatrix::lumped : MassMatrix::consistent;
-        if (options_.secant)
-            law.unloading = Unloading::secant, made.scheme.cohesion = CohesionScheme::explicit_beta;
+        if (options_.secant) law.unloading = Unloading::secant, made.scheme.cohesion = CohesionScheme::explicit_beta;
         ModelInput& input = made.input;
         input.materials.assign(2, {.density = 1, .E = one_of({1.0, 10.0, 100.0}), .nu = random_.uniform(0, 0.4)});
         input.plane = chance(0.5) ? PlaneModel::strain : PlaneModel::stress;

@@ -32,8 +32,10 @@ double upper_bound_of_entries(const Model& model, const SchemeOptions& scheme) {
         friction = friction || model.laws[point.law].friction_range()[1] > 0;
         gamma = gamma || model.laws[point.law].gamma > 0;
     }
-    const double rows = (scheme.cohesion == CohesionScheme::implicit_beta ? 2 * n_layers + 1 : ramps ? 3 : 1) + (friction ? 3 : 0) +
-                        (gamma ? 3 : 0);
+    const double rows = (scheme.cohesion == CohesionScheme::implicit_beta ? 2 * n_layers + 1
+                         : ramps                                          ? 3
+                                                                          : 1) +
+                        (friction ? 3 : 0) + (gamma ? 3 : 0);
     std::vector<double> n_points(model.mesh.triangles.size(), 0);
     for (const FanPoint& point : model.fan_points)
         for (const Index corner : {point.before, point.after})

@@ -15,8 +15,8 @@ Model model_of(ReadResult& read);
 /// Throws UserError: a step that the mesh does not allow.
 StepPlan plan_of(const ReadResult& read, const Model& model, double until);
 
-/// Throws UserError: a specimen that the loads do not test, `start = "equilibrium"` of a body without support, obstacles
-/// that overlap.
+/// Throws UserError: a specimen that the loads do not test, `start = "equilibrium"` of a body without support,
+/// obstacles that overlap.
 void check_model(const ReadResult& read, const Model& model);
 
 /// Warnings: probes, regions and boxes outside the body.

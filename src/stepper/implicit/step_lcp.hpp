@@ -24,8 +24,8 @@
 //     S D                   sigma_c beta/theta (s_N + gamma chi - kappa (1 - D))  the part of beta that is not borne
 //     chi                   S gamma sigma_c beta (1 - D)/theta - r_T+ - r_T-      P_T = theta h (r_T+ - r_T-)
 //
-// so that P_N = p_N - h S sigma_c beta (1 - D) with 1 - D = min(s/kappa, 1). With implicit beta the force of the ramp is
-// the product of two unknowns, beta+ and 1 - D: such a step is no linear complementarity problem.
+// so that P_N = p_N - h S sigma_c beta (1 - D) with 1 - D = min(s/kappa, 1). With implicit beta the force of the
+// ramp is the product of two unknowns, beta+ and 1 - D: such a step is no linear complementarity problem.
 //
 // Every row times its unknown is an energy [J]: only then does the scaling of lcp/scaling.hpp give the same bits in all
 // units of length, mass and time.
