@@ -734,6 +734,7 @@ const Case cases[] = {
     {rectangle, "limits.rotation_work_part", "0.002"},
     {rectangle, "limits.slip", "\"none\""},
     {rectangle, "limits.overlap", "3e-06"},
+    {rectangle, "limits.obstacle_overlap", "0.001"},
     {rectangle, "figure[2].every", "1e-05"},
     {rectangle, "figure[2].speed", "1e-05"},
     {rectangle, "figure[2].curves", "\"energy\""},

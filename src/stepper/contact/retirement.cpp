@@ -79,21 +79,20 @@ bool strangers_overlap(const Model& model, const State& state, const Fan& fan) {
 }
 
 /// [-] The slip and the turn [rad] at which the broken points of a fan retire now; infinity where they stay. One of
-/// them alone separates no sides in a fan that goes round: they would be one vertex, which does not touch itself.
+/// them alone separates no sides in a closed fan: they would be one vertex, which does not touch itself.
 double retirement_limit(const Model& model, const State& state, Index rank) {
     const Fan& fan = model.fans[state.split_fans[rank]];
     const auto points = model.points(fan);
     const PointState* own = state.points.data() + state.first_point[rank];
-    const bool goes_round = fan.closed || (points.front().on_support() && points.back().on_support());
     const auto separates = [&](double limit) {
-        std::ptrdiff_t n = goes_round ? 0 : 1;
+        std::ptrdiff_t n = fan.closed ? 0 : 1;
         for (std::size_t j = 0; j < points.size(); ++j)
             n += state.retired[points[j].point] != 0 ||
                  (own[j].cohesion == 0 && Sides(model, state, points[j]).moved(limit));
         return n > 1;
     };
     if (!separates(retirement_slip)) return infinity;
-    if (!goes_round || strangers_overlap(model, state, fan)) return retirement_slip;
+    if (!fan.closed || strangers_overlap(model, state, fan)) return retirement_slip;
     return separates(inner_retirement_slip) ? inner_retirement_slip : infinity;
 }
 
