@@ -212,6 +212,7 @@ area_change = "50 %"
 strain = "8 %"
 rotation_work_part = 2e-3
 slip = "none"
+obstacle_overlap = "1 mm"
 overlap = "3 mm2"
 [expect]
 energy_residual = { below = 1e-3, above = -1 }
