@@ -1,7 +1,7 @@
 #pragma once
-// LU factor of a matrix of 2x2 blocks with a symmetric pattern, without pivoting beyond the blocks: that of a
-// cluster of contacts. The order of elimination (minimum degree) and the places of all blocks depend on the
-// pattern alone and serve for every set of values, so a factorisation is one pass over a list.
+// LU factor of a matrix of 2x2 blocks with a symmetric pattern, without pivoting beyond the blocks: that of a cluster
+// of contacts. The order of elimination (minimum degree) and the places of all blocks depend on the pattern alone and
+// serve for every set of values, so a factorisation is one pass over a list.
 #include "base/vec.hpp"
 
 #include <Eigen/Core>
