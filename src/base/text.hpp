@@ -23,8 +23,7 @@ std::string decimal(Number value, Format... format) {
     char digits[64];
     return {digits, std::to_chars(digits, digits + sizeof digits, value, format...).ptr};
 }
-/// The same of a double, but "-0.0" for minus zero, since "-0" is an integer in
-/// TOML.
+/// The same of a double, but "-0.0" for minus zero, since "-0" is an integer in TOML.
 std::string shortest(double value);
 
 /// Without blanks and tabs at its ends.

@@ -11,6 +11,7 @@ namespace knap {
 using Vec2 = Eigen::Vector2d;
 using Index = std::int32_t;
 
+inline constexpr Index no_index = -1;  // stands for none
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 inline constexpr double degree = std::numbers::pi / 180;  // [rad]
 

@@ -9,12 +9,11 @@
 namespace knap {
 namespace {
 
-constexpr Index none = -1;
-
 /// A triangle with two neighbours in one other grain joins that grain. Every change removes a border edge, so this
 /// ends.
 void smooth_teeth(Mesh& mesh) {
-    std::vector<std::array<Index, 3>> neighbours(mesh.triangles.size(), {none, none, none});  // across the edges
+    std::vector<std::array<Index, 3>> neighbours(mesh.triangles.size(),
+                                                 {no_index, no_index, no_index});  // across the edges
     for (const InteriorEdge& edge : mesh.interior_edges)
         for (int k = 0; k < 2; ++k) neighbours[edge.triangle[k]][edge.side[k]] = edge.triangle[1 - k];
     std::vector<Index> front(mesh.n_triangles());
@@ -22,16 +21,16 @@ void smooth_teeth(Mesh& mesh) {
     while (!front.empty()) {
         const Index t = front.back();
         front.pop_back();
-        if (mesh.grain[t] == none) continue;
+        if (mesh.grain[t] == no_index) continue;
         std::array<Index, 3> grain;
-        for (int k = 0; k < 3; ++k) grain[k] = neighbours[t][k] == none ? none : mesh.grain[neighbours[t][k]];
+        for (int k = 0; k < 3; ++k) grain[k] = neighbours[t][k] == no_index ? no_index : mesh.grain[neighbours[t][k]];
         const Index twice = grain[0] == grain[1] || grain[0] == grain[2] ? grain[0]
                             : grain[1] == grain[2]                       ? grain[1]
-                                                                         : none;
-        if (twice == none || twice == mesh.grain[t]) continue;
+                                                                         : no_index;
+        if (twice == no_index || twice == mesh.grain[t]) continue;
         mesh.grain[t] = twice;
         for (const Index n : neighbours[t])
-            if (n != none) front.push_back(n);
+            if (n != no_index) front.push_back(n);
     }
 }
 
@@ -52,7 +51,7 @@ public:
         for (const InteriorEdge& edge : mesh.interior_edges) {
             const auto [a, b] = edge.triangle;
             const bool of_materials =
-                mesh.region[a] != mesh.region[b] || (mesh.grain[a] == none) != (mesh.grain[b] == none);
+                mesh.region[a] != mesh.region[b] || (mesh.grain[a] == no_index) != (mesh.grain[b] == no_index);
             if (edge.cracked || edge.joint >= 0 || of_materials) fix(a, edge.side[0]);
         }
         for (Index v = 0; v < mesh.n_vertices(); ++v) {
@@ -85,7 +84,7 @@ private:
     std::vector<Index> grains_around(Index v) const {
         std::vector<Index> found;
         for (const Index t : stars_[v])
-            if (mesh_.grain[t] != none && std::ranges::count(found, mesh_.grain[t]) == 0)
+            if (mesh_.grain[t] != no_index && std::ranges::count(found, mesh_.grain[t]) == 0)
                 found.push_back(mesh_.grain[t]);
         return found;
     }
@@ -191,18 +190,19 @@ std::vector<Moments> moments_of_grains(const Mesh& mesh) {
 }  // namespace
 
 Index put_grains(Mesh& mesh, const Grains& grains, Index region, std::span<const Index> fixed) {
-    const std::vector<Index> old = mesh.grain.empty() ? std::vector<Index>(mesh.triangles.size(), none) : mesh.grain;
-    const Index first = 1 + (old.empty() ? none : std::ranges::max(old));
-    const auto is_new = [&](Index t) { return mesh.region[t] == region && old[t] == none; };
-    mesh.grain.assign(mesh.triangles.size(), none);
+    const std::vector<Index> old =
+        mesh.grain.empty() ? std::vector<Index>(mesh.triangles.size(), no_index) : mesh.grain;
+    const Index first = 1 + (old.empty() ? no_index : std::ranges::max(old));
+    const auto is_new = [&](Index t) { return mesh.region[t] == region && old[t] == no_index; };
+    mesh.grain.assign(mesh.triangles.size(), no_index);
     for (Index t = 0; t < mesh.n_triangles(); ++t)
         if (is_new(t)) mesh.grain[t] = grains.at(mesh.centroid(t));
     smooth_teeth(mesh);
     BorderSmoothing(mesh, grains, fixed).run();
-    std::vector<Index> number(grains.n_grains(), none);  // from `first` on, in the order of the triangles
+    std::vector<Index> number(grains.n_grains(), no_index);  // from `first` on, in the order of the triangles
     for (Index t = 0, next = first; t < mesh.n_triangles(); ++t) {
         Index& grain = mesh.grain[t];
-        if (is_new(t) && number[grain] == none) number[grain] = next++;
+        if (is_new(t) && number[grain] == no_index) number[grain] = next++;
         grain = is_new(t) ? number[grain] : old[t];
     }
     return first;

@@ -10,8 +10,6 @@
 namespace knap {
 namespace {
 
-constexpr Index no_node = -1;
-
 /// Two piecewise linear functions are equal if they are at all points of both.
 bool same_motion(const Load& a, const Load& b, int k) {
     const double va = *a.value[k], vb = *b.value[k];
@@ -29,8 +27,8 @@ public:
         : model_(model),
           mesh_(model.mesh),
           loads_(loads),
-          driver_(mesh_.n_corners(), {no_node, no_node}),
-          driver_of_edge_(mesh_.boundary_edges.size(), {no_node, no_node}) {}
+          driver_(mesh_.n_corners(), {no_index, no_index}),
+          driver_of_edge_(mesh_.boundary_edges.size(), {no_index, no_index}) {}
 
     std::vector<Contradiction> found() {
         const Index n = static_cast<Index>(loads_.size());
@@ -64,7 +62,7 @@ private:
             for (Index c = 0; c < mesh_.n_corners(); ++c) {
                 if (!held[c]) continue;
                 const Index other = std::exchange(driver_[c][k], number);
-                if (other == no_node) continue;
+                if (other == no_index) continue;
                 const auto [equal, is_new] = same_motion_.try_emplace({other, number, k});
                 if (is_new) equal->second = same_motion(loads_[other], load, k);
                 if (!equal->second) report(Contradiction::Kind::motions, other, number, k, mesh_.corner(c));
@@ -84,7 +82,7 @@ private:
             const Vec2 traction =
                 is_stress ? stress_times(load.stress, -turned_left(along.normalized())) : load.vector();
             for (int k = 0; k < 2; ++k)
-                if (driver_of_edge_[e][k] != no_node && std::abs(traction[k]) > 1e-9 * size)
+                if (driver_of_edge_[e][k] != no_index && std::abs(traction[k]) > 1e-9 * size)
                     report(Contradiction::Kind::traction, driver_of_edge_[e][k], number, k,
                            mesh_.corner(triangle, side) + 0.5 * along);
         }
@@ -95,14 +93,14 @@ private:
         const std::vector<char> selected = selected_corners(mesh_, loads_[number].on);
         for (int k = 0; k < 2; ++k) {
             if (loads_[number].vector()[k] == 0) continue;
-            Index first = no_node;
+            Index first = no_index;
             bool all_driven = true;
             for (Index c = 0; c < mesh_.n_corners() && all_driven; ++c) {
                 if (!selected[c]) continue;
-                if (first == no_node) first = c;
-                all_driven = driver_[c][k] != no_node;
+                if (first == no_index) first = c;
+                all_driven = driver_[c][k] != no_index;
             }
-            if (all_driven && first != no_node)
+            if (all_driven && first != no_index)
                 report(Contradiction::Kind::force, driver_[first][k], number, k, mesh_.corner(first));
         }
     }

@@ -9,8 +9,6 @@
 namespace knap {
 namespace {
 
-constexpr Index no_corner = -1;
-
 /// An interface along edge `side` of the triangle a, or b on a support.
 void add_interface(Index a, Index b, Index side, Index law, Index joint_law, bool cracked, double gap, Model& model) {
     const Index t = a == rigid_support ? b : a;
@@ -30,13 +28,13 @@ void make_interfaces(const ModelInput& input, const SupportOfEdge& support_of_ed
     for (const InteriorEdge& edge : mesh.interior_edges) {
         const auto [a, b] = edge.triangle;
         const Index law = law_of_edge(input, mesh, edge);
-        add_interface(a, b, edge.side[0], law, edge.joint >= 0 ? law : no_corner, edge.cracked, 0, model);
+        add_interface(a, b, edge.side[0], law, edge.joint >= 0 ? law : no_index, edge.cracked, 0, model);
     }
     for (std::size_t i = 0; i < mesh.boundary_edges.size(); ++i) {
-        if (support_of_edge[i] == no_corner) continue;
+        if (support_of_edge[i] == no_index) continue;
         const BoundaryEdge& edge = mesh.boundary_edges[i];
         const Support& support = input.supports[support_of_edge[i]];
-        add_interface(rigid_support, edge.triangle, edge.side, support.law, no_corner, !support.glued, support.gap,
+        add_interface(rigid_support, edge.triangle, edge.side, support.law, no_index, !support.glued, support.gap,
                       model);
         model.interfaces.back().beyond = support.beyond;
     }
@@ -48,8 +46,8 @@ public:
     explicit FanMaker(Model& model)
         : model_(model),
           mesh_(model.mesh),
-          interface_(3 * mesh_.n_triangles(), no_corner),
-          twin_(3 * mesh_.n_triangles(), no_corner) {
+          interface_(3 * mesh_.n_triangles(), no_index),
+          twin_(3 * mesh_.n_triangles(), no_index) {
         for (Index i = 0; i < static_cast<Index>(model.interfaces.size()); ++i)
             if (!model.is_gone(model.interfaces[i])) join_sides(i);
     }
@@ -57,18 +55,18 @@ public:
     /// In the order of their vertices, then of their triangles, so that the nodes keep the locality of the mesh.
     void make_fans() {
         model_.fans.clear(), model_.fan_corners.clear(), model_.fan_points.clear();
-        model_.fan_of_corner.assign(mesh_.n_corners(), no_corner);
-        model_.fan_point_of.assign(model_.n_points(), no_corner);
+        model_.fan_of_corner.assign(mesh_.n_corners(), no_index);
+        model_.fan_point_of.assign(model_.n_points(), no_index);
         std::vector<Index> half_edges(3 * mesh_.n_triangles());
         std::iota(half_edges.begin(), half_edges.end(), 0);
         std::ranges::stable_sort(half_edges, {}, [&](Index h) { return vertex(h); });
         for (const Index h : half_edges)
-            if (model_.fan_of_corner[corner(h)] == no_corner) add_fan_of_vertex(h);
+            if (model_.fan_of_corner[corner(h)] == no_index) add_fan_of_vertex(h);
         if (mesh_.order == 1) return;
         for (Index h = 0; h < 3 * mesh_.n_triangles(); ++h)
-            if (model_.fan_of_corner[middle(h)] == no_corner) add_fan_of_middle(h);
+            if (model_.fan_of_corner[middle(h)] == no_index) add_fan_of_middle(h);
         for (Index t = 0; t < mesh_.n_triangles(); ++t) {
-            begin_fan(no_corner, false);
+            begin_fan(no_index, false);
             add_corner(7 * t + 6);
         }
     }
@@ -77,7 +75,7 @@ private:
     static Index next(Index h) { return h % 3 == 2 ? h - 2 : h + 1; }
     static Index previous(Index h) { return h % 3 == 0 ? h + 2 : h - 1; }
     /// The next half-edge from the same vertex, or none.
-    Index clockwise(Index h) const { return twin_[h] == no_corner ? no_corner : next(twin_[h]); }
+    Index clockwise(Index h) const { return twin_[h] == no_index ? no_index : next(twin_[h]); }
     Index counterclockwise(Index h) const { return twin_[previous(h)]; }
     Index vertex(Index h) const { return mesh_.triangles[h / 3][h % 3]; }
     Index corner(Index h) const { return mesh_.corners_per_triangle() * (h / 3) + h % 3; }
@@ -106,7 +104,7 @@ private:
     Index first_of(Index h) const {
         Index lowest = h, last = h;
         for (Index i = clockwise(h); i != h; i = clockwise(i)) {
-            if (i == no_corner) return last;
+            if (i == no_index) return last;
             lowest = std::min(lowest, i);
             last = i;
         }
@@ -115,7 +113,7 @@ private:
 
     void add_fan_of_vertex(Index any) {
         const Index first = first_of(any);
-        const bool closed = twin_[first] != no_corner;
+        const bool closed = twin_[first] != no_index;
         begin_fan(vertex(first), closed);
         Index before = closed ? corner(clockwise(first)) : rigid_support;
         for (Index h = first;;) {
@@ -124,15 +122,15 @@ private:
             before = corner(h);
             const Index last = previous(h);
             h = counterclockwise(h);
-            if (h == no_corner) return add_end_point(interface_[last], before, rigid_support);
+            if (h == no_index) return add_end_point(interface_[last], before, rigid_support);
             if (h == first) return;
         }
     }
 
     /// The one or two corners in the middle of an edge.
     void add_fan_of_middle(Index h) {
-        begin_fan(no_corner, false);
-        if (interface_[h] == no_corner) return add_corner(middle(h));
+        begin_fan(no_index, false);
+        if (interface_[h] == no_index) return add_corner(middle(h));
         const Interface& edge = model_.interfaces[interface_[h]];
         std::array<Index, 2> sides{rigid_support, rigid_support};  // A and B
         for (int i = 0; i < 2; ++i)
@@ -161,7 +159,7 @@ private:
     }
 
     void add_end_point(Index interface, Index before, Index after) {
-        if (interface == no_corner) return;  // a free boundary edge
+        if (interface == no_index) return;  // a free boundary edge
         const Index vertex = model_.fans.back().vertex;
         const auto& ends = model_.interfaces[interface].vertex;
         const Index place = ends[0] == vertex ? 0 : 1;

@@ -10,8 +10,7 @@ const Vec2& next(const std::vector<Vec2>& points, std::size_t i) { return points
 
 /// Of a counterclockwise convex polygon, both in its frame.
 SurfaceDistance distance_to_polygon(const std::vector<Vec2>& points, const Vec2& p) {
-    constexpr double infinite = infinity;
-    SurfaceDistance inside{-infinite, Vec2::Zero()}, nearest{infinite, Vec2::Zero()};
+    SurfaceDistance inside{-infinity, Vec2::Zero()}, nearest{infinity, Vec2::Zero()};
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Vec2 side = next(points, i) - points[i], outward = -turned_left(side.normalized());
         const double height = outward.dot(p - points[i]), along = nearest_parameter(points[i], next(points, i), p);

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
 #include <iterator>
 #include <string>
 
@@ -59,6 +60,32 @@ inline void check_same(const fs::path& a, const fs::path& b, int least) {
         CHECK_MESSAGE(text_of(file.path()) == text_of(b / fs::relative(file.path(), a)), file.path().string());
     }
     CHECK(n > least);
+}
+
+/// The scenario of a test in its folder.
+inline void write_scene(const Folder& folder, const std::string& text) {
+    std::ofstream(folder.path / "scene.toml") << text;
+}
+inline Answer run_scene(const Folder& folder, const std::string& options) {
+    return command("run " + folder.in_shell("scene.toml") + " -q " + options);
+}
+
+/// Runs the scenario whole, with these numbers of threads, and in parts that end at these times: all have the tables
+/// and frames of the run `whole`; `least`: of them there are more.
+inline void check_threads_and_parts(const Folder& folder, std::initializer_list<const char*> threads,
+                                    std::initializer_list<const char*> ends, int least) {
+    const Answer whole = run_scene(folder, "-j 1 -o " + folder.in_shell("whole"));
+    CAPTURE(whole.text);
+    REQUIRE(whole.code == 0);
+    for (const std::string n : threads) {
+        const std::string name = "threads" + n;
+        REQUIRE(run_scene(folder, "-j " + n + " -o " + folder.in_shell(name)).code == 0);
+        check_same(folder.path / "whole", folder.path / name, least);
+    }
+    const std::string parts = "-j 1 -o " + folder.in_shell("parts");
+    for (const char* end : ends) REQUIRE(run_scene(folder, parts + " --until " + end).code == 0);
+    REQUIRE(run_scene(folder, parts).code == 0);
+    check_same(folder.path / "whole", folder.path / "parts", least);
 }
 
 /// A small block that breaks within a second.

@@ -20,6 +20,20 @@ inline ModelInput free_block(int order, const CohesiveLaw& law) {
     return input;
 }
 
+/// A rigid mass that runs with v [m/s] into the end of a bar of n cells, 1 x 0.01 m, rho = E = 1, nu = 0.
+inline ModelInput boulder_at_bar(int n, double v) {
+    ModelInput input;
+    input.mesh = symmetric_bar_mesh(n, 1, 0.01);
+    input.plane = PlaneModel::stress;
+    input.materials = {{.density = 1, .E = 1, .nu = 0}};
+    input.laws = {CohesiveLaw::unbreakable()};
+    input.law_of_pair = {{0}};
+    input.obstacles = {polygon({{-0.1, -0.05}, {0, -0.05}, {0, 0.06}, {-0.1, 0.06}})};
+    set_free(input.obstacles[0], 0.2);
+    input.obstacles[0].initial_velocity.x() = v;
+    return input;
+}
+
 /// The balance of energy and the signs of the works of impacts and friction, as parts of the largest energy, and the laws of the interfaces.
 inline void check_energy_balance(const Run& run, double energy, double work) {
     const double scale = run.ledger.largest_energy();

@@ -66,8 +66,8 @@ std::string replace_where_it_does_not_pay(Scenario& scenario, const Mesh& coarse
     adapt.size = 0;
     return formatted(
         "refinement during the run does not pay here: a uniform mesh of adapt.size has %.2g triangles, and most of "
-        "them "
-        "would be needed (gain %.2g, below %.2g), because the process zone is long. This run has the uniform mesh from "
+        "them would be needed (gain %.2g, below %.2g), because the process zone is long. This run has the uniform mesh "
+        "from "
         "the start",
         expected.uniform, expected.gain, pays_from);
 }

@@ -4,6 +4,7 @@
 #include "stepper/common/crack_forces.hpp"
 
 #include <algorithm>
+#include <ranges>
 
 namespace knap {
 
@@ -13,12 +14,13 @@ std::vector<Diagnostic> findings_of_fluids(const ReadResult& read, const Model& 
     if (model.crack_fluids.empty()) return found;
     const std::vector<double> wetted = CrackForces(model).wetted(initial_state(model));
     for (std::size_t i = 0; i < wetted.size(); ++i) {
-        const auto begins_at_source = [&](const InteriorEdge& edge) {
-            const auto& vertices = model.interfaces[&edge - model.mesh.interior_edges.data()].vertex;
-            return edge.joint >= 0 &&
-                   std::ranges::any_of(vertices, [&](Index v) { return model.crack_fluids[i].is_source[v] != 0; });
+        const auto begins_at_source = [&](std::size_t edge) {
+            return model.mesh.interior_edges[edge].joint >= 0 &&
+                   std::ranges::any_of(model.interfaces[edge].vertex,
+                                       [&](Index v) { return model.crack_fluids[i].is_source[v] != 0; });
         };
-        if (wetted[i] > 0 || std::ranges::any_of(model.mesh.interior_edges, begins_at_source)) continue;
+        const auto edges = std::views::iota(std::size_t{0}, model.mesh.interior_edges.size());
+        if (wetted[i] > 0 || std::ranges::any_of(edges, begins_at_source)) continue;
         const std::string path = item("pressure", i);
         found.push_back(read.at(
             path, {.severity = Diagnostic::Severity::warning,

@@ -25,13 +25,12 @@ std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Mode
         const std::string both = named(a, i) + " and " + named(b, j);
         const double size = place.norm() + std::sqrt(std::abs((b.is_free() ? b : a).outline.area()));
         if (gap < -negligible * size)
-            found.push_back(read.at(
-                item("obstacle", j),
-                {.severity = Diagnostic::Severity::error,
-                 .code = "obstacles-overlap",
-                 .message = both + formatted(" overlap by %.3g m at (%.6g, %.6g) m", -gap, place.x(), place.y()),
-                 .note = "obstacles do not touch each other; move them apart, or give one of them "
-                         "a [[body]] instead"}));
+            found.push_back(read.at(item("obstacle", j),
+                                    {.severity = Diagnostic::Severity::error,
+                                     .code = "obstacles-overlap",
+                                     .message = both + formatted(" overlap by %.3g m at ", -gap) + place_text(place),
+                                     .note = "obstacles do not touch each other; move them apart, or give one of them "
+                                             "a [[body]] instead"}));
         else
             found.push_back(read.at(
                 item("obstacle", j),

@@ -24,26 +24,26 @@ Index BlockFactor::place_in(Index row, Index column) {
 }
 
 void BlockFactor::analyse() {
-    pivots_.clear(), beside_.clear(), changed_.clear();
+    pivots_.clear(), neighbours_.clear(), changed_.clear();
     std::vector<Index> left(rows_.size());
     for (std::size_t i = 0; i < left.size(); ++i) left[i] = static_cast<Index>(i);
     while (!left.empty()) {
-        const auto least = std::ranges::min_element(left, {}, [&](Index i) { return rows_[i].size(); });
-        const Index pivot = *least;
-        *least = left.back();
+        const auto smallest = std::ranges::min_element(left, {}, [&](Index i) { return rows_[i].size(); });
+        const Index pivot = *smallest;
+        *smallest = left.back();
         left.pop_back();
-        const std::size_t first = beside_.size();
+        const std::size_t first = neighbours_.size();
         for (const Entry& entry : rows_[pivot]) {
             auto& row = rows_[entry.at];
             const auto below = std::ranges::find(row, pivot, &Entry::at);
-            beside_.push_back({entry.at, below->place, entry.place});
+            neighbours_.push_back({entry.at, below->place, entry.place});
             *below = row.back();
             row.pop_back();
         }
-        for (std::size_t i = first; i < beside_.size(); ++i)
-            for (std::size_t j = first; j < beside_.size(); ++j)
-                changed_.push_back(place_in(beside_[i].row, beside_[j].row));
-        pivots_.push_back({pivot, beside_.size()});
+        for (std::size_t i = first; i < neighbours_.size(); ++i)
+            for (std::size_t j = first; j < neighbours_.size(); ++j)
+                changed_.push_back(place_in(neighbours_[i].row, neighbours_[j].row));
+        pivots_.push_back({pivot, neighbours_.size()});
     }
 }
 
@@ -54,10 +54,10 @@ bool BlockFactor::factorise() {
         if (own.determinant() == 0) return false;
         own = own.inverse().eval();
         for (std::size_t i = first; i < pivot.last; ++i) {
-            Eigen::Matrix2d& below = blocks_[beside_[i].below];
+            Eigen::Matrix2d& below = blocks_[neighbours_[i].below];
             below *= own;
             for (std::size_t j = first; j < pivot.last; ++j)
-                blocks_[changed_[change++]].noalias() -= below.lazyProduct(blocks_[beside_[j].right]);
+                blocks_[changed_[change++]].noalias() -= below.lazyProduct(blocks_[neighbours_[j].right]);
         }
         first = pivot.last;
     }
@@ -69,13 +69,13 @@ void BlockFactor::solve(Eigen::Ref<Eigen::VectorXd> b) const {
     for (const Pivot& pivot : pivots_) {
         const Vec2 known = b.segment<2>(2 * pivot.row);
         for (std::size_t i = first; i < pivot.last; ++i)
-            b.segment<2>(2 * beside_[i].row) -= blocks_[beside_[i].below] * known;
+            b.segment<2>(2 * neighbours_[i].row) -= blocks_[neighbours_[i].below] * known;
         first = pivot.last;
     }
     for (std::size_t k = pivots_.size(); k-- > 0;) {
         Vec2 rest = b.segment<2>(2 * pivots_[k].row);
         for (std::size_t i = k > 0 ? pivots_[k - 1].last : 0; i < pivots_[k].last; ++i)
-            rest -= blocks_[beside_[i].right] * b.segment<2>(2 * beside_[i].row);
+            rest -= blocks_[neighbours_[i].right] * b.segment<2>(2 * neighbours_[i].row);
         b.segment<2>(2 * pivots_[k].row) = blocks_[pivots_[k].row] * rest;
     }
 }

@@ -31,20 +31,20 @@ private:
     struct Entry {
         Index at, place;  // column, or row; of its block
     };
-    struct Beside {
+    struct Neighbour {
         Index row, below, right;  // another row; places of its block left of the pivot, and of that above it
     };
     struct Pivot {
         Index row;
-        std::size_t last;  // into beside_
+        std::size_t last;  // into neighbours_
     };
     Index place_in(Index row, Index column);
 
     Index n_blocks_ = 0;
     std::vector<std::vector<Entry>> rows_;  // the blocks that are not eliminated, without the diagonal
     std::vector<Pivot> pivots_;
-    std::vector<Beside> beside_;
-    std::vector<Index> changed_;  // places of the blocks that each pivot changes, rows of beside_ times columns
+    std::vector<Neighbour> neighbours_;
+    std::vector<Index> changed_;  // places of the blocks that each pivot changes, rows of neighbours_ times columns
     std::vector<Eigen::Matrix2d> blocks_;
 };
 

@@ -17,12 +17,6 @@ constexpr std::size_t bold_attempts = 6, max_attempts = 20;  // of the active se
 constexpr Eigen::Index max_dense = 60;                       // rows of W: more are solved by blocks
 constexpr double lack_of_blocks = 1e-9;                      // [-] of the right side, after two corrections
 
-/// Of alpha, for `points` proximal points: fast, and where that fails careful.
-struct Weights {
-    double first, lighter;  // after a problem that was solved
-    int points;
-};
-constexpr Weights schedules[] = {{1e-4, 0.01, 15}, {1e-2, 0.3, 40}};
 constexpr double least_weight = 1e-10, largest_weight = 1;
 constexpr double heavier = 10;       // after a problem that was not solved
 constexpr double slow_below = 1e-3;  // sweeps
@@ -165,9 +159,8 @@ double ContactCluster::solve(double speed, double rounding) {
     if (2 * size() <= max_dense && settle_states(speed, tolerance))
         if (const double now = largest_error(); now < best) best = now, best_ = contacts;
     contacts = best_;
-    for (const Weights& weights : schedules)
-        if (best > accepted_error * speed + rounding)
-            best = approach(best, speed, rounding, weights.first, weights.lighter, weights.points);
+    for (const Weights& weights : {Weights{1e-4, 0.01, 15}, {1e-2, 0.3, 40}})  // fast, and where that fails careful
+        if (best > accepted_error * speed + rounding) best = approach(best, speed, rounding, weights);
     return best;
 }
 
@@ -186,13 +179,13 @@ double ContactCluster::sweep_to(double change, int max_sweeps) {
 ///
 /// whose operator is definite even where contacts are redundant, so that the states seldom cycle. A solution of the
 /// problem itself is a fixed point for any alpha, and the nearer to it, the smaller alpha may be.
-double ContactCluster::approach(double best, double speed, double rounding, double first, double lighter, int points) {
+double ContactCluster::approach(double best, double speed, double rounding, const Weights& weights) {
     const double tolerance = exact * speed + rounding, enough = accepted_error * speed + rounding;
     exact_own_ = own_;
     free_.clear();
     for (const ClusterContact& c : contacts) free_.push_back(c.free);
-    double alpha = first;
-    for (int k = 0; k < points && best > enough; ++k) {
+    double alpha = weights.first;
+    for (int k = 0; k < weights.points && best > enough; ++k) {
         start_ = contacts;
         const auto found_after = [&](int sweeps) {
             contacts = start_;
@@ -206,7 +199,7 @@ double ContactCluster::approach(double best, double speed, double rounding, doub
         const double now = largest_error();
         if (now < best) best = now, best_ = contacts;
         else if (!found && now > 10 * best) contacts = best_;
-        alpha = found ? std::max(lighter * alpha, least_weight) : std::min(heavier * alpha, largest_weight);
+        alpha = found ? std::max(weights.lighter * alpha, least_weight) : std::min(heavier * alpha, largest_weight);
     }
     contacts = best_;
     return best;

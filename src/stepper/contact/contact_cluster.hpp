@@ -11,10 +11,10 @@
 // friction each step has a solution, whatever the geometry.
 //
 // Gauss-Seidel sweeps solve one contact after the other in closed form; where they are slow, an active set over the
-// states of the contacts (interface/link_state.hpp) starts from their result; where that cycles, and for many contacts
-// from the beginning, proximal points. Of
-// 365 problems that the active set, 200 sweeps and Lemke's pivots left unsolved (jams of up to 290 contacts), proximal
-// points solve all. The impulses of redundant contacts are not unique; the velocities are.
+// states of the contacts (interface/link_state.hpp) starts from their result; where that cycles, and for many
+// contacts from the beginning, proximal points. These solve all of 365 problems that the active set, 200 sweeps and
+// Lemke's pivots left unsolved (jams of up to 290 contacts). The impulses of redundant contacts are not unique; the
+// velocities are.
 #include "interface/link_state.hpp"
 #include "stepper/contact/block_factor.hpp"
 
@@ -71,6 +71,12 @@ public:
     void find_own();
 
 private:
+    /// Of alpha, over proximal points.
+    struct Weights {
+        double first, lighter;  // lighter: after a problem that was solved
+        int points;             // at most
+    };
+
     Vec2 lawful_impulse(Index i) const;
     double error(Index i, const Vec2& change) const;
     double largest_error() const;
@@ -79,7 +85,7 @@ private:
     void find_velocities();
     double sweep_to(double change, int max_sweeps);
     bool settle_states(double speed, double tolerance);
-    double approach(double best, double speed, double rounding, double first, double lighter, int points);
+    double approach(double best, double speed, double rounding, const Weights& weights);
     void bring_near(double alpha);
     bool solve_states();
     void fit_states(const FanScales& scales);

@@ -8,11 +8,9 @@
 namespace knap {
 namespace {
 
-constexpr double infinite = infinity;
-
 /// [N] At all temperatures. As a function of mu the shear part has no minimum inside an interval.
 double sure_strength(const CohesiveLaw& law, double area) {
-    if (!law.breakable()) return infinite;
+    if (!law.breakable()) return infinity;
     double shear = 1;
     for (const double mu : law.friction_range()) shear = std::min(shear, (law.gamma + mu) / std::sqrt(1 + mu * mu));
     return area * law.sigma_c * law.smallest_phi() * shear;
@@ -41,10 +39,10 @@ double threshold_of(const Model& model, const Fan& fan) {
                                               mesh.place_in_triangle(corners[i]));
         for (Index j = 0; j < fan.n_points; ++j) sum[j] += std::abs(reaction[j] + self_stress) * L;
     }
-    double stress = infinite;
+    double stress = infinity;
     for (Index j = 0; j < fan.n_points; ++j) {
         const double strength = sure_strength(model.laws[points[j].law], points[j].area);
-        if (strength < infinite) stress = std::min(stress, strength / sum[j]);
+        if (strength < infinity) stress = std::min(stress, strength / sum[j]);
     }
     return stress;
 }
@@ -54,11 +52,11 @@ double threshold_of(const Model& model, const Fan& fan) {
 std::vector<double> stress_thresholds(const Model& model, std::span<const Dashpot> dashpots) {
     std::vector<double> thresholds;
     for (const Fan& fan : model.fans) {
-        const double stress = fan.split_at_start ? infinite : threshold_of(model, fan);
+        const double stress = fan.split_at_start ? infinity : threshold_of(model, fan);
         thresholds.push_back(stress * stress);
     }
     const auto always_test = [&](Index fan) {
-        if (thresholds[fan] < infinite) thresholds[fan] = -1;
+        if (thresholds[fan] < infinity) thresholds[fan] = -1;
     };
     for (const CornerLoad& load : model.corner_loads) always_test(model.fan_of_corner[load.corner]);
     for (const CrackFluid& fluid : model.crack_fluids)
@@ -75,7 +73,7 @@ void add_inscribed_circles(const Model& model, const Fan& fan, std::vector<Inscr
     const bool driven = model.motion_of(corners[0]);
     for (Index i = 0; i < fan.n_corners; ++i) {
         const Index j = fan.closed ? (i + 1) % fan.n_points : i;
-        double strength = infinite;
+        double strength = infinity;
         if (j < fan.n_points) {
             const FanPoint& after = model.points(fan)[j];
             strength = sure_strength(model.laws[after.law], after.area) * (1 - rounding);

@@ -10,15 +10,14 @@ constexpr double interval = 0.05;  // [-] of tau, between two values of U
 
 /// [s]
 double incubation_time(const Model& model, const Fan& fan) {
-    constexpr double none = infinity;
-    double time = none;
+    double time = infinity;
     for (const FanPoint& point : model.points(fan)) {
         const CohesiveLaw& law = model.laws[point.law];
         if (!law.breakable()) continue;
         if (law.sigma_c == 0 || law.gamma + law.friction_range()[0] == 0) return 0;
         time = std::min(time, law.incubation_time);
     }
-    return fan.split_at_start || time == none ? 0 : time;
+    return fan.split_at_start || time == infinity ? 0 : time;
 }
 
 }  // namespace

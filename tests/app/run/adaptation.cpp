@@ -47,31 +47,15 @@ std::string scene(const std::string& adapt = "", const std::string& more = "") {
                  "16 us");
 }
 
-void write(const Folder& folder, const std::string& text) { std::ofstream(folder.path / "scene.toml") << text; }
-
-Answer run(const Folder& folder, const std::string& options) {
-    return command("run " + folder.in_shell("scene.toml") + " -q " + options);
-}
-
 nlohmann::json record_of(const fs::path& directory) { return nlohmann::json::parse(text_of(directory / "run.json")); }
 
 }  // namespace
 
 TEST_CASE("adaptation: the same bits for one and two and three threads and for a run in parts") {
     const Folder folder("adaptation bits");
-    write(folder, scene("", "[[figure]]\nfile = \"crack.webp\"\nevery = \"1.5 us\"\ncurves = \"crack_length\"\n"));
-    const Answer whole = run(folder, "-j 1 -o " + folder.in_shell("whole"));
-    CAPTURE(whole.text);
-    REQUIRE(whole.code == 0);
-    for (const char* threads : {"2", "3"}) {
-        const std::string name = std::string("threads") + threads;
-        REQUIRE(run(folder, std::string("-j ") + threads + " -o " + folder.in_shell(name)).code == 0);
-        check_same(folder.path / "whole", folder.path / name, 12);
-    }
-    for (const char* until : {"1us", "6.5us", "11us"})
-        REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("parts") + " --until " + until).code == 0);
-    REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("parts")).code == 0);
-    check_same(folder.path / "whole", folder.path / "parts", 12);
+    write_scene(folder,
+                scene("", "[[figure]]\nfile = \"crack.webp\"\nevery = \"1.5 us\"\ncurves = \"crack_length\"\n"));
+    check_threads_and_parts(folder, {"2", "3"}, {"1us", "6.5us", "11us"}, 12);
     const auto one = record_of(folder.path / "whole"), other = record_of(folder.path / "parts");
     CHECK(one["summary"] == other["summary"]);
     for (const char* name : {"batches", "largest_batch", "coarse_breaks", "angular_momentum", "gain"})
@@ -80,8 +64,8 @@ TEST_CASE("adaptation: the same bits for one and two and three threads and for a
 
 TEST_CASE("adaptation: a crack runs through the plate in triangles that are small where it is") {
     const Folder folder("adaptation run");
-    write(folder, scene());
-    REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("run")).code == 0);
+    write_scene(folder, scene());
+    REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("run")).code == 0);
     const fs::path directory = folder.path / "run";
     const auto record = record_of(directory);
     const auto number = [&](const char* name) { return record["summary"][name].get<double>(); };
@@ -121,9 +105,9 @@ TEST_CASE("adaptation: a crack runs through the plate in triangles that are smal
 TEST_CASE("adaptation: a crack that runs into a coarse crack says that its triangles stay large") {
     const Folder folder("adaptation coarse crack");
     // the second crack is fine at its ends only, and triangles beside its faces may not change
-    write(folder,
-          scene("load = 0.5\n", "[[domain.crack]]\npoints = [[\"16 mm\", \"1.5 mm\"], [\"16 mm\", \"10.5 mm\"]]\n"));
-    const Answer answer = run(folder, "-j 1 -o " + folder.in_shell("run"));
+    write_scene(folder, scene("load = 0.5\n",
+                              "[[domain.crack]]\npoints = [[\"16 mm\", \"1.5 mm\"], [\"16 mm\", \"10.5 mm\"]]\n"));
+    const Answer answer = run_scene(folder, "-j 1 -o " + folder.in_shell("run"));
     REQUIRE(answer.code == 0);
     const auto record = record_of(folder.path / "run");
     CHECK(record["adaptation"]["coarse_breaks"] > 0);
@@ -137,9 +121,9 @@ TEST_CASE("adaptation: many coarse vertices that split in one step do not stop t
     const Folder folder("adaptation coarse vertices");
     // pulled along the crack, whose faces stay coarse: two waves meet at many of their vertices
     const std::string ramp = "ramp = \"1 us\"\n";
-    write(folder, plate("\"20 mm\", \"8 mm\"", crack("\"2 mm\", \"4 mm\"", "\"18 mm\", \"4 mm\""),
-                        pull("left", "\"-11 MPa\", 0", ramp) + pull("right", "\"11 MPa\", 0", ramp), "", "5 us"));
-    const Answer answer = run(folder, "-j 1 -o " + folder.in_shell("run"));
+    write_scene(folder, plate("\"20 mm\", \"8 mm\"", crack("\"2 mm\", \"4 mm\"", "\"18 mm\", \"4 mm\""),
+                              pull("left", "\"-11 MPa\", 0", ramp) + pull("right", "\"11 MPa\", 0", ramp), "", "5 us"));
+    const Answer answer = run_scene(folder, "-j 1 -o " + folder.in_shell("run"));
     CAPTURE(answer.text);
     REQUIRE(answer.code == 0);
     const auto record = record_of(folder.path / "run");
@@ -149,11 +133,11 @@ TEST_CASE("adaptation: many coarse vertices that split in one step do not stop t
 
 TEST_CASE("adaptation: two tips that meet") {
     const Folder folder("adaptation two tips");
-    write(folder, plate("\"30 mm\", \"16 mm\"",
-                        crack("\"0 mm\", \"7.5 mm\"", "\"11 mm\", \"7.5 mm\"") +
-                            crack("\"30 mm\", \"8.5 mm\"", "\"19 mm\", \"8.5 mm\""),
-                        torn, "", "16 us"));
-    REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("run")).code == 0);
+    write_scene(folder, plate("\"30 mm\", \"16 mm\"",
+                              crack("\"0 mm\", \"7.5 mm\"", "\"11 mm\", \"7.5 mm\"") +
+                                  crack("\"30 mm\", \"8.5 mm\"", "\"19 mm\", \"8.5 mm\""),
+                              torn, "", "16 us"));
+    REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("run")).code == 0);
     const auto record = record_of(folder.path / "run");
     CHECK(record["summary"]["fragments"] >= 2);
     CHECK(record["summary"]["energy_residual"] < 1e-13);
@@ -162,10 +146,11 @@ TEST_CASE("adaptation: two tips that meet") {
 
 TEST_CASE("adaptation: a crack that runs to a loaded edge leaves its load as it is") {
     const Folder folder("adaptation loaded edge");
-    write(folder, plate("\"30 mm\", \"12 mm\"", crack("\"15 mm\", \"0 mm\"", "\"15 mm\", \"6 mm\""),
-                        pull("left", "\"-3 MPa\", 0") + pull("right", "\"3 MPa\", 0") + pull("top", "0, \"1 MPa\""), "",
-                        "16 us"));
-    REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("run")).code == 0);
+    write_scene(folder,
+                plate("\"30 mm\", \"12 mm\"", crack("\"15 mm\", \"0 mm\"", "\"15 mm\", \"6 mm\""),
+                      pull("left", "\"-3 MPa\", 0") + pull("right", "\"3 MPa\", 0") + pull("top", "0, \"1 MPa\""), "",
+                      "16 us"));
+    REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("run")).code == 0);
     const auto record = record_of(folder.path / "run");
     CHECK(record["summary"]["fragments"] >= 2);
     CHECK(record["adaptation"]["batches"] > 3);
@@ -178,15 +163,15 @@ TEST_CASE("adaptation: a crack that runs to a loaded edge leaves its load as it 
 TEST_CASE("adaptation: a body that breaks far from any crack is refined there before it does") {
     const Folder folder("adaptation nucleation");
     // two waves below the strength meet in the middle; no look at the mesh is due before
-    write(folder,
-          plate("\"30 mm\", \"6 mm\"", "",
-                pull("left", "\"-8 MPa\", 0", "ramp = \"2 us\"\n") + pull("right", "\"8 MPa\", 0", "ramp = \"2 us\"\n"),
-                "load = 0.9\nevery = 100000\n", "9 us"));
+    write_scene(folder, plate("\"30 mm\", \"6 mm\"", "",
+                              pull("left", "\"-8 MPa\", 0", "ramp = \"2 us\"\n") +
+                                  pull("right", "\"8 MPa\", 0", "ramp = \"2 us\"\n"),
+                              "load = 0.9\nevery = 100000\n", "9 us"));
     struct Found {
         double first, dissipated;  // [s], [J]
     };
     const auto found_of = [&](const char* name, const std::string& more) {
-        const Answer answer = run(folder, "-j 1 -s output.fields=false " + more + " -o " + folder.in_shell(name));
+        const Answer answer = run_scene(folder, "-j 1 -s output.fields=false " + more + " -o " + folder.in_shell(name));
         CAPTURE(answer.text);
         REQUIRE(answer.code == 0);
         const knap::History energy = knap::read_csv(folder.path / name / "energy.csv");
@@ -207,14 +192,14 @@ TEST_CASE("adaptation: a body that breaks far from any crack is refined there be
 
 TEST_CASE("adaptation: where the forecast finds no gain the mesh is uniform from the start and on resume") {
     const Folder folder("adaptation does not pay");
-    write(folder, scene("load = 0.05\n"));
+    write_scene(folder, scene("load = 0.05\n"));
     const std::string end = " -s 'time.end=5 us' -s probe=[] ", uniform = " -s adapt= -s 'mesh.size=0.15 mm'";
-    const Answer answer = run(folder, "-j 1 -o " + folder.in_shell("replaced") + end);
+    const Answer answer = run_scene(folder, "-j 1 -o " + folder.in_shell("replaced") + end);
     CAPTURE(answer.text);
     REQUIRE(answer.code == 0);
-    REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("uniform") + end + uniform).code == 0);
-    REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("parts") + end + "--until 2us").code == 0);
-    REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("parts") + end).code == 0);
+    REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("uniform") + end + uniform).code == 0);
+    REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("parts") + end + "--until 2us").code == 0);
+    REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("parts") + end).code == 0);
     check_same(folder.path / "uniform", folder.path / "replaced", 5);
     check_same(folder.path / "uniform", folder.path / "parts", 5);
     const auto record = record_of(folder.path / "parts");
@@ -229,8 +214,8 @@ TEST_CASE("adaptation: where the forecast finds no gain the mesh is uniform from
 
 TEST_CASE("adaptation: a mesh that may not grow and one that should be fine everywhere say so") {
     const Folder folder("adaptation limits");
-    write(folder, scene("limit = 3000\n"));
-    const Answer bound = run(folder, "-j 1 -o " + folder.in_shell("bound"));
+    write_scene(folder, scene("limit = 3000\n"));
+    const Answer bound = run_scene(folder, "-j 1 -o " + folder.in_shell("bound"));
     CHECK(bound.code == 0);
     CHECK(text_of(folder.path / "bound/log.txt").find("adapt.limit is 3e+03") != std::string::npos);
     const auto coarse = record_of(folder.path / "bound");
@@ -238,14 +223,14 @@ TEST_CASE("adaptation: a mesh that may not grow and one that should be fine ever
     CHECK(coarse["adaptation"]["coarse_breaks"] > 10);
     CHECK(coarse["adaptation"]["gain"].is_null());
     for (const char* until : {"4us", "9us", "16us"})  // the limit is told once
-        REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("parts") + " --until " + until).code == 0);
+        REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("parts") + " --until " + until).code == 0);
     check_same(folder.path / "bound", folder.path / "parts", 12);
     CHECK(record_of(folder.path / "parts")["adaptation"]["coarse_breaks"] == coarse["adaptation"]["coarse_breaks"]);
 
     std::string loaded = scene();
     for (std::size_t at; (at = loaded.find("2.5 MPa")) != std::string::npos;) loaded.replace(at, 3, "5.0");
-    write(folder, loaded);
-    REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("everywhere")).code == 0);
+    write_scene(folder, loaded);
+    REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("everywhere")).code == 0);
     const std::string log = text_of(folder.path / "everywhere/log.txt");
     CHECK(log.find("more than half of the body must be refined") != std::string::npos);
     CHECK(log.find("a uniform mesh") == log.rfind("a uniform mesh"));
@@ -258,7 +243,7 @@ TEST_CASE("adaptation: a mesh that may not grow and one that should be fine ever
 TEST_CASE("adaptation: what it does not go together with") {
     const Folder folder("adaptation messages");
     const auto refused = [&](const std::string& text, const char* code, const char* words) {
-        write(folder, text);
+        write_scene(folder, text);
         const Answer answer = command("check " + folder.in_shell("scene.toml"));
         CAPTURE(answer.text);
         CHECK(answer.code == 2);

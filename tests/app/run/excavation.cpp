@@ -48,30 +48,13 @@ breaks = true
            time;
 }
 
-void write(const Folder& folder, const std::string& text) { std::ofstream(folder.path / "scene.toml") << text; }
-
-Answer run(const Folder& folder, const std::string& options) {
-    return command("run " + folder.in_shell("scene.toml") + " -q " + options);
-}
-
 }  // namespace
 
 TEST_CASE(
     "excavation: the same bits for one and two and four threads and for runs that stop before and within and after") {
     const Folder folder("excavation bits");
-    write(folder, scene("", "damping = \"20 Hz\"\n"));
-    const Answer whole = run(folder, "-j 1 -o " + folder.in_shell("whole"));
-    CAPTURE(whole.text);
-    REQUIRE(whole.code == 0);
-    for (const char* threads : {"2", "4"}) {
-        const std::string name = std::string("threads") + threads;
-        REQUIRE(run(folder, std::string("-j ") + threads + " -o " + folder.in_shell(name)).code == 0);
-        check_same(folder.path / "whole", folder.path / name, 30);
-    }
-    for (const char* until : {"0.8ms", "2ms", "3.5ms", "5ms"})
-        REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("parts") + " --until " + until).code == 0);
-    REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("parts")).code == 0);
-    check_same(folder.path / "whole", folder.path / "parts", 30);
+    write_scene(folder, scene("", "damping = \"20 Hz\"\n"));
+    check_threads_and_parts(folder, {"2", "4"}, {"0.8ms", "2ms", "3.5ms", "5ms"}, 30);
     const std::string log = text_of(folder.path / "parts/log.txt");
     for (const char* line : {"excavation[0]: ", "excavation[1]: "}) {
         CHECK(log.find(line) != std::string::npos);
@@ -82,8 +65,8 @@ TEST_CASE(
 
 TEST_CASE("excavation: files show what remains and the record has what left") {
     const Folder folder("excavation files");
-    write(folder, scene());
-    REQUIRE(run(folder, "-j 1 -o " + folder.in_shell("run")).code == 0);
+    write_scene(folder, scene());
+    REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("run")).code == 0);
     const fs::path directory = folder.path / "run";
     const knap::History energy = knap::read_csv(directory / "energy.csv");
     const auto record = nlohmann::json::parse(text_of(directory / "run.json"));
@@ -119,7 +102,7 @@ TEST_CASE("excavation: files show what remains and the record has what left") {
 TEST_CASE("excavation: messages") {
     const Folder folder("excavation messages");
     const auto refused = [&](const std::string& text, const char* code, const char* words) {
-        write(folder, text);
+        write_scene(folder, text);
         const Answer answer = command("check " + folder.in_shell("scene.toml"));
         CAPTURE(answer.text);
         CHECK(answer.code == 2);
@@ -141,7 +124,7 @@ TEST_CASE("excavation: messages") {
     refused(scene("[[excavation]]\nat = \"-1 ms\"\nbox = [0, 0, 1, 1]\n"), "out-of-range", "excavation[2].at");
 
     const auto warned = [&](const std::string& text, const char* words) {
-        write(folder, text);
+        write_scene(folder, text);
         const Answer answer = command("check " + folder.in_shell("scene.toml"));
         CAPTURE(answer.text);
         CHECK(answer.code == 0);

@@ -158,17 +158,9 @@ TEST_CASE("a spinning disc and a free block conserve momentum and the energy bal
 TEST_CASE("a boulder on an elastic bar is braked as the wave solution says") {
     // a rigid mass M at the end of a long bar: contact force rho c A v exp(-t/tau), tau = M/(rho c A), and so does its
     // velocity fall
-    const int n = 200;
-    ModelInput input;
-    input.mesh = symmetric_bar_mesh(n, 1, 0.01);
-    input.plane = PlaneModel::stress;
-    input.materials = {{.density = 1, .E = 1, .nu = 0}};
-    input.laws = {CohesiveLaw::unbreakable()};
-    input.law_of_pair = {{0}};
-    input.obstacles = {polygon({{-0.1, -0.05}, {0, -0.05}, {0, 0.06}, {-0.1, 0.06}})};
-    set_free(input.obstacles[0], 0.2);
-    const double v = 1e-3, tau = input.obstacles[0].mass / 0.01;
-    input.obstacles[0].initial_velocity.x() = v;
+    const double v = 1e-3;
+    const ModelInput input = boulder_at_bar(200, v);
+    const double tau = input.obstacles[0].mass / 0.01;
     Run run(input);
     const double h = 0.8 * run.stepper.stable_step();
     double worst_v = 0, impulse = 0;

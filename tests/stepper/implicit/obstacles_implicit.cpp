@@ -215,16 +215,9 @@ TEST_CASE("implicit points slide down an inclined platen as Coulomb says") {
 
 TEST_CASE("an implicit boulder on an elastic bar is braked as the wave solution says") {
     // as for the explicit bulk: the velocity of the mass falls with exp(-t/tau), tau = M/(rho c A)
-    ModelInput input;
-    input.mesh = symmetric_bar_mesh(100, 1, 0.01);
-    input.plane = PlaneModel::stress;
-    input.materials = {{.density = 1, .E = 1, .nu = 0}};
-    input.laws = {CohesiveLaw::unbreakable()};
-    input.law_of_pair = {{0}};
-    input.obstacles = {polygon({{-0.1, -0.05}, {0, -0.05}, {0, 0.06}, {-0.1, 0.06}})};
-    set_free(input.obstacles[0], 0.2);
-    const double v = 1e-3, tau = input.obstacles[0].mass / 0.01;
-    input.obstacles[0].initial_velocity.x() = v;
+    const double v = 1e-3;
+    const ModelInput input = boulder_at_bar(100, v);
+    const double tau = input.obstacles[0].mass / 0.01;
     Run run(input, implicit(0.55));
     double worst = 0;
     while (run.now.time < 0.9) {
