@@ -14,25 +14,26 @@ constexpr double tolerated = 1e-10;        // [-] gap of a step that is accepted
 constexpr double worth_mixing = 0.9;       // ratio of gaps; above, softening outweighs inertia and the secant diverges
 
 /// beta+ by the law at the end openings of a solved problem.
-double cohesion_after(const FanProblem& problem, const LinkCohesion& at) {
-    const FanLink& link = problem.links[at.link];
-    const Vec2 rate = problem.velocity_after(link.after) - problem.velocity_after(link.before);
-    return at.law->next_cohesion(at.start, link.u_N + problem.drift_time * link.normal.dot(rate),
-                                 link.u_T + problem.drift_time * link.tangent().dot(rate), problem.drift_time);
+double cohesion_after(const SolvedFan& fan, const LinkCohesion& at) {
+    const FanLink& link = fan.problem.links[at.link];
+    const Vec2 rate = fan.result.across(link);
+    const double h = fan.problem.drift_time;
+    return at.law->next_cohesion(at.start, link.u_N + h * link.normal.dot(rate),
+                                 link.u_T + h * link.tangent().dot(rate), h);
 }
 
 }  // namespace
 
-FanSolution solve_softening(FanProblem& problem, FanSolver& solver, std::vector<LinkCohesion>& cohesion, double theta) {
+FanSolution solve_softening(SolvedFan& fan, FanSolver& solver, std::vector<LinkCohesion>& cohesion, double theta) {
     for (LinkCohesion& at : cohesion) at.guess = at.start;
     double last_gap = 0;
     int iterations = 0;
     for (int solve = 1;; ++solve) {
-        FanSolution solution = solve_on_ramps(problem, solver);
+        FanSolution solution = solve_on_ramps(fan, solver);
         iterations += solution.iterations;
         double gap = 0, product = 0, top = 0, bottom = 0;
         for (LinkCohesion& at : cohesion) {
-            at.answer = cohesion_after(problem, at);
+            at.answer = cohesion_after(fan, at);
             const double change = at.gap() - at.last_gap;
             gap = std::max(gap, std::abs(at.gap()));
             product += at.gap() * at.last_gap;  // negative: the secant interpolates between the last two answers
@@ -53,7 +54,7 @@ FanSolution solve_softening(FanProblem& problem, FanSolver& solver, std::vector<
             at.last_gap = at.gap();
             at.last_answer = at.answer;
             at.guess = std::clamp(next, 0.0, at.start);
-            problem.links[at.link].cohesive = at.strength * (theta * at.guess + (1 - theta) * at.start) / at.start;
+            fan.problem.links[at.link].cohesive = at.strength * (theta * at.guess + (1 - theta) * at.start) / at.start;
         }
         last_gap = gap;
     }

@@ -26,8 +26,8 @@ struct LinkCohesion {
     double gap() const { return answer - guess; }
 };
 
-/// Links of `problem` come with the cohesive impulse of the start and leave with that of beta_theta. A fan that does
+/// The links come with the cohesive impulse of the start and leave with that of beta_theta. A fan that does
 /// not settle is reported in the solution: a smaller step, in which the contraction is stronger, does.
-FanSolution solve_softening(FanProblem& problem, FanSolver& solver, std::vector<LinkCohesion>& cohesion, double theta);
+FanSolution solve_softening(SolvedFan& fan, FanSolver& solver, std::vector<LinkCohesion>& cohesion, double theta);
 
 }  // namespace knap

@@ -32,7 +32,6 @@ struct FanBody {
     Vec2 velocity;       // [m/s] before the step
     Vec2 free_velocity;  // [m/s] after the step if no interface acted
     Vec2 inverse_mass;   // [1/kg] per component
-    Vec2 end_velocity;   // [m/s] result
 
     /// [kg] per component; 0 where the motion is prescribed.
     Vec2 mass() const {
@@ -40,9 +39,7 @@ struct FanBody {
     }
 };
 
-/// An interface point of the chain, with its results. They are not an object of their own: a problem is assembled anew
-/// for each solution, a fan has some six links, and the accounts of a step read the data and the results of each link
-/// together.
+/// An interface point of the chain.
 struct FanLink {
     Index before, after;             // neighbouring bodies, or -1 = support (at rest)
     Vec2 normal;                     // N; T = turned_left(N)
@@ -57,12 +54,6 @@ struct FanLink {
     double ramp_shift = 0;           // [m/s] part of ramp_start: a ramp that is a tangent begins elsewhere than at 0
     double kappa = 0;                // [m] on a ramp
     Vec2 middle = Vec2::Zero();      // [m] on a ramp: (u_N, u_T) in the middle of the last step
-    double borne = 0;                // [N s] result: cohesion, C or its part on the ramp
-    double contact = 0;              // [N s] result: p
-    double tangential = 0;           // [N s] result: P_T = cohesive part + friction
-    double friction_part = 0;        // [N s] result: friction of P_T
-    Vec2 impulse = Vec2::Zero();     // [N s] result: P
-    bool stuck = false;              // result: closed, at a kink of its staircase
 
     Vec2 tangent() const { return turned_left(normal); }
     void set_ramp(double h) { ramp = 4 / h * kappa; }
@@ -89,17 +80,39 @@ struct FanProblem {
     Vec2 inverse_mass(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].inverse_mass; }
     Vec2 velocity_before(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].velocity; }
     Vec2 free_velocity(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].free_velocity; }
-    Vec2 velocity_after(Index body) const { return body < 0 ? Vec2::Zero() : bodies[body].end_velocity; }
 };
 
-/// Velocities and impulses while a solver works on them.
-struct FanMotion {
-    std::vector<Vec2> velocity;  // [m/s] end velocity per body
-    std::vector<Vec2> impulse;   // [N s] per link
-    std::vector<double> borne;   // [N s] per link on its ramp: C r
+struct FanVelocities {
+    std::vector<Vec2> velocity;  // [m/s] after the step, per body
 
     Vec2 velocity_of(Index body) const { return body < 0 ? Vec2::Zero() : velocity[body]; }
     Vec2 across(const FanLink& link) const { return velocity_of(link.after) - velocity_of(link.before); }
+};
+
+/// Velocities and impulses while a solver works on them.
+struct FanMotion : FanVelocities {
+    std::vector<Vec2> impulse;  // [N s] per link
+    std::vector<double> borne;  // [N s] per link on its ramp: C r
+};
+
+/// The impulse of a link and its parts.
+struct LinkResult {
+    Vec2 impulse = Vec2::Zero();  // [N s] P
+    double borne = 0;             // [N s] cohesion: C, or its part on the ramp
+    double contact = 0;           // [N s] p
+    double tangential = 0;        // [N s] P_T = cohesive part + friction
+    double friction_part = 0;     // [N s] friction of P_T
+    bool stuck = false;           // closed, at a kink of its staircase
+};
+
+/// The solution of a problem.
+struct FanResult : FanVelocities {
+    std::vector<LinkResult> links;
+};
+
+struct SolvedFan {
+    FanProblem problem;
+    FanResult result;
 };
 
 }  // namespace knap

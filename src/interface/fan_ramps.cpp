@@ -12,11 +12,9 @@ constexpr double speed_rounding = 1e-13;     // [-] of the speeds, in the openin
 constexpr double touching_envelope = 1e-12;  // [-] of kappa: a point this near to it is on the softening branch
 
 /// A link whose energy is linear at the end of its step and was quadratic at its start gets the tangent of r at the
-/// velocities found, or with `damping` < 1 nearer to where its last one touches; the others their ramp. Returns the
+/// `rate` found [m/s], or with `damping` < 1 nearer to where its last one touches; the others their ramp. Returns the
 /// error of the r that they bear [-], less what errors of the `speed` [m/s] explain.
-double follow_energy(const FanProblem& problem, double damping, double speed, FanLink& link) {
-    const double h = problem.drift_time;
-    const Vec2 rate = problem.velocity_after(link.after) - problem.velocity_after(link.before);
+double follow_energy(double h, const Vec2& rate, double borne, double damping, double speed, FanLink& link) {
     const double mean = 0.25 * h * (link.ramp * link.ramp_part(rate) - link.ramp_shift);            // [m] opening
     const double opened = std::max(link.middle.x(), 0.0) + link.gamma * std::abs(link.middle.y());  // s-
     const double a = link.kappa - opened, d = 2 * (mean - opened);
@@ -33,23 +31,26 @@ double follow_energy(const FanProblem& problem, double damping, double speed, Fa
     }
     link.ramp_start.x() += shift - link.ramp_shift;
     link.ramp_shift = shift;
-    return std::max(0.0, std::abs(link.borne / link.cohesive - std::clamp(part, 0.0, 1.0)) -
-                             speed_rounding * h * speed / link.kappa);
+    return std::max(
+        0.0, std::abs(borne / link.cohesive - std::clamp(part, 0.0, 1.0)) - speed_rounding * h * speed / link.kappa);
 }
 
 }  // namespace
 
-FanSolution solve_on_ramps(FanProblem& problem, FanSolver& solver, double rest) {
-    FanSolution solution = solver.solve(problem, rest);
+FanSolution solve_on_ramps(SolvedFan& fan, FanSolver& solver, double rest) {
+    FanProblem& problem = fan.problem;
+    const FanResult& result = fan.result;
+    FanSolution solution = solver.solve(problem, fan.result, rest);
     if (!problem.has_ramps) return solution;
     double damping = 1, last_error = 1, speed = 0;
     for (const FanBody& body : problem.bodies)
         speed = std::max({speed, body.velocity.norm(), body.free_velocity.norm()});
     for (int solve = 1;; ++solve) {
         double error = 0;
-        for (FanLink& link : problem.links)
-            if (link.kappa > 0 && link.cohesive > 0)
-                error = std::max(error, follow_energy(problem, damping, speed, link));
+        for (std::size_t i = 0; i < problem.links.size(); ++i)
+            if (FanLink& link = problem.links[i]; link.kappa > 0 && link.cohesive > 0)
+                error = std::max(error, follow_energy(problem.drift_time, result.across(link), result.links[i].borne,
+                                                      damping, speed, link));
         if (error <= ramp_tolerance || solve == max_ramp_solves) {
             solution.residual = std::max(solution.residual, error > ramp_tolerance ? error : 0);
             return solution;
@@ -58,7 +59,7 @@ FanSolution solve_on_ramps(FanProblem& problem, FanSolver& solver, double rest) 
         if (solve > 2) damping = error > 0.5 * last_error ? std::max(0.5 * damping, 0.1) : std::min(2 * damping, 1.0);
         last_error = error;
         const int before = solution.iterations;
-        solution = solver.solve(problem, rest);
+        solution = solver.solve(problem, fan.result, rest);
         solution.iterations += before;
     }
 }

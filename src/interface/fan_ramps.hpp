@@ -14,7 +14,8 @@
 
 namespace knap {
 
-/// FanSolver::solve, repeated until every link bears its r to 1e-12. What is left is part of the residual.
-FanSolution solve_on_ramps(FanProblem& problem, FanSolver& solver, double rest = 0);
+/// FanSolver::solve, repeated with other ramps until every link bears its r to 1e-12. What is left is part of the
+/// residual.
+FanSolution solve_on_ramps(SolvedFan& fan, FanSolver& solver, double rest = 0);
 
 }  // namespace knap

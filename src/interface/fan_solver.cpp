@@ -20,7 +20,7 @@ void apply(const StateChange& change, LinkState& state) {
 
 }  // namespace
 
-FanSolution FanSolver::solve(FanProblem& problem, double rest) {
+FanSolution FanSolver::solve(const FanProblem& problem, FanResult& result, double rest) {
     using Status = FanSolution::Status;
     problem_ = &problem;
     scales_ = scales_of(problem, rest);
@@ -44,7 +44,7 @@ FanSolution FanSolver::solve(FanProblem& problem, double rest) {
     solution.bonded = std::ranges::all_of(now_.states, &LinkState::holds);
     const bool is_lawful = solution.status != Status::relaxed && solution.status != Status::failed;
     solution.residual = is_lawful ? now_.violation : std::max(now_.violation, 1.0);
-    store(problem);
+    store(result);
     return solution;
 }
 
@@ -202,18 +202,20 @@ bool FanSolver::try_combinations(const std::vector<LinkState>& stuck, const std:
     return false;
 }
 
-void FanSolver::store(FanProblem& problem) const {
-    for (std::size_t b = 0; b < problem.bodies.size(); ++b) problem.bodies[b].end_velocity = now_.motion.velocity[b];
-    for (std::size_t i = 0; i < problem.links.size(); ++i) {
-        FanLink& link = problem.links[i];
+void FanSolver::store(FanResult& result) const {
+    result.velocity = now_.motion.velocity;
+    result.links.resize(problem_->links.size());
+    for (std::size_t i = 0; i < result.links.size(); ++i) {
+        const FanLink& link = problem_->links[i];
         const LinkState& state = now_.states[i];
-        link.impulse = now_.motion.impulse[i];
-        link.borne = state.borne(link);
-        const double contact = link.normal.dot(link.impulse) + link.borne;
-        link.contact = state.closed && !link.unbreakable ? std::max(0.0, contact) : 0;
-        link.tangential = link.tangent().dot(link.impulse);
-        link.friction_part = state.friction_part(link);
-        link.stuck = state.holds();
+        LinkResult& found = result.links[i];
+        found.impulse = now_.motion.impulse[i];
+        found.borne = state.borne(link);
+        const double contact = link.normal.dot(found.impulse) + found.borne;
+        found.contact = state.closed && !link.unbreakable ? std::max(0.0, contact) : 0;
+        found.tangential = link.tangent().dot(found.impulse);
+        found.friction_part = link.unbreakable ? 0 : state.friction_part(found.contact, found.tangential);
+        found.stuck = state.holds();
     }
 }
 

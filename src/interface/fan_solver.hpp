@@ -27,11 +27,11 @@ struct FanSolution {
     double residual = 0;  // largest violation, relative to the largest impulse or speed; at least 1 if relaxed
 };
 
-/// Keeps its workspace between solves; one per thread. Writes end velocities into the bodies, impulses into the links.
+/// Keeps its workspace between solves; one per thread.
 class FanSolver {
 public:
     /// Slips below `rest` times the largest speed come to rest in the step instead of changing sign.
-    FanSolution solve(FanProblem& problem, double rest = 0);
+    FanSolution solve(const FanProblem& problem, FanResult& result, double rest = 0);
 
 private:
     struct Iterate {
@@ -48,7 +48,7 @@ private:
     bool solve_by_lemke();
     bool search_states();
     bool try_combinations(const std::vector<LinkState>& stuck, const std::vector<std::size_t>& moved, bool may_open);
-    void store(FanProblem& problem) const;
+    void store(FanResult& result) const;
 
     const FanProblem* problem_ = nullptr;
     FanScales scales_;

@@ -7,6 +7,8 @@
 // Four solvers use it: the active set of a fan (link_state.hpp), complementarity rows (staircase_lcp.hpp), the
 // resolvent of the augmented Lagrangian (point_law.hpp) and clusters of contacts between free faces
 // (contact_cluster.hpp). The rate is the end velocity V+ with the explicit bulk, the mean rate w in the theta scheme.
+#include "base/vec.hpp"
+
 #include <array>
 #include <span>
 

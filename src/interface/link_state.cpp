@@ -131,13 +131,12 @@ Vec2 LinkState::known_impulse(const FanLink& link) const {
     return link.vector(-link.cohesive, -tangential.offset);
 }
 
-double LinkState::friction_part(const FanLink& link) const {
-    if (link.unbreakable) return 0;
-    const double friction = -tangential.contact_offset * link.contact;  // of the signs that are known
+double LinkState::friction_part(double p, double P_T) const {
+    const double friction = -tangential.contact_offset * p;  // of the signs that are known
     if (!tangential.stick || tangential.contact_jump == 0) return friction;
     // at rest both may jump: cohesion bears as much as it can, friction the rest
     const TangentialRange range = this->range();
-    const double lambda = link.tangential + range.offset + range.contact_offset * link.contact;
+    const double lambda = P_T + range.offset + range.contact_offset * p;
     return friction + lambda - std::clamp(lambda, -range.jump, range.jump);
 }
 

@@ -69,9 +69,10 @@ struct LinkState {
     void fit(const FanLink& link, const Vec2& velocity, const Vec2& impulse, const FanScales& scales,
              double on_ramp = 0);
 
-    Vec2 target(const FanLink& link) const;           // [m/s] relative velocity of a link that sticks
-    Vec2 known_impulse(const FanLink& link) const;    // [N s] of a link that does not stick, without its multiplier
-    double friction_part(const FanLink& link) const;  // [N s] of the results in the link
+    Vec2 target(const FanLink& link) const;         // [m/s] relative velocity of a link that sticks
+    Vec2 known_impulse(const FanLink& link) const;  // [N s] of a link that does not stick, without its multiplier
+    /// [N s] Of P_T, with a contact impulse p.
+    double friction_part(double p, double P_T) const;
 };
 
 struct StateChange {

@@ -18,7 +18,7 @@ struct FanVerdict {
 
 class FanJudge {
 public:
-    explicit FanJudge(const FanProblem& problem) : problem_(problem) {
+    FanJudge(const FanProblem& problem, const FanResult& result) : problem_(problem), result_(result) {
         for (const FanBody& body : problem.bodies)
             speed_ = std::max({speed_, body.velocity.cwiseAbs().maxCoeff(), body.free_velocity.cwiseAbs().maxCoeff()});
         for (const FanBody& body : problem.bodies)
@@ -40,11 +40,13 @@ public:
     FanVerdict verdict() const {
         FanVerdict worst;
         worst.balance = balance();
-        for (const FanLink& link : problem_.links) {
-            worst.law = std::max(worst.law, law_distance(link));
+        for (std::size_t i = 0; i < problem_.links.size(); ++i) {
+            const FanLink& link = problem_.links[i];
+            const LinkResult& found = result_.links[i];
+            worst.law = std::max(worst.law, law_distance(link, found));
             if (link.unbreakable) continue;
-            worst.impact_work = std::max(worst.impact_work, impact_work(link));
-            worst.friction_work = std::max(worst.friction_work, friction_work(link));
+            worst.impact_work = std::max(worst.impact_work, impact_work(link, found));
+            worst.friction_work = std::max(worst.friction_work, friction_work(link, found));
         }
         return worst;
     }
@@ -53,9 +55,11 @@ public:
     bool admissible() const {
         for (const FanLink& link : problem_.links)
             if (link.unbreakable ? !after(link).isZero(0) : normal_part(link, after(link)) < bound(link)) return false;
-        for (const FanBody& body : problem_.bodies)
+        for (std::size_t b = 0; b < problem_.bodies.size(); ++b)
             for (int k = 0; k < 2; ++k)
-                if (body.inverse_mass[k] == 0 && body.end_velocity[k] != body.free_velocity[k]) return false;
+                if (const FanBody& body = problem_.bodies[b];
+                    body.inverse_mass[k] == 0 && result_.velocity[b][k] != body.free_velocity[k])
+                    return false;
         return true;
     }
 
@@ -66,9 +70,7 @@ private:
     Vec2 before(const FanLink& link) const {
         return problem_.velocity_before(link.after) - problem_.velocity_before(link.before);
     }
-    Vec2 after(const FanLink& link) const {
-        return problem_.velocity_after(link.after) - problem_.velocity_after(link.before);
-    }
+    Vec2 after(const FanLink& link) const { return result_.across(link); }
     static double normal_part(const FanLink& link, const Vec2& a) { return link.normal.dot(a); }
     static double tangential_part(const FanLink& link, const Vec2& a) { return turned_left(link.normal).dot(a); }
 
@@ -77,11 +79,11 @@ private:
         for (std::size_t b = 0; b < problem_.bodies.size(); ++b) {
             const FanBody& body = problem_.bodies[b];
             Vec2 pushed = Vec2::Zero();
-            for (const FanLink& link : problem_.links) {
-                if (link.after == static_cast<Index>(b)) pushed += link.impulse;
-                if (link.before == static_cast<Index>(b)) pushed -= link.impulse;
+            for (std::size_t i = 0; i < problem_.links.size(); ++i) {
+                if (problem_.links[i].after == static_cast<Index>(b)) pushed += result_.links[i].impulse;
+                if (problem_.links[i].before == static_cast<Index>(b)) pushed -= result_.links[i].impulse;
             }
-            const Vec2 change = body.end_velocity - body.free_velocity;
+            const Vec2 change = result_.velocity[b] - body.free_velocity;
             for (int k = 0; k < 2; ++k)
                 worst = std::max(worst, body.inverse_mass[k] == 0
                                             ? std::abs(change[k]) / speed_
@@ -97,39 +99,44 @@ private:
         return link.restitution == 0 ? -std::max(link.u_N / problem_.drift_time, v) : -INFINITY;
     }
 
-    double cohesion(const FanLink& link) const { return link.ramp > 0 ? link.borne : link.cohesive; }
+    double cohesion(const FanLink& link, const LinkResult& found) const {
+        return link.ramp > 0 ? found.borne : link.cohesive;
+    }
 
     /// Distance of (s, borne) from  C clamp(s/kappa, 0, 1)  at the mean opening of the half steps.
-    double ramp_distance(const FanLink& link) const {
+    double ramp_distance(const FanLink& link, const LinkResult& found) const {
         if (!(link.ramp > 0) || link.cohesive == 0) return 0;
         const Vec2 V = after(link);
         const double s = link.ramp_start.x() + normal_part(link, V) +
                          link.gamma * std::abs(link.ramp_start.y() + tangential_part(link, V)),
-                     part = link.borne / link.cohesive;
+                     part = found.borne / link.cohesive;
         const double off = part >= 1   ? std::max(link.ramp - s, 0.0)
                            : part <= 0 ? std::max(s, 0.0)
                                        : std::abs(s - part * link.ramp);
-        return std::max(std::min(off / speed_,
-                                 std::abs(link.borne - link.cohesive * std::clamp(s / link.ramp, 0.0, 1.0)) / impulse_),
-                        std::max(part - 1, -part) * link.cohesive / impulse_);
+        return std::max(
+            std::min(off / speed_,
+                     std::abs(found.borne - link.cohesive * std::clamp(s / link.ramp, 0.0, 1.0)) / impulse_),
+            std::max(part - 1, -part) * link.cohesive / impulse_);
     }
-    double contact(const FanLink& link) const { return normal_part(link, link.impulse) + cohesion(link); }
+    double contact(const FanLink& link, const LinkResult& found) const {
+        return normal_part(link, found.impulse) + cohesion(link, found);
+    }
 
-    double law_distance(const FanLink& link) const {
+    double law_distance(const FanLink& link, const LinkResult& found) const {
         const Vec2 V = after(link);
         if (link.unbreakable) return V.cwiseAbs().maxCoeff() / speed_;
-        const double p = contact(link), b = bound(link);
+        const double p = contact(link, found), b = bound(link);
         const double normal = b == -INFINITY ? std::abs(p) / impulse_
                                              : std::abs(std::min(p / impulse_, (normal_part(link, V) - b) / speed_));
-        return std::max({normal, tangential_distance(link, std::max(p, 0.0)), ramp_distance(link)});
+        return std::max({normal, tangential_distance(link, found, std::max(p, 0.0)), ramp_distance(link, found)});
     }
 
     /// Distance of (V_T, -P_T) from  gamma C sgn(u_T + h V_T) + mu p 1/2 [ sgn(V_T) + sgn(V_T + V_T-) ]
-    double tangential_distance(const FanLink& link, double p) const {
+    double tangential_distance(const FanLink& link, const LinkResult& found, double p) const {
         const double V = tangential_part(link, after(link)), V_before = tangential_part(link, before(link));
-        const double weight[3] = {link.gamma * cohesion(link), 0.5 * link.friction * p, 0.5 * link.friction * p};
+        const double weight[3] = {link.gamma * cohesion(link, found), 0.5 * link.friction * p, 0.5 * link.friction * p};
         const double kink[3] = {link.ramp > 0 ? -link.ramp_start.y() : -link.u_T / problem_.drift_time, 0, -V_before};
-        const double held = -link.impulse.dot(turned_left(link.normal));
+        const double held = -found.impulse.dot(turned_left(link.normal));
         const auto off_graph = [&](double at) {  // distance of `held` from the values of the law at velocity `at`
             double low = 0, high = 0;
             for (int i = 0; i < 3; ++i) {
@@ -143,15 +150,16 @@ private:
         return distance;
     }
 
-    double impact_work(const FanLink& link) const {
-        return contact(link) * 0.5 * normal_part(link, before(link) + after(link)) / (impulse_ * speed_);
+    double impact_work(const FanLink& link, const LinkResult& found) const {
+        return contact(link, found) * 0.5 * normal_part(link, before(link) + after(link)) / (impulse_ * speed_);
     }
 
-    double friction_work(const FanLink& link) const {
-        return link.friction_part * 0.5 * tangential_part(link, before(link) + after(link)) / (impulse_ * speed_);
+    double friction_work(const FanLink& link, const LinkResult& found) const {
+        return found.friction_part * 0.5 * tangential_part(link, before(link) + after(link)) / (impulse_ * speed_);
     }
 
     const FanProblem& problem_;
+    const FanResult& result_;
     double speed_ = 0, impulse_ = 0;
 };
 

@@ -26,21 +26,24 @@ Index ContactProblem::add_body(const Vec2& free, const Vec2& inverse_mass) {
 /// Corners whose links stick move as one, with the relative velocities of the last solution:
 ///
 ///     v_i = v + offset_i,     sum m_i v_free = sum m_i (v_i_free - offset_i)
-void ContactProblem::add_parts(const FanProblem& fan, Index n_corners, bool stuck_stays) {
+void ContactProblem::add_parts(const SolvedFan& solved, Index n_corners, bool stuck_stays) {
+    const FanProblem& fan = solved.problem;
+    const FanResult& result = solved.result;
     part_.resize(n_corners);
     std::iota(part_.begin(), part_.end(), 0);
     const auto is_free = [&](Index body) {
         return body >= 0 && body < n_corners && fan.bodies[body].inverse_mass.minCoeff() > 0;
     };
-    for (const FanLink& link : fan.links) {
-        if (!stuck_stays || !link.stuck || !is_free(link.before) || !is_free(link.after)) continue;
+    for (std::size_t i = 0; i < fan.links.size(); ++i) {
+        const FanLink& link = fan.links[i];
+        if (!stuck_stays || !result.links[i].stuck || !is_free(link.before) || !is_free(link.after)) continue;
         const auto [first, other] = std::minmax({part_[link.before], part_[link.after]});
         std::ranges::replace(part_, other, first);
     }
     const std::size_t first_body = bodies_.size();
     for (Index i = 0; i < n_corners; ++i) {
         const FanBody& own = fan.bodies[i];
-        const Vec2 offset = own.end_velocity - fan.bodies[part_[i]].end_velocity;
+        const Vec2 offset = result.velocity[i] - result.velocity[part_[i]];
         corners_.push_back({static_cast<Index>(first_body) + part_[i], offset});
         bodies_.push_back({own.free_velocity, own.inverse_mass});
         if (part_[i] == i) continue;
@@ -52,22 +55,25 @@ void ContactProblem::add_parts(const FanProblem& fan, Index n_corners, bool stuc
     }
 }
 
-Index ContactProblem::add_fan(const FanProblem& fan, Index n_corners, bool stuck_stays) {
+Index ContactProblem::add_fan(const SolvedFan& solved, Index n_corners, bool stuck_stays) {
+    const FanProblem& fan = solved.problem;
+    const FanResult& result = solved.result;
     const double rest = scales_of(fan, 0).rest;
     const auto first = static_cast<Index>(corners_.size());
-    add_parts(fan, n_corners, stuck_stays);
+    add_parts(solved, n_corners, stuck_stays);
     for (std::size_t b = n_corners; b < fan.bodies.size(); ++b) add_body(fan.bodies[b].free_velocity, Vec2::Zero());
-    for (FanLink link : fan.links) {
+    for (std::size_t i = 0; i < fan.links.size(); ++i) {
+        FanLink link = fan.links[i];
         const auto body_of = [&](Index body) { return body < 0 ? -1 : corners_[first + body].body; };
         if (body_of(link.before) == body_of(link.after)) continue;
         ClusterContact point{.unbreakable = link.unbreakable};
         if (!link.unbreakable) {
-            if (link.ramp > 0) link.cohesive = link.borne;
+            if (link.ramp > 0) link.cohesive = result.links[i].borne;
             const Vec2 before = fan.velocity_before(link.after) - fan.velocity_before(link.before);
             point.law = law_of(link, before, fan.drift_time, rest);
             point.cohesive = link.cohesive;
         }
-        point.impulse = {link.normal.dot(link.impulse), link.tangent().dot(link.impulse)};
+        point.impulse = {link.normal.dot(result.links[i].impulse), link.tangent().dot(result.links[i].impulse)};
         const auto row = static_cast<Index>(cluster_.contacts.size());
         cluster_.contacts.push_back(point);
         if (link.after >= 0) terms_.push_back({row, first + link.after, link.normal, link.tangent()});

@@ -15,10 +15,9 @@ public:
     void clear();
     /// Something that moves as one. Returns the number of its corner.
     Index add_body(const Vec2& free, const Vec2& inverse_mass);
-    /// The corners of a fan, and its links with their last solution; returns its first corner. With `stuck_stays` the
-    /// links that stick in this solution go on, which leaves few unknowns. Secant unloading: with the cohesion that the
-    /// links bear in this solution.
-    Index add_fan(const FanProblem& fan, Index n_corners, bool stuck_stays);
+    /// The corners of a fan and its links; returns its first corner. With `stuck_stays` the links that stick in its
+    /// result go on, which leaves few unknowns. Secant unloading: with the cohesion that the links bear there.
+    Index add_fan(const SolvedFan& fan, Index n_corners, bool stuck_stays);
     /// A contact that starts with this impulse; its terms follow.
     void add_contact(const Vec2& impulse);
     /// On the last contact: V += (along_N . v, along_T . v) of a corner.
@@ -50,7 +49,7 @@ private:
         Index row, corner;
         Vec2 along_N, along_T;
     };
-    void add_parts(const FanProblem& fan, Index n_corners, bool stuck_stays);
+    void add_parts(const SolvedFan& fan, Index n_corners, bool stuck_stays);
 
     std::vector<Body> bodies_;
     std::vector<Corner> corners_;

@@ -52,7 +52,8 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
         work.force.resize(model.mesh.corners_per_triangle() * blocks_.front().last + 1, Vec2::Zero());
         VertexSolver::Workspace& split = work.split;  // more corners and points than most vertices have
         make_room(16, work.required, split.stationary.required, split.stationary.impulse);
-        make_room(16, split.problem.bodies, split.problem.links, split.kept.bodies, split.kept.links);
+        for (SolvedFan* fan : {&split.fan, &split.kept})
+            make_room(16, fan->problem.bodies, fan->problem.links, fan->result.velocity, fan->result.links);
     }
 }
 

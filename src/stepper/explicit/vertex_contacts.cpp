@@ -174,10 +174,10 @@ bool VertexContacts::keeps_its_parts(const TouchedFan& touched, const ExplicitSt
 void VertexContacts::solve_fan(TouchedFan& touched, const ExplicitStep& step, VertexSolver::Workspace& work) const {
     const auto corners = model_.corners(model_.fans[touched.fan]);
     solver_.solve(touched.fan, step, work);
-    std::swap(work.problem, touched.problem);
+    std::swap(work.fan, touched.solved);
     touched.velocity.clear();
     for (const Index corner : touched.corners)
-        touched.velocity.push_back(touched.problem.bodies[place_among(corners, corner)].end_velocity);
+        touched.velocity.push_back(touched.solved.result.velocity[place_among(corners, corner)]);
 }
 
 /// One body for each part that contacts touch.
@@ -225,13 +225,12 @@ void VertexContacts::pose(const Cluster& cluster, const ExplicitStep& step, bool
             add_parts(touched, step, problem);
             continue;
         }
-        FanProblem& fan = touched.problem;
         const auto corners = model_.corners(model_.fans[touched.fan]);
         for (const Index corner : touched.corners) {  // without the contacts
-            FanBody& body = fan.bodies[place_among(corners, corner)];
+            FanBody& body = touched.solved.problem.bodies[place_among(corners, corner)];
             body.free_velocity -= body.inverse_mass.cwiseProduct(corner_impulse_[corner]);
         }
-        const Index first = problem.add_fan(fan, static_cast<Index>(corners.size()), stuck_stays);
+        const Index first = problem.add_fan(touched.solved, static_cast<Index>(corners.size()), stuck_stays);
         for (const Index corner : touched.corners) touched.body.push_back(first + place_among(corners, corner));
     }
     for (const Index i : cluster.contacts) {

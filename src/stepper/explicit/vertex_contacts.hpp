@@ -58,7 +58,7 @@ private:
         std::vector<Index> part;     // per corner of a fan that is not soft
         std::vector<Index> body;     // per touched corner: its number in the problem
         std::vector<Vec2> velocity;  // [m/s] per touched corner, under the present impulses
-        FanProblem problem;          // of a soft fan, with its solution under these
+        SolvedFan solved;            // soft: under these impulses
     };
     struct Cluster {
         std::vector<Index> contacts, slots;

@@ -69,7 +69,7 @@ void VertexObstacles::solve_obstacles(const ExplicitStep& step, const BetweenFac
             solver_.solve(f, step, work);
             const auto of_fan = now_.contacts.of_fan(f);
             for (std::size_t j = 0; j < of_fan.size(); ++j)
-                now_.impulse[&of_fan[j] - contacts.data()] = work.problem.links[model_.fans[f].n_points + j].impulse;
+                now_.impulse[&of_fan[j] - contacts.data()] = work.fan.result.links[model_.fans[f].n_points + j].impulse;
         }
         sum_wrenches(wrench);
     };
@@ -98,7 +98,7 @@ Vec2 VertexObstacles::end_velocity_at(const ObstacleContact& contact, const Expl
         const Index f = model_.fan_of_corner[c];
         solver_.solve(f, step, work);
         const auto corners = model_.corners(model_.fans[f]);
-        return work.problem.bodies[place_among(corners, c)].end_velocity;
+        return work.fan.result.velocity[place_among(corners, c)];
     });
 }
 
@@ -108,7 +108,6 @@ Vec2 VertexObstacles::end_velocity_at(const ObstacleContact& contact, const Expl
 /// which the iteration contracts.
 void VertexObstacles::solve_edges(const ExplicitStep& step, VertexSolver::Workspace& work, StepReport& report) {
     const auto contacts = now_.contacts.on_edges();
-    edge_links_.resize(contacts.size());
     edges_.clear();
     for (const ObstacleContact& e : contacts)
         edges_.push_back({.mobility = step.mobility * ((1 - e.share) * (1 - e.share) / model_.fans[e.fan].mass +
@@ -125,18 +124,16 @@ void VertexObstacles::solve_edges(const ExplicitStep& step, VertexSolver::Worksp
             if (secant > 0 && std::isfinite(secant))
                 edge.mobility = sweep < fast_sweeps ? secant : std::max(edge.mobility, secant);
             const CohesiveLaw& law = model_.obstacles[contact.obstacle].contact;
-            edge_problem_.drift_time = step.drift_time;
-            edge_problem_.bodies = {{.velocity = velocity_at(step.begin.obstacles[contact.obstacle].velocity, contact),
+            edge_.problem.drift_time = step.drift_time;
+            edge_.problem.bodies = {{.velocity = velocity_at(step.begin.obstacles[contact.obstacle].velocity, contact),
                                      .free_velocity = velocity_at(now_.motion.rate()[contact.obstacle], contact),
-                                     .inverse_mass = Vec2::Zero(),
-                                     .end_velocity = Vec2::Zero()},
+                                     .inverse_mass = Vec2::Zero()},
                                     {.velocity = contact.of_body([&](Index c) -> Vec2 {
                                          return step.begin.velocity[step.begin.node_of_corner[c]];
                                      }),
                                      .free_velocity = velocity - edge.mobility * impulse,
-                                     .inverse_mass = Vec2::Constant(edge.mobility),
-                                     .end_velocity = Vec2::Zero()}};
-            edge_problem_.links = {{.before = 0,
+                                     .inverse_mass = Vec2::Constant(edge.mobility)}};
+            edge_.problem.links = {{.before = 0,
                                     .after = 1,
                                     .normal = contact.normal,
                                     .u_N = contact.gap,
@@ -146,11 +143,11 @@ void VertexObstacles::solve_edges(const ExplicitStep& step, VertexSolver::Worksp
                                     .friction = law.friction,
                                     .restitution = law.restitution,
                                     .unbreakable = false}};
-            work.solver.solve(edge_problem_);
-            edge_links_[i] = edge_problem_.links.front();
+            work.solver.solve(edge_.problem, edge_.result);
+            edge.found = edge_.result.links.front();
             edge.last_velocity = velocity;
-            edge.last_change = edge_links_[i].impulse - impulse;
-            impulse = edge_links_[i].impulse;
+            edge.last_change = edge.found.impulse - impulse;
+            impulse = edge.found.impulse;
             change = std::max(change, edge.last_change.norm());
             largest = std::max(largest, impulse.norm());
         }
@@ -174,15 +171,16 @@ void VertexObstacles::finish(const ExplicitStep& step, StepReport& report) {
     const State &begin = step.begin, &end = step.end;
     for (std::size_t i = 0; i < edges_.size(); ++i) {
         const ObstacleContact& contact = now_.contacts.on_edges()[i];
-        const FanLink& link = edge_links_[i];
+        const LinkResult& found = edges_[i].found;
+        const Vec2 n = contact.normal;
         const Vec2 before = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }) -
                             velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
         const Vec2 after = contact.of_body([&](Index c) -> Vec2 { return end.velocity[end.node_of_corner[c]]; }) -
                            velocity_at(now_.motion.rate()[contact.obstacle], contact);
         const double rate_error = (edge_tolerance + report.residual) * (before.norm() + after.norm());  // [m/s]
         account_contact(
-            {link.contact, link.friction_part, 0.5 * link.normal.dot(before + after),
-             0.5 * link.tangent().dot(before + after), rate_error, link.u_N + step.drift_time * link.normal.dot(after)},
+            {found.contact, found.friction_part, 0.5 * n.dot(before + after), 0.5 * turned_left(n).dot(before + after),
+             rate_error, contact.gap + step.drift_time * n.dot(after)},
             report);
     }
     sum_wrenches(wrench_);

@@ -28,6 +28,7 @@ private:
     struct EdgeContact {
         double mobility;  // [1/kg] of the body at the contact
         Vec2 last_velocity = Vec2::Zero(), last_change = Vec2::Zero();
+        LinkResult found = {};
     };
     void solve_obstacles(const ExplicitStep& step, const BetweenFaces& between_faces, VertexSolver::Workspace& work,
                          StepReport& report);
@@ -42,8 +43,7 @@ private:
     const VertexSolver& solver_;
     ObstacleStep& now_;
     std::vector<EdgeContact> edges_;
-    std::vector<FanLink> edge_links_;  // solved
-    FanProblem edge_problem_;
+    SolvedFan edge_;                     // one of them as a fan of two bodies
     std::vector<std::uint8_t> touched_;  // per obstacle: it is free, and something may touch it
     std::vector<Index> touching_fans_;
     std::vector<Vec3> wrench_;  // [N s, N s, N m s] per obstacle

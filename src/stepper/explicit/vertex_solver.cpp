@@ -51,27 +51,29 @@ double far(const Model& model, const FanPoint& point) {
 double closed_below(double length, double u) { return std::abs(u) <= closed * length ? 0 : u; }
 
 /// [m/s] Size of the terms of which the velocities of a fan are sums: impulses that hold a body together cancel.
-double speed_scale(const FanProblem& problem) {
+double speed_scale(const SolvedFan& fan) {
     double speed = 0, mobility = 0, impulse = 0;
-    for (const FanBody& body : problem.bodies) {
-        speed = std::max({speed, body.velocity.norm(), body.end_velocity.norm()});
+    for (std::size_t i = 0; i < fan.problem.bodies.size(); ++i) {
+        const FanBody& body = fan.problem.bodies[i];
+        speed = std::max({speed, body.velocity.norm(), fan.result.velocity[i].norm()});
         mobility = std::max({mobility, body.inverse_mass.x(), body.inverse_mass.y()});
     }
-    for (const FanLink& link : problem.links) impulse = std::max({impulse, link.contact, link.impulse.norm()});
+    for (const LinkResult& link : fan.result.links) impulse = std::max({impulse, link.contact, link.impulse.norm()});
     return speed + mobility * impulse;
 }
 
 /// [J] Loss by the implicit sign of the tangential cohesion where the slip changes its sign: the work of its force
 /// minus the change of gamma beta sigma_c |u_T| S, both from the middle of the last step to the middle of this one, the
 /// interval to which the mean velocity of an impulse belongs.
-double crossing_loss(const FanLink& link, double V_T_before, double V_T_after, const ExplicitStep& step) {
+double crossing_loss(const FanLink& link, const LinkResult& found, double V_T_before, double V_T_after,
+                     const ExplicitStep& step) {
     const double from = link.u_T - 0.5 * step.begin.last_step * V_T_before,
                  to = link.u_T + 0.5 * step.drift_time * V_T_after;
-    const double force = link.friction_part - link.tangential, full = link.gamma * link.borne * (1 - caught);
-    if (link.borne == 0 || (from >= 0 && to >= 0 && force >= full) || (from <= 0 && to <= 0 && force <= -full))
+    const double force = found.friction_part - found.tangential, full = link.gamma * found.borne * (1 - caught);
+    if (found.borne == 0 || (from >= 0 && to >= 0 && force >= full) || (from <= 0 && to <= 0 && force <= -full))
         return 0;
     const double work = force * 0.5 * (V_T_before + V_T_after);
-    return work - link.gamma * link.borne / step.kick_time * (std::abs(to) - std::abs(from));
+    return work - link.gamma * found.borne / step.kick_time * (std::abs(to) - std::abs(from));
 }
 
 }  // namespace
@@ -96,7 +98,7 @@ void VertexSolver::add_dashpots(Index f, const ExplicitStep& step, Workspace& wo
     const auto corners = model_.corners(fan);
     for (const Dashpot& dashpot : absorbing_.of_fan(f)) {
         const Index i = place_among(corners, dashpot.corner);
-        FanBody& body = work.problem.bodies[i];
+        FanBody& body = work.fan.problem.bodies[i];
         const double mass = step.mass[fan.first_corner + i];
         const Vec2 half = 0.5 * step.kick_time * dashpot.C.diagonal(), force = step.corner_force[dashpot.corner],
                    mean = work.mean_velocity.empty() ? body.velocity : work.mean_velocity[i],
@@ -110,7 +112,7 @@ void VertexSolver::add_dashpots(Index f, const ExplicitStep& step, Workspace& wo
 }
 
 void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) const {
-    FanProblem& problem = work.problem;
+    FanProblem& problem = work.fan.problem;
     const Fan& fan = model_.fans[f];
     const State& begin = step.begin;
     const auto corners = model_.corners(fan);
@@ -127,8 +129,7 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
         const FanBody body{.velocity = begin.velocity[node],
                            .free_velocity = step.decay * begin.velocity[node] +
                                             step.kick_time * inverse_mass * step.corner_force[corner],
-                           .inverse_mass = Vec2::Constant(inverse_mass),
-                           .end_velocity = Vec2::Zero()};
+                           .inverse_mass = Vec2::Constant(inverse_mass)};
         problem.bodies.push_back(body);
     }
     add_dashpots(f, step, work);
@@ -213,8 +214,7 @@ void VertexSolver::add_contacts(Index f, const ExplicitStep& step, FanProblem& p
                                  .unbreakable = false});
         problem.bodies.push_back({.velocity = velocity_at(step.begin.obstacles[contact.obstacle].velocity, contact),
                                   .free_velocity = velocity_at(obstacles_.motion.rate()[contact.obstacle], contact),
-                                  .inverse_mass = Vec2::Zero(),
-                                  .end_velocity = Vec2::Zero()});
+                                  .inverse_mass = Vec2::Zero()});
         if (obstacle.contact.restitution == 0) continue;
         Vec2 force = Vec2::Zero();  // on the whole fan
         for (const Index c : corners) force += step.corner_force[c];
@@ -233,10 +233,10 @@ FanSolution VertexSolver::solve(Index f, const ExplicitStep& step, Workspace& wo
     for (int sweep = 0; sweep < max_fan_sweeps; ++sweep) {
         change = 0;
         for (std::size_t i = 0; i < work.mean_velocity.size(); ++i) {
-            const FanBody& body = work.problem.bodies[i];
-            const Vec2 mean = 0.5 * (body.velocity + body.end_velocity);
+            const Vec2 before = work.fan.problem.bodies[i].velocity, after = work.fan.result.velocity[i],
+                       mean = 0.5 * (before + after);
             change = std::max(change, (mean - work.mean_velocity[i]).norm());
-            speed = std::max(speed, body.velocity.norm() + body.end_velocity.norm());
+            speed = std::max(speed, before.norm() + after.norm());
             work.mean_velocity[i] = mean;
         }
         if (change <= mean_tolerance * speed) return solution;
@@ -254,13 +254,13 @@ FanSolution VertexSolver::solve(Index f, const ExplicitStep& step, Workspace& wo
 FanSolution VertexSolver::solve_for_mean(Index f, const ExplicitStep& step, Workspace& work) const {
     FanSolution best = solve_once(f, step, true, 0, work);
     const auto try_without_rebounds = [&](double rest) {
-        std::swap(work.problem, work.kept);
+        std::swap(work.fan, work.kept);
         const FanSolution other = solve_once(f, step, false, rest, work);
         if (other.residual < best.residual) best = other;
-        else std::swap(work.problem, work.kept);
+        else std::swap(work.fan, work.kept);
     };
     const auto rebounds = [](const FanLink& link) { return link.restitution > 0; };
-    if (best.residual > contradiction && std::ranges::any_of(work.problem.links, rebounds)) try_without_rebounds(0);
+    if (best.residual > contradiction && std::ranges::any_of(work.fan.problem.links, rebounds)) try_without_rebounds(0);
     if (best.residual > (model_.large_rotation ? contradiction : 0.5 * max_residual)) try_without_rebounds(slow);
     for (double rest = 10 * slow; model_.large_rotation && rest <= slowest && best.residual > 0.1 * max_residual;
          rest *= 10)
@@ -270,11 +270,11 @@ FanSolution VertexSolver::solve_for_mean(Index f, const ExplicitStep& step, Work
 
 FanSolution VertexSolver::solve_once(Index f, const ExplicitStep& step, bool rebounds, double rest,
                                      Workspace& work) const {
-    FanProblem& problem = work.problem;
+    FanProblem& problem = work.fan.problem;
     assemble(f, step, work);
     for (FanLink& link : problem.links)
         if (!rebounds) link.restitution = 0;
-    if (options_.cohesion == CohesionScheme::explicit_beta) return solve_on_ramps(problem, work.solver, rest);
+    if (options_.cohesion == CohesionScheme::explicit_beta) return solve_on_ramps(work.fan, work.solver, rest);
     work.cohesion.clear();
     for (Index i = 0; i < model_.fans[f].n_points; ++i)
         if (const double strength = problem.links[i].cohesive; strength > 0)
@@ -282,7 +282,7 @@ FanSolution VertexSolver::solve_once(Index f, const ExplicitStep& step, bool reb
                                      .law = &law_of(model_, step.begin, model_.points(model_.fans[f])[i]),
                                      .start = cohesion_before(model_, f, i, step.begin),
                                      .strength = strength});
-    return solve_softening(problem, work.solver, work.cohesion, options_.theta);
+    return solve_softening(work.fan, work.solver, work.cohesion, options_.theta);
 }
 
 void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work, StepReport& report) const {
@@ -294,7 +294,8 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
         advance_stationary(model_, rank, step, work.stationary, report))
         return;
     const FanSolution solution = solve(f, step, work);
-    const FanProblem& problem = work.problem;
+    const FanProblem& problem = work.fan.problem;
+    const FanResult& result = work.fan.result;
     const auto corners = model_.corners(fan);
     ++report.fan_solves;
     report.fan_iterations += solution.iterations;
@@ -308,13 +309,12 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
     const auto drive = [&](Index body, int k, double impulse) {
         if (body < 0 || body >= fan.n_corners || problem.bodies[body].inverse_mass[k] != 0) return;
         step.drive(model_.prescribed_of_corner[corners[body]], k, impulse,
-                   0.5 * (problem.bodies[body].velocity[k] + problem.bodies[body].end_velocity[k]), report);
+                   0.5 * (problem.bodies[body].velocity[k] + result.velocity[body][k]), report);
     };
     for (Index i = 0; i < fan.n_corners; ++i) {
         const Index corner = corners[i];
         const double mass = step.mass[fan.first_corner + i];
-        const Vec2 before = problem.bodies[i].velocity, after = problem.bodies[i].end_velocity,
-                   force = step.corner_force[corner];
+        const Vec2 before = problem.bodies[i].velocity, after = result.velocity[i], force = step.corner_force[corner];
         NodeMotion motion(step);
         motion.move(step.begin.node_of_corner[corner], end.node_of_corner[corner], mass, force, after);
         motion.add_to(report);
@@ -328,17 +328,18 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
 
     // normals round a vertex that turns differ: rates that cancel along it leave their tolerance
     const double tolerance = problem.turns ? 10 * relative_tolerance : velocity_rounding,
-                 rate_error = (tolerance + solution.residual) * speed_scale(problem);  // [m/s]
+                 rate_error = (tolerance + solution.residual) * speed_scale(work.fan);  // [m/s]
     const auto contacts = obstacles_.contacts.of_fan(f);
     for (Index i = 0; i < static_cast<Index>(problem.links.size()); ++i) {
         const FanLink& link = problem.links[i];
+        const LinkResult& found = result.links[i];
         for (int k = 0; k < 2; ++k) {
-            drive(link.after, k, -link.impulse[k]);
-            drive(link.before, k, link.impulse[k]);
+            drive(link.after, k, -found.impulse[k]);
+            drive(link.before, k, found.impulse[k]);
         }
         const Vec2 n = link.normal, t = turned_left(n);
         const Vec2 before = problem.velocity_before(link.after) - problem.velocity_before(link.before);
-        const Vec2 after = problem.velocity_after(link.after) - problem.velocity_after(link.before);
+        const Vec2 after = result.across(link);
         const double mean_N = 0.5 * n.dot(before + after), mean_T = 0.5 * t.dot(before + after);
         const double u_N = link.u_N + step.drift_time * n.dot(after), u_T = link.u_T + step.drift_time * t.dot(after);
         if (i < fan.n_points) {
@@ -346,7 +347,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
             const CohesiveLaw& law = law_of(model_, step.begin, point);
             const double area = point.area * end.strength_factor(f);
             PointState& state = end.points[end.first_point[rank] + i];
-            state.traction = Vec2(link.contact - link.borne, link.tangential) / (step.kick_time * point.area);
+            state.traction = Vec2(found.contact - found.borne, found.tangential) / (step.kick_time * point.area);
             if (link.unbreakable) {
                 state.cohesion = 1;
                 continue;
@@ -355,8 +356,8 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
                 account_rest(point, law, area, state.cohesion = 0, 0, report);
                 continue;
             }
-            report.cohesive_work += link.borne * mean_N - (link.tangential - link.friction_part) * mean_T;
-            report.crossing_loss += crossing_loss(link, t.dot(before), t.dot(after), step);
+            report.cohesive_work += found.borne * mean_N - (found.tangential - found.friction_part) * mean_T;
+            report.crossing_loss += crossing_loss(link, found, t.dot(before), t.dot(after), step);
             const double beta = point.cracked ? 0 : cohesion_before(model_, f, i, step.begin);
             state.cohesion = law.next_cohesion(beta, u_N, u_T, step.drift_time);
             const double middle = law.equivalent_opening(u_N - 0.5 * step.drift_time * n.dot(after),
@@ -372,9 +373,9 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
                               .kappa = law.ramp(state.cohesion, state.largest_opening)},
                              report);
         } else {
-            obstacles_.impulse[&contacts[i - fan.n_points] - obstacles_.contacts.all().data()] = link.impulse;
+            obstacles_.impulse[&contacts[i - fan.n_points] - obstacles_.contacts.all().data()] = found.impulse;
         }
-        account_contact({link.contact, link.friction_part, mean_N, mean_T, rate_error, u_N}, report);
+        account_contact({found.contact, found.friction_part, mean_N, mean_T, rate_error, u_N}, report);
     }
 }
 

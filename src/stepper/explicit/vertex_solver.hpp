@@ -31,7 +31,7 @@ struct ObstacleStep {
 class VertexSolver {
 public:
     struct Workspace {
-        FanProblem problem, kept;  // `problem` holds the last solution
+        SolvedFan fan, kept;
         FanSolver solver;
         std::vector<LinkCohesion> cohesion;
         std::vector<Vec2> mean_velocity;  // [m/s] guess per corner, on oblique absorbing boundaries
@@ -43,7 +43,7 @@ public:
                  const AbsorbingBoundary& absorbing)
         : model_(model), options_(options), obstacles_(obstacles), absorbing_(absorbing) {}
 
-    /// The problem of the fan in this step and its solution, in work.problem: the bodies are its corners and then the
+    /// The problem of the fan in this step and its result, in work.fan: the bodies are its corners and then the
     /// obstacles in contact, the links its points and then these contacts.
     FanSolution solve(Index fan, const ExplicitStep& step, Workspace& work) const;
 

@@ -20,20 +20,23 @@ struct Found {
 
 /// The motion of a fan by ContactProblem, from zero impulses or with the links that stick in FanSolver's solution, beside
 /// that solution.
-Found against_fan_solver(FanProblem fan, bool stuck_stays) {
-    FanSolver solver;
-    FanProblem start = fan;
-    if (solver.solve(fan).status == FanSolution::Status::failed) return {1, 1};
-    const double speed = FanJudge(fan).speed_scale();
-    if (stuck_stays) start = fan;
+Found against_fan_solver(const FanProblem& fan, bool stuck_stays) {
+    FanResult result;
+    if (FanSolver().solve(fan, result).status == FanSolution::Status::failed) return {1, 1};
+    const double speed = FanJudge(fan, result).speed_scale();
     const auto n = static_cast<Index>(fan.bodies.size());
+    SolvedFan start{fan, result};
+    if (!stuck_stays) {
+        std::ranges::fill(start.result.velocity, Vec2::Zero());
+        std::ranges::fill(start.result.links, LinkResult());
+    }
     ContactProblem problem;
     problem.clear();
     const Index first = problem.add_fan(start, n, stuck_stays);
     problem.assemble();
     Found found{.residual = problem.solve(speed, 0) / speed};
     for (Index i = 0; i < n; ++i)
-        found.error = std::max(found.error, (problem.velocity(first + i) - fan.bodies[i].end_velocity).norm() / speed);
+        found.error = std::max(found.error, (problem.velocity(first + i) - result.velocity[i]).norm() / speed);
     return found;
 }
 
