@@ -31,6 +31,16 @@ void Staircase::add(const Kink& kink, double tolerance) {
     ++n_kinks_;
 }
 
+void add_friction_explicit(double friction, double V_T, double tolerance, Staircase& staircase) {
+    // rest comes first: where kinks are merged, exact rest remains
+    for (const double rate : {0.0, -V_T})
+        staircase.add({.rate = rate, .cohesive = 0, .friction = 0.5 * friction}, tolerance);
+}
+
+void add_friction_theta(double friction, Staircase& staircase) {
+    staircase.add({.rate = 0, .cohesive = 0, .friction = friction}, 0);
+}
+
 StaircasePiece Staircase::piece(int state) const {
     const bool stick = state % 2 == 1;
     const int here = state / 2;  // the kink, or the number of kinks below

@@ -63,6 +63,14 @@ private:
     int n_kinks_ = 0;
 };
 
+/// Friction of the explicit bulk under the contact impulse p, after the rate V_T [m/s] before the step: mu p
+/// 1/2 [sgn(V_T+) + sgn(V_T+ + V_T)]. The signs of the end velocity and of the mean velocity together never do positive
+/// work and let a sliding point come to exact rest.
+void add_friction_explicit(double friction, double V_T, double tolerance, Staircase& staircase);
+
+/// Friction of the theta scheme: mu p sgn(w_T).
+void add_friction_theta(double friction, Staircase& staircase);
+
 /// With the explicit bulk, where closed and open points have different staircases.
 struct InterfaceLaw {
     ContactBound contact;

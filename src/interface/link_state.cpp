@@ -44,16 +44,14 @@ FanScales scales_of(const FanProblem& problem, double rest) {
             .separation = problem.turns ? rest * speed : 0};
 }
 
-InterfaceLaw law_of(const FanLink& link, const Vec2& velocity_before, double h, double tolerance) {
+InterfaceLaw link_law(const FanLink& link, const Vec2& velocity_before, double h, double tolerance) {
     const double V_N = link.normal.dot(velocity_before), V_T = link.tangent().dot(velocity_before);
     const Staircase::Kink zero_slip{.rate = link.ramp > 0 ? -link.ramp_start.y() : -link.u_T / h,
                                     .cohesive = link.gamma * link.cohesive,
                                     .friction = 0};
     InterfaceLaw law{.contact = contact_bound_explicit(link.u_N, V_N, link.restitution, h, tolerance * h)};
     law.open.add(zero_slip, tolerance);
-    // rest comes first: where kinks are merged, exact rest remains
-    law.closed.add({.rate = 0, .cohesive = 0, .friction = 0.5 * link.friction}, tolerance);
-    law.closed.add({.rate = -V_T, .cohesive = 0, .friction = 0.5 * link.friction}, tolerance);
+    add_friction_explicit(link.friction, V_T, tolerance, law.closed);
     law.closed.add(zero_slip, tolerance);
     return law;
 }
@@ -83,7 +81,7 @@ void LinkState::guess(const FanProblem& problem, const FanLink& link, const FanS
     Vec2 expected = problem.velocity_before(link.after) - problem.velocity_before(link.before);
     if (const double V_N = link.normal.dot(expected); V_N > 0 && V_N <= scales.separation)
         expected -= V_N * link.normal;
-    law = law_of(link, expected, problem.drift_time, scales.rest);
+    law = link_law(link, expected, problem.drift_time, scales.rest);
     int n_imposed = 0;
     for (int k = 0; k < 2; ++k) {
         const auto prescribed = [&](Index body) { return problem.inverse_mass(body)[k] == 0; };

@@ -22,10 +22,9 @@ struct FanScales {
 /// Slips, and in a fan that turns separations, below `rest` times the largest speed come to rest.
 FanScales scales_of(const FanProblem& problem, double rest);
 
-/// Friction has two signs, those of the end velocity and of the mean velocity: together they never do positive work and
-/// let a sliding point come to exact rest (fan_problem.hpp). The tangential cohesion has the sign of the slip at the
-/// end of the step. `tolerance` [m/s]: kinks that are nearer to each other are merged.
-InterfaceLaw law_of(const FanLink& link, const Vec2& velocity_before, double h, double tolerance);
+/// The law of a link over the step. The tangential cohesion has the sign of the slip at its end. `tolerance` [m/s]:
+/// kinks that are nearer to each other are merged.
+InterfaceLaw link_law(const FanLink& link, const Vec2& velocity_before, double h, double tolerance);
 
 /// How much of its cohesion a link with secant unloading bears: all, a part in proportion to its opening, nothing.
 enum class Bearing { full, part, none };

@@ -76,7 +76,7 @@ std::uint32_t piece(const Multipliers& at, const PointResponse& r) {
 
 void PointLaw::set_staircase() {
     tangential = {};
-    tangential.add({.rate = 0, .cohesive = 0, .friction = friction}, 0);
+    add_friction_theta(friction, tangential);
     const double until = ramp > 0 ? step->theta * step->h : step->h;  // [s] the slip at this time has the sign
     tangential.add({.rate = u_T == 0 ? 0 : -u_T / until, .cohesive = material->gamma * strength, .friction = 0}, 0);
 }

@@ -187,8 +187,8 @@ TEST_CASE("the active set and Lemke's pivots find the same velocities where they
         const FanJudge judge(fan, result);
         std::vector<LinkState> states;
         for (const FanLink& link : fan.links)
-            states.push_back({.law = law_of(link, fan.velocity_before(link.after) - fan.velocity_before(link.before),
-                                            fan.drift_time, 1e-12 * judge.speed_scale())});
+            states.push_back({.law = link_law(link, fan.velocity_before(link.after) - fan.velocity_before(link.before),
+                                              fan.drift_time, 1e-12 * judge.speed_scale())});
         FanMotion other{{std::vector<Vec2>(fan.bodies.size())}, std::vector<Vec2>(fan.links.size()), {}};
         const std::optional<double> residual = pivots.solve(fan, states, judge.speed_scale(), other);
         REQUIRE(residual);

@@ -35,7 +35,7 @@ TEST_CASE("the staircase of a link is its formula") {
     for (int count = 0; count < 200; ++count) {
         const FanLink link = link_with(0, random.uniform(-1, 1));
         const Vec2 before(random.uniform(-1, 1), random.uniform(-10, 10));
-        const InterfaceLaw law = law_of(link, before, h, 1e-12);
+        const InterfaceLaw law = link_law(link, before, h, 1e-12);
         CHECK(law.staircase(true).n_states() == 7);
         CHECK(law.staircase(false).n_states() == 3);
         double last = -INFINITY;
@@ -70,31 +70,31 @@ TEST_CASE("the staircase of a link is its formula") {
 
 TEST_CASE("kinks that coincide are one and exact rest wins") {
     const double h = 0.1, near = 1e-9;
-    const InterfaceLaw at_rest = law_of(link_with(0, 0), Vec2(0, 0), h, near);
+    const InterfaceLaw at_rest = link_law(link_with(0, 0), Vec2(0, 0), h, near);
     CHECK(at_rest.staircase(true).n_states() == 3);
     CHECK(at_rest.staircase(true).piece(1).jump == doctest::Approx(1));            // gamma C
     CHECK(at_rest.staircase(true).piece(1).contact_jump == doctest::Approx(0.3));  // mu
-    const InterfaceLaw nearly = law_of(link_with(0, 0.5 * h * near), Vec2(0, 0.5 * near), h, near);
+    const InterfaceLaw nearly = link_law(link_with(0, 0.5 * h * near), Vec2(0, 0.5 * near), h, near);
     CHECK(nearly.staircase(true).n_states() == 3);
     CHECK(nearly.staircase(true).piece(1).kink == 0);
-    const InterfaceLaw sliding = law_of(link_with(0, 0), Vec2(0, 4), h, near);
+    const InterfaceLaw sliding = link_law(link_with(0, 0), Vec2(0, 4), h, near);
     CHECK(sliding.staircase(true).n_states() == 5);
     CHECK(sliding.staircase(true).piece(1).kink == -4);  // the slip that would turn the motion round
     FanLink bare = link_with(0, 1);
     bare.cohesive = 0, bare.friction = 0;
-    CHECK(law_of(bare, Vec2(1, 1), h, near).staircase(true).n_states() == 1);
+    CHECK(link_law(bare, Vec2(1, 1), h, near).staircase(true).n_states() == 1);
 }
 
 TEST_CASE("the bound on the normal velocity never lets a contact add energy") {
     const double h = 0.1;
     const auto bound = [&](double u_N, double v_N, double e) {
-        return law_of(link_with(u_N, 0, e), Vec2(v_N, 0), h, 1e-12).contact.rate;
+        return link_law(link_with(u_N, 0, e), Vec2(v_N, 0), h, 1e-12).contact.rate;
     };
     CHECK(bound(0, -2, 0.5) == doctest::Approx(1));
     CHECK(bound(-1, -2, 0) == 0);
     CHECK(bound(0.1, -2, 0) == doctest::Approx(-1));  // the gap closes exactly
     CHECK(bound(0.1, 3, 0) == doctest::Approx(-3));   // what separated is at most thrown back at its own speed
-    CHECK(!law_of(link_with(0.1, 0, 0.5), Vec2(-2, 0), h, 1e-12).contact.may_touch);
+    CHECK(!link_law(link_with(0.1, 0, 0.5), Vec2(-2, 0), h, 1e-12).contact.may_touch);
     Random random(1, "bound");
     for (int i = 0; i < 1000; ++i) {
         const double v = random.uniform(-1, 1),

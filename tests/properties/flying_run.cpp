@@ -256,7 +256,7 @@ void fly(const Model& model, const FlyingScene& scene, FlyingOutcome& outcome) {
 }
 
 /// What two failures have in common if they break the same law.
-std::string law_of(const std::string& broken) { return broken.substr(0, broken.find(" is ")); }
+std::string law_named_in(const std::string& broken) { return broken.substr(0, broken.find(" is ")); }
 
 }  // namespace
 
@@ -274,8 +274,10 @@ FlyingOutcome run_flying(const FlyingScene& scene) {
 }
 
 FlyingScene shrunk(FlyingScene scene, const std::string& broken_law) {
-    const std::string law = law_of(broken_law);
-    const auto still_fails = [&](const FlyingScene& other) { return law_of(run_flying(other).broken_law) == law; };
+    const std::string law = law_named_in(broken_law);
+    const auto still_fails = [&](const FlyingScene& other) {
+        return law_named_in(run_flying(other).broken_law) == law;
+    };
     bool smaller = true;
     const auto try_with = [&](auto change) {
         FlyingScene other = scene;

@@ -70,8 +70,7 @@ InterfaceLaw contact_law(double gap, const Vec2& before, double friction, double
     InterfaceLaw law{.contact = contact_bound_explicit(gap, before.x(), restitution, h, touching)};
     if (-gap > deep && before.x() < 0)
         law.contact.rate = std::max(law.contact.rate, std::min(-0.5 * before.x(), (-gap - deep) / h));
-    law.closed.add({.rate = 0, .cohesive = 0, .friction = 0.5 * friction}, tolerance);
-    law.closed.add({.rate = -before.y(), .cohesive = 0, .friction = 0.5 * friction}, tolerance);
+    add_friction_explicit(friction, before.y(), tolerance, law.closed);
     return law;
 }
 

@@ -42,8 +42,8 @@ struct ContactCoupling {
 };
 
 /// The law of a contact with the gap g [m] and the rate `before` V- [m/s] at the start of a step of h [s]. `deep` [m]:
-/// a deeper penetration is reduced by a rebound with up to half of the approach. `tolerance` [m/s]: nearer kinks of the
-/// friction are merged.
+/// a deeper penetration is reduced by a rebound with up to half of the approach (README.md). `tolerance` [m/s]: nearer
+/// kinks of the friction are merged.
 InterfaceLaw contact_law(double gap, const Vec2& before, double friction, double restitution, double h, double deep,
                          double tolerance);
 

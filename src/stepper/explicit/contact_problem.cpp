@@ -70,7 +70,7 @@ Index ContactProblem::add_fan(const SolvedFan& solved, Index n_corners, bool stu
         if (!link.unbreakable) {
             if (link.ramp > 0) link.cohesive = result.links[i].borne;
             const Vec2 before = fan.velocity_before(link.after) - fan.velocity_before(link.before);
-            point.law = law_of(link, before, fan.drift_time, rest);
+            point.law = link_law(link, before, fan.drift_time, rest);
             point.cohesive = link.cohesive;
         }
         point.impulse = {link.normal.dot(result.links[i].impulse), link.tangent().dot(result.links[i].impulse)};
