@@ -175,7 +175,7 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
     const Stopwatch watch;
     const Model model = model_of(read);
     const double model_seconds = watch.cpu();
-    check_model(read, model);
+    std::vector<Diagnostic> found = check_model(read, model);
     const std::vector<PlannedExcavation> excavations = plan_excavations(read, model);
     const StepPlan plan = plan_of(read, model, scenario.time.end);
     if (full) std::fputs(full_listing(read).c_str(), stdout);
@@ -193,7 +193,7 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
                     one.triangles.size(), one.at, one.ramp);
     const Cost cost = estimate_cost(scenario, model, plan, model_seconds, time ? 0.5 : 0.05);
     print_run(scenario, model, plan, cost, time);
-    const std::vector<Diagnostic> found = findings_of_model(read, model, plan, &cost);
+    std::ranges::move(findings_of_model(read, model, plan, &cost), std::back_inserter(found));
     print_warnings(read.warnings), print_warnings(found);
     return strict && !(read.warnings.empty() && found.empty()) ? exit_bad_input : exit_done;
 }

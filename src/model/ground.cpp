@@ -107,9 +107,8 @@ private:
             if (!segments_cross({from, x + path}, {a, b}, position)) continue;
             const Vec2 at = from + position * (x + path - from);
             throw UserError("overlap",
-                            formatted("the continuation of a support beyond its end at (%.6g, %.6g) m runs into the "
-                                      "body at (%.6g, %.6g) m",
-                                      x.x(), x.y(), at.x(), at.y()),
+                            "the continuation of a support beyond its end at " + place_text(x) +
+                                " runs into the body at " + place_text(at),
                             "a smaller `beyond`");
         }
     }

@@ -1,12 +1,12 @@
 #include "model/model.hpp"
 
+#include "base/formatted.hpp"
 #include "element/triangle_matrices.hpp"
 #include "model/fans.hpp"
 #include "model/selections.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
 namespace knap {
@@ -273,10 +273,9 @@ void check_obstacles(const Model& model) {
             const Vec2 a = mesh.corner(edge.triangle, edge.side);
             const double depth = -surface.distance_to(a).gap;
             if (depth <= std::min(1e-6 * size, 1e-2 * mesh.side_vector(edge.triangle, edge.side).norm())) continue;
-            char text[200];
-            std::snprintf(text, sizeof text, "` lies in the body at the start, by %.3g m at (%.6g, %.6g) m", depth,
-                          a.x(), a.y());
-            throw UserError("overlap", "obstacle `" + obstacle.name + text);
+            throw UserError("overlap", "obstacle `" + obstacle.name +
+                                           formatted("` lies in the body at the start, by %.3g m at ", depth) +
+                                           place_text(a));
         }
     }
 }

@@ -203,8 +203,8 @@ void check_places(Reading& reading) {
             ++n_reports;
             reading.table(bodies[b].path)
                 .error("overlap", "",
-                       formatted("(body `%s`) lies in body `%s` by %.3g m at (%.6g, %.6g) m", bodies[b].name.c_str(),
-                                 bodies[a].name.c_str(), found->depth, found->place.x(), found->place.y()),
+                       formatted("(body `%s`) lies in body `%s` by %.3g m at %s", bodies[b].name.c_str(),
+                                 bodies[a].name.c_str(), found->depth, place_text(found->place).c_str()),
                        "move one of them; bodies may touch, to a thousandth of the mesh size");
         }
 }

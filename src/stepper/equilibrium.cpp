@@ -169,8 +169,8 @@ public:
 
 private:
     [[noreturn]] void no_equilibrium(const char* reason, const Vec2& where) const {
-        throw SimulationError(formatted("no equilibrium under the loads at t = %.6g s: %s, at (%.6g, %.6g) m", time_,
-                                        reason, where.x(), where.y()));
+        throw SimulationError(formatted("no equilibrium under the loads at t = %.6g s: %s, at ", time_, reason) +
+                              place_text(where));
     }
 
     Vec2 place_of_largest_displacement(const State& state) const {

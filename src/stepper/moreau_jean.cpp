@@ -35,11 +35,12 @@ StepReport MoreauJean::step(const State& begin, double h, State& end) {
     end.last_step = h;
     end.n_steps = begin.n_steps + 1;
     if (std::isfinite(report.kinetic + report.strain)) return report;
-    const Vec2 where = place_of_largest_speed(model_, end);
-    throw SimulationError(formatted(
-        "the motion is no longer finite at t = %.9g s (step %lld) at (x, y) = (%.6g, %.6g) m: the step is probably too "
-        "large, or a load or velocity absurd; try a smaller time.step, and look at the units of the loads",
-        end.time, static_cast<long long>(end.n_steps), where.x(), where.y()));
+    throw SimulationError(
+        formatted("the motion is no longer finite at t = %.9g s (step %lld) at ", end.time,
+                  static_cast<long long>(end.n_steps)) +
+        place_text(place_of_largest_speed(model_, end)) +
+        ": the step is probably too large, or a load or velocity absurd; try a smaller time.step, and "
+        "look at the units of the loads");
 }
 
 }  // namespace knap

@@ -111,10 +111,10 @@ void Adaptation::allow(const Vec2& place, const State& now, Model& model) {
     if (!is_coarse || told_ || counts(model, now).coarse_breaks > 0) return;
     told_ = true;
     warning_ = formatted(
-        "warning[adapt]: at t = %.6g s the vertex at (%.6g, %.6g) m splits in triangles that are too large. They could "
+        "warning[adapt]: at t = %.6g s the vertex at %s splits in triangles that are too large. They could "
         "not be refined because they touch a crack or would need a smaller step. This is the first such vertex; "
         "adaptation.coarse_breaks in run.json is their number. [[mesh.refine]] makes a region fine from the start\n",
-        now.time, place.x(), place.y());
+        now.time, place_text(place).c_str());
 }
 
 void Adaptation::after_step(Model& model) {

@@ -156,8 +156,8 @@ std::string Excavations::moved_warning(const Model& model, const State& now) con
     if (largest <= 1) return "";
     return formatted(
         "warning[excavated]: at t = %.6g s `%s` removes what was in its region at the start, which has moved by up to "
-        "%.3g m since, to (%.6g, %.6g) m; what is in the region now stays\n",
-        now.time, path_of(planned).c_str(), moved, place.x(), place.y());
+        "%.3g m since, to %s; what is in the region now stays\n",
+        now.time, path_of(planned).c_str(), moved, place_text(place).c_str());
 }
 
 std::string Excavations::perform(const State& trial, double damping, Model& model, State& now,

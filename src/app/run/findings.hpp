@@ -16,8 +16,8 @@ Model model_of(ReadResult& read);
 StepPlan plan_of(const ReadResult& read, const Model& model, double until);
 
 /// Throws UserError: a specimen that the loads do not test, `start = "equilibrium"` of a body without support,
-/// obstacles that overlap.
-void check_model(const ReadResult& read, const Model& model);
+/// obstacles that overlap. Returns warnings: obstacles that may meet.
+std::vector<Diagnostic> check_model(const ReadResult& read, const Model& model);
 
 /// Warnings: probes, regions and boxes outside the body.
 std::vector<Diagnostic> findings_of_places(const ReadResult& read, const Model& model);
@@ -31,9 +31,9 @@ std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Mode
 /// Warnings: a [[pressure]] whose source touches no crack and no joint.
 std::vector<Diagnostic> findings_of_fluids(const ReadResult& read, const Model& model);
 
-/// Those, and warnings on the resolution of the process zone, on the conduction of heat, jumps of prescribed
-/// displacements, details that reduce the stable step, and implausible numbers of steps, frames, lines and pictures.
-/// Without `cost` it is estimated where a run may be long.
+/// Warnings: on these places, supports and fluids, the resolution of the process zone, the conduction of heat, jumps of
+/// prescribed displacements, details that reduce the stable step, and implausible numbers of steps, frames, lines and
+/// pictures. Without `cost` it is estimated where a run may be long.
 std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& model, const StepPlan& plan,
                                           const Cost* cost = nullptr);
 

@@ -135,10 +135,9 @@ void refuse_unheld_body(const ReadResult& read, const Model& model) {
         if (unheld.norm() > 1e-6 * balance.size)
             throw UserError({finding(
                 read, "time.start", "not-held",
-                formatted(
-                    "`time.start` requests equilibrium, but nothing holds the body around (%.6g, %.6g) m: a force "
-                    "of (%.3g, %.3g) N and a moment of %.3g N m of the loads at t = 0 would move it away",
-                    balance.centre.x(), balance.centre.y(), unheld.x(), unheld.y(), unheld.z() * balance.length),
+                formatted("`time.start` requests equilibrium, but nothing holds the body around %s: a force "
+                          "of (%.3g, %.3g) N and a moment of %.3g N m of the loads at t = 0 would move it away",
+                          place_text(balance.centre).c_str(), unheld.x(), unheld.y(), unheld.z() * balance.length),
                 "hold it (a load with displacement = [0, 0], a [[support]]), balance the loads, let them start with a "
                 "ramp, or use start = \"rest\"")});
     }
@@ -182,7 +181,7 @@ StepPlan plan_of(const ReadResult& read, const Model& model, double until) {
     }
 }
 
-void check_model(const ReadResult& read, const Model& model) {
+std::vector<Diagnostic> check_model(const ReadResult& read, const Model& model) {
     for (std::size_t i = 0; i < read.scenario.figures.size(); ++i)
         if (const FigureOptions& figure = read.scenario.figures[i]; figure.is_animation()) try {
                 check_animation(figure.file);  // not only at the end of a long run
@@ -195,12 +194,14 @@ void check_model(const ReadResult& read, const Model& model) {
             throw UserError({read.at("specimen", error.diagnostics.front())});
         }
     refuse_unheld_body(read, model);
-    for (const Diagnostic& found : findings_of_obstacles(read, model))
+    std::vector<Diagnostic> of_obstacles = findings_of_obstacles(read, model);
+    for (const Diagnostic& found : of_obstacles)
         if (found.severity == Diagnostic::Severity::error) throw UserError({found});
     if (read.scenario.time.rest.ends_run && std::isinf(settling_time(model)) && settling_time(model) > 0)
         throw UserError({finding(read, "time.until", "never-rests",
                                  "`time.until` = \"rest\", but a load or an obstacle is driven at a velocity for ever",
                                  "until = \"end\", or a history that ends at 0")});
+    return of_obstacles;
 }
 
 }  // namespace knap

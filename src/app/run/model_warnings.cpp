@@ -307,11 +307,11 @@ public:
             if (named.size() > max_details) return;
             add(parts.empty() ? "mesh.size" : parts[0], "small-step",
                 formatted(
-                    "a triangle at (%.6g, %.6g) m has an edge of %.3g m where the mesh size is %.3g m; its stable "
+                    "a triangle at %s has an edge of %.3g m where the mesh size is %.3g m; its stable "
                     "step of %.3g s is %.3g times smaller than the %.3g s of that size, and all triangles use the "
                     "smallest one. Next to it: %s",
-                    x.x(), x.y(), std::min({(b - a).norm(), (c - b).norm(), (a - c).norm()}), size(t), stable[t],
-                    usual / stable[t], usual, who.c_str()),
+                    place_text(x).c_str(), std::min({(b - a).norm(), (c - b).norm(), (a - c).norm()}), size(t),
+                    stable[t], usual / stable[t], usual, who.c_str()),
                 "move one of them, let them meet, or remove the detail; another seed places random traces elsewhere; "
                 "bulk = \"implicit\" allows larger steps");
         }
@@ -441,8 +441,8 @@ std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& m
     warnings.on_places();
     warnings.on_details(plan.stable_of_triangle);
     warnings.on_numbers(plan, cost);
-    for (const auto& others : {findings_of_excavations(read, model), findings_of_supports(read, model),
-                               findings_of_obstacles(read, model), findings_of_fluids(read, model)})
+    for (const auto& others :
+         {findings_of_excavations(read, model), findings_of_supports(read, model), findings_of_fluids(read, model)})
         warnings.found.insert(warnings.found.end(), others.begin(), others.end());
     return std::move(warnings.found);
 }

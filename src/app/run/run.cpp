@@ -383,7 +383,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
         options.force ? Continuation{.read = requested} : continuation_of(requested, model, directory);
     const ReadResult& read = continuation.read;
     const Scenario& scenario = read.scenario;
-    check_model(read, model);
+    const std::vector<Diagnostic> of_obstacles = check_model(read, model);
     Excavations excavations(plan_excavations(read, model));
     const StepPlan plan = plan_of(read, model, options.until);
     AdaptOptions adapt = scenario.adapt;
@@ -412,7 +412,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
                                          : scenario.heat->celsius ? "C"
                                                                   : "K"};
     std::string warnings;
-    for (const auto& found : {findings_of_model(read, model, plan), read.warnings})
+    for (const auto& found : {findings_of_model(read, model, plan), of_obstacles, read.warnings})
         for (const Diagnostic& warning : found) {
             warnings += format(warning), record.warnings.push_back(warning.message);
             if (!options.quiet || warning.code == "no-contact") std::fputs(format(warning).c_str(), stderr);

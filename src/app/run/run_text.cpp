@@ -10,9 +10,7 @@ namespace {
 
 using Count = long long;
 
-std::string at_place(const std::optional<Vec2>& place) {
-    return place ? formatted(" at (x, y) = (%.6g, %.6g) m", place->x(), place->y()) : "";
-}
+std::string at_place(const std::optional<Vec2>& place) { return place ? " at " + place_text(*place) : ""; }
 
 /// The work of the implicit solver and the cutbacks.
 std::string solver_text(const RunRecord& record) {
@@ -42,8 +40,8 @@ std::string solver_text(const RunRecord& record) {
 }  // namespace
 
 std::string cutback_text(const Cutback& cut, const Vec2& where) {
-    return formatted("cutback: t = %.9g s, step %.4g s -> %.4g s at (%.6g, %.6g) m: %s\n", cut.time, cut.from, cut.to,
-                     where.x(), where.y(), describe(cut.reason).data());
+    return formatted("cutback: t = %.9g s, step %.4g s -> %.4g s at %s: %s\n", cut.time, cut.from, cut.to,
+                     place_text(where).c_str(), describe(cut.reason).data());
 }
 
 std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest) {
@@ -56,9 +54,10 @@ std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest) {
               "body; or "
             : "";
     return formatted(
-        "the run cannot continue from t = %.9g s at (x, y) = (%.6g, %.6g) m: %s, even in a step of %.4g s; the "
+        "the run cannot continue from t = %.9g s at %s: %s, even in a step of %.4g s; the "
         "smallest step allowed is %.4g s. Try %stime.step_min = \"%.3g s\"",
-        cut.time, where.x(), where.y(), describe(cut.reason).data(), cut.from, smallest, alternatives, 1e-3 * smallest);
+        cut.time, place_text(where).c_str(), describe(cut.reason).data(), cut.from, smallest, alternatives,
+        1e-3 * smallest);
 }
 
 std::string missing_text(const std::vector<std::string>& files) {

@@ -42,8 +42,8 @@ std::vector<Diagnostic> findings_of_supports(const ReadResult& read, const Model
         found.push_back(read.at(path, {.severity = Diagnostic::Severity::warning,
                                        .code = "support-between",
                                        .message = formatted("`%s` takes %td faces on which bodies touch each other, as "
-                                                            "at (%.6g, %.6g) m: the support is rigid and fixed there",
-                                                            path.c_str(), n, x.x(), x.y()),
+                                                            "at %s: the support is rigid and fixed there",
+                                                            path.c_str(), n, place_text(x).c_str()),
                                        .note = "one side of the body or group, as { body = \"NAME\", boundary = "
                                                "\"bottom\" }, or a box"}));
     }

@@ -1,11 +1,11 @@
 #include "stepper/explicit/absorbing_boundary.hpp"
 
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "model/selections.hpp"
 
 #include <Eigen/LU>
 
-#include <cstdio>
 #include <set>
 #include <utility>
 
@@ -13,11 +13,8 @@ namespace knap {
 namespace {
 
 [[noreturn]] void refuse(const Mesh& mesh, const BoundaryEdge& edge, const char* cause) {
-    const Vec2 at = mesh.corner(edge.triangle, edge.side);
-    char text[200];
-    std::snprintf(text, sizeof text, "boundary `%s` absorbs waves, but %s, at (%.6g, %.6g) m",
-                  mesh.boundary_names[edge.boundary].c_str(), cause, at.x(), at.y());
-    throw UserError("contradiction", text);
+    throw UserError("contradiction", "boundary `" + mesh.boundary_names[edge.boundary] + "` absorbs waves, but " +
+                                         cause + ", at " + place_text(mesh.corner(edge.triangle, edge.side)));
 }
 
 }  // namespace
