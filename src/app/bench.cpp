@@ -156,7 +156,7 @@ private:
 
     MoreauJean stepper_{model};
     State next_ = now;
-    double step_ = plan_steps(scenario_, stepper_.stable_step(), scenario_.time.end).limits.largest;  // [s]
+    double step_ = plan_steps(scenario_.time, stepper_.stable_step(), scenario_.time.end).limits.largest;  // [s]
 };
 
 /// [s] Processor time of the forces of all triangles, block by block as in a step; the best of many trials.
@@ -250,7 +250,7 @@ struct Bench {
             built_in("edge_cracked_block_implicit", {"mesh.size=0.001", "time.end=4e-5", "time.step=\"10 CFL\""});
         const Model model = build_model(scenario);
         MoreauJean stepper(model, scenario.time.scheme);
-        StepControl control(plan_steps(scenario, model, scenario.time.end).limits);
+        StepControl control(plan_steps(scenario.time, scenario.adapt, model, scenario.time.end).limits);
         State now = initial_state(model), next = now;
         StepReport all;
         const Stopwatch watch;

@@ -91,7 +91,7 @@ class Rubble {
 public:
     /// Adds what a contact costs in the steps to `until` [s] from 1000 steps before.
     void measure(double until, const std::string& name, std::vector<Measurement>& measured) {
-        const StepLimits limits = plan_steps(scenario_, model_, until).limits;
+        const StepLimits limits = plan_steps(scenario_.time, scenario_.adapt, model_, until).limits;
         StepControl control(limits);
         double with = 0, without = 0, contacts = 0, finding = 0, edges = 0;
         FaceContacts faces(model_);

@@ -115,7 +115,7 @@ void print_methods(const Scenario& scenario, const Model& model) {
         breakable ? "yes" : "no (elastic)", breakable && shear ? "yes" : "no", friction ? "yes" : "no",
         restitution ? "with restitution" : "plastic", scenario.supports.empty() ? "no" : "yes",
         model.prescribed.empty() ? "no" : "yes");
-    std::printf("  scheme: %s\n", scheme_text(scenario).c_str());
+    std::printf("  scheme: %s\n", scheme_text(scenario.time).c_str());
     if (scenario.time.rest.ends_run) std::printf("  ends at rest, at the latest at time.end\n");
     print_absorbing(model, scenario.time.scheme);
 }

@@ -1,7 +1,6 @@
 #include "model/fans.hpp"
 
 #include "base/random.hpp"
-#include "model/law_of_edge.hpp"
 
 #include <algorithm>
 #include <numeric>

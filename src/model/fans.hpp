@@ -10,6 +10,15 @@ using SupportOfEdge = std::vector<Index>;
 /// Fills interfaces, fans, fan_corners, fan_points, fan_of_corner, fan_point_of from model.mesh.
 void make_interfaces_and_fans(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model);
 
+/// The law of an edge between two triangles: its number among the laws of a ModelInput or a Scenario.
+template <class Laws>
+Index law_of_edge(const Laws& laws, const Mesh& mesh, const InteriorEdge& edge) {
+    const Index a = mesh.region[edge.triangle[0]], b = mesh.region[edge.triangle[1]];
+    return edge.joint >= 0           ? laws.law_of_joint[edge.joint]
+           : mesh.within_grain(edge) ? laws.law_within[a]
+                                     : laws.law_of_pair[a][b];
+}
+
 /// Makes the fans anew from the interfaces that are not gone.
 void make_fans(Model& model);
 

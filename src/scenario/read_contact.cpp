@@ -16,11 +16,11 @@ void warn_of_ghosts(Reading& reading) {
 
 /// A block that topples over or slides leaves the faces that it stood on.
 void warn_of_supports(Reading& reading) {
-    const Scenario& scenario = reading.scenario;
-    for (std::size_t i = 0; i < scenario.supports.size(); ++i) {
-        const Support& support = scenario.supports[i];
+    const std::vector<Support>& supports = reading.scenario.supports;
+    for (std::size_t i = 0; i < supports.size(); ++i) {
+        const Support& support = supports[i];
         const Table table = reading.table(item("support", i));
-        if (support.glued && !scenario.laws[support.law].law.breakable()) continue;  // the body stays
+        if (support.glued && !reading.scenario.laws[support.law].law.breakable()) continue;  // the body stays
         if (table.given("beyond")) continue;
         table.warning(
             "support-ends", "",
@@ -30,38 +30,45 @@ void warn_of_supports(Reading& reading) {
     }
 }
 
+/// Without [contact].
+void refuse_ground(Reading& reading) {
+    const std::vector<Support>& supports = reading.scenario.supports;
+    for (std::size_t i = 0; i < supports.size(); ++i)
+        if (supports[i].beyond > 0)
+            reading.table(item("support", i))
+                .error("exclusive-keys", "beyond", "is a ground for contact between free faces",
+                       "[contact], or no `beyond`: without [contact] a support is an endless plane");
+}
+
 }  // namespace
 
 void read_contact(Reading& reading) {
-    Scenario& scenario = reading.scenario;
     const Table table = reading.table("contact");
     if (!table.given()) {
-        for (std::size_t i = 0; i < scenario.supports.size(); ++i)
-            if (scenario.supports[i].beyond > 0)
-                reading.table(item("support", i))
-                    .error("exclusive-keys", "beyond", "is a ground for contact between free faces",
-                           "[contact], or no `beyond`: without [contact] a support is an endless plane");
+        refuse_ground(reading);
         return warn_of_ghosts(reading);
     }
     if (reading.table("domain").text("rotation") == "small")  // any other word has its own error
         table.error("exclusive-keys", "", "needs large rotations", "rotation = \"large\" in [domain]");
-    if (scenario.time.scheme.cohesion != CohesionScheme::explicit_beta)
+    if (reading.scenario.time.scheme.cohesion != CohesionScheme::explicit_beta)
         table.error("exclusive-keys", "", "needs the explicit cohesion", "time.cohesion = \"explicit\"");
     warn_of_supports(reading);
-    const std::size_t n = scenario.materials.size();
-    scenario.contact_of_pair.assign(n, std::vector<ContactLaw>(n));
+    const std::vector<std::string> materials = reading.scenario.material_names();
+    const std::size_t n = materials.size();
+    std::vector<std::vector<ContactLaw>>& contact_of_pair = reading.scenario.contact_of_pair;
+    contact_of_pair.assign(n, std::vector<ContactLaw>(n));
     for (std::size_t a = 0; a < n; ++a)
         for (std::size_t b = 0; b < n; ++b) {
-            ContactLaw& law = scenario.contact_of_pair[a][b];
-            if (const Index number = scenario.law_of_pair[a][b]; number >= 0)  // otherwise reported
-                law = {scenario.laws[number].law.friction, scenario.laws[number].law.restitution};
+            ContactLaw& law = contact_of_pair[a][b];
+            if (const Index number = reading.scenario.law_of_pair[a][b]; number >= 0)  // otherwise reported
+                law = {reading.scenario.laws[number].law.friction, reading.scenario.laws[number].law.restitution};
             table.fill(law);
         }
     std::set<std::pair<Index, Index>> pairs;
     for (const Table& row : table.list("pair")) {
         std::vector<Index> material;
         for (const std::string& name : row.texts("materials"))
-            if (const auto found = reading.find(row.path("materials"), "material", name, scenario.material_names()))
+            if (const auto found = reading.find(row.path("materials"), "material", name, materials))
                 material.push_back(*found);
         if (material.size() != 2) continue;
         const auto [a, b] = std::minmax(material[0], material[1]);
@@ -69,8 +76,8 @@ void read_contact(Reading& reading) {
             row.error("duplicate-name", "materials", "is the second entry of this pair of materials");
         if (!row.given("friction") && !row.given("restitution"))
             row.error("missing-key", "", "has neither friction nor restitution");
-        row.fill(scenario.contact_of_pair[a][b]);
-        scenario.contact_of_pair[b][a] = scenario.contact_of_pair[a][b];
+        row.fill(contact_of_pair[a][b]);
+        contact_of_pair[b][a] = contact_of_pair[a][b];
     }
 }
 

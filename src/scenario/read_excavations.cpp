@@ -12,33 +12,32 @@ bool meets(const Box& a, const Box& b) {
 }
 
 /// Sizes for the sides of circles and arcs: those of the mesh.
-MeshOptions sizes_of(const Scenario& scenario) {
-    MeshOptions sizes = scenario.mesh;
-    if (!scenario.given) return sizes;
-    const Mesh& mesh = scenario.given->mesh;
+MeshOptions sizes_of(MeshOptions sizes, const MeshFile* given) {
+    if (given == nullptr) return sizes;
+    const Mesh& mesh = given->mesh;
     double area = 0;
     for (Index t = 0; t < mesh.n_triangles(); ++t) area += mesh.area(t);
     sizes.size = std::sqrt(2 * area / mesh.n_triangles());
     return sizes;
 }
 
-void read_excavation(const Table& table) {
-    Scenario& scenario = table.scenario();
+void read_excavation(const Table& table, const MeshOptions& sizes, TimeOptions& time, std::vector<Body>& bodies,
+                     std::vector<Excavation>& excavations) {
     Excavation excavation;
     table.fill(excavation);
-    excavation.outline = read_curve(table, sizes_of(scenario));
-    if (table.has("at") && excavation.at >= scenario.time.end && scenario.time.end > 0)
+    excavation.outline = read_curve(table, sizes);
+    if (table.has("at") && excavation.at >= time.end && time.end > 0)
         table.warning("never", "at", "is not before time.end: the region does not vanish in this run");
-    scenario.time.rest.not_before = std::max(scenario.time.rest.not_before, excavation.at + excavation.ramp);
-    const std::size_t number = scenario.excavations.size();
-    for (Body& body : scenario.bodies) {
+    time.rest.not_before = std::max(time.rest.not_before, excavation.at + excavation.ramp);
+    const std::size_t number = excavations.size();
+    for (Body& body : bodies) {
         const std::vector<Vec2>& outer = body.shape.outer.points;
         if (outer.empty() || excavation.outline.empty()) continue;  // reported
         if (!meets(bounding_box(outer), bounding_box(excavation.outline))) continue;
         body.shape.regions.push_back({.points = excavation.outline, .tag = body.shape.tag, .only_line = true});
         body.excavations.push_back(number);
     }
-    scenario.excavations.push_back(std::move(excavation));
+    excavations.push_back(std::move(excavation));
 }
 
 }  // namespace
@@ -55,7 +54,9 @@ void read_excavations(Reading& reading) {
     if (!reading.scenario.crack_pressures.empty())
         first.error("exclusive-keys", "", "has no meaning with [[pressure]]: a fluid in cracks would flow out",
                     "one of them");
-    for (const Table& table : tables) read_excavation(table);
+    const MeshOptions sizes = sizes_of(reading.scenario.mesh, reading.scenario.given.get());
+    for (const Table& table : tables)
+        read_excavation(table, sizes, reading.scenario.time, reading.scenario.bodies, reading.scenario.excavations);
 }
 
 }  // namespace knap

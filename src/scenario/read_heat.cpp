@@ -224,7 +224,6 @@ TemperatureTable read_over_temperature(const Table& table, const char* key) {
 }
 
 void read_heat(Reading& reading) {
-    Scenario& scenario = reading.scenario;
     const Table table = reading.table("heat");
     if (!table.given()) {
         for (const Table& material : reading.list("material"))
@@ -252,7 +251,8 @@ void read_heat(Reading& reading) {
     const auto follows = [](const NamedLaw& named) { return named.law.of_temperature != nullptr; };
     const bool presses = std::ranges::any_of(reading.list("pressure"),
                                              [](const Table& pressure) { return pressure.given("pressure_table"); });
-    if (std::ranges::none_of(heat.materials, expands) && std::ranges::none_of(scenario.laws, follows) && !presses)
+    if (std::ranges::none_of(heat.materials, expands) && std::ranges::none_of(reading.scenario.laws, follows) &&
+        !presses)
         table.warning("no-expansion", "", "strains nothing: no material has an expansion",
                       "expansion in [material.NAME]");
     if (reading.table("domain").text("rotation") == "large")
@@ -260,13 +260,15 @@ void read_heat(Reading& reading) {
     if (reading.values.has("excavation"))
         table.error("exclusive-keys", "", "does not go together with [[excavation]]",
                     "cracked interfaces or a region of small E in its place");
-    for (const Body& body : scenario.bodies)
+    const std::vector<Body>& bodies = reading.scenario.bodies;
+    for (const Body& body : bodies)
         if (body.shape.outer.points.empty()) return;  // reported
-    const Box box = scenario.given            ? bounding_box(scenario.given->mesh.vertices)
-                    : scenario.bodies.empty() ? Box{}
-                                              : bounding_box(scenario.bodies.front().shape.outer.points);
+    const std::shared_ptr<const MeshFile>& given = reading.scenario.given;
+    const Box box = given            ? bounding_box(given->mesh.vertices)
+                    : bodies.empty() ? Box{}
+                                     : bounding_box(bodies.front().shape.outer.points);
     double coldest = infinity;
-    for (const double t : {0.0, scenario.time.end})
+    for (const double t : {0.0, reading.scenario.time.end})
         for (const Vec2& place : {box.low, box.high, box.middle()}) {
             const double T = heat.field_at(place, t);
             if (!std::isfinite(T))
@@ -274,7 +276,7 @@ void read_heat(Reading& reading) {
             coldest = std::min(coldest, T);
         }
     check_physical(table, "temperature", coldest, heat);
-    scenario.heat = std::move(heat);
+    reading.scenario.heat = std::move(heat);
 }
 
 }  // namespace knap

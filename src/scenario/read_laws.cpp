@@ -103,11 +103,15 @@ Scatter read_scatter(const Table& law) {
 /// joints use.
 class LawTable {
 public:
-    explicit LawTable(Reading& reading) : reading_(reading), scenario_(reading.scenario) {
-        const std::vector<std::string> materials = scenario_.material_names();
+    explicit LawTable(Reading& reading)
+        : reading_(reading),
+          laws_(reading.scenario.laws),
+          of_pair_(reading.scenario.law_of_pair),
+          within_(reading.scenario.law_within) {
+        const std::vector<std::string> materials = reading.scenario.material_names();
         n_ = static_cast<Index>(materials.size());
-        scenario_.law_of_pair.assign(n_, std::vector<Index>(n_, -1));
-        scenario_.law_within.assign(n_, -1);
+        of_pair_.assign(n_, std::vector<Index>(n_, -1));
+        within_.assign(n_, -1);
         const bool with_grains = !reading.list("grains").empty();
         for (Index a = 0; a < n_; ++a) {
             for (Index b = 0; b < n_; ++b) pair_[materials[a] + "-" + materials[b]] = {a, b};
@@ -121,13 +125,12 @@ public:
 
     void read() {
         for (const Table& table : reading_.list("interface")) {
-            scenario_.laws.push_back({table.name(), read_law(table), read_scatter(table)});
-            place(table, static_cast<Index>(scenario_.laws.size()) - 1);
+            laws_.push_back({table.name(), read_law(table), read_scatter(table)});
+            place(table, static_cast<Index>(laws_.size()) - 1);
         }
         if (reading_.values.has("interface")) fill_pairs();  // otherwise reported as missing, or as without a name
         for (Index i = 0; i < n_; ++i)
-            if (Index& law = scenario_.law_within[i]; law < 0)
-                law = within_ >= 0 ? within_ : scenario_.law_of_pair[i][i];
+            if (Index& law = within_[i]; law < 0) law = all_within_ >= 0 ? all_within_ : of_pair_[i][i];
     }
 
 private:
@@ -136,12 +139,12 @@ private:
         if (name == "default") {
             default_ = law;
         } else if (grain_.contains(name)) {
-            scenario_.law_within[grain_.at(name)] = law;
+            within_[grain_.at(name)] = law;
         } else if (!grain_.empty() && name == "within") {
-            within_ = law;
+            all_within_ = law;
         } else if (pair_.contains(name)) {
             const auto [a, b] = pair_.at(name);
-            Index &one = scenario_.law_of_pair[a][b], &other = scenario_.law_of_pair[b][a];
+            Index &one = of_pair_[a][b], &other = of_pair_[b][a];
             if (one >= 0) table.error("duplicate-name", "", "is the second law of this pair of materials");
             one = other = law;
         } else if (!free_names_.contains(name)) {
@@ -154,7 +157,7 @@ private:
     void fill_pairs() {
         std::vector<std::string> without;
         for (const auto& [names, numbers] : pair_) {
-            Index& law = scenario_.law_of_pair[numbers.first][numbers.second];
+            Index& law = of_pair_[numbers.first][numbers.second];
             if (law < 0 && default_ < 0 && numbers.first <= numbers.second) without.push_back(names);
             if (law < 0) law = default_;
         }
@@ -165,8 +168,10 @@ private:
     }
 
     Reading& reading_;
-    Scenario& scenario_;
-    Index n_ = 0, default_ = -1, within_ = -1;  // number of materials, number of these laws
+    std::vector<NamedLaw>& laws_;
+    std::vector<std::vector<Index>>& of_pair_;
+    std::vector<Index>& within_;                    // per material
+    Index n_ = 0, default_ = -1, all_within_ = -1;  // number of materials, number of these laws
     std::map<std::string, std::pair<Index, Index>> pair_;
     std::map<std::string, Index> grain_;  // material by name, if there are grains
     std::set<std::string> free_names_;
@@ -214,21 +219,22 @@ void check_softening(Reading& reading) {
 }
 
 void read_laws(Reading& reading) {
-    Scenario& scenario = reading.scenario;
     LawTable(reading).read();
+    std::vector<Index>& of_joint = reading.scenario.law_of_joint;
+    std::vector<Support>& supports = reading.scenario.supports;
     std::size_t joint = 0;
     for (const Table& table : reading.list("joints")) {
         if (!table.has("interface")) continue;
         const Index law = named_law(table).value_or(0);
-        if (joint < scenario.law_of_joint.size()) scenario.law_of_joint[joint++] = law;
+        if (joint < of_joint.size()) of_joint[joint++] = law;
     }
-    for (std::size_t i = 0; i < scenario.supports.size(); ++i) {
+    for (std::size_t i = 0; i < supports.size(); ++i) {
         const Table table = reading.table(item("support", i));
-        Support& support = scenario.supports[i];
+        Support& support = supports[i];
         const auto law = named_law(table);
         if (!law) continue;
         support.law = *law;
-        const NamedLaw& named = scenario.laws[*law];
+        const NamedLaw& named = reading.scenario.laws[*law];
         if (support.glued && reading.values.has("interface." + named.name + ".sigma_c") && named.law.sigma_c == 0)
             table.error("exclusive-keys", "glued", "needs cohesion, but the law `" + named.name + "` has no strength");
     }

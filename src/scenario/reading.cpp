@@ -192,10 +192,9 @@ void Table::check_column_name(const std::string& name) const {
 }
 
 void read_all(Reading& reading) {
-    Scenario& scenario = reading.scenario;
     const Table top(reading, "", reading.values.root);
-    top.fill(scenario);
-    const std::string& name = scenario.name;
+    top.fill(reading.scenario);
+    const std::string& name = reading.scenario.name;
     if (top.has("name") && (name.empty() || name.front() == '.' || !std::ranges::all_of(name, is_plain)))
         top.error("bad-name", "name", "= \"" + name + "\" cannot name a run directory", "letters, digits, - _ and .");
     for (const auto read : {read_materials, read_body, read_microstructure, read_supports, read_laws, read_loads,

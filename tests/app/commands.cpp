@@ -160,16 +160,16 @@ TEST_CASE("the step plan covers the time and keeps within the stable step") {
     scenario.time.end = 1;
     scenario.time.safety = 0.8;
     const double forever = 1e300;
-    const knap::StepPlan plan = knap::plan_steps(scenario, 0.013, forever);
+    const knap::StepPlan plan = knap::plan_steps(scenario.time, 0.013, forever);
     CHECK(plan.limits.largest <= 0.8 * 0.013 * (1 + 1e-12));
     CHECK(plan.limits.largest * static_cast<double>(plan.n_steps) == doctest::Approx(1).epsilon(1e-12));
     CHECK(plan.limits.cracking == plan.limits.largest);
-    CHECK(knap::plan_steps(scenario, 0.013, 0.5).limits.largest == plan.limits.largest);
-    CHECK(knap::plan_steps(scenario, 0.013, 0.5).n_steps == (plan.n_steps + 1) / 2);
+    CHECK(knap::plan_steps(scenario.time, 0.013, 0.5).limits.largest == plan.limits.largest);
+    CHECK(knap::plan_steps(scenario.time, 0.013, 0.5).n_steps == (plan.n_steps + 1) / 2);
     scenario.time.step = {.value = 0.5, .of_stable_step = true};
-    CHECK(knap::plan_steps(scenario, 0.01, forever).limits.largest == doctest::Approx(0.005));
+    CHECK(knap::plan_steps(scenario.time, 0.01, forever).limits.largest == doctest::Approx(0.005));
     scenario.time.step = {.value = 0.02};
-    CHECK_THROWS_AS(knap::plan_steps(scenario, 0.013, forever), knap::BadStep);
+    CHECK_THROWS_AS(knap::plan_steps(scenario.time, 0.013, forever), knap::BadStep);
 }
 
 TEST_CASE("steps that nobody can count are refused") {
@@ -198,11 +198,11 @@ TEST_CASE("the step plan of the implicit bulk is not bound by the stable step") 
     scenario.time.end = 1;
     scenario.time.scheme.bulk = knap::BulkScheme::implicit_theta;
     const double forever = 1e300;
-    CHECK(knap::plan_steps(scenario, 1e-3, forever).limits.largest == doctest::Approx(20e-3));
-    CHECK(knap::plan_steps(scenario, 10, forever).limits.largest == 1);  // no longer than the run
+    CHECK(knap::plan_steps(scenario.time, 1e-3, forever).limits.largest == doctest::Approx(20e-3));
+    CHECK(knap::plan_steps(scenario.time, 10, forever).limits.largest == 1);  // no longer than the run
     scenario.time.step = {.value = 0.02};
     scenario.time.step_cracking = {.value = 5, .of_stable_step = true};
-    const knap::StepLimits limits = knap::plan_steps(scenario, 1e-3, forever).limits;
+    const knap::StepLimits limits = knap::plan_steps(scenario.time, 1e-3, forever).limits;
     CHECK(limits.largest == 0.02);
     CHECK(limits.cracking == 0.005);
     CHECK(limits.smallest == 0.005 / (1 << 20));
@@ -211,7 +211,7 @@ TEST_CASE("the step plan of the implicit bulk is not bound by the stable step") 
                             knap::StepLength smallest) -> std::string {
         scenario.time.step = step, scenario.time.step_cracking = cracking, scenario.time.step_min = smallest;
         try {
-            knap::plan_steps(scenario, 1e-3, forever);
+            knap::plan_steps(scenario.time, 1e-3, forever);
         } catch (const knap::BadStep& error) {
             return error.key;
         }

@@ -38,11 +38,10 @@ void keep_defaults(ReadResult& read, const ReadResult& first) {
         set(read, "time.step", step, first_step.value);
 }
 
-std::string kept_text(const Scenario& scenario) {
-    const StepLength& step = scenario.time.step;
+std::string kept_text(const StepLength& step, const OutputOptions& output) {
     return (step.value > 0 ? "time.step = " + shortest(step.value) + (step.of_stable_step ? " CFL, " : " s, ") : "") +
-           "output.every = " + shortest(scenario.output.every) +
-           " s, output.history_every = " + shortest(scenario.output.history_every) + " s";
+           "output.every = " + shortest(output.every) + " s, output.history_every = " + shortest(output.history_every) +
+           " s";
 }
 
 /// The text with another end, and with the times of figures that follow from it.
@@ -78,13 +77,14 @@ Continuation continuation_of(const ReadResult& read, const Model& model, const f
     const double end = read.scenario.time.end, first_end = first ? first->scenario.time.end : 0;
     if (!first || end < first_end) return {.read = read};
     Continuation continuation{.read = read};
-    Scenario& scenario = continuation.read.scenario;
-    first->scenario.adapt = scenario.adapt;  // whether it pays does not depend on the end
+    first->scenario.adapt = read.scenario.adapt;  // whether it pays does not depend on the end
     keep_defaults(continuation.read, *first);
+    StepLength& step = continuation.read.scenario.time.step;
+    const OutputOptions& output = continuation.read.scenario.output;
     if (resolved_with_end(continuation.read, first_end) != text) return {.read = read};
     if (end == first_end) {  // the same run
         if (resolved_for_run(continuation.read) != resolved_for_run(read))
-            continuation.text = "kept from the run in the directory: " + kept_text(scenario) + "\n";
+            continuation.text = "kept from the run in the directory: " + kept_text(step, output) + "\n";
         return continuation;
     }
     if (!Checkpoints::exist_in(directory) && !Checkpoints::end_exists_in(directory)) return {.read = read};
@@ -93,14 +93,14 @@ Continuation continuation_of(const ReadResult& read, const Model& model, const f
             "not-extended",
             "the run in `" + directory.string() + "` cannot continue to t = " + shortest(end) + " s: " + problem,
             "start it again with --force, or choose another directory with --output");
-    if (step_follows_from_end(scenario.time.step))
-        set(continuation.read, "time.step", scenario.time.step,
-            plan_steps(first->scenario, model, infinity).limits.largest);
+    if (step_follows_from_end(step))
+        set(continuation.read, "time.step", step,
+            plan_steps(first->scenario.time, first->scenario.adapt, model, infinity).limits.largest);
     continuation.first_files_of_shorter = FirstFiles{{"resolved.toml", text}};
     for (const NamedFile& named : read.scenario.files)
         continuation.first_files_of_shorter->emplace_back(named.name, named.bytes);
     continuation.text = "extended: time.end was " + shortest(first_end) + " s, is " + shortest(end) + " s; kept are " +
-                        kept_text(scenario) +
+                        kept_text(step, output) +
                         "; resolved.toml contains them, and running it at once gives the same bits\n";
     return continuation;
 }

@@ -17,12 +17,10 @@ constexpr double far_from_outline = 0.25;  // [-] of an edge: the mesh may move 
 std::string path_of(const PlannedExcavation& planned) { return item("excavation", planned.number); }
 
 /// In the order of time; with the regions of all triangles.
-std::vector<PlannedExcavation> regions_of(const Scenario& scenario, const Mesh& mesh) {
+std::vector<PlannedExcavation> regions_of(const std::vector<Excavation>& excavations, const Mesh& mesh) {
     std::vector<PlannedExcavation> planned;
-    for (std::size_t i = 0; i < scenario.excavations.size(); ++i) {
-        const Excavation& excavation = scenario.excavations[i];
-        planned.push_back({i, excavation.at, excavation.ramp, triangles_in(mesh, excavation.outline)});
-    }
+    for (std::size_t i = 0; i < excavations.size(); ++i)
+        planned.push_back({i, excavations[i].at, excavations[i].ramp, triangles_in(mesh, excavations[i].outline)});
     std::ranges::stable_sort(planned, {}, &PlannedExcavation::at);
     return planned;
 }
@@ -75,7 +73,7 @@ double distance_from_outline(const Mesh& mesh, const std::vector<Vec2>& outline,
 }  // namespace
 
 std::vector<PlannedExcavation> plan_excavations(const ReadResult& read, const Model& model) {
-    std::vector<PlannedExcavation> planned = regions_of(read.scenario, model.mesh);
+    std::vector<PlannedExcavation> planned = regions_of(read.scenario.excavations, model.mesh);
     if (planned.empty()) return planned;
     std::vector<std::uint8_t> vanished(model.mesh.n_triangles(), 0);
     Index n_left = model.mesh.n_triangles();
@@ -103,7 +101,7 @@ std::vector<PlannedExcavation> plan_excavations(const ReadResult& read, const Mo
 
 std::vector<Diagnostic> findings_of_excavations(const ReadResult& read, const Model& model) {
     const Mesh& mesh = model.mesh;
-    const std::vector<PlannedExcavation> planned = regions_of(read.scenario, mesh);
+    const std::vector<PlannedExcavation> planned = regions_of(read.scenario.excavations, mesh);
     std::vector<Diagnostic> found;
     const auto warn = [&](const std::string& path, std::string text, const char* note) {
         found.push_back(read.at(path, {.severity = Diagnostic::Severity::warning,

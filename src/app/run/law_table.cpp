@@ -2,7 +2,7 @@
 
 #include "base/formatted.hpp"
 #include "base/text.hpp"
-#include "model/law_of_edge.hpp"
+#include "model/fans.hpp"
 #include "stepper/common/crack_forces.hpp"
 
 #include <algorithm>

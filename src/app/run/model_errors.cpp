@@ -175,7 +175,7 @@ Model model_of(ReadResult& read) {
 
 StepPlan plan_of(const ReadResult& read, const Model& model, double until) {
     try {
-        return plan_steps(read.scenario, model, until);
+        return plan_steps(read.scenario.time, read.scenario.adapt, model, until);
     } catch (const BadStep& error) {
         throw UserError({read.at(error.key, error.diagnostics.front())});
     }

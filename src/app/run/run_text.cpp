@@ -106,14 +106,14 @@ std::string not_at_rest_text(double end) {
         end);
 }
 
-std::string scheme_text(const Scenario& scenario) {
-    const SchemeOptions& scheme = scenario.time.scheme;
+std::string scheme_text(const TimeOptions& time) {
+    const SchemeOptions& scheme = time.scheme;
     const char* const beta = scheme.cohesion == CohesionScheme::implicit_beta ? "implicit beta" : "explicit beta";
     if (scheme.bulk == BulkScheme::implicit_theta)
         return formatted(
             "implicit bulk (theta %g, %s mass%s), %s; all interfaces together: method of multipliers, sparse "
             "factorisations",
-            scheme.theta, name_of(scheme.mass), scenario.time.start_in_equilibrium ? ", from equilibrium" : "", beta);
+            scheme.theta, name_of(scheme.mass), time.start_in_equilibrium ? ", from equilibrium" : "", beta);
     return formatted("explicit lumped bulk, %s; one exact problem per vertex that may open%s", beta,
                      scheme.damping > 0 ? "; mass-proportional damping" : "");
 }

@@ -46,8 +46,7 @@ double requested_step(const TimeOptions& time, double stable_step) {
 
 }  // namespace
 
-StepPlan plan_steps(const Scenario& scenario, double stable_step, double until) {
-    const TimeOptions& time = scenario.time;
+StepPlan plan_steps(const TimeOptions& time, double stable_step, double until) {
     if (!(stable_step >= 0))
         throw BadStep("mesh", "no-stable-step", "the stable step of the mesh is not a number",
                       "E, nu or density of a material, or mesh.size, is too large or too small for double precision");
@@ -75,12 +74,12 @@ StepPlan plan_steps(const Scenario& scenario, double stable_step, double until) 
             .stable_step = stable_step};
 }
 
-StepPlan plan_steps(const Scenario& scenario, const Model& model, double until) {
+StepPlan plan_steps(const TimeOptions& time, const AdaptOptions& adapt, const Model& model, double until) {
     std::vector<double> stable = stable_steps(model.mesh, model.materials, model.plane);
     double smallest = std::ranges::min(stable);
-    if (const AdaptOptions& adapt = scenario.adapt; adapt.active())  // the step holds for all refinements
+    if (adapt.active())  // the step holds for all refinements
         smallest = std::min(smallest, guaranteed_step(adapt.size, model.materials, model.plane));
-    StepPlan plan = plan_steps(scenario, smallest, until);
+    StepPlan plan = plan_steps(time, smallest, until);
     plan.stable_of_triangle = std::move(stable);
     return plan;
 }

@@ -26,7 +26,7 @@ public:
 };
 
 /// Throws BadStep. Steps do not depend on `until` [s]: a shorter run is the start of the longer one.
-StepPlan plan_steps(const Scenario& scenario, double stable_step, double until);
-StepPlan plan_steps(const Scenario& scenario, const Model& model, double until);
+StepPlan plan_steps(const TimeOptions& time, double stable_step, double until);
+StepPlan plan_steps(const TimeOptions& time, const AdaptOptions& adapt, const Model& model, double until);
 
 }  // namespace knap
