@@ -29,7 +29,7 @@ std::string shortened(const std::string& message) {
     return message.substr(0, whole(message, half)) + " ... " + message.substr(whole(message, size - half));
 }
 
-/// What is allowed is said once where mistakes of one kind follow each other.
+/// The text of all mistakes; where mistakes of one kind follow each other, the allowed values stand once.
 std::string all(const std::vector<Diagnostic>& found) {
     constexpr std::size_t max_shown = 50;
     std::string text;

@@ -70,7 +70,8 @@ struct Temperatures {
                                  // linear, at the middles opposite to its vertices (3 triangle + k)
     std::vector<CohesiveLaw> laws;  // per interface point, at the mean temperature of its sides; empty where no law
                                     // follows the temperature. Not in a checkpoint: fit_laws makes them again
-    double free_energy = 0;         // [J] 1/2 int e : D e, of thermal strains that were held: what their books round
+    double free_energy =
+        0;  // [J] 1/2 int e : D e, of prevented thermal strains: their energies cancel to the rounding of it
     // with conduction, since the start
     double heat = 0;        // [J] sum of C (T - T at the start)
     double heat_in = 0;     // [J] through boundaries and from sources

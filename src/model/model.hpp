@@ -164,7 +164,7 @@ struct Model {
     // whole run. Their interfaces have no points, and each of their corners is a fan of its own without forces, at rest
     // in its first place: a step does nothing there.
     std::vector<std::uint8_t> vanished;  // [0/1] per triangle; empty: nothing was excavated
-    // A step in which such a fan comes apart is rejected, so that the mesh becomes finer there first.
+    // A step in which such a fan splits is rejected, so that the mesh becomes finer there first.
     std::vector<std::uint8_t> too_coarse;  // [0/1] per fan; empty: the mesh does not change
 
     Index points_per_interface() const { return mesh.order + 1; }

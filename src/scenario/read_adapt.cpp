@@ -40,7 +40,7 @@ void refuse_others(Reading& reading, const Table& table) {
     }
 }
 
-/// The vertices at the ends of cracks come apart at the start, so they must be fine then.
+/// The vertices at the ends of cracks split at the start, so they must be fine then.
 void refine_crack_ends(const AdaptOptions& adapt, Body& body) {
     const std::vector<Segment> border = sides_of(body.shape.outer.points, true);
     const double reach = adapt.margin * adapt.size;

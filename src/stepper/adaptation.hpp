@@ -8,7 +8,7 @@
 //     may change  triangles whose vertices are all bonded; cracks keep their interfaces
 //     transfer    old vertices keep u and v, new ones take them linearly from the old triangles; then each patch gets
 //                 back the momentum that this cost it, by one velocity for all its vertices
-//     books       the leapfrog energy 1/2 v' M v + 1/2 u_n-1' K u_n changes by the work `adaptation`; on nested meshes
+//     energy      the leapfrog energy 1/2 v' M v + 1/2 u_n-1' K u_n changes by the work `adaptation`; on nested meshes
 //                 its kinetic part cannot grow, since |v|^2 is convex. Angular momentum is not kept: a correction would
 //                 spin the patch.
 //
@@ -44,11 +44,11 @@ double load_factor(const Eigen::Vector3d& stress, const Vec2& normal, const Cohe
 /// [m] Stable step of the smallest triangle that a mesh of edge length `size` should have, of the fastest material.
 double guaranteed_step(double size, const std::vector<Elastic>& materials, PlaneModel plane);
 
-/// [m] Wanted mean edge lengths per vertex. `also`: a place [m] that is marked, too.
+/// [m] Requested mean edge lengths per vertex. `also`: a place [m] that is marked, too.
 std::vector<double> requested_sizes(const Model& model, const State& state, const AdaptOptions& options,
                                     const std::optional<Vec2>& also = {});
 
-/// [0/1] Per fan: its edges are longer than 3/2 of `size` on average (Model::too_coarse: it may not come apart).
+/// [0/1] Per fan: its edges are longer than 3/2 of `size` on average (Model::too_coarse: it may not split).
 std::vector<std::uint8_t> coarse_fans(const Model& model, double size);
 
 /// The numbers of a refined mesh for those of the mesh before.

@@ -11,7 +11,7 @@ constexpr double growth = 1.5;
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, cutback_reasons.size()> reason_texts{{
     {"softening", "cohesion begins to fall"},
-    {"release", "a fan comes apart"},
+    {"release", "a fan splits"},
     {"assumption_1", "Assumption 1 does not hold, so the step has several solutions"},
     {"contact_speed", "faces that meet move by more than a twentieth of an edge"},
     {"not_converged", "the interface problem was not solved to its tolerance"},

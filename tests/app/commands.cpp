@@ -180,9 +180,9 @@ TEST_CASE("steps that nobody can count are refused") {
         return check.text;
     };
     for (const char* overrides : {"-s 'time.end=1e13 s'", "-s time.safety=1e-20", "-s material.left.E=1e60"}) {
-        const std::string said = refused(overrides);
-        CHECK(said.find("error[too-many-steps]: time.end = ") != std::string::npos);
-        CHECK(said.find("time.safety") != std::string::npos);
+        const std::string message = refused(overrides);
+        CHECK(message.find("error[too-many-steps]: time.end = ") != std::string::npos);
+        CHECK(message.find("time.safety") != std::string::npos);
     }
     CHECK(refused("-s 'time.step=1e-24 s'").find("--> --set time.step=1e-24 s") != std::string::npos);
     CHECK(refused("-s time.bulk=implicit -s 'time.step=1e-30 s'").find("error[too-many-steps]") != std::string::npos);
@@ -265,7 +265,7 @@ TEST_CASE("a run that violates several gates names them all") {
     CHECK(text().find("stable one") == std::string::npos);
 }
 
-TEST_CASE("what selects nothing of the mesh is said with its line") {
+TEST_CASE("a selection of nothing of the mesh is reported with its line") {
     const auto answer = [](const std::string& more) {
         const Folder folder("empty_selection");
         std::ofstream(folder.path / "plate.toml")

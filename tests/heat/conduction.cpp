@@ -289,7 +289,7 @@ TEST_CASE("conduction gives the same bits for 1 and 2 and 4 threads") {
         CHECK((end(1, implicit) == end(2, implicit) && end(1, implicit) == end(4, implicit)));
 }
 
-TEST_CASE("a quenched body gives the same bits for 1 and 2 threads and keeps its books") {
+TEST_CASE("a quenched body gives the same bits for 1 and 2 threads and keeps its energy balance") {
     const auto run_with = [](int threads) {
         omp_set_num_threads(threads);
         Heat heat = conducting("100", {1e-5});

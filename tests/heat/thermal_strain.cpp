@@ -286,7 +286,7 @@ TEST_CASE("H6 a disc that expands more than the plate round it") {
     verify("hoop stress outside over (R/r)^2 + (R/b)^2", hoop / n_hoop, P, {1e-2});
 }
 
-// The books of src/heat/README.md: E - E_start = works + thermal work, for strains that change in every step, while the body
+// The energy balance of src/heat/README.md: E - E_start = works + thermal work, for strains that change in every step, while the body
 // tears, with steps of changing size.
 TEST_CASE("the energy balance with changing temperatures closes to rounding") {
     for (const SchemeOptions& scheme : all_paths())

@@ -154,7 +154,7 @@ TEST_CASE("random fans with secant unloading meet every law") {
                 FanProblem fan =
                     RandomFan(seed, {.friction = friction, .prescribed = prescribed, .secant = true}).problem();
                 const FanSolution solution = solver.solve(fan, result);
-                if (solution.residual >= 1) {  // said so: relaxed or failed
+                if (solution.residual >= 1) {  // reported: relaxed or failed
                     ++n_unsolved;
                     continue;
                 }

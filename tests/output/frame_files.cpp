@@ -202,14 +202,14 @@ TEST_CASE("frame files: no half file has the name of a frame and an older one st
     const auto write_in = [&](rlim_t bytes) {
         const rlimit little{.rlim_cur = bytes, .rlim_max = before.rlim_max};
         setrlimit(RLIMIT_FSIZE, &little);
-        std::string said = "nothing";
+        std::string message = "nothing";
         try {
             series.write(frame);
         } catch (const OutputError& error) {
-            said = error.what();
+            message = error.what();
         }
         setrlimit(RLIMIT_FSIZE, &before);
-        return said;
+        return message;
     };
     CHECK(write_in(1000).find(bulk.string()) != std::string::npos);
     CHECK(fs::is_empty(run / "fields"));

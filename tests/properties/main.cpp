@@ -19,9 +19,9 @@ namespace {
 
 // Of processor time for one case; a hundredth is usual, 20 s was seen (a run that is cut into forty times as many steps as planned).
 #ifdef __SANITIZE_ADDRESS__
-constexpr int most_seconds = 1200;  // about ten times as slow
+constexpr int max_seconds = 1200;  // about ten times as slow
 #else
-constexpr int most_seconds = 120;
+constexpr int max_seconds = 120;
 #endif
 const char* program = "properties";
 bool flying = false;
@@ -34,7 +34,7 @@ void say_how_to_repeat() {
 
 /// A run that hangs: all is lost but its seed.
 extern "C" void out_of_time(int) {
-    std::printf("FAILED: no end after %d s\n", most_seconds);
+    std::printf("FAILED: no end after %d s\n", max_seconds);
     say_how_to_repeat();
     std::fflush(stdout);
     _exit(1);
@@ -42,7 +42,7 @@ extern "C" void out_of_time(int) {
 
 void limit_time() {
     itimerval limit{};
-    limit.it_value.tv_sec = most_seconds;
+    limit.it_value.tv_sec = max_seconds;
     setitimer(ITIMER_PROF, &limit, nullptr);
 }
 

@@ -28,7 +28,7 @@ public:
           turning_(seed, "turn") {}
 
     WildBody body() {
-        WildBody made{.body = RandomBodies(seed_, {.units = false, .most_cells = 4}).body()};
+        WildBody made{.body = RandomBodies(seed_, {.units = false, .max_cells = 4}).body()};
         stretch(made.body);
         change_laws(made.body);
         close_gaps(made.body.input);

@@ -124,7 +124,7 @@ private:
         at_most("growth of the cohesion", growth, 0);
     }
 
-    /// Nothing is given by interfaces; the rest of the books is judged at the end.
+    /// Nothing is given by interfaces; the rest of the energy balance is judged at the end.
     void books_close(const StepReport& report) {
         const EnergyRow& row = ledger_.row();
         at_most("minus the damping of the scheme", -report.scheme_dissipation, 1e-12 * ledger_.largest_energy());

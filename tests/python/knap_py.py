@@ -37,9 +37,9 @@ class OneRun(unittest.TestCase):
         self.assertEqual((energy.units["time"], energy.units["kinetic"]), ("s", "J"))
         last = (self.run_.directory / "energy.csv").read_text().splitlines()[-1].split(",")
         self.assertEqual([column[-1] for column in energy.values()], [float(text) for text in last])
-        books = (energy["kinetic"] + energy["strain"] + energy["cohesive_work"] - energy["external_work"]
+        residual = (energy["kinetic"] + energy["strain"] + energy["cohesive_work"] - energy["external_work"]
                  - energy["friction_work"] - energy["impact_work"] + energy["scheme_dissipation"] - energy["step_change_work"])
-        self.assertLess(np.abs(books).max(), 1e-12 * energy["external_work"].max())
+        self.assertLess(np.abs(residual).max(), 1e-12 * energy["external_work"].max())
         self.assertAlmostEqual(self.run_.table("breaks")["energy"].sum(), 12e-3, delta=1e-12)
         with self.assertRaisesRegex(knap.KnapError, "no probes.csv; there are: .*energy"):
             self.run_.table("probes")

@@ -34,7 +34,7 @@ TEST_CASE("outputs: every row has a name of its own in its table and a known uni
 }
 
 TEST_CASE("outputs: a name means one thing in all tables that a study looks through") {
-    // by name alone the summary is asked first, then the tables in their order: the same name must have the same unit
+    // by name alone the summary is searched first, then the tables in their order: the same name must have the same unit
     for (const char* one : {"summary", "energy.csv", "cracks.csv", "stress_strain.csv"})
         for (const char* other : {"energy.csv", "cracks.csv", "reactions.csv", "probes.csv", "stress_strain.csv"})
             for (const Output& row : output_table(one).rows) {

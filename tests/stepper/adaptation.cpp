@@ -1,4 +1,4 @@
-// Refinement between two steps: what it keeps exactly, what it books, and the trigger.
+// Refinement between two steps: what it keeps exactly, which works it counts, and the trigger.
 #include "stepper/adaptation.hpp"
 
 #include "analysis/energy_ledger.hpp"

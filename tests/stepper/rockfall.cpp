@@ -74,7 +74,7 @@ TEST_CASE("the wave solution of a mass on a bar has the known contact times") {
 }
 
 TEST_CASE(
-    "a boulder rebounds from an elastic block as the wave solution says within 2 percent and books and momentum "
+    "a boulder rebounds from an elastic block as the wave solution says within 2 percent and energy and momentum "
     "balance") {
     for (const double ratio : {1.0, 2.0})
         for (const int order : {1, 2})

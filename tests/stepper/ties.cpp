@@ -154,7 +154,7 @@ TEST_CASE("E3 all interfaces of a homogeneous bar reach their strength in one st
     start(again);
     const double h = 0.5 * run.stepper.stable_step();
     std::size_t most_at_once = 0, before = 0;
-    double residual = 0;  // the books begin without the strain energy of the start
+    double residual = 0;  // the energy balance begins without the strain energy of the start
     for (int i = 0; i < 4000; ++i) {
         run.step(h);
         if (i == 0) residual = run.ledger.row().residual;

@@ -36,7 +36,7 @@ inline ModelInput point_masses(const CohesiveLaw& law, bool glued) {
     return input;
 }
 
-/// A model with its stepper, its state and its books.
+/// A model with its stepper, its state and its energy ledger.
 class Run {
 public:
     explicit Run(ModelInput input, const SchemeOptions& scheme = {}) : Run(make_model(std::move(input)), scheme) {}

@@ -230,7 +230,7 @@ private:
                      shear = scene_.stiffness / (2 * (1 + nu));
         const double speed = std::sqrt(lambda + 2 * shear);
         std::vector<Eigen::Triplet<double>> stiffness, mass;
-        double least_height = 1e300;
+        double min_height = 1e300;
         for (std::size_t t = 0; t < triangles_.size(); ++t) {
             Eigen::Matrix3d corners;
             for (int k = 0; k < 3; ++k) corners.col(k) << 1, vertices_[triangles_[t][k]];
@@ -238,7 +238,7 @@ private:
             const Eigen::Matrix3d inverse = corners.inverse();
             for (int k = 0; k < 3; ++k) {
                 const Eigen::Vector2d g = inverse.row(k).tail(2);
-                least_height = std::min(least_height, 1 / g.norm());
+                min_height = std::min(min_height, 1 / g.norm());
                 for (int l = 0; l < 3; ++l) {
                     const Eigen::Vector2d f = inverse.row(l).tail(2);
                     const Eigen::Matrix2d block = area * (lambda * g * f.transpose() + shear * f * g.transpose() +
@@ -253,7 +253,7 @@ private:
         K_.resize(2 * n_nodes_, 2 * n_nodes_), M_.resize(2 * n_nodes_, 2 * n_nodes_);
         K_.setFromTriplets(stiffness.begin(), stiffness.end());
         M_.setFromTriplets(mass.begin(), mass.end());
-        h_ = scene_.step * least_height / speed;
+        h_ = scene_.step * min_height / speed;
         M_hat_.compute(M_ + std::pow(h_ * scene_.theta, 2) * K_);
         std::vector<Eigen::Triplet<double>> jumps;
         for (int i = 0; i < n_points(); ++i) {

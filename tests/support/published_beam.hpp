@@ -108,7 +108,7 @@ struct PublishedBeam {
     Vector u, v;                     // [mm], [mm/ms]
     double time = 0;                 // [ms]
     double worst = 0;                // residual of all steps: velocities [mm/ms]
-    int most_rounds = 0;             // of the active set in a step
+    int max_rounds = 0;              // of the active set in a step
 
 private:
     struct StepMatrix {
@@ -210,7 +210,7 @@ private:
     }
 
     /// [mm/ms] Least v+ of a point that may touch. Else than theirs: theta v+ + (1 - theta) v >= min(-u/h, -(1 - theta) max(-v, 0)).
-    double least_velocity(double h, double u_N, double v_N) const {
+    double min_velocity(double h, double u_N, double v_N) const {
         if (hovers) return 0;
         const double stops = -(1 - theta) * std::max(-v_N, 0.0), lands = u_N > 0 ? -u_N / h : 0;
         return (std::min(lands, stops) - (1 - theta) * v_N) / theta;
@@ -237,10 +237,10 @@ private:
                 if (round > 50) break;
             }
             if (!fits) continue;
-            most_rounds = std::max(most_rounds, round);
+            max_rounds = std::max(max_rounds, round);
             for (int i = 0; i < n_points(); ++i) {
                 if (state[i].contact == Contact::closed)
-                    worst = std::max(worst, std::abs(after[i] - least_velocity(h, u_N[i], v_N[i])));
+                    worst = std::max(worst, std::abs(after[i] - min_velocity(h, u_N[i], v_N[i])));
                 beta[i] = cohesion_at(i, u_N[i] + h * ((1 - theta) * v_N[i] + theta * after[i]));
                 if (beta[i] <= broken) beta[i] = 0;
             }
@@ -259,7 +259,7 @@ private:
             const double full = h * sigma_c * area[i];
             if (state[i].contact == Contact::closed) {  // v+ = a + W q
                 A.row(i) = W.row(i) / W(i, i);
-                b[i] = (least_velocity(h, u_N[i], v_N[i]) - a[i]) / W(i, i);
+                b[i] = (min_velocity(h, u_N[i], v_N[i]) - a[i]) / W(i, i);
                 continue;
             }
             A(i, i) = 1;
@@ -275,16 +275,16 @@ private:
     }
 
     PointState fitting(int i, double h, bool may_touch, double q, double after, double u_N, double v_N) const {
-        const double opening = u_N + h * ((1 - theta) * v_N + theta * after), wanted = 1 - opening / delta_c;
+        const double opening = u_N + h * ((1 - theta) * v_N + theta * after), requested = 1 - opening / delta_c;
         const double full = h * sigma_c * area[i],
                      p = q + full * (theta * cohesion_at(i, opening) + (1 - theta) * beta[i]);
         PointState right = state[i];
         if (state[i].contact == Contact::closed && p < -1e-12 * full) right.contact = Contact::open;
-        if (state[i].contact == Contact::open && may_touch && after < least_velocity(h, u_N, v_N))
+        if (state[i].contact == Contact::open && may_touch && after < min_velocity(h, u_N, v_N))
             right.contact = Contact::closed;
-        right.cohesion = beta[i] <= broken || wanted <= 0 ? Cohesion::gone
-                         : wanted < beta[i]               ? Cohesion::falls
-                                                          : Cohesion::holds;
+        right.cohesion = beta[i] <= broken || requested <= 0 ? Cohesion::gone
+                         : requested < beta[i]               ? Cohesion::falls
+                                                             : Cohesion::holds;
         return right;
     }
 

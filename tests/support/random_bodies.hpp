@@ -12,9 +12,9 @@ namespace knap::tests {
 struct RandomBodyOptions {
     bool friction = true, tangential = true, restitution = true;
     bool driven = true, support = true, unbreakable = true;
-    bool units = true;   // any units of length, mass and time
-    int most_cells = 3;  // each way, of two triangles
-    Index order = 1;     // of the triangles
+    bool units = true;  // any units of length, mass and time
+    int max_cells = 3;  // each way, of two triangles
+    Index order = 1;    // of the triangles
     std::shared_ptr<const SofteningShape> softening = nullptr;
     double delay = 0;      // relaxation time of the laws over the step
     bool secant = false;   // unloading, with explicit beta
@@ -96,8 +96,8 @@ private:
     }
 
     void make_mesh(ModelInput& input) {
-        const int n_x = 1 + static_cast<int>(random_.uniform(0, options_.most_cells)),
-                  n_y = 1 + static_cast<int>(random_.uniform(0, options_.most_cells));
+        const int n_x = 1 + static_cast<int>(random_.uniform(0, options_.max_cells)),
+                  n_y = 1 + static_cast<int>(random_.uniform(0, options_.max_cells));
         input.mesh = bar_mesh(n_x, n_y, n_x, n_y);
         input.mesh.order = options_.order;
         for (Vec2& x : input.mesh.vertices)

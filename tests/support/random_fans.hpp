@@ -14,7 +14,7 @@ struct RandomFanOptions {
     bool prescribed = true;  // some bodies driven
     bool units = true;       // random units of length, mass, time
     bool secant = false;     // most links with cohesion have secant unloading
-    int most_bodies = 12;
+    int max_bodies = 12;
 };
 
 class RandomFan {
@@ -22,7 +22,7 @@ public:
     RandomFan(std::uint64_t seed, const RandomFanOptions& options = {}) : random_(seed, "fan"), options_(options) {}
 
     FanProblem problem() {
-        const int n = 1 + static_cast<int>(random_.uniform(0, options_.most_bodies));
+        const int n = 1 + static_cast<int>(random_.uniform(0, options_.max_bodies));
         FanProblem fan;
         fan.drift_time = unit(3);
         speed_ = unit(6);

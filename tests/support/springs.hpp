@@ -57,7 +57,7 @@ inline ModelInput spring_body(const SpringBody& body) {
     return input;
 }
 
-/// Along the wanted motion: {x, y}.
+/// Along the requested motion: {x, y}.
 inline std::array<std::optional<double>, 2> along(Motion motion, double value) {
     if (motion == Motion::slip) return {value, std::nullopt};
     return {std::nullopt, value};

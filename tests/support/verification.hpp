@@ -1,6 +1,6 @@
 #pragma once
 // Reference cases have one home, the test that runs them. A number is held against its reference by verify(), which makes the test fail beyond
-// the tolerance ACC and, when a report is asked for (KNAP_VERIFICATION names a folder), notes the number for tests/VERIFICATION.md.
+// the tolerance ACC and, when a report is requested (KNAP_VERIFICATION names a folder), notes the number for tests/VERIFICATION.md.
 // The case is the first word of the test's name: "B3 four openings and three impacts" is about B3.
 #include <doctest/doctest.h>
 
@@ -14,7 +14,7 @@
 
 namespace knap::tests {
 
-/// ACC: what a correct program reaches. STR: what a good one does; a tenth of ACC where nothing is said.
+/// ACC: what a correct program reaches. STR: what a good one does; a tenth of ACC where nothing else is given.
 struct Tolerance {
     double acc;
     double str = std::numeric_limits<double>::quiet_NaN();
@@ -43,7 +43,7 @@ inline VerificationNotes& verification_notes() {
     return notes;
 }
 
-/// Where the report gathers its parts, if one is asked for.
+/// Where the report gathers its parts, if one is requested.
 inline std::optional<std::filesystem::path> verification_folder() {
     const char* folder = std::getenv("KNAP_VERIFICATION");
     return folder ? std::optional<std::filesystem::path>(folder) : std::nullopt;
@@ -103,7 +103,7 @@ inline void verify_that(const std::string& what, bool is_so) {
     detail::note(what, is_so ? "yes" : "no", "yes", "", is_so ? 0 : 1, 0, 0);
 }
 
-/// Where to draw a picture of this case, if a report is asked for.
+/// Where to draw a picture of this case, if a report is requested.
 inline std::optional<std::filesystem::path> picture(const std::string& name) {
     const auto folder = verification_folder();
     if (!folder) return std::nullopt;

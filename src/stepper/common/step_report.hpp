@@ -17,7 +17,7 @@ enum class Rejection {
     assumption_1,   // softening outweighs inertia and stiffness: the step has several solutions; a smaller one has one
     contact_speed,  // faces that meet move too far in the step
     not_converged,  // the solver of the interfaces did not reach its tolerance
-    too_coarse,     // a fan comes apart that must be refined first (Model::too_coarse)
+    too_coarse,     // a fan splits that must be refined first (Model::too_coarse)
 };
 
 /// How to combine the values of two parts of the body, or of two steps.

@@ -17,7 +17,7 @@ constexpr std::size_t bold_attempts = 6, max_attempts = 20;  // of the active se
 constexpr Eigen::Index max_dense = 60;                       // rows of W: more are solved by blocks
 constexpr double lack_of_blocks = 1e-9;                      // [-] of the right side, after two corrections
 
-constexpr double least_weight = 1e-10, largest_weight = 1;
+constexpr double min_weight = 1e-10, max_weight = 1;
 constexpr double heavier = 10;       // after a problem that was not solved
 constexpr double slow_below = 1e-3;  // sweeps
 
@@ -198,7 +198,7 @@ double ContactCluster::approach(double best, double speed, double rounding, cons
         const double now = largest_error();
         if (now < best) best = now, best_ = contacts;
         else if (!found && now > 10 * best) contacts = best_;
-        alpha = found ? std::max(weights.lighter * alpha, least_weight) : std::min(heavier * alpha, largest_weight);
+        alpha = found ? std::max(weights.lighter * alpha, min_weight) : std::min(heavier * alpha, max_weight);
     }
     contacts = best_;
     return best;

@@ -237,7 +237,7 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     const double gap_at_end = gap + h * n.dot(v);
     if (travel > largest_motion * length && gap_at_end < touching * length)
         refuse({ContactRefusal::Reason::speed, travel / length, at.x}, block.refusal);
-    // a piece that has just come apart from its fan is as far from the mean of its corners as half their slip
+    // a piece that has just left its fan is as far from the mean of its corners as half their slip
     const double slipped = 0.5 * retirement_slip * std::max(at.l_in, at.l_out);
     const bool is_deep = gap < -(touching * length + slipped + deep_in_steps * travel);
     const FaceContactState* before = known(at.before, pair.edge);

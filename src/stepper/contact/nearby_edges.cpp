@@ -9,7 +9,7 @@
 namespace knap {
 namespace {
 
-constexpr std::size_t most_late = 200;   // vertices that are compared one by one with each changed edge
+constexpr std::size_t max_late = 200;    // vertices that are compared one by one with each changed edge
 constexpr double cells_per_longest = 8;  // bounds the number of cells of a long edge among short ones
 
 /// Calls visit(x, y) for every cell of a box.
@@ -171,7 +171,7 @@ void NearbyEdges::find(std::span<const FreeEdge> edges, std::span<const CornerMo
 
 bool NearbyEdges::add(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
                       std::span<const Index> changed) {
-    if (late_vertices_.size() + changed.size() > most_late + n_listed_ / 20) return false;
+    if (late_vertices_.size() + changed.size() > max_late + n_listed_ / 20) return false;
     for (std::size_t c = x_.size(); c < corners.size(); ++c) x_.push_back(corners[c].x);
     is_late_.resize(edges.size(), 0), is_changed_.resize(edges.size(), 0);
     for (const Index e : changed) {

@@ -101,7 +101,7 @@ template <class Corner>
 struct ExplicitScheme::Sweep {
     const BlockFans<Corner>& block;
     const Vec2* on_corner;  // [N]
-    Vec2* kept;             // [N] per corner, where those of fans that come apart are kept; null: all are
+    Vec2* kept;             // [N] per corner, where those of fans that split are kept; null: all are
     const ExplicitStep& step;
     NodeMotion& nodes;
     ThreadWorkspace& work;

@@ -121,7 +121,7 @@ ContactLaw VertexContacts::law_between(const FaceContact& contact) const {
 }
 
 /// The parts of a fan move as rigid bodies: corners that points hold together which have not moved. Soft: a fan on a
-/// support, or with prescribed corners that may come apart.
+/// support, or with prescribed corners that may split.
 void VertexContacts::find_parts(TouchedFan& touched, const State& begin) const {
     const Fan& fan = model_.fans[touched.fan];
     const auto corners = model_.corners(fan);
@@ -215,7 +215,8 @@ void VertexContacts::add_parts(TouchedFan& touched, const ExplicitStep& step, Co
 }
 
 /// The problem of a cluster, with the impulses found last as its start.
-void VertexContacts::pose(const Cluster& cluster, const ExplicitStep& step, bool stuck_stays, ThreadWorkspace& work) {
+void VertexContacts::assemble(const Cluster& cluster, const ExplicitStep& step, bool stuck_stays,
+                              ThreadWorkspace& work) {
     ContactProblem& problem = work.contacts;
     problem.clear();
     for (const Index s : cluster.slots) {
@@ -269,7 +270,7 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
     spread(cluster);
     for (const Index s : cluster.slots)
         if (touched_[s].is_soft) solve_fan(touched_[s], step, work.split);
-    pose(cluster, step, true, work);
+    assemble(cluster, step, true, work);
     double speed = 0, error = 0;
     for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
         const FaceContact& c = contacts_.all()[cluster.contacts[k]];
@@ -280,7 +281,7 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
     double residual = 0, least = infinity;
     bool more_soft = false;
     for (int round = 0, last_progress = 0; round < max_contact_rounds; ++round) {
-        if (round > 0) pose(cluster, step, more_soft, work);
+        if (round > 0) assemble(cluster, step, more_soft, work);
         for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
             const FaceContact& c = contacts_.all()[cluster.contacts[k]];
             const ContactLaw law = law_between(c);

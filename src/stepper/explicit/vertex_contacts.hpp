@@ -76,7 +76,7 @@ private:
                          StepReport& report) const;
     void solve_fan(TouchedFan& touched, const ExplicitStep& step, VertexSolver::Workspace& work) const;
     void add_parts(TouchedFan& touched, const ExplicitStep& step, ContactProblem& problem) const;
-    void pose(const Cluster& cluster, const ExplicitStep& step, bool stuck_stays, ThreadWorkspace& work);
+    void assemble(const Cluster& cluster, const ExplicitStep& step, bool stuck_stays, ThreadWorkspace& work);
     void spread(const Cluster& cluster);
     Vec2 rate(Index contact, const State& state) const;
     Vec2 rate(Index contact) const;

@@ -100,7 +100,7 @@ bool AugmentedLagrangian::find_multipliers(double goal, int max_steps) {
     return false;
 }
 
-/// Newton's method at the final augmentation; where it is slow, from soft springs to stiff ones.
+/// Newton's method at the final augmentation; where it is slow, by continuation of the penalty from small to large.
 bool AugmentedLagrangian::continue_penalties(double tolerance) {
     if (find_rates(tolerance, max_direct_steps)) return true;
     for (double augmentation = soft_augmentation; augmentation < final_augmentation_; augmentation *= hardening) {

@@ -89,7 +89,7 @@ void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures
 }
 
 /// All active points, until no further fan opens. Where friction makes the method of multipliers cycle in a small body,
-/// Lemke's algorithm is asked before the method is driven to its limits.
+/// Lemke's algorithm is tried before the method is driven to its limits.
 void ImplicitScheme::solve_points(StepReport& report) {
     enum { quickly, from_lemke, thoroughly } attempt = lemke_is_cheap() ? quickly : thoroughly;
     for (int pass = 0;; ++pass) {

@@ -1,4 +1,4 @@
-// Refinement during whole runs: same bits for threads and resumed runs, books, files, and what is refused or said.
+// Refinement during whole runs: same bits for threads and resumed runs, energy balance, files, errors and warnings.
 #include "app/program.hpp"
 #include "output/history_csv.hpp"
 #include "output/vtk_series.hpp"

@@ -141,9 +141,9 @@ TEST_CASE("an interrupted run goes on when it is started again") {
         REQUIRE(fs::exists(folder.path / "run/checkpoint.previous"));
         const Answer again = command("run " + block + "-o " + folder.in_shell("run"));
         CHECK(again.code == 0);
-        for (const std::string& said : {again.text, text_of(folder.path / "run/log.txt")}) {  // with -q, too
-            CHECK(said.find("is not used: its checksum is wrong") != std::string::npos);
-            CHECK(said.find("resumed: continues from the checkpoint at t = ") != std::string::npos);
+        for (const std::string& text : {again.text, text_of(folder.path / "run/log.txt")}) {  // with -q, too
+            CHECK(text.find("is not used: its checksum is wrong") != std::string::npos);
+            CHECK(text.find("resumed: continues from the checkpoint at t = ") != std::string::npos);
         }
         check_same_bits(folder.path / "whole", folder.path / "run");
     }

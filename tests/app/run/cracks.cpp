@@ -181,7 +181,7 @@ TEST_CASE("the starter plate forks as its picture shows") {
     const std::string json = text_of(folder.path / "run/run.json");
     CHECK(number_in(json, "mean_tip_speed") <= number_in(json, "max_tip_speed"));
     CHECK(number_in(json, "max_tip_speed") < 0.65 * number_in(json, "rayleigh_speed_m_per_s"));
-    // the main tip never goes back, nor does it or its length leap
+    // the main tip never goes back, nor does it or its length jump
     const History cracks = knap::read_csv(folder.path / "run/cracks.csv");
     const std::vector<double> tip_x = cracks.column("tip_x"), tip_y = cracks.column("tip_y");
     for (std::size_t i = 1; i < tip_x.size(); ++i)

@@ -90,7 +90,7 @@ TEST_CASE("paths that cannot be are the user's mistake") {
     CHECK(info.has("L\xef\xbf\xbdwe\""));  // the replacement character
 }
 
-TEST_CASE("what a figure cannot be is said before it is drawn") {
+TEST_CASE("an impossible figure is reported before anything is drawn") {
     const Folder folder("no_figure");
     REQUIRE(command(small_bar + "-o " + folder.in_shell("run")).code == 0);
     for (const char* option :

@@ -67,7 +67,7 @@ TEST_CASE("loads that contradict each other are refused with both lines") {
     CHECK(command(plate(folder, top + "[[load]]\non = \"left\"\ntraction = [0, \"1 MPa\"]\n")).code == 0);
 }
 
-TEST_CASE("a displacement without a ramp is said to be a jump") {
+TEST_CASE("a displacement without a ramp is reported as a jump") {
     const Folder folder("jump");
     const Answer jump = command(plate(folder, top) + "-s load[0].ramp=");
     CAPTURE(jump.text);
@@ -93,7 +93,7 @@ TEST_CASE("a displacement without a ramp is said to be a jump") {
     CHECK_FALSE(command(plate(folder, top) + "-s load[0].ramp= -s time.start=equilibrium").has("warning[jump]"));
 }
 
-TEST_CASE("what lies outside the body is said with its place") {
+TEST_CASE("places outside the body are reported with their coordinates") {
     const Folder folder("outside");
     const std::string domain =
         "[[domain.region]]\nbox = [1, 1, 2, 2]\nmaterial = \"rock\"\n[[domain.hole]]\ncentre = [\"50 mm\", \"20 "
@@ -118,7 +118,7 @@ TEST_CASE("what lies outside the body is said with its place") {
     CHECK(check.has("the body extends from (0, 0) m to (0.1, 0.04) m"));
 }
 
-TEST_CASE("a run that nobody can mean is said to be one") {
+TEST_CASE("a run that nobody can mean is reported") {
     const Folder folder("endless");
     const Answer check =
         command(plate(folder, "[output]\nevery = \"1 us\"\nhistory_every = \"1 us\"\n") + "-s 'time.end=10 h'");

@@ -58,7 +58,7 @@ TEST_CASE("on a full volume nothing is lost but what had no room") {
     CHECK(text_of(folder.path / "energy.csv") == text_of(folder.path / "roomy/energy.csv"));
 }
 
-TEST_CASE("where nothing may be written that is said and read all the same") {
+TEST_CASE("where nothing may be written this is reported and files are read all the same") {
     const Folder folder("read only");
     const fs::path locked = folder.path / "locked";
     const std::string run = "run bar_ramp_wave -q -j 1 -s 'time.end=\"2 us\"' -s expect={} ";
@@ -149,13 +149,13 @@ TEST_CASE("a run directory that vanishes ends the run with 3") {
 
 namespace {
 
-/// Starts the program as a shell would, with `before` done to it, and its messages in `said`.
-pid_t started(const std::string& arguments, const fs::path& said, const std::string& before = "") {
+/// Starts the program as a shell would, with `before` done to it, and its messages in `log`.
+pid_t started(const std::string& arguments, const fs::path& log, const std::string& before = "") {
     const pid_t child = fork();
     REQUIRE(child >= 0);
     if (child == 0) {
         execl("/bin/sh", "sh", "-c",
-              (before + "exec '" KNAP_PROGRAM "' " + arguments + " >'" + said.string() + "' 2>&1").c_str(), nullptr);
+              (before + "exec '" KNAP_PROGRAM "' " + arguments + " >'" + log.string() + "' 2>&1").c_str(), nullptr);
         _exit(127);
     }
     return child;
@@ -168,7 +168,7 @@ int exit_code_of(pid_t child) {
     return WEXITSTATUS(status);
 }
 
-/// Whether a process is the program by now, and has said what is to be done at this signal.
+/// Whether a process is the program by now, and has set what is to be done at this signal.
 bool catches(pid_t process, int signal) {
     std::error_code none;
     if (!fs::equivalent("/proc/" + std::to_string(process) + "/exe", KNAP_PROGRAM, none)) return false;
@@ -189,7 +189,7 @@ TEST_CASE("SIGTERM and SIGHUP end a run as Ctrl-C does") {
     for (const int signal : {SIGTERM, SIGHUP}) {
         CAPTURE(signal);
         const pid_t child =
-            started("run edge_cracked_block -q -j 1 --force -o " + folder.in_shell("run"), folder.path / "said");
+            started("run edge_cracked_block -q -j 1 --force -o " + folder.in_shell("run"), folder.path / "log");
         wait_for([&] { return fs::exists(run / "fields/bulk_0001.vtu"); });
         kill(child, signal);
         CHECK(exit_code_of(child) == 130);
@@ -202,13 +202,13 @@ TEST_CASE("a run that is ended while it makes its mesh says so and leaves nothin
     const Folder folder("no mesh");
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         CAPTURE(signal);
-        const pid_t child = started("run edge_cracked_block -j 1 -s mesh.size=0.1mm -o " + folder.in_shell("run"),
-                                    folder.path / "said");
+        const pid_t child =
+            started("run edge_cracked_block -j 1 -s mesh.size=0.1mm -o " + folder.in_shell("run"), folder.path / "log");
         for (int i = 0; i < 1000 && !catches(child, signal); ++i)
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         kill(child, signal);
         CHECK(exit_code_of(child) == 130);
-        CHECK(text_of(folder.path / "said") == "interrupted\n");
+        CHECK(text_of(folder.path / "log") == "interrupted\n");
         CHECK_FALSE(fs::exists(folder.path / "run"));
     }
 }
@@ -216,7 +216,7 @@ TEST_CASE("a run that is ended while it makes its mesh says so and leaves nothin
 TEST_CASE("a run under nohup outlives its terminal") {
     const Folder folder("nohup");
     const pid_t child = started("run " + small_block() + "-s figure=[] -o " + folder.in_shell("run"),
-                                folder.path / "said", "trap '' HUP; ");
+                                folder.path / "log", "trap '' HUP; ");
     wait_for([&] { return fs::exists(folder.path / "run/fields/bulk_0001.vtu"); });
     kill(child, SIGHUP);
     CHECK(exit_code_of(child) == 0);
@@ -225,7 +225,7 @@ TEST_CASE("a run under nohup outlives its terminal") {
 TEST_CASE("a run that was started with Ctrl-C ignored is not ended by it") {
     const Folder folder("ignored");
     const pid_t child = started("run " + small_block() + "-s figure=[] -o " + folder.in_shell("run"),
-                                folder.path / "said", "trap '' INT; ");
+                                folder.path / "log", "trap '' INT; ");
     wait_for([&] { return fs::exists(folder.path / "run/fields/bulk_0001.vtu"); });
     kill(child, SIGINT);
     CHECK(exit_code_of(child) == 0);

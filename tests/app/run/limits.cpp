@@ -88,8 +88,8 @@ TEST_CASE("limits: a bar that turns is warned of from 5 degrees and ends its run
         CHECK(warned["status"] == "done");
         CHECK(gate_of(warned, "rotation")["level"] == "warning");
         CHECK(gate_of(warned, "rotation")["pass"] == true);
-        const auto& said = warned["warnings"];
-        CHECK(std::count_if(said.begin(), said.end(), [](const Json& one) {
+        const auto& warnings = warned["warnings"];
+        CHECK(std::count_if(warnings.begin(), warnings.end(), [](const Json& one) {
                   return one.get<std::string>().find("largest rotation") != std::string::npos;
               }) == 1);
     }

@@ -155,7 +155,7 @@ TEST_CASE("run directory: what runs did not make stays") {
     }
 }
 
-TEST_CASE("run directory: on a full disk an earlier run stays and what helps is said") {
+TEST_CASE("run directory: on a full disk an earlier run stays and the message names a cure") {
     const Folder folder("full");
     const std::string line = "run " + bar + "-s seed=2 -o " + folder.in_shell("run");
     REQUIRE(command("run " + bar + "-o " + folder.in_shell("run")).code == 0);

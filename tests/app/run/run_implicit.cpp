@@ -63,7 +63,7 @@ TEST_CASE("an implicit run says what it did") {
                            "[J],cohesive_work [J],friction_work [J],impact_work [J],residual [J],law_lag_energy [J],"
                            "crossing_loss_energy [J],scheme_dissipation [J],step_change_work [J],step [s]\n"));
 
-    SUBCASE("theta above a half damps and the books close") {
+    SUBCASE("theta above a half damps and the energy balance closes") {
         const Answer damped =
             command("run " + bar + "-s time.theta=0.7 -s time.mass=consistent -o " + folder.in_shell("damped"));
         CHECK(damped.code == 0);
@@ -196,7 +196,7 @@ TEST_CASE("complementarity problems of chosen steps are stored and can be solved
     const Answer solved = command("lcp " + folder.in_shell("run/lcp/step_000030"));
     CHECK(solved.code == 0);
     CHECK(solved.has("solved"));
-    // what lies beyond the end of a run, or behind the command that goes on with it, is said
+    // what lies beyond the end of a run, or behind the command that goes on with it, is reported
     CHECK_FALSE(run.has("dump-lcp"));
     const Answer beyond = command("run " + bar + "--until 2us --dump-lcp 1,3:5:100000 -o " + folder.in_shell("early"));
     CAPTURE(beyond.text);

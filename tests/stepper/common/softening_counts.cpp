@@ -83,7 +83,7 @@ TEST_CASE("softening: the count is that of the points which lost cohesion on eve
 
 TEST_CASE("softening: the step falls to the cracking step at the first of it with either bulk") {
     for (const SchemeOptions& path : both_paths()) {
-        Run run(cycled(), path);  // on its support no fan comes apart: only the softening tells
+        Run run(cycled(), path);  // on its support no fan splits: only the softening tells
         StepControl control({.largest = 0.05, .cracking = 0.01, .smallest = 1e-6, .end = 0.5});
         State next;
         std::vector<Cutback> cuts;
@@ -106,7 +106,7 @@ TEST_CASE("softening: the step falls to the cracking step at the first of it wit
     }
 }
 
-TEST_CASE("books: what closing gives back is told from what is dissipated") {
+TEST_CASE("recoverable energy is told from dissipated energy") {
     for (const SchemeOptions& path : all_paths()) {
         Run run(cycled(), path);
         constexpr int n = 256;

@@ -153,7 +153,7 @@ TEST_CASE("implicit stepper: with friction random small bodies move as the full 
 TEST_CASE("implicit stepper: bodies of second order move as the full complementarity problem says") {
     Tally tally;
     for (int seed = 4000; seed < 4030; ++seed)
-        compare(seed, {.friction = seed % 2 == 0, .most_cells = 2, .order = 2}, 6, tally);
+        compare(seed, {.friction = seed % 2 == 0, .max_cells = 2, .order = 2}, 6, tally);
     CHECK(tally.n_wrong == 0);
     CHECK(tally.n_several <= 2);
     CHECK(tally.n_unsolved + tally.n_not_converged + tally.n_refused + tally.n_inexact <= 3);
@@ -168,7 +168,7 @@ TEST_CASE("implicit stepper: with every softening shape bodies move as the full 
         CAPTURE(name);
         Tally tally;
         for (int i = 0; i < 12; ++i, ++seed)
-            compare(seed, {.friction = seed % 3 == 0, .most_cells = 2, .softening = softening}, 8, tally);
+            compare(seed, {.friction = seed % 3 == 0, .max_cells = 2, .softening = softening}, 8, tally);
         CHECK(tally.n_wrong == 0);
         CHECK(tally.n_several <= 1);
         CHECK(tally.n_unsolved + tally.n_not_converged + tally.n_refused + tally.n_inexact <= 2);
@@ -186,9 +186,8 @@ TEST_CASE("implicit stepper: with delayed softening bodies move as the full comp
         CAPTURE(name);
         Tally tally;
         for (int i = 0; i < 12; ++i, ++seed)
-            compare(seed,
-                    {.friction = seed % 3 == 0, .most_cells = 2, .softening = softening, .delay = i % 2 ? 0.2 : 3}, 8,
-                    tally);
+            compare(seed, {.friction = seed % 3 == 0, .max_cells = 2, .softening = softening, .delay = i % 2 ? 0.2 : 3},
+                    8, tally);
         CHECK(tally.n_wrong == 0);
         CHECK(tally.n_several <= 1);
         CHECK(tally.n_unsolved + tally.n_not_converged + tally.n_refused + tally.n_inexact <= 2);
@@ -201,7 +200,7 @@ TEST_CASE("implicit stepper: with secant unloading bodies move as the full compl
     for (const bool friction : {false, true}) {
         Tally tally;
         for (int seed = 7000; seed < 7060; ++seed)
-            compare(seed, {.friction = friction, .most_cells = 2, .secant = true}, 12, tally);
+            compare(seed, {.friction = friction, .max_cells = 2, .secant = true}, 12, tally);
         CAPTURE(friction);
         CHECK(tally.n_wrong == 0);
         CHECK(tally.n_several <= (friction ? 3 : 0));
