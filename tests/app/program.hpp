@@ -70,6 +70,16 @@ inline Answer run_scene(const Folder& folder, const std::string& options) {
     return command("run " + folder.in_shell("scene.toml") + " -q " + options);
 }
 
+/// `knap check` finds an error with this code and these words in it.
+inline void check_refused(const Folder& folder, const std::string& text, const char* code, const char* words) {
+    write_scene(folder, text);
+    const Answer answer = command("check " + folder.in_shell("scene.toml"));
+    CAPTURE(answer.text);
+    CHECK(answer.code == 2);
+    CHECK(answer.has(code));
+    CHECK(answer.has(words));
+}
+
 /// Runs the scenario whole, with these numbers of threads, and in parts that end at these times: all have the tables
 /// and frames of the run `whole`; `least`: of them there are more.
 inline void check_threads_and_parts(const Folder& folder, std::initializer_list<const char*> threads,

@@ -4,6 +4,7 @@
 #include "mesh/triangulate.hpp"
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
+#include "support/tied_bar.hpp"
 
 #include <doctest/doctest.h>
 
@@ -131,27 +132,9 @@ void leave_rubble_alone(const SchemeOptions& path, int n_steps) {
 TEST_CASE("E3 all interfaces of a homogeneous bar reach their strength in one step") {
     describe("A bar of 20 x 4 cells with a homogeneous rate of strain: all interfaces reach sigma_c in one step.");
     on_path(both_explicit);
-    const auto tied_bar = [] {
-        ModelInput input;
-        input.plane = PlaneModel::stress;
-        input.mesh = bar_mesh(20, 4, 1, 0.2);
-        input.materials = {{.density = 1, .E = 1, .nu = 0}};
-        input.laws = {{.sigma_c = 1e-3, .G_c = 2e-5, .gamma = 1, .friction = 0.3}};
-        input.law_of_pair = {{0}};
-        input.loads = {load(Load::Kind::velocity, "left", -1e-3, std::nullopt),
-                       load(Load::Kind::velocity, "right", 1e-3, std::nullopt)};
-        return input;
-    };
-    const auto start = [](Run& run) {  // a homogeneous rate of strain, from a stress a little below the strength
-        for (Index c = 0; c < run.model.mesh.n_corners(); ++c) {
-            const double x = run.model.mesh.corner(c / 3, c % 3).x();
-            run.now.displacement[run.now.node_of_corner[c]].x() = 0.999e-3 * (x - 0.5);
-            run.now.velocity[run.now.node_of_corner[c]].x() = 2e-3 * (x - 0.5);
-        }
-    };
     Run run(tied_bar()), again(tied_bar());
-    start(run);
-    start(again);
+    strain_evenly(run);
+    strain_evenly(again);
     const double h = 0.5 * run.stepper.stable_step();
     std::size_t most_at_once = 0, before = 0;
     double residual = 0;  // the energy balance begins without the strain energy of the start

@@ -243,12 +243,7 @@ TEST_CASE("adaptation: a mesh that may not grow and one that should be fine ever
 TEST_CASE("adaptation: what it does not go together with") {
     const Folder folder("adaptation messages");
     const auto refused = [&](const std::string& text, const char* code, const char* words) {
-        write_scene(folder, text);
-        const Answer answer = command("check " + folder.in_shell("scene.toml"));
-        CAPTURE(answer.text);
-        CHECK(answer.code == 2);
-        CHECK(answer.has(code));
-        CHECK(answer.has(words));
+        check_refused(folder, text, code, words);
     };
     refused(scene("", "[[obstacle]]\nname = \"ground\"\nkind = \"half plane\"\nat = [0, -1]\nnormal = [0, 1]\n"),
             "exclusive-keys", "does not go together with [[obstacle]]");

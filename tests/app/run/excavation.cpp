@@ -102,12 +102,7 @@ TEST_CASE("excavation: files show what remains and the record has what left") {
 TEST_CASE("excavation: messages") {
     const Folder folder("excavation messages");
     const auto refused = [&](const std::string& text, const char* code, const char* words) {
-        write_scene(folder, text);
-        const Answer answer = command("check " + folder.in_shell("scene.toml"));
-        CAPTURE(answer.text);
-        CHECK(answer.code == 2);
-        CHECK(answer.has(code));
-        CHECK(answer.has(words));
+        check_refused(folder, text, code, words);
     };
     const std::string box = "[[excavation]]\nat = \"4 ms\"\nbox = ";
     refused(scene(box + "[20, 20, 21, 21]\n"), "empty-selection", "`excavation[2]` covers no triangle");

@@ -4,6 +4,7 @@
 #include "support/paths.hpp"
 #include "support/relative.hpp"
 #include "support/springs.hpp"
+#include "support/tied_bar.hpp"
 
 #include <doctest/doctest.h>
 
@@ -60,25 +61,11 @@ void check_energy_balance(const Run& run, double residual = 0) {
 }  // namespace
 
 TEST_CASE("E3 all interfaces of a homogeneous bar reach their strength in one implicit step") {
-    ModelInput input;
-    input.plane = PlaneModel::stress;
-    input.mesh = bar_mesh(20, 4, 1, 0.2);
-    input.materials = {{.density = 1, .E = 1, .nu = 0}};
-    input.laws = {{.sigma_c = 1e-3, .G_c = 2e-5, .gamma = 1, .friction = 0.3}};
-    input.law_of_pair = {{0}};
-    input.loads = {load(Load::Kind::velocity, "left", -1e-3, std::nullopt),
-                   load(Load::Kind::velocity, "right", 1e-3, std::nullopt)};
-    const auto strain = [](Run& run) {  // a homogeneous rate of strain, from a stress a little below the strength
-        for (Index c = 0; c < run.model.mesh.n_corners(); ++c) {
-            const double x = run.model.mesh.corner(c / 3, c % 3).x();
-            run.now.displacement[run.now.node_of_corner[c]].x() = 0.999e-3 * (x - 0.5);
-            run.now.velocity[run.now.node_of_corner[c]].x() = 2e-3 * (x - 0.5);
-        }
-        run.ledger = EnergyLedger(run.model, run.now);
-    };
-    Run run(input, implicit()), again(input, implicit());
-    strain(run);
-    strain(again);
+    Run run(tied_bar(), implicit()), again(tied_bar(), implicit());
+    for (Run* one : {&run, &again}) {
+        strain_evenly(*one);
+        one->ledger = EnergyLedger(one->model, one->now);
+    }
     const double h = 0.02;  // a wave crosses .4 of a cell
     const int rejections = go(run, 2, h);
     CHECK(go(again, 2, h) == rejections);
