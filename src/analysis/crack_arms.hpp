@@ -104,6 +104,13 @@ public:
     /// After a refinement of the mesh.
     void renumber(InterfaceGraph graph, const Renumbering& numbers);
 
+    /// The clock is set back by `time` [s].
+    void set_back(double time) {
+        edges_.set_back(time);
+        for (CrackNode& node : nodes_) node.since -= time;
+        for (Branching& branching : branchings_) branching.time -= time;
+    }
+
     const CrackedEdges& edges() const { return edges_; }
     const InterfaceGraph& graph() const { return edges_.graph(); }
     const std::vector<CrackNode>& nodes() const { return nodes_; }

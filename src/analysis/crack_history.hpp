@@ -64,6 +64,13 @@ public:
     /// After a refinement of the mesh.
     void renumber(InterfaceGraph graph, const Renumbering& numbers);
 
+    /// The clock is set back by `time` [s]: what cracked before has negative times.
+    void set_back(double time) {
+        arms_.set_back(time);
+        for (double& t : times_) t -= time;
+        if (first_growth_) *first_growth_ -= time;
+    }
+
     const CrackPattern& pattern() const { return pattern_; }  // of the last snapshot
     const CrackArms& arms() const { return arms_; }
     double tip_speed() const {

@@ -32,6 +32,11 @@ public:
     /// The graph of a refined mesh, with the new numbers of vertices and edges; edges that are gone were intact.
     void renumber(InterfaceGraph graph, const Renumbering& numbers);
 
+    /// The clock is set back by `time` [s].
+    void set_back(double time) {
+        for (double& since : since_) since -= time;
+    }
+
     const InterfaceGraph& graph() const { return graph_; }
     std::span<const Index> edges_at(Index vertex) const { return edges_at_[vertex]; }
     Index far_end(Index edge, Index vertex) const { return graph_.ends[edge][graph_.ends[edge][0] == vertex]; }

@@ -35,6 +35,7 @@
 #include "stepper/common/step_scheme.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace knap {
 
@@ -67,6 +68,18 @@ struct EnergyRow {
 struct RareWorks {
     bool rotation = false, damping = false, radiation = false, excavation = false, adaptation = false, secant = false,
          heat = false, conduction = false, law_change = false, delay = false, incubation = false;
+
+    static constexpr auto all() {
+        using R = RareWorks;
+        return std::array{&R::rotation, &R::damping,    &R::radiation,  &R::excavation, &R::adaptation, &R::secant,
+                          &R::heat,     &R::conduction, &R::law_change, &R::delay,      &R::incubation};
+    }
+    void include(const RareWorks& other) {
+        for (const auto work : all()) this->*work = this->*work || other.*work;
+    }
+    void serialize(auto& archive) {
+        for (const auto work : all()) archive(this->*work);
+    }
 };
 
 /// All that is known of a number of EnergyRow: its column of energy.csv, how the ledger sums it up, and its curve in
@@ -115,6 +128,9 @@ public:
     void adapt(const Renumbering& numbers, const LeapfrogEnergies& energies);
     /// The model has become its successor.
     void renew(const Model& model, double weakest_point);
+
+    /// The time of the row becomes that of another clock [s].
+    void set_clock(double time) { row_.time = time; }
 
     const EnergyRow& row() const { return row_; }
     const StepReport& worst() const { return worst_; }  // maxima and counts over all steps

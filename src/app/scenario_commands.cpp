@@ -8,6 +8,7 @@
 #include "app/run/law_table.hpp"
 #include "app/run/run_text.hpp"
 #include "app/run/setup.hpp"
+#include "app/run/start_state.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "base/whole_file.hpp"
@@ -116,6 +117,9 @@ void print_methods(const Scenario& scenario, const Model& model) {
         restitution ? "with restitution" : "plastic", scenario.supports.empty() ? "no" : "yes",
         model.prescribed.empty() ? "no" : "yes");
     std::printf("  scheme: %s\n", scheme_text(scenario.time).c_str());
+    if (!scenario.time.start_run.empty())
+        std::printf("  starts from the state `%s` of another run; the time counts from 0 again\n",
+                    scenario.time.start_run.c_str());
     if (scenario.time.rest.ends_run) std::printf("  ends at rest, at the latest at time.end\n");
     print_absorbing(model, scenario.time.scheme);
 }
@@ -176,6 +180,7 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
     const Model model = model_of(read);
     const double model_seconds = watch.cpu();
     std::vector<Diagnostic> found = check_model(read, model);
+    origin_of(read);
     const std::vector<PlannedExcavation> excavations = plan_excavations(read, model);
     const StepPlan plan = plan_of(read, model, scenario.time.end);
     if (full) std::fputs(full_listing(read).c_str(), stdout);

@@ -68,7 +68,11 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
     if (options_.rest.ends_run) rest_.emplace(model, options_.rest);
     gates_.judge(ledger_, deformation_);
     probes_.after_step(start);
-    if (options_.resumes) return;
+    if (!options_.resumes && !options_.continues_books) begin(start);
+}
+
+void Recorder::begin(const State& start) {
+    if (options_.continues_books) deformation_.look_at(start), gates_.judge(ledger_, deformation_);
     open_files();
     write_lines(start);
     write_fragments(start);
@@ -186,8 +190,10 @@ void Recorder::write_fragments(const State& now) {
 void Recorder::write_arms() {
     if (cracks_.arms().arms().empty()) return;
     const CrackHistory::Past past = cracks_.conclude();
-    for (std::size_t i = 0; i < past.all.size(); ++i) {
-        std::vector<double>& row = tables_.all().cracks.rows[i];
+    std::vector<std::vector<double>>& rows = tables_.all().cracks.rows;
+    const std::size_t n_earlier = past.all.size() - rows.size();  // of the run from which this one started
+    for (std::size_t i = n_earlier; i < past.all.size(); ++i) {
+        std::vector<double>& row = rows[i - n_earlier];
         const Vec2 place = past.tip[i] ? past.tip[i]->position : Vec2(none, none);
         const double speed = past.tip[i] ? past.tip[i]->speed : none, c_R = options_.context.rayleigh_speed;
         row[1] = past.main[i], row[2] = std::max(row[2], past.all[i]);

@@ -35,7 +35,8 @@ struct RecorderOptions {
     bool breaks = false;  // record every interface that breaks; a specimen implies it
     std::optional<SpecimenOptions> specimen;
     RestOptions rest;
-    bool resumes = false;  // files of an earlier part of the run exist: nothing is written before open_files()
+    bool resumes = false;          // files of an earlier part of the run exist: nothing is written before open_files()
+    bool continues_books = false;  // of another run: nothing is written before begin()
 };
 
 class Recorder {
@@ -43,6 +44,11 @@ public:
     Recorder(const Model& model, const State& start, RecorderOptions options);
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;
+
+    /// The first lines and the first frame. The constructor does this, unless another run's books come first.
+    void begin(const State& start);
+    /// The clock of these books is set back by `time` [s].
+    void set_back(double time) { cracks_.set_back(time), ledger_.set_clock(ledger_.row().time - time); }
 
     /// Writes the tables with all lines so far and opens them for the next lines. The constructor does this for a new
     /// run; a resumed run calls it after its checkpoint was read.
@@ -79,10 +85,13 @@ public:
     /// Frames and figures that this run wrote and that no longer exist.
     std::vector<std::string> missing_files() const;
 
+    /// What goes on in a run that starts from this one: its energy balance and its cracks.
+    void serialize_books(auto& archive) { archive(ledger_, cracks_); }
+    /// All else.
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(ledger_, deformation_, look_, search_, gates_, cracks_, tables_, lines_, fragments_, last_line_,
-                figures_, frames_, time_);
+        archive(deformation_, look_, search_, gates_, tables_, lines_, fragments_, last_line_, figures_, frames_,
+                time_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
         if (rest_) archive(*rest_);

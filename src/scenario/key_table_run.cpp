@@ -50,8 +50,11 @@ void add_keys_of_run(KeyTable& t) {
     t.number("damping", "Hz", "mass-proportional damping alpha, in 1/s: forces -alpha m v on the body and on free "
         "obstacles; vibrations decay as exp(-alpha t/2), rigid motions as exp(-alpha t); explicit bulk only")
         .at_least(0).otherwise("0").to(&SchemeOptions::damping);
-    t.word("start", {"rest", "equilibrium"}, "initial state: undeformed, or in static equilibrium with the loads at "
-        "t = 0").otherwise("rest").to(&TimeOptions::start_in_equilibrium, {false, true});
+    t.word("start", {"rest", "equilibrium", "run:*"}, "initial state: undeformed; in static equilibrium with the loads "
+        "at t = 0; or \"run:DIR@40us\": the state of the run in DIR, relative to the scenario file, at that time (of "
+        "output.states, or of a checkpoint), with its damage and its energy balance. The body must be the same, loads, "
+        "time, outputs and driven motions may be others; the time counts from 0 again")
+        .otherwise("rest").to(&TimeOptions::start_in_equilibrium, {false, true, false});
     t.word("assumption_1", {"respect", "ignore"}, "steps of the implicit cohesion that may have several solutions "
         "(softening faster than the step resolves): repeat with a smaller step, or accept one of the solutions")
         .otherwise("respect").to(&SchemeOptions::respect_assumption_1, {true, false});
@@ -62,6 +65,8 @@ void add_keys_of_run(KeyTable& t) {
         .above(0).computed("time.end/400").to(&OutputOptions::history_every);
     t.number("checkpoint_every", "s", "wall time between two checkpoints; the same command continues an interrupted "
         "run from its last checkpoint").at_least(0).otherwise("60").to(&OutputOptions::checkpoint_every);
+    t.number("states", "s", "times at which the whole state is kept, for other runs that start from it (time.start)")
+        .one_or_list().above(0).computed("none").to(&OutputOptions::states);
     t.flag("fields", "write .vtu frames").otherwise("true").to(&OutputOptions::fields);
     t.flag("report", "write report.html, a page with figures, frames, numbers and warnings; of studies and sweeps, too")
         .otherwise("true").to(&OutputOptions::report);

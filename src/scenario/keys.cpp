@@ -44,6 +44,7 @@ std::string_view Key::parent() const {
 
 bool is_word(const std::vector<std::string>& words, std::string_view text) {
     return std::ranges::any_of(words, [&](const std::string& word) {
+        if (word.ends_with('*')) return text.size() >= word.size() && text.starts_with(word.substr(0, word.size() - 1));
         return word.starts_with('*') ? text.size() >= word.size() && text.ends_with(word.substr(1)) : text == word;
     });
 }

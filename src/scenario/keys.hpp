@@ -65,11 +65,12 @@ struct Key {
     std::string_view second_unit = "=";  // of the second number of a point; "=": the same unit
     std::vector<std::string> multiples;  // units that are kept instead of converted: "CFL", "cR", "%"
     Range range = {};
-    std::vector<std::string> words = {};  // allowed texts ("*_force_x": with any prefix); of a number: besides numbers
-    std::string default_toml = {};        // a constant default
-    std::string_view default_doc = {};    // a computed default, in words
-    bool is_required = false;             // within its table
-    bool is_a_name = false;               // of a text: it must be a name (is_name)
+    std::vector<std::string> words =
+        {};  // allowed texts ("*_force_x", "run:*": with any text there); of a number: besides numbers
+    std::string default_toml = {};      // a constant default
+    std::string_view default_doc = {};  // a computed default, in words
+    bool is_required = false;           // within its table
+    bool is_a_name = false;             // of a text: it must be a name (is_name)
     Condition condition = {};
     std::string_view text_key = {};                      // of a table: the key that a text in place of the table gives
     const std::type_info* owner = nullptr;               // the options struct that has a member for the value

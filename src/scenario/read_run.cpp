@@ -337,6 +337,8 @@ void read_run(Reading& reading) {
         output.compute("history_every", Node::of_number(end / 400));
     }
     output.fill(scenario.output);
+    read_start(reading.table("time"));
+    check_states(output, scenario.time.end);
     std::size_t n_probes = 0;
     for (const Table& table : reading.list("probe")) read_probe(table, ++n_probes);
     for (const Table& table : reading.list("figure")) check_subject(table);

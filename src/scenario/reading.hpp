@@ -147,6 +147,9 @@ TemperatureTable read_over_temperature(const Table& table, const char* key);
 Selection read_selection(const Table& table);
 /// `on` of an entry that acts by its key `what`: on a boundary, or (`in_volume`) in a body, where none means all.
 Selection read_place(const Table& entry, const std::string& what, bool in_volume = false);
+/// time.start of a run that starts from the state of another one, and output.states, which keeps such states.
+void read_start(const Table& time);
+void check_states(const Table& output, double end);
 /// The body of mesh.file.
 void read_mesh_file(Reading& reading);
 

@@ -81,6 +81,7 @@ struct TimeOptions {
     StepLength step_min;       // 0 = 2^-20 of the step
     double safety = 0.8;       // [-] fraction of the stable step used by "auto"
     bool start_in_equilibrium = false;
+    std::string start_run;  // from which the run starts, as given, and the time of its state; empty: none
     RestOptions rest;
 };
 
@@ -91,6 +92,7 @@ struct OutputOptions {
     bool breaks = false;           // write breaks.csv
     bool report = true;            // write report.html
     double checkpoint_every = 60;  // [s] of wall time between checkpoints
+    std::vector<double> states;    // [s] at which the whole state is kept
 };
 
 /// A mesh that was read from a file.
@@ -103,6 +105,7 @@ struct NamedFile {
     std::string key;   // path of the key that names the file
     std::string name;  // in the run directory
     std::string bytes;
+    std::string prefix = {};  // of the name in the value of the key
 };
 
 /// The inclusions or joints placed for one [[inclusions]] or [[joints]]: a part of one of the lists of the shape.
@@ -154,6 +157,11 @@ struct Scenario {
     std::optional<Heat> heat;
     SweepOptions sweep;
 
+    /// The file of the state from which the run starts; null: none.
+    const NamedFile* start_file() const {
+        const auto found = std::ranges::find(files, "time.start", &NamedFile::key);
+        return found == files.end() ? nullptr : &*found;
+    }
     std::vector<std::string> boundary_names() const {
         std::vector<std::string> names;
         if (given) names = given->mesh.boundary_names, std::erase(names, "");

@@ -96,13 +96,16 @@ std::string block_markdown(std::string_view block) {
 // ---- JSON
 
 Json json_words(const std::vector<std::string>& words) {
-    std::vector<std::string> whole, endings;
+    std::vector<std::string> whole, beginnings, endings;
     for (const std::string& word : words)
         if (word.starts_with('*')) endings.push_back(word.substr(1));
+        else if (word.ends_with('*')) beginnings.push_back(word.substr(0, word.size() - 1));
         else whole.push_back(word);
-    const Json list{{"enum", whole}};
-    if (endings.empty()) return list;
-    return {{"anyOf", {list, {{"type", "string"}, {"pattern", ".(" + joined(endings, "|") + ")$"}}}}};
+    Json any = Json::array({{{"enum", whole}}});
+    const auto add = [&](const std::string& pattern) { any.push_back({{"type", "string"}, {"pattern", pattern}}); };
+    if (!endings.empty()) add(".(" + joined(endings, "|") + ")$");
+    if (!beginnings.empty()) add("^(" + joined(beginnings, "|") + ").");
+    return any.size() == 1 ? any[0] : Json{{"anyOf", any}};
 }
 
 Json json_value(const Key& key) {

@@ -27,6 +27,13 @@ double time_rounding(const State& state, double time) {
 std::string_view name_of(CutbackReason reason) { return reason_texts[static_cast<std::size_t>(reason)].first; }
 std::string_view describe(CutbackReason reason) { return reason_texts[static_cast<std::size_t>(reason)].second; }
 
+void StepControl::start_from(const StepControl& earlier) {
+    intact_ = earlier.intact_;
+    if (!intact_) largest_ = std::min(largest_, limits_.cracking);
+    step_ = earlier.step_ < earlier.largest_ ? std::min(earlier.step_, largest_) : largest_;
+    n_good_ = earlier.n_good_;
+}
+
 bool StepControl::has_reached(const State& state, double time) {
     return state.time >= time - time_rounding(state, time);
 }
@@ -58,7 +65,10 @@ std::optional<Cutback> StepControl::judge(const State& begin, double h, const St
     const std::optional<CutbackReason> reason = reason_against(h, report);
     const bool rejected = report.rejection != Rejection::none,
                breaks = !rejected && (report.softened > 0 || report.released > 0);
-    if (breaks || reason == CutbackReason::assumption_1) largest_ = std::min(largest_, limits_.cracking);
+    if (breaks || reason == CutbackReason::assumption_1) {
+        largest_ = std::min(largest_, limits_.cracking);
+        intact_ = false;
+    }
     if (!reason) {
         smallest_taken_ = largest_taken_ == 0 ? h : std::min(smallest_taken_, h);
         largest_taken_ = std::max(largest_taken_, h);

@@ -44,6 +44,10 @@ class StepControl {
 public:
     explicit StepControl(const StepLimits& limits) : limits_(limits), step_(limits.largest), largest_(limits.largest) {}
 
+    /// Starts where another run was: with its step, where cutbacks had made it smaller, and with the cracking step,
+    /// where its cohesion had begun to fall. The counts begin at zero.
+    void start_from(const StepControl& earlier);
+
     double next(const State& begin) const;  // [s] size of the step from a state
 
     /// Whether that step depends on the end of the run: all earlier ones are those of a longer run.
@@ -65,7 +69,7 @@ public:
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(step_, largest_, n_good_, smallest_taken_, largest_taken_, n_cutbacks_, rejected_steps_);
+        archive(step_, largest_, intact_, n_good_, smallest_taken_, largest_taken_, n_cutbacks_, rejected_steps_);
     }
 
 private:
@@ -74,6 +78,7 @@ private:
 
     StepLimits limits_;
     double step_, largest_;  // [s] current, and the largest from now on
+    bool intact_ = true;     // no cohesion has fallen, and no step had several solutions
     int n_good_ = 0;         // steps since the last change
     bool stuck_ = false;
     double smallest_taken_ = 0, largest_taken_ = 0;

@@ -45,7 +45,9 @@ struct RealRun {
     Excavations excavations{{}};
     Adaptation adaptation{{}, {}};
     std::int64_t triangle_steps = 3;
-    RunMemory memory{.now = run.now,
+    RunOrigin origin{.scenario = "name = \"torn\"\n"};
+    RunMemory memory{.origin = origin,
+                     .now = run.now,
                      .control = control,
                      .recorder = recorder,
                      .excavations = excavations,
@@ -85,6 +87,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static const std::string whole = bytes_of(real.memory);
     if (size == 0) return 0;
     const std::string rest = text_of(data + 1, size - 1);
-    read(data[0] % 2 == 0 ? rest : edited(packed_checkpoint(whole), rest), real);
+    read(data[0] % 2 == 0 ? rest : edited(packed_checkpoint(whole, {.time = 1, .last_step = 1}), rest), real);
     return 0;
 }

@@ -26,6 +26,9 @@ public:
     /// The model after all refinements so far, from that at the start of the run.
     void repeat(Model& model) const;
 
+    /// The count of steps is set back by `steps`.
+    void set_back(std::int64_t steps) { next_look_ -= steps; }
+
     AdaptationCounts counts(const Model& model, const State& now) const;
     /// The mesh reached adapt.limit.
     bool stays_coarse() const { return mesh_state_ == MeshState::stays; }

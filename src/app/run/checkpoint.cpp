@@ -1,11 +1,9 @@
 #include "app/run/checkpoint.hpp"
 
 #include "base/error.hpp"
-#include "base/formatted.hpp"
 #include "base/whole_file.hpp"
-#include "record/version.hpp"
+#include "record/checkpoint_file.hpp"
 
-#include <boost/crc.hpp>
 #include <cereal/archives/binary.hpp>
 #include <cereal/types/array.hpp>
 #include <cereal/types/optional.hpp>
@@ -38,10 +36,20 @@ void load_minimal(const Archive&, Path& path, const std::string& text) {
 
 namespace knap {
 
+namespace {
+
+/// With which another run starts; its recorder then has the books alone.
+void serialize_start(auto& archive, RunMemory& memory) {
+    archive(memory.origin, memory.now, memory.control, memory.excavations, memory.adaptation);
+}
+
+}  // namespace
+
 template <class Archive>
 void serialize(Archive& archive, RunMemory& memory) {
-    archive(memory.now, memory.control, memory.recorder, memory.excavations, memory.adaptation, memory.triangle_steps,
-            memory.log_size, memory.spent);
+    serialize_start(archive, memory);
+    memory.recorder.serialize_books(archive);
+    archive(memory.recorder, memory.triangle_steps, memory.log_size, memory.spent);
 }
 
 std::string bytes_of(RunMemory& memory) {
@@ -62,60 +70,32 @@ void restore(const std::string& bytes, RunMemory& memory) {
     if (stream.peek() != EOF) throw SimulationError("its memory is longer than that of a run");
 }
 
-// ---- the file
-
-namespace {
-
-constexpr const char* magic = "knap-checkpoint";
-constexpr int format_number = 14;
-
-std::string program() { return version() + "-" + git_hash() + (git_dirty() ? "-changed" : ""); }
-
-std::uint32_t checksum(std::string_view bytes) {
-    boost::crc_32_type crc;
-    crc.process_bytes(bytes.data(), bytes.size());
-    return crc.checksum();
+std::string packed(RunMemory& memory) {
+    return packed_checkpoint(bytes_of(memory), {.time = memory.now.time, .last_step = memory.now.last_step});
 }
 
-}  // namespace
+// ---- the start of another run
 
-std::string packed_checkpoint(const std::string& memory) {
-    return formatted("%s %d %s %zu %u\n", magic, format_number, program().c_str(), memory.size(), checksum(memory)) +
-           memory;
+struct MemoryReader::Impl {
+    explicit Impl(const std::string& bytes) : stream(bytes), archive(stream) {}
+    std::istringstream stream;
+    cereal::BinaryInputArchive archive;
+};
+
+MemoryReader::MemoryReader(const std::string& bytes) : impl_(std::make_unique<Impl>(bytes)) { impl_->archive(origin_); }
+MemoryReader::~MemoryReader() = default;
+
+void MemoryReader::read_motion(State& now, StepControl& control, Excavations& excavations, Adaptation& adaptation) {
+    impl_->archive(now, control, excavations, adaptation);
 }
 
-std::string unpacked_checkpoint(const std::string& file) {
-    const std::size_t end = file.substr(0, 200).find('\n');
-    if (end == std::string::npos) throw SimulationError("it is not a checkpoint");
-    std::istringstream line(file.substr(0, end));
-    const std::string_view memory = std::string_view(file).substr(end + 1);
-    std::string found_magic, found_program;
-    int found_format = 0;
-    std::size_t size = 0;
-    std::uint32_t sum = 0;
-    if (!(line >> found_magic >> found_format) || found_magic != magic) throw SimulationError("it is not a checkpoint");
-    if (found_format != format_number)
-        throw SimulationError(formatted("its format is %d, that of this program is %d", found_format, format_number));
-    if (!(line >> found_program >> size >> sum)) throw SimulationError("its first line is damaged");
-    if (found_program != program())
-        throw SimulationError("it was written by knap " + found_program + ", this is " + program() +
-                              ", whose results may differ in the last bits");
-    if (memory.size() != size)
-        throw SimulationError(
-            formatted("it should have %zu bytes after its first line, it has %zu", size, memory.size()));
-    if (checksum(memory) != sum) throw SimulationError("its checksum is wrong");
-    return std::string(memory);
-}
+void MemoryReader::read_books(Recorder& recorder) { recorder.serialize_books(impl_->archive); }
 
 // ---- the files of a run
 
 namespace fs = std::filesystem;
 
 namespace {
-
-const char* const newest = "checkpoint";
-const char* const previous = "checkpoint.previous";
-const char* const of_end = "checkpoint.end";
 
 bool is_there(const fs::path& path) {
     std::error_code none;
@@ -125,16 +105,16 @@ bool is_there(const fs::path& path) {
 }  // namespace
 
 void Checkpoints::write(RunMemory& memory) {
-    const std::string bytes = packed_checkpoint(bytes_of(memory));
-    if (newest_is_whole_) replace_whole_file(directory_ / newest, directory_ / previous, bytes);
-    else write_whole_file(directory_ / newest, bytes, true);
+    const std::string bytes = packed(memory);
+    if (newest_is_whole_) replace_whole_file(directory_ / newest_checkpoint, directory_ / previous_checkpoint, bytes);
+    else write_whole_file(directory_ / newest_checkpoint, bytes, true);
     newest_is_whole_ = true;
     watch_ = Stopwatch();
 }
 
 std::string Checkpoints::read(RunMemory& memory) {
     std::string warning;
-    for (const char* name : {newest, previous}) {
+    for (const char* name : {newest_checkpoint, previous_checkpoint}) {
         const fs::path path = directory_ / name;
         if (!is_there(path)) continue;
         try {
@@ -151,32 +131,33 @@ std::string Checkpoints::read(RunMemory& memory) {
 
 void Checkpoints::remove() const {
     std::error_code ignored;
-    for (const char* name : {newest, previous, of_end}) fs::remove(directory_ / name, ignored);
+    for (const char* name : {newest_checkpoint, previous_checkpoint, checkpoint_of_end})
+        fs::remove(directory_ / name, ignored);
 }
 
 void Checkpoints::keep_for_later_end() const {
     std::error_code ignored;
-    fs::rename(directory_ / newest, directory_ / of_end, ignored);
-    fs::remove(directory_ / previous, ignored);
+    fs::rename(directory_ / newest_checkpoint, directory_ / checkpoint_of_end, ignored);
+    fs::remove(directory_ / previous_checkpoint, ignored);
 }
 
 bool Checkpoints::exist_in(const fs::path& directory) {
-    return is_there(directory / newest) || is_there(directory / previous);
+    return is_there(directory / newest_checkpoint) || is_there(directory / previous_checkpoint);
 }
 
-bool Checkpoints::end_exists_in(const fs::path& directory) { return is_there(directory / of_end); }
+bool Checkpoints::end_exists_in(const fs::path& directory) { return is_there(directory / checkpoint_of_end); }
 
 void Checkpoints::reopen_end(const fs::path& directory) {
     std::error_code error;
     if (!end_exists_in(directory)) return;
-    fs::rename(directory / of_end, directory / newest, error);
-    if (error) throw OutputError("cannot rename " + (directory / of_end).string() + ": " + error.message());
+    fs::rename(directory / checkpoint_of_end, directory / newest_checkpoint, error);
+    if (error) throw OutputError("cannot rename " + (directory / checkpoint_of_end).string() + ": " + error.message());
 }
 
 std::string Checkpoints::problem_in(const fs::path& directory, bool also_end) {
     std::string problem = "it has no checkpoint";
-    for (const char* name : {newest, previous, of_end}) {
-        if (!is_there(directory / name) || (name == of_end && !also_end)) continue;
+    for (const char* name : {newest_checkpoint, previous_checkpoint, checkpoint_of_end}) {
+        if (!is_there(directory / name) || (name == checkpoint_of_end && !also_end)) continue;
         try {
             unpacked_checkpoint(read_whole_file(directory / name));
             return "";

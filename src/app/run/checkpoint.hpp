@@ -1,27 +1,33 @@
 #pragma once
 // Checkpoints: the data from which a run continues with the same bits as if it had never stopped.
 //
-//     <run>/checkpoint            the newest
-//     <run>/checkpoint.previous   the one before; used where the newest is damaged
-//     <run>/checkpoint.end        of a finished run: before the first step that depends on time.end; from it the run
-//                                 continues to a later end
-//
-// A file is one line (format, program, bytes, CRC-32) and the memory of the run. It is written under a temporary name
-// and renamed, so a killed run leaves two whole ones.
+// Their files (record/checkpoint_file.hpp) are written under a temporary name and renamed, so a killed run leaves two
+// whole ones.
 #include "app/run/adaptation.hpp"
 #include "app/run/excavations.hpp"
 #include "base/stopwatch.hpp"
+#include "record/checkpoint_file.hpp"
 #include "record/recorder.hpp"
 #include "record/run_record.hpp"
 #include "stepper/step_control.hpp"
 
 #include <filesystem>
+#include <memory>
 #include <string>
 
 namespace knap {
 
+/// What a run that starts from another one must share with it.
+struct RunOrigin {
+    std::string scenario;  // resolved, and the checksums of the files that it names
+    RareWorks works;       // of this run and of those from which it started
+
+    void serialize(auto& archive) { archive(scenario, works); }
+};
+
 /// The contents of a checkpoint. Model, options of figures and the like follow from the scenario.
 struct RunMemory {
+    RunOrigin& origin;
     State& now;
     StepControl& control;
     Recorder& recorder;
@@ -68,8 +74,23 @@ private:
 std::string bytes_of(RunMemory& memory);
 void restore(const std::string& bytes, RunMemory& memory);
 
-/// A checkpoint file from the bytes of a memory, and back. Unpacking throws SimulationError with the fault of the file.
-std::string packed_checkpoint(const std::string& memory);
-std::string unpacked_checkpoint(const std::string& file);
+/// The file of a memory.
+std::string packed(RunMemory& memory);
+
+/// The parts of a memory with which another run starts, in this order. Throws cereal's exceptions where the bytes are
+/// not those of a memory.
+class MemoryReader {
+public:
+    explicit MemoryReader(const std::string& bytes);
+    ~MemoryReader();
+    const RunOrigin& origin() const { return origin_; }
+    void read_motion(State& now, StepControl& control, Excavations& excavations, Adaptation& adaptation);
+    void read_books(Recorder& recorder);
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+    RunOrigin origin_;
+};
 
 }  // namespace knap

@@ -58,7 +58,8 @@ std::string resolved_with_end(ReadResult read, double end) {
 
 std::string resolved_for_run(const ReadResult& read) {
     ReadResult stored = read;
-    for (const NamedFile& file : read.scenario.files) stored.values.set(file.key, Node::of_text(file.name));
+    for (const NamedFile& file : read.scenario.files)
+        stored.values.set(file.key, Node::of_text(file.prefix + file.name));
     return resolved_toml(stored);
 }
 

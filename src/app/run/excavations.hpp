@@ -31,6 +31,10 @@ public:
     std::string perform(const State& trial, double damping, Model& model, State& now, ExcavationEnergies& energies);
     /// The model after all that happened so far, from that at the start of the run.
     void repeat(Model& model) const;
+    /// The clock is set back by `time` [s].
+    void set_back(double time) {
+        for (Done& done : done_) done.time -= time;
+    }
 
     template <class Archive>
     void serialize(Archive& archive) {

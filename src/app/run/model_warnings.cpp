@@ -31,7 +31,7 @@ struct Jump {
 /// equilibrium; between two values at one time; and within less than a step where it is faster than `fast` [m/s].
 Jump largest_jump(const TimeFunction& history, double value, const TimeOptions& time, double step, double fast) {
     Jump jump;
-    if (!time.start_in_equilibrium) jump.include(std::abs(value * history(0)), 0);
+    if (!time.start_in_equilibrium && time.start_run.empty()) jump.include(std::abs(value * history(0)), 0);
     for (std::size_t i = 0; i + 1 < history.time.size(); ++i) {
         const double from = history.time[i], duration = history.time[i + 1] - from;
         if (from < 0 || from >= time.end || duration >= step) continue;

@@ -10,6 +10,7 @@
 #include "app/run/run_directory.hpp"
 #include "app/run/run_text.hpp"
 #include "app/run/setup.hpp"
+#include "app/run/start_state.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/stopwatch.hpp"
@@ -31,61 +32,15 @@ struct RunSetup {
     const StepPlan& plan;
     const RunOptions& options;
     const std::filesystem::path& directory;
+    RunOrigin& origin;
 };
-
-RecorderOptions recorder_options(const RunSetup& setup, bool resumes) {
-    const auto& [scenario, model, plan, options, directory] = setup;
-    double process_zone = 0, fastest = 0, critical_opening = 0;
-    for (const Resolution& r : judge_resolution(scenario, model.mesh))
-        process_zone = std::max(process_zone, r.process_zone);
-    for (const NamedMaterial& material : scenario.materials)
-        fastest = std::max(fastest, material.elastic.dilatational_speed(scenario.plane));
-    for (const NamedLaw& law : scenario.laws)
-        if (law.law.breakable()) critical_opening = std::max(critical_opening, law.law.delta_c());
-    return {.directory = directory,
-            .end = scenario.time.end,
-            .frame_every = scenario.output.fields ? scenario.output.every : 0,
-            .history_every = scenario.output.history_every,
-            .fragments_every = scenario.output.every,
-            .mass = scenario.time.scheme.mass,
-            .works = scenario.works(),
-            .cracks = crack_options(diagonal(model.mesh.vertices), process_zone, fastest, model.mesh.order),
-            .critical_opening = critical_opening,
-            .allowed_limits = scenario.allowed_limits,
-            .figures = scenario.figures,
-            .context = {.title = scenario.title.empty() ? scenario.name : scenario.title,
-                        .rayleigh_speed = rayleigh_speed(scenario),
-                        .materials = scenario.material_names(),
-                        .celsius = scenario.heat && scenario.heat->celsius},
-            .probes = scenario.probes,
-            .breaks = scenario.output.breaks,
-            .specimen = scenario.specimen,
-            .rest = scenario.time.rest,
-            .resumes = resumes};
-}
-
-/// The state at t = 0. A body that its interfaces cannot hold in equilibrium has failed before its first step.
-State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibrium, RunRecord& record) {
-    State start = initial_state(model);
-    if (!in_equilibrium) return start;
-    const Stopwatch watch;
-    State loaded = start;
-    try {
-        stepper.start_in_equilibrium(loaded);
-    } catch (const SimulationError& error) {
-        record.status = "failed";
-        record.reason = error.what();
-    }
-    record.spent.preload = watch.cpu();
-    return record.status == "failed" ? start : loaded;
-}
 
 /// A run: steps until its end, observed by a recorder, with a record of it all. Every function throws OutputError where
 /// a file cannot be written.
 class Run {
 public:
     Run(const RunSetup& setup, std::optional<MoreauJean>& stepper, Excavations excavations, Adaptation adaptation,
-        RunDirectory& place, RunRecord& record, const Stopwatch& clock)
+        RunDirectory& place, RunRecord& record, const Stopwatch& clock, const StartState* other)
         : setup_(setup),
           stepper_(stepper),
           excavations_(std::move(excavations)),
@@ -93,13 +48,19 @@ public:
           log_(place.log()),
           record_(record),
           clock_(clock),
-          now_(start_of(setup.model, *stepper, setup.scenario.time.start_in_equilibrium && !place.resumes(), record)),
+          now_(other ? other->now
+                     : start_of(setup.model, *stepper, setup.scenario.time.start_in_equilibrium && !place.resumes(),
+                                record)),
           control_(setup.plan.limits),
-          recorder_(setup.model, now_, recorder_options(setup, place.resumes())),
+          recorder_(setup.model, now_,
+                    recorder_options(setup.scenario, setup.model, setup.origin.works, setup.directory, place.resumes(),
+                                     other != nullptr)),
           checkpoints_(setup.directory, setup.scenario.output.checkpoint_every) {}
 
     /// Continues from the last checkpoint. `text`: what else there is to report. A refusal changes nothing.
     void resume(const std::string& text);
+    /// Goes on with the books of another run; `text`: for the log.
+    void start_from(StartState& other, const std::string& text);
     void step_to_end();
     void finish();
 
@@ -109,7 +70,9 @@ private:
     void adapt(const std::optional<Vec2>& also = {});
     void replace_model(const auto& replace);
     void renew_stepper();
+    RunMemory memory();
     void save();
+    void keep_states();
     void report_warnings();
     void report(const std::string& warning);
     TimeSpent spent() const;
@@ -126,6 +89,7 @@ private:
     Recorder recorder_;
     Checkpoints checkpoints_;
     RunMemory memory_{// its times: of the earlier parts
+                      .origin = setup_.origin,
                       .now = now_,
                       .control = control_,
                       .recorder = recorder_,
@@ -135,6 +99,7 @@ private:
     Stopwatch stepping_;
     std::int64_t first_step_ = now_.n_steps;
     std::int64_t triangle_steps_ = 0;
+    std::size_t n_states_ = 0;                      // of output.states, that are kept
     double earlier_output_ = recorder_.time().cpu;  // [s]
     double until_ = std::min(setup_.options.until, setup_.scenario.time.end);
     bool depends_on_end_ = false;  // the following steps are not those of a longer run, and are not saved
@@ -169,6 +134,18 @@ void Run::resume(const std::string& text) {
     log_.add(report);
 }
 
+void Run::start_from(StartState& other, const std::string& text) {
+    control_.start_from(other.control);
+    other.reader.read_books(recorder_);
+    recorder_.set_back(other.time);
+    const std::string report =
+        text + formatted("starts from `%s` at its t = %.9g s, step %lld; the time counts from 0 again\n",
+                         setup_.scenario.time.start_run.c_str(), other.time, static_cast<long long>(other.n_steps));
+    std::fputs(report.c_str(), stderr);
+    log_.add(report);
+    recorder_.begin(now_);
+}
+
 /// By all parts of the run so far.
 TimeSpent Run::spent() const {
     const TimeSpent& earlier = memory_.spent;
@@ -179,17 +156,27 @@ TimeSpent Run::spent() const {
             .steps = earlier.steps + stepping_.cpu() - (recorder_.time().cpu - earlier_output_)};
 }
 
-void Run::save() {
+/// Of this moment.
+RunMemory Run::memory() {
     recorder_.finish_frames();
-    RunMemory memory{.now = now_,
-                     .control = control_,
-                     .recorder = recorder_,
-                     .excavations = excavations_,
-                     .adaptation = adaptation_,
-                     .triangle_steps = triangle_steps_,
-                     .log_size = log_.size(),
-                     .spent = spent()};
+    RunMemory memory = memory_;
+    memory.log_size = log_.size(), memory.spent = spent();
+    return memory;
+}
+
+void Run::save() {
+    RunMemory memory = this->memory();
     checkpoints_.write(memory);
+}
+
+/// Of output.states, where one is reached.
+void Run::keep_states() {
+    const std::vector<double>& times = setup_.scenario.output.states;
+    for (; n_states_ < times.size() && StepControl::has_reached(now_, times[n_states_]); ++n_states_) {
+        RunMemory memory = this->memory();
+        std::filesystem::create_directories(setup_.directory / "states");
+        write_whole_file(setup_.directory / state_file(times[n_states_]), packed(memory), true);
+    }
 }
 
 void Run::report(const std::string& warning) {
@@ -267,6 +254,7 @@ void Run::step() {
     recorder_.after_step(now_, report);
     progress_->after_step(now_, recorder_, setup_.model.mesh.n_triangles());
     report_warnings();
+    keep_states();
     const GateKeeper& gates = recorder_.gates();
     if (!gates.pass())
         throw SimulationError(violated_text(gates.gates(), now_, place_of_largest_speed(setup_.model, now_)));
@@ -276,6 +264,8 @@ void Run::step() {
 void Run::step_to_end() {
     progress_.emplace(setup_.options.quiet ? nullptr : stderr, now_, until_);
     stepping_ = Stopwatch();
+    const std::vector<double>& states = setup_.scenario.output.states;
+    while (n_states_ < states.size() && StepControl::has_reached(now_, states[n_states_])) ++n_states_;
     try {
         while (record_.status == "running" && !StepControl::has_reached(now_, until_) && !recorder_.at_rest()) {
             if (InterruptGuard::interrupted()) {
@@ -384,6 +374,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
     const ReadResult& read = continuation.read;
     const Scenario& scenario = read.scenario;
     const std::vector<Diagnostic> of_obstacles = check_model(read, model);
+    RunOrigin origin = origin_of(read);
     Excavations excavations(plan_excavations(read, model));
     const StepPlan plan = plan_of(read, model, options.until);
     AdaptOptions adapt = scenario.adapt;
@@ -424,8 +415,15 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
     RunDirectory place(directory, files, record, options.force, continuation.first_files_of_shorter);
     try {
         if (!place.resumes()) place.log().add(warnings + random_sets_text(scenario));
-        Run run({scenario, model, plan, options, directory}, stepper, std::move(excavations), std::move(adaptation),
-                place, record, clock);
+        std::optional<StartState> other;
+        if (const NamedFile* file = scenario.start_file(); file != nullptr && !place.resumes()) {
+            other.emplace(file->bytes, scenario, model, excavations, adaptation);
+            stepper.emplace(model, scenario.time.scheme);
+            stepper->give_up_when(InterruptGuard::interrupted);
+        }
+        Run run({scenario, model, plan, options, directory, origin}, stepper, std::move(excavations),
+                std::move(adaptation), place, record, clock, other ? &*other : nullptr);
+        if (other) run.start_from(*other, jumps_text(read, model, other->now, plan.limits.largest));
         if (place.resumes()) run.resume(continuation.text);
         run.step_to_end();
         run.finish();

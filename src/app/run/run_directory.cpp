@@ -44,20 +44,10 @@ bool is_vacant(const fs::path& directory) {
 /// Whether a run of any kind writes a file or directory of this name.
 bool is_made_by_runs(fs::path name) {
     if (name.extension() == ".part") name = name.stem();
-    static const std::set<fs::path> names{"run.json",
-                                          "report.html",
-                                          "log.txt",
-                                          "scenario.toml",
-                                          "resolved.toml",
-                                          "mesh.msh",
-                                          "arms.csv",
-                                          "run.pvd",
-                                          "fields",
-                                          "figures",
-                                          "lcp",
-                                          "checkpoint",
-                                          "checkpoint.previous",
-                                          "checkpoint.end"};
+    static const std::set<fs::path> names{
+        "run.json",          "report.html",     "log.txt", "scenario.toml", "resolved.toml", "mesh.msh",
+        "arms.csv",          "run.pvd",         "fields",  "figures",       "lcp",           newest_checkpoint,
+        previous_checkpoint, checkpoint_of_end, "states",  "start.state"};
     if (std::ranges::any_of(history_files, [&](const HistoryFile& file) { return name == file.name; })) return true;
     return names.contains(name);
 }

@@ -95,6 +95,38 @@ ModelInput model_input(const Scenario& scenario) {
     return input;
 }
 
+RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const RareWorks& works,
+                                 const std::filesystem::path& directory, bool resumes, bool continues_books) {
+    double process_zone = 0, fastest = 0, critical_opening = 0;
+    for (const Resolution& r : judge_resolution(scenario, model.mesh))
+        process_zone = std::max(process_zone, r.process_zone);
+    for (const NamedMaterial& material : scenario.materials)
+        fastest = std::max(fastest, material.elastic.dilatational_speed(scenario.plane));
+    for (const NamedLaw& law : scenario.laws)
+        if (law.law.breakable()) critical_opening = std::max(critical_opening, law.law.delta_c());
+    return {.directory = directory,
+            .end = scenario.time.end,
+            .frame_every = scenario.output.fields ? scenario.output.every : 0,
+            .history_every = scenario.output.history_every,
+            .fragments_every = scenario.output.every,
+            .mass = scenario.time.scheme.mass,
+            .works = works,
+            .cracks = crack_options(diagonal(model.mesh.vertices), process_zone, fastest, model.mesh.order),
+            .critical_opening = critical_opening,
+            .allowed_limits = scenario.allowed_limits,
+            .figures = scenario.figures,
+            .context = {.title = scenario.title.empty() ? scenario.name : scenario.title,
+                        .rayleigh_speed = rayleigh_speed(scenario),
+                        .materials = scenario.material_names(),
+                        .celsius = scenario.heat && scenario.heat->celsius},
+            .probes = scenario.probes,
+            .breaks = scenario.output.breaks,
+            .specimen = scenario.specimen,
+            .rest = scenario.time.rest,
+            .resumes = resumes,
+            .continues_books = continues_books};
+}
+
 std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& mesh) {
     std::vector<Resolution> found;
     const double edge = finest_edge(scenario, mean_edge(mesh));

@@ -2,6 +2,7 @@
 // From a scenario to a model, and properties of both that are known before a run.
 #include "mesh/mesh_report.hpp"
 #include "model/model.hpp"
+#include "record/recorder.hpp"
 #include "scenario/scenario.hpp"
 
 namespace knap {
@@ -10,6 +11,10 @@ namespace knap {
 ModelInput model_input(const Scenario& scenario);
 /// Throws ShapeError for a shape that cannot be meshed, EmptySelection for selections that select nothing.
 Model build_model(const Scenario& scenario);
+
+/// Of a run, with its works and those of the runs from which it starts.
+RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const RareWorks& works,
+                                 const std::filesystem::path& directory, bool resumes, bool continues_books);
 
 /// How well a mesh resolves the fracture of one law in one material, between two, or on a glued support. A support
 /// mirrors the body: it is one half of a body that would break with 2 G_c.

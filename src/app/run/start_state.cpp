@@ -1,0 +1,200 @@
+#include "app/run/start_state.hpp"
+
+#include "app/run/continuation.hpp"
+#include "base/error.hpp"
+#include "base/formatted.hpp"
+#include "base/stopwatch.hpp"
+#include "scenario/keys.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace knap {
+namespace {
+
+constexpr double negligible_jump = 1e-6;  // [-] of the displacement
+
+using Lines = std::map<std::string, std::string>;
+
+/// Every key of a resolved scenario with its value.
+void add_lines(const Node& node, const std::string& path, Lines& lines) {
+    const bool is_list = node.type == Node::Type::array;
+    const bool is_list_of_tables = is_list && !node.children.empty() && node.children[0].type == Node::Type::table;
+    if (node.type != Node::Type::table && !is_list_of_tables) {
+        lines[path] = toml_text(node);
+        return;
+    }
+    for (std::size_t i = 0; i < node.children.size(); ++i)
+        add_lines(node.children[i], is_list ? item(path, i) : joined_path(path, node.children[i].name), lines);
+}
+
+Lines lines_of(const std::string& scenario) {
+    Node root;
+    parse_toml(scenario, root);
+    Lines lines;
+    add_lines(root, "", lines);
+    return lines;
+}
+
+/// A key that may differ between a run and the one from which it starts.
+bool is_free(const std::string& path) {
+    constexpr std::array tables{"load[",   "probe[", "specimen.", "figure[",          "output.",   "limits.",
+                                "expect.", "study.", "sweep.",    "absorb[",          "pressure[", "heat.exchange[",
+                                "time.",   "name",   "title",     "heat.temperature", "heat.ramp", "heat.table"};
+    constexpr std::array motions{"velocity", "displacement", "spin", "force", "ramp", "table"};
+    if (path == "time.mass") return false;
+    if (path.starts_with("obstacle[")) {
+        const std::string key = path.substr(path.find("].") + 2);
+        return std::ranges::any_of(motions, [&](const char* motion) { return key == motion; });
+    }
+    return std::ranges::any_of(tables, [&](const char* table) { return path.starts_with(table); });
+}
+
+const std::string& or_nothing(const Lines& lines, const std::string& key) {
+    static const std::string nothing = "nothing";
+    const auto found = lines.find(key);
+    return found == lines.end() ? nothing : found->second;
+}
+
+/// "`mesh.size` is 0.002 there, 0.001 here"; empty where the bodies are the same.
+std::string difference(const Lines& there, const Lines& here) {
+    Lines all = there;
+    all.insert(here.begin(), here.end());
+    std::string text;
+    int n = 0;
+    for (const auto& [key, value] : all) {
+        const std::string &was = or_nothing(there, key), &is = or_nothing(here, key);
+        if (is_free(key) || was == is || ++n > 1) continue;
+        text = "`" + key + "` is " + was + " there, " + is + " here";
+    }
+    return n > 1 ? text + ", and " + std::to_string(n - 1) + " more" : text;
+}
+
+UserError refusal(const ReadResult& read, const std::string& text, const std::string& note) {
+    return UserError({read.at("time.start", {.code = "another-body",
+                                             .message = "`time.start`: the run cannot start from `" +
+                                                        read.scenario.time.start_run + "`: " + text,
+                                             .note = note})});
+}
+
+/// In the clock that begins at 0; heat keeps its place among the steps.
+void set_back(State& state, double time, std::int64_t steps) {
+    state.time = 0;
+    state.n_steps -= steps;
+    for (Incubation& incubation : state.incubation) incubation.time -= time;
+    const bool same = state.temperature == state.temperature_before;
+    for (SharedTemperatures* shared : {&state.temperature, &state.temperature_before}) {
+        if (!*shared) continue;
+        const auto moved = std::make_shared<Temperatures>(**shared);
+        moved->time -= time;
+        *shared = moved;
+    }
+    if (same) state.temperature_before = state.temperature;
+}
+
+}  // namespace
+
+RunOrigin origin_of(const ReadResult& read) {
+    RunOrigin origin{.scenario = resolved_for_run(read), .works = read.scenario.works()};
+    origin.scenario += "\n[files]\n";
+    for (const NamedFile& file : read.scenario.files)
+        if (file.key != "time.start" && file.key != "heat.temperature")
+            origin.scenario += toml_quoted(file.name) + " = " + std::to_string(checksum(file.bytes)) + "\n";
+    const NamedFile* const file = read.scenario.start_file();
+    if (file == nullptr) return origin;
+    const RunOrigin other = MemoryReader(unpacked_checkpoint(file->bytes)).origin();
+    const Lines there = lines_of(other.scenario), here = lines_of(origin.scenario);
+    if (const std::string text = difference(there, here); !text.empty())
+        throw refusal(read, text,
+                      "the body must be the same: only loads, motions of obstacles, [time] without mass, outputs, "
+                      "probes, limits and expectations may be others");
+    const std::string implicit = "\"implicit\"";
+    if (or_nothing(here, "time.bulk") == implicit && or_nothing(there, "time.bulk") != implicit)
+        throw refusal(read, "its bulk is explicit, and its velocities belong to the middle of a step",
+                      "time.bulk = \"explicit\"; an explicit run may start from an implicit one");
+    origin.works.include(other.works);
+    return origin;
+}
+
+StartState::StartState(const std::string& file, const Scenario& scenario, Model& model, Excavations& excavations,
+                       Adaptation& adaptation)
+    : reader(unpacked_checkpoint(file)), control({}) {
+    reader.read_motion(now, control, excavations, adaptation);
+    time = now.time, n_steps = now.n_steps;
+    set_back = now.n_steps - (model.heat ? now.n_steps % model.heat->every : 0);
+    knap::set_back(now, time, set_back);
+    excavations.set_back(time);
+    adaptation.set_back(set_back);
+    excavations.repeat(model);
+    adaptation.repeat(model);
+    now.reaction.assign(model.prescribed.size(), Vec2::Zero());  // of other loads
+    if (scenario.time.scheme.bulk == BulkScheme::explicit_lumped && !now.rate.empty()) {
+        now.rate.clear();
+        now.last_step = 0;  // its velocities are those of this moment
+    }
+    fit_laws(model, now);
+}
+
+/// The state at t = 0. A body that its interfaces cannot hold in equilibrium has failed before its first step.
+State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibrium, RunRecord& record) {
+    State start = initial_state(model);
+    if (!in_equilibrium) return start;
+    const Stopwatch watch;
+    State loaded = start;
+    try {
+        stepper.start_in_equilibrium(loaded);
+    } catch (const SimulationError& error) {
+        record.status = "failed";
+        record.reason = error.what();
+    }
+    record.spent.preload = watch.cpu();
+    return record.status == "failed" ? start : loaded;
+}
+
+std::string jumps_text(const ReadResult& read, const Model& model, const State& start, double step) {
+    std::string text;
+    const auto warn = [&](const std::string& path, double is, double begins) {
+        const double jump = std::abs(begins - is);
+        if (jump <= negligible_jump * (std::abs(is) + std::abs(begins))) return;
+        const Diagnostic warning = read.at(
+            path,
+            {.severity = Diagnostic::Severity::warning,
+             .code = "jump",
+             .message = formatted("`%s` begins with %.9g m, where the other run is at %.9g m: in the first step of "
+                                  "%.3g s this is a velocity of %.3g m/s",
+                                  path.c_str(), begins, is, step, jump / step),
+             .note = "a table that begins there; or a velocity, which goes on from where the other run is"});
+        if (text.find(format(warning)) == std::string::npos) text += format(warning);
+    };
+    std::vector<std::uint8_t> seen(2 * model.histories.size(), 0);
+    for (const PrescribedMotion& motion : model.prescribed)
+        for (int k = 0; k < 2; ++k) {
+            const Index history = motion.history[k];
+            if (!motion.component[k] || !motion.is_displacement[k] || seen[2 * history + k]++) continue;
+            warn(item("load", history) + ".displacement", start.displacement[motion.fan][k],
+                 motion.value[k] * model.histories[history](0));
+        }
+    for (std::size_t o = 0; o < model.obstacles.size(); ++o)
+        for (int k = 0; k < 2; ++k)
+            if (const Drive& drive = model.obstacles[o].drive[k]; drive.kind == Drive::Kind::displacement)
+                warn(item("obstacle", o) + ".displacement", start.obstacles[o].moved[k],
+                     drive.value * drive.history(0));
+    if (!start.temperature || model.heat->conduction) return text;
+    const SharedTemperatures begins = field_at(model, start.time);
+    double jump = 0;
+    for (std::size_t c = 0; c < begins->of_corner.size(); ++c)
+        jump = std::max(jump, std::abs(begins->of_corner[c] - start.temperature->of_corner[c]));
+    if (jump > 1e-6)
+        text += format(read.at("heat.temperature",
+                               {.severity = Diagnostic::Severity::warning,
+                                .code = "jump",
+                                .message = formatted("the prescribed temperature begins up to %.3g K away from that of "
+                                                     "the other run: a thermal shock within the first step",
+                                                     jump),
+                                .note = "time counts from 0 again: shift the times of heat.table or of the formula"}));
+    return text;
+}
+
+}  // namespace knap

@@ -1,0 +1,44 @@
+#pragma once
+// A run that starts from the state of another one (time.start = "run:DIR@40us").
+//
+//     taken over    displacements, velocities, cohesion and tractions of points, temperatures, incubation, retired points,
+//                   contacts, obstacles, excavations, the mesh of [adapt], the size of the step
+//     goes on       the energy balance from its first term, the arms of the cracks (with negative times)
+//     begins anew   the time, at 0; tables, frames, probes, gauges, limits, counts of steps
+//     must agree    the body: every key that is no load, time, output or motion of an obstacle
+//
+// After implicit steps an explicit run may start: both have the energies 1/2 v'Mv + 1/2 u'Ku of one moment. The
+// velocities of the explicit bulk belong to the middle of a step, so an implicit run does not start from them.
+#include "app/run/checkpoint.hpp"
+#include "scenario/read_scenario.hpp"
+#include "stepper/moreau_jean.hpp"
+
+namespace knap {
+
+/// The resolved scenario with the checksums of its files, and the works of it and of the run from which it starts.
+/// Throws UserError where that run has another body, or a state from which this one cannot start.
+RunOrigin origin_of(const ReadResult& read);
+
+/// The state of the other run in the clock of this one.
+struct StartState {
+    /// `file`: of the state. Model, excavations and refinements become those of its moment.
+    StartState(const std::string& file, const Scenario& scenario, Model& model, Excavations& excavations,
+               Adaptation& adaptation);
+
+    MemoryReader reader;  // its books are next
+    State now;
+    StepControl control;        // of the other run
+    double time = 0;            // [s] of the other run
+    std::int64_t n_steps = 0;   // of the other run
+    std::int64_t set_back = 0;  // steps
+};
+
+/// The state at t = 0 of a run that starts from no other one. A body that its interfaces cannot hold in equilibrium has
+/// failed before its first step.
+State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibrium, RunRecord& record);
+
+/// A warning for each prescribed displacement, and for the prescribed temperature, that does not begin where the other
+/// run was; `step` [s] is the first one.
+std::string jumps_text(const ReadResult& read, const Model& model, const State& start, double step);
+
+}  // namespace knap

@@ -1,0 +1,107 @@
+#include "record/checkpoint_file.hpp"
+
+#include "base/error.hpp"
+#include "base/formatted.hpp"
+#include "base/text.hpp"
+#include "record/version.hpp"
+
+#include <boost/crc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+namespace knap {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* magic = "knap-checkpoint";
+constexpr int format_number = 15;
+constexpr std::size_t longest_line = 300;
+
+std::string program() { return version() + "-" + git_hash() + (git_dirty() ? "-changed" : ""); }
+
+struct Head {
+    std::string program;
+    Moment moment;
+    std::size_t size = 0;
+    std::uint32_t sum = 0;
+};
+
+/// Of the first line of a file.
+Head head_of(const std::string& text) {
+    std::istringstream line(text);
+    std::string found_magic;
+    int found_format = 0;
+    Head head;
+    if (!(line >> found_magic >> found_format) || found_magic != magic) throw SimulationError("it is not a checkpoint");
+    if (found_format != format_number)
+        throw SimulationError(formatted("its format is %d, that of this program is %d", found_format, format_number));
+    if (!(line >> head.program >> head.moment.time >> head.moment.last_step >> head.size >> head.sum))
+        throw SimulationError("its first line is damaged");
+    return head;
+}
+
+}  // namespace
+
+std::uint32_t checksum(std::string_view bytes) {
+    boost::crc_32_type crc;
+    crc.process_bytes(bytes.data(), bytes.size());
+    return crc.checksum();
+}
+
+std::string packed_checkpoint(const std::string& memory, const Moment& moment) {
+    return formatted("%s %d %s %.17g %.17g %zu %u\n", magic, format_number, program().c_str(), moment.time,
+                     moment.last_step, memory.size(), checksum(memory)) +
+           memory;
+}
+
+std::string unpacked_checkpoint(const std::string& file) {
+    const std::size_t end = file.substr(0, longest_line).find('\n');
+    if (end == std::string::npos) throw SimulationError("it is not a checkpoint");
+    const Head head = head_of(file.substr(0, end));
+    const std::string_view memory = std::string_view(file).substr(end + 1);
+    if (head.program != program())
+        throw SimulationError("it was written by knap " + head.program + ", this is " + program() +
+                              ", whose results may differ in the last bits");
+    if (memory.size() != head.size)
+        throw SimulationError(
+            formatted("it should have %zu bytes after its first line, it has %zu", head.size, memory.size()));
+    if (checksum(memory) != head.sum) throw SimulationError("its checksum is wrong");
+    return std::string(memory);
+}
+
+fs::path state_file(double time) { return fs::path("states") / (shortest(time) + ".state"); }
+
+std::vector<StoredState> stored_states(const fs::path& run) {
+    std::vector<fs::path> files;
+    for (const char* name : {newest_checkpoint, previous_checkpoint, checkpoint_of_end}) files.push_back(run / name);
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(run / "states", none))
+        if (entry.path().extension() == ".state") files.push_back(entry.path());
+    std::vector<StoredState> states;
+    for (const fs::path& file : files) {
+        if (!fs::is_regular_file(file, none)) continue;
+        std::string line(longest_line, '\0');
+        std::ifstream in(file, std::ios::binary);
+        in.read(line.data(), static_cast<std::streamsize>(line.size()));
+        try {
+            states.push_back({file, head_of(line.substr(0, line.find('\n'))).moment});
+        } catch (const SimulationError&) {
+            // of another format
+        }
+    }
+    std::ranges::sort(states, {}, [](const StoredState& state) { return std::pair(state.moment.time, state.file); });
+    return states;
+}
+
+const StoredState* state_at(const std::vector<StoredState>& states, double time) {
+    const auto distance = [&](const StoredState& state) { return std::abs(state.moment.time - time); };
+    const auto nearest = std::ranges::min_element(states, {}, distance);
+    if (nearest == states.end() || !(distance(*nearest) <= 2 * nearest->moment.last_step * (1 + 1e-9))) return nullptr;
+    return &*nearest;
+}
+
+}  // namespace knap

@@ -1,0 +1,50 @@
+#pragma once
+// The files that hold the memory of a run at one time: the checkpoints from which it continues itself, and the states
+// from which other runs start.
+//
+//     <run>/checkpoint            the newest
+//     <run>/checkpoint.previous   the one before; used where the newest is damaged
+//     <run>/checkpoint.end        of a finished run: before the first step that depends on time.end; from it the run
+//                                 continues to a later end
+//     <run>/states/<time>.state   of output.states
+//
+// A file is one line (format, program, time and last step, bytes, CRC-32) and the memory of the run.
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace knap {
+
+inline constexpr const char* newest_checkpoint = "checkpoint";
+inline constexpr const char* previous_checkpoint = "checkpoint.previous";
+inline constexpr const char* checkpoint_of_end = "checkpoint.end";
+
+/// The moment to which a memory belongs.
+struct Moment {
+    double time = 0;       // [s]
+    double last_step = 0;  // [s]
+};
+
+std::uint32_t checksum(std::string_view bytes);  // CRC-32
+
+/// A file from the bytes of a memory, and back. Unpacking throws SimulationError with the fault of the file.
+std::string packed_checkpoint(const std::string& memory, const Moment& moment);
+std::string unpacked_checkpoint(const std::string& file);
+
+/// Name of a state file [s]: "states/4e-05.state".
+std::filesystem::path state_file(double time);
+
+struct StoredState {
+    std::filesystem::path file;
+    Moment moment;
+};
+/// The checkpoints and states in the directory of a run, in the order of time; files that are none are left out.
+std::vector<StoredState> stored_states(const std::filesystem::path& run);
+
+/// The one that belongs to a time [s]: it was the first after it, or (a checkpoint) at most two steps away; null where
+/// there is none.
+const StoredState* state_at(const std::vector<StoredState>& states, double time);
+
+}  // namespace knap

@@ -1,0 +1,91 @@
+// time.start = "run:DIR@40us" or "run:FILE": the state of another run, from which this one starts.
+#include "base/error.hpp"
+#include "base/whole_file.hpp"
+#include "record/checkpoint_file.hpp"
+#include "scenario/reading.hpp"
+#include "scenario/units.hpp"
+
+#include <algorithm>
+
+namespace knap {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t max_times = 12;  // in a message
+
+std::string times_text(const std::vector<StoredState>& states) {
+    std::vector<std::string> times;
+    for (const StoredState& state : states) times.push_back(shortest(state.moment.time) + " s");
+    times.erase(std::unique(times.begin(), times.end()), times.end());
+    const std::size_t n = times.size();
+    times.resize(std::min(n, max_times));
+    return joined(times) + (n > max_times ? ", ... (" + std::to_string(n) + ")" : "");
+}
+
+/// The file of the state of a run at a time; none, and an error, where there is none.
+std::optional<fs::path> find_state(const Table& time, const std::string& run, const std::string& at) {
+    const fs::path directory = time.reading().files.directory / run;
+    const Quantity wanted = parse_quantity(at);
+    if (!wanted.problem.empty() || (!wanted.unit.empty() && wanted.dimension != dimension_of("s"))) {
+        time.error("bad-value", "start", "has no time after @: `" + at + "`", "as in \"run:" + run + "@40us\"");
+        return std::nullopt;
+    }
+    std::error_code none;
+    if (!fs::is_regular_file(directory / "run.json", none)) {
+        time.error("missing-file", "start", ": `" + directory.string() + "` holds no run",
+                   "the directory of a run, relative to the scenario file");
+        return std::nullopt;
+    }
+    const std::vector<StoredState> states = stored_states(directory);
+    if (const StoredState* state = state_at(states, wanted.value)) return state->file;
+    const std::string cure = "`output.states = \"" + at +
+                             "\"` in its scenario keeps that state; frames hold only what "
+                             "is drawn";
+    if (states.empty())
+        time.error("no-such-state", "start", ": the run in `" + directory.string() + "` has kept no state", cure);
+    else
+        time.error("no-such-state", "start",
+                   ": the run in `" + directory.string() + "` has no state at " + shortest(wanted.value) +
+                       " s; it has those at " + times_text(states),
+                   cure);
+    return std::nullopt;
+}
+
+}  // namespace
+
+void read_start(const Table& time) {
+    const std::string prefix = "run:", start = time.text("start");
+    if (!start.starts_with(prefix)) return;
+    const std::string name = start.substr(prefix.size());
+    const std::size_t at = name.rfind('@');
+    fs::path file = time.reading().files.directory / name;
+    std::error_code none;
+    if (!fs::is_regular_file(file, none)) {
+        if (at == std::string::npos)
+            return time.error("missing-file", "start", ": there is no state `" + file.string() + "`",
+                              "\"run:DIR@40us\", or the file of a state");
+        const std::optional<fs::path> found = find_state(time, name.substr(0, at), name.substr(at + 1));
+        if (!found) return;
+        file = *found;
+    }
+    try {
+        std::string bytes = read_whole_file(file);
+        unpacked_checkpoint(bytes);
+        time.scenario().files.push_back({time.path("start"), "start.state", std::move(bytes), prefix});
+        time.scenario().time.start_run = name;
+    } catch (const std::runtime_error& error) {
+        time.error("bad-state", "start", ": `" + file.string() + "` cannot be used: " + error.what(),
+                   "run the other scenario again with this program");
+    }
+}
+
+void check_states(const Table& output, double end) {
+    std::vector<double>& states = output.scenario().output.states;
+    std::ranges::sort(states);
+    if (end > 0 && !states.empty() && states.back() > end)
+        output.warning("never-reached", "states",
+                       ": the run ends at " + shortest(end) + " s, before " + shortest(states.back()) + " s");
+}
+
+}  // namespace knap

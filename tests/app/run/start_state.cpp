@@ -1,0 +1,178 @@
+// A run that starts from the state of another one: its bits, its energy balance, and what is refused.
+#include "app/program.hpp"
+#include "output/history_csv.hpp"
+
+namespace start_state_test {
+
+using namespace program;
+
+namespace {
+
+const std::string block = "edge_cracked_block -q -j 1 -s 'mesh.size=2 mm' -s 'time.step=0.1 us' -s 'expect={}' ";
+const std::string quench =
+    "alumina_quench -q -j 1 -s 'mesh.size=1 mm' -s time.damping=0 -s 'expect={}' -s 'time.step=0.02 us' ";
+const std::string refined =
+    "edge_cracked_block -q -j 1 -s 'mesh.size=4 mm' -s 'adapt={ size = \"0.5 mm\", every = 10 }' -s "
+    "'interface.default.sigma_c=8 MPa' -s 'time.step=0.05 us' -s 'expect={}' ";
+const std::string implicit_block =
+    "edge_cracked_block_implicit -q -j 1 -s 'mesh.size=5 mm' -s 'time.step=1 us' -s 'expect={}' ";
+
+/// The last line of a table without its time.
+std::vector<double> last_line(const fs::path& table) {
+    std::vector<double> line = knap::read_csv(table).rows.back();
+    line.erase(line.begin());
+    return line;
+}
+
+double column_end(const fs::path& table, const std::string& name) { return knap::read_csv(table).column(name).back(); }
+
+/// The last frame but for its time.
+std::string last_frame(const fs::path& run) {
+    fs::path last;
+    for (const auto& entry : fs::directory_iterator(run / "fields"))
+        if (entry.path().extension() == ".vtu" && entry.path() > last) last = entry.path();
+    return text_of(last);
+}
+
+/// `whole` goes on to twice the time at which `rest` starts from it.
+void check_goes_on(const std::string& scene, const std::string& half, const std::string& end, const Folder& folder,
+                   const std::string& of_rest = "") {
+    const fs::path whole = folder.path / "whole", rest = folder.path / "rest";
+    const Answer first =
+        command("run " + scene + "-s 'time.end=" + end + "' -s 'output.states=" + half + "' -o " +
+                folder.in_shell("whole"));
+    CAPTURE(first.text);
+    REQUIRE(first.code == 0);
+    const Answer second = command("run " + scene + of_rest + "-s 'time.end=" + half + "' -s 'time.start=run:" +
+                                  whole.string() + "@" + half + "' -o " + folder.in_shell("rest"));
+    CAPTURE(second.text);
+    REQUIRE(second.code == 0);
+    CHECK(second.has("the time counts from 0 again"));
+    CHECK(last_line(whole / "energy.csv") == last_line(rest / "energy.csv"));
+    CHECK(text_of(whole / "fragments.csv") == text_of(rest / "fragments.csv"));
+    CHECK(last_frame(whole) == last_frame(rest));
+    CHECK(column_end(rest / "energy.csv", "dissipated") > 0);
+}
+
+}  // namespace
+
+TEST_CASE("a run that starts from another one goes on with its bits and its energy balance") {
+    SUBCASE("explicit") { check_goes_on(block, "20 us", "40 us", Folder("start explicit")); }
+    SUBCASE("implicit") { check_goes_on(implicit_block, "20 us", "40 us", Folder("start implicit")); }
+    SUBCASE("with refinements") { check_goes_on(refined, "12 us", "24 us", Folder("start refined")); }
+    SUBCASE("with heat") { check_goes_on(quench, "50 us", "100 us", Folder("start quench")); }
+}
+
+TEST_CASE("a start is repeated from its own directory and continued like any run") {
+    const Folder folder("start again");
+    REQUIRE(command("run " + block + "-s 'time.end=30 us' -s 'output.states=20 us' -o " + folder.in_shell("first"))
+                .code == 0);
+    const std::string start = "-s 'time.start=run:" + (folder.path / "first").string() + "@20us' ";
+    const std::string rest = "run " + block + "-s 'time.end=20 us' " + start;
+    REQUIRE(command(rest + "-o " + folder.in_shell("rest")).code == 0);
+    REQUIRE(command(rest + "-o " + folder.in_shell("parts") + " --until 8us").code == 0);
+    REQUIRE(command(rest + "-o " + folder.in_shell("parts")).code == 0);
+    check_same(folder.path / "rest", folder.path / "parts", 20);
+    fs::remove_all(folder.path / "first");
+    const Answer again =
+        command("run " + folder.in_shell("rest/resolved.toml") + " -q -j 1 -o " + folder.in_shell("again"));
+    CAPTURE(again.text);
+    REQUIRE(again.code == 0);
+    check_same(folder.path / "rest", folder.path / "again", 20);
+    CHECK(text_of(folder.path / "rest/resolved.toml").find("start = \"run:start.state\"") != std::string::npos);
+}
+
+TEST_CASE("other loads act on the state of another run and its energy balance stays closed") {
+    const Folder folder("start other loads");
+    const std::string first = folder.in_shell("first");
+    REQUIRE(command("run " + block + "-s 'time.end=30 us' -s 'output.states=20 us' -o " + first).code == 0);
+    const double before = column_end(folder.path / "first/energy.csv", "external_work");
+    const std::string start = "-s 'time.start=run:" + (folder.path / "first").string() + "@20us' ";
+    SUBCASE("pressed together") {
+        const Answer run = command("run " + block + start +
+                                   "-s 'load[0].traction=[\"0 MPa\", \"-2 MPa\"]' -s 'load[1].traction=[\"0 MPa\", "
+                                   "\"2 MPa\"]' -s 'time.end=20 us' -o " +
+                                   folder.in_shell("rest"));
+        CAPTURE(run.text);
+        REQUIRE(run.code == 0);
+        CHECK(column_end(folder.path / "rest/energy.csv", "external_work") < before);
+    }
+    SUBCASE("damped and held at its ends") {
+        const Answer run = command("run " + block + start +
+                                   "-s 'load=[{ on = \"top\", velocity = [0, 0] }, { on = \"bottom\", velocity = [0, "
+                                   "0] }]' -s 'time.damping=1e5 Hz' -s 'time.end=20 us' -o " +
+                                   folder.in_shell("rest"));
+        CAPTURE(run.text);
+        REQUIRE(run.code == 0);
+        CHECK(column_end(folder.path / "rest/energy.csv", "damping_work") < 0);
+    }
+    SUBCASE("a displacement that begins elsewhere is a jump") {
+        const Answer run = command("run " + block + start +
+                                   "-s 'load=[{ on = \"top\", displacement = [0, \"1 mm\"], ramp = \"20 us\" }]' -s "
+                                   "'time.end=1 us' -s limits.rotation=none -s limits.area_change=none -s "
+                                   "limits.law_lag=none -o " +
+                                   folder.in_shell("rest"));
+        CHECK(run.has("begins with 0 m, where the other run is at "));
+    }
+    if (!fs::exists(folder.path / "rest/energy.csv")) return;
+    const knap::History energy = knap::read_csv(folder.path / "rest/energy.csv");
+    double largest = 0, worst = 0;
+    for (const auto& name : {"kinetic", "strain", "external_work", "surface"})
+        for (const double value : energy.column(name)) largest = std::max(largest, std::abs(value));
+    for (const double residual : energy.column("residual")) worst = std::max(worst, std::abs(residual));
+    CHECK(worst < 1e-10 * largest);
+}
+
+TEST_CASE("an explicit run starts from an implicit one") {
+    const Folder folder("start slow");
+    REQUIRE(command("run " + implicit_block + "-s 'time.end=30 us' -s 'output.states=20 us' -o " +
+                    folder.in_shell("slow"))
+                .code == 0);
+    const std::string start = "-s 'time.start=run:" + (folder.path / "slow").string() + "@20us' ";
+    const Answer fast = command("run " + implicit_block + start +
+                                "-s time.bulk=explicit -s time.cohesion=explicit -s time.step=auto -s "
+                                "time.step_cracking= -s 'time.end=10 us' -o " +
+                                folder.in_shell("fast"));
+    CAPTURE(fast.text);
+    REQUIRE(fast.code == 0);
+    const knap::History slow = knap::read_csv(folder.path / "slow/energy.csv"),
+                        energy = knap::read_csv(folder.path / "fast/energy.csv");
+    CHECK(energy.column("time").front() == 0);
+    CHECK(std::abs(energy.column("residual").back()) < 1e-10 * energy.column("external_work").back());
+    CHECK(energy.column("external_work").front() > 0);
+    SUBCASE("but not the other way") {
+        const Answer back = command("run " + implicit_block + "-s 'time.start=run:" + (folder.path / "fast").string() +
+                                    "@10us' -s 'time.end=10 us' -o " + folder.in_shell("back"));
+        CHECK(back.code == 2);
+        CHECK(back.has("its velocities belong to the middle of a step"));
+    }
+}
+
+TEST_CASE("a run does not start from what it cannot use") {
+    const Folder folder("start refused");
+    const fs::path first = folder.path / "first";
+    REQUIRE(command("run " + block + "-s 'time.end=20 us' -s 'output.states=[\"5 us\", \"10 us\"]' -o " +
+                    folder.in_shell("first"))
+                .code == 0);
+    const auto start = [&](const std::string& from, const std::string& more = "") {
+        const Answer answer = command("check " + block.substr(0, block.find(" -q")) +
+                                      " -s 'mesh.size=2 mm' -s 'time.step=0.1 us' -s 'time.start=" + from + "' " + more);
+        CAPTURE(answer.text);
+        return answer;
+    };
+    const std::string at = "run:" + first.string() + "@";
+    CHECK(start(at + "10us").code == 0);
+    CHECK(start(at + "10us").has("starts from the state"));
+    CHECK(start(at + "10us", "-s 'mesh.size=1 mm'").has("`mesh.size` is 0.002 there, 0.001 here"));
+    CHECK(start(at + "10us", "-s interface.default.G_c=4").has("`interface.default.G_c` is 3 there, 4 here"));
+    CHECK(start(at + "7us").has("has no state at 7e-06 s; it has those at 5e-06 s, 1e-05 s, 1.9"));
+    CHECK(start(at + "soon").has("has no time after @"));
+    CHECK(start("run:" + first.string()).has("there is no state"));
+    CHECK(start("run:" + folder.path.string() + "@10us").has("holds no run"));
+    CHECK(start("walking").has("allowed: rest, equilibrium, run:*"));
+    std::ofstream(first / "states/1e-05.state", std::ios::app) << "more";
+    CHECK(start(at + "10us").has("bytes after its first line"));
+    CHECK(start(at + "10us").code == 2);
+}
+
+}  // namespace start_state_test
