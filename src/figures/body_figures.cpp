@@ -327,10 +327,11 @@ void add_field_legend(const FigureOptions& options, const Frame& frame, const Fi
 }
 
 const BodyKind body_kinds[] = {
-    {"cracks", true, true, cracks_drawing, add_crack_scale, add_crack_legend},
-    {"materials", false, true, materials_drawing,
+    {"cracks", "broken and damaged interfaces, coloured by opening or another quantity (--colour)", true, true,
+     cracks_drawing, add_crack_scale, add_crack_legend},
+    {"materials", "materials and grains, with the cracks", false, true, materials_drawing,
      [](const FigureOptions&, const Frame&, const History&, FigureScale&) {}, add_materials},
-    {"", false, false, field_drawing, add_field_scale, add_field_legend},
+    {"", "", false, false, field_drawing, add_field_scale, add_field_legend},
 };
 
 }  // namespace
@@ -346,6 +347,12 @@ std::vector<std::string> body_subjects() {
         if (!kind.show.empty()) names.push_back(kind.show);
     for (const BodyField& field : body_fields()) names.push_back(field.name);
     return names;
+}
+
+std::string doc_of_body(const std::string& show) {
+    const BodyField* const field = body_field(show);
+    return field ? field->quantity + (field->unit.empty() ? "" : " [" + field->unit + "]") + " on the body"
+                 : body_kind(show)->doc;
 }
 
 Plot body_plot(Box seen, const FigureOptions& options, double below) {

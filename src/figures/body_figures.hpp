@@ -24,7 +24,8 @@ const BodyField* body_field(const std::string& show);
 
 struct BodyDrawing;
 struct BodyKind {
-    std::string show;                             // "": each of body_fields()
+    std::string show;  // "": each of body_fields()
+    std::string doc;
     bool by_colour = false, few_colours = false;  // FigureOptions::colour has a meaning; has_few_colours()
     BodyDrawing (*drawing)(const FigureOptions&, const Frame&, const History& breaks, const FigureScale&);
     void (*add_scale)(const FigureOptions&, const Frame&, const History& breaks, FigureScale&);
@@ -33,6 +34,8 @@ struct BodyKind {
 /// Null for a figure that is drawn from histories.
 const BodyKind* body_kind(const std::string& show);
 std::vector<std::string> body_subjects();
+/// A line about one of them.
+std::string doc_of_body(const std::string& show);
 
 /// Status of an interface as it is drawn: initially open contact with a support is no crack.
 InterfaceStatus drawn_status(const Frame& frame, Index interface);

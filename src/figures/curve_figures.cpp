@@ -178,6 +178,10 @@ Chart reaction_chart(const History& reactions, bool at_times) {
 }
 
 Chart probe_chart(const History& probes, bool over_temperature, bool celsius) {
+    const auto ends = [&](const char* ending) {
+        return std::ranges::any_of(probes.columns, [&](const std::string& name) { return name.ends_with(ending); });
+    };
+    if (!ends("_u_x") && !ends("_opening") && ends("_K_I")) return tip_chart(probes);  // all watch tips
     Chart chart = over_time("Displacement", "displacement", "m");
     std::vector<Component> components{{"_u_x", "u_{x}"}, {"_u_y", "u_{y}"}};
     if (over_temperature) {
@@ -200,6 +204,12 @@ Chart probe_stress_chart(const History& probes) {
     Chart chart = over_time("Mean stress", "mean stress", "Pa");
     add_components(chart, probes,
                    {{"_stress_xx", "\u03c3_{xx}"}, {"_stress_yy", "\u03c3_{yy}"}, {"_stress_xy", "\u03c3_{xy}"}});
+    return chart;
+}
+
+Chart tip_chart(const History& probes) {
+    Chart chart = over_time("Stress intensity factors", "stress intensity factor", "Pa√m");
+    add_components(chart, probes, {{"_K_I", "K_{I}"}, {"_K_II", "K_{II}"}});
     return chart;
 }
 

@@ -18,6 +18,8 @@ Chart reaction_chart(const History& reactions, bool over_time = false);
 Chart probe_chart(const History& probes, bool over_temperature = false, bool celsius = false);
 Chart probe_velocity_chart(const History& probes);
 Chart probe_stress_chart(const History& probes);
+/// K_I and K_II of tips over time.
+Chart tip_chart(const History& probes);
 /// Stress over all measured strains, with the stresses of crack initiation, dilatancy and crack damage.
 Chart stress_strain_chart(const History& stress_strain);
 /// Cumulative number of breaks in tension and in shear between two times [s].

@@ -21,6 +21,7 @@ struct Source {
 /// A figure that is drawn from histories. A new one is a row of curve_kinds.
 struct CurveKind {
     const char* show;
+    const char* doc;
     Chart (*chart)(const Source&);  // null: the rose
     History Histories::*table;
     FigureNeed needs = FigureNeed::nothing;
@@ -29,33 +30,42 @@ struct CurveKind {
 };
 
 const CurveKind curve_kinds[] = {
-    {"energy", [](const Source& s) { return energy_chart(s.histories.energy); }, &Histories::energy,
-     FigureNeed::nothing, true},
-    {"crack_length", [](const Source& s) { return crack_length_chart(s.histories.cracks); }, &Histories::cracks,
-     FigureNeed::nothing, true},
-    {"crack_speed", [](const Source& s) { return crack_speed_chart(s.histories.cracks, s.context.rayleigh_speed); },
+    {"energy", "all terms of the energy balance over time",
+     [](const Source& s) { return energy_chart(s.histories.energy); }, &Histories::energy, FigureNeed::nothing, true},
+    {"crack_length", "length of the main crack, of all arms and of all broken edges over time",
+     [](const Source& s) { return crack_length_chart(s.histories.cracks); }, &Histories::cracks, FigureNeed::nothing,
+     true},
+    {"crack_speed", "speed of the main tip over time, beside the Rayleigh wave speed",
+     [](const Source& s) { return crack_speed_chart(s.histories.cracks, s.context.rayleigh_speed); },
      &Histories::cracks, FigureNeed::nothing, true},
-    {"reactions", [](const Source& s) { return reaction_chart(s.histories.reactions, s.options.over == "time"); },
+    {"reactions", "forces of driven boundaries and obstacles over their displacement (over = \"time\": over time)",
+     [](const Source& s) { return reaction_chart(s.histories.reactions, s.options.over == "time"); },
      &Histories::reactions, FigureNeed::driver, true, true},
-    {"probes",
+    {"probes", "displacement of places, opening and slip of interfaces; of tips alone as probe_tips",
      [](const Source& s) {
          return probe_chart(s.histories.probes, s.options.over == "temperature", s.context.celsius);
      },
      &Histories::probes, FigureNeed::probe_of_motion, true, true},
-    {"probe_velocities", [](const Source& s) { return probe_velocity_chart(s.histories.probes); }, &Histories::probes,
+    {"probe_velocities", "velocity of the places of probes over time",
+     [](const Source& s) { return probe_velocity_chart(s.histories.probes); }, &Histories::probes,
      FigureNeed::probe_of_place, true},
-    {"probe_stresses", [](const Source& s) { return probe_stress_chart(s.histories.probes); }, &Histories::probes,
+    {"probe_stresses", "mean stress of probes over time",
+     [](const Source& s) { return probe_stress_chart(s.histories.probes); }, &Histories::probes,
      FigureNeed::probe_of_stress, true},
-    {"stress_strain", [](const Source& s) { return stress_strain_chart(s.histories.stress_strain); },
-     &Histories::stress_strain, FigureNeed::specimen, true},
-    {"breaks",
+    {"probe_tips", "stress intensity factors of the tips of probes over time, until something breaks beside them",
+     [](const Source& s) { return tip_chart(s.histories.probes); }, &Histories::probes, FigureNeed::probe_of_tip, true},
+    {"stress_strain", "stress over strain of a [specimen], with its characteristic stresses",
+     [](const Source& s) { return stress_strain_chart(s.histories.stress_strain); }, &Histories::stress_strain,
+     FigureNeed::specimen, true},
+    {"breaks", "number of broken interfaces over time, in tension and in shear",
      [](const Source& s) {
          const std::vector<double> time = s.histories.energy.column("time");
          return break_chart(s.histories.breaks, time.front(), time.back());
      },
      &Histories::breaks, FigureNeed::breaks},
-    {"rose", nullptr, &Histories::breaks, FigureNeed::breaks},
-    {"fragments", [](const Source& s) { return fragment_size_chart(s.histories.fragments); }, &Histories::fragments,
+    {"rose", "directions of broken interfaces", nullptr, &Histories::breaks, FigureNeed::breaks},
+    {"fragments", "mass of fragments that passes a sieve, over its size",
+     [](const Source& s) { return fragment_size_chart(s.histories.fragments); }, &Histories::fragments,
      FigureNeed::fragments},
 };
 
@@ -89,9 +99,10 @@ const char* missing(const std::string& show, const std::string& colour, const Hi
             return unless(histories.reactions,
                           "reactions.csv is written where a load prescribes a motion or there is an obstacle");
         case FigureNeed::probe_of_motion:
-            return unless_probe({"_u_x", "_opening"}, "its probes watch stresses, which have no displacement");
+            return unless_probe({"_u_x", "_opening", "_K_I"}, "its probes watch stresses, which have no displacement");
         case FigureNeed::probe_of_place:
             return unless_probe({"_v_x"}, "none of its probes watches a place, which would have a velocity");
+        case FigureNeed::probe_of_tip: return unless_probe({"_K_I"}, "none of its probes watches a tip");
         case FigureNeed::probe_of_stress: return unless_probe({"_stress_xx"}, "none of its probes watches a stress");
         case FigureNeed::specimen:
             return unless(histories.stress_strain, "stress_strain.csv is written where the scenario has a [specimen]");
@@ -165,6 +176,13 @@ std::vector<std::string> figure_subjects() {
     std::vector<std::string> names = body_subjects();
     for (const CurveKind& kind : curve_kinds) names.emplace_back(kind.show);
     return names;
+}
+
+std::vector<std::pair<std::string, std::string>> described_subjects() {
+    std::vector<std::pair<std::string, std::string>> found;
+    for (const std::string& name : body_subjects()) found.emplace_back(name, doc_of_body(name));
+    for (const CurveKind& kind : curve_kinds) found.emplace_back(kind.show, kind.doc);
+    return found;
 }
 
 std::vector<std::string> figure_colours() {

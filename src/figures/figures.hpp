@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 namespace knap {
 
@@ -54,6 +55,7 @@ enum class FigureNeed {
     probe_of_motion,
     probe_of_place,
     probe_of_stress,
+    probe_of_tip,
     specimen,
     breaks,     // breaks.csv
     fragments,  // a run that has ended
@@ -61,6 +63,8 @@ enum class FigureNeed {
 
 /// The words allowed for FigureOptions::show, colour and over.
 std::vector<std::string> figure_subjects(), figure_colours(), figure_abscissas();
+/// The subjects with a line each.
+std::vector<std::pair<std::string, std::string>> described_subjects();
 /// Curves with a point for every line of the histories, for FigureOptions::curves.
 std::vector<std::string> growing_subjects();
 /// Whether a subject is drawn from a frame, once for each time in `at`.

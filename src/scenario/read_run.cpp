@@ -113,7 +113,7 @@ void check_subject(const Table& figure) {
                  "a reaction is the force of a load with velocity or displacement");
             break;
         case FigureNeed::probe_of_motion:
-            need_probe({Watch::place, Watch::interface}, "no probe watches a place or an interface",
+            need_probe({Watch::place, Watch::interface, Watch::tip}, "no probe watches a place, an interface or a tip",
                        "another figure, or another probe");
             break;
         case FigureNeed::probe_of_place:
@@ -121,6 +121,9 @@ void check_subject(const Table& figure) {
             break;
         case FigureNeed::probe_of_stress:
             need_probe({Watch::stress}, "no probe watches a stress", "add a [[probe]] with watch = \"stress\"");
+            break;
+        case FigureNeed::probe_of_tip:
+            need_probe({Watch::tip}, "no probe watches a tip", "add a [[probe]] with watch = \"tip\"");
             break;
         case FigureNeed::specimen:
             need(figure.reading().table("specimen").given(), "there is no specimen", "add a [specimen]");
