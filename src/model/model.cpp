@@ -223,24 +223,30 @@ std::vector<Vec2> given_velocities(const std::vector<InitialVelocity>& given, co
 void set_initial_velocities(const std::vector<InitialVelocity>& given, Model& model) {
     const std::vector<Vec2> of_corner = given_velocities(given, model);
     model.initial_velocity.assign(model.mesh.n_corners(), Vec2::Zero());
+    struct Sum {  // over the corners of a part
+        Vec2 momentum = Vec2::Zero();
+        double mass = 0;
+        bool differ = false;
+    };
+    std::vector<Sum> sums;  // by the first corner of the part
     for (const Fan& fan : model.fans) {
         const auto corners = model.corners(fan);
         const auto given_at = [&](Index i) -> const Vec2& { return of_corner[corners[i]]; };
         const std::vector<Index> part = parts_that_move_as_one(model, fan);
-        for (Index first = 0; first < fan.n_corners; ++first) {
-            Vec2 momentum = Vec2::Zero();
-            double mass = 0;
-            bool differ = false;
-            for (Index i = 0; i < fan.n_corners; ++i) {
-                if (part[i] != first) continue;
-                momentum += model.corner_mass[corners[i]] * given_at(i);
-                mass += model.corner_mass[corners[i]];
-                differ = differ || given_at(i) != given_at(first);
-            }
-            for (Index i = 0; i < fan.n_corners; ++i)
-                if (part[i] == first)
-                    model.initial_velocity[corners[i]] = differ ? Vec2(momentum / mass) : given_at(first);
+        std::ranges::fill(sums, Sum{});
+        sums.resize(fan.n_corners);
+        for (Index i = 0; i < fan.n_corners; ++i) {
+            if (part[i] < 0) continue;
+            Sum& sum = sums[part[i]];
+            sum.momentum += model.corner_mass[corners[i]] * given_at(i);
+            sum.mass += model.corner_mass[corners[i]];
+            sum.differ = sum.differ || given_at(i) != given_at(part[i]);
         }
+        for (Index i = 0; i < fan.n_corners; ++i)
+            if (part[i] >= 0) {
+                const Sum& sum = sums[part[i]];
+                model.initial_velocity[corners[i]] = sum.differ ? Vec2(sum.momentum / sum.mass) : given_at(part[i]);
+            }
     }
 }
 

@@ -16,14 +16,25 @@ double sure_strength(const CohesiveLaw& law, double area) {
     return area * law.sigma_c * law.smallest_phi() * shear;
 }
 
+constexpr Index most_corners = 1000;  // of a fan whose reactions are found one by one
+
 /// [Pa]
 double threshold_of(const Model& model, const Fan& fan) {
     const Mesh& mesh = model.mesh;
     const auto corners = model.corners(fan);
     const auto points = model.points(fan);
+    const auto unit_force = [&](Index i) {
+        const Index t = mesh.triangle_of(corners[i]);
+        return force_of_unit_stress(shape_gradients(mesh, t), mesh.area(t) * model.thickness, mesh.order,
+                                    mesh.place_in_triangle(corners[i]));
+    };
     std::vector<double> sum(fan.n_points, 0);    // [m2] sum_i |a_ji| L_i
     std::vector<double> reaction(fan.n_points);  // a_ji
-    for (Index i = 0; i < fan.n_corners; ++i) {
+    if (fan.n_corners > most_corners) {          // |a_ji| <= 2, in linear time
+        for (Index i = 0; i < fan.n_corners; ++i) sum[0] += 2 * unit_force(i);
+        std::ranges::fill(sum, sum[0]);
+    }
+    for (Index i = 0; i < fan.n_corners && fan.n_corners <= most_corners; ++i) {
         double walked = 0, weighted = 0, weight = 0;
         for (Index j = 0; j < fan.n_points; ++j) {
             // R_after = R_before - (m a - f): point j lies before corner j of a closed fan, after that of an open one
@@ -34,9 +45,7 @@ double threshold_of(const Model& model, const Fan& fan) {
             weight += 1 / points[j].area;
         }
         const double self_stress = fan.closed ? -weighted / weight : 0;
-        const Index t = mesh.triangle_of(corners[i]);
-        const double L = force_of_unit_stress(shape_gradients(mesh, t), mesh.area(t) * model.thickness, mesh.order,
-                                              mesh.place_in_triangle(corners[i]));
+        const double L = unit_force(i);
         for (Index j = 0; j < fan.n_points; ++j) sum[j] += std::abs(reaction[j] + self_stress) * L;
     }
     double stress = infinity;
