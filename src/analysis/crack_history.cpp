@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 namespace knap {
@@ -210,6 +211,20 @@ void CrackHistory::find_main() {
     }
     pattern_.crack_length = std::max(pattern_.crack_length, length);
     if (!vertices.empty()) pattern_.main_length = std::max(pattern_.main_length, along_chords(vertices).back());
+}
+
+double CrackHistory::main_angle() const {
+    if (main_arm_ < 0) return unknown;
+    const std::vector<Index> way = vertices_of(arms_.way(arms_.arms()[main_arm_].tip()));
+    const auto place = [&](Index vertex) -> const Vec2& { return arms_.graph().vertices[vertex]; };
+    Vec2 mean = Vec2::Zero();
+    for (const Index vertex : way) mean += place(vertex) / static_cast<double>(way.size());
+    double xx = 0, yy = 0, xy = 0;
+    for (const Index vertex : way) {
+        const Vec2 from_mean = place(vertex) - mean;
+        xx += from_mean.x() * from_mean.x(), yy += from_mean.y() * from_mean.y(), xy += from_mean.x() * from_mean.y();
+    }
+    return std::abs(0.5 * std::atan2(2 * xy, xx - yy)) * 180 / std::numbers::pi;
 }
 
 CrackHistory::Past CrackHistory::conclude() {

@@ -80,6 +80,9 @@ public:
     double max_tip_speed() const;
     /// [m/s] Of the main tip over the second half of its path, at most max_tip_speed(); NaN while unknown.
     double mean_tip_speed() const;
+    /// [deg] Acute angle between the x axis and the least-squares line through the vertices of the main crack (the
+    /// axis of least inertia); NaN without one.
+    double main_angle() const;
     std::optional<double> first_growth_time() const { return first_growth_; }  // [s] first edge of a crack that counts
     std::optional<FirstBranching> first_branching() const;
 

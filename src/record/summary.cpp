@@ -201,6 +201,8 @@ constexpr SummaryRow rows[]{
     {"crack_length", "m", "length of all crack arms along edges, without side twigs and single broken interfaces",
      [](F f) { return f.pattern.crack_length; }},
     {"main_length", "m", "length of the main crack along chords", [](F f) { return f.pattern.main_length; }},
+    {"main_angle", "deg", "acute angle between the x axis and the least-squares line through the main crack",
+     [](F f) { return f.cracks.main_angle(); }},
     {"work_per_advance", "J/m2",
      "work of the interfaces over length of the main crack and thickness: while one crack runs, what its advance "
      "costs, with the zigzag and the damage beside it; larger than G_c, and branches add to it",
