@@ -1,5 +1,6 @@
 // time.start = "run:DIR@40us" or "run:FILE": the state of another run, from which this one starts.
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "base/whole_file.hpp"
 #include "record/checkpoint_file.hpp"
 #include "scenario/reading.hpp"
@@ -16,7 +17,7 @@ constexpr std::size_t max_times = 12;  // in a message
 
 std::string times_text(const std::vector<StoredState>& states) {
     std::vector<std::string> times;
-    for (const StoredState& state : states) times.push_back(shortest(state.moment.time) + " s");
+    for (const StoredState& state : states) times.push_back(formatted("%.6g s", state.moment.time));
     times.erase(std::unique(times.begin(), times.end()), times.end());
     const std::size_t n = times.size();
     times.resize(std::min(n, max_times));

@@ -167,6 +167,7 @@ theta = 0.75
 every = "1 us"
 history_every = "0.1 us"
 checkpoint_every = "5 s"
+states = ["0.2 us", "0.4 us"]
 fields = false
 report = false
 breaks = true
@@ -699,6 +700,7 @@ const Case cases[] = {
     {rectangle, "output.every", "1e-06"},
     {rectangle, "output.history_every", "1e-07"},
     {rectangle, "output.checkpoint_every", "5"},
+    {rectangle, "output.states", "[2e-07, 4e-07]"},
     {rectangle, "output.fields", "false"},
     {rectangle, "output.report", "false"},
     {rectangle, "output.breaks", "true"},
