@@ -179,6 +179,23 @@ TEST_CASE("a tip probe refuses what its integrals do not hold for and is empty o
     const std::vector<double> K = column(folder, "tip_K_I");
     CHECK(K[0] == 0);
     CHECK(std::isnan(K.back()));
+    for (const std::string show : {"probes", "probe_tips"}) {
+        CHECK(command("render " + folder.in_shell("run") + " --show " + show + " --file " + show + ".svg").code == 0);
+        CHECK(text_of(folder.path / ("run/rendered/" + show + ".svg")).find("<svg") != std::string::npos);
+    }
+    CHECK(command("render " + folder.in_shell("run") + " --show probe_velocities").has("it has cracks"));
+}
+
+TEST_CASE("render lists the subjects of figures with a line each") {
+    for (const char* list : {"render --show", "render --show list"}) {
+        const Answer answer = command(list);
+        CAPTURE(answer.text);
+        CHECK(answer.code == 0);
+        CHECK(answer.has("\nprobe_tips        stress intensity factors of the tips"));
+        CHECK(answer.has("\nstress_yy         stress σ_{yy} [Pa] on the body\n"));
+    }
+    CHECK(command("render --show energy").code == 2);  // of which run?
+    CHECK(command("render").has("give its directory"));
 }
 
 }  // namespace tip_probe_test
