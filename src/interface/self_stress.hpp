@@ -23,24 +23,24 @@ struct HalfPlane {
     int kind;  // 0 = tension, +1 / -1 = shear in the direction of +T / -T
 };
 
-/// Admissible impulses of a point: p = P_N + cohesion >= 0 and the tangential range of p, three half planes.
+/// Admissible impulses of a point: p = P_N + C >= 0 and the tangential range of p, three half planes.
 struct StrengthPolygon : TangentialRange {
     Vec2 normal;      // N; T = turned_left(N)
-    double cohesion;  // force or impulse, as P
+    double cohesive;  // C, a force or an impulse, as P
 
     /// Of a point at rest: cohesion in both directions, friction on the contact.
-    static StrengthPolygon at_rest(const CohesiveLaw& law, const Vec2& normal, double cohesion) {
-        return {{.jump = law.gamma * cohesion, .contact_jump = law.friction}, normal, cohesion};
+    static StrengthPolygon at_rest(const CohesiveLaw& law, const Vec2& normal, double cohesive) {
+        return {{.jump = law.gamma * cohesive, .contact_jump = law.friction}, normal, cohesive};
     }
 
     /// Negative: P is not admissible.
     double smallest_slack(const Vec2& P) const {
-        const double p = P.dot(normal) + cohesion, q = P.dot(turned_left(normal)) + (offset + contact_offset * p);
+        const double p = P.dot(normal) + cohesive, q = P.dot(turned_left(normal)) + (offset + contact_offset * p);
         return std::min(p, jump + contact_jump * p - std::abs(q));
     }
     /// Half planes of c at P + undetermined c; `undetermined`: 0, 1 or -1 per component.
     void add_half_planes(Index link, const Vec2& P, const Vec2& undetermined, std::vector<HalfPlane>& planes) const {
-        const double p = P.dot(normal) + cohesion, q = P.dot(turned_left(normal)) + (offset + contact_offset * p);
+        const double p = P.dot(normal) + cohesive, q = P.dot(turned_left(normal)) + (offset + contact_offset * p);
         const Vec2 slope = turned_left(normal) + contact_offset * normal;
         planes.push_back({p, undetermined.cwiseProduct(normal), link, 0});
         planes.push_back(

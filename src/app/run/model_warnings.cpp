@@ -44,14 +44,6 @@ Jump largest_jump(const TimeFunction& history, double value, const TimeOptions& 
 
 // ---- places
 
-bool in_triangle(const Mesh& mesh, Index t, const Vec2& x) {
-    for (Index k = 0; k < 3; ++k) {
-        const Vec2 a = mesh.corner(t, k), b = mesh.corner(t, (k + 1) % 3);
-        if (cross(b - a, x - a) < -1e-9 * (b - a).squaredNorm()) return false;
-    }
-    return true;
-}
-
 bool in_mesh(const Mesh& mesh, const Vec2& x) {
     for (Index t = 0; t < mesh.n_triangles(); ++t)
         if (in_triangle(mesh, t, x)) return true;

@@ -8,14 +8,31 @@
 // no reaction of a fan that moves as one. With d = k alpha/2,
 //
 //     v+ = decay v + mobility M^-1 (k (F - K u) + H' P),     decay = (1 - d)/(1 + d),     mobility = 1/(1 + d)
-#include "base/pair.hpp"
+#include "base/vec.hpp"
 #include "model/state.hpp"
 #include "stepper/common/point_work.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <span>
 
 namespace knap {
+
+/// x and y of a vector in one register, with arithmetic on both at once (vector extension of GCC and Clang). In long
+/// loops Eigen's small vectors pass through memory instead.
+using Pair = double __attribute__((vector_size(16)));
+
+inline Pair load(const Vec2& vector) {
+    Pair pair;
+    std::memcpy(&pair, vector.data(), sizeof pair);
+    return pair;
+}
+inline void store(const Pair& pair, Vec2& vector) { std::memcpy(vector.data(), &pair, sizeof pair); }
+
+inline double dot(const Pair& a, const Pair& b) {
+    const Pair products = a * b;
+    return products[0] + products[1];
+}
 
 /// The place of a corner among those of its fan, or of others.
 inline Index place_among(std::span<const Index> corners, Index corner) {

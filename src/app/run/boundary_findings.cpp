@@ -1,0 +1,110 @@
+// Errors and warnings about supports, rigid obstacles and fluids on their mesh.
+#include "app/run/findings.hpp"
+
+#include "app/run/setup.hpp"
+#include "base/formatted.hpp"
+#include "model/obstacle_gap.hpp"
+#include "model/selections.hpp"
+#include "stepper/common/crack_forces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ranges>
+
+namespace knap {
+namespace {
+
+constexpr double offset = 1e-3;  // [-] of the edge: where the other side of a face is looked for
+
+constexpr double negligible = 1e-9;  // [-] of the size: obstacles that start in contact
+
+std::string named(const Obstacle& obstacle, Index number) {
+    return "`" + item("obstacle", number) + "` (" + obstacle.name + ")";
+}
+
+}  // namespace
+
+/// A support without the name of a side takes all faces of its bodies, also those on which they touch each other.
+std::vector<Diagnostic> findings_of_supports(const ReadResult& read, const Model& model) {
+    const Mesh& mesh = model.mesh;
+    std::vector<Diagnostic> found;
+    for (std::size_t i = 0; i < read.scenario.supports.size() && mesh.parts.size() > 1; ++i) {
+        const std::vector<std::size_t> edges = selected_edges(mesh, read.scenario.supports[i].on);
+        const auto beyond = [&](std::size_t e) -> Vec2 {
+            const auto& [triangle, side, boundary] = mesh.boundary_edges[e];
+            const Vec2 along = mesh.side_vector(triangle, side);
+            return mesh.corner(triangle, side) + 0.5 * along - offset * turned_left(along);
+        };
+        const auto touches = [&](std::size_t e) {
+            const Vec2 x = beyond(e);
+            return std::ranges::any_of(mesh.boundary_edges,
+                                       [&](const BoundaryEdge& other) { return in_triangle(mesh, other.triangle, x); });
+        };
+        const auto n = std::ranges::count_if(edges, touches);
+        if (n == 0) continue;
+        const Vec2 x = beyond(*std::ranges::find_if(edges, touches));
+        const std::string path = item("support", i) + ".on";
+        found.push_back(read.at(path, {.severity = Diagnostic::Severity::warning,
+                                       .code = "support-between",
+                                       .message = formatted("`%s` takes %td faces on which bodies touch each other, as "
+                                                            "at %s: the support is rigid and fixed there",
+                                                            path.c_str(), n, place_text(x).c_str()),
+                                       .note = "one side of the body or group, as { body = \"NAME\", boundary = "
+                                               "\"bottom\" }, or a box"}));
+    }
+    return found;
+}
+
+std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Model& model) {
+    std::vector<Diagnostic> found;
+    for (const auto& [i, j] : obstacles_that_may_meet(model.obstacles)) {
+        const Obstacle &a = model.obstacles[i], &b = model.obstacles[j];
+        const auto [gap, place] = gap_between({a.outline, a.start}, {b.outline, b.start});
+        const std::string both = named(a, i) + " and " + named(b, j);
+        const double size = place.norm() + std::sqrt(std::abs((b.is_free() ? b : a).outline.area()));
+        if (gap < -negligible * size)
+            found.push_back(read.at(item("obstacle", j),
+                                    {.severity = Diagnostic::Severity::error,
+                                     .code = "obstacles-overlap",
+                                     .message = both + formatted(" overlap by %.3g m at ", -gap) + place_text(place),
+                                     .note = "obstacles do not touch each other; move them apart, or give one of them "
+                                             "a [[body]] instead"}));
+        else
+            found.push_back(read.at(
+                item("obstacle", j),
+                {.severity = Diagnostic::Severity::warning,
+                 .code = "obstacles-pass",
+                 .message = both + " may meet: obstacles do not touch each other, a free one passes through others",
+                 .note = "make one of them a [[body]] of a stiff material, or let it move only where it meets none "
+                         "(motion, turns = false); the gate obstacle_overlap ends the run where they meet"}));
+    }
+    return found;
+}
+
+/// A fluid may wait for a crack: at a joint that still holds. At other places that is rarely meant.
+std::vector<Diagnostic> findings_of_fluids(const ReadResult& read, const Model& model) {
+    std::vector<Diagnostic> found;
+    if (model.crack_fluids.empty()) return found;
+    const std::vector<double> wetted = CrackForces(model).wetted(initial_state(model));
+    for (std::size_t i = 0; i < wetted.size(); ++i) {
+        const auto begins_at_source = [&](std::size_t edge) {
+            return model.mesh.interior_edges[edge].joint >= 0 &&
+                   std::ranges::any_of(model.interfaces[edge].vertex,
+                                       [&](Index v) { return model.crack_fluids[i].is_source[v] != 0; });
+        };
+        const auto edges = std::views::iota(std::size_t{0}, model.mesh.interior_edges.size());
+        if (wetted[i] > 0 || std::ranges::any_of(edges, begins_at_source)) continue;
+        const std::string path = item("pressure", i);
+        found.push_back(read.at(
+            path, {.severity = Diagnostic::Severity::warning,
+                   .code = "pressure-enters-nothing",
+                   .message = "`" + path +
+                              "` presses on nothing at t = 0: no crack and no joint begins at its source, and it "
+                              "enters only cracks that will begin there",
+                   .note = "from = { boundary = \"...\" } or { box = [...] } where a [[domain.crack]] begins, or "
+                           "joints = \"NAME\"; on the boundary itself: [[load]] with pressure"}));
+    }
+    return found;
+}
+
+}  // namespace knap
