@@ -119,7 +119,7 @@ const GateRule rules[] = {
     {{"contact_depth", "", "largest penetration of two free faces over the length of the edge",
       "Usual cause: faces that meet faster than the step resolves, thin pieces, or points that cohesion held while "
       "they turned. Try a smaller time.safety or smaller triangles there; [limits] contact_depth sets another limit."},
-     {0.02, 0.2, allowed},
+     {0.02, max_contact_depth, allowed},
      [](const GateView& run) {
          const StepReport& worst = run.ledger.worst();
          return GateValue{worst.contact_depth,
@@ -129,7 +129,7 @@ const GateRule rules[] = {
       "positive works of contacts between free faces, by the residual of their laws, over the work of impact and "
       "friction",
       "Usual cause: pieces wedged by friction. Try less friction, or a smaller time.safety."},
-     {1e-6, 1e-3, fixed},
+     {1e-6, 1e-5, fixed},
      [](const GateView& run) {
          const double scale = -run.ledger.row().impact_work - run.ledger.row().friction_work;
          const double least = 1e-3 * run.ledger.largest_energy();  // before much has met
@@ -141,8 +141,12 @@ const GateRule rules[] = {
       "largest error of the rates of contacts between free faces over their speeds; momentum and energy are exact all "
       "the same, but single contacts may do positive work",
       "Usual cause: pieces wedged by friction. Try less friction, or a smaller time.safety."},
-     {1e-6, infinity, fixed},
-     [](const GateView& run) { return GateValue{run.ledger.worst().contact_residual}; }},
+     {1e-8, max_contact_residual, fixed},
+     [](const GateView& run) {
+         const StepReport& worst = run.ledger.worst();
+         return GateValue{worst.contact_residual,
+                          worst.contact_residual > 0 ? std::optional(worst.residual_place) : std::nullopt};
+     }},
     {{"law_lag", "",
       "law lag (staggering error of beta): difference between the work of the interfaces and the energy that their "
       "law requires, over the dissipated energy; with it a crack does not cost G_c (place: the point with the largest "

@@ -149,8 +149,9 @@ void add_keys_of_run(KeyTable& t) {
 
     t.table("limits", "limits of the assumptions of the model (README, Limits): a run that exceeds one fails; with "
         "\"none\" it only warns");
-    t.number("contact_depth", "", "maximum penetration of free faces that meet over the length of the edge")
-        .above(0).or_word("none").otherwise("0.2");
+    t.number("contact_depth", "", "maximum penetration of free faces that meet over the length of the edge; deeper "
+        "steps are repeated with a smaller size, and the run ends where that does not help")
+        .above(0).or_word("none").otherwise("0.1");
     t.number("penetration", "m", "maximum interpenetration of two sides in contact")
         .above(0).or_word("none").computed("the critical opening, or a thousandth of the body");
     t.number("law_lag", "", "maximum difference between the work of the interfaces and the energy of their law, over "

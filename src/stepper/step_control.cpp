@@ -8,12 +8,20 @@ namespace {
 
 constexpr int steps_until_growth = 10;
 constexpr double growth = 1.5;
+constexpr double least_against_contact = 1. / 1024;  // [-] of the largest step: ten halvings
+
+bool is_of_contact(CutbackReason reason) {
+    return reason == CutbackReason::contact_speed || reason == CutbackReason::contact_depth ||
+           reason == CutbackReason::contact_residual;
+}
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, cutback_reasons.size()> reason_texts{{
     {"softening", "cohesion begins to fall"},
     {"release", "a fan splits"},
     {"assumption_1", "Assumption 1 does not hold, so the step has several solutions"},
     {"contact_speed", "faces that meet move by more than a twentieth of an edge"},
+    {"contact_depth", "free faces lie deeper in each other than limits.contact_depth"},
+    {"contact_residual", "contacts between free faces do not obey their laws to a millionth of their speeds"},
     {"not_converged", "the interface problem was not solved to its tolerance"},
 }};
 
@@ -52,37 +60,58 @@ double StepControl::next(const State& begin) const {
     return left < step_ ? left : 0.5 * left;
 }
 
-std::optional<CutbackReason> StepControl::reason_against(double h, const StepReport& report) const {
-    if (report.rejection == Rejection::assumption_1) return CutbackReason::assumption_1;
-    if (report.rejection == Rejection::contact_speed) return CutbackReason::contact_speed;
-    if (report.rejection == Rejection::not_converged) return CutbackReason::not_converged;
+std::optional<Cutback> StepControl::reason_against(const State& begin, double h, const StepReport& report) const {
+    Cutback cut{.reason = CutbackReason::softening, .time = begin.time, .from = h, .to = h};
+    const auto because = [&](CutbackReason reason, std::optional<Vec2> place = std::nullopt, double value = 0) {
+        cut.reason = reason, cut.place = place, cut.value = value;
+        return cut;
+    };
+    switch (report.rejection) {
+        case Rejection::assumption_1: return because(CutbackReason::assumption_1, report.where);
+        case Rejection::contact_speed:
+            return because(CutbackReason::contact_speed, report.where, report.rejected_value);
+        case Rejection::contact_residual:
+            return because(CutbackReason::contact_residual, report.where, report.rejected_value);
+        case Rejection::not_converged: return because(CutbackReason::not_converged, report.where);
+        case Rejection::none:
+        case Rejection::too_coarse: break;
+    }
+    if (report.contact_depth > limits_.contact_depth)
+        return because(CutbackReason::contact_depth, report.depth_place, report.contact_depth);
+    if (report.contact_residual > max_contact_residual)
+        return because(CutbackReason::contact_residual, report.residual_place, report.contact_residual);
     if (h <= limits_.cracking * (1 + 1e-12)) return std::nullopt;
-    if (report.softened > 0) return CutbackReason::softening;
-    return report.released > 0 ? std::optional(CutbackReason::release) : std::nullopt;
+    if (report.softened > 0) return because(CutbackReason::softening);
+    return report.released > 0 ? std::optional(because(CutbackReason::release)) : std::nullopt;
 }
 
 std::optional<Cutback> StepControl::judge(const State& begin, double h, const StepReport& report) {
-    const std::optional<CutbackReason> reason = reason_against(h, report);
-    const bool rejected = report.rejection != Rejection::none,
+    std::optional<Cutback> cut = reason_against(begin, h, report);
+    const bool rejected = report.rejection != Rejection::none || (cut && is_of_contact(cut->reason)),
+               several_solutions = cut && cut->reason == CutbackReason::assumption_1,
                breaks = !rejected && (report.softened > 0 || report.released > 0);
-    if (breaks || reason == CutbackReason::assumption_1) {
+    if (breaks || several_solutions) {
         largest_ = std::min(largest_, limits_.cracking);
         intact_ = false;
     }
-    if (!reason) {
+    if (!cut) {
         smallest_taken_ = largest_taken_ == 0 ? h : std::min(smallest_taken_, h);
         largest_taken_ = std::max(largest_taken_, h);
         step_ = std::min(step_, largest_);
         if (++n_good_ >= steps_until_growth) step_ = std::min(growth * step_, largest_), n_good_ = 0;
         return std::nullopt;
     }
-    ++n_cutbacks_[static_cast<std::size_t>(*reason)];
+    ++n_cutbacks_[static_cast<std::size_t>(cut->reason)];
     rejected_steps_ += report;
-    const bool to_cracking = !rejected || (reason == CutbackReason::assumption_1 && h > limits_.cracking * (1 + 1e-12));
-    step_ = to_cracking ? limits_.cracking : 0.5 * h;
+    const bool to_cracking = !rejected || (several_solutions && h > limits_.cracking * (1 + 1e-12));
+    cut->to = step_ = to_cracking ? limits_.cracking : 0.5 * h;
     n_good_ = 0;
-    stuck_ = step_ < limits_.smallest;
-    return Cutback{.reason = *reason, .time = begin.time, .from = h, .to = step_};
+    stuck_ = step_ < smallest_against(cut->reason);
+    return cut;
+}
+
+double StepControl::smallest_against(CutbackReason reason) const {
+    return is_of_contact(reason) ? std::max(limits_.smallest, least_against_contact * largest_) : limits_.smallest;
 }
 
 Vec2 place_of_damage(const Model& model, const State& begin, const State& end) {

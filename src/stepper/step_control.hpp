@@ -5,6 +5,8 @@
 //     cohesion falls              in a step above the cracking step: it is repeated with the cracking step, which is
 //                                 the largest one from then on
 //     the step is rejected        it is repeated with half the size; under Assumption 1 with the cracking step at most
+//     free faces lie too deep in  likewise; these, and faces that meet too fast, end the run where a thousandth of the
+//     each other, or break laws   largest step does not help
 //     ten steps without cutback   1.5 times the size, up to the largest (Collins-Craft, Bourrier, Acary, CMAME 400
 //                                 (2022) 115545)
 //     near the end                the rest, or two halves of it: the last step ends there and is no sliver
@@ -20,15 +22,25 @@ namespace knap {
 
 /// All [s].
 struct StepLimits {
-    double largest;   // while nothing breaks
-    double cracking;  // from the first loss of cohesion on
-    double smallest;  // a run that needs a smaller one stops
-    double end;       // of the simulated time
+    double largest;                            // while nothing breaks
+    double cracking;                           // from the first loss of cohesion on
+    double smallest;                           // a run that needs a smaller one stops
+    double end;                                // of the simulated time
+    double contact_depth = max_contact_depth;  // [-] largest, of free faces, over the length of the edge
 };
 
-enum class CutbackReason { softening, release, assumption_1, contact_speed, not_converged };
-inline constexpr std::array cutback_reasons{CutbackReason::softening, CutbackReason::release,
-                                            CutbackReason::assumption_1, CutbackReason::contact_speed,
+enum class CutbackReason {
+    softening,
+    release,
+    assumption_1,
+    contact_speed,
+    contact_depth,
+    contact_residual,
+    not_converged
+};
+inline constexpr std::array cutback_reasons{CutbackReason::softening,     CutbackReason::release,
+                                            CutbackReason::assumption_1,  CutbackReason::contact_speed,
+                                            CutbackReason::contact_depth, CutbackReason::contact_residual,
                                             CutbackReason::not_converged};
 std::string_view name_of(CutbackReason reason);   // "assumption_1", as in run.json
 std::string_view describe(CutbackReason reason);  // "Assumption 1 does not hold"
@@ -36,8 +48,10 @@ std::string_view describe(CutbackReason reason);  // "Assumption 1 does not hold
 /// A step that does not count and is repeated with a smaller size.
 struct Cutback {
     CutbackReason reason;
-    double time;      // [s] at its start
-    double from, to;  // [s] its size, and the next one
+    double time;                               // [s] at its start
+    double from, to;                           // [s] its size, and the next one
+    std::optional<Vec2> place = std::nullopt;  // [m] nothing: where the body was damaged
+    double value = 0;                          // [-] of contacts: what was too large
 };
 
 class StepControl {
@@ -56,7 +70,8 @@ public:
     /// The verdict on a step of h [s] from `begin`: nothing where it counts; else its end state is void.
     std::optional<Cutback> judge(const State& begin, double h, const StepReport& report);
 
-    bool is_stuck() const { return stuck_; }  // the last cutback led below the smallest step
+    bool is_stuck() const { return stuck_; }              // the last cutback led below the smallest step
+    double smallest_against(CutbackReason reason) const;  // [s] that step
 
     /// Whether a state is at `time` [s], up to the rounding of the sum of its steps.
     static bool has_reached(const State& state, double time);
@@ -74,7 +89,7 @@ public:
 
 private:
     double tolerance(const State& begin) const;  // [s]
-    std::optional<CutbackReason> reason_against(double h, const StepReport& report) const;
+    std::optional<Cutback> reason_against(const State& begin, double h, const StepReport& report) const;
 
     StepLimits limits_;
     double step_, largest_;  // [s] current, and the largest from now on

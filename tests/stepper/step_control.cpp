@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <tuple>
 #include <vector>
 
 namespace step_control_test {
@@ -162,6 +163,70 @@ TEST_CASE("step control: below the smallest step it is stuck") {
     CHECK(trace.cuts.size() == 20);  // 2^-20 < 1e-6 < 2^-19
     CHECK(trace.cuts.back().from >= 1e-6);
     CHECK(trace.cuts.back().to < 1e-6);
+}
+
+TEST_CASE("step control: faces that lie too deep or break their laws cut steps and end the run after ten halvings") {
+    const auto deep = [](double depth) {
+        return [=](double time, double h) {
+            StepReport report;
+            report.softened = 1;
+            if (time >= 3) report.add_depth(depth * h, {1, 2});
+            return report;
+        };
+    };
+    const Trace helped = run(constant(1, 10), deep(1));  // h = 1 / 16 is 1 / 16 deep
+    CHECK_FALSE(helped.stuck);
+    REQUIRE(helped.cuts.size() > 3);
+    CHECK(helped.cuts[0].reason == CutbackReason::contact_depth);
+    CHECK(helped.cuts[0].time == 3);
+    CHECK(helped.cuts[0].place == Vec2(1, 2));
+    CHECK(helped.cuts[0].value == 1);
+    CHECK(helped.steps[3] == 1. / 16);
+
+    const auto always = [](const auto& set) {
+        return [=](double time, double) {
+            StepReport report;
+            if (time >= 3) set(report);
+            return report;
+        };
+    };
+    const Script too_deep = always([](StepReport&report) {
+        report.add_depth(2 * max_contact_depth, {1, 2});
+    }),
+                 unlawful = always([](StepReport&report) {
+                     report.add_contact_residual(2 * max_contact_residual, {3, 4});
+                 }),
+                 unsolved = always([](StepReport&report) {
+                     report.reject(Rejection::contact_residual, {3, 4}, 0.5);
+                 }),
+                 too_fast = always([](StepReport&report) {
+                     report.reject(Rejection::contact_speed, {5, 6}, 0.07);
+                 });
+    using Expected = std::tuple<Script, CutbackReason, Vec2, double>;
+    for (const auto& [script, reason, place, value] :
+         {Expected{too_deep, CutbackReason::contact_depth, {1, 2}, 2 * max_contact_depth},
+          Expected{unlawful, CutbackReason::contact_residual, {3, 4}, 2 * max_contact_residual},
+          Expected{unsolved, CutbackReason::contact_residual, {3, 4}, 0.5},
+          Expected{too_fast, CutbackReason::contact_speed, {5, 6}, 0.07}}) {
+        const Trace trace = run(constant(1, 10), script);
+        CAPTURE(name_of(reason));
+        CHECK(trace.stuck);
+        CHECK(trace.end == 3);
+        CHECK(trace.cuts.size() == 11);
+        CHECK(trace.cuts.back().from == 1. / 1024);
+        CHECK(trace.cuts.back().reason == reason);
+        CHECK(trace.cuts.back().place == place);
+        CHECK(trace.cuts.back().value == value);
+    }
+    StepLimits allowed = constant(1, 10);  // [limits] contact_depth = "none"
+    allowed.contact_depth = infinity;
+    CHECK(run(allowed, too_deep).cuts.empty());
+    // what is at its limit counts
+    CHECK(run(constant(1, 10), always([](StepReport& report) {
+                  report.add_depth(max_contact_depth, {1, 2});
+                  report.add_contact_residual(max_contact_residual, {3, 4});
+              }))
+              .cuts.empty());
 }
 
 TEST_CASE("step control: a run that is stopped early is the start of the longer one") {

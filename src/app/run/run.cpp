@@ -240,10 +240,9 @@ void Run::step() {
     const StepReport report = stepper_->step(now_, h, next_);
     if (report.rejection == Rejection::too_coarse) return adapt(report.where);
     if (const std::optional<Cutback> cut = control_.judge(now_, h, report)) {
-        const Vec2 where =
-            report.rejection == Rejection::none ? place_of_damage(setup_.model, now_, next_) : report.where;
+        const Vec2 where = cut->place ? *cut->place : place_of_damage(setup_.model, now_, next_);
         log_.add(cutback_text(*cut, where));
-        if (control_.is_stuck()) throw SimulationError(stuck_text(*cut, where, setup_.plan.limits.smallest));
+        if (control_.is_stuck()) throw SimulationError(stuck_text(*cut, where, control_.smallest_against(cut->reason)));
         return;
     }
     if (setup_.options.dump_lcp.contains(next_.n_steps))

@@ -3,6 +3,7 @@
 #include "base/formatted.hpp"
 #include "record/outputs.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace knap {
@@ -11,6 +12,13 @@ namespace {
 using Count = long long;
 
 std::string at_place(const std::optional<Vec2>& place) { return place ? " at " + place_text(*place) : ""; }
+
+std::string reason_text(const Cutback& cut) {
+    const std::string text(describe(cut.reason));
+    if (cut.value == 0) return text;
+    const bool is_length = cut.reason != CutbackReason::contact_residual;
+    return text + formatted(is_length ? " (%.4g of an edge)" : " (%.4g of them)", cut.value);
+}
 
 /// The work of the implicit solver and the cutbacks.
 std::string solver_text(const RunRecord& record) {
@@ -41,10 +49,19 @@ std::string solver_text(const RunRecord& record) {
 
 std::string cutback_text(const Cutback& cut, const Vec2& where) {
     return formatted("cutback: t = %.9g s, step %.4g s -> %.4g s at %s: %s\n", cut.time, cut.from, cut.to,
-                     place_text(where).c_str(), describe(cut.reason).data());
+                     place_text(where).c_str(), reason_text(cut).c_str());
 }
 
 std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest) {
+    std::string text = formatted(
+        "the run cannot continue from t = %.9g s at %s: %s, even in a step of %.4g s; the "
+        "smallest step allowed is %.4g s. ",
+        cut.time, place_text(where).c_str(), reason_text(cut).c_str(), cut.from, smallest);
+    if (cut.reason == CutbackReason::contact_speed)
+        return text + "Look at the units of velocities and loads, or use larger triangles where the faces meet.";
+    if (const auto gate = std::ranges::find(gate_rules(), name_of(cut.reason), &GateRule::name);
+        gate != gate_rules().end())  // contact_depth, contact_residual
+        return text + std::string(gate->cure);
     const char* const alternatives =
         cut.reason == CutbackReason::assumption_1 ? "time.assumption_1 = \"ignore\" to continue with one of the "
                                                     "solutions; or time.cohesion = \"explicit\"; or "
@@ -53,11 +70,7 @@ std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest) {
               "time.theta = 0.7 where it is smaller; or half the friction of the interface there, where it wedges the "
               "body; or "
             : "";
-    return formatted(
-        "the run cannot continue from t = %.9g s at %s: %s, even in a step of %.4g s; the "
-        "smallest step allowed is %.4g s. Try %stime.step_min = \"%.3g s\"",
-        cut.time, place_text(where).c_str(), describe(cut.reason).data(), cut.from, smallest, alternatives,
-        1e-3 * smallest);
+    return text + formatted("Try %stime.step_min = \"%.3g s\"", alternatives, 1e-3 * smallest);
 }
 
 std::string missing_text(const std::vector<std::string>& files) {

@@ -10,14 +10,18 @@ namespace knap {
 
 /// [-] Of the interface laws, scaled: the gate of every run; a step beyond it is rejected.
 constexpr double max_residual = 1e-10;
+/// [-] Of contacts between free faces: the error of their rates over their speeds, and their depth over the length of
+/// the edge. A step beyond is repeated with a smaller size.
+constexpr double max_contact_residual = 1e-6, max_contact_depth = 0.1;
 
 /// Why a step was rejected; its end state is void and must not be used.
 enum class Rejection {
     none,
-    assumption_1,   // softening outweighs inertia and stiffness: the step has several solutions; a smaller one has one
-    contact_speed,  // faces that meet move too far in the step
-    not_converged,  // the solver of the interfaces did not reach its tolerance
-    too_coarse,     // a fan splits that must be refined first (Model::too_coarse)
+    assumption_1,      // softening outweighs inertia and stiffness: several solutions; a smaller step has one
+    contact_speed,     // faces that meet move too far in the step
+    contact_residual,  // no motion was found that obeys the laws of contacts between free faces
+    not_converged,     // the solver of the interfaces did not reach its tolerance
+    too_coarse,        // a fan splits that must be refined first (Model::too_coarse)
 };
 
 /// How to combine the values of two parts of the body, or of two steps.
@@ -53,6 +57,7 @@ struct StepReport {
     double residual = 0;                 // [-] largest residual of the interface laws, scaled
     double penetration = 0;              // [m] largest
     double contact_residual = 0;         // [-] largest of contacts between free faces, over their speeds
+    Vec2 residual_place = Vec2::Zero();  // [m] of it, in the deformed body
     double contact_depth = 0;            // [-] largest penetration of a free face over the length of its edge
     Vec2 depth_place = Vec2::Zero();     // [m] of it, in the deformed body
     double largest_speed = 0;            // [m/s]
@@ -71,6 +76,7 @@ struct StepReport {
     std::int64_t factorisations = 0;
     Rejection rejection = Rejection::none;
     Vec2 where = Vec2::Zero();  // [m] of the rejection
+    double rejected_value = 0;  // [-] what was too large: of contacts
 
     /// Calls visit(member, how to combine it) for the numbers above except those with a place; sums and serialization
     /// follow from this list.
@@ -92,9 +98,9 @@ struct StepReport {
                                          &R::linear_solves,     &R::factorisations,
                                          &R::thermal_work,      &R::law_change,
                                          &R::consumed_change,   &R::viscous_dissipation};
-        constexpr auto maxima = std::tuple{&R::worst_impact_work,   &R::worst_friction_work,    &R::residual,
-                                           &R::penetration,         &R::contact_residual,       &R::largest_speed,
-                                           &R::largest_beta_growth, &R::largest_strength_factor};
+        constexpr auto maxima = std::tuple{
+            &R::worst_impact_work,   &R::worst_friction_work,    &R::residual, &R::penetration, &R::largest_speed,
+            &R::largest_beta_growth, &R::largest_strength_factor};
         std::apply([&](auto... member) { (visit(member, Combine::sum), ...); }, sums);
         std::apply([&](auto... member) { (visit(member, Combine::maximum), ...); }, maxima);
     }
@@ -102,7 +108,8 @@ struct StepReport {
     template <class Archive>
     void serialize(Archive& archive) {
         for_each_number([&](auto member, Combine) { archive(this->*member); });
-        archive(largest_drop, drop_corner, contact_depth, depth_place, rejection, where);
+        archive(largest_drop, drop_corner, contact_depth, depth_place, contact_residual, residual_place);
+        archive(rejection, where, rejected_value);
     }
 
     /// Adds another part of the body, or another step.
@@ -113,15 +120,19 @@ struct StepReport {
         });
         if (other.largest_drop > largest_drop) largest_drop = other.largest_drop, drop_corner = other.drop_corner;
         add_depth(other.contact_depth, other.depth_place);
-        if (rejection == Rejection::none) rejection = other.rejection, where = other.where;
+        add_contact_residual(other.contact_residual, other.residual_place);
+        reject(other.rejection, other.where, other.rejected_value);
         return *this;
     }
     void add_depth(double depth, const Vec2& place) {
         if (depth > contact_depth) contact_depth = depth, depth_place = place;
     }
+    void add_contact_residual(double error, const Vec2& place) {
+        if (error > contact_residual) contact_residual = error, residual_place = place;
+    }
     /// Keeps the first rejection.
-    void reject(Rejection reason, const Vec2& place) {
-        if (rejection == Rejection::none) rejection = reason, where = place;
+    void reject(Rejection reason, const Vec2& place, double value = 0) {
+        if (rejection == Rejection::none) rejection = reason, where = place, rejected_value = value;
     }
 };
 

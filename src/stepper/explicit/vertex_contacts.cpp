@@ -65,7 +65,8 @@ void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
     fans_.clear(), terms_.clear(), first_term_.assign(1, 0);
     contacts_.find(step.begin, step.drift_time);
     if (const auto& refusal = contacts_.refusal()) {
-        if (refusal->reason == ContactRefusal::Reason::speed) report.reject(Rejection::contact_speed, refusal->place);
+        if (refusal->reason == ContactRefusal::Reason::speed)
+            report.reject(Rejection::contact_speed, refusal->place, refusal->value);
         else report.add_depth(refusal->value, refusal->place);
     }
     const auto n = static_cast<Index>(contacts_.all().size());
@@ -259,7 +260,7 @@ Vec2 VertexContacts::rate(Index contact) const {
     return V;
 }
 
-void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
+void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
                                    ThreadWorkspace& work, StepReport& report) {
     ContactProblem& problem = work.contacts;
     bool has_soft = false;
@@ -312,7 +313,7 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
         if (residual <= agreed * speed + error || round - last_progress > patience) break;
     }
     for (const Index i : cluster.contacts) residual_[i] = residual + error;
-    if (speed > 0) report.contact_residual = std::max(report.contact_residual, std::max(0.0, residual - error) / speed);
+    cluster.residual = speed > 0 ? std::max(0.0, residual - error) / speed : 0;
     double before = 0, after = 0, energy = 0, lost = 0, injected = 0;
     for (const Index s : cluster.slots)
         for (std::size_t c = 0; c < touched_[s].corners.size(); ++c) {
@@ -328,9 +329,8 @@ void VertexContacts::solve_cluster(const Cluster& cluster, const ExplicitStep& s
         injected += positive_work(P, mean), lost += positive_work(-P, mean);
     }
     // a residual changes no momentum and no energy, but the sign of single works: a gate judges their sum
-    if (!(after <= absurd * before) || injected > max_injected * (energy + lost) + error * problem.largest_impulse()) {
-        report.reject(Rejection::not_converged, place_of(cluster.contacts.front(), step.begin));
-    }
+    if (!(after <= absurd * before) || injected > max_injected * (energy + lost) + error * problem.largest_impulse())
+        report.reject(Rejection::contact_residual, place_of(cluster.contacts.front(), step.begin), cluster.residual);
 }
 
 double VertexContacts::solve(const ExplicitStep& step, bool aside, std::vector<std::uint8_t>& splits,
@@ -375,6 +375,8 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
                          place_of(static_cast<Index>(i), step.begin));
         step.end.face_contacts.push_back({c.vertex[1], c.edge[0], P.x(), P.y()});
     }
+    for (const Cluster& cluster : clusters_)
+        report.add_contact_residual(cluster.residual, place_of(cluster.contacts.front(), step.begin));
     report.face_contacts = static_cast<std::int64_t>(contacts.size());
     retire_points(model_, step.begin.retired, step.end);
 }

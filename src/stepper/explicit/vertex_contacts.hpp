@@ -63,12 +63,13 @@ private:
     struct Cluster {
         std::vector<Index> contacts, slots;
         bool is_aside = false;
+        double residual = 0;  // [-] of the last solution, over the speeds
     };
 
     Index slot_of(Index fan);
     void add_terms(Index contact);
     void find_clusters();
-    void solve_cluster(const Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
+    void solve_cluster(Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
                        ThreadWorkspace& work, StepReport& report);
     void find_parts(TouchedFan& touched, const State& begin) const;
     void soften(TouchedFan& touched, const State& begin, std::vector<std::uint8_t>& splits) const;

@@ -182,6 +182,42 @@ TEST_CASE("limits: faces that slid by more than an edge under pressure end the r
     CHECK(record_of(folder)["summary"]["largest_slip"].get<double>() > 1.5);
 }
 
+TEST_CASE("limits: free faces that meet too fast or lie too deep end the run with place and value and cure") {
+    // a square that spins falls onto another one
+    const std::string squares =
+        "knap = 1\nname = \"squares\"\n[domain]\nrotation = \"large\"\n[mesh]\nsize = 0.005\n" + rock + unbreakable +
+        "[contact]\nfriction = 0.5\n[[body]]\nname = \"lower\"\nshape = \"rectangle\"\nsize = [0.04, 0.02]\n"
+        "[[body]]\nname = \"upper\"\nshape = \"rectangle\"\norigin = [0.01, 0.021]\nsize = [0.02, 0.02]\n"
+        "velocity = [0, -10]\nspin = 200\n[time]\nend = \"0.3 ms\"\n[output]\nevery = \"0.1 ms\"\n";
+    const Folder folder("squares");
+    const Answer meets = run(folder, squares);
+    CHECK(meets.code == 0);
+    const double depth = gate_of(record_of(folder), "contact_depth")["value"].get<double>();
+    REQUIRE(depth > 0);
+    CHECK(depth < 0.01);
+    CHECK(gate_of(record_of(folder), "contact_residual")["value"].get<double>() < 1e-8);
+
+    const auto refused = [&](const std::string& settings, const std::string& reason, const std::string& cure) {
+        CAPTURE(settings);
+        const Answer stuck = run(folder, squares, settings);
+        CHECK(stuck.code == 3);
+        CHECK(stuck.has("the run cannot continue from t = "));
+        CHECK(stuck.has(" at (x, y) = (0.0"));
+        CHECK(stuck.has(cure));
+        CHECK(stuck.has(" of an edge)"));
+        const Json record = record_of(folder);
+        CHECK(record["status"] == "failed");
+        CHECK(record["cuts"][reason] == 11);
+        const std::string log = text_of(folder.path / "run/log.txt");
+        CHECK(count(log, "cutback:") == 11);
+        for (const char* file : {"energy.csv", "fragments.csv", "report.html", "frames.pvd"})
+            CHECK(fs::exists(folder.path / "run" / file));
+    };
+    refused("-s limits.contact_depth=" + std::to_string(0.01 * depth), "contact_depth", "limits] contact_depth");
+    refused("-s 'time.end=1 us' -s 'body.1.velocity=[0, -3e7]'", "contact_speed", "units of velocities");
+    CHECK(run(folder, squares, "-s limits.contact_depth=none").code == 0);
+}
+
 TEST_CASE("limits: loads on few light parts stop no run") {
     const Folder folder("light");
     // a point load, whose vertex has all the energy of the first step

@@ -78,6 +78,70 @@ TEST_CASE(
     }
 }
 
+namespace {
+
+/// Six triangles of edge 1 round a vertex; triangle i lies between the directions of 60 i and 60 (i + 1) degrees.
+Pieces hexagon(const std::vector<int>& part) {
+    std::vector<Vec2> outline;
+    for (int i = 0; i < 6; ++i) outline.push_back(turned({1, 0}, i * std::numbers::pi / 3));
+    Pieces scene({star_mesh(outline)});
+    crack(scene, part);
+    return scene;
+}
+
+/// Of the points at the centre.
+std::ptrdiff_t n_retired_at_centre(const Pieces& scene) {
+    std::ptrdiff_t n = 0;
+    for (const FanPoint& point : scene.model.fan_points)
+        n += scene.state.retired[point.point] == 1 && scene.model.mesh.corner(point.corner()).norm() < 1e-9;
+    return n;
+}
+
+}  // namespace
+
+TEST_CASE("broken points inside the body retire early where corners that are no neighbours overlap") {
+    // all six cracked; triangles 0 and 3 go towards each other by d, so their corners overlap by 2 d sin 30 = d; each
+    // slips by d along its neighbours
+    const Vec2 axis = turned({1, 0}, std::numbers::pi / 6);
+    const auto closed_by = [&](double d, bool towards_each_other) {
+        Pieces scene = hexagon({0, 1, 2, 3, 4, 5});
+        scene.put(0, -d * axis);
+        scene.put(3, towards_each_other ? Vec2(d * axis) : Vec2(-d * axis));
+        scene.retire();
+        return n_retired_at_centre(scene);
+    };
+    static_assert(1.5 * retirement_slip < 0.004 && 0.006 < 0.5 * inner_retirement_slip);
+    CHECK(closed_by(0.004, true) == 0);   // less than the overlap of 0.005
+    CHECK(closed_by(0.006, true) == 4);   // those of 0 and 3; 1 and 2, 4 and 5 have not moved apart
+    CHECK(closed_by(0.006, false) == 0);  // the same slips, without an overlap of strangers: 3 goes away from 0
+    CHECK(closed_by(1.1 * inner_retirement_slip, false) == 4);
+}
+
+TEST_CASE("a broken point that is alone in its slip retires on the surface and not inside the body") {
+    const double slip = 1.2 * inner_retirement_slip;  // less than that of a hinge
+    // inside: the crack between triangles 5 and 0 alone has slipped at the centre, then that between 0 and 1, too
+    for (const bool two : {false, true}) {
+        CAPTURE(two);
+        Pieces scene = hexagon({0, 1, 1, 1, 1, 1});
+        const Vec2 along = slip * turned({1, 0}, two ? std::numbers::pi / 6 : 0);
+        for (Index c = 0; c < scene.model.mesh.n_corners(); ++c)
+            if (scene.model.mesh.corner(c).norm() < 1e-9 && c / 3 == 0) scene.displacement(c) = along;
+        if (!two)  // the other side of triangle 0 moves with it, and keeps its cohesion
+            for (Index c = 0; c < scene.model.mesh.n_corners(); ++c)
+                if (scene.model.mesh.corner(c).norm() < 1e-9 && c / 3 != 5) scene.displacement(c) = along;
+        scene.retire();
+        CHECK(n_retired_at_centre(scene) == (two ? 2 : 0));
+        CHECK(std::ranges::count(scene.state.retired, 2) == 0);
+    }
+    // on the surface of a bar of two cells that is cracked along x = 1
+    Pieces bar({bar_mesh(2, 1, 2, 1)});
+    crack(bar, {0, 0, 1, 1});
+    for (Index c = 0; c < bar.model.mesh.n_corners(); ++c)
+        if (bar.body_of(c) == 1 && bar.model.mesh.corner(c).y() == 0) bar.displacement(c) = {0, -slip};
+    bar.retire();
+    CHECK(std::ranges::count(bar.state.retired, 1) == 1);
+}
+
 TEST_CASE("the corner of a crack that a live point holds as a hinge touches what lies in its opening") {
     // two cells side by side, cracked along x = 1 but for the point at (1, 1), the left one turned clockwise; a block to
     // the left of the hinge, its right side inclined as `angle` says
