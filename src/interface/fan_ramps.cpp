@@ -6,33 +6,43 @@
 namespace knap {
 namespace {
 
-constexpr int max_ramp_solves = 30;          // three are usual
+constexpr int max_ramp_solves = 30;          // up to seven are usual
+constexpr int patient_solves = 10;           // from here on tangents move by a part of the way
 constexpr double ramp_tolerance = 1e-12;     // [-] error of r
-constexpr double speed_rounding = 1e-13;     // [-] of the speeds, in the opening that r is taken at
 constexpr double touching_envelope = 1e-12;  // [-] of kappa: a point this near to it is on the softening branch
+constexpr double farthest = 16;              // one solve moves a tangent by its root at most
 
-/// A link whose energy is linear at the end of its step and was quadratic at its start gets the tangent of r at the
-/// `rate` found [m/s], or with `damping` < 1 nearer to where its last one touches; the others their ramp. Returns the
-/// error of the r that they bear [-], less what errors of the `speed` [m/s] explain.
+/// A link whose energy is linear at the end of its step and was quadratic at its start gets a tangent of r as its ramp,
+/// the others their ramp. The solution lies on the last tangent, above r: the r that is sought is below the one found,
+/// and its opening d above. So the next tangent touches between these two, at the geometric mean of the d found and the
+/// d that belongs to the r found (r is a hyperbola), or with `damping` < 1 a part of the way from the last one to it.
+/// Returns the distance of the `rate` found [m/s] and the r that the link bears from the law [-], with velocities over
+/// `speed` [m/s]: on stiff ramps the rounding of velocities is many errors of r.
 double follow_energy(double h, const Vec2& rate, double borne, double damping, double speed, FanLink& link) {
     const double mean = 0.25 * h * (link.ramp * link.ramp_part(rate) - link.ramp_shift);            // [m] opening
     const double opened = std::max(link.middle.x(), 0.0) + link.gamma * std::abs(link.middle.y());  // s-
-    const double a = link.kappa - opened, d = 2 * (mean - opened);
+    const double a = link.kappa - opened, d = 2 * (mean - opened), found = borne / link.cohesive;
     const auto part_at = [&](double passed) { return 1 - 0.5 * a * a / (link.kappa * passed); };
-    const bool may_pass = a > touching_envelope * link.kappa;
-    const double part = may_pass && d > a ? part_at(d) : mean / link.kappa;
-    const double last = may_pass ? a * std::sqrt(0.25 * h * link.ramp / link.kappa) : 0;  // d of the tangent
-    const double next = last + damping * (std::max(d, a) - last);
+    const bool may_pass = a > touching_envelope * link.kappa, passes = may_pass && d > a;
+    const double softer = passes ? (d / a) * (d / a) : 1;  // the slope of r here is that of the ramp over this
+    double touch = 0;                                      // [m] d of the tangent; up to a it is the ramp
+    if (may_pass) {
+        const double last = a * std::sqrt(0.25 * h * link.ramp / link.kappa), by_opening = std::max(d, a),
+                     by_force = found < 1 ? 0.5 * a * a / (link.kappa * (1 - found)) : by_opening,
+                     next = std::sqrt(by_opening * std::clamp(by_force, a, farthest * by_opening));
+        touch = damping < 1 ? last * std::pow(next / last, damping) : next;
+    }
     link.set_ramp(h);
+    const double part = passes ? part_at(d) : std::clamp(mean / link.kappa, 0.0, 1.0), off = std::abs(found - part),
+                 as_speed = off * softer * link.ramp / speed;
     double shift = 0;
-    if (may_pass && next > a) {
-        link.ramp *= (next / a) * (next / a);
-        shift = part_at(next) * link.ramp - 4 / h * (0.5 * next + opened);
+    if (touch > a) {
+        link.ramp *= (touch / a) * (touch / a);
+        shift = part_at(touch) * link.ramp - 4 / h * (0.5 * touch + opened);
     }
     link.ramp_start.x() += shift - link.ramp_shift;
     link.ramp_shift = shift;
-    return std::max(
-        0.0, std::abs(borne / link.cohesive - std::clamp(part, 0.0, 1.0)) - speed_rounding * h * speed / link.kappa);
+    return as_speed <= 10 * relative_tolerance ? 0 : std::min(off, as_speed);
 }
 
 }  // namespace
@@ -42,9 +52,8 @@ FanSolution solve_on_ramps(SolvedFan& fan, FanSolver& solver, double rest) {
     const FanResult& result = fan.result;
     FanSolution solution = solver.solve(problem, fan.result, rest);
     if (!problem.has_ramps) return solution;
-    double damping = 1, last_error = 1, speed = 0;
-    for (const FanBody& body : problem.bodies)
-        speed = std::max({speed, body.velocity.norm(), body.free_velocity.norm()});
+    const double speed = scales_of(problem, rest).speed;
+    double damping = 1, last_error = 1;
     for (int solve = 1;; ++solve) {
         double error = 0;
         for (std::size_t i = 0; i < problem.links.size(); ++i)
@@ -56,7 +65,8 @@ FanSolution solve_on_ramps(SolvedFan& fan, FanSolver& solver, double rest) {
             return solution;
         }
         // the states of several links may jump to and fro between stiff and soft tangents
-        if (solve > 2) damping = error > 0.5 * last_error ? std::max(0.5 * damping, 0.1) : std::min(2 * damping, 1.0);
+        if (solve > patient_solves)
+            damping = error > 0.5 * last_error ? std::max(0.5 * damping, 0.1) : std::min(2 * damping, 1.0);
         last_error = error;
         const int before = solution.iterations;
         solution = solver.solve(problem, fan.result, rest);

@@ -105,7 +105,8 @@ bool StaircaseLcp::solve(double speed, const Response& response, const Free& fre
         q[i] = row.sign == 0 ? (row.cohesive + row.cohesion) / (scale_ * row.unit)
                              : row.sign * row.unit * (free(row.link, row.along) - row.rate) / scale_;
     }
-    if (!solve_lcp_by_lemke(M, q, z)) return false;
+    const bool has_ramps = std::ranges::any_of(rows_, [](const Row& row) { return row.cohesion > 0; });
+    if (!solve_lcp_by_lemke(M, q, z, has_ramps)) return false;
     w.noalias() = M * z;
     w += q;
     residual_ = n > 0 ? w.cwiseMin(z).cwiseAbs().maxCoeff() : 0;

@@ -20,7 +20,8 @@ using MatrixIn = Eigen::Ref<const Eigen::MatrixXd>;
 using VectorIn = Eigen::Ref<const Eigen::VectorXd>;
 constexpr double golden_ratio = 0.6180339887498949;
 constexpr double pivot_tolerance = 1e-11;  // of the largest entry of the entering column
-constexpr double tie_tolerance = 1e-12;    // of ratios, in the equilibrated problem
+constexpr double tie_tolerance = 1e-12;    // of ratios, in the equilibrated problem; of a stiff one also of values
+constexpr double accurate = 1e-10;         // residual of a stiff problem at which no other path is tried
 constexpr int max_pivots_per_unknown = 50;
 constexpr int n_covering_vectors = 30, n_covering_vectors_of_quick_search = 3;
 constexpr int few = 96;  // unknowns whose tableau is on the stack, 75 kB twice: explicit steps allocate nothing
@@ -47,6 +48,20 @@ public:
 
     Tableau(const MatrixIn& M, const VectorIn& q)
         : M_(M), q_(q), n_(static_cast<int>(q.size())), columns_(n_, n_ + 2), pivot_columns_(n_, n_) {}
+
+    /// Of a problem with stiff rows, whose ratios are small and close together: those of large entries are a tie within
+    /// the rounding of their values only, except in every other path. The most accurate solution of the paths.
+    Path path_through_stiff_rows(int n_paths) {
+        Path best{LcpStatus::ray, Vector::Zero(n_), 0};
+        double smallest = infinity;
+        for (int attempt = 0; attempt < n_paths && smallest > accurate; ++attempt) {
+            ties_of_values_ = attempt % 2 == 0;
+            const Path path = follow_path(attempt, infinity);
+            if (path.status != LcpStatus::solved) continue;
+            if (const double found = residual(path.z); found < smallest) smallest = found, best = path;
+        }
+        return best;
+    }
 
     /// One path after the other, until one ends at a solution. M and q are of order one. A solution whose residual is
     /// above `max_residual` has lost too much to rounding: its status is `stalled`.
@@ -161,11 +176,12 @@ private:
     bool comes_before(int a, int b, const Column& entering) {
         const auto value = column(n_ + 1);
         const double difference = value[a] / entering[a] - value[b] / entering[b];
-        if (std::abs(difference) > tie_tolerance) return difference < 0;
+        const double large = ties_of_values_ ? std::max(1.0, std::min(entering[a], entering[b])) : 1;
+        if (std::abs(difference) > tie_tolerance / large) return difference < 0;
         if (basic_[a] == z0() || basic_[b] == z0()) return basic_[a] == z0();
         for (int k = 0; k < n_; ++k) {
             const double next = of_inverse(a, k) / entering[a] - of_inverse(b, k) / entering[b];
-            if (std::abs(next) > tie_tolerance) return next < 0;
+            if (std::abs(next) > tie_tolerance / large) return next < 0;
         }
         return false;
     }
@@ -204,6 +220,7 @@ private:
     const MatrixIn& M_;
     const VectorIn& q_;
     int n_;
+    bool ties_of_values_ = false;
     Matrix columns_;  // of the nonbasic variables, then the value
     List basic_;
     List place_;            // column of a nonbasic variable; -1 - row of a basic one
@@ -226,9 +243,11 @@ LcpSolution solve_by_lemke(const LcpProblem& problem, const LcpOptions& options)
     return lcp_solution(problem, path.status, scaling.original_z(path.z), path.n_pivots);
 }
 
-bool solve_lcp_by_lemke(const MatrixIn& M, const VectorIn& q, Eigen::Ref<Eigen::VectorXd> z) {
+bool solve_lcp_by_lemke(const MatrixIn& M, const VectorIn& q, Eigen::Ref<Eigen::VectorXd> z, bool stiff) {
     const auto follow = [&]<int max>() {
-        const auto path = Tableau<max>(M, q).first_path_to_solution(n_covering_vectors, infinity);
+        Tableau<max> tableau(M, q);
+        const auto path = stiff ? tableau.path_through_stiff_rows(n_covering_vectors)
+                                : tableau.first_path_to_solution(n_covering_vectors, infinity);
         z = path.z;
         return path.status == LcpStatus::solved;
     };

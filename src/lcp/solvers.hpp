@@ -16,8 +16,9 @@ LcpSolution solve_by_gauss_seidel(const LcpProblem& problem, const LcpOptions& o
 
 /// Lemke's pivots for small problems, without equilibration: M and q should be of order one, and the caller judges z.
 /// False where every path ends on a ray: then there is hardly a solution. Up to 96 unknowns nothing is allocated.
+/// `stiff`: some rows have a compliance far below the others, and the path must tell its ratios apart.
 bool solve_lcp_by_lemke(const Eigen::Ref<const Eigen::MatrixXd>& M, const Eigen::Ref<const Eigen::VectorXd>& q,
-                        Eigen::Ref<Eigen::VectorXd> z);
+                        Eigen::Ref<Eigen::VectorXd> z, bool stiff = false);
 
 inline constexpr int max_dense_unknowns = 3000;  // of a tableau, or of a factor without zeros: minutes
 
