@@ -1,8 +1,8 @@
 #pragma once
 // A run that starts from the state of another one (time.start = "run:DIR@40us").
 //
-//     taken over    displacements, velocities, cohesion and tractions of points, temperatures, incubation, retired points,
-//                   contacts, obstacles, excavations, the mesh of [adapt], the size of the step
+//     taken over    displacements, velocities, cohesion and tractions of points, temperatures, incubation, retired
+//                   points, contacts, obstacles, excavations, the mesh of [adapt], the size of the step
 //     goes on       the energy balance from its first term, the arms of the cracks (with negative times)
 //     begins anew   the time, at 0; tables, frames, probes, gauges, limits, counts of steps
 //     must agree    the body: every key that is no load, time, output or motion of an obstacle

@@ -38,13 +38,13 @@ std::string last_frame(const fs::path& run) {
 void check_goes_on(const std::string& scene, const std::string& half, const std::string& end, const Folder& folder,
                    const std::string& of_rest = "") {
     const fs::path whole = folder.path / "whole", rest = folder.path / "rest";
-    const Answer first =
-        command("run " + scene + "-s 'time.end=" + end + "' -s 'output.states=" + half + "' -o " +
-                folder.in_shell("whole"));
+    const Answer first = command("run " + scene + "-s 'time.end=" + end + "' -s 'output.states=" + half + "' -o " +
+                                 folder.in_shell("whole"));
     CAPTURE(first.text);
     REQUIRE(first.code == 0);
-    const Answer second = command("run " + scene + of_rest + "-s 'time.end=" + half + "' -s 'time.start=run:" +
-                                  whole.string() + "@" + half + "' -o " + folder.in_shell("rest"));
+    const Answer second =
+        command("run " + scene + of_rest + "-s 'time.end=" + half + "' -s 'time.start=run:" + whole.string() + "@" +
+                half + "' -o " + folder.in_shell("rest"));
     CAPTURE(second.text);
     REQUIRE(second.code == 0);
     CHECK(second.has("the time counts from 0 again"));
@@ -65,8 +65,9 @@ TEST_CASE("a run that starts from another one goes on with its bits and its ener
 
 TEST_CASE("a start is repeated from its own directory and continued like any run") {
     const Folder folder("start again");
-    REQUIRE(command("run " + block + "-s 'time.end=30 us' -s 'output.states=20 us' -o " + folder.in_shell("first"))
-                .code == 0);
+    REQUIRE(
+        command("run " + block + "-s 'time.end=30 us' -s 'output.states=20 us' -o " + folder.in_shell("first")).code ==
+        0);
     const std::string start = "-s 'time.start=run:" + (folder.path / "first").string() + "@20us' ";
     const std::string rest = "run " + block + "-s 'time.end=20 us' " + start;
     REQUIRE(command(rest + "-o " + folder.in_shell("rest")).code == 0);
@@ -125,9 +126,9 @@ TEST_CASE("other loads act on the state of another run and its energy balance st
 
 TEST_CASE("an explicit run starts from an implicit one") {
     const Folder folder("start slow");
-    REQUIRE(command("run " + implicit_block + "-s 'time.end=30 us' -s 'output.states=20 us' -o " +
-                    folder.in_shell("slow"))
-                .code == 0);
+    REQUIRE(
+        command("run " + implicit_block + "-s 'time.end=30 us' -s 'output.states=20 us' -o " + folder.in_shell("slow"))
+            .code == 0);
     const std::string start = "-s 'time.start=run:" + (folder.path / "slow").string() + "@20us' ";
     const Answer fast = command("run " + implicit_block + start +
                                 "-s time.bulk=explicit -s time.cohesion=explicit -s time.step=auto -s "
@@ -155,8 +156,9 @@ TEST_CASE("a run does not start from what it cannot use") {
                     folder.in_shell("first"))
                 .code == 0);
     const auto start = [&](const std::string& from, const std::string& more = "") {
-        const Answer answer = command("check " + block.substr(0, block.find(" -q")) +
-                                      " -s 'mesh.size=2 mm' -s 'time.step=0.1 us' -s 'time.start=" + from + "' " + more);
+        const Answer answer =
+            command("check " + block.substr(0, block.find(" -q")) +
+                    " -s 'mesh.size=2 mm' -s 'time.step=0.1 us' -s 'time.start=" + from + "' " + more);
         CAPTURE(answer.text);
         return answer;
     };
