@@ -85,6 +85,29 @@ TEST_CASE("history of a straight crack of known speed") {
     CHECK_FALSE(history.first_branching());
 }
 
+TEST_CASE("the angle of a straight crack and its times when the clock is set back") {
+    for (const int down : {1, -1}) {
+        Drawing d;
+        d.notch();
+        const std::size_t first = d.status.size();
+        d.row(0, 0, 1, 2 * down, 20, InterfaceStatus::intact);
+        CrackHistory history(d.graph, options());
+        CHECK(std::isnan(history.main_angle()));
+        for (int k = 0; k <= 20; ++k) {
+            break_until(d.status, first, 20, 0, 1e-6, k * 1e-6 + 1e-12);
+            history.snapshot(k * 1e-6, d.status);
+        }
+        const double speed = history.tip_speed();
+        CHECK(history.main_angle() == relative(std::atan(2.) * 180 / std::acos(-1.), 1e-9));
+        CHECK(*history.first_growth_time() == relative(1e-6));
+        history.set_back(20e-6);
+        CHECK(*history.first_growth_time() == relative(-19e-6));
+        history.snapshot(1e-6, d.status);  // it has stood for a step of the new clock
+        CHECK(history.tip_speed() < speed);
+        CHECK(history.tip_speed() > 0);
+    }
+}
+
 TEST_CASE("a gap that closes late behind the tip is no jump of the tip") {
     // interfaces 8 to 11 ahead hold until the crack is 20 further on; all others break at 1000 m/s
     Drawing d;
