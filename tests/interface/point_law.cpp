@@ -1,0 +1,99 @@
+// The law of one point over an implicit step: its derivative against differences of the law.
+#include "interface/point_law.hpp"
+
+#include "base/random.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+namespace point_law_test {
+
+using namespace knap;
+
+namespace {
+
+const CohesiveLaw material{.sigma_c = 2, .G_c = 1, .gamma = 0.7, .friction = 0.4};  // delta_c = 1
+
+struct Point {
+    ThetaStep step;
+    PointLaw law;
+    Multipliers at;
+    Vec2 rate;
+
+    PointResponse response(const Vec2& w) const { return respond(law, at, w.x(), w.y()); }
+    Vec2 impulse(const Vec2& w) const {
+        const PointResponse r = response(w);
+        return {r.normal(law), r.tangential};
+    }
+};
+
+/// A damaged point anywhere near the corner of its law; `step` of the result belongs to it, so it must not be moved.
+void make_random(Random& random, Point& point) {
+    point.step = {.h = 0.3, .theta = random.uniform(0.5, 1), .implicit_beta = true};
+    const double cohesion = random.uniform(0.2, 1), s = (1 - cohesion) * material.delta_c();
+    const double u_T = random.uniform(-1, 1) * s / material.gamma;
+    point.law = {.u_N = random.uniform(0, 1) * (s - material.gamma * std::abs(u_T)),
+                 .u_T = u_T,
+                 .strength = point.step.kick() * material.sigma_c,
+                 .cohesion = cohesion,
+                 .material = &material,
+                 .friction = random.uniform(0, 1) < 0.3 ? 0 : material.friction,
+                 .contact = {.may_touch = random.uniform(0, 1) < 0.9, .rate = random.uniform(-1, 0)},
+                 .step = &point.step};
+    point.law.set_staircase();
+    point.at = {.contact = random.uniform(0, 1),
+                .tangential = random.uniform(-1, 1),
+                .rho_N = random.uniform(0.5, 2),
+                .rho_T = random.uniform(0.5, 2),
+                .friction_follows = random.uniform(0, 1) < 0.7,
+                .pressed = random.uniform(0, 1)};
+    point.rate = Vec2(random.uniform(-2, 2), random.uniform(-4, 4));
+}
+
+}  // namespace
+
+TEST_CASE("the tangent of a point is the derivative of its law") {
+    Random random(5, "point law");
+    const double e = 1e-6;  // of rates of order one: the law is linear in each of its pieces
+    int n_coupled = 0, n_left_out = 0, n_stick = 0, n_open = 0;
+    for (int count = 0; count < 4000; ++count) {
+        Point point;
+        make_random(random, point);
+        const PointResponse here = point.response(point.rate);
+        Eigen::Matrix2d differences;
+        bool one_piece = true;
+        for (int k = 0; k < 2; ++k) {
+            const Vec2 d = k == 0 ? Vec2(e, 0) : Vec2(0, e);
+            for (const double sign : {-1.0, 1.0})
+                one_piece = one_piece && point.response(point.rate + sign * d).state == here.state;
+            differences.col(k) = (point.impulse(point.rate - d) - point.impulse(point.rate + d)) / (2 * e);
+        }
+        // the augmented rate decides the sign of the force, the rate itself the way: at a solution both agree
+        const double u_T = point.law.u_T + point.step.h * point.rate.y();
+        const double pressed = point.at.friction_follows ? here.contact : point.at.pressed,
+                     bound = point.law.friction * pressed * here.friction_sign +
+                             material.gamma * point.law.strength * here.cohesion_theta * here.cohesion_sign;
+        // a point that would stick with the cohesion of one place and slides with that of another is between two pieces
+        const bool slides = here.cohesion_sign * u_T >= 0 && std::abs(here.tangential + bound) <= 1e-12;
+        if (!one_piece || !(here.sticks || slides)) continue;
+        const Eigen::Matrix2d D = tangent(point.law, point.at, here, Softening::now);
+        const bool slides_and_softens = here.softens && !here.sticks && (here.closed || !here.opens),
+                   rubs = here.closed && point.law.friction > 0 && point.at.friction_follows;
+        CAPTURE(count);
+        if (slides_and_softens && !rubs) {
+            // tension is lost without opening, so the law has no potential; without friction the matrix stays symmetric
+            CHECK(std::abs(differences(0, 1)) > 0.01 * material.gamma);
+            CHECK(D(0, 1) == 0);
+            differences(0, 1) = 0;
+            ++n_left_out;
+        }
+        CHECK((D - differences).cwiseAbs().maxCoeff() <= 1e-8);  // rounding of the law over e is 1e-10
+        n_coupled += slides_and_softens && rubs;
+        n_stick += here.sticks;
+        n_open += here.softens && !here.closed;
+    }
+    for (const int n : {n_coupled, n_left_out, n_stick, n_open}) CHECK(n > 50);
+}
+
+}  // namespace point_law_test
