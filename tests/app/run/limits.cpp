@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <sstream>
 
 namespace limits_test {
 
@@ -210,11 +211,13 @@ TEST_CASE("limits: free faces that meet too fast or lie too deep end the run wit
         CHECK(record["cuts"][reason] == 11);
         const std::string log = text_of(folder.path / "run/log.txt");
         CHECK(count(log, "cutback:") == 11);
-        for (const char* file : {"energy.csv", "fragments.csv", "report.html", "frames.pvd"})
+        for (const char* file : {"energy.csv", "fragments.csv", "report.html", "run.pvd"})
             CHECK(fs::exists(folder.path / "run" / file));
     };
-    refused("-s limits.contact_depth=" + std::to_string(0.01 * depth), "contact_depth", "limits] contact_depth");
-    refused("-s 'time.end=1 us' -s 'body.1.velocity=[0, -3e7]'", "contact_speed", "units of velocities");
+    std::ostringstream hundredth;
+    hundredth << 0.01 * depth;
+    refused("-s limits.contact_depth=" + hundredth.str(), "contact_depth", "[limits] contact_depth sets another");
+    refused("-s 'time.end=1 us' -s 'body[1].velocity=[0, -3e7]'", "contact_speed", "units of velocities");
     CHECK(run(folder, squares, "-s limits.contact_depth=none").code == 0);
 }
 
