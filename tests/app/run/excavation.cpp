@@ -130,4 +130,34 @@ TEST_CASE("excavation: messages") {
     warned(scene("[[excavation]]\nat = \"7 ms\"\nbox = [0, 0, 1, 1]\n"), "does not vanish in this run");
 }
 
+TEST_CASE("excavation: a region whose rock has moved by more than an edge is warned of") {
+    const Folder folder("excavation moved");
+    const auto warnings = [&](const char* at) {
+        write_scene(folder, rectangle("12, 12", "2") + R"([material.rock]
+density = 2600
+E = "30 GPa"
+nu = 0.25
+[interface.default]
+breakable = false
+[[initial]]
+velocity = [60, 0]
+[[excavation]]
+box = [4, 4, 8, 8]
+ramp = "1 ms"
+at = ")" + at + "\"\n[time]\nend = \"60 ms\"\n[output]\nfields = false\n");
+        const Answer answer = run_scene(folder, "-j 1 --force -o " + folder.in_shell("run"));
+        CAPTURE(answer.text);
+        CHECK(answer.code == 0);
+        return text_of(folder.path / "run/log.txt");
+    };
+    const std::string words = "`excavation[0]` removes what was in its region at the start";
+    CHECK(warnings("10 ms").find(words) == std::string::npos);  // 0.6 m of edges of 2 m
+    const std::string log = warnings("50 ms");
+    const std::size_t found = log.find(words);
+    REQUIRE(found != std::string::npos);
+    CHECK(log.find("warning[excavated]: at t = 0.05") != std::string::npos);
+    CHECK(log.find("moved by up to 3", found) < found + 120);
+    CHECK(log.find(words, found + 1) == std::string::npos);
+}
+
 }  // namespace excavation_test
