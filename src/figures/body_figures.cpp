@@ -284,11 +284,23 @@ void draw_layer(Canvas& canvas, const Frame& frame, const std::vector<Vec2>& cor
     canvas.segments(ends, layer.colour, width);
 }
 
+/// Openings and slips: the range is that of faces less than an edge apart, where there are some. Pieces that have gone
+/// far tell nothing of cracks.
 void add_crack_scale(const FigureOptions& options, const Frame& frame, const History& breaks, FigureScale& scale) {
-    scale.values =
-        seen_span(options, frame, crack_values(crack_colour(options.colour), frame, breaks), 0.02, [&](Index i) {
+    const CrackColour& colour = crack_colour(options.colour);
+    std::vector<double> values = crack_values(colour, frame, breaks);
+    const auto seen = [&] {
+        return seen_span(options, frame, values, 0.02, [&](Index i) {
             return std::array{frame.side_a[i][0], frame.side_a[i][1], frame.side_b[i][0], frame.side_b[i][1]};
         });
+    };
+    scale.values = seen();
+    if (colour.unit == "m") {
+        for (Index i = 0; i < frame.n_interfaces(); ++i)
+            if (values[i] > (frame.end_position[2 * i + 1] - frame.end_position[2 * i]).norm()) values[i] = NAN;
+        if (const ValueSpan near = seen(); near.low <= near.high)
+            scale.values.low = near.low, scale.values.high = near.high;
+    }
     scale.damaged = !interfaces_of(frame, InterfaceStatus::damaged).empty();
     scale.precracks = !interfaces_of(frame, InterfaceStatus::precrack).empty();
 }

@@ -104,6 +104,31 @@ TEST_CASE("figures: a box has the colours of what lies inside") {
     CHECK(body_scale(cracks, frame, {}).values.high < body_scale({.show = "cracks"}, frame, {}).values.high);
 }
 
+TEST_CASE("figures: pieces that have flown off leave the colours to the cracks") {
+    const Frame frame = synthetic::frame(60);
+    const FigureOptions options{.show = "cracks", .width = 560};
+    const ValueSpan before = body_scale(options, frame, {}).values;
+    std::vector<Index> broken;
+    for (Index i = 0; i < frame.n_interfaces(); ++i)
+        if (frame.status_of_interface(i) == InterfaceStatus::broken) broken.push_back(i);
+    REQUIRE(broken.size() > 10);
+    const auto with_openings = [&](double edges, std::size_t n) {  // of the first n broken interfaces
+        Frame moved = frame;
+        for (std::size_t k = 0; k < n; ++k)
+            for (const Index end : {2 * broken[k], 2 * broken[k] + 1})
+                moved.opening[end] =
+                    edges * (frame.end_position[2 * broken[k] + 1] - frame.end_position[2 * broken[k]]).norm();
+        return body_scale(options, moved, {}).values;
+    };
+    const double edge = (frame.end_position[2 * broken[0] + 1] - frame.end_position[2 * broken[0]]).norm();
+    REQUIRE(before.high < 0.5 * edge);
+    const ValueSpan some = with_openings(50, broken.size() / 4);
+    CHECK(some.high <= before.high);
+    CHECK(some.max > 10 * before.high);  // the arrow of what is beyond the colours
+    CHECK(with_openings(0.5, broken.size() / 4).high > 0.4 * edge);
+    CHECK(with_openings(50, broken.size()).high > 10 * edge);  // all of them have: there is nothing else to show
+}
+
 TEST_CASE("figures: titles are whole") {
     const std::string title =
         "Edge-cracked block of soda-lime glass under uniaxial tension of 1 MPa, mesh of 0.5 mm, seed 17, with a law of "
