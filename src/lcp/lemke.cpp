@@ -54,6 +54,7 @@ public:
     Path path_through_stiff_rows(int n_paths) {
         Path best{LcpStatus::ray, Vector::Zero(n_), 0};
         double smallest = infinity;
+        if (n_ == 0 || q_.minCoeff() >= 0) smallest = 0, best.status = LcpStatus::solved;
         for (int attempt = 0; attempt < n_paths && smallest > accurate; ++attempt) {
             ties_of_values_ = attempt % 2 == 0;
             const Path path = follow_path(attempt, infinity);

@@ -356,7 +356,7 @@ void add_keys_of_loads(KeyTable& t) {
     t.list("pressure[]", "the pressure of a fluid (water, gas, ice) in cracks: it acts on both faces of every broken "
         "interface that others connect to the source, and follows a crack that grows; without from and joints in all "
         "cracks. Its factor over time by at most one of ramp, table, csv, otherwise constant");
-    t.number("pressure", "Pa", "pressure; either pressure or pressure_table").to(&CrackPressure::pressure);
+    t.number("pressure", "Pa", "either pressure or pressure_table; negative: a warning").to(&CrackPressure::pressure);
     t.number("pressure_table", "K", "pressure over temperature as pairs [temperature, pressure in Pa], with [heat]: "
         "linear between them and constant outside, at the mean temperature of the two faces; of ice in a closed joint "
         "at most 1.12 MPa per K below 0 C (Clapeyron), until it is squeezed out").points().second("Pa");

@@ -244,6 +244,20 @@ TEST_CASE("mesh and check agree on edges per process zone") {
     }
 }
 
+TEST_CASE("the process zone of a softening is that of its steepest piece") {
+    const auto zone = [](const std::string& softening) {  // [mm]
+        const std::string check =
+            command("check three_point_bending -s interface.left-right.softening=" + softening).text;
+        std::smatch found;
+        CAPTURE(check);
+        REQUIRE(std::regex_search(check, found, std::regex("process zone ([0-9.]+) mm")));
+        return std::stod(found[1]);
+    };
+    const double linear = zone("linear");  // slope 1/2; printed to a millimetre in 300
+    CHECK(zone("petersson") / linear == doctest::Approx(0.5 * 1.2).epsilon(0.01));
+    CHECK(zone("mc2010") / linear == doctest::Approx(0.5 / 0.8).epsilon(0.01));
+}
+
 TEST_CASE("a run that violates several gates names them all") {
     knap::Gates gates(7, {{.name = "impact_work", .meaning = "holds"}, 0, 1, 1, knap::GateLevel::ok, std::nullopt});
     const auto violated = [](const char* name, double value, double limit) {

@@ -180,6 +180,8 @@ TEST_CASE("a pressure that reaches nothing or draws is a warning") {
     CHECK_FALSE(check(right + joints, crack).has("pressure-enters-nothing"));  // the joint may open
     CHECK_FALSE(check("", crack).has("warning[implausible]"));
     CHECK(check("", crack, "-1e6").has("warning[implausible]: `pressure[0]` is negative at times"));
+    CHECK(check("table = [[0, 1], [1e-5, -0.1]]\n", crack)
+              .has("warning[implausible]: `pressure[0]` is negative at times"));
 }
 
 TEST_CASE("two lines that cut the stable step are named with their place") {
