@@ -2,6 +2,7 @@
 #include "app/commands.hpp"
 #include "base/stopwatch.hpp"
 #include "base/text.hpp"
+#include "lcp/infeasibility.hpp"
 #include "lcp/matrix_market.hpp"
 #include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
@@ -23,6 +24,7 @@ struct Verdict {
     std::string name = std::string(solver->name), status = {};
     double scaled_residual = 0, natural_residual = 0;
     int iterations = 0;
+    Eigen::VectorXd ray = {};                     // proves that there is no solution
     double seconds = 0;                           // of processor time
     std::optional<int> n_spuriously_broken = {};  // of a cohesive problem
 
@@ -36,6 +38,7 @@ Verdict judged(const LcpProblem& problem, const LcpSolver& solver, const std::op
     verdict.scaled_residual = scaled_residual(problem, solution.z);
     verdict.natural_residual = natural_residual(problem, solution.z);
     verdict.iterations = solution.iterations;
+    if (proves_infeasibility(problem, solution.ray)) verdict.ray = solution.ray;
     if (layout && solution.z.allFinite())
         verdict.n_spuriously_broken = spurious_breaking(problem, solution.z, *layout).n_spurious;
     if (verdict.is_solved() && verdict.scaled_residual > max_scaled_residual) verdict.status = "inaccurate";
@@ -67,6 +70,7 @@ Json as_json(const std::string& file, const LcpProblem& problem, const std::vect
                        {"natural_residual", v.natural_residual},
                        {"iterations", v.iterations},
                        {"cpu_s", v.seconds}});
+        if (v.ray.size() > 0) all.back()["ray"] = std::vector<double>(v.ray.begin(), v.ray.end());
         if (v.n_spuriously_broken) all.back()["bonds_spuriously_broken"] = *v.n_spuriously_broken;
     }
     return {{"problem", file}, {"unknowns", problem.size()}, {"entries", problem.M.nonZeros()}, {"solvers", all}};
@@ -104,6 +108,9 @@ ExitCode solve_stored_lcp(const std::vector<std::filesystem::path>& files, const
             if (v.status == name(LcpStatus::not_applicable))
                 std::fprintf(stderr, "not applicable: %s, which needs %s\n", v.name.c_str(),
                              std::string(v.solver->requirement).c_str());
+        if (std::ranges::any_of(verdicts, [](const Verdict& v) { return v.ray.size() > 0; }))
+            std::fprintf(stderr,
+                         "no solution: a ray y >= 0 with M'y <= 0 and q'y < 0 was found and checked (--json)\n");
         all_solved = all_solved && std::ranges::any_of(verdicts, &Verdict::is_solved);
         if (json) documents.push_back(as_json(file.string(), problem, verdicts));
     }

@@ -3,6 +3,7 @@
 // whole problem, until an answer is accepted: it solves any problem that one of them solves, and a problem that none
 // solves takes as long as all of them together. It never forms a dense matrix of a large problem.
 #include "base/vec.hpp"
+#include "lcp/infeasibility.hpp"
 #include "lcp/presolve.hpp"
 #include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
@@ -96,6 +97,9 @@ public:
             if (const Rank rank_of_next = judge(next); rank_of_next < rank) rank = rank_of_next, best = std::move(next);
         }
         best.iterations = count_;
+        if (!rank.is_accepted()) best.ray = find_infeasible_ray(problem_);
+        if (best.ray.size() > 0) best.status = LcpStatus::ray;
+        else if (best.status == LcpStatus::ray) best.status = LcpStatus::stalled;  // Lemke's ray alone proves nothing
         return best;
     }
 

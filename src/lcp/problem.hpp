@@ -21,7 +21,7 @@ inline LcpProblem lcp_problem(const Eigen::MatrixXd& M, const Eigen::VectorXd& q
 
 enum class LcpStatus {
     solved,  // the criterion of the solver holds; scaled_residual (scaling.hpp) is the independent measure
-    ray,     // the pivots ended on a ray, which leads to no solution
+    ray,     // the pivots ended on a ray, which leads to no solution; of the default solver: a proof that there is none
     iteration_limit,
     singular,        // a linear system could not be solved
     stalled,         // steps too small to continue
@@ -45,8 +45,9 @@ struct LcpOptions {
 /// For every status z is the last iterate if there is one and zero otherwise; w = M z + q.
 struct LcpSolution {
     LcpStatus status = LcpStatus::solved;
-    Eigen::VectorXd z, w;  // [n]
-    int iterations = 0;    // pivots, sweeps or linear solves
+    Eigen::VectorXd z, w;      // [n]
+    int iterations = 0;        // pivots, sweeps or linear solves
+    Eigen::VectorXd ray = {};  // [n] of the default solver: proves that there is no solution (infeasibility.hpp)
 };
 
 inline LcpSolution lcp_solution(const LcpProblem& problem, LcpStatus status, const Eigen::VectorXd& z, int iterations) {

@@ -1,4 +1,6 @@
 // The default solver: presolve, warm starts, sizes beyond dense methods.
+#include "base/random.hpp"
+#include "lcp/infeasibility.hpp"
 #include "lcp/matrix_market.hpp"
 #include "lcp/presolve.hpp"
 #include "lcp/scaling.hpp"
@@ -91,6 +93,45 @@ TEST_CASE("large redundant problems are solved without spurious bond breaking") 
         }
         CHECK(body.n_damaged() > body.n_points() / 20);  // bonds have broken
     }
+}
+
+TEST_CASE("a problem whose inequalities contradict each other ends with a ray that proves it") {
+    Random random(11, "infeasible lcp");
+    int n_proven = 0, n_solved = 0;
+    for (int trial = 0; trial < 60; ++trial) {
+        const int n = 2 + trial % 7;
+        Eigen::MatrixXd M = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return random.uniform(-1, 1); });
+        Eigen::VectorXd q = Eigen::VectorXd::NullaryExpr(n, [&] { return random.uniform(-1, 1); });
+        const bool contradicts = trial % 2 == 0;
+        if (contradicts) {  // the rows add up to a sum that is negative for every z >= 0
+            M.row(n - 1) = -M.topRows(n - 1).colwise().sum();
+            q[n - 1] = -q.head(n - 1).sum() - 0.3;
+        } else if (trial % 4 == 1) {  // z = 0 solves it
+            q = q.cwiseAbs();
+        }
+        LcpProblem problem = lcp_problem(M, q);
+        const LcpSolution found = solve_by_default(problem);
+        CAPTURE(trial);
+        CHECK((found.status == LcpStatus::ray) == (found.ray.size() > 0));
+        if (contradicts) CHECK(found.status == LcpStatus::ray);
+        if (found.status != LcpStatus::ray) {
+            n_solved += found.status == LcpStatus::solved;
+            continue;
+        }
+        ++n_proven;
+        CHECK(proves_infeasibility(problem, found.ray));
+        for (const LcpSolver& solver : lcp_solvers()) CHECK(solver.solve(problem, {}).status != LcpStatus::solved);
+        int largest = 0;
+        found.ray.maxCoeff(&largest);
+        Eigen::VectorXd other = found.ray;
+        other[largest] = -other[largest];
+        CHECK(!proves_infeasibility(problem, other));
+        problem.q = problem.q.cwiseAbs();  // now z = 0 is a solution
+        CHECK(!proves_infeasibility(problem, found.ray));
+        CHECK(find_infeasible_ray(problem).size() == 0);
+    }
+    CHECK(n_proven >= 30);
+    CHECK(n_solved >= 15);
 }
 
 TEST_CASE("Newton on the box form converges after a few sweeps") {
