@@ -1,0 +1,58 @@
+// Pieces that come from cracks and have come to rest lie beside each other.
+#include "base/random.hpp"
+#include "stepper/contact/retirement.hpp"
+#include "support/obstacle_shapes.hpp"
+#include "support/overlap.hpp"
+#include "support/several_bodies.hpp"
+
+#include <doctest/doctest.h>
+
+namespace broken_at_rest_test {
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+/// A block of 6 x 4 cells of edge 0.25, inner vertices moved at random, falls onto ground that holds it by friction.
+ModelInput block(std::uint64_t seed, double velocity) {
+    ModelInput input;
+    input.mesh = bar_mesh(6, 4, 1.5, 1);
+    Random random(seed, "block");
+    for (Vec2& x : input.mesh.vertices) {
+        if (x.x() > 0 && x.x() < 1.5 && x.y() > 0 && x.y() < 1)
+            x += 0.25 * Vec2(random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2));
+        x.y() += 1e-3;
+    }
+    input.materials = {rock};
+    input.laws = {{.sigma_c = 3e4, .G_c = 15, .gamma = 1, .friction = 0.4}};
+    input.law_of_pair = {{0}};
+    input.contact_of_pair = {{ContactLaw{.friction = 0.4}}};
+    input.large_rotation = true;
+    input.loads = {{.kind = Load::Kind::acceleration, .value = {0, -10}}};
+    input.initial_velocities = {{.on = {}, .value = {0, -velocity}}};
+    input.obstacles = {platen({0, 0}, {0, 1}, {.friction = 0.4})};
+    return input;
+}
+
+}  // namespace
+
+// Found: 1.1e-4, 5.4e-3 and 1.08e-2 of an edge. What lies in each other when points retire is not pushed apart under
+// load, so the slip of the hand-over is the bound; with inner_retirement_slip = 0.004 it is 0.5e-3 to 1.5e-3.
+TEST_CASE("the pieces of a block that has broken on the ground rest beside each other") {
+    for (const std::uint64_t seed : {2, 3, 4}) {
+        CAPTURE(seed);
+        Run run(block(seed, 1), {.damping = 10});
+        const double h = 0.8 * run.stepper.stable_step();
+        while (run.now.time < 3)
+            for (double part = h; !run.step_if_taken(part); part /= 2) REQUIRE(part > 1e-3 * h);
+        CHECK(run.ledger.row().kinetic < 1e-9 * run.ledger.largest_energy());
+        CHECK(std::ranges::count(run.now.retired, 1) > 20);
+        CHECK(run.last.face_contacts > 10);
+        CHECK(largest_overlap(run.model, run.now).of_shortest < inner_retirement_slip);
+        CHECK(run.ledger.worst().contact_depth < 2e-2);
+        CHECK(run.ledger.worst().contact_residual < max_contact_residual);
+    }
+}
+
+}  // namespace broken_at_rest_test
