@@ -175,7 +175,10 @@ Model model_of(ReadResult& read) {
 
 StepPlan plan_of(const ReadResult& read, const Model& model, double until) {
     try {
-        return plan_steps(read.scenario.time, read.scenario.adapt, model, until);
+        StepPlan plan = plan_steps(read.scenario.time, read.scenario.adapt, model, until);
+        for (const AllowedLimit& limit : read.scenario.allowed_limits)
+            if (limit.gate == "contact_depth") plan.limits.contact_depth = limit.limit;
+        return plan;
     } catch (const BadStep& error) {
         throw UserError({read.at(error.key, error.diagnostics.front())});
     }

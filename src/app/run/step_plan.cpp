@@ -66,11 +66,10 @@ StepPlan plan_steps(const TimeOptions& time, double stable_step, double until) {
     check_order("time.step_min", smallest, "time.step_cracking", cracking);
     count("time.step_cracking", time.end, cracking, "use a larger time.step_cracking, or a smaller time.end");
     const double end = std::min(time.end, until);
-    StepLimits limits{
-        .largest = step, .cracking = std::min(cracking, step), .smallest = std::min(smallest, step), .end = time.end};
-    for (const AllowedLimit& limit : scenario.allowed_limits)
-        if (limit.gate == "contact_depth") limits.contact_depth = limit.limit;
-    return {.limits = limits,
+    return {.limits = {.largest = step,
+                       .cracking = std::min(cracking, step),
+                       .smallest = std::min(smallest, step),
+                       .end = time.end},
             .n_steps = std::min(n, static_cast<std::int64_t>(std::ceil(end / step * (1 - 1e-12)))),
             .stable_step = stable_step};
 }
