@@ -18,7 +18,8 @@ namespace {
 using delaunay::Face, delaunay::Point, delaunay::position, delaunay::Vertex;
 using Delaunay = delaunay::Triangulation;
 
-constexpr double too_large = 1.25;          // [-] circumradius over the Poisson radius
+constexpr double too_large = 1.25;          // [-] circumradius over the Poisson radius, where sizes may still fall
+constexpr double too_large_finest = 1.1;    // [-] likewise at the smallest requested size: no later patch refines them
 constexpr double cell = 0.36;               // [-] area of one dart over the square of the Poisson radius
 constexpr int n_rounds = 12, n_misses = 8;  // of darts; and misses in succession after which a triangle is full
 constexpr double min_distance = 0.6;        // [-] of a circumcentre from other vertices, over the Poisson radius
@@ -62,7 +63,7 @@ private:
     void triangulate();
     void throw_darts();
     bool refine_worst();
-    void insert(const Vec2& p, double factor, Face near);
+    Vertex insert(const Vec2& p, double factor, Face near);
     void mark_inside();
     Mesh inside();
     void relax(Mesh& part);
@@ -99,8 +100,12 @@ private:
 void Patch::find_triangles(const std::vector<std::uint8_t>& kept) {
     in_patch_.assign(mesh_.n_triangles(), 0);
     number_.assign(mesh_.n_vertices(), -1);
+    const auto [finest, coarsest] = std::ranges::minmax(requested_.size);
     for (Index t = 0; t < mesh_.n_triangles(); ++t) {
-        if (requested_.frozen[t] || kept[t] || circumradius(mesh_, t) <= too_large * radius_of(t)) continue;
+        const bool is_final = finest < coarsest && radius_of(t) <= 1.01 * finest * radius_per_size;
+        if (requested_.frozen[t] || kept[t] ||
+            circumradius(mesh_, t) <= (is_final ? too_large_finest : too_large) * radius_of(t))
+            continue;
         in_patch_[t] = 1;
         triangles_.push_back(t);
         for (const Index v : mesh_.triangles[t]) {
@@ -191,9 +196,11 @@ bool Patch::has_room(const Vec2& p, double radius, double factor, Face near) con
     return !rim.empty();
 }
 
-void Patch::insert(const Vec2& p, double factor, Face near) {
-    fine_.insert(delaunay::point(p), near)->info().value = static_cast<Index>(points_.size());
+Vertex Patch::insert(const Vec2& p, double factor, Face near) {
+    const Vertex vertex = fine_.insert(delaunay::point(p), near);
+    vertex->info().value = static_cast<Index>(points_.size());
     points_.push_back(p), places_.push_back({}), factor_.push_back(factor), on_line_.push_back(0);
+    return vertex;
 }
 
 void Patch::throw_darts() {
@@ -211,7 +218,7 @@ void Patch::throw_darts() {
                 near = fine_.locate(delaunay::point(p), near);
                 const bool hits = has_room(p, radius_at({t, {1 - u - v, u, v}}), factor, near);
                 misses[i] = hits ? 0 : misses[i] + 1;
-                if (hits) insert(p, factor, near), near = Face();
+                if (hits) near = insert(p, factor, near)->face();
             }
         }
 }
@@ -245,6 +252,7 @@ bool Patch::refine_worst() {
     struct Bad {
         double quality;  // below 1
         Vec2 centre;
+        Vertex corner;
     };
     std::vector<Bad> bad;
     mark_inside();
@@ -258,14 +266,14 @@ bool Patch::refine_worst() {
                      quality = std::min(radius_at(middle) / R, sine / std::sin(min_angle * std::numbers::pi / 180));
         if (quality >= 1) continue;
         const Point centre = fine_.circumcenter(face);
-        bad.push_back({quality, {centre.x(), centre.y()}});
+        bad.push_back({quality, {centre.x(), centre.y()}, face->vertex(0)});
     }
     std::ranges::stable_sort(bad, {}, &Bad::quality);
     bool refined = false;
-    for (const auto& [quality, centre] : bad) {
+    for (const auto& [quality, centre, corner] : bad) {
         const Place place = old_->place_of(centre);
         if (place.triangle < 0) continue;
-        const Face near = fine_.locate(delaunay::point(centre));
+        const Face near = fine_.locate(delaunay::point(centre), corner->face());
         if (!has_room(centre, radius_at(place), min_distance, near)) continue;
         insert(centre, 1, near);
         refined = true;

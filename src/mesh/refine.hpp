@@ -3,7 +3,8 @@
 // are replaced; all others stay as they are. Old vertices stay, too, and random points are put between them, as in the
 // first mesh:
 //
-//     patch       the triangles that may change and are too large: circumradius above 1.25 Poisson radii
+//     patch       the triangles that may change and are too large: circumradius above 1.25 Poisson radii, or 1.1 at the
+//                 smallest requested size, since no later patch makes them smaller
 //     lines       edges on borders, between materials and on joints are divided on the straight line; edges to
 //                 triangles that do not change stay whole
 //     points      darts at random places of the old triangles, a Poisson radius from all vertices
