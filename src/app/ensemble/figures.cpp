@@ -1,4 +1,4 @@
-// Figures of a study: errors over cost and over h, or means with their deviations over h. Of a sweep: a contact sheet.
+// Figures of a study: errors over cost and over h, or means with their deviations over both. Of a sweep: a contact sheet.
 #include "app/ensemble/ensemble.hpp"
 #include "base/error.hpp"
 #include "figures/chart.hpp"
@@ -34,7 +34,7 @@ void add_guides(Chart& chart) {
                                     .dash = order == 1 ? 1 : 0});
 }
 
-/// Errors of a quantity over processor time or over the step or mesh size; or its means with deviations.
+/// Errors of a quantity over processor time or over the step or mesh size; or its means with deviations over them.
 Chart chart_of(const Ensemble& study, std::size_t q, bool over_cost) {
     const StudyQuantity& quantity = study.quantities[q];
     const bool errors = !study.errors.empty(), step = study.study.refine == Refine::step;
@@ -61,7 +61,8 @@ Chart chart_of(const Ensemble& study, std::size_t q, bool over_cost) {
         for (const std::size_t v : study.variants_of(line)) {
             const EnsembleRun& run = study.runs_of(v)[0];
             const Spread s = study.spread(v, q);
-            curve.x.push_back(over_cost ? run.result.cpu : step ? run.result.step : run.mesh_size);
+            const double cpu = study.spread(v, [](const EnsembleRun& each) { return each.result.cpu; }).mean;
+            curve.x.push_back(over_cost ? cpu : step ? run.result.step : run.mesh_size);
             curve.y.push_back(errors ? study.errors[q].error[v] : s.mean);
             if (!errors) curve.low.push_back(s.mean - s.deviation), curve.high.push_back(s.mean + s.deviation);
         }
@@ -86,7 +87,8 @@ std::vector<fs::path> draw_study(const Ensemble& study, const fs::path& figures)
     const bool errors = !study.errors.empty();
     for (std::size_t q = 0; q < study.quantities.size(); ++q) {
         const std::string name = plain_name(study.quantities[q].name);
-        if (errors) draw(chart_of(study, q, true), "work_precision_" + name);
+        if (errors || study.study.lines.size() > 1)
+            draw(chart_of(study, q, true), (errors ? "work_precision_" : "statistics_over_time_") + name);
         draw(chart_of(study, q, false), (errors ? "convergence_" : "statistics_") + name);
     }
     return drawn;
