@@ -10,7 +10,7 @@
 namespace knap {
 namespace {
 
-constexpr int max_newton_steps = 400, max_outer_steps = 100, max_cycling_steps = 30;
+constexpr int max_newton_steps = 400, max_outer_steps = 100, max_cycling_steps = 30, max_friction_rounds = 60;
 constexpr double law_goal = 1e-13;       // of the scale: natural residual of the laws
 constexpr double law_tolerance = 5e-11;  // likewise, where rounding prevents more: after max_near rounds below it
 constexpr int max_near = 5;
@@ -23,9 +23,6 @@ constexpr std::array other_augmentations{300.0, 3e3, 100.0, 1e4};
 // springs follows where this many steps do not converge.
 constexpr int max_direct_steps = 20;
 constexpr double soft_augmentation = 10, hardening = 3, soft_tolerance = 1e-4;
-// Rounds of Tresca's law, and the part of the change of the contact impulse by which each bound follows it. Few full
-// ones lead near enough to the solution for Coulomb's law nearly always; full ones may oscillate without end.
-constexpr FrictionRounds few_rounds{.max = 3, .relaxation = 1}, many_rounds{.max = 60, .relaxation = 0.5};
 
 // extrapolation of multipliers
 constexpr double no_force = 1e-3;      // of the move: a smaller nodal force leaves the rates as they are
@@ -60,11 +57,11 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     };
     first_ = x_;
     final_augmentation_ = full_augmentation;
-    // Coulomb's law has no potential, so Newton's method may cycle. Tresca's law leads nearer to the solution.
+    // Coulomb's law has no potential, so Newton's method may cycle. Tresca's law then leads nearer to the solution.
     const int n_attempts = !friction ? 1 : effort == Effort::little ? 3 : 4;
     for (int i = 1; i <= n_attempts; ++i) {
-        if (friction) iterate_friction(i == 1 ? few_rounds : many_rounds);
         if (attempt(i == n_attempts ? max_newton_steps : max_cycling_steps)) return true;
+        if (friction && i < n_attempts) iterate_friction();
     }
     if (effort == Effort::little) return false;
     if (obstacles) return false;  // they couple the whole body and may jam it: a smaller step is the better answer
@@ -74,7 +71,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
         final_augmentation_ = other;
         if (attempt(max_newton_steps)) return true;
         if (!friction) continue;
-        iterate_friction(many_rounds);
+        iterate_friction();
         if (attempt(max_newton_steps)) return true;
     }
     return false;
@@ -110,7 +107,6 @@ bool AugmentedLagrangian::continue_penalties(double tolerance) {
         set_augmentation(augmentation);
         if (!find_rates(soft_tolerance * unit_, max_newton_steps)) return false;
         update_multipliers();
-        for (ActivePoint& point : x_.points) point.multipliers.pressed = point.multipliers.contact;
     }
     set_augmentation(final_augmentation_);
     return find_rates(tolerance, max_newton_steps);
@@ -143,18 +139,18 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
 }
 
 /// Tresca's law, friction bounded by the contact impulses of the previous round, with bounds that approach Coulomb's.
-void AugmentedLagrangian::iterate_friction(const FrictionRounds& rounds) {
+void AugmentedLagrangian::iterate_friction() {
     for (ActivePoint& point : x_.points)
         point.multipliers.friction_follows = false, point.multipliers.pressed = point.multipliers.contact;
     double goal = 1e-4;
-    for (int round = 0; round < rounds.max; ++round) {
+    for (int round = 0; round < max_friction_rounds; ++round) {
         const int factorisations = counts_.factorisations;
         if (!find_multipliers(goal, max_newton_steps)) break;
         double largest_lag = 0;
         for (ActivePoint& p : x_.points) {
             const double lag = p.response.contact - p.multipliers.pressed;
             largest_lag = std::max(largest_lag, p.law.friction * std::abs(lag));
-            p.multipliers.pressed += rounds.relaxation * lag;
+            p.multipliers.pressed += 0.5 * lag;  // the full lag may oscillate without end
         }
         if (counts_.factorisations == factorisations) break;  // no point changed its piece: Newton's method converges
         goal = std::min(goal, 1e-3 * largest_lag / unit_);

@@ -21,11 +21,6 @@ namespace knap {
 /// With friction Newton's method may cycle through the pieces of the laws, round after round.
 enum class Effort { little, all };
 
-struct FrictionRounds {
-    int max;
-    double relaxation;
-};
-
 struct SolverCounts {
     int factorisations = 0, linear_solves = 0;
 };
@@ -63,7 +58,7 @@ private:
     bool find_multipliers(double goal, int max_steps);
     bool continue_penalties(double tolerance);
     bool find_rates(double tolerance, int max_steps);
-    void iterate_friction(const FrictionRounds& rounds);
+    void iterate_friction();
     void evaluate();
     double residual(Index node) const;  // [N s] of its free components
     void make_tangents(Softening softening);
