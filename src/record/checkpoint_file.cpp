@@ -44,6 +44,13 @@ Head head_of(const std::string& text) {
     return head;
 }
 
+std::string moment_text(const Moment& moment) { return formatted("%.17g %.17g", moment.time, moment.last_step); }
+
+/// Of all that follows the name of the program.
+std::uint32_t checksum(const Moment& moment, std::string_view memory) {
+    return checksum(moment_text(moment)) ^ checksum(memory);
+}
+
 }  // namespace
 
 std::uint32_t checksum(std::string_view bytes) {
@@ -53,8 +60,8 @@ std::uint32_t checksum(std::string_view bytes) {
 }
 
 std::string packed_checkpoint(const std::string& memory, const Moment& moment) {
-    return formatted("%s %d %s %.17g %.17g %zu %u\n", magic, format_number, program().c_str(), moment.time,
-                     moment.last_step, memory.size(), checksum(memory)) +
+    return formatted("%s %d %s %s %zu %u\n", magic, format_number, program().c_str(), moment_text(moment).c_str(),
+                     memory.size(), checksum(moment, memory)) +
            memory;
 }
 
@@ -69,7 +76,7 @@ std::string unpacked_checkpoint(const std::string& file) {
     if (memory.size() != head.size)
         throw SimulationError(
             formatted("it should have %zu bytes after its first line, it has %zu", head.size, memory.size()));
-    if (checksum(memory) != head.sum) throw SimulationError("its checksum is wrong");
+    if (checksum(head.moment, memory) != head.sum) throw SimulationError("its checksum is wrong");
     return std::string(memory);
 }
 

@@ -267,9 +267,9 @@ TEST_CASE("a run that cannot write goes on when it can") {
 
 TEST_CASE("damaged checkpoints are told from whole ones") {
     const std::string memory = "all that a run remembers\n";
-    const std::string whole = knap::packed_checkpoint(memory);
+    const std::string whole = knap::packed_checkpoint(memory, {.time = 1e-5, .last_step = 1e-8});
     CHECK(knap::unpacked_checkpoint(whole) == memory);
-    CHECK(knap::unpacked_checkpoint(knap::packed_checkpoint("")) == "");
+    CHECK(knap::unpacked_checkpoint(knap::packed_checkpoint("", {})) == "");
     for (std::size_t i = 0; i < whole.size(); ++i) {
         CHECK_THROWS_AS(knap::unpacked_checkpoint(whole.substr(0, i)), knap::SimulationError);
         std::string damaged = whole;
