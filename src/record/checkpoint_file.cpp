@@ -47,7 +47,7 @@ Head head_of(const std::string& text) {
 std::string moment_text(const Moment& moment) { return formatted("%.17g %.17g", moment.time, moment.last_step); }
 
 /// Of all that follows the name of the program.
-std::uint32_t checksum(const Moment& moment, std::string_view memory) {
+std::uint32_t sum_of(const Moment& moment, std::string_view memory) {
     return checksum(moment_text(moment)) ^ checksum(memory);
 }
 
@@ -61,7 +61,7 @@ std::uint32_t checksum(std::string_view bytes) {
 
 std::string packed_checkpoint(const std::string& memory, const Moment& moment) {
     return formatted("%s %d %s %s %zu %u\n", magic, format_number, program().c_str(), moment_text(moment).c_str(),
-                     memory.size(), checksum(moment, memory)) +
+                     memory.size(), sum_of(moment, memory)) +
            memory;
 }
 
@@ -76,7 +76,7 @@ std::string unpacked_checkpoint(const std::string& file) {
     if (memory.size() != head.size)
         throw SimulationError(
             formatted("it should have %zu bytes after its first line, it has %zu", head.size, memory.size()));
-    if (checksum(head.moment, memory) != head.sum) throw SimulationError("its checksum is wrong");
+    if (sum_of(head.moment, memory) != head.sum) throw SimulationError("its checksum is wrong");
     return std::string(memory);
 }
 
