@@ -1,6 +1,6 @@
 // knap check, knap mesh, knap new: a scenario before it is run.
 #include "app/commands.hpp"
-#include "app/run/adaptation_forecast.hpp"
+#include "app/run/adaptation.hpp"
 #include "app/run/cost.hpp"
 #include "app/run/excavations.hpp"
 #include "app/run/findings.hpp"
@@ -146,10 +146,10 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
     if (scenario.adapt.active()) {
         const AdaptationForecast expected = forecast(scenario, model.mesh);
         std::printf(
-            "  adapt: about %.2g triangles at the end, cracks of %.3g m need most of them or loads %.2g; a uniform "
-            "mesh "
-            "has %.2g: gain %.2g\n",
-            expected.at_end, expected.crack, expected.by_loads, expected.uniform, expected.gain());
+            "  adapt: about %.2g triangles after cracks of %.3g m, a uniform mesh has %.2g: gain %.2g, within a factor "
+            "of 2 in "
+            "five scenes; less where much of the body is near its strength\n",
+            expected.at_end, expected.crack, expected.uniform, expected.gain);
     }
     std::printf("  %.0f MB of memory, %.0f MB of disk space for %.0f frames\n", cost.memory, cost.disk, cost.n_frames);
 }

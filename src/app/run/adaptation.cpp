@@ -1,5 +1,6 @@
 #include "app/run/adaptation.hpp"
 
+#include "app/run/setup.hpp"
 #include "base/formatted.hpp"
 #include "base/stopwatch.hpp"
 
@@ -8,9 +9,68 @@
 namespace knap {
 namespace {
 
+constexpr double pays_from = 2;       // gain of the forecast
+constexpr double all_above = 0.5;     // of the area that is to be fine
 constexpr std::size_t max_looks = 8;  // at the mesh in one step
 
+/// A mesh that will have the sizes [m] given at its vertices.
+struct FutureMesh {
+    double area = 0, fine = 0;  // [m2] of all, and of what has the smallest size
+    double n = 0;               // triangles
+};
+
+FutureMesh future_mesh(const Mesh& mesh, const std::vector<double>& sizes, double smallest) {
+    FutureMesh future;
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        const double size = (sizes[a] + sizes[b] + sizes[c]) / 3, area = mesh.area(t);
+        future.area += area;
+        if (size <= smallest) future.fine += area;
+        future.n += std::max(1.0, n_triangles_of(area, size));
+    }
+    return future;
+}
+
 }  // namespace
+
+double n_triangles_of(double area, double size) { return 2.36 * area / (size * size); }
+
+/// The stress exceeds 0.3 of the strength within some 5 cohesive lengths of a moving tip (measured), elsewhere within
+/// r ~ K^2: the width of the strip that a crack leaves is 10 l (0.3/load)^2, the margins, and the graded borders. Along
+/// a line that alone may break only its own triangles are marked.
+AdaptationForecast forecast(const Scenario& scenario, const Mesh& mesh) {
+    const AdaptOptions& adapt = scenario.adapt;
+    double cohesive_length = 0;
+    for (const Resolution& r : judge_resolution(scenario, mesh))
+        if (r.anywhere) cohesive_length = std::max(cohesive_length, r.cohesive_length);
+    const double width = 10 * cohesive_length * 0.09 / (adapt.load * adapt.load) + 2 * adapt.margin * adapt.size +
+                         2 * adapt.size / adapt.grading;
+    const FutureMesh uniform = future_mesh(mesh, std::vector<double>(mesh.vertices.size(), adapt.size), adapt.size);
+    const double across = bounding_box(mesh.vertices).extent().maxCoeff();
+    AdaptationForecast expected{.uniform = uniform.n};
+    for (const Crack& crack : scenario.bodies.front().shape.cracks)
+        if (crack.joint < 0) expected.crack += across - bounding_box(crack.points).extent().maxCoeff();
+    if (expected.crack <= 0) expected.crack = across;
+    expected.at_end = mesh.n_triangles() + n_triangles_of(std::min(uniform.area, width * expected.crack), adapt.size);
+    expected.gain = 2 * expected.uniform / (mesh.n_triangles() + expected.at_end);
+    return expected;
+}
+
+std::string replace_where_it_does_not_pay(Scenario& scenario, const Mesh& coarse) {
+    AdaptOptions& adapt = scenario.adapt;
+    if (!adapt.active()) return {};
+    const AdaptationForecast expected = forecast(scenario, coarse);
+    if (expected.gain >= pays_from || expected.uniform > adapt.limit) return {};
+    scenario.mesh.size = adapt.size;
+    for (Body& body : scenario.bodies) body.mesh.size = adapt.size, body.mesh.refine = scenario.mesh.refine;
+    adapt.size = 0;
+    return formatted(
+        "refinement during the run does not pay here: a uniform mesh of adapt.size has %.2g triangles, and most of "
+        "them would be needed (gain %.2g, below %.2g), because the process zone is long. This run has the uniform mesh "
+        "from "
+        "the start",
+        expected.uniform, expected.gain, pays_from);
+}
 
 void Adaptation::guard(Model& model) const {
     if (!options_.active()) return;
@@ -67,11 +127,11 @@ std::optional<AdaptedModel> Adaptation::look(Model& model, const State& now, con
     const Mesh& mesh = model.mesh;
     if (!also) next_look_ = now.n_steps + static_cast<std::int64_t>(options_.every);
     std::vector<double> requested = requested_sizes(model, now, options_, also);
-    const FutureMesh future = future_mesh(mesh, requested, options_.size);
-    double n = future.n;
-    if (future.is_mostly_fine() && mesh_state_ == MeshState::follows) {
+    const auto [area, fine, n_requested] = future_mesh(mesh, requested, options_.size);
+    double n = n_requested;
+    if (fine > all_above * area && mesh_state_ == MeshState::follows) {
         std::ranges::fill(requested, options_.size);
-        n = n_triangles_of(future.area, options_.size);
+        n = n_triangles_of(area, options_.size);
         mesh_state_ = MeshState::is_fine;
         warning_ = formatted(
             "warning[adapt]: at t = %.6g s more than half of the body must be refined, so all of it is refined now, "

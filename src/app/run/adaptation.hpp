@@ -1,6 +1,6 @@
 #pragma once
 // The refinements of a run ([adapt]): when the mesh is looked at, and what a continued run needs to know of them.
-#include "app/run/adaptation_forecast.hpp"
+#include "scenario/scenario.hpp"
 #include "stepper/adaptation.hpp"
 
 #include <string>
@@ -56,5 +56,22 @@ private:
     std::string warning_;
     std::vector<Vec2> allowed_;  // [m] vertices that may split in this step although they are coarse
 };
+
+/// The numbers of triangles to expect of [adapt] where every initial crack, or else one, crosses the body along its
+/// longer side. `gain` was within a factor of 2 of that of the run in five scenes (scenarios/BENCHMARKS.md); it knows
+/// no loads.
+struct AdaptationForecast {
+    double crack = 0;                // [m] advance of all cracks
+    double at_end = 0, uniform = 0;  // triangles; of a uniform mesh of adapt.size
+    double gain = 1;                 // [-] triangle-steps of the uniform mesh over those of the run
+};
+AdaptationForecast forecast(const Scenario& scenario, const Mesh& mesh);
+
+/// Replaces [adapt] by a uniform mesh of its size where the forecast on the coarse mesh finds no gain; the reason, or
+/// nothing.
+std::string replace_where_it_does_not_pay(Scenario& scenario, const Mesh& coarse);
+
+/// [-] Triangles of a random mesh of mean edge length `size` [m] over an area [m2], measured.
+double n_triangles_of(double area, double size);
 
 }  // namespace knap

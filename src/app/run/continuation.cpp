@@ -1,13 +1,10 @@
 #include "app/run/continuation.hpp"
 
 #include "app/run/checkpoint.hpp"
-#include "app/run/findings.hpp"
 #include "app/run/step_plan.hpp"
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
 #include "scenario/write_scenario.hpp"
-
-#include <utility>
 
 namespace knap {
 namespace {
@@ -81,7 +78,7 @@ Continuation continuation_of(const ReadResult& read, const Model& model, const f
     const double end = read.scenario.time.end, first_end = first ? first->scenario.time.end : 0;
     if (!first || end < first_end) return {.read = read};
     Continuation continuation{.read = read};
-    const AdaptOptions adapt = std::exchange(first->scenario.adapt, read.scenario.adapt);
+    first->scenario.adapt = read.scenario.adapt;  // whether it pays does not depend on the end
     keep_defaults(continuation.read, *first);
     StepLength& step = continuation.read.scenario.time.step;
     const OutputOptions& output = continuation.read.scenario.output;
@@ -92,16 +89,6 @@ Continuation continuation_of(const ReadResult& read, const Model& model, const f
         return continuation;
     }
     if (!Checkpoints::exist_in(directory) && !Checkpoints::end_exists_in(directory)) return {.read = read};
-    if (adapt.active() && !read.scenario.adapt.active()) {  // its loads may need no uniform mesh until the earlier end
-        ReadResult shorter = *first;
-        shorter.scenario.adapt = adapt;
-        model_of(shorter);
-        if (shorter.scenario.adapt.active())
-            throw UserError("not-extended",
-                            "the run in `" + directory.string() + "` cannot continue to t = " + shortest(end) +
-                                " s: its mesh follows the cracks, and until this time a uniform mesh is faster",
-                            "start it again with --force, or choose another directory with --output");
-    }
     if (const std::string problem = Checkpoints::problem_in(directory, true); !problem.empty())
         throw UserError(
             "not-extended",

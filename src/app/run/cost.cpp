@@ -1,6 +1,6 @@
 #include "app/run/cost.hpp"
 
-#include "app/run/adaptation_forecast.hpp"
+#include "app/run/adaptation.hpp"
 #include "base/stopwatch.hpp"
 #include "figures/figures.hpp"
 #include "stepper/moreau_jean.hpp"
@@ -124,9 +124,8 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
     cost.mean_over_first = mean_over_first(scenario, model, cost.n_steps);
     double growth = 1;  // of the number of triangles, at the end
     if (scenario.adapt.active()) {
-        const AdaptationForecast expected = forecast(scenario, model.mesh);
-        growth = expected.at_end / triangles;
-        cost.mean_over_first *= expected.mean / triangles * of_rebuilds;
+        growth = forecast(scenario, model.mesh).at_end / triangles;
+        cost.mean_over_first *= 0.5 * (1 + growth) * of_rebuilds;
     }
     cost.steps = cost.n_steps * cost.first_step * cost.mean_over_first;
 

@@ -1,6 +1,6 @@
 // Errors of a scenario that only its mesh shows.
 #include "analysis/rest_watch.hpp"
-#include "app/run/adaptation_forecast.hpp"
+#include "app/run/adaptation.hpp"
 #include "app/run/findings.hpp"
 #include "app/run/setup.hpp"
 #include "base/formatted.hpp"
