@@ -193,16 +193,15 @@ private:
         command->add_flag("--force", force_, "replace an existing file");
     }
 
+    /// Ends the command: it needs no run.
+    static void list_subjects() {
+        for (const auto& [name, doc] : described_subjects()) std::printf("%-17s %s\n", name.c_str(), doc.c_str());
+        throw CLI::Success();
+    }
+
     void add_render() {
         CLI::App* command = add("render", "draw figures of a finished run", [this] {
             const CLI::App* const command = app.get_subcommand("render");
-            if (figure_.show == "list" || (figure_.show.empty() && command->count("--show") > 0)) {
-                for (const auto& [name, doc] : described_subjects())
-                    std::printf("%-17s %s\n", name.c_str(), doc.c_str());
-                return exit_done;
-            }
-            if (directory_.empty())
-                throw UserError("missing-argument", "`knap render` draws a run: give its directory");
             const bool animates = animate_ || figure_.is_animation();
             if (animates && figure_.show.empty()) figure_.show = "cracks";
             if (figure_.file.empty()) figure_.file = figure_.show + (animates ? ".webp" : ".png");
@@ -215,13 +214,17 @@ private:
             if (!box_.empty()) figure_.box = Box{{metres(0), metres(1)}, {metres(2), metres(3)}};
             return render_run(directory_, figure_, output_);
         });
-        command->add_option("run", directory_, "run directory");
+        command->add_option("run", directory_, "run directory")->required();
         std::vector<std::string> subjects = figure_subjects();
         subjects.insert(subjects.end(), {"list", ""});
         command
-            ->add_option("--show", figure_.show,
-                         "subject; `list` or none: the subjects with a line each; without --show the figures of the "
-                         "scenario")
+            ->add_option_function<std::string>(
+                "--show",
+                [this](const std::string& show) {
+                    if (!show.empty() && show != "list") figure_.show = show;
+                    else list_subjects();
+                },
+                "subject; `list` or none: the subjects with a line each; without --show the figures of the scenario")
             ->expected(0, 1)
             ->check(CLI::IsMember(subjects));
         command->add_option("--file", figure_.file,

@@ -42,8 +42,6 @@ std::vector<Index> interfaces_of(const Frame& frame, InterfaceStatus status) {
     return found;
 }
 
-// ---- what is seen
-
 /// Scale of x and y relative to each other: the short side is drawn `aspect` times larger.
 Vec2 stretch_of(const Box& seen, double aspect) {
     return seen.extent().x() < seen.extent().y() ? Vec2(aspect, 1) : Vec2(1, aspect);
@@ -284,8 +282,7 @@ void draw_layer(Canvas& canvas, const Frame& frame, const std::vector<Vec2>& cor
     canvas.segments(ends, layer.colour, width);
 }
 
-/// Openings and slips: the range is that of faces less than an edge apart, where there are some. Pieces that have gone
-/// far tell nothing of cracks.
+/// Openings and slips have the range of faces less than an edge apart, if there are any: pieces fly off.
 void add_crack_scale(const FigureOptions& options, const Frame& frame, const History& breaks, FigureScale& scale) {
     const CrackColour& colour = crack_colour(options.colour);
     std::vector<double> values = crack_values(colour, frame, breaks);
@@ -339,8 +336,7 @@ void add_field_legend(const FigureOptions& options, const Frame& frame, const Fi
 }
 
 const BodyKind body_kinds[] = {
-    {"cracks", "broken and damaged interfaces, coloured by opening or another quantity (--colour)", true, true,
-     cracks_drawing, add_crack_scale, add_crack_legend},
+    {"cracks", "broken and damaged interfaces", true, true, cracks_drawing, add_crack_scale, add_crack_legend},
     {"materials", "materials and grains, with the cracks", false, true, materials_drawing,
      [](const FigureOptions&, const Frame&, const History&, FigureScale&) {}, add_materials},
     {"", "", false, false, field_drawing, add_field_scale, add_field_legend},

@@ -126,11 +126,12 @@ private:
         return {inaccurate, spurious, residual};
     }
 
-    /// Within Assumption 1 the residual of the box form is as strict as the scaled one; beyond it the answer is judged.
+    /// The residual of the box form is not strict where sweeps diverge. Within Assumption 1 no bond breaks spuriously.
     bool is_accepted(const Eigen::VectorXd& x) const {
-        if (can_sweep_ || !options_.exhaustive) return true;
+        if (!options_.exhaustive) return true;
         LcpSolution solution = result(LcpStatus::solved, x);
-        return judge(solution).is_accepted();
+        const Rank rank = judge(solution);
+        return can_sweep_ ? !rank.inaccurate : rank.is_accepted();
     }
 
     void remember(const Eigen::VectorXd& x) {
@@ -149,7 +150,8 @@ private:
         Eigen::VectorXd x = start;
         for (int attempt = 0; attempt < n_attempts; ++attempt) {
             const double budget = std::ldexp(sweeps_per_solve(box_), 2 * attempt);
-            const bool is_solved = can_sweep_ && sweep_while_it_pays(box_, options_.tolerance, budget, x, count_);
+            const bool is_solved =
+                can_sweep_ && sweep_while_it_pays(box_, options_.tolerance, budget, x, count_) && is_accepted(x);
             if (is_solved) best_x_ = x;
             remember(x);
             if (is_solved || newton_from(x.allFinite() ? x : start)) return true;

@@ -160,12 +160,13 @@ inline History reactions(int n = 400) {
 }
 
 inline History probes(int n = 400) {
-    History h{{"time", "end_u_x", "end_u_y", "end_v_x", "end_v_y", "bar_stress_xx", "bar_stress_yy", "bar_stress_xy"},
+    History h{{"time", "end_u_x", "end_u_y", "end_v_x", "end_v_y", "bar_stress_xx", "bar_stress_yy", "bar_stress_xy",
+               "tip_K_I", "tip_K_II"},
               {}};
     for (int i = 0; i <= n; ++i) {
         const double s = static_cast<double>(i) / n;
         h.rows.push_back({80e-6 * s, 1e-6 * s * s, -2e-6 * std::sin(9 * s), 0.025 * s, -0.225 * std::cos(9 * s),
-                          14e6 * s * (1.8 - s), 1e5 * s, 0});
+                          14e6 * s * (1.8 - s), 1e5 * s, 0, 1e6 * s, -2e5 * s * s});
     }
     return h;
 }

@@ -1,4 +1,5 @@
-// Figures of a study: errors over cost and over h, or means with their deviations over both. Of a sweep: a contact sheet.
+// Figures of a study: errors over cost and over h, or means with their deviations over both. Of a sweep: a contact
+// sheet.
 #include "app/ensemble/ensemble.hpp"
 #include "base/error.hpp"
 #include "figures/chart.hpp"
