@@ -175,7 +175,7 @@ Eigen::VectorXd BoxLcp::natural_map(const Eigen::VectorXd& x, const Eigen::Vecto
     Eigen::VectorXd map(size());
     for (int i = 0; i < size(); ++i) {
         const double b = upper(i, x);
-        map[i] = x[i] - std::clamp(x[i] - F[i], lower(i, b), b);
+        map[i] = std::clamp(F[i], x[i] - b, x[i] - lower(i, b));  // of x - (x - F) a large x would leave nothing
     }
     return map;
 }

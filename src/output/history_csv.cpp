@@ -50,6 +50,7 @@ std::string csv_line(const std::vector<std::string>& columns) { return joined(co
 std::string csv_line(const std::vector<double>& row) {
     std::vector<std::string> texts;
     for (const double value : row) texts.push_back(std::isnan(value) ? "" : shortest(value + 0.0));  // no minus zero
+    if (!row.empty() && std::isnan(row.back())) texts.back() = "nan";  // an empty one would be a line that is cut off
     return joined(texts, ",");
 }
 
@@ -75,7 +76,7 @@ History read_csv(const std::filesystem::path& path) {
         };
         for (const std::string_view cell : cells(line)) {
             row.push_back(std::numeric_limits<double>::quiet_NaN());
-            // the last column of every table always has a value, so an empty one means that the line is cut off
+            // the last column is never empty, so an empty one means that the line is cut off
             if (cell.empty() && row.size() < n_columns) continue;
             const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), row.back());
             if (error != std::errc() || end != cell.data() + cell.size())

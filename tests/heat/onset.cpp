@@ -87,7 +87,8 @@ double first_crack(double DT, double transfer, const TimeFunction& mean) {
 
 }  // namespace
 
-TEST_CASE("H25 a plate that is quenched cracks from the drop of temperature of its strength on") {
+TEST_CASE("H25 a plate that is quenched cracks from the drop of temperature of its strength on" *
+          doctest::test_suite("slow")) {
     describe(
         "A plate of alumina (E = 370 GPa, nu = 0.3, a = 7.5e-6/K, kappa = 8.85e-6 m2/s, sigma_c = 180 MPa, 10 mm "
         "thick) cooled on both faces with the coefficient h: smallest drop of temperature at which it cracks, by "

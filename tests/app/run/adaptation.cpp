@@ -136,7 +136,7 @@ TEST_CASE("adaptation: two tips that meet") {
     write_scene(folder, plate("\"30 mm\", \"16 mm\"",
                               crack("\"0 mm\", \"7.5 mm\"", "\"11 mm\", \"7.5 mm\"") +
                                   crack("\"30 mm\", \"8.5 mm\"", "\"19 mm\", \"8.5 mm\""),
-                              torn, "", "16 us"));
+                              torn, "", "20 us"));
     REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("run")).code == 0);
     const auto record = record_of(folder.path / "run");
     CHECK(record["summary"]["fragments"] >= 2);
