@@ -195,7 +195,7 @@ TEST_CASE("render lists the subjects of figures with a line each") {
         CHECK(answer.has("\nstress_yy         stress σ_{yy} [Pa] on the body\n"));
     }
     CHECK(command("render --show energy").code == 2);  // of which run?
-    CHECK(command("render").has("give its directory"));
+    CHECK(command("render").has("run is required"));
 }
 
 }  // namespace tip_probe_test
