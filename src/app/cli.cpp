@@ -221,8 +221,10 @@ private:
             ->add_option_function<std::string>(
                 "--show",
                 [this](const std::string& show) {
-                    if (!show.empty() && show != "list") figure_.show = show;
-                    else list_subjects();
+                    const bool took_subject = std::ranges::count(figure_subjects(), directory_.string()) > 0;
+                    if (show.empty() && took_subject) throw CLI::RequiredError("run");  // `--show energy` alone
+                    if (show.empty() || show == "list") list_subjects();
+                    figure_.show = show;
                 },
                 "subject; `list` or none: the subjects with a line each; without --show the figures of the scenario")
             ->expected(0, 1)
