@@ -27,8 +27,8 @@ std::string times_text(const std::vector<StoredState>& states) {
 /// The file of the state of a run at a time; none, and an error, where there is none.
 std::optional<fs::path> find_state(const Table& time, const std::string& run, const std::string& at) {
     const fs::path directory = time.reading().files.directory / run;
-    const Quantity wanted = parse_quantity(at);
-    if (!wanted.problem.empty() || (!wanted.unit.empty() && wanted.dimension != dimension_of("s"))) {
+    const Quantity requested = parse_quantity(at);
+    if (!requested.problem.empty() || (!requested.unit.empty() && requested.dimension != dimension_of("s"))) {
         time.error("bad-value", "start", "has no time after @: `" + at + "`", "as in \"run:" + run + "@40us\"");
         return std::nullopt;
     }
@@ -39,7 +39,7 @@ std::optional<fs::path> find_state(const Table& time, const std::string& run, co
         return std::nullopt;
     }
     const std::vector<StoredState> states = stored_states(directory);
-    if (const StoredState* state = state_at(states, wanted.value)) return state->file;
+    if (const StoredState* state = state_at(states, requested.value)) return state->file;
     const std::string cure = "`output.states = \"" + at +
                              "\"` in its scenario keeps that state; frames hold only what "
                              "is drawn";
@@ -47,7 +47,7 @@ std::optional<fs::path> find_state(const Table& time, const std::string& run, co
         time.error("no-such-state", "start", ": the run in `" + directory.string() + "` has kept no state", cure);
     else
         time.error("no-such-state", "start",
-                   ": the run in `" + directory.string() + "` has no state at " + shortest(wanted.value) +
+                   ": the run in `" + directory.string() + "` has no state at " + shortest(requested.value) +
                        " s; it has those at " + times_text(states),
                    cure);
     return std::nullopt;

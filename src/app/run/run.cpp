@@ -35,6 +35,12 @@ struct RunSetup {
     RunOrigin& origin;
 };
 
+/// A stepper of the present model, which an interrupt ends.
+void renew(std::optional<MoreauJean>& stepper, const Model& model, const SchemeOptions& scheme) {
+    stepper.emplace(model, scheme);
+    stepper->give_up_when(InterruptGuard::interrupted);
+}
+
 /// A run: steps until its end, observed by a recorder, with a record of it all. Every function throws OutputError where
 /// a file cannot be written.
 class Run {
@@ -194,10 +200,7 @@ void Run::report_warnings() {
     }
 }
 
-void Run::renew_stepper() {
-    stepper_.emplace(setup_.model, setup_.scenario.time.scheme);
-    stepper_->give_up_when(InterruptGuard::interrupted);
-}
+void Run::renew_stepper() { renew(stepper_, setup_.model, setup_.scenario.time.scheme); }
 
 /// `replace` gives the run another model and the state of it; frames of the present one are written before.
 void Run::replace_model(const auto& replace) {
@@ -381,8 +384,8 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
     Adaptation adaptation(adapt, model_input(scenario));
     adaptation.guard(model);
     if (!options.dump_lcp.empty()) check_dump(model, scenario.time.scheme);
-    std::optional<MoreauJean> stepper(std::in_place, model, scenario.time.scheme);
-    stepper->give_up_when(InterruptGuard::interrupted);
+    std::optional<MoreauJean> stepper;
+    renew(stepper, model, scenario.time.scheme);
     RunRecord record{.status = "running",
                      .name = scenario.name,
                      .title = scenario.title,
@@ -417,8 +420,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
         std::optional<StartState> other;
         if (const NamedFile* file = scenario.start_file(); file != nullptr && !place.resumes()) {
             other.emplace(file->bytes, scenario, model, excavations, adaptation);
-            stepper.emplace(model, scenario.time.scheme);
-            stepper->give_up_when(InterruptGuard::interrupted);
+            renew(stepper, model, scenario.time.scheme);
         }
         Run run({scenario, model, plan, options, directory, origin}, stepper, std::move(excavations),
                 std::move(adaptation), place, record, clock, other ? &*other : nullptr);

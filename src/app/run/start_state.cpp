@@ -158,15 +158,15 @@ std::string jumps_text(const ReadResult& read, const Model& model, const State& 
     const auto warn = [&](const std::string& path, double is, double begins) {
         const double jump = std::abs(begins - is);
         if (jump <= negligible_jump * (std::abs(is) + std::abs(begins))) return;
-        const Diagnostic warning = read.at(
+        const std::string warning = format(read.at(
             path,
             {.severity = Diagnostic::Severity::warning,
              .code = "jump",
              .message = formatted("`%s` begins with %.9g m, where the other run is at %.9g m: in the first step of "
                                   "%.3g s this is a velocity of %.3g m/s",
                                   path.c_str(), begins, is, step, jump / step),
-             .note = "a table that begins there; or a velocity, which goes on from where the other run is"});
-        if (text.find(format(warning)) == std::string::npos) text += format(warning);
+             .note = "a table that begins there; or a velocity, which goes on from where the other run is"}));
+        if (text.find(warning) == std::string::npos) text += warning;
     };
     std::vector<std::uint8_t> seen(2 * model.histories.size(), 0);
     for (const PrescribedMotion& motion : model.prescribed)

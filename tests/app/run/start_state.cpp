@@ -105,23 +105,21 @@ TEST_CASE("other loads act on the state of another run and its energy balance st
     const std::string first = folder.in_shell("first");
     REQUIRE(command("run " + block + "-s 'time.end=30 us' -s 'output.states=20 us' -o " + first).code == 0);
     const std::string start = "-s 'time.start=run:" + (folder.path / "first").string() + "@20us' ";
-    SUBCASE("pressed together") {
-        const Answer run = command("run " + block + start +
-                                   "-s 'load[0].traction=[\"0 MPa\", \"-2 MPa\"]' -s 'load[1].traction=[\"0 MPa\", "
-                                   "\"2 MPa\"]' -s 'time.end=20 us' -o " +
-                                   folder.in_shell("rest"));
+    const auto go_on = [&](const std::string& settings) {
+        const Answer run =
+            command("run " + block + start + settings + "-s 'time.end=20 us' -o " + folder.in_shell("rest"));
         CAPTURE(run.text);
         REQUIRE(run.code == 0);
+    };
+    SUBCASE("pressed together") {
+        go_on("-s 'load[0].traction=[\"0 MPa\", \"-2 MPa\"]' -s 'load[1].traction=[\"0 MPa\", \"2 MPa\"]' ");
         const std::vector<double> work = knap::read_csv(folder.path / "rest/energy.csv").column("external_work");
         CHECK(work[1] < work[0]);  // the faces still move apart
     }
     SUBCASE("damped and held at its ends") {
-        const Answer run = command("run " + block + start +
-                                   "-s 'load=[{ on = \"top\", velocity = [0, 0] }, { on = \"bottom\", velocity = [0, "
-                                   "0] }]' -s 'time.damping=1e5 Hz' -s 'time.end=20 us' -o " +
-                                   folder.in_shell("rest"));
-        CAPTURE(run.text);
-        REQUIRE(run.code == 0);
+        go_on(
+            "-s 'load=[{ on = \"top\", velocity = [0, 0] }, { on = \"bottom\", velocity = [0, 0] }]' "
+            "-s 'time.damping=1e5 Hz' ");
         CHECK(column_end(folder.path / "rest/energy.csv", "damping_work") < 0);
     }
     SUBCASE("a displacement that begins elsewhere is a jump") {
