@@ -49,7 +49,7 @@ TEST_CASE("what is no formula is refused with its place") {
         CHECK_MESSAGE(message.find(place) != std::string::npos, message);
     }
     CHECK_THROWS_AS(Expression(std::string(5000, '(')), UserError);
-    CHECK_THROWS_AS(Expression(std::string(5000, '-') + "1"), UserError);
+    CHECK_THROWS_AS(Expression(std::string(5000, '-').append("1")), UserError);
 }
 
 // A function that is linear in x, y and t each is its own table.

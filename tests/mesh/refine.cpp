@@ -61,7 +61,7 @@ Lines lines_of(const Mesh& mesh) {
 
 TEST_CASE("refined mesh: fine where requested with the lines and borders of the old one") {
     const Mesh old = plate();
-    for (const Vec2 centre : {Vec2(0.6, 0.3), Vec2(0.7, 0.25), Vec2(0.45, 0.5), Vec2(1, 0), Vec2(0.32, 0.25)}) {
+    for (const Vec2& centre : {Vec2(0.6, 0.3), Vec2(0.7, 0.25), Vec2(0.45, 0.5), Vec2(1, 0), Vec2(0.32, 0.25)}) {
         CAPTURE(centre.transpose());
         const std::vector<double> size = sizes_around(old, centre);
         std::vector<std::uint8_t> frozen(old.n_triangles(), 0);

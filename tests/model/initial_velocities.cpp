@@ -120,7 +120,7 @@ TEST_CASE("selections by body") {
     own.parts.push_back({"all", 0, own.n_triangles()});
     const auto n_names = static_cast<Index>(mesh.boundary_names.size());
     own.boundary_names.clear();
-    for (const std::string& body : {"bar.", "hat."})
+    for (const std::string body : {"bar.", "hat."})
         for (const std::string& name : mesh.boundary_names) own.boundary_names.push_back(body + name);
     for (BoundaryEdge& edge : own.boundary_edges) edge.boundary += edge.triangle < 16 ? 0 : n_names;
     const std::size_t of_bar = selected_edges(own, {.boundary = "bar.top"}).size();
