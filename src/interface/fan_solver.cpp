@@ -6,12 +6,12 @@
 namespace knap {
 namespace {
 
-constexpr int max_corrections = 40;             // changes of state before Lemke's method
-constexpr int patient_corrections = 8;          // from here on only the worst violation changes its state
-constexpr int max_tried = 200000;               // combinations of states, where Lemke's method ends without a solution
-constexpr double max_violation = 1e-10;         // relative, of a solution of the active set: the gate of every run
-constexpr double usual_violation = 1e-11;       // above it Lemke's method may be more accurate: contacts that disagree
-constexpr double max_pivoted_violation = 1e-8;  // of a solution of Lemke's method
+constexpr int max_corrections = 40;           // changes of state before Lemke's method
+constexpr int patient_corrections = 8;        // from here on only the worst violation changes its state
+constexpr int max_tried = 200000;             // combinations of states, where Lemke's method ends without a solution
+constexpr double max_violation = 1e-10;       // relative, of a solution of the active set: the gate of every run
+constexpr double usual_violation = 1e-11;     // above it Lemke's method may be more accurate: contacts that disagree
+constexpr double max_lemke_violation = 1e-8;  // of a solution of Lemke's method
 
 void apply(const StateChange& change, LinkState& state) {
     state.set(change.closed, change.tangential_state);
@@ -120,12 +120,12 @@ int FanSolver::correct_states(bool only_worst) {
 }
 
 FanSolution::Status FanSolver::find_states_by_lemke() {
-    if (solve_by_lemke()) return FanSolution::Status::pivoted;
+    if (solve_by_lemke()) return FanSolution::Status::by_lemke;
     // on ramps much smaller than what they could bear Lemke's method loses digits; their states are right
     int n_solves = 0;
     const auto has_ramp = [](const FanLink& link) { return link.ramp > 0; };
     if (std::ranges::any_of(problem_->links, has_ramp) && settle_states(max_corrections, n_solves))
-        return FanSolution::Status::pivoted;
+        return FanSolution::Status::by_lemke;
     if (search_states()) return FanSolution::Status::searched;
     for (LinkState& state : now_.states) state.law.contact.rate = std::min(state.law.contact.rate, 0.0);
     if (solve_by_lemke()) return FanSolution::Status::relaxed;
@@ -135,7 +135,7 @@ FanSolution::Status FanSolver::find_states_by_lemke() {
 
 FanSolution::Status FanSolver::improve_by_lemke() {
     saved_ = now_;
-    if (solve_by_lemke() && now_.violation < saved_.violation) return FanSolution::Status::pivoted;
+    if (solve_by_lemke() && now_.violation < saved_.violation) return FanSolution::Status::by_lemke;
     now_ = saved_;
     return FanSolution::Status::exact;
 }
@@ -149,7 +149,7 @@ bool FanSolver::solve_by_lemke() {
             now_.states[i].fit(link, now_.motion.across(link), now_.motion.impulse[i], scales_, now_.motion.borne[i]);
     }
     now_.violation = std::max(*residual, linear_.find_unbreakable_impulses(now_.motion) / scales_.impulse);
-    return now_.violation <= max_pivoted_violation;
+    return now_.violation <= max_lemke_violation;
 }
 
 /// Lemke's method may end without a solution where there is one, because with friction the matrix has not the

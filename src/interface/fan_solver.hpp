@@ -15,7 +15,7 @@ namespace knap {
 struct FanSolution {
     enum class Status {
         exact,     // by the active set
-        pivoted,   // the active set cycled; by Lemke's method
+        by_lemke,  // the active set cycled; by Lemke's method
         searched,  // Lemke's method ended without a solution; by trying the states of the links that moved
         relaxed,   // no solution (large friction can wedge): solved without restitution, or else without friction
         failed     // no solution found

@@ -1,6 +1,6 @@
 #include "model/state.hpp"
 
-#include "base/room.hpp"
+#include "base/reserve_capacity.hpp"
 #include "element/shape_functions.hpp"
 
 #include <Eigen/LU>
@@ -35,10 +35,10 @@ bool has_incubation(const Model& model) {
 }
 
 void split(const Model& model, Index f, State& state) {
-    make_room(model.mesh.n_corners(), state.displacement, state.velocity);
-    if (!state.rate.empty()) make_room(model.mesh.n_corners(), state.rate);
-    make_room(model.fans.size(), state.split_fans, state.first_point);
-    make_room(model.fan_points.size(), state.points);
+    reserve_capacity(model.mesh.n_corners(), state.displacement, state.velocity);
+    if (!state.rate.empty()) reserve_capacity(model.mesh.n_corners(), state.rate);
+    reserve_capacity(model.fans.size(), state.split_fans, state.first_point);
+    reserve_capacity(model.fan_points.size(), state.points);
     for (const Index corner : model.corners(model.fans[f]).subspan(1)) {
         state.node_of_corner[corner] = static_cast<Index>(state.displacement.size());
         state.displacement.push_back(Vec2(state.displacement[f]));

@@ -26,7 +26,7 @@ void FrameOutput::start(const State& start) {
 }
 
 void FrameOutput::after_step(const State& now, bool of_figure) {
-    const bool is_due = clock_.strikes(now.time);
+    const bool is_due = clock_.advance_if_due(now.time);
     if (!is_open()) return;
     writer_->check();
     if (is_due || of_figure) write(now);

@@ -14,7 +14,7 @@ public:
     void start(double time) { next_ = interval_ > 0 ? time + interval_ : infinity; }
     bool is_due(double time) const { return reached(time) >= next_; }
     /// The same once, until the next multiple.
-    bool strikes(double time) {
+    bool advance_if_due(double time) {
         if (!is_due(time)) return false;
         next_ = interval_ * (std::floor(reached(time) / interval_) + 1);
         return true;

@@ -99,8 +99,8 @@ void Recorder::after_step(const State& now, const StepReport& report) {
         if (specimen_) specimen_->after_step(now);
         for (std::vector<double>& line : breaks_->found(now)) tables_.add_line(&Histories::breaks, std::move(line));
     }
-    if (lines_.strikes(now.time)) write_lines(now);
-    if (fragments_.strikes(now.time)) write_fragments(now);
+    if (lines_.advance_if_due(now.time)) write_lines(now);
+    if (fragments_.advance_if_due(now.time)) write_fragments(now);
     frames_.after_step(now, figures_.needs_frame(now));
     figures_.after_step(now);
 }

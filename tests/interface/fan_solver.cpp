@@ -128,7 +128,7 @@ TEST_CASE("random fans meet every law and no impact or friction gives energy") {
                     ++n_relaxed;
                     continue;
                 }
-                n_fallback += solution.status == FanSolution::Status::pivoted;
+                n_fallback += solution.status == FanSolution::Status::by_lemke;
                 const double violation = FanJudge(fan, result).verdict().worst();
                 if (violation > worst) worst = violation, worst_seed = seed;
             }

@@ -1,6 +1,6 @@
 #include "stepper/contact/free_boundary.hpp"
 
-#include "base/room.hpp"
+#include "base/reserve_capacity.hpp"
 
 #include <cassert>
 #include <cmath>
@@ -10,7 +10,7 @@ namespace knap {
 namespace {
 
 constexpr double max_depth_in_altitudes =
-    0.35;  // [-] of the altitude of a triangle: the step before should have been refused
+    0.35;  // [-] of the altitude of a triangle: the step before should have been rejected
 
 /// [rad] The angle of a triangle at one of its corners.
 double angle_at(const Mesh& mesh, Index c) {
@@ -49,7 +49,7 @@ FreeBoundary::FreeBoundary(const Model& model) : model_(model) {
         twin_[h] = other, twin_[other] = h;
         point_[h] = point, point_[other] = point + 1;
     }
-    make_room(n, edges_, corners_);
+    reserve_capacity(n, edges_, corners_);
     for (const Fan& fan : model.fans)
         if (!fan.closed && !model.has_vanished(model.corners(fan)[0] / 3)) link(fan);
     sort();

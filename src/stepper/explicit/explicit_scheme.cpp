@@ -1,7 +1,7 @@
 #include "stepper/explicit/explicit_scheme.hpp"
 
 #include "base/parallel.hpp"
-#include "base/room.hpp"
+#include "base/reserve_capacity.hpp"
 #include "element/triangle_matrices.hpp"
 #include "stepper/explicit/partition.hpp"
 
@@ -51,9 +51,9 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
     for (ThreadWorkspace& work : workspaces_) {
         work.force.resize(model.mesh.corners_per_triangle() * blocks_.front().last + 1, Vec2::Zero());
         VertexSolver::Workspace& split = work.split;  // more corners and points than most vertices have
-        make_room(16, work.required, split.stationary.required, split.stationary.impulse);
+        reserve_capacity(16, work.required, split.stationary.required, split.stationary.impulse);
         for (SolvedFan* fan : {&split.fan, &split.kept})
-            make_room(16, fan->problem.bodies, fan->problem.links, fan->result.velocity, fan->result.links);
+            reserve_capacity(16, fan->problem.bodies, fan->problem.links, fan->result.velocity, fan->result.links);
     }
 }
 
@@ -69,24 +69,33 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
                             .corner_impulse = corner_impulse_};
     copy_partition(model_, begin, end);
     for (std::size_t i = 0; i < amplitude_.size(); ++i) amplitude_[i] = model_.histories[i](begin.time);
-    // bonded fans: v+ = v + k/m sum (F - K u); split fans: M (v+ - v) = k (F - K u) + H' P, each by itself; damped
     StepReport report;
+    // The rows are those of src/README.md, Explicit step. Before row 1: fans in contact with free faces and those whose
+    // incubation is due are candidates
     if (contacts_) {
         contacts_->begin(step, report);
         for (const Index f : contacts_->fans()) fan_is_candidate_[f] = 1;
     }
     incubation_.call_up(begin, fan_is_candidate_);
+    // rows 1 to 3, and 5 and 6 of fans that were split before, for the fans inside blocks of triangles
     report += sweep_blocks(step);
+    // row 1: the pressure of fluids in cracks; contacts with obstacles
     for (const CornerLoad& load : crack_forces_.find(begin))
         corner_force_[load.corner] += amplitude_[load.history] * load.force;
     obstacles_.begin(step);
     split_at_contacts(begin);
+    // rows 2 and 3, and 5 and 6 likewise, for fans of several blocks, and with loads, prescribed motion, dashpots or
+    // obstacles
     report += sweep_bordering(step);
-    // contacts that couple several fans, and fans that no admissible reactions hold
+    // row 5 for all fans that contacts couple: the impulses of contacts, and the rates of free obstacles
     solve_contacts(step, report);
+    // row 4
     release(step, report);
+    // row 3 for bonded fans in contact with free faces
     if (contacts_) advance_bonded_contacts(step, report);
-    report += advance_split(step);
+    // rows 5 and 6 for the fans that split in this step; with contacts for all
+    report += advance_remaining_split_fans(step);
+    // the motion of obstacles; energies and works
     obstacles_.finish(step, report);
     if (contacts_) contacts_->finish(step, report);
     report += account_loads(step);
@@ -151,17 +160,18 @@ void ExplicitScheme::move_fans(const Sweep<Corner>& sweep) {
                 __builtin_prefetch(circle + block.look_ahead + 4);  // the next cache line
             }
             if (!fans[i].is_free) move_free();
-            if (!is_closer[i] || moves_freely(sweep, fans[i], of_fan, force[i]))
+            if (!is_closer[i] || decide_and_move(sweep, fans[i], of_fan, force[i]))
                 free[n_free] = fans[i], force[n_free++] = force[i];
         }
         move_free();
     }
 }
 
-/// Whether a fan moves as one under `force` [N] alone. If not, it is moved here, or later if it splits.
+/// Decides how a fan moves, and moves it. True: it is left to the caller, since it moves as one and nothing but `force`
+/// [N] acts on it. False: it has been moved here, or is moved later since it splits or contacts couple it.
 template <class Corner>
-bool ExplicitScheme::moves_freely(const Sweep<Corner>& sweep, const typename BlockFans<Corner>::BlockFan& fan,
-                                  const Corner* corner, const Vec2& force) {
+bool ExplicitScheme::decide_and_move(const Sweep<Corner>& sweep, const typename BlockFans<Corner>::BlockFan& fan,
+                                     const Corner* corner, const Vec2& force) {
     const auto& [block, on_corner, kept, step, nodes, work, report] = sweep;
     const State& begin = step.begin;
     const Index f = fan.fan;
@@ -360,8 +370,8 @@ void ExplicitScheme::advance_bonded_contacts(const ExplicitStep& step, StepRepor
     nodes.add_to(report);
 }
 
-/// The fans that split in this step, and all split fans if there are obstacles.
-StepReport ExplicitScheme::advance_split(const ExplicitStep& step) {
+/// The split fans that no sweep has moved: those that split in this step, and all if contacts couple fans.
+StepReport ExplicitScheme::advance_remaining_split_fans(const ExplicitStep& step) {
     const std::size_t done = fans_are_independent() ? step.begin.split_fans.size() : 0;
     return sum_over_blocks(step.end.split_fans.size() - done, split_fans_in_a_block, partial_,
                            [&](std::size_t first, std::size_t last, StepReport& report) {

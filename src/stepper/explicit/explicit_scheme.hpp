@@ -30,8 +30,8 @@ private:
     template <class Corner>
     void move_fans(const Sweep<Corner>& sweep);
     template <class Corner>
-    bool moves_freely(const Sweep<Corner>& sweep, const typename BlockFans<Corner>::BlockFan& fan, const Corner* corner,
-                      const Vec2& force);
+    bool decide_and_move(const Sweep<Corner>& sweep, const typename BlockFans<Corner>::BlockFan& fan,
+                         const Corner* corner, const Vec2& force);
     void add_thermal_forces(const MeshBlock& block, const ExplicitStep& step, Vec2* force, StepReport& report);
     void split_at_contacts(const State& begin);
     StepReport sweep_bordering(const ExplicitStep& step);
@@ -44,7 +44,7 @@ private:
     void solve_contacts(const ExplicitStep& step, StepReport& report);
     void advance_bonded_contacts(const ExplicitStep& step, StepReport& report);
     void release(const ExplicitStep& step, StepReport& report);
-    StepReport advance_split(const ExplicitStep& step);
+    StepReport advance_remaining_split_fans(const ExplicitStep& step);
     StepReport account_loads(const ExplicitStep& step);
     void account_load(const CornerLoad& load, const Vec2& of_one, const ExplicitStep& step, StepReport& report) const;
     void account_rotation(const ExplicitStep& step, StepReport& report) const;

@@ -1,6 +1,6 @@
 #include "stepper/implicit/augmented_lagrangian.hpp"
 
-#include "base/room.hpp"
+#include "base/reserve_capacity.hpp"
 #include "base/secant.hpp"
 
 #include <algorithm>
@@ -36,10 +36,10 @@ constexpr double endless = infinity;
 AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk& bulk, ThetaMatrix& matrix,
                                          Iterate& iterate)
     : bulk_(bulk), matrix_(matrix), x_(iterate) {
-    make_room(model.mesh.n_corners(), bulk_impulse_, residual_, right_side_, direction_, changed_, before_.rate,
-              first_.rate);
-    make_room(model.fan_points.size() + 1, factored_states_, tangents_, turn_, move_, last_move_, before_.points,
-              first_.points);
+    reserve_capacity(model.mesh.n_corners(), bulk_impulse_, residual_, right_side_, direction_, changed_, before_.rate,
+                     first_.rate);
+    reserve_capacity(model.fan_points.size() + 1, factored_states_, tangents_, turn_, move_, last_move_, before_.points,
+                     first_.points);
 }
 
 bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effort) {

@@ -1,6 +1,6 @@
 #include "stepper/implicit/corner_partition.hpp"
 
-#include "base/room.hpp"
+#include "base/reserve_capacity.hpp"
 
 #include <span>
 
@@ -10,7 +10,7 @@ void partition_corners(const Model& model, const std::vector<std::uint8_t>& acti
     constexpr Index no_node = -1, starts_node = -2;
     partition.active = active;
     partition.corner_of_node.clear();
-    make_room(model.mesh.n_corners(), partition.corner_of_node, partition.motion, partition.prescribed);
+    reserve_capacity(model.mesh.n_corners(), partition.corner_of_node, partition.motion, partition.prescribed);
     std::vector<Index>& node_of = partition.node_of_corner;
     node_of.assign(model.mesh.n_corners(), no_node);
     for (std::size_t f = 0; f < model.fans.size(); ++f) {

@@ -1,6 +1,6 @@
 #include "stepper/implicit/implicit_bulk.hpp"
 
-#include "base/room.hpp"
+#include "base/reserve_capacity.hpp"
 #include "stepper/common/point_work.hpp"
 
 #include <algorithm>
@@ -34,8 +34,8 @@ ImplicitBulk::ImplicitBulk(const Model& model, MassMatrix mass)
     if (model.heat) thermal_.emplace(model.mesh, model.materials, model.plane, model.thickness);
     load_.resize(model.mesh.n_corners());
     begin_force_.resize(model.mesh.n_corners());
-    make_room(model.mesh.n_corners(), velocity_, prescribed_end_);
-    make_room(model.histories.size(), amplitude_);
+    reserve_capacity(model.mesh.n_corners(), velocity_, prescribed_end_);
+    reserve_capacity(model.histories.size(), amplitude_);
 }
 
 double ImplicitBulk::corner_inertia(Index corner) const {

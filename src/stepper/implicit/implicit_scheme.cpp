@@ -1,6 +1,6 @@
 #include "stepper/implicit/implicit_scheme.hpp"
 
-#include "base/room.hpp"
+#include "base/reserve_capacity.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/implicit/step_lcp.hpp"
 
@@ -34,8 +34,8 @@ ImplicitScheme::ImplicitScheme(const Model& model, const SchemeOptions& options)
       active_point_of_(model.fan_points.size(), -1) {
     step_.theta = options.theta;
     step_.implicit_beta = options.cohesion == CohesionScheme::implicit_beta;
-    make_room(model.mesh.n_corners(), x_.rate, node_inertia_);
-    make_room(model.fan_points.size(), x_.points);
+    reserve_capacity(model.mesh.n_corners(), x_.rate, node_inertia_);
+    reserve_capacity(model.fan_points.size(), x_.points);
     Index max_nodes = 0;  // of a fan, and the support
     for (const Fan& fan : model.fans) max_nodes = std::max(max_nodes, fan.n_corners + 1);
     clusters_.resize(max_nodes);

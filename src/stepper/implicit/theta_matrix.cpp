@@ -1,6 +1,6 @@
 #include "stepper/implicit/theta_matrix.hpp"
 
-#include "base/room.hpp"
+#include "base/reserve_capacity.hpp"
 #include "stepper/implicit/implicit_bulk.hpp"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass)
       block_(model.fan_points.size(), Eigen::Matrix2d::Zero()),
       kept_(model.fan_points.size(), 0),
       x_(2 * model.mesh.n_corners(), 0) {
-    make_room(model.fan_points.size(), with_block_, friction_);
+    reserve_capacity(model.fan_points.size(), with_block_, friction_);
 }
 
 Index ThetaMatrix::leaf_of_point(Index fan_point) const {

@@ -25,7 +25,7 @@ namespace {
 
 constexpr double nearly = 1e-8;    // residual that counts as solved: their tolerance is in the units of the problem
 constexpr double min_time = 0.02;  // [s] of the repetitions of one measurement; the shortest repetition counts
-constexpr int largest_pivoted = 3500;
+constexpr int largest_for_lemke = 3500;
 
 using Solve = std::function<peer::Outcome()>;
 
@@ -78,7 +78,7 @@ void print_head() {
 void compare(const std::string& name, const LcpProblem& problem) {
     const auto layout = cohesive_layout(problem);
     const auto measure = [&](const Solve& solve) { return measured(problem, layout, solve); };
-    const bool dense = problem.size() <= largest_pivoted;
+    const bool dense = problem.size() <= largest_for_lemke;
     const Measured skipped{.verdict = '-'};
     const Measured their_lemke =
         dense && problem.size() < 1000 ? measure([&] { return peer::lemke(problem); }) : skipped;

@@ -6,7 +6,7 @@
 namespace knap {
 
 template <class... Lists>
-void make_room(std::size_t n, Lists&... lists) {
+void reserve_capacity(std::size_t n, Lists&... lists) {
     (lists.reserve(n), ...);
 }
 
