@@ -1,5 +1,6 @@
 #include "stepper/explicit/stationary_fans.hpp"
 
+#include "interface/interface_law.hpp"
 #include "interface/self_stress.hpp"
 #include "stepper/common/point_work.hpp"
 
@@ -45,14 +46,17 @@ bool find_parts(const Model& model, Index rank, const ExplicitStep& step, Statio
                           !points[j].cracked && law.ramp(state[j].cohesion, state[j].largest_opening) == 0 &&
                           law.gamma > 0;
         const Vec2& normal = work.normal[j];
-        const double u_N = normal.dot(u), v_N = normal.dot(v);
-        const bool open = state[j].cohesion == 0 && law.restitution == 0 &&
-                          u_N > opening_rounding * u_after.cwiseAbs().maxCoeff() && u_N + step.drift_time * v_N > 0;
+        const double u_N = normal.dot(u), v_N = normal.dot(v),
+                     touching = opening_rounding * u_after.cwiseAbs().maxCoeff();  // [m]
+        const bool open =
+            state[j].cohesion == 0 && law.restitution == 0 && u_N > touching && u_N + step.drift_time * v_N > 0;
         const bool retired = begin.has_retired(points[j].point);
         if (!held && !open && !retired) return false;
         work.is_open[j] = open || retired;
         work.strength[j] = step.kick_time * law.sigma_c * (points[j].area * factor) * state[j].cohesion;
-        work.bound[j] = retired ? -infinity : -std::max(u_N / step.drift_time, v_N);
+        work.bound[j] = open && !retired
+                            ? contact_bound_explicit(u_N, v_N, law.restitution, step.drift_time, touching).rate
+                            : -infinity;
         if (work.is_open[j] && work.first_open < 0) work.first_open = j;
         if (work.is_open[j] && at.after > 0) ++part;
         work.part[at.after] = part;
