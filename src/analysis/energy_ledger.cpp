@@ -159,8 +159,8 @@ std::span<const EnergyTerm> energy_terms() {
             {.step = &S::impact_work, .work = 1, .drawn = -1, .label = "lost in impact", .colour = sky}),
         number<&R::residual>("residual", "J", "error of the discrete energy balance"),
         number<&R::law_lag>("law_lag_energy", "J",
-                            "law lag (staggering error of beta): cohesive work minus crossing loss minus surface "
-                            "energy; decreases with the step",
+                            "law lag (staggering error of beta): cohesive_work + law_change - crossing_loss_energy - "
+                            "viscous_dissipation - surface - excavated_recoverable; decreases with the step",
                             {.drawn = 1, .label = "law lag", .colour = vermilion, .dash = 1}),
         number<&R::crossing_loss>(
             "crossing_loss_energy", "J",
@@ -231,7 +231,12 @@ std::span<const EnergyTerm> energy_terms() {
         number<&R::adaptation>("adaptation", "J",
                                "change of the energy by refinements of the mesh so far: short waves that the old "
                                "vertices carried alone; with [adapt]",
-                               {.with = &W::adaptation, .work = 1}),
+                               {.with = &W::adaptation,
+                                .work = 1,
+                                .drawn = -1,
+                                .label = "lost in refinements",
+                                .colour = green,
+                                .dash = 1}),
         number<&R::thermal_work>("thermal_work", "J", "work of thermal strains that change so far; with heat",
                                  {.with = &W::heat, .step = &S::thermal_work, .work = 1}),
         number<&R::law_change>("law_change", "J",

@@ -1,14 +1,15 @@
 #pragma once
 // The energy balance of a run.
 //
-//     residual        kinetic + strain - (both at the start) - (external - cohesive + friction + impact + step change
-//                     + rotation + damping + radiated + excavation + thermal works - excavated energy - scheme
-//                     dissipation): zero
-//                     to rounding, the energy identity of the discrete scheme
+//     residual        kinetic + strain - (both at the start) - works: zero to rounding, the energy identity of the
+//                     discrete scheme. Works: external - cohesive + friction + impact + step change + rotation +
+//                     damping + radiated + excavation + thermal work + adaptation - excavated energy - scheme
+//                     dissipation
 //     rotation work   large rotations: the trapezoidal defect of the elastic energy U, which is not quadratic,
 //                     tau = U_n - U_n-1 + 1/2 (f_n-1 + f_n) . (u_n - u_n-1),  f = -grad U; O(h^3) a step. Its sum stays
 //                     bounded (central differences are symplectic) and is of second order in h; zero where rotations
 //                     are small, or a strained body turns rigidly
+//     adaptation      change of the energy by refinements of the mesh
 //     surface energy  Psi = dissipated + recoverable = sum over points of S (G_c f(beta) + beta sigma_c s); with secant
 //                     unloading dissipated + interface_elastic = S (G_c f + beta sigma_c (kappa + s^2/kappa)/2)
 //     thermal work    of thermal strains e that change, -int sigma : de (src/heat/README.md has the stresses); the
@@ -64,7 +65,7 @@ struct EnergyRow {
     void serialize(auto& archive);
 };
 
-/// Works that only some scenes have; energy.csv of the others has no columns for them.
+/// Works that only some scenarios have; energy.csv of the others has no columns for them.
 struct RareWorks {
     bool rotation = false, damping = false, radiation = false, excavation = false, adaptation = false, secant = false,
          heat = false, conduction = false, law_change = false, delay = false, incubation = false;
@@ -86,7 +87,7 @@ struct RareWorks {
 /// the energy figure.
 struct EnergyTerm : Measure<EnergyRow> {
     struct Use {
-        bool RareWorks::*with = nullptr;     // only scenes with it have the column; null: all
+        bool RareWorks::*with = nullptr;     // only scenarios with it have the column; null: all
         double StepReport::*step = nullptr;  // what a step adds to it; null: see EnergyLedger
         int work = 0;                        // its sign among the works of the balance
         int drawn = 0;                       // its sign in the figure; 0: not drawn

@@ -160,4 +160,29 @@ TEST_CASE("figures: the energy figure closes with the energy of the start and al
     CHECK(curve(older, "sum of all")->y == std::vector<double>{0, 4});
 }
 
+TEST_CASE("figures: the energy figure draws every term of the ledger") {
+    RareWorks all;
+    for (const auto work : RareWorks::all()) all.*work = true;
+    EnergyRow row;
+    double next = 1, work = 0;
+    for (const EnergyTerm& term : energy_terms()) {
+        if (term.value == nullptr) continue;
+        row.*term.value = next = std::fmod(7 * next, 11);
+        work += term.use.work * row.*term.value;
+    }
+    row.kinetic = work - row.strain;  // nothing at the start
+    row.law_lag = row.cohesive_work + row.law_change - row.crossing_loss - row.viscous_dissipation - row.surface() -
+                  row.excavated_recoverable;
+    History energy;
+    energy.rows.resize(2);
+    for (const Measure<EnergyRow>& column : energy_columns(all)) {
+        energy.columns.emplace_back(column.name);
+        energy.rows[0].push_back(0);
+        energy.rows[1].push_back(column.of(row));
+    }
+    const Chart chart = energy_chart(energy);
+    CHECK(chart.curves[0].y.back() == relative(row.external_work + row.thermal_work, 1e-14));
+    CHECK(chart.curves[1].y.back() == relative(row.external_work + row.thermal_work, 1e-14));
+}
+
 }  // namespace energy_ledger_test
