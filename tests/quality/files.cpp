@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <sys/wait.h>
+
 #include <cstdlib>
 #include <map>
 #include <regex>
@@ -112,6 +114,17 @@ TEST_CASE("tools are executable and stop at the first error") {
         CHECK((fs::status(path).permissions() & fs::perms::owner_exec) != fs::perms::none);
         const File script = source_tree::read(path);
         CHECK(std::find(script.lines.begin(), script.lines.end(), "set -euo pipefail") != script.lines.end());
+    }
+}
+
+TEST_CASE("tools refuse options that they do not know") {
+    for (const char* name : {"run", "test", "setup", "lint", "verify", "gallery", "fuzz", "bench/tables",
+                             "bench/quench", "bench/lammps", "bench/box2d/run", "package/try", "package/try_archive"}) {
+        CAPTURE(name);
+        const std::string tool = "'" KNAP_SOURCE_DIR "/tools/" + std::string(name) + "'";
+        const int unknown = std::system((tool + " --no-such-option 2>/dev/null").c_str());
+        CHECK(WEXITSTATUS(unknown) == 2);
+        CHECK(std::system((tool + " --help | grep -q .").c_str()) == 0);
     }
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Writes what a test has verified to <KNAP_VERIFICATION>/cases.tsv: a line C for the case, then T texts, N numbers, P pictures.
+// Appends what a test has verified to <KNAP_VERIFICATION>/cases.tsv (tools/verify: build/release/verification): a line C for the case, then T texts, N numbers, P pictures.
 #include "support/listener.hpp"
 #include "support/verification.hpp"
 
