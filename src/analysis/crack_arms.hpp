@@ -1,5 +1,5 @@
 #pragma once
-// Cracks as they grow: each a tree of cracked edges, divided into arms. README.md of this room has the definitions.
+// Cracks as they grow: each a tree of cracked edges, divided into arms. README.md of this folder has the definitions.
 #include "analysis/cracked_edges.hpp"
 
 namespace knap {

@@ -14,7 +14,7 @@
 namespace knap {
 namespace {
 
-/// Soft rock that does not break: a part of both scenes.
+/// Soft rock that does not break: a part of both bodies that are measured.
 constexpr const char* rock = R"([material.rock]
 density = "2400 kg/m3"
 E       = "0.2 GPa"

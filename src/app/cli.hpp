@@ -3,7 +3,7 @@
 
 namespace knap {
 
-/// Runs the command that the arguments name and returns the exit code. Exceptions of the floors below pass through.
+/// Runs the command that the arguments name and returns the exit code. Exceptions of the layers below pass through.
 int run_command_line(int argc, char** argv);
 
 }  // namespace knap

@@ -148,7 +148,7 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
         std::printf(
             "  adapt: about %.2g triangles after cracks of %.3g m, a uniform mesh has %.2g: gain %.2g, within a factor "
             "of 2 in "
-            "five scenes; less where much of the body is near its strength\n",
+            "five scenarios; less where much of the body is near its strength\n",
             expected.at_end, expected.crack, expected.uniform, expected.gain);
     }
     std::printf("  %.0f MB of memory, %.0f MB of disk space for %.0f frames\n", cost.memory, cost.disk, cost.n_frames);

@@ -4,7 +4,8 @@
 //     x_next solves the problem with F + D (x - x_last),  D >= 0 on capped unknowns, large enough to outweigh the
 //     curvature
 // as a nonconvex function is minimised by convex ones that touch it from above (Rockafellar 1976; Hunter, Lange 2004).
-// Such a step has several solutions, and the method does not choose between them: a run should cut its step instead.
+// Such a step has several solutions, and the method does not choose between them: a run should take a
+// smaller step instead.
 #include "lcp/presolve.hpp"
 
 #include <algorithm>

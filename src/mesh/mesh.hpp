@@ -27,7 +27,7 @@ struct BoundaryEdge {
     void serialize(auto& archive) { archive(triangle, side, boundary); }
 };
 
-/// Consecutive triangles with a name: a body of a scene, or several bodies.
+/// Consecutive triangles with a name: a body of a scenario, or several bodies.
 struct MeshPart {
     std::string name;
     Index first_triangle, n_triangles;

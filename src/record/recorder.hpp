@@ -45,9 +45,10 @@ public:
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;
 
-    /// The first lines and the first frame. The constructor does this, unless another run's books come first.
+    /// The first lines and the first frame. The constructor does this, unless energies and cracks of another run come
+    /// first.
     void begin(const State& start);
-    /// The clock of these books is set back by `time` [s].
+    /// The clock of these is set back by `time` [s].
     void set_back(double time) { cracks_.set_back(time), ledger_.set_clock(ledger_.row().time - time); }
 
     /// Writes the tables with all lines so far and opens them for the next lines. The constructor does this for a new

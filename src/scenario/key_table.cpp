@@ -95,8 +95,8 @@ void add_keys_of_body(KeyTable& t) {
         .above(0).otherwise("1").to(&Scenario::thickness);
     add_parts(t, "domain");
 
-    t.list("body[]", "a body of a scene of several bodies, in place of the shape of [domain]. Bodies may touch, they "
-        "are not joined, and each has a mesh of its own. Boundaries are named NAME.left, NAME.rim, ...; "
+    t.list("body[]", "a body of a scenario of several bodies, in place of the shape of [domain]. Bodies may touch, "
+        "they are not joined, and each has a mesh of its own. Boundaries are named NAME.left, NAME.rim, ...; "
         "on = { body = \"NAME\" } selects the body");
     t.text("name", "name of the body").a_name().computed("body1, body2, ...");
     t.word("shape", {"rectangle", "polygon", "disc"}, "outline, with the keys and boundaries of [domain]").required();

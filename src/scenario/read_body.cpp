@@ -1,4 +1,4 @@
-// [domain], [[body]] and [mesh]: the bodies of a scene, their places and sizes.
+// [domain], [[body]] and [mesh]: the bodies of a scenario, their places and sizes.
 #include "base/formatted.hpp"
 #include "base/random.hpp"
 #include "microstructure/body_patterns.hpp"

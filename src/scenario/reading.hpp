@@ -1,5 +1,5 @@
 #pragma once
-// From values to the options structs of the lower floors, with the checks that need more than one key. Table::fill
+// From values to the options structs of the lower layers, with the checks that need more than one key. Table::fill
 // writes the members that the key table binds to a key; the rest is read here, block by block. A reader continues after
 // a mistake.
 #include "scenario/findings.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// A scenario: the options structs of the lower floors. SI throughout.
+// A scenario: the options structs of the lower layers. SI throughout.
 #include "analysis/energy_ledger.hpp"
 #include "analysis/gates.hpp"
 #include "analysis/probes.hpp"

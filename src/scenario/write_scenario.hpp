@@ -1,4 +1,5 @@
 #pragma once
+// Scenarios as text: resolved, as a list of keys, and new ones to start from.
 #include "scenario/read_scenario.hpp"
 
 namespace knap {

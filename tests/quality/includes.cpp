@@ -12,7 +12,7 @@ using source_tree::File;
 
 namespace {
 
-const std::map<std::string, int> floor_of{{"base", 0},
+const std::map<std::string, int> layer_of{{"base", 0},
                                           {"mesh", 1},
                                           {"material", 1},
                                           {"lcp", 1},
@@ -48,8 +48,8 @@ std::vector<std::string> includes(const File& file, char open) {
 
 std::string folder_of(const std::string& path) { return path.substr(0, std::min(path.rfind('/'), path.size())); }
 
-/// The room of a file in src: its folder, "app/run" and "stepper/explicit" as well; "" for src/main.cpp.
-std::string room(const File& file) {
+/// The folder of a file below src: "app/run" and "stepper/explicit" as well; "" for src/main.cpp.
+std::string folder_below_src(const File& file) {
     const std::string below = file.path.substr(std::string("src/").size());
     return below.find('/') == std::string::npos ? "" : folder_of(below);
 }
@@ -71,18 +71,18 @@ std::set<std::string> users_of(const std::vector<std::string>& starts) {
 
 }  // namespace
 
-TEST_CASE("a file includes its own folder and lower floors only") {
+TEST_CASE("a file includes its own folder and lower layers only") {
     int n_includes = 0;
     for (const File& file : source_tree::files_below("src")) {
-        if (!file.is_cpp() || room(file).empty()) continue;
-        const std::string own = room(file);
+        if (!file.is_cpp() || folder_below_src(file).empty()) continue;
+        const std::string own = folder_below_src(file);
         CAPTURE(file.path);
-        REQUIRE_MESSAGE(floor_of.contains(own), "folder without a floor: ", own);
+        REQUIRE_MESSAGE(layer_of.contains(own), "folder without a layer: ", own);
         for (const std::string& header : includes(file, '"')) {
             CAPTURE(header);
             const std::string other = folder_of(header);
-            REQUIRE_MESSAGE(floor_of.contains(other), "write it as \"folder/file.hpp\"");
-            CHECK((other == own || floor_of.at(other) < floor_of.at(own)));
+            REQUIRE_MESSAGE(layer_of.contains(other), "write it as \"folder/file.hpp\"");
+            CHECK((other == own || layer_of.at(other) < layer_of.at(own)));
             CHECK(std::filesystem::exists(source_tree::root() / "src" / header));
             ++n_includes;
         }

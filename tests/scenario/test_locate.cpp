@@ -1,4 +1,4 @@
-// From what other floors say back to a line of the file.
+// From what other layers say back to a line of the file.
 #include "samples.hpp"
 
 #include <doctest/doctest.h>

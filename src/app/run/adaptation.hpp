@@ -58,8 +58,8 @@ private:
 };
 
 /// The numbers of triangles to expect of [adapt] where every initial crack, or else one, crosses the body along its
-/// longer side. `gain` was within a factor of 2 of that of the run in five scenes (scenarios/BENCHMARKS.md); it knows
-/// no loads.
+/// longer side. `gain` was within a factor of 2 of that of the run in five scenarios (scenarios/BENCHMARKS.md); it
+/// knows no loads.
 struct AdaptationForecast {
     double crack = 0;                // [m] advance of all cracks
     double at_end = 0, uniform = 0;  // triangles; of a uniform mesh of adapt.size

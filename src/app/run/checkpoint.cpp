@@ -38,7 +38,7 @@ namespace knap {
 
 namespace {
 
-/// With which another run starts; its recorder then has the books alone.
+/// With which another run starts; its recorder then has energies and cracks alone.
 void serialize_start(auto& archive, RunMemory& memory) {
     archive(memory.origin, memory.now, memory.control, memory.excavations, memory.adaptation);
 }

@@ -60,7 +60,7 @@ std::string heat_text(const Scenario& scenario, const Mesh& mesh, double step) {
             text += formatted("  %-12s steps of backward Euler: %.3g in the time that heat takes through the body%s\n",
                               "", s.passage / (factor * s.step),
                               scenario.time.scheme.theta > 0.5 ? "; a point that breaks within one has no cohesive "
-                                                                 "work (theta > 0.5), its G_c is booked as scheme "
+                                                                 "work (theta > 0.5), its G_c counts as scheme "
                                                                  "dissipation: limits.law_lag"
                                                                : "");
     }

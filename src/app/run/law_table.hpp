@@ -1,5 +1,5 @@
 #pragma once
-// The laws of a scene as `knap check` lists them: where they act, and all that they can do.
+// The laws of a scenario as `knap check` lists them: where they act, and all that they can do.
 #include "model/model.hpp"
 #include "scenario/read_scenario.hpp"
 

@@ -65,7 +65,7 @@ public:
 
     /// Continues from the last checkpoint. `text`: what else there is to report. A refusal changes nothing.
     void resume(const std::string& text);
-    /// Goes on with the books of another run; `text`: for the log.
+    /// Goes on with the energies and cracks of another run; `text`: for the log.
     void start_from(StartState& other, const std::string& text);
     void step_to_end();
     void finish();

@@ -25,7 +25,7 @@ struct StartState {
     StartState(const std::string& file, const Scenario& scenario, Model& model, Excavations& excavations,
                Adaptation& adaptation);
 
-    MemoryReader reader;  // its books are next
+    MemoryReader reader;  // its energies and cracks are next
     State now;
     StepControl control;        // of the other run
     double time = 0;            // [s] of the other run

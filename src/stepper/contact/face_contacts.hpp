@@ -47,7 +47,7 @@ struct ContactRefusal {
 ///             before, or where both were neighbours in the undeformed body: a vertex beside a thin piece does not
 ///             touch it from behind. And deeper than 0.1 L only where the corners at the vertex and at the ends of the
 ///             edge overlap
-/// 6 depth     at most 0.35 of the altitude of the triangle; the step before should have been refused
+/// 6 depth     at most 0.35 of the altitude of the triangle; the step before should have been rejected
 ///
 /// At a corner, an edge outside the cones of the vertex takes no contact away from its neighbour: there the plane that
 /// the other side offers decides, end of the edge against edge at the vertex. A vertex that slides on flush faces, a

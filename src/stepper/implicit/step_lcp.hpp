@@ -34,7 +34,7 @@
 // that lies in it and falls over its own interval of s; beta+ is their sum. Since x(b) falls, the potential is convex
 // in each of them, and they empty in their order.
 //
-// Only the rows that a scene needs are there: p_T, zeta with friction; r_T, chi with gamma > 0; A, beta+, o with
+// Only the rows that a body needs are there: p_T, zeta with friction; r_T, chi with gamma > 0; A, beta+, o with
 // implicit beta. Points without cohesion have p_N, p_T, zeta alone. o is needed where a cohesive point can end the step
 // with u_N+ < 0, because it lands faster than the scheme can stop it; without such points, and with friction and gamma,
 // the layout is that of lcp/spurious_breaking.hpp. With theta < 1 no bond breaks spuriously: beta_theta > 0 wherever
