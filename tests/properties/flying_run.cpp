@@ -55,6 +55,7 @@ public:
     FlyingWatch(const Model& model, const FlyingScene& scene, const State& start, FlyingOutcome& outcome)
         : model_(model), scene_(scene), ledger_(model, start), deformation_(model), outcome_(outcome) {
         for (const double m : model.corner_mass) mass_ += m;
+        for (const Interface& one : model.interfaces) longest_ = std::max(longest_, one.length);
     }
 
     void step(const State& begin, const State& end, const StepReport& report) {
@@ -142,10 +143,11 @@ private:
                 moment -= cross(jump, k * point.area * (traction.x() * n + traction.y() * turned_left(n)));
             }
         }
-        // a step rounds the elastic forces, whose stresses are up to E times the strain
+        // a step rounds the elastic forces, whose stresses are up to E times the strain, and impulses of up to the strength
+        // that cancel in a body at rest
         double stiffest = 0;
         for (const FlyingBody& body : scene_.bodies) stiffest = std::max(stiffest, body.E);
-        scale = std::max(scale, k * stiffest * deformation_.strain().value);
+        scale = std::max({scale, k * stiffest * deformation_.strain().value, k * scene_.law.sigma_c * longest_});
         scale = std::max({scale, mass_ * report.largest_speed, std::sqrt(rounding_energy)});
         outcome_.momentum_error = std::max(outcome_.momentum_error, change.norm() / scale);
         outcome_.moment_error = std::max(outcome_.moment_error, std::abs(moment) / (arm * scale));
@@ -165,7 +167,7 @@ private:
     EnergyLedger ledger_;
     DeformationWatch deformation_;
     FlyingOutcome& outcome_;
-    double mass_ = 0, deepest_ = 0;
+    double mass_ = 0, longest_ = 0, deepest_ = 0;
 };
 
 /// Steps like the program, from `now` on.

@@ -37,9 +37,9 @@ bool is_reflex(const Vec2& t_in, const Vec2& t_out, bool in_body) {
 /// the same direction and stays definite where the corner is flat.
 Vec2 across_corner(const Vec2& t_1, const Vec2& t_2) { return t_1 + t_2 + outward(t_2 - t_1); }
 
-/// [m] How far beyond an end of an edge a point may lie. A point deep in a reflex corner is beside neither edge.
-double largest_overrun(double gap, double reach, double length, double depth) {
-    return std::min(reach + std::max(0., std::min(-gap, depth + gap)), beyond_end * length);
+/// [m] How far beyond an end of an edge a point may lie; `overrun` is where no edge is beside it.
+double largest_overrun(double gap, double reach, double overrun, double length, double depth) {
+    return std::min(reach + std::max(0., std::min(overrun, depth + std::min(gap, 0.))), beyond_end * length);
 }
 
 /// Keeps the largest; a speed before any depth.
@@ -189,7 +189,7 @@ bool FaceContacts::may_touch(const NearbyEdge& pair) const {
     const auto& [t, length] = sides_[e];
     const Vec2 from_a = 0.5 * (end_of(boundary_.edges()[i].entering).x + start_of(i).x) - start_of(e).x;
     const double gap = cross(from_a, t), along = t.dot(from_a),
-                 beyond = largest_overrun(gap, reach_, length, edge.depth);
+                 beyond = largest_overrun(gap, reach_, overrun(e, gap, along / length), length, edge.depth);
     return gap <= reach_ && gap >= -edge.depth && along >= -beyond && along <= length + beyond;
 }
 
@@ -213,15 +213,6 @@ FaceContacts::Vertex FaceContacts::vertex(Index i, const State& begin) const {
             .flat = t_in.dot(t_out) > 0 && std::abs(cross(t_in, t_out)) < flat_turn};
 }
 
-/// Rule 3.
-bool FaceContacts::Vertex::accepts(const Vec2& n) const {
-    return n.dot(t_in) <= cone && n.dot(t_out) >= -cone && n.dot(outside) <= cone;
-}
-
-double FaceContacts::Vertex::overhang(const Vec2& n) const {
-    return std::max({0.0, n.dot(t_in) * l_in, -n.dot(t_out) * l_out});
-}
-
 void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State& begin, double h, Block& block) const {
     const FreeEdge &edge = boundary_.edges()[pair.edge], &leaving = boundary_.edges()[pair.vertex];
     const CornerMotion &a = start_of(pair.edge), &b = end_of(pair.edge);
@@ -230,7 +221,7 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     const double gap = n.dot(from_a), share = t.dot(from_a) / length;
     const Vec2 v = at.v - (1 - share) * a.v - share * b.v;
     const double travel = h * v.norm(), reach = touching * length + reach_in_steps * travel;
-    const double beyond = largest_overrun(gap, reach, length, edge.depth) / length;
+    const double beyond = largest_overrun(gap, reach, overrun(pair.edge, gap, share), length, edge.depth) / length;
     if (gap > reach || gap < -edge.depth || share < -beyond || share > 1 + beyond) return;
     if (!at.accepts(n)) return;
     if (!belongs_to(pair.edge, at, gap, share, begin, h)) return;
@@ -264,19 +255,30 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
                            .kept = true});
 }
 
+/// The corner of the contact piece where its outline goes on: a crack that live points close is none.
+FaceContacts::Corner FaceContacts::corner(Index e, bool at_end) const {
+    const auto edges = boundary_.edges();
+    const Index leaving = at_end ? edges[e].piece_end : e;
+    const bool is_outer = leaving >= 0 && edges[leaving].entering >= 0 && (!at_end || edges[leaving].entering == e);
+    if (at_end) return {e, is_outer ? leaving : edges[e].next, is_outer};
+    return {is_outer ? edges[e].entering : edges[e].prev, e, is_outer};
+}
+
+/// [m] How far beyond the end of an edge a point may be and beside no edge: in half the mouth of a crack that live points
+/// close, or deep in a reflex corner (-gap where it is a right angle, and more in a sharper one).
+double FaceContacts::overrun(Index e, double gap, double share) const {
+    if (share >= 0 && share <= 1) return 0;
+    const Corner at = corner(e, share > 1);
+    const Vec2 &t_1 = sides_[at.first].tangent, &t_2 = sides_[at.second].tangent;
+    const double mouth = 0.5 * sides_[e].tangent.dot(start_of(at.second).x - end_of(at.first).x);
+    return std::max(mouth, -gap * std::max(1., -cross(t_1, t_2) / (1 + t_1.dot(t_2))));
+}
+
 /// Rule 4.
 bool FaceContacts::belongs_to(Index e, const Vertex& at, double gap, double share, const State& begin, double h) const {
     const auto edges = boundary_.edges();
     for (const bool at_end : {false, true}) {
-        // the corner of the contact piece where its outline goes on: a crack that live points close is none
-        const Index leaving = at_end ? edges[e].piece_end : e;
-        const bool is_outer = leaving >= 0 && edges[leaving].entering >= 0 && (!at_end || edges[leaving].entering == e);
-        const Index first = at_end     ? e
-                            : is_outer ? edges[e].entering
-                                       : edges[e].prev,
-                    second = !at_end    ? e
-                             : is_outer ? leaving
-                                        : edges[e].next;
+        const auto [first, second, is_outer] = corner(e, at_end);
         // beyond the closed end of a crack, or nearer to it than deep
         if (!is_outer && (at_end ? 1 - share : share) * sides_[e].length < std::max(0.0, -gap)) return false;
         const Vec2 &t_1 = sides_[first].tangent, &t_2 = sides_[second].tangent;
@@ -287,7 +289,9 @@ bool FaceContacts::belongs_to(Index e, const Vertex& at, double gap, double shar
             if (at.accepts(outward(t))) return false;
             // both edges at the vertex lie in front of the nearer edge, which separates them from this one
             if (outward(t).dot(from_corner) - at.overhang(outward(t)) > -touching * length) return false;
-            if (meets_nearer(at_end ? edges[e].piece_end : edges[e].piece_start, at, gap, begin)) return false;
+            // gaps between the places of both vertices: else each may seem smaller than the other
+            const double gap_here = outward(sides_[e].tangent).dot(from_corner);
+            if (meets_nearer(at_end ? edges[e].piece_end : edges[e].piece_start, at, gap_here, begin)) return false;
             continue;
         }
         const bool beyond = at_end ? share > 1 : share < 0,
@@ -397,10 +401,6 @@ std::span<FaceContacts::Found> FaceContacts::of_vertex(Index i) {
     std::size_t end = first;
     while (end < found_.size() && found_[end].vertex == i) ++end;
     return end == first ? std::span<Found>() : std::span(found_.data() + first, end - first);
-}
-
-bool FaceContacts::ends_in(Index edge, Index vertex) const {
-    return boundary_.edges()[edge].piece_start == vertex || boundary_.edges()[edge].piece_end == vertex;
 }
 
 void FaceContacts::prune() {

@@ -37,7 +37,9 @@ struct ContactRefusal {
 
 /// A pair is a contact if all of this holds:
 ///
-/// 1 near      g <= reach = 1e-3 L + 4 h |v_rel|, and beyond an end of the edge by at most min(reach + max(-g, 0), L/4)
+/// 1 near      g <= reach = 1e-3 L + 4 h |v_rel|, and beyond an end of the edge by at most L/4 and by reach + max(-g, 0);
+///             in a reflex corner sharper than a right angle by more; where a crack begins whose points hold, by half
+///             its mouth
 /// 2 convex    the vertex is no reflex one
 /// 3 cones     -n lies within the outward normals of the vertex, widened by 15 degrees on both sides
 /// 4 corners   of two edges with a convex corner the one with the larger gap, also beyond its end; of two edges with a
@@ -93,9 +95,13 @@ private:
         std::span<const FaceContactState> before;
         bool reflex, flat;
 
-        bool accepts(const Vec2& normal) const;
+        /// Rule 3.
+        bool accepts(const Vec2& n) const {
+            constexpr double cone = NearbyEdges::cone;
+            return n.dot(t_in) <= cone && n.dot(t_out) >= -cone && n.dot(outside) <= cone;
+        }
         /// [m] How much further than the vertex its edges reach against the normal.
-        double overhang(const Vec2& normal) const;
+        double overhang(const Vec2& n) const { return std::max({0.0, n.dot(t_in) * l_in, -n.dot(t_out) * l_out}); }
         /// FreeEdge::joint_law of the edge that faces one with this tangent.
         Index joint_law_against(const Vec2& tangent) const { return joint_law[t_out.dot(tangent) < t_in.dot(tangent)]; }
     };
@@ -121,6 +127,12 @@ private:
     bool may_touch(const NearbyEdge& pair) const;
     Vertex vertex(Index i, const State& begin) const;
     void examine(const NearbyEdge& pair, const Vertex& at, const State& begin, double h, Block& block) const;
+    struct Corner {
+        Index first, second;  // edges, in the order of the outline
+        bool is_outer;
+    };
+    Corner corner(Index e, bool at_end) const;
+    double overrun(Index e, double gap, double share) const;
     bool belongs_to(Index e, const Vertex& at, double gap, double share, const State& begin, double h) const;
     double overlap(const FreeEdge& edge, const Vertex& at, double gap, const State& begin) const;
     bool second_is_nearer(Index first, Index second, const Vertex& at, double h) const;
@@ -132,7 +144,9 @@ private:
     void prune();
     void prune_corners(Found& at);
     std::span<Found> of_vertex(Index i);
-    bool ends_in(Index edge, Index vertex) const;
+    bool ends_in(Index edge, Index vertex) const {
+        return boundary_.edges()[edge].piece_start == vertex || boundary_.edges()[edge].piece_end == vertex;
+    }
 
     const Model& model_;
     FreeBoundary boundary_;
