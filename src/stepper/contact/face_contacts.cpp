@@ -264,8 +264,8 @@ FaceContacts::Corner FaceContacts::corner(Index e, bool at_end) const {
     return {is_outer ? edges[e].entering : edges[e].prev, e, is_outer};
 }
 
-/// [m] How far beyond the end of an edge a point may be and beside no edge: in half the mouth of a crack that live points
-/// close, or deep in a reflex corner (-gap where it is a right angle, and more in a sharper one).
+/// [m] How far beyond the end of an edge a point may be and beside no edge: in half the mouth of a crack that live
+/// points close, or deep in a reflex corner (-gap where it is a right angle, and more in a sharper one).
 double FaceContacts::overrun(Index e, double gap, double share) const {
     if (share >= 0 && share <= 1) return 0;
     const Corner at = corner(e, share > 1);

@@ -37,7 +37,7 @@ struct ContactRefusal {
 
 /// A pair is a contact if all of this holds:
 ///
-/// 1 near      g <= reach = 1e-3 L + 4 h |v_rel|, and beyond an end of the edge by at most L/4 and by reach + max(-g, 0);
+/// 1 near      g <= reach = 1e-3 L + 4 h |v_rel|, and beyond an end of the edge by at most L/4 and reach + max(-g, 0);
 ///             in a reflex corner sharper than a right angle by more; where a crack begins whose points hold, by half
 ///             its mouth
 /// 2 convex    the vertex is no reflex one
