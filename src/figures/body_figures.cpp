@@ -227,11 +227,6 @@ std::vector<Vec2> parts_of(const std::vector<Vec2>& corners, int n) {
     return parts;
 }
 
-bool draws_isolines(const FigureOptions& options) {
-    const BodyField* field = body_field(options.show);
-    return !options.mark.empty() && field && field->at_corner;
-}
-
 /// The edges that belong to one triangle only.
 std::vector<Vec2> outline_of(const Frame& frame, const std::vector<Vec2>& corners) {
     using Place = std::pair<double, double>;
@@ -402,9 +397,10 @@ Legend body_legend(const FigureOptions& options, const Frame& frame, const Figur
                    const FigureScale& scale) {
     Legend legend;
     body_kind(options.show)->add_legend(options, frame, context, scale, legend);
-    if (draws_isolines(options))
-        for (const double value : options.mark)
-            legend.entries.push_back({short_number(value) + " " + legend.bar->unit, isoline_colour, isoline_width});
+    for (const double value : options.mark)
+        legend.entries.push_back({short_number(value) + " " + legend.bar->unit, isoline_colour, isoline_width});
+    if (!options.measured.empty())
+        legend.entries.push_back({options.measured_by, measured_colour, 0, 0, measured_marker});
     return legend;
 }
 
@@ -433,10 +429,10 @@ DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const Hi
     canvas.segments(outline_of(frame, corners), outline_colour, outline_width);
     for (const Layer& layer : drawing.layers)
         draw_layer(canvas, frame, corners, layer, (options.panel ? 1.8 : 1) * layer.width);  // panels are shown smaller
-    if (draws_isolines(options))
-        for (const double value : options.mark)
-            canvas.segments(isoline(frame, body_field(options.show)->at_corner, value, corners), isoline_colour,
-                            isoline_width);
+    for (const double value : options.mark)
+        canvas.segments(isoline(frame, body_field(options.show)->at_corner, value, corners), isoline_colour,
+                        isoline_width);
+    for (const Vec2& x : options.measured) canvas.marker(measured_marker, plot.on_page(x), measured_colour);
     canvas.unclip();
     if (!options.panel) {
         plot.draw_axes(canvas, false);

@@ -13,6 +13,9 @@ namespace knap {
 Colour curve_colour(std::size_t i);
 inline constexpr std::size_t n_curve_colours = 6;
 inline int curve_dash(std::size_t i) { return static_cast<int>(i / n_curve_colours % n_line_patterns); }
+/// Points of an experiment: crosses hide little of what they are compared with.
+inline constexpr Colour measured_colour{0.02, 0.45, 0.10};
+inline constexpr Marker measured_marker = Marker::cross;
 
 /// Maps [0, 1] to colours whose lightness changes evenly; values outside have the colour of the nearer end.
 struct ColourMap {

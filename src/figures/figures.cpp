@@ -75,6 +75,15 @@ const CurveKind* curve_kind(const std::string& show) {
     return found == std::end(curve_kinds) ? nullptr : &*found;
 }
 
+/// The curves with the measured points; not for the rose.
+Chart chart_of(const CurveKind& kind, const Source& source) {
+    Chart chart = kind.chart(source);
+    Curve points{.label = source.options.measured_by, .colour = measured_colour, .width = 0, .marker = measured_marker};
+    for (const Vec2& x : source.options.measured) points.x.push_back(x.x()), points.y.push_back(x.y());
+    if (!points.x.empty()) chart.curves.push_back(points);
+    return chart;
+}
+
 bool by_colour(const std::string& show) {
     const BodyKind* kind = body_kind(show);
     return kind && kind->by_colour;
@@ -134,6 +143,8 @@ void check(const FigureOptions& options) {
             "a box is given by its lower left and its upper right corner");
     require(options.mark.empty() || takes_marks(options.show), "figure-mark",
             "marks belong to figures of temperature, probes and reactions");
+    require(options.measured.empty() || takes_measured(options.show), "figure-measured",
+            "a rose has no axes for measured points");
     require(options.width >= 200 && options.width <= 20000, "figure-width",
             "a figure is 200 to 20000 pixels wide, not " + std::to_string(options.width));
 }
@@ -151,7 +162,7 @@ void check_figure(const FigureOptions& options, const Histories& histories) {
     check(options);
     if (!options.curves.empty()) {
         FigureOptions below = options;
-        below.show = options.curves, below.curves.clear(), below.mark.clear();
+        below.show = options.curves, below.curves.clear(), below.mark.clear(), below.measured.clear();
         if (std::ranges::count(growing_subjects(), options.curves) == 0)
             throw UserError("figure-curves", "`" + options.curves + "` does not grow with the time of an animation",
                             "known: " + joined(growing_subjects()));
@@ -215,6 +226,11 @@ bool takes_marks(const std::string& subject) {
     return field && field->at_corner;
 }
 
+bool takes_measured(const std::string& subject) {
+    const CurveKind* kind = curve_kind(subject);
+    return !kind || kind->chart;
+}
+
 FigureNeed need_of_figure(const std::string& show, const std::string& colour) {
     if (const CurveKind* kind = curve_kind(show)) return kind->needs;
     if (const BodyField* field = body_field(show)) return field->needs;
@@ -251,14 +267,14 @@ FigureScale scale_of(const FigureOptions& options, const Frame& frame, const His
     check_figure(options, histories);
     if (shows_body(options.show)) return body_scale(options, frame, histories.breaks);
     const CurveKind& kind = *curve_kind(options.show);
-    return kind.chart ? FigureScale{.seen = axis_ranges(kind.chart({histories, options, context}))} : FigureScale{};
+    return kind.chart ? FigureScale{.seen = axis_ranges(chart_of(kind, {histories, options, context}))} : FigureScale{};
 }
 
 Legend panel_legend(const FigureOptions& options, const Frame& frame, const Histories& histories,
                     const FigureContext& context, const FigureScale& scale) {
     if (shows_body(options.show)) return body_legend(options, frame, context, scale);
     const CurveKind& kind = *curve_kind(options.show);
-    return kind.chart ? Legend{.entries = entries_of(kind.chart({histories, options, context}))} : Legend{};
+    return kind.chart ? Legend{.entries = entries_of(chart_of(kind, {histories, options, context}))} : Legend{};
 }
 
 DrawnFigure draw_figure(const FigureOptions& options, const Frame& frame, const Histories& histories,
@@ -271,7 +287,7 @@ DrawnFigure draw_figure(const FigureOptions& options, const Frame& frame, const 
     const std::string title = options.title.empty() ? context.title : options.title;
     const CurveKind& kind = *curve_kind(options.show);
     if (!kind.chart) return draw_rose(histories.breaks, title, directory / options.file, options.width);
-    Chart chart = kind.chart({histories, options, context});
+    Chart chart = chart_of(kind, {histories, options, context});
     if (!title.empty()) chart.title = title;
     chart.marks = options.mark;
     ChartPlace place{.axes = {}, .panel = options.panel};

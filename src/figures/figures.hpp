@@ -30,6 +30,8 @@ struct FigureOptions {
     std::string title;                  // empty = that of the run
     std::string over = "displacement";  // reactions: one of figure_abscissas(); probes: "temperature", else time
     std::vector<double> mark;           // [SI] isolines of a temperature; of curves places of the abscissa
+    std::vector<Vec2> measured;         // [SI] points of an experiment: on the undeformed body, or in units of the axes
+    std::string measured_by;            // their source, as in the legend
     double aspect = 1;                  // [-] a slender body: magnification of its short side relative to the long one
     bool panel = false;                 // one of several in a sheet: no title, no legend, and no axes of a body
     double every = 0;                   // [s] of an animation, between two pictures; `at` then has all of its times
@@ -71,6 +73,8 @@ std::vector<std::string> growing_subjects();
 bool shows_body(const std::string& subject);
 /// Whether FigureOptions::mark has a meaning.
 bool takes_marks(const std::string& subject);
+/// Whether FigureOptions::measured has a meaning.
+bool takes_measured(const std::string& subject);
 FigureNeed need_of_figure(const std::string& show, const std::string& colour);
 /// Whether it has few colours, which an animation keeps without loss.
 bool has_few_colours(const std::string& subject);

@@ -141,6 +141,11 @@ void add_keys_of_run(KeyTable& t) {
         .to(&FigureOptions::range);
     t.number("mark", "*", "values that are marked: isolines of a temperature; of probes and reactions vertical lines "
         "at these places of the abscissa").one_or_list().computed("none").to(&FigureOptions::mark);
+    t.number("measured", "*", "points of an experiment, drawn as crosses: of a figure of the body [x, y] on the "
+        "undeformed body [m], of curves pairs of abscissa and ordinate, plain numbers in SI units (strain and mass in "
+        "%)").points().computed("none").to(&FigureOptions::measured);
+    t.text("measured_by", "source of these points, as in the legend; required with them").otherwise("")
+        .to(&FigureOptions::measured_by);
     t.integer("width", "width in pixels").at_least(200).at_most(20000).computed("1600, of an animation 800")
         .to(&FigureOptions::width);
     t.text("title", "title; empty: that of the scenario").otherwise("").to(&FigureOptions::title);

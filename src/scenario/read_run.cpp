@@ -188,6 +188,10 @@ void read_figure(const Table& table, std::set<std::string>& files) {
         table.error("out-of-range", "range", "does not ascend");
     if (!figure.mark.empty() && !takes_marks(figure.show))
         table.error("exclusive-keys", "mark", "belongs to show = \"temperature\" or curves of probes and reactions");
+    if (table.has("measured") && !takes_measured(figure.show))
+        table.error("exclusive-keys", "measured", "belongs to the body or to curves over two axes");
+    if (table.has("measured") && figure.measured_by.empty())
+        table.error("missing-key", "measured", "has no source", "measured_by = \"authors, year\"");
     table.scenario().figures.push_back(std::move(figure));
 }
 

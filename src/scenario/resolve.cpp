@@ -171,6 +171,7 @@ std::string_view unit_of_key(const Key& key, const Node& table) {
     if (key.path.starts_with("study.")) return unit_of_quantity(key, table);
     const Node *show = table.find("show"), *colour = table.find("colour");
     const FigureOptions usual;
+    if (key.path == "figure[].measured") return shows_body(show ? show->text : usual.show) ? "m" : "";
     return unit_of_figure(show ? show->text : usual.show, colour ? colour->text : usual.colour);
 }
 

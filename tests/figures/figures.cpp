@@ -241,6 +241,46 @@ TEST_CASE("figures: a crack has its position and the colour of its opening") {
     CHECK(n_coloured <= 30);
 }
 
+TEST_CASE("figures: measured points stand where they were measured and widen the axes of curves") {
+    const auto is_measured = [](std::uint32_t colour) {
+        const int r = colour >> 16, g = (colour >> 8) & 0xFF, b = colour & 0xFF;
+        return std::abs(r - 5) < 12 && std::abs(g - 115) < 12 && std::abs(b - 26) < 12;
+    };
+    const auto n_near = [&](const Pixels& pixels, double x, double y) {  // within the size of a cross
+        int n = 0;
+        for (double dx = -4; dx <= 4; dx += 0.5)
+            for (double dy = -4; dy <= 4; dy += 0.5) n += is_measured(pixels.on_page(x + dx, y + dy));
+        return n;
+    };
+    FigureOptions options{.width = 1120, .measured = {{0.03, 0.01}, {0.09, 0.03}}, .measured_by = "Somebody 1990"};
+    const FigureScale scale = scale_of(options, plate(), {}, {});
+    const DrawnFigure body = draw(options, plate(), {}, pictures() / "measured.png");
+    const auto has_source = [](const DrawnFigure& figure) {
+        return std::ranges::any_of(figure.texts, [](const auto& t) { return t.text == "Somebody 1990"; });
+    };
+    CHECK(has_source(body));
+    check_type(body);
+    const Pixels pixels(body.file);
+    const double unit = 492 / scale.seen.extent().x();  // the plot is 492 units wide, from 52 on
+    int found = 0;
+    for (const Vec2& x : options.measured)
+        for (double y = 40; y < body.height - 4; y += 1)  // a legend stands below, of unknown height
+            if (n_near(pixels, 52 + unit * (x.x() - scale.seen.low.x()), y) > 15) {
+                ++found;
+                break;
+            }
+    CHECK(found == 2);
+
+    options.show = "crack_speed", options.file = "measured_speed.png", options.measured = {{1e-3, 3000}};
+    const Histories histories = synthetic::histories();
+    CHECK(scale_of(options, plate(), histories, {}).seen.high == Vec2(1e-3, 3000));
+    const DrawnFigure curves = draw_figure(options, plate(), histories, {}, pictures());
+    CHECK(has_source(curves));
+    check_type(curves);
+    options.show = "rose";
+    CHECK_THROWS_AS(draw_figure(options, plate(), histories, {}, pictures()), UserError);
+}
+
 TEST_CASE("figures: a load that does not move has no curve of force over displacement") {
     const Chart chart = reaction_chart(synthetic::reactions());
     REQUIRE(chart.curves.size() == 1);

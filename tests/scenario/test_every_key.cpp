@@ -195,6 +195,8 @@ title = "Cracks"
 over = "time"
 aspect = 5
 panel = true
+measured = [["1 mm", 0.002], [0.003, "4 mm"]]
+measured_by = "Somebody, 1990"
 [[figure]]
 file = "b.pdf"
 show = "stress_xy"
@@ -744,6 +746,8 @@ const Case cases[] = {
     {rectangle, "figure[0].over", "\"time\""},
     {rectangle, "figure[0].aspect", "5"},
     {rectangle, "figure[0].panel", "true"},
+    {rectangle, "figure[0].measured", "[[0.001, 0.002], [0.003, 0.004]]"},
+    {rectangle, "figure[0].measured_by", "\"Somebody, 1990\""},
     {rectangle, "expect.energy_residual.below", "0.001"},
     {rectangle, "expect.energy_residual.above", "-1"},
     {rectangle, "expect.max_tip_speed.below", "\"0.65 cR\""},
