@@ -79,7 +79,10 @@ const CurveKind* curve_kind(const std::string& show) {
 Chart chart_of(const CurveKind& kind, const Source& source) {
     Chart chart = kind.chart(source);
     Curve points{.label = source.options.measured_by, .colour = measured_colour, .width = 0, .marker = measured_marker};
-    for (const Vec2& x : source.options.measured) points.x.push_back(x.x()), points.y.push_back(x.y());
+    for (const Vec2& x : source.options.measured) {
+        points.x.push_back(x.x()), points.y.push_back(x.y());
+        if (auto& within = chart.x_within) within = {std::min(within->low, x.x()), std::max(within->high, x.x())};
+    }
     if (!points.x.empty()) chart.curves.push_back(points);
     return chart;
 }

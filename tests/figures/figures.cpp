@@ -277,6 +277,9 @@ TEST_CASE("figures: measured points stand where they were measured and widen the
     const DrawnFigure curves = draw_figure(options, plate(), histories, {}, pictures());
     CHECK(has_source(curves));
     check_type(curves);
+    options.show = "stress_strain";  // its axis ends at the largest axial strain, but not before a measured one
+    options.measured = {{7, 1e9}};
+    CHECK(scale_of(options, plate(), histories, {}).seen.high == Vec2(7, 1e9));
     options.show = "rose";
     CHECK_THROWS_AS(draw_figure(options, plate(), histories, {}, pictures()), UserError);
 }
