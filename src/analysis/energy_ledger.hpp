@@ -18,7 +18,7 @@
 //                     term of the first balance. `dissipated` has the G_c of the time at which it was dissipated
 //     crossing loss   part of the cohesive work that is stored nowhere: where a slip crosses zero within a step, the
 //                     implicit sign of the tangential cohesion takes some of its kinetic energy (slip-reversal loss);
-//                     high-frequency slips die by it
+//                     high-frequency slips are damped by it
 //     excavated       kinetic and elastic energy of the regions that vanished, and the recoverable energy of their
 //                     interfaces; what these had dissipated remains in Psi
 //     viscous         dissipation of delayed softening: what points bear beyond their softening curve while beta falls

@@ -30,7 +30,7 @@ InterfaceLaw link_law(const FanLink& link, const Vec2& velocity_before, double h
 enum class Bearing { full, part, none };
 
 struct LinkState {
-    InterfaceLaw law;  // not of an unbreakable link, which is closed and sticks for ever
+    InterfaceLaw law;  // not of an unbreakable link, which is closed and sticks permanently
     StaircasePiece tangential;
     int tangential_state = 0;
     Bearing bearing = Bearing::full;

@@ -22,7 +22,7 @@ struct TimeFunction {
 struct StepTimes {
     double begin, h;
     double theta = 1;                  // of the theta scheme
-    bool central_differences = false;  // velocities live at the middle of the step, displacements at its end
+    bool central_differences = false;  // velocities are those of mid-step, displacements of its end
 };
 
 /// One component of a prescribed motion over a step.

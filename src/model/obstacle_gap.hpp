@@ -1,5 +1,5 @@
 #pragma once
-// Rigid obstacles among each other. They do not touch: what is free goes through the others, which must be told.
+// Rigid obstacles among each other. They do not touch: a free one penetrates the others, which is reported.
 #include "model/obstacle.hpp"
 
 #include <vector>

@@ -7,13 +7,13 @@
 
 namespace knap {
 
-/// A clock that strikes after the start and then at the multiples of an interval [s]; never, where that is 0.
+/// Output times: after the start, at the multiples of an interval [s]; never, where that is 0.
 class Every {
 public:
     explicit Every(double interval) : interval_(interval) {}
     void start(double time) { next_ = interval_ > 0 ? time + interval_ : infinity; }
     bool is_due(double time) const { return reached(time) >= next_; }
-    /// The same once, until the next multiple.
+    /// Likewise; if it is due, the next multiple is what counts from then on.
     bool advance_if_due(double time) {
         if (!is_due(time)) return false;
         next_ = interval_ * (std::floor(reached(time) / interval_) + 1);

@@ -1,7 +1,7 @@
 #pragma once
 // Adaptive refinement of the explicit bulk: between two steps, triangles become small where interfaces may break soon.
 //
-//     trigger     kappa = max over directions of t_N/sigma_c and (|t_T| + mu t_N)/((gamma + mu) sigma_c), of the mean
+//     trigger     U = max over directions of t_N/sigma_c and (|t_T| + mu t_N)/((gamma + mu) sigma_c), of the mean
 //                 stress of a triangle and the laws of its interfaces; in the one direction of an edge of a joint or
 //                 between two materials, which keeps it; marked above `load`
 //     requested      `size` within `margin` edges of everything marked, growing from there by `grading` per distance
@@ -26,7 +26,7 @@ namespace knap {
 
 struct AdaptOptions {
     double size = 0;           // [m] mean edge length where interfaces may break; 0: the mesh does not change
-    double load = 0.3;         // [-] kappa from which a triangle is marked
+    double load = 0.3;         // [-] U from which a triangle is marked
     double margin = 10;        // [edges of `size`] around what is marked
     double every = 150;        // steps between two looks
     double limit = 5e6;        // triangles; beyond it the mesh stays
@@ -36,7 +36,7 @@ struct AdaptOptions {
     bool active() const { return size > 0; }
 };
 
-/// [-] kappa of a stress (xx, yy, xy) [Pa], over all directions or of edges across `normal`; 0 for a law that does not
+/// [-] U of a stress (xx, yy, xy) [Pa], over all directions or of edges across `normal`; 0 for a law that does not
 /// break.
 double load_factor(const Eigen::Vector3d& stress, const CohesiveLaw& law);
 double load_factor(const Eigen::Vector3d& stress, const Vec2& normal, const CohesiveLaw& law);

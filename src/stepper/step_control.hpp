@@ -67,7 +67,7 @@ public:
     /// Whether that step depends on the end of the run: all earlier ones are those of a longer run.
     bool depends_on_end(const State& begin) const;
 
-    /// The verdict on a step of h [s] from `begin`: nothing where it counts; else its end state is void.
+    /// The decision on a step of h [s] from `begin`: nothing where it counts; else its end state is void.
     std::optional<Cutback> judge(const State& begin, double h, const StepReport& report);
 
     bool is_stuck() const { return stuck_; }              // the last cutback led below the smallest step

@@ -1,6 +1,6 @@
 #pragma once
-// Whether a fan stays bonded, and with which impulses at its points. The tests form a ladder, each exact where it says
-// yes; the last two are here, for both schemes:
+// Whether a fan stays bonded, and with which impulses at its points. The tests are tried in the order of their cost,
+// each exact where it says yes; the last two are here, for both schemes:
 //
 //     1, 2  stress criterion, inscribed circles: cheap, in the order of the explicit sweep (explicit/bond_criteria.hpp)
 //     3     estimate: the impulses with the self-stress of least norm are admissible

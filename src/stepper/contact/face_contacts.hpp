@@ -23,7 +23,7 @@ struct FaceContact {
     Index joint_law;              // of the joint from which both faces came, as in Model::laws; -1: there is none
     double length, share, gap;    // [m] L, [-] s (not clipped to [0, 1]), [m] g
     double depth;                 // [m] of the overlap: -g, or less at a convex corner
-    double contact, tangential;   // [N s] impulses of the step before (0 if new), with twins merged: the start of the
+    double contact, tangential;   // [N s] impulses of the step before (0 if new), duplicates merged: the start of the
                                   // iteration
 };
 
@@ -55,10 +55,10 @@ struct ContactRefusal {
 /// the other side offers decides, end of the edge against edge at the vertex. A vertex that slides on flush faces, a
 /// rounding error (1e-3 L) deep, passes the seam.
 ///
-/// Redundant contacts are pruned, since solvers cycle on them. Twins: of (i on an edge that ends at j) and (j on an
-/// edge that ends at i), side by side and with opposite normals, the one with the smaller gap stays; with other normals
-/// they are planes that may separate two corners, and the one with the larger gap stays, as in 4. In between: a flat
-/// vertex i on a-b is dropped where a and b are in contact with the two edges at i, as near: the four have one
+/// Redundant contacts are pruned, since solvers cycle on them. Duplicate pairs: of (i on an edge that ends at j) and (j
+/// on an edge that ends at i), side by side and with opposite normals, the one with the smaller gap stays; with other
+/// normals they are planes that may separate two corners, and the one with the larger gap stays, as in 4. In between: a
+/// flat vertex i on a-b is dropped where a and b are in contact with the two edges at i, as near: the four have one
 /// constraint too many.
 class FaceContacts {
 public:

@@ -67,6 +67,7 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
                             .damping = 0.25 * (begin.last_step + h) * damping_,
                             .large_rotation = model_.large_rotation,
                             .corner_impulse = corner_impulse_};
+    // fans that were split before are split at the end, too
     copy_partition(model_, begin, end);
     for (std::size_t i = 0; i < amplitude_.size(); ++i) amplitude_[i] = model_.histories[i](begin.time);
     StepReport report;
@@ -101,6 +102,7 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
     report += account_loads(step);
     if (model_.large_rotation) account_rotation(step, report);
     absorbing_.account(step, report);
+    // so that what a block reads of its split fans is contiguous
     if (report.released > 0) order_split_fans(model_, end, unordered_);
     report.largest_speed = std::sqrt(report.largest_speed);  // squared until here
     return report;

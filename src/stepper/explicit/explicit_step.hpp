@@ -1,6 +1,6 @@
 #pragma once
-// One step of the explicit scheme, and the motion of a node over it (central differences: velocities live at the middle
-// of the steps):
+// One step of the explicit scheme, and the motion of a node over it (central differences: velocities are those of
+// mid-step):
 //
 //     M (v+ - v) = k (F - K u - alpha M (v + v+)/2) + H' P,     u+ = u + h v+,     k = (previous h + h)/2
 //

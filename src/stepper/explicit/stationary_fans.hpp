@@ -7,7 +7,7 @@
 //
 //     V = sum m_i v_i_free / sum m_i,     P_after = P_before - m_i (V - v_i_free),     P = 0 at open points
 //
-// The operations have the order of the solver, and so the motion its bits.
+// The operations have the order of the solver, so the results are bitwise equal.
 #include "stepper/explicit/explicit_step.hpp"
 
 #include <cstdint>

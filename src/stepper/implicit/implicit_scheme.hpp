@@ -6,16 +6,16 @@
 //
 //     u+ = u + h w,     v+ = (w - (1 - theta) v)/theta
 //     M (v+ - v) + h K (u + theta h w) = h F_theta + H' P           F_theta = theta F(t + h) + (1 - theta) F(t)
-//     P_N = -h S sigma_c beta_theta + p,     0 <= p  perp  w_N - c >= 0
+//     P_N = -h S sigma_c beta_theta + p,     0 <= p  perp  w_N - b >= 0
 //    -P_T in h S gamma sigma_c beta_theta sgn(u_T + h w_T) + mu p sgn(w_T)
 //     beta+ = min(beta, max(0, 1 - (max(u_N + h w_N, 0) + gamma |u_T + h w_T|)/delta_c))
 //     beta_theta = theta beta+ + (1 - theta) beta      (implicit beta; explicit beta: beta_theta = beta)
 //
-// The contact bound c, with V = rate at the start of the step, and e = 0 where cohesion is left:
-//     touching, up to rounding:   c = -(1 - theta (1 + e)) max(-V_N, 0)          Newton's law v_N+ = -e v_N-
-//     apart, e = 0:               c = min(-u_N/h, -(1 - theta) max(-V_N, 0))     lands on the wall or stops at it
+// The contact bound b, with V = rate at the start of the step, and e = 0 where cohesion is left:
+//     touching, up to rounding:   b = -(1 - theta (1 + e)) max(-V_N, 0)          Newton's law v_N+ = -e v_N-
+//     apart, e = 0:               b = min(-u_N/h, -(1 - theta) max(-V_N, 0))     closes the gap, or stops at it
 //     apart, e > 0:               no contact in this step: it must touch first
-// The work of an impulse is P . w; since c <= 0 and friction opposes w_T, every single contact and friction work is
+// The work of an impulse is P . w; since b <= 0 and friction opposes w_T, every single contact and friction work is
 // <= 0. A corner near a rigid obstacle has one point more, on a support that moves; ObstacleMotion finds the rates of
 // free obstacles. Prescribed components: a velocity is reached at t + h (w is the mean), a displacement at t + h (v+ is
 // the slope of its history there).
