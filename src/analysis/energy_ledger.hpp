@@ -3,7 +3,7 @@
 //
 //     residual        kinetic + strain - (both at the start) - works: zero to rounding, the energy identity of the
 //                     discrete scheme. Works: external - cohesive + friction + impact + step change + rotation +
-//                     damping + radiated + excavation + thermal work + adaptation - excavated energy - scheme
+//                     damping + bulk viscosity + radiated + excavation + thermal work + adaptation - excavated energy - scheme
 //                     dissipation
 //     rotation work   large rotations: the trapezoidal defect of the elastic energy U, which is not quadratic,
 //                     tau = U_n - U_n-1 + 1/2 (f_n-1 + f_n) . (u_n - u_n-1),  f = -grad U; O(h^3) a step. Its sum stays
@@ -16,6 +16,8 @@
 //                     elastic energy is that of eps - e. Stored heat has a balance of its own: heat = heat in
 //     law change      of recoverable and elastic energy, where strengths follow the temperature (law_change.hpp); no
 //                     term of the first balance. `dissipated` has the G_c of the time at which it was dissipated
+//     bulk viscosity  work of its forces, trapezoidal over each step (element/bulk_viscosity.hpp); the strain energy of
+//                     the explicit bulk has -1/2 f . (u_{n+1} - u_n) of them, which the next step dissipates
 //     crossing loss   part of the cohesive work that is stored nowhere: where a slip crosses zero within a step, the
 //                     implicit sign of the tangential cohesion takes some of its kinetic energy (slip-reversal loss);
 //                     high-frequency slips are damped by it
@@ -50,7 +52,7 @@ struct EnergyRow {
     double dissipated = 0, recoverable = 0;  // by the interfaces; closing them gives the recoverable energy back
     double interface_elastic = 0;            // likewise, of secant unloading
     double external_work = 0, cohesive_work = 0, friction_work = 0, impact_work = 0, step_change_work = 0;
-    double rotation_work = 0, damping_work = 0, radiated_work = 0, excavation_work = 0;
+    double rotation_work = 0, damping_work = 0, bulk_viscosity_work = 0, radiated_work = 0, excavation_work = 0;
     double excavated_energy = 0, excavated_recoverable = 0;  // that left with excavated regions
     double adaptation = 0;                                   // of refinements of the mesh: change of the energy
     double scheme_dissipation = 0;                           // by theta > 1/2
@@ -67,13 +69,14 @@ struct EnergyRow {
 
 /// Works that only some scenarios have; energy.csv of the others has no columns for them.
 struct RareWorks {
-    bool rotation = false, damping = false, radiation = false, excavation = false, adaptation = false, secant = false,
-         heat = false, conduction = false, law_change = false, delay = false, incubation = false;
+    bool rotation = false, damping = false, viscosity = false, radiation = false, excavation = false,
+         adaptation = false, secant = false, heat = false, conduction = false, law_change = false, delay = false,
+         incubation = false;
 
     static constexpr auto all() {
         using R = RareWorks;
-        return std::array{&R::rotation, &R::damping,    &R::radiation,  &R::excavation, &R::adaptation, &R::secant,
-                          &R::heat,     &R::conduction, &R::law_change, &R::delay,      &R::incubation};
+        return std::array{&R::rotation, &R::damping, &R::viscosity,  &R::radiation,  &R::excavation, &R::adaptation,
+                          &R::secant,   &R::heat,    &R::conduction, &R::law_change, &R::delay,      &R::incubation};
     }
     void include(const RareWorks& other) {
         for (const auto work : all()) this->*work = this->*work || other.*work;

@@ -116,7 +116,7 @@ void print_methods(const Scenario& scenario, const Model& model) {
         breakable ? "yes" : "no (elastic)", breakable && shear ? "yes" : "no", friction ? "yes" : "no",
         restitution ? "with restitution" : "plastic", scenario.supports.empty() ? "no" : "yes",
         model.prescribed.empty() ? "no" : "yes");
-    std::printf("  scheme: %s\n", scheme_text(scenario.time).c_str());
+    std::printf("  scheme: %s\n", scheme_text(scenario.time, scenario.works().viscosity).c_str());
     if (!scenario.time.start_run.empty())
         std::printf("  starts from the state `%s` of another run; the time counts from 0 again\n",
                     scenario.time.start_run.c_str());

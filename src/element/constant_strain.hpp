@@ -36,15 +36,26 @@ struct ConstantStrainBody {
     const double* threshold_of_fan;  // [Pa2]
 };
 
+/// Bulk viscosity of these triangles (bulk_viscosity.hpp).
+struct ViscousTriangles {
+    const double *linear, *quadratic;  // per triangle: [Pa s] rho h b1 c_d, [Pa s2] rho h^2 b2^2
+    const double* largest_rate;        // per triangle: [1/s] of the quadratic term
+    const double* velocity;            // [m/s] of nodes, x and y in turns
+    double last_step;                  // [s]
+    const double* before;              // [Pa] s per triangle
+    double* now;                       // [Pa]
+    double work, unmoved;              // [J] sums, see ViscousStep
+};
+
 /// Of the triangles from `first` to before `last`: force [N] on their corners, x and y in turns, from the
 /// displacement [m] of the nodes; sum_k f_k = 0. Sets fan_is_candidate [0/1] where |sigma|_F^2 exceeds the threshold
 /// of a fan; with Green's strain |P|_F^2, since |f_k| <= V |P|_F |grad l_k| at any strain. Returns the energy U [J],
-/// with small strains zero: there it is 1/2 u' K u.
-template <int lanes, StrainMeasure measure>
+/// with small strains zero: there it is 1/2 u' K u. `viscous` is read and filled if `is_viscous`.
+template <int lanes, StrainMeasure measure, bool is_viscous>
 double constant_strain_forces(std::int32_t first, std::int32_t last, const ConstantStrainBody& body,
                               const double* displacement, const std::int32_t* node_of_corner, double* force,
-                              std::uint8_t* fan_is_candidate);
+                              std::uint8_t* fan_is_candidate, ViscousTriangles* viscous);
 
-using ConstantStrainForces = decltype(&constant_strain_forces<2, StrainMeasure::small>);
+using ConstantStrainForces = decltype(&constant_strain_forces<2, StrainMeasure::small, false>);
 
 }  // namespace knap

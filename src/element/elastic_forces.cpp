@@ -23,22 +23,26 @@ std::vector<LameConstants> lame_constants(const std::vector<Elastic>& materials,
 }
 
 /// The fastest kernel that this machine can run.
+template <bool is_viscous>
 ConstantStrainForces kernel_of(StrainMeasure measure) {
     const bool is_small = measure == StrainMeasure::small;
 #ifdef KNAP_AVX2
     if (__builtin_cpu_supports("avx2"))
-        return is_small ? &constant_strain_forces<4, StrainMeasure::small>
-                        : &constant_strain_forces<4, StrainMeasure::green>;
+        return is_small ? &constant_strain_forces<4, StrainMeasure::small, is_viscous>
+                        : &constant_strain_forces<4, StrainMeasure::green, is_viscous>;
 #endif
-    return is_small ? &constant_strain_forces<2, StrainMeasure::small>
-                    : &constant_strain_forces<2, StrainMeasure::green>;
+    return is_small ? &constant_strain_forces<2, StrainMeasure::small, is_viscous>
+                    : &constant_strain_forces<2, StrainMeasure::green, is_viscous>;
 }
 
 }  // namespace
 
 ConstantStrainTriangles::ConstantStrainTriangles(const Mesh& mesh, const std::vector<Elastic>& materials,
                                                  PlaneModel plane, double thickness, StrainMeasure measure)
-    : forces_(kernel_of(measure)), stiffness_(lame_constants(materials, plane)) {
+    : forces_(kernel_of<false>(measure)),
+      viscous_forces_(kernel_of<true>(measure)),
+      stiffness_(lame_constants(materials, plane)),
+      viscosity_(viscous_coefficients(mesh, materials, plane)) {
     triangles_.reserve(mesh.n_triangles());
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const auto g = shape_gradients(mesh, t);
@@ -63,18 +67,33 @@ void ConstantStrainTriangles::set_stress_criterion(const std::vector<double>& th
 
 double ConstantStrainTriangles::evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
                                          const std::vector<Index>& node_of_corner, Vec2* force,
-                                         std::vector<std::uint8_t>& fan_is_candidate) const {
-    return forces_(first, last,
-                   {.triangles = triangles_.data(),
-                    .stiffness = stiffness_.data(),
-                    .fan_of_corner = fan_of_corner_.data(),
-                    .threshold_of_fan = threshold_of_fan_.data()},
-                   displacement.data()->data(), node_of_corner.data(), force->data(), fan_is_candidate.data());
+                                         std::vector<std::uint8_t>& fan_is_candidate, ViscousStep* viscous) const {
+    const auto evaluate = [&](ConstantStrainForces forces, ViscousTriangles* own) {
+        return forces(first, last,
+                      {.triangles = triangles_.data(),
+                       .stiffness = stiffness_.data(),
+                       .fan_of_corner = fan_of_corner_.data(),
+                       .threshold_of_fan = threshold_of_fan_.data()},
+                      displacement.data()->data(), node_of_corner.data(), force->data(), fan_is_candidate.data(), own);
+    };
+    if (viscous == nullptr) return evaluate(forces_, nullptr);
+    ViscousTriangles own{.linear = viscosity_.linear.data(),
+                         .quadratic = viscosity_.quadratic.data(),
+                         .largest_rate = viscosity_.largest_rate.data(),
+                         .velocity = viscous->velocity.data()->data(),
+                         .last_step = viscous->last_step,
+                         .before = viscous->before,
+                         .now = viscous->now,
+                         .work = 0,
+                         .unmoved = 0};
+    const double energy = evaluate(viscous_forces_, &own);
+    viscous->work += own.work, viscous->unmoved += own.unmoved;
+    return energy;
 }
 
 QuadraticTriangles::QuadraticTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
                                        double thickness)
-    : stiffness_(lame_constants(materials, plane)) {
+    : stiffness_(lame_constants(materials, plane)), viscosity_(viscous_coefficients(mesh, materials, plane)) {
     triangles_.reserve(mesh.n_triangles());
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const auto g = shape_gradients(mesh, t);
@@ -104,15 +123,31 @@ void QuadraticTriangles::set_stress_criterion(const std::vector<double>& thresho
     }
 }
 
+/// s at the middle of the edge opposite to vertex k.
+double QuadraticTriangles::viscous_stress(Index t, Index k, const Index* node, const std::array<Vec2, 3>& g,
+                                          double strain, ViscousStep& viscous) const {
+    const std::array<Vec2, 7> weight = middle_gradients(g, k);
+    double d = 0;
+    for (Index c = 0; c < 7; ++c) d += weight[c].dot(viscous.velocity[node[c]]);
+    const double s = (viscosity_.linear[t] +
+                      viscosity_.quadratic[t] * std::clamp(-d, 0.0, viscosity_.largest_rate[t])) *
+                     d,
+                 volume = triangles_[t].volume / 3;
+    viscous.now[3 * t + k] = s;
+    viscous.work -= 0.5 * viscous.last_step * volume * (viscous.before[3 * t + k] + s) * d;
+    viscous.unmoved -= volume * s * strain;
+    return s;
+}
+
 double QuadraticTriangles::evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
                                     const std::vector<Index>& node_of_corner, Vec2* force,
-                                    std::vector<std::uint8_t>& fan_is_candidate) const {
+                                    std::vector<std::uint8_t>& fan_is_candidate, ViscousStep* viscous) const {
     for (std::ptrdiff_t t = first; t < last; ++t, force += 7) {
         const Triangle& here = triangles_[t];
         const Index* node = &node_of_corner[7 * t];
         Vec2 u[7];
         for (int c = 0; c < 7; ++c) u[c] = displacement[node[c]];
-        const Vec2 g[3] = {-(here.gradient1 + here.gradient2), here.gradient1, here.gradient2};
+        const std::array<Vec2, 3> g{-(here.gradient1 + here.gradient2), here.gradient1, here.gradient2};
         const Vec2 middles = u[3] + u[4] + u[5];
         const Vec2 a = u[6] + (u[0] + u[1] + u[2]) / 9 - 4. / 9 * middles;
         const Vec2 along1 = u[1] - u[0], along2 = u[2] - u[0];  // linear part: sum_i u_i (x) g_i
@@ -128,7 +163,8 @@ double QuadraticTriangles::evaluate(Index first, Index last, const std::vector<V
             const Vec2 d = 2 * (middles - 2 * u[3 + (k + 1) % 3] - u[k]) + 2.7 * a;
             const double xx = L_xx + d.x() * g[k].x(), yy = L_yy + d.y() * g[k].y();
             const double xy = 0.5 * (L_xy + L_yx + d.x() * g[k].y() + d.y() * g[k].x());
-            const double trace = elastic.lambda * (xx + yy);
+            double trace = elastic.lambda * (xx + yy);
+            if (viscous != nullptr) trace += viscous_stress(t, k, node, g, xx + yy, *viscous);
             const double k_xx = trace + elastic.twice_shear * xx, k_yy = trace + elastic.twice_shear * yy,
                          k_xy = elastic.twice_shear * xy;
             s_xx += k_xx, s_yy += k_yy, s_xy += k_xy;

@@ -1,5 +1,6 @@
 #pragma once
 // Internal forces of the bulk on the corners of its triangles, and the stress criterion of the interfaces.
+#include "element/bulk_viscosity.hpp"
 #include "element/constant_strain.hpp"
 #include "material/elastic.hpp"
 #include "mesh/mesh.hpp"
@@ -18,13 +19,14 @@ public:
                             StrainMeasure measure);
     void set_stress_criterion(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner);
     double evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
-                    const std::vector<Index>& node_of_corner, Vec2* force,
-                    std::vector<std::uint8_t>& fan_is_candidate) const;
+                    const std::vector<Index>& node_of_corner, Vec2* force, std::vector<std::uint8_t>& fan_is_candidate,
+                    ViscousStep* viscous) const;
 
 private:
-    ConstantStrainForces forces_;
+    ConstantStrainForces forces_, viscous_forces_;
     std::vector<ConstantStrainTriangle> triangles_;
     std::vector<LameConstants> stiffness_;  // per material
+    ViscousCoefficients viscosity_;
     std::vector<double> threshold_of_fan_;
     std::vector<Index> fan_of_corner_;
 };
@@ -36,8 +38,8 @@ public:
     /// Compares the force on each corner with the largest force of a uniform stress at the threshold.
     void set_stress_criterion(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner);
     double evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
-                    const std::vector<Index>& node_of_corner, Vec2* force,
-                    std::vector<std::uint8_t>& fan_is_candidate) const;
+                    const std::vector<Index>& node_of_corner, Vec2* force, std::vector<std::uint8_t>& fan_is_candidate,
+                    ViscousStep* viscous) const;
 
 private:
     struct Triangle {
@@ -46,8 +48,12 @@ private:
         double R_xx, R_yy, R_xy;    // [N/m]
         Index material;
     };
+    double viscous_stress(Index t, Index k, const Index* node, const std::array<Vec2, 3>& g, double strain,
+                          ViscousStep& viscous) const;
+
     std::vector<Triangle> triangles_;
-    std::vector<LameConstants> stiffness_;      // per material
+    std::vector<LameConstants> stiffness_;  // per material
+    ViscousCoefficients viscosity_;
     std::vector<std::array<float, 6>> limit2_;  // [N^2] per triangle: squared threshold of the forces on corners 0 to 5
     std::vector<Index> fan_of_corner_;
 };
@@ -64,13 +70,13 @@ public:
 
     /// Of the triangles from `first` to before `last`: force [N] on their corners. Sets fan_is_candidate [0/1], per
     /// fan, where the stress criterion is exceeded; several threads may do so at once. Returns the elastic energy U
-    /// [J] with large rotations, else zero: there it is 1/2 u' K u.
+    /// [J] with large rotations, else zero: there it is 1/2 u' K u. With `viscous` bulk viscosity acts too.
     double evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
-                    const std::vector<Index>& node_of_corner, Vec2* force,
-                    std::vector<std::uint8_t>& fan_is_candidate) const {
+                    const std::vector<Index>& node_of_corner, Vec2* force, std::vector<std::uint8_t>& fan_is_candidate,
+                    ViscousStep* viscous = nullptr) const {
         return std::visit(
             [&](const auto& triangles) {
-                return triangles.evaluate(first, last, displacement, node_of_corner, force, fan_is_candidate);
+                return triangles.evaluate(first, last, displacement, node_of_corner, force, fan_is_candidate, viscous);
             },
             triangles_);
     }

@@ -1,5 +1,6 @@
 #include "element/triangle_matrices.hpp"
 
+#include "element/bulk_viscosity.hpp"
 #include "element/shape_functions.hpp"
 
 #include <Eigen/Cholesky>
@@ -71,8 +72,23 @@ double largest_eigenvalue_linear(const Mesh& mesh, Index t, const Elastic& mater
     return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
 }
 
-double largest_eigenvalue_quadratic(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane) {
-    ElementMatrix A = stiffness_matrix(mesh, t, material, plane, 1);
+/// Of the stiffness and a further lambda [Pa] of its linear stresses.
+ElementMatrix quadratic_stiffness(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane, double volume,
+                                  double further) {
+    const double lambda = material.first_lame(plane), mu = material.shear_modulus();
+    const auto g = shape_gradients(mesh, t);
+    ElementMatrix K = ElementMatrix::Zero(14, 14);
+    for (Index k = 0; k < 3; ++k)
+        add_stiffness(middle_gradients(g, k), volume / 3 * (lambda + further), volume / 3 * mu, K);
+    const Eigen::Matrix2d R = bubble_stiffness(g, volume, lambda, mu);
+    for (Index i = 0; i < 7; ++i)
+        for (Index j = 0; j < 7; ++j) K.block<2, 2>(2 * i, 2 * j) += bubble_weight[i] * bubble_weight[j] * R;
+    return K;
+}
+
+double largest_eigenvalue_quadratic(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane,
+                                    double further = 0) {
+    ElementMatrix A = quadratic_stiffness(mesh, t, material, plane, mesh.area(t), further);
     const double mass = material.density * mesh.area(t);
     for (Index i = 0; i < A.rows(); ++i)
         for (Index j = 0; j < A.cols(); ++j)
@@ -80,21 +96,34 @@ double largest_eigenvalue_quadratic(const Mesh& mesh, Index t, const Elastic& ma
     return Eigen::SelfAdjointEigenSolver<ElementMatrix>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
 }
 
+/// [s] With viscous forces C v at the velocity before, central differences are stable while M - h/2 C - h^2/4 K is
+/// positive, so for h = 2/omega of the stiffness K + 2/h C, which has 2 eta/h more of lambda. Its C is at most
+/// eta/(lambda + mu) K, so h/`undamped` = sqrt(1 + xi^2) - xi with xi = eta/(lambda + mu)/undamped is below the fixed
+/// point, and so are the iterates from there on.
+double viscous_step(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane, double undamped) {
+    const double eta = viscous_modulus(material, plane, viscous_length(mesh, t)),
+                 xi = eta / (material.first_lame(plane) + material.shear_modulus()) / undamped;
+    double h = undamped * (std::sqrt(1 + xi * xi) - xi);
+    for (int i = 0; i < 4; ++i) {
+        const double further = 2 * eta / h;
+        if (mesh.order == 2) {
+            h = 2 / std::sqrt(largest_eigenvalue_quadratic(mesh, t, material, plane, further));
+        } else {
+            Eigen::Matrix3d D = material.stiffness(plane);
+            D.topLeftCorner<2, 2>().array() += further;
+            h = 2 / std::sqrt(largest_eigenvalue_linear(mesh, t, material, D.llt().matrixL()));
+        }
+    }
+    return h;
+}
+
 }  // namespace
 
 ElementMatrix stiffness_matrix(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane, double thickness) {
     const double volume = mesh.area(t) * thickness;
-    const double lambda = material.first_lame(plane), mu = material.shear_modulus();
-    const auto g = shape_gradients(mesh, t);
-    ElementMatrix K = ElementMatrix::Zero(2 * mesh.corners_per_triangle(), 2 * mesh.corners_per_triangle());
-    if (mesh.order == 1) {
-        add_stiffness(g, volume * lambda, volume * mu, K);
-        return K;
-    }
-    for (Index k = 0; k < 3; ++k) add_stiffness(middle_gradients(g, k), volume / 3 * lambda, volume / 3 * mu, K);
-    const Eigen::Matrix2d R = bubble_stiffness(g, volume, lambda, mu);
-    for (Index i = 0; i < 7; ++i)
-        for (Index j = 0; j < 7; ++j) K.block<2, 2>(2 * i, 2 * j) += bubble_weight[i] * bubble_weight[j] * R;
+    if (mesh.order == 2) return quadratic_stiffness(mesh, t, material, plane, volume, 0);
+    ElementMatrix K = ElementMatrix::Zero(6, 6);
+    add_stiffness(shape_gradients(mesh, t), volume * material.first_lame(plane), volume * material.shear_modulus(), K);
     return K;
 }
 
@@ -117,8 +146,10 @@ std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& m
     std::vector<double> steps;
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const Index m = mesh.region[t];
-        steps.push_back(2 / std::sqrt(mesh.order == 1 ? largest_eigenvalue_linear(mesh, t, materials[m], L[m])
-                                                      : largest_eigenvalue_quadratic(mesh, t, materials[m], plane)));
+        double& step = steps.emplace_back(
+            2 / std::sqrt(mesh.order == 1 ? largest_eigenvalue_linear(mesh, t, materials[m], L[m])
+                                          : largest_eigenvalue_quadratic(mesh, t, materials[m], plane)));
+        if (materials[m].has_bulk_viscosity()) step = viscous_step(mesh, t, materials[m], plane, step);
     }
     return steps;
 }

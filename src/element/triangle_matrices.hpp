@@ -22,7 +22,7 @@ double corner_share(Index order, Index k, double of_triangle);
 const ElementMatrix& mass_matrix(Index order, MassMatrix mass);
 
 /// [s] per triangle: 2/omega_max with lumped mass and free boundaries, the stable step of central differences if every
-/// interface is split.
+/// interface is split. With bulk viscosity it is shorter (bulk_viscosity.hpp).
 std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane);
 
 }  // namespace knap

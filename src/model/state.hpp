@@ -62,6 +62,9 @@ struct State {
     std::vector<ObstacleState> obstacles;
     double elastic_energy = 0;  // [J] with large rotations: at the start of the last step
     double elastic_work = 0;    // [J] with large rotations: elastic forces times the displacements of the last step
+    std::vector<double>
+        viscous_stress;  // [Pa] of bulk viscosity in the last step, per triangle (order 2: three); empty:
+                         // there was none
     std::vector<std::uint8_t> retired;  // per point: 1 its sides meet as free faces from now on; 2 it still joins its
                                         // sides, which touch others apart; empty where Model::contact_of_pair is
     std::vector<FaceContactState> face_contacts;  // of the last step, in the order of (vertex, edge)
@@ -90,7 +93,8 @@ struct State {
     template <class Archive>
     void serialize(Archive& archive) {
         archive(time, last_step, n_steps, displacement, velocity, rate, node_of_corner, split_fans, first_point, points,
-                split_rank, reaction, obstacles, elastic_energy, elastic_work, retired, face_contacts, incubation);
+                split_rank, reaction, obstacles, elastic_energy, elastic_work, viscous_stress, retired, face_contacts,
+                incubation);
         const bool same = temperature == temperature_before;
         for (SharedTemperatures* shared : {&temperature, &temperature_before}) {
             Temperatures values = *shared && (!same || shared == &temperature) ? **shared : Temperatures{};

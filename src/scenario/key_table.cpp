@@ -188,6 +188,8 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.number("density", "kg/m3", "mass density").above(0).required().to(&Elastic::density);
     t.number("E", "Pa", "Young's modulus").above(0).required().to(&Elastic::E);
     t.number("nu", "", "Poisson's ratio").above(-1).below(0.5).required().to(&Elastic::nu);
+    t.number("bulk_viscosity", "", "linear (b1) and quadratic (b2, in compression) bulk viscosity against waves that "
+        "the mesh disperses; usually [0.06, 1.2]").pair().at_least(0).otherwise("[0, 0]").to(&Elastic::bulk_viscosity);
     add_thermal(t);
 
     t.list("inclusions[]", "random discs or polygons of a material, or pores, that touch neither each other nor "

@@ -51,6 +51,21 @@ void check_large_rotation(const Table& domain) {
         error("needs the explicit bulk", "time.bulk = \"explicit\"");
 }
 
+void check_bulk_viscosity(Reading& reading) {
+    const Scenario& scenario = reading.scenario;
+    for (const Table& table : reading.list("material")) {
+        const auto given = table.get<std::array<double, 2>>("bulk_viscosity");
+        if (!given || ((*given)[0] == 0 && (*given)[1] == 0)) continue;
+        if (scenario.time.scheme.bulk == BulkScheme::implicit_theta)
+            table.error("exclusive-keys", "bulk_viscosity", "needs the explicit bulk: the implicit one has none",
+                        "bulk = \"explicit\", or theta > 0.5, which damps short waves too");
+        if (reading.values.has("excavation"))
+            table.error("exclusive-keys", "bulk_viscosity",
+                        "does not go together with [[excavation]]: it would count among the forces that are released",
+                        "remove one of them");
+    }
+}
+
 void read_time(const Table& table, TimeOptions& time) {
     const SchemeOptions& scheme = time.scheme;
     table.fill(time);
@@ -337,6 +352,7 @@ void read_expectation(const Table& table) {
 void read_run(Reading& reading) {
     Scenario& scenario = reading.scenario;
     read_time(reading.table("time"), scenario.time);
+    check_bulk_viscosity(reading);
     if (scenario.large_rotation) check_large_rotation(reading.table("domain"));
     const Table output = reading.table("output");
     if (const double end = scenario.time.end; end > 0) {

@@ -29,36 +29,54 @@ struct Body {
         }
         for (int f = 0; f < n_nodes; ++f) thresholds.push_back(f % 2 == 0 ? 0.1 : 100);
         for (int i = 0; i < 2 * n_nodes; ++i) displacement.push_back(random.uniform(-0.3, 0.3));
+        for (int i = 0; i < 2 * n_nodes; ++i) velocity.push_back(random.uniform(-2, 2));
+        for (int t = 0; t < n; ++t) viscosity.push_back(random.uniform(0, 1)), before.push_back(random.uniform(-1, 1));
+        now.resize(n);
     }
     using Result = std::pair<double, std::vector<double>>;
     Result forces(ConstantStrainForces kernel) {
-        const double energy = kernel(0, static_cast<int>(triangles.size()),
-                                     {.triangles = triangles.data(),
-                                      .stiffness = stiffness,
-                                      .fan_of_corner = node_of_corner.data(),
-                                      .threshold_of_fan = thresholds.data()},
-                                     displacement.data(), node_of_corner.data(), force.data(), is_candidate.data());
+        viscous = {.linear = viscosity.data(),
+                   .quadratic = viscosity.data(),
+                   .largest_rate = before.data(),
+                   .velocity = velocity.data(),
+                   .last_step = 0.1,
+                   .before = before.data(),
+                   .now = now.data(),
+                   .work = 0,
+                   .unmoved = 0};
+        const double energy =
+            kernel(0, static_cast<int>(triangles.size()),
+                   {.triangles = triangles.data(),
+                    .stiffness = stiffness,
+                    .fan_of_corner = node_of_corner.data(),
+                    .threshold_of_fan = thresholds.data()},
+                   displacement.data(), node_of_corner.data(), force.data(), is_candidate.data(), &viscous);
         return {energy, force};
     }
 
     static constexpr int n_nodes = 13;
     std::vector<ConstantStrainTriangle> triangles;
     LameConstants stiffness[2] = {{0.7, 1.1}, {2.3, 0.4}};
-    std::vector<double> thresholds, displacement, force;
+    ViscousTriangles viscous{};
+    std::vector<double> thresholds, displacement, force, velocity, viscosity, before, now;
     std::vector<std::int32_t> node_of_corner;
     std::vector<std::uint8_t> is_candidate;
 };
 
 #ifdef __x86_64__
-template <StrainMeasure measure>
+template <StrainMeasure measure, bool is_viscous = false>
 void check_lanes() {
     for (int n = 1; n <= 13; ++n) {
         Body one(n), four(n);
-        const auto [energy, force] = one.forces(&constant_strain_forces<2, measure>);
-        const auto [energy4, force4] = four.forces(&constant_strain_forces<4, measure>);
+        const auto [energy, force] = one.forces(&constant_strain_forces<2, measure, is_viscous>);
+        const auto [energy4, force4] = four.forces(&constant_strain_forces<4, measure, is_viscous>);
         CHECK(std::memcmp(&energy, &energy4, sizeof energy) == 0);
         CHECK((energy > 0) == (measure == StrainMeasure::green));
         CHECK(std::memcmp(force.data(), force4.data(), force.size() * sizeof(double)) == 0);
+        CHECK(one.now == four.now);
+        CHECK(one.viscous.work == four.viscous.work);
+        CHECK(one.viscous.unmoved == four.viscous.unmoved);
+        CHECK((one.viscous.work != 0) == is_viscous);
         CHECK(one.is_candidate == four.is_candidate);
         if (n == 13) {
             CHECK(std::ranges::count(one.is_candidate, 0) > 0);
@@ -75,6 +93,8 @@ void check_lanes() {
 TEST_CASE("two lanes and four give the same bits") {
     if (!__builtin_cpu_supports("avx2")) return;
     check_lanes<StrainMeasure::small>();
+    check_lanes<StrainMeasure::small, true>();
+    check_lanes<StrainMeasure::green, true>();
     check_lanes<StrainMeasure::green>();
 }
 #endif

@@ -362,6 +362,13 @@ const Case cases[] = {
     {"a rest that ends nothing", with("rest_below = 0.1\n"), "exclusive-keys", 16, 1, 10, "belongs to until"},
     {"damping of the implicit bulk", with("bulk = \"implicit\"\ndamping = \"1 kHz\"\n"), "exclusive-keys", 17, 1, 7,
      "belongs to the explicit bulk"},
+    {"bulk viscosity of the implicit bulk",
+     with("bulk = \"implicit\"\n[material.soft]\ndensity = 1000\nE = 1e9\nnu = 0\nbulk_viscosity = [0.06, 0]\n"),
+     "exclusive-keys", 21, 1, 14, "needs the explicit bulk"},
+    {"bulk viscosity and an excavation",
+     with("[[excavation]]\nat = 0\nbox = [0, 0, 0.01, 0.01]\n[material.soft]\ndensity = 1000\nE = 1e9\nnu = 0\n"
+          "bulk_viscosity = [0.06, 0]\n"),
+     "exclusive-keys", 23, 1, 14, "released"},
     {"one-point mass where every edge may break", with("bulk = \"implicit\"\nmass = \"one point\"\n"), "exclusive-keys",
      17, 1, 4, "does not break inside"},
     {"a stress of two", with(load + "stress = [0, 1]\n"), "wrong-type", 18, 10, 6, "three values [a, b, c]"},

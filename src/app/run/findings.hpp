@@ -31,8 +31,11 @@ std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Mode
 /// Warnings: a [[pressure]] whose source touches no crack and no joint.
 std::vector<Diagnostic> findings_of_fluids(const ReadResult& read, const Model& model);
 
-/// Warnings: on these places, supports and fluids, the resolution of the process zone, the conduction of heat, jumps of
-/// prescribed displacements, details that reduce the stable step, and implausible numbers of steps, frames, lines and
+/// Warnings: loads that rise within the passage of a wave through a few edges, by much of the strength.
+std::vector<Diagnostic> findings_of_steep_loads(const ReadResult& read, const Model& model);
+
+/// Warnings: on these places, supports, fluids and steep loads, the resolution of the process zone, the conduction of
+/// heat, jumps of prescribed displacements, details that reduce the stable step, and implausible numbers of steps, frames, lines and
 /// pictures. Without `cost` it is estimated where a run may be long.
 std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& model, const StepPlan& plan,
                                           const Cost* cost = nullptr);

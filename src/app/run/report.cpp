@@ -78,7 +78,7 @@ std::string computed(const Scenario& scenario, const RunRecord& record) {
                                 with_prefix(record.mean_edge, "m") + "; thickness " +
                                 value_text(record.thickness, "m") + ", plane " +
                                 (scenario.plane == PlaneModel::strain ? "strain" : "stress")});
-    rows.push_back({"scheme", scheme_text(scenario.time)});
+    rows.push_back({"scheme", scheme_text(scenario.time, scenario.works().viscosity)});
     rows.push_back(
         {"time", time_text(record.time) + " in " + formatted("%lld steps of ", static_cast<long long>(record.steps)) +
                      with_prefix(record.smallest_step, "s") + " to " + with_prefix(record.largest_step, "s")});

@@ -119,7 +119,7 @@ std::string not_at_rest_text(double end) {
         end);
 }
 
-std::string scheme_text(const TimeOptions& time) {
+std::string scheme_text(const TimeOptions& time, bool is_viscous) {
     const SchemeOptions& scheme = time.scheme;
     const char* const beta = scheme.cohesion == CohesionScheme::implicit_beta ? "implicit beta" : "explicit beta";
     if (scheme.bulk == BulkScheme::implicit_theta)
@@ -127,8 +127,8 @@ std::string scheme_text(const TimeOptions& time) {
             "implicit bulk (theta %g, %s mass%s), %s; all interfaces together: method of multipliers, sparse "
             "factorisations",
             scheme.theta, name_of(scheme.mass), time.start_in_equilibrium ? ", from equilibrium" : "", beta);
-    return formatted("explicit lumped bulk, %s; one exact problem per vertex that may open%s", beta,
-                     scheme.damping > 0 ? "; mass-proportional damping" : "");
+    return formatted("explicit lumped bulk, %s; one exact problem per vertex that may open%s%s", beta,
+                     scheme.damping > 0 ? "; mass-proportional damping" : "", is_viscous ? "; bulk viscosity" : "");
 }
 
 std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory) {

@@ -32,7 +32,7 @@ std::string violated_text(const Gates& gates, const State& now, const Vec2& fast
 std::string not_at_rest_text(double end);
 
 /// The methods of bulk and cohesion.
-std::string scheme_text(const TimeOptions& time);
+std::string scheme_text(const TimeOptions& time, bool is_viscous);
 
 /// The results of a run.
 std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory);

@@ -44,11 +44,12 @@ struct StepReport {
     double contact_injection = 0;  // >= 0: positive works of contacts between free faces, by the residual of their laws
     double rotation_work = 0;      // defect of the elastic energy in the leapfrog energy, of large rotations
     double damping_work = 0;       // <= 0: of mass-proportional damping
-    double radiated_work = 0;      // <= 0: of absorbing boundaries
-    double excavation_work = 0;    // of the forces of excavated regions while they decrease to zero
-    double thermal_work = 0;       // of thermal strains that change
-    double law_change = 0;         // of recoverable and elastic energy, by strengths that follow the temperature
-    double consumed_change = 0;    // likewise of S G_c f(beta), which is in `dissipated` of this step and was not used
+    double bulk_viscosity_work = 0;  // of bulk viscosity, over the last step (element/bulk_viscosity.hpp)
+    double radiated_work = 0;        // <= 0: of absorbing boundaries
+    double excavation_work = 0;      // of the forces of excavated regions while they decrease to zero
+    double thermal_work = 0;         // of thermal strains that change
+    double law_change = 0;           // of recoverable and elastic energy, by strengths that follow the temperature
+    double consumed_change = 0;  // likewise of S G_c f(beta), which is in `dissipated` of this step and was not used
     double viscous_dissipation = 0;  // >= 0: of delayed softening, beyond `dissipated`
     double scheme_dissipation = 0;   // >= 0: (theta - 1/2) (|dv|_M^2 + |du|_K^2) of the implicit bulk
     // of single points, beyond what the residual and rounding explain; must be <= 0
@@ -83,21 +84,37 @@ struct StepReport {
     template <class Visit>
     static constexpr void for_each_number(const Visit& visit) {
         using R = StepReport;
-        constexpr auto sums = std::tuple{&R::kinetic,           &R::strain,
-                                         &R::dissipated,        &R::recoverable,
-                                         &R::interface_elastic, &R::external_work,
-                                         &R::cohesive_work,     &R::crossing_loss,
-                                         &R::impact_work,       &R::friction_work,
-                                         &R::step_change_work,  &R::scheme_dissipation,
-                                         &R::rotation_work,     &R::contact_injection,
-                                         &R::damping_work,      &R::radiated_work,
-                                         &R::excavation_work,   &R::fan_solves,
-                                         &R::fan_iterations,    &R::fan_fallbacks,
-                                         &R::face_contacts,     &R::bond_checks,
-                                         &R::released,          &R::softened,
-                                         &R::linear_solves,     &R::factorisations,
-                                         &R::thermal_work,      &R::law_change,
-                                         &R::consumed_change,   &R::viscous_dissipation};
+        constexpr auto sums = std::tuple{&R::kinetic,
+                                         &R::strain,
+                                         &R::dissipated,
+                                         &R::recoverable,
+                                         &R::interface_elastic,
+                                         &R::external_work,
+                                         &R::cohesive_work,
+                                         &R::crossing_loss,
+                                         &R::impact_work,
+                                         &R::friction_work,
+                                         &R::step_change_work,
+                                         &R::scheme_dissipation,
+                                         &R::rotation_work,
+                                         &R::contact_injection,
+                                         &R::damping_work,
+                                         &R::radiated_work,
+                                         &R::excavation_work,
+                                         &R::fan_solves,
+                                         &R::fan_iterations,
+                                         &R::fan_fallbacks,
+                                         &R::face_contacts,
+                                         &R::bond_checks,
+                                         &R::released,
+                                         &R::softened,
+                                         &R::linear_solves,
+                                         &R::factorisations,
+                                         &R::thermal_work,
+                                         &R::law_change,
+                                         &R::consumed_change,
+                                         &R::viscous_dissipation,
+                                         &R::bulk_viscosity_work};
         constexpr auto maxima = std::tuple{
             &R::worst_impact_work,   &R::worst_friction_work,    &R::residual, &R::penetration, &R::largest_speed,
             &R::largest_beta_growth, &R::largest_strength_factor};

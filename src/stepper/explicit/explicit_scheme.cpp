@@ -47,6 +47,8 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
     } else {
         forces_.set_stress_criterion(stress_thresholds(model, absorbing_.dashpots()), model.fan_of_corner);
     }
+    if (std::ranges::any_of(model.materials, &Elastic::has_bulk_viscosity))
+        no_viscous_stress_.assign((model.mesh.order == 1 ? 1 : 3) * model.mesh.n_triangles(), 0);
     for (const Index corner : model.fan_corners) mass_.push_back(model.corner_mass[corner]);
     for (ThreadWorkspace& work : workspaces_) {
         work.force.resize(model.mesh.corners_per_triangle() * blocks_.front().last + 1, Vec2::Zero());
@@ -69,6 +71,7 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
                             .corner_impulse = corner_impulse_};
     // fans that were split before are split at the end, too
     copy_partition(model_, begin, end);
+    end.viscous_stress.resize(no_viscous_stress_.size());
     for (std::size_t i = 0; i < amplitude_.size(); ++i) amplitude_[i] = model_.histories[i](begin.time);
     StepReport report;
     // The rows are those of src/README.md, Explicit step. Before row 1: fans in contact with free faces and those whose
@@ -216,8 +219,12 @@ StepReport ExplicitScheme::sweep_blocks(const ExplicitStep& step) {
     return sum_over_blocks(blocks_.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
         const MeshBlock& block = blocks_[b];
         ThreadWorkspace& work = workspaces_[omp_get_thread_num()];
-        elastic_energy_[b] = forces_.evaluate(block.first, block.last, step.begin.displacement,
-                                              step.begin.node_of_corner, work.force.data(), fan_is_candidate_);
+        const bool is_viscous = !no_viscous_stress_.empty();
+        ViscousStep viscous = viscous_step(step);
+        elastic_energy_[b] =
+            forces_.evaluate(block.first, block.last, step.begin.displacement, step.begin.node_of_corner,
+                             work.force.data(), fan_is_candidate_, is_viscous ? &viscous : nullptr);
+        if (is_viscous) account_viscosity(viscous, report);
         if (thermal_) add_thermal_forces(block, step, work.force.data(), report);
         Vec2* kept = &corner_force_[model_.mesh.corners_per_triangle() * block.first];
         for (const MeshBlock::Corner c : block.kept) kept[c] = work.force[c];
@@ -235,6 +242,23 @@ StepReport ExplicitScheme::sweep_blocks(const ExplicitStep& step) {
                                       .report = report});
         nodes.add_to(report);
     });
+}
+
+ViscousStep ExplicitScheme::viscous_step(const ExplicitStep& step) {
+    const State& begin = step.begin;
+    const bool is_known = begin.viscous_stress.size() == no_viscous_stress_.size();
+    return {.velocity = begin.velocity,
+            .last_step = begin.last_step,
+            .before = (is_known ? begin.viscous_stress : no_viscous_stress_).data(),
+            .now = step.end.viscous_stress.data()};
+}
+
+/// NodeMotion takes half of f . u_n+1 off the strain energy, of which only f . Delta belongs there; with large
+/// rotations it counts the work as a defect of U.
+void ExplicitScheme::account_viscosity(const ViscousStep& viscous, StepReport& report) const {
+    report.bulk_viscosity_work += viscous.work;
+    report.strain += 0.5 * viscous.unmoved;
+    if (model_.large_rotation) report.rotation_work -= viscous.work;
 }
 
 /// With the stress sigma_n, the strain e_n and the strains before and after the step, the energy of the leapfrog is

@@ -47,6 +47,8 @@ private:
     StepReport advance_remaining_split_fans(const ExplicitStep& step);
     StepReport account_loads(const ExplicitStep& step);
     void account_load(const CornerLoad& load, const Vec2& of_one, const ExplicitStep& step, StepReport& report) const;
+    ViscousStep viscous_step(const ExplicitStep& step);
+    void account_viscosity(const ViscousStep& viscous, StepReport& report) const;
     void account_rotation(const ExplicitStep& step, StepReport& report) const;
     /// No contact acts on several fans.
     bool fans_are_independent() const { return model_.obstacles.empty() && !contacts_; }
@@ -69,6 +71,7 @@ private:
     std::vector<Vec2> corner_force_;              // [N] per corner, see ExplicitStep
     std::vector<Vec2> corner_impulse_;            // [N s] likewise
     std::vector<double> elastic_energy_;          // [J] per block, with large rotations
+    std::vector<double> no_viscous_stress_;       // zeros, of a state without; empty: no bulk viscosity
     std::vector<std::uint8_t> fan_is_candidate_;  // per fan: it exceeds the stress criterion
     std::vector<std::uint8_t> splits_;            // per fan, in this step
     std::vector<ThreadWorkspace> workspaces_;     // one per thread
