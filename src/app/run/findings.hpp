@@ -35,8 +35,8 @@ std::vector<Diagnostic> findings_of_fluids(const ReadResult& read, const Model& 
 std::vector<Diagnostic> findings_of_steep_loads(const ReadResult& read, const Model& model);
 
 /// Warnings: on these places, supports, fluids and steep loads, the resolution of the process zone, the conduction of
-/// heat, jumps of prescribed displacements, details that reduce the stable step, and implausible numbers of steps, frames, lines and
-/// pictures. Without `cost` it is estimated where a run may be long.
+/// heat, jumps of prescribed displacements, details that reduce the stable step, and implausible numbers of steps,
+/// frames, lines and pictures. Without `cost` it is estimated where a run may be long.
 std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& model, const StepPlan& plan,
                                           const Cost* cost = nullptr);
 
