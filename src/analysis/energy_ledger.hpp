@@ -3,8 +3,8 @@
 //
 //     residual        kinetic + strain - (both at the start) - works: zero to rounding, the energy identity of the
 //                     discrete scheme. Works: external - cohesive + friction + impact + step change + rotation +
-//                     damping + bulk viscosity + radiated + excavation + thermal work + adaptation - excavated energy - scheme
-//                     dissipation
+//                     damping + bulk viscosity + radiated + excavation + thermal work + adaptation - excavated energy
+//                     - scheme dissipation
 //     rotation work   large rotations: the trapezoidal defect of the elastic energy U, which is not quadratic,
 //                     tau = U_n - U_n-1 + 1/2 (f_n-1 + f_n) . (u_n - u_n-1),  f = -grad U; O(h^3) a step. Its sum stays
 //                     bounded (central differences are symplectic) and is of second order in h; zero where rotations
