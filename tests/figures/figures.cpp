@@ -56,14 +56,14 @@ TEST_CASE("figures: every subject is drawn without a display at the requested wi
     unsetenv("DISPLAY");
     const FigureContext context{.title = "Edge-cracked block in tension", .rayleigh_speed = 2125};
     for (const std::string& subject : figure_subjects()) {
-        const FigureOptions options{.file = subject + ".png", .show = subject, .at = {40e-6}, .width = 1200};
+        const FigureOptions options{.file = subject + ".png", .show = subject, .at = {40e-6}, .width = 600};
         const auto file = draw_figure(options, plate(), synthetic::histories(), context, pictures()).file;
         CHECK(file == pictures() / (subject + ".png"));
         const Pixels picture(file);
         CAPTURE(subject);
-        CHECK(picture.width() == 1200);
-        CHECK(picture.height() > 300);
-        CHECK(picture.height() < 1200);
+        CHECK(picture.width() == 600);
+        CHECK(picture.height() > 150);
+        CHECK(picture.height() < 600);
         CHECK(picture.colours().size() > (subject == "materials" ? 20
                                           : shows_body(subject)  ? 250
                                                                  : 100));  // materials are few
@@ -78,7 +78,7 @@ TEST_CASE("figures: a body of which a failed run threw parts away is drawn where
     for (Index c = 0; c < 9; ++c) frame.displacement[c] = Vec2(thrown[c / 3], -thrown[c / 3]);
     const FigureContext context{.title = "Blown up", .rayleigh_speed = 2125};
     for (const std::string show : {"cracks", "speed"}) {
-        const FigureOptions options{.file = "blown_up_" + show + ".png", .show = show, .at = {40e-6}, .width = 1200};
+        const FigureOptions options{.file = "blown_up_" + show + ".png", .show = show, .at = {40e-6}, .width = 600};
         const Pixels picture(draw_figure(options, frame, synthetic::histories(), context, pictures()).file);
         CHECK(picture.inked() > 0.4);
     }

@@ -296,18 +296,19 @@ TEST_CASE("the energy balance with changing temperatures closes to rounding") {
             on_path(scheme);
             for (const double theta : {0.5, 0.8}) {
                 if (theta > 0.5 && scheme.bulk == BulkScheme::explicit_lumped) continue;
+                if (order == 2 && theta > 0.5) continue;
                 SchemeOptions options = scheme;
                 options.theta = theta;
                 options.respect_assumption_1 = false;
                 Heat heat = field("120*sin(3*t + 2*x)*cos(y - 5*t) + 40*x*y", {a});
                 heat.every = 3;
-                ModelInput input = heated(strip(6, 3, 2, 1, order), heat, unit, weak, PlaneModel::strain);
+                ModelInput input = heated(strip(4, 2, 2, 1, order), heat, unit, weak, PlaneModel::strain);
                 input.loads = {load(Load::Kind::displacement, "left", 0.0, std::nullopt)};
                 Run run(std::move(input), options);
                 const double stable = scheme.bulk == BulkScheme::implicit_theta ? 0.02 : run.stepper.stable_step();
                 int taken = 0;
-                for (int i = 0; i < 400; ++i) taken += run.step_if_taken(stable * (0.6 + 0.2 * std::sin(i)));
-                CHECK(taken > 200);
+                for (int i = 0; i < 200; ++i) taken += run.step_if_taken(stable * (0.6 + 0.2 * std::sin(i)));
+                CHECK(taken > 100);
                 CHECK(std::abs(run.ledger.row().thermal_work) > 0.05 * run.ledger.largest_energy());
                 CHECK(run.ledger.largest_residual() < 1e-13 * run.ledger.largest_energy());
                 CHECK(run.ledger.row().scheme_dissipation >= 0);

@@ -33,10 +33,10 @@ void* realloc(void* old, std::size_t size) { return ++n_allocations, __libc_real
 
 namespace {
 
-/// A plate that is pulled apart, its lower half cracked along a line from the start.
-ModelInput pulled_plate(double speed, Index order = 1) {
+/// A plate that is pulled apart, its lower half cracked along a line from the start; cells are `coarse` times as long.
+ModelInput pulled_plate(double speed, Index order = 1, int coarse = 1) {
     ModelInput input;
-    input.mesh = bar_mesh(24, 10, 2.4, 1);
+    input.mesh = bar_mesh(24 / coarse, 10 / coarse, 2.4, 1);
     input.mesh.order = order;
     for (InteriorEdge& edge : input.mesh.interior_edges) {
         const Vec2 a = input.mesh.corner(edge.triangle[0], edge.side[0]),
@@ -173,13 +173,13 @@ TEST_CASE("an implicit step in which bonds soften allocates nothing") {
     State end;
     int n_softening = 0;
     long worst = 0;
-    for (int i = 0; i < 600; ++i) {
+    for (int i = 0; i < 300; ++i) {
         const auto [report, made] = counted_step(run, 0.02, end);
         if (i < 100 || report.released > 0) continue;  // all sizes have been met
         worst = std::max(worst, made);
         n_softening += report.softened > 0;
     }
-    CHECK(n_softening > 100);
+    CHECK(n_softening > 30);
     CHECK(worst == 0);
 }
 
@@ -198,7 +198,7 @@ TEST_CASE("a run in which a body breaks allocates as often as its lists double")
         {"pulled", pulled_plate(1e-3), explicit_beta, 50},
         {"pulled, implicit cohesion", pulled_plate(1e-3), implicit_beta, 50},
         {"pulled, second order", pulled_plate(1e-3, 2), explicit_beta, 50},
-        {"pulled, implicit", pulled_plate(1e-3), implicit, 40},
+        {"pulled, implicit", pulled_plate(1e-3, 1, 2), implicit, 40},
         {"pressed", pressed_plate(driven_platen(2e-2, 0.3)), explicit_beta, 120},
         {"pressed, implicit", pressed_plate(driven_platen(5e-3, 0)), implicit, 80},
         {"struck", pressed_plate(boulder({1.2, 1.3}, 0.3, {0, -2e-2}, {.friction = 0.3})), explicit_beta, 120},

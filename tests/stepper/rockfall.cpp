@@ -83,7 +83,7 @@ TEST_CASE(
                 CAPTURE(ratio);
                 CAPTURE(order);
                 CAPTURE(implicit_bulk);
-                Run run(block_and_boulder(order == 1 ? 64 : 32, order, ratio),
+                Run run(block_and_boulder(order == 1 ? 48 : 16, order, ratio),
                         implicit_bulk ? implicit(0.51) : SchemeOptions{});
                 const WaveSolution exact(ratio);
                 const double h = implicit_bulk ? 5e-3 : 0.8 * run.stepper.stable_step(), mass = ratio * 0.0625,

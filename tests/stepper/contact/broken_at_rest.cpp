@@ -35,24 +35,28 @@ ModelInput block(std::uint64_t seed, double velocity) {
     return input;
 }
 
+void check_rests(std::uint64_t seed) {
+    CAPTURE(seed);
+    Run run(block(seed, 1), {.damping = 10});
+    const double h = 0.8 * run.stepper.stable_step();
+    while (run.now.time < 3)
+        for (double part = h; !run.step_if_taken(part); part /= 2) REQUIRE(part > 1e-3 * h);
+    CHECK(run.ledger.row().kinetic < 1e-9 * run.ledger.largest_energy());
+    CHECK(std::ranges::count(run.now.retired, 1) > 20);
+    CHECK(run.last.face_contacts > 10);
+    CHECK(largest_overlap(run.model, run.now).of_shortest < inner_retirement_slip);
+    CHECK(run.ledger.worst().contact_depth < 2e-2);
+    CHECK(run.ledger.worst().contact_residual < max_contact_residual);
+}
+
 }  // namespace
 
-// Found: 1.1e-4, 5.4e-3 and 1.08e-2 of an edge. What lies in each other when points retire is not pushed apart under
+// Found with the seeds 2, 3, 4: 1.1e-4, 5.4e-3 and 1.08e-2 of an edge. What lies in each other when points retire is not pushed apart under
 // load, so the slip of the hand-over is the bound; with inner_retirement_slip = 0.004 it is 0.5e-3 to 1.5e-3.
-TEST_CASE("the pieces of a block that has broken on the ground rest beside each other") {
-    for (const std::uint64_t seed : {2, 3, 4}) {
-        CAPTURE(seed);
-        Run run(block(seed, 1), {.damping = 10});
-        const double h = 0.8 * run.stepper.stable_step();
-        while (run.now.time < 3)
-            for (double part = h; !run.step_if_taken(part); part /= 2) REQUIRE(part > 1e-3 * h);
-        CHECK(run.ledger.row().kinetic < 1e-9 * run.ledger.largest_energy());
-        CHECK(std::ranges::count(run.now.retired, 1) > 20);
-        CHECK(run.last.face_contacts > 10);
-        CHECK(largest_overlap(run.model, run.now).of_shortest < inner_retirement_slip);
-        CHECK(run.ledger.worst().contact_depth < 2e-2);
-        CHECK(run.ledger.worst().contact_residual < max_contact_residual);
-    }
+TEST_CASE("the pieces of a block that has broken on the ground rest beside each other") { check_rests(4); }
+
+TEST_CASE("the pieces of two more blocks rest beside each other" * doctest::test_suite("slow")) {
+    for (const std::uint64_t seed : {2, 3}) check_rests(seed);
 }
 
 }  // namespace broken_at_rest_test

@@ -203,7 +203,8 @@ TEST_CASE("a block that slides along flush blocks meets no seam") {
                 }
                 Pieces scene(bodies);
                 int n_hindering = 0, n_wrong = 0;
-                for (int i = 0; i * step < 2.5; ++i) {
+                // small steps over the first two seams only: of a flush joint, and of a joint and an inner vertex
+                for (int i = 0; i * step < (step < 1e-3 ? 0.5 : 2.5); ++i) {
                     scene.put(0, {0.13 + i * step, -depth}, tilt, {0.4, 0}, {step / h, 0});
                     const auto contacts = scene.contacts(h);
                     int n = 0;

@@ -94,12 +94,13 @@ ModelInput stack(int n_blocks, double apart, double friction, double restitution
     return input;
 }
 
-void verify_stack_rests(int n_blocks, double friction, double restitution, int n_settling, double moved_most) {
+void verify_stack_rests(int n_blocks, double friction, double restitution, int n_settling, double moved_most,
+                        int n_resting = 15000) {
     Run run(stack(n_blocks, 0, friction, restitution));
     const double h = 0.8 * stable(run);
     settle(run, h, n_settling);
     const std::vector<Vec2> start = run.now.displacement;
-    for (int i = 0; i < 15000; ++i) run.step(h);
+    for (int i = 0; i < n_resting; ++i) run.step(h);
     double moved = 0;
     for (std::size_t n = 0; n < start.size(); ++n) moved = std::max(moved, (run.now.displacement[n] - start[n]).norm());
     double off = 0, above = 0;
@@ -117,7 +118,8 @@ void verify_stack_rests(int n_blocks, double friction, double restitution, int n
         off = std::max(off, std::abs(force / above - 1));
     }
     const std::string at = ", " + digits(n_blocks) + " blocks, mu " + digits(friction) + ", e " + digits(restitution);
-    verify_small("largest path in 15 000 steps over the height" + at, moved / (0.5 * n_blocks), {moved_most});
+    verify_small("largest path in " + std::to_string(n_resting) + " steps over the height" + at,
+                 moved / (0.5 * n_blocks), {moved_most});
     verify_small("kinetic over elastic energy" + at, run.last.kinetic / run.now.elastic_energy, {1e-20});
     verify_small("largest error of a joint's force over the weight above" + at, off, {1e-10});
 }
@@ -208,7 +210,7 @@ TEST_CASE("E29 a block slides down an incline and sticks on one that is flatter 
         const double along = g * std::sin(phi);
         Run before(input(settles_aslope ? along : 0)), run(input(along));
         const double h = step * stable(run);
-        settle(before, h, 10000);
+        settle(before, h, 6000);
         start_from(run, before.now);
         const double start = centre(run, 1).x();
         int n = 0;
@@ -233,9 +235,12 @@ TEST_CASE("E29 a block slides down an incline and sticks on one that is flatter 
     };
     for (const double step : {0.8, 0.4}) {
         const std::string at = ", 30 deg, h " + digits(step);
-        const Slid smooth = slide(M_PI / 6, 0, false, 0.5, step), rough = slide(M_PI / 6, 0.3, false, 0.5, step);
-        verify("slip in 0.5 s, m" + at + ", mu 0", smooth.slip, smooth.rigid, {1e-13});
-        verify_laws(smooth, at + ", mu 0");
+        if (step == 0.8) {
+            const Slid smooth = slide(M_PI / 6, 0, false, 0.5, step);
+            verify("slip in 0.5 s, m" + at + ", mu 0", smooth.slip, smooth.rigid, {1e-13});
+            verify_laws(smooth, at + ", mu 0");
+        }
+        const Slid rough = slide(M_PI / 6, 0.3, false, 0.5, step);
         verify("slip in 0.5 s, m" + at + ", mu 0.3", rough.slip, rough.rigid, {2e-3});
         verify_laws(rough, at + ", mu 0.3");
     }
@@ -339,11 +344,11 @@ TEST_CASE("E31 a stack of blocks rests and bears the weight above") {
     describe(
         "Blocks of 1 m by 0.5 m (E = 10 MPa), each 0.02 m beside the one below, with edges of 0.5 and 0.333 m in turn, "
         "on "
-        "a rigid plane, g = 10 m/s2. Settled: 15 000 steps without damping from the equilibrium under damping. "
+        "a rigid plane, g = 10 m/s2. Settled: steps without damping from the equilibrium under damping. "
         "Reference: rest; the contact forces of a joint carry the weight above it.");
     on_path("explicit, explicit");
-    for (const double friction : {0.1, 0.5})
-        for (const double restitution : {0.0, 0.5}) verify_stack_rests(5, friction, restitution, 30000, 1e-12);
+    verify_stack_rests(3, 0.1, 0, 15000, 1e-12, 5000);
+    verify_stack_rests(3, 0.5, 0.5, 15000, 1e-12, 5000);
 
     Run run(stack(5, 0.02, 0.5, 0));
     const double h = 0.4 * stable(run);
@@ -362,16 +367,18 @@ TEST_CASE("E31 a stack of blocks rests and bears the weight above") {
                  run.ledger.largest_residual() / run.ledger.largest_energy(), {1e-13});
 }
 
-TEST_CASE("E31 a stack of ten blocks rests" * doctest::test_suite("slow")) {
-    describe("As before, with ten blocks.");
+TEST_CASE("E31 stacks of five and ten blocks rest" * doctest::test_suite("slow")) {
+    describe("As before, with five and ten blocks.");
     on_path("explicit, explicit");
+    for (const double friction : {0.1, 0.5})
+        for (const double restitution : {0.0, 0.5}) verify_stack_rests(5, friction, restitution, 30000, 1e-12);
     verify_stack_rests(10, 0.5, 0, 100000, 5e-12);
 }
 
 TEST_CASE("a new stepper goes on from a state of broken pieces in contact with the same bits") {
     Bodies bodies;
     bodies.add(bar_mesh(16, 1, 4, 0.25), {-1.5, -0.25 - 1e-6});
-    bodies.add(bar_mesh(8, 8, 1, 1), {0, 0.02}, 0.1);
+    bodies.add(bar_mesh(6, 6, 1, 1), {0, 0.02}, 0.1);
     ModelInput input = bodies.input({0.5, 0});
     input.laws.push_back({.sigma_c = 1e4, .G_c = 30, .gamma = 1, .friction = 0.5});
     input.law_of_pair[1][1] = 1;

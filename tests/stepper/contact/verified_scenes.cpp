@@ -31,7 +31,7 @@ struct Rubble {
 };
 
 /// Irregular polygons of 5 to 7 triangles fall from random places of a lattice into a box of half planes.
-Rubble pour(int columns, int rows, int n_steps) {
+Rubble pour(int columns, int rows, double E, int n_steps) {
     const double radius = 0.05, cell = 2.1 * radius, damping = 5;
     Random random(7, "rubble");
     Bodies bodies;
@@ -47,7 +47,7 @@ Rubble pour(int columns, int rows, int n_steps) {
         }
     const double width = cell * columns;
     ModelInput input = bodies.input({.friction = 0.5, .restitution = 0});
-    for (Elastic& each : input.materials) each.E = 1e8;
+    for (Elastic& each : input.materials) each.E = E;
     input.loads = {{.kind = Load::Kind::acceleration, .value = {0, -10}}};
     const CohesiveLaw touch{.friction = 0.5};
     input.obstacles = {platen({0, 0}, {0, 1}, touch), platen({0, 0}, {1, 0}, touch),
@@ -110,15 +110,15 @@ Mesh disc_mesh(int n, double radius) {
 
 TEST_CASE("E22 rubble of 20 pieces comes to rest in a box") {
     describe(
-        "20 irregular polygons of 5 to 7 triangles (radius 35 to 50 mm, E = 100 MPa, friction 0.5, restitution 0) "
+        "20 irregular polygons of 5 to 7 triangles (radius 35 to 50 mm, E = 25 MPa, friction 0.5, restitution 0) "
         "fall into a box of rigid planes, with a damping of 5 /s. Reference: conservation laws; nothing may lie in "
         "anything. Edges are about as long as the radius.");
-    verify_rubble(pour(4, 5, 60000));
+    verify_rubble(pour(4, 5, 2.5e7, 30000));
 }
 
 TEST_CASE("E23 rubble of 100 pieces comes to rest in a box" * doctest::test_suite("slow")) {
-    describe("As E22, with 100 polygons.");
-    verify_rubble(pour(10, 10, 80000));
+    describe("As E22, with 100 polygons and E = 100 MPa.");
+    verify_rubble(pour(10, 10, 1e8, 80000));
 }
 
 TEST_CASE("E24 a disc breaks on a wall") {
@@ -233,7 +233,8 @@ TEST_CASE("E25 the teeth of a zigzag joint slide over each other") {
         };
         double off_lift = 0, slip = 0;
         long retired = 0;
-        while (slip < 1.4) {
+        const double last_slip = mu > 0 ? 1.4 : 0.45;  // without friction the first flank only
+        while (slip < last_slip) {
             REQUIRE(run.step(h).rejection == Rejection::none);
             if (run.now.time < settle) {
                 rest = lift();
@@ -256,8 +257,10 @@ TEST_CASE("E25 the teeth of a zigzag joint slide over each other") {
         const std::string at = ", mu = " + digits(mu);
         const double w = alpha * v, up = expected(slope, w), down = expected(-slope, w);
         verify_near("force over weight, rising flank" + at, up + rising.value(), up, {0.02, 0.005});
-        verify_near("force over weight, next rising flank" + at, up + second.value(), up, {0.02, 0.005});
-        verify_near("force over weight, falling flank" + at, down + falling.value(), down, {0.02, 0.005});
+        if (mu > 0) {
+            verify_near("force over weight, next rising flank" + at, up + second.value(), up, {0.02, 0.005});
+            verify_near("force over weight, falling flank" + at, down + falling.value(), down, {0.02, 0.005});
+        }
         verify_small("jump of the force over weight at the hand-over" + at, free.value() - live.value(), {0.02, 0.005});
         verify_small("deviation of the lift on the first flank, m" + at, off_lift, {2e-3, 5e-4});
         verify_at_least("points retired" + at, double(retired), 16);

@@ -88,7 +88,7 @@ ModelInput pulled_plate(double speed) {
     shape.cracks = {{.points = {{0, 0.01}, {0.015, 0.01}}}};
     shape.boundary_names = {"bottom", "right", "top", "left"};
     ModelInput input;
-    input.mesh = triangulate(shape, {.size = 3e-3});
+    input.mesh = triangulate(shape, {.size = 4e-3});
     input.thickness = 1e-3;
     input.materials = {glass};
     input.laws = {{.sigma_c = 4e6, .G_c = 3, .gamma = 1}};
@@ -134,15 +134,15 @@ TEST_CASE("an implicit step can be given up and taken again with the same bits")
     CHECK(same_bits(run.now.displacement, whole.now.displacement));
 }
 
-TEST_CASE("E11 friction of 1 and 10 and 1000 with all edges implicit") {
+TEST_CASE("E11 friction of 1 and 1000 with all edges implicit") {
     Shape shape;
     shape.outer = {.points = {{0, 0}, {0.04, 0}, {0.04, 0.02}, {0, 0.02}}, .boundary = {0, 1, 2, 3}};
     shape.cracks = {{.points = {{0, 0.01}, {0.015, 0.01}}}};
     shape.boundary_names = {"bottom", "right", "top", "left"};
-    for (const double friction : {1.0, 10.0, 1000.0}) {
+    for (const double friction : {1.0, 1000.0}) {
         CAPTURE(friction);
         ModelInput input;
-        input.mesh = triangulate(shape, {.size = 3e-3});
+        input.mesh = triangulate(shape, {.size = 4e-3});
         input.thickness = 1e-3;
         input.materials = {glass};
         input.laws = {{.sigma_c = 4e6, .G_c = 3, .gamma = 1, .friction = friction}};

@@ -121,6 +121,7 @@ TEST_CASE("an implicit spinning disc breaks a free block and keeps momentum and 
     for (const int order : {1, 2})
         for (const double e : {0.0, 0.5})
             for (const double mu : {0.0, 0.4}) {
+                if (order == 2 && (e == 0 || mu == 0)) continue;  // as dear as all of the first order
                 CAPTURE(order);
                 CAPTURE(e);
                 CAPTURE(mu);
@@ -181,7 +182,7 @@ TEST_CASE("a boulder and a block rest on a rough plate with their weight from th
             CHECK(run.now.obstacles[1].reaction.y() == relative(0.5 * 1.2, 1e-9));
             const double h = bulk == BulkScheme::implicit_theta ? 0.05 : 0.8 * run.stepper.stable_step();
             double fastest = 0;
-            for (int i = 0; i < 200; ++i) {
+            for (int i = 0; i < 80; ++i) {
                 run.step(h);
                 fastest = std::max(fastest, run.last.kinetic);
             }

@@ -164,18 +164,20 @@ TEST_CASE("implicit stepper: bodies of second order move as the full complementa
 
 TEST_CASE("implicit stepper: with every softening shape bodies move as the full complementarity problem says") {
     std::uint64_t seed = 5000;
+    int n_broken = 0;  // of all shapes: a plateau is left late
     for (const auto& [name, softening] : all_softening_shapes()) {
         CAPTURE(name);
         Tally tally;
-        for (int i = 0; i < 12; ++i, ++seed)
+        for (int i = 0; i < 5; ++i, ++seed)
             compare(seed, {.friction = seed % 3 == 0, .max_cells = 2, .softening = softening}, 8, tally);
         CHECK(tally.n_wrong == 0);
         CHECK(tally.n_several <= 1);
-        CHECK(tally.n_unsolved + tally.n_not_converged + tally.n_refused + tally.n_inexact <= 2);
-        CHECK(tally.n_steps > 60);
-        CHECK(tally.n_damaged > 60);
-        CHECK(tally.n_broken > 20);
+        CHECK(tally.n_unsolved + tally.n_not_converged + tally.n_refused + tally.n_inexact <= 1);
+        CHECK(tally.n_steps > 25);
+        CHECK(tally.n_damaged > 10);
+        n_broken += tally.n_broken;
     }
+    CHECK(n_broken > 27);
 }
 
 TEST_CASE("implicit stepper: with delayed softening bodies move as the full complementarity problem says") {
@@ -185,14 +187,14 @@ TEST_CASE("implicit stepper: with delayed softening bodies move as the full comp
     for (const auto& [name, softening] : shapes) {
         CAPTURE(name);
         Tally tally;
-        for (int i = 0; i < 12; ++i, ++seed)
+        for (int i = 0; i < 4; ++i, ++seed)
             compare(seed, {.friction = seed % 3 == 0, .max_cells = 2, .softening = softening, .delay = i % 2 ? 0.2 : 3},
                     8, tally);
         CHECK(tally.n_wrong == 0);
         CHECK(tally.n_several <= 1);
-        CHECK(tally.n_unsolved + tally.n_not_converged + tally.n_refused + tally.n_inexact <= 2);
-        CHECK(tally.n_steps > 60);
-        CHECK(tally.n_damaged > 10);  // a plateau is left late
+        CHECK(tally.n_unsolved + tally.n_not_converged + tally.n_refused + tally.n_inexact <= 1);
+        CHECK(tally.n_steps > 20);
+        CHECK(tally.n_damaged > 4);  // a plateau is left late
     }
 }
 
