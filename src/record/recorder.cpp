@@ -68,11 +68,11 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
     if (options_.rest.ends_run) rest_.emplace(model, options_.rest);
     gates_.judge(ledger_, deformation_);
     probes_.after_step(start);
-    if (!options_.resumes && !options_.continues_books) begin(start);
+    if (!options_.resumes && !options_.continues_other_run) begin(start);
 }
 
 void Recorder::begin(const State& start) {
-    if (options_.continues_books) deformation_.look_at(start), gates_.judge(ledger_, deformation_);
+    if (options_.continues_other_run) deformation_.look_at(start), gates_.judge(ledger_, deformation_);
     open_files();
     write_lines(start);
     write_fragments(start);

@@ -35,8 +35,8 @@ struct RecorderOptions {
     bool breaks = false;  // record every interface that breaks; a specimen implies it
     std::optional<SpecimenOptions> specimen;
     RestOptions rest;
-    bool resumes = false;          // files of an earlier part of the run exist: nothing is written before open_files()
-    bool continues_books = false;  // of another run: nothing is written before begin()
+    bool resumes = false;  // files of an earlier part of the run exist: nothing is written before open_files()
+    bool continues_other_run = false;  // energies and cracks of another run: nothing is written before begin()
 };
 
 class Recorder {
@@ -87,7 +87,7 @@ public:
     std::vector<std::string> missing_files() const;
 
     /// What goes on in a run that starts from this one: its energy balance and its cracks.
-    void serialize_books(auto& archive) { archive(ledger_, cracks_); }
+    void serialize_energies_and_cracks(auto& archive) { archive(ledger_, cracks_); }
     /// All else.
     template <class Archive>
     void serialize(Archive& archive) {

@@ -48,7 +48,7 @@ void serialize_start(auto& archive, RunMemory& memory) {
 template <class Archive>
 void serialize(Archive& archive, RunMemory& memory) {
     serialize_start(archive, memory);
-    memory.recorder.serialize_books(archive);
+    memory.recorder.serialize_energies_and_cracks(archive);
     archive(memory.recorder, memory.triangle_steps, memory.log_size, memory.spent);
 }
 
@@ -89,7 +89,9 @@ void MemoryReader::read_motion(State& now, StepControl& control, Excavations& ex
     impl_->archive(now, control, excavations, adaptation);
 }
 
-void MemoryReader::read_books(Recorder& recorder) { recorder.serialize_books(impl_->archive); }
+void MemoryReader::read_energies_and_cracks(Recorder& recorder) {
+    recorder.serialize_energies_and_cracks(impl_->archive);
+}
 
 // ---- the files of a run
 

@@ -85,7 +85,7 @@ public:
     ~MemoryReader();
     const RunOrigin& origin() const { return origin_; }
     void read_motion(State& now, StepControl& control, Excavations& excavations, Adaptation& adaptation);
-    void read_books(Recorder& recorder);
+    void read_energies_and_cracks(Recorder& recorder);
 
 private:
     struct Impl;

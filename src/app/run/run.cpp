@@ -142,7 +142,7 @@ void Run::resume(const std::string& text) {
 
 void Run::start_from(StartState& other, const std::string& text) {
     control_.start_from(other.control);
-    other.reader.read_books(recorder_);
+    other.reader.read_energies_and_cracks(recorder_);
     recorder_.set_back(other.time);
     const std::string report =
         text + formatted("starts from `%s` at its t = %.9g s, step %lld; the time counts from 0 again\n",

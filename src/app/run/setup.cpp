@@ -96,7 +96,7 @@ ModelInput model_input(const Scenario& scenario) {
 }
 
 RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const RareWorks& works,
-                                 const std::filesystem::path& directory, bool resumes, bool continues_books) {
+                                 const std::filesystem::path& directory, bool resumes, bool continues_other_run) {
     double process_zone = 0, fastest = 0, critical_opening = 0;
     for (const Resolution& r : judge_resolution(scenario, model.mesh))
         process_zone = std::max(process_zone, r.process_zone);
@@ -124,7 +124,7 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .specimen = scenario.specimen,
             .rest = scenario.time.rest,
             .resumes = resumes,
-            .continues_books = continues_books};
+            .continues_other_run = continues_other_run};
 }
 
 std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& mesh) {

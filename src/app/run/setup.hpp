@@ -14,7 +14,7 @@ Model build_model(const Scenario& scenario);
 
 /// Of a run, with its works and those of the runs from which it starts.
 RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const RareWorks& works,
-                                 const std::filesystem::path& directory, bool resumes, bool continues_books);
+                                 const std::filesystem::path& directory, bool resumes, bool continues_other_run);
 
 /// How well a mesh resolves the fracture of one law in one material, between two, or on a glued support. A support
 /// mirrors the body: it is one half of a body that would break with 2 G_c.
