@@ -74,8 +74,7 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
     end.viscous_stress.resize(no_viscous_stress_.size());
     for (std::size_t i = 0; i < amplitude_.size(); ++i) amplitude_[i] = model_.histories[i](begin.time);
     StepReport report;
-    // The rows are those of src/README.md, Explicit step. Before row 1: fans in contact with free faces and those whose
-    // incubation is due are candidates
+    // rows of src/README.md, Explicit step. First: fans in contact and those whose incubation is due are candidates
     if (contacts_) {
         contacts_->begin(step, report);
         for (const Index f : contacts_->fans()) fan_is_candidate_[f] = 1;
@@ -88,8 +87,7 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
         corner_force_[load.corner] += amplitude_[load.history] * load.force;
     obstacles_.begin(step);
     split_at_contacts(begin);
-    // rows 2 and 3, and 5 and 6 likewise, for fans of several blocks, and with loads, prescribed motion, dashpots or
-    // obstacles
+    // rows 2 and 3, and 5 and 6 likewise, for all other fans: of several blocks, loaded, guided or near obstacles
     report += sweep_bordering(step);
     // row 5 for all fans that contacts couple: the impulses of contacts, and the rates of free obstacles
     solve_contacts(step, report);
