@@ -46,7 +46,7 @@ PublishedBeam beam_of(const fs::path& file, const PublishedBeam::Options& option
 
 const std::string coarse =
     "-s 'mesh.refine=[{ inside = [\"0 mm\", \"0 mm\", \"1.6 mm\", \"0.01 mm\"], size = \"10 um\" }]' ";
-const std::string lean = "-q -j 1 -s output.fields=false -s 'figure=[]' -s 'expect={}' -s output.history_every=1e-12 ";
+const std::string lean = "-q -j 1 -s output.fields=false -s 'expect={}' -s output.history_every=1e-12 " + undrawn;
 
 struct Difference {
     double worst = 0, at_end = 0;  // of an energy, in parts of the largest

@@ -20,8 +20,8 @@ TEST_CASE("slurm: an emitted script packs all runs of a sweep into jobs and coll
            "for ((i = 1; i <= ${n:-1}; ++i)); do SLURM_ARRAY_TASK_ID=$i bash -c \"$script\" >&2; done\n"
            "echo '17;cluster'\n";
     fs::permissions(folder.path / "bin/sbatch", fs::perms::owner_all);
-    const std::string sweep =
-        "sweep bar_pulled_apart -s 'mesh.size=1 mm,2 mm' --seeds 1..2 -j 3 -o " + folder.in_shell("a sweep");
+    const std::string sweep = "sweep bar_pulled_apart -s 'mesh.size=1 mm,2 mm' --seeds 1..2 -j 3 -s 'figure=[]' -o " +
+                              folder.in_shell("a sweep");
     const Answer emitted = command(sweep + " --emit slurm 2>/dev/null >" + folder.in_shell("submit.sh"));
     REQUIRE(emitted.code == 0);
     const std::string script = text_of(folder.path / "submit.sh");

@@ -35,9 +35,9 @@ TEST_CASE("a reader of the messages who goes away ends nothing") {
     const auto codes = [](const std::string& arguments) {
         return shell("{ { sleep 0.2; knap " + arguments + " 2>&1; echo code $? >&3; } | true; } 3>&1").text;
     };
-    CHECK(codes(small_bar + folder.in_shell("run")) == "code 0\n");
+    CHECK(codes(small_bar + folder.in_shell("run") + " " + undrawn) == "code 0\n");
     CHECK(text_of(folder.path / "run/run.json").find("\"status\": \"done\"") != std::string::npos);
-    CHECK(codes("sweep bar_ramp_wave -s 'time.end=\"2 us\",\"4 us\"' -s expect={} -j 1 -o " +
+    CHECK(codes("sweep bar_ramp_wave -s 'time.end=\"2 us\",\"4 us\"' -s expect={} -j 1 " + undrawn + "-o " +
                 folder.in_shell("sweep")) == "code 0\n");
     CHECK(fs::file_size(folder.path / "sweep/sweep.csv") > 0);
     CHECK(codes("list") == "code 0\n");

@@ -75,11 +75,12 @@ TEST_CASE("C11 stress intensity of static cracks") {
             probes =
                 "[[probe]]\nname = \"far\"\nwatch = \"tip\"\nat = [\"121 mm\", \"200 mm\"]\nradius = \"9 mm\"\n"
                 "[[probe]]\nname = \"near\"\nwatch = \"tip\"\nat = [\"121 mm\", \"200 mm\"]\nradius = \"5 mm\"\n",
-            fine = std::string(order) == "1" ? "0.5 mm" : "1 mm";
+            fine = std::string(order) == "1" ? "0.5 mm" : "1 mm", coarse = std::string(order) == "1" ? "1 mm" : "2 mm";
         run(folder,
             plate("200 mm", "400 mm", "8 mm",
                   std::string("order = ") + order +
-                      "\nrefine = [{ inside = [\"65 mm\", \"180 mm\", \"135 mm\", \"220 mm\"], size = \"" + fine +
+                      "\nrefine = [{ inside = [\"109 mm\", \"189 mm\", \"131 mm\", \"211 mm\"], size = \"" + fine +
+                      "\" }, { inside = [\"65 mm\", \"180 mm\", \"135 mm\", \"220 mm\"], size = \"" + coarse +
                       "\" }]\n[[domain.crack]]\npoints = [[\"80 mm\", \"200 mm\"], [\"120 mm\", \"200 mm\"]]\n" +
                       pulled + probes));
         const double alpha = 0.2, K = 1e6 *
@@ -97,7 +98,7 @@ TEST_CASE("C11 stress intensity of static cracks") {
     }
     run(folder,
         plate("200 mm", "400 mm", "8 mm",
-              "order = 2\nrefine = [{ inside = [\"92 mm\", \"192 mm\", \"108 mm\", \"208 mm\"], size = \"0.25 mm\" }]\n"
+              "order = 2\nrefine = [{ inside = [\"93 mm\", \"193 mm\", \"107 mm\", \"207 mm\"], size = \"0.4 mm\" }]\n"
               "[[domain.crack]]\npoints = [[\"96.4645 mm\", \"196.4645 mm\"], [\"103.5355 mm\", \"203.5355 mm\"]]\n" +
                   pulled +
                   "[[probe]]\nwatch = \"tip\"\nat = [\"103 mm\", \"203 mm\"]\nradius = \"2.5 mm\"\nname = \"upper\"\n"
@@ -124,7 +125,7 @@ TEST_CASE("C12 a wave of tension meets a crack that stands") {
     for (const auto& [side, value] : {std::pair{"top", "1 MPa"}, {"bottom", "-1 MPa"}})
         loads += std::string("[[load]]\non = \"") + side + "\"\ntraction = [\"0 MPa\", \"" + value +
                  "\"]\ntable = [[\"0 us\", 0], [\"2 us\", 1], [\"60 us\", 1]]\n";
-    run(folder, plate("300 mm", "120 mm", "1.5 mm",
+    run(folder, plate("300 mm", "120 mm", "2 mm",
                       "refine = [{ inside = [\"138 mm\", \"48 mm\", \"162 mm\", \"72 mm\"], size = \"0.7 mm\" "
                       "}]\n[[domain.crack]]\npoints = [[\"0 mm\", "
                       "\"60 mm\"], [\"150 mm\", \"60 mm\"]]\n" +

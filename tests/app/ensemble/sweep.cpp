@@ -27,7 +27,8 @@ namespace {
 using Texts = std::vector<std::string>;
 
 /// A bar that breaks in the middle: it takes G_c x 4 mm x 1 m, on every mesh.
-const std::string bar = "bar_pulled_apart -s 'mesh.size=1.5 mm' -s time.end=\"200 us\" ";
+const std::string bar =
+    "bar_pulled_apart -s 'mesh.size=1.5 mm' -s time.end=\"200 us\" -s output.fields=false " + undrawn;
 const std::string both = bar + "-s 'interface.left-right.G_c=1.5,3' --seeds 1..2 ";
 
 std::vector<Texts> rows_of(const fs::path& csv) {
@@ -190,7 +191,7 @@ TEST_CASE("sweep: SIGTERM and SIGHUP stop the run under way and the same command
     SUBCASE("SIGHUP") { signal = SIGHUP; }
     const fs::path run = folder.path / "s/runs/s1";
     const std::string sweep = "sweep " + small_block() +
-                              "-s 'mesh.size=1 mm' -s output.checkpoint_every=0 --seeds 1..1 -o " +
+                              "-s 'mesh.size=1 mm' -s 'output.checkpoint_every=20 ms' --seeds 1..1 -o " +
                               folder.in_shell("s");
     const pid_t child = started(sweep, run / "checkpoint");
     for (int i = 0; i < 3; ++i) kill(child, signal);
@@ -207,7 +208,7 @@ TEST_CASE("sweep: no run outlives a sweep that is killed") {
     const Folder folder("sweep killed");
     const fs::path run = folder.path / "s/runs/s1";
     const std::string sweep = "sweep " + small_block() +
-                              "-s 'mesh.size=1 mm' -s output.checkpoint_every=0 --seeds 1..1 -o " +
+                              "-s 'mesh.size=1 mm' -s 'output.checkpoint_every=20 ms' --seeds 1..1 -o " +
                               folder.in_shell("s");
     const pid_t child = started(sweep, run / "checkpoint");
     const int log = open((run / "log.txt").c_str(), O_RDONLY | O_CLOEXEC);
@@ -281,8 +282,9 @@ TEST_CASE("sweep: the message of a run is shown where even its record cannot be 
                 std::this_thread::yield();
     });
     const std::string block = small_block().erase(small_block().find("-q "), 3);
-    const Answer full = command("sweep " + block + "-s 'mesh.size=1 mm' -s output.checkpoint_every=0 --seeds 1..1 -o " +
-                                folder.in_shell("s"));
+    const Answer full =
+        command("sweep " + block + "-s 'mesh.size=1 mm' -s 'output.checkpoint_every=20 ms' --seeds 1..1 -o " +
+                folder.in_shell("s"));
     vandal.join();
     CAPTURE(full.text);
     CHECK(text_of(run / "run.json").find("\"status\": \"running\"") != std::string::npos);

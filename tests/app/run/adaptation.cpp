@@ -36,13 +36,16 @@ every = "2 us"
 history_every = "0.1 us"
 breaks = true
 )" + loads +
-           "[time]\nend = \"" + end + "\"\n[adapt]\nsize = \"0.15 mm\"\n" + adapt;
+           "[time]\nend = \"" + end + "\"\n[adapt]\nsize = \"0.2 mm\"\n" + adapt;
 }
 
 const std::string torn = pull("top", "0, \"2.5 MPa\"") + pull("bottom", "0, \"-2.5 MPa\"");
 
+/// From this part of the strength on triangles are fine; from the default of 0.3 on most of so small a plate would be.
+const std::string near_the_crack = "load = 0.6\n";
+
 /// 30 mm by 12 mm with a crack from the left, torn from top and bottom; `adapt`: more keys of [adapt].
-std::string scene(const std::string& adapt = "", const std::string& more = "") {
+std::string scene(const std::string& adapt = near_the_crack, const std::string& more = "") {
     return plate("\"30 mm\", \"12 mm\"", crack("\"0 mm\", \"6 mm\"", "\"12 mm\", \"6 mm\""), torn + more, adapt,
                  "16 us");
 }
@@ -51,11 +54,12 @@ nlohmann::json record_of(const fs::path& directory) { return nlohmann::json::par
 
 }  // namespace
 
-TEST_CASE("adaptation: the same bits for one and two and three threads and for a run in parts") {
+TEST_CASE("adaptation: the same bits for one and three threads and for a run in parts") {
     const Folder folder("adaptation bits");
-    write_scene(folder,
-                scene("", "[[figure]]\nfile = \"crack.webp\"\nevery = \"1.5 us\"\ncurves = \"crack_length\"\n"));
-    check_threads_and_parts(folder, {"2", "3"}, {"1us", "6.5us", "11us"}, 12);
+    write_scene(folder, scene(near_the_crack,
+                              "[[figure]]\nfile = \"crack.webp\"\nevery = \"4 us\"\ncurves = "
+                              "\"crack_length\"\nwidth = 400\n"));
+    check_threads_and_parts(folder, {"3"}, {"1us", "6.5us", "11us"}, 12);
     const auto one = record_of(folder.path / "whole"), other = record_of(folder.path / "parts");
     CHECK(one["summary"] == other["summary"]);
     for (const char* name : {"batches", "largest_batch", "coarse_breaks", "angular_momentum", "gain"})
@@ -73,7 +77,7 @@ TEST_CASE("adaptation: a crack runs through the plate in triangles that are smal
     CHECK(number("main_length") > 12e-3);  // of the 18 mm from the tip to the right border
     const auto& counts = record["adaptation"];
     CHECK(counts["batches"] > 5);
-    CHECK(counts["gain"] > 1.5);  // in so small a plate most of the body is near the crack
+    CHECK(counts["gain"] > 3);
     const knap::History energy = knap::read_csv(directory / "energy.csv"),
                         breaks = knap::read_csv(directory / "breaks.csv");
     CHECK(energy.column("adaptation").front() == 0);
@@ -83,7 +87,7 @@ TEST_CASE("adaptation: a crack runs through the plate in triangles that are smal
     // all but a few interfaces break in small triangles, and each of them is counted once
     double broken = 0;
     std::size_t n_long = 0;
-    for (const double length : breaks.column("length")) broken += length, n_long += length > 0.3e-3;
+    for (const double length : breaks.column("length")) broken += length, n_long += length > 0.4e-3;
     CHECK(n_long <= 0.02 * static_cast<double>(breaks.rows.size()));
     CHECK(broken == doctest::Approx(number("broken_length")).epsilon(1e-12));
 
@@ -107,7 +111,7 @@ TEST_CASE("adaptation: a crack that runs into a coarse crack says that its trian
     // the second crack is fine at its ends only, and triangles beside its faces may not change
     write_scene(folder, scene("load = 0.5\n",
                               "[[domain.crack]]\npoints = [[\"16 mm\", \"1.5 mm\"], [\"16 mm\", \"10.5 mm\"]]\n"));
-    const Answer answer = run_scene(folder, "-j 1 -o " + folder.in_shell("run"));
+    const Answer answer = run_scene(folder, "-j 1 -s 'adapt.size=0.15 mm' -o " + folder.in_shell("run"));
     REQUIRE(answer.code == 0);
     const auto record = record_of(folder.path / "run");
     CHECK(record["adaptation"]["coarse_breaks"] > 0);
@@ -136,7 +140,7 @@ TEST_CASE("adaptation: two tips that meet") {
     write_scene(folder, plate("\"30 mm\", \"16 mm\"",
                               crack("\"0 mm\", \"7.5 mm\"", "\"11 mm\", \"7.5 mm\"") +
                                   crack("\"30 mm\", \"8.5 mm\"", "\"19 mm\", \"8.5 mm\""),
-                              torn, "", "20 us"));
+                              torn, near_the_crack, "20 us"));
     REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("run")).code == 0);
     const auto record = record_of(folder.path / "run");
     CHECK(record["summary"]["fragments"] >= 2);
@@ -148,8 +152,8 @@ TEST_CASE("adaptation: a crack that runs to a loaded edge leaves its load as it 
     const Folder folder("adaptation loaded edge");
     write_scene(folder,
                 plate("\"30 mm\", \"12 mm\"", crack("\"15 mm\", \"0 mm\"", "\"15 mm\", \"6 mm\""),
-                      pull("left", "\"-3 MPa\", 0") + pull("right", "\"3 MPa\", 0") + pull("top", "0, \"1 MPa\""), "",
-                      "16 us"));
+                      pull("left", "\"-3 MPa\", 0") + pull("right", "\"3 MPa\", 0") + pull("top", "0, \"1 MPa\""),
+                      near_the_crack, "16 us"));
     REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("run")).code == 0);
     const auto record = record_of(folder.path / "run");
     CHECK(record["summary"]["fragments"] >= 2);
@@ -171,7 +175,8 @@ TEST_CASE("adaptation: a body that breaks far from any crack is refined there be
         double first, dissipated;  // [s], [J]
     };
     const auto found_of = [&](const char* name, const std::string& more) {
-        const Answer answer = run_scene(folder, "-j 1 -s output.fields=false " + more + " -o " + folder.in_shell(name));
+        const Answer answer = run_scene(
+            folder, "-j 1 -s output.fields=false -s 'adapt.size=0.15 mm' " + more + " -o " + folder.in_shell(name));
         CAPTURE(answer.text);
         REQUIRE(answer.code == 0);
         const knap::History energy = knap::read_csv(folder.path / name / "energy.csv");
@@ -193,7 +198,7 @@ TEST_CASE("adaptation: a body that breaks far from any crack is refined there be
 TEST_CASE("adaptation: where the forecast finds no gain the mesh is uniform from the start and on resume") {
     const Folder folder("adaptation does not pay");
     write_scene(folder, scene("load = 0.05\n"));
-    const std::string end = " -s 'time.end=5 us' -s probe=[] ", uniform = " -s adapt= -s 'mesh.size=0.15 mm'";
+    const std::string end = " -s 'time.end=4 us' -s probe=[] ", uniform = " -s adapt= -s 'mesh.size=0.2 mm'";
     const Answer answer = run_scene(folder, "-j 1 -o " + folder.in_shell("replaced") + end);
     CAPTURE(answer.text);
     REQUIRE(answer.code == 0);
@@ -214,7 +219,7 @@ TEST_CASE("adaptation: where the forecast finds no gain the mesh is uniform from
 
 TEST_CASE("adaptation: a mesh that may not grow and one that should be fine everywhere say so") {
     const Folder folder("adaptation limits");
-    write_scene(folder, scene("limit = 3000\n"));
+    write_scene(folder, scene(near_the_crack + "limit = 3000\n"));
     const Answer bound = run_scene(folder, "-j 1 -o " + folder.in_shell("bound"));
     CHECK(bound.code == 0);
     CHECK(text_of(folder.path / "bound/log.txt").find("adapt.limit is 3e+03") != std::string::npos);
@@ -227,15 +232,15 @@ TEST_CASE("adaptation: a mesh that may not grow and one that should be fine ever
     check_same(folder.path / "bound", folder.path / "parts", 12);
     CHECK(record_of(folder.path / "parts")["adaptation"]["coarse_breaks"] == coarse["adaptation"]["coarse_breaks"]);
 
-    std::string loaded = scene();
+    std::string loaded = scene("");
     for (std::size_t at; (at = loaded.find("2.5 MPa")) != std::string::npos;) loaded.replace(at, 3, "5.0");
     write_scene(folder, loaded);
-    REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("everywhere")).code == 0);
+    REQUIRE(run_scene(folder, "-j 1 -s 'time.end=6 us' -o " + folder.in_shell("everywhere")).code == 0);
     const std::string log = text_of(folder.path / "everywhere/log.txt");
     CHECK(log.find("more than half of the body must be refined") != std::string::npos);
     CHECK(log.find("a uniform mesh") == log.rfind("a uniform mesh"));
     const auto record = record_of(folder.path / "everywhere");
-    const double uniform = 2.36 * 30 * 12 / (0.15 * 0.15);
+    const double uniform = 2.36 * 30 * 12 / (0.2 * 0.2);
     CHECK(record["triangles"].get<double>() == doctest::Approx(uniform).epsilon(0.1));
     CHECK(record["summary"]["energy_residual"] < 1e-13);
 }
@@ -253,7 +258,7 @@ TEST_CASE("adaptation: what it does not go together with") {
             "a probe of an interface");
     refused(scene("load = 1.5\n"), "out-of-range", "adapt.load");
     std::string large = scene();
-    large.replace(large.find("0.15 mm"), 7, "1.50 mm");
+    large.replace(large.find("0.2 mm"), 6, "1.5 mm");
     refused(large, "bad-value", "`adapt.size` is not below mesh.size");
 }
 

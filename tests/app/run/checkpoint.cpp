@@ -22,18 +22,21 @@ namespace {
 const std::string explicit_block = small_block() + "-s output.breaks=true ";
 const std::string implicit_block =
     "edge_cracked_block_implicit -q -j 1 -s 'mesh.size=5 mm' -s 'time.end=40 us' -s 'time.step=1 us' -s 'expect={}' -s "
-    "output.breaks=true ";
+    "output.breaks=true " +
+    undrawn;
 
 /// Half of the time is spent in refinements.
 const std::string refined_block =
     "edge_cracked_block -q -j 1 -s 'mesh.size=4 mm' -s 'adapt={ size = \"0.5 mm\", every = 10 }' -s "
     "'interface.default.sigma_c=8 MPa' -s 'time.end=25 us' -s 'output.every=2 us' -s 'expect={}' -s "
-    "output.breaks=true ";
+    "output.breaks=true " +
+    undrawn;
 
 /// Conduction, cracks and a time factor.
 const std::string explicit_quench =
     "alumina_quench -q -j 1 -s 'mesh.size=1 mm' -s 'time.end=100 us' -s time.damping=0 -s 'expect={}' -s "
-    "output.breaks=true ";
+    "output.breaks=true " +
+    undrawn;
 const std::string implicit_quench = explicit_quench +
                                     "-s time.bulk=implicit -s time.cohesion=implicit -s time.theta=1 -s "
                                     "time.assumption_1=ignore -s limits.law_lag=10 -s "
@@ -128,18 +131,24 @@ TEST_CASE("an interrupted run goes on when it is started again") {
     const Folder folder("resumed");
     const std::string block = explicit_block + "-s output.checkpoint_every=0 ";
     REQUIRE(command("run " + explicit_block + "-o " + folder.in_shell("whole")).code == 0);
-    const int status = run_and_stop(block, folder.path / "run", SIGINT, std::chrono::microseconds(0));
+    const int status = run_and_stop(block, folder.path / "stopped", SIGINT, std::chrono::microseconds(0));
     REQUIRE(WIFEXITED(status));
     REQUIRE(WEXITSTATUS(status) == 130);
-    CHECK(text_of(folder.path / "run/run.json").find("\"status\": \"interrupted\"") != std::string::npos);
+    CHECK(text_of(folder.path / "stopped/run.json").find("\"status\": \"interrupted\"") != std::string::npos);
+    const auto stop = [&] {  // each goes on from a copy of the one run
+        fs::remove_all(folder.path / "run");
+        fs::copy(folder.path / "stopped", folder.path / "run", fs::copy_options::recursive);
+    };
 
-    SUBCASE("with the same bits") {
+    {  // with the same bits
+        stop();
         CHECK(command("run " + block + "-o " + folder.in_shell("run")).code == 0);
         CHECK(text_of(folder.path / "run/log.txt").find("resumed: continues from the checkpoint at t = ") !=
               std::string::npos);
         check_same_bits(folder.path / "whole", folder.path / "run");
     }
-    SUBCASE("from the older checkpoint where the newest is damaged") {
+    {  // from the older checkpoint where the newest is damaged
+        stop();
         flip_a_byte(folder.path / "run/checkpoint");
         REQUIRE(fs::exists(folder.path / "run/checkpoint.previous"));
         const Answer again = command("run " + block + "-o " + folder.in_shell("run"));
@@ -150,7 +159,8 @@ TEST_CASE("an interrupted run goes on when it is started again") {
         }
         check_same_bits(folder.path / "whole", folder.path / "run");
     }
-    SUBCASE("without the frames that were taken away and says so") {
+    {  // without the frames that were taken away and says so
+        stop();
         REQUIRE(fs::exists(folder.path / "run/fields/bulk_0000.vtu"));
         fs::remove(folder.path / "run/fields/bulk_0000.vtu");
         fs::remove(folder.path / "run/run.pvd");
@@ -161,7 +171,8 @@ TEST_CASE("an interrupted run goes on when it is started again") {
         fs::copy_file(folder.path / "whole/fields/bulk_0000.vtu", folder.path / "run/fields/bulk_0000.vtu");
         check_same_bits(folder.path / "whole", folder.path / "run");
     }
-    SUBCASE("not where both are damaged and nothing is lost then") {
+    {  // not where both are damaged and nothing is lost then
+        stop();
         flip_a_byte(folder.path / "run/checkpoint");
         fs::resize_file(folder.path / "run/checkpoint.previous", 100);
         const std::string energy = text_of(folder.path / "run/energy.csv");
@@ -171,7 +182,8 @@ TEST_CASE("an interrupted run goes on when it is started again") {
         CHECK(again.has("--force"));
         CHECK(text_of(folder.path / "run/energy.csv") == energy);
     }
-    SUBCASE("not as another scenario") {
+    {  // not as another scenario
+        stop();
         const Answer other = command("run " + block + "-s seed=3 -o " + folder.in_shell("run"));
         CHECK(other.has("run-exists"));
         CHECK(other.has("holds an unfinished run of another scenario"));
@@ -185,7 +197,8 @@ TEST_CASE("an interrupted run goes on when it is started again") {
               0);
         check_same_bits(folder.path / "whole", folder.path / "run");
     }
-    SUBCASE("where its file has another comment") {
+    {  // where its file has another comment
+        stop();
         std::ofstream(folder.path / "other.toml") << "# a remark\n" << text_of(folder.path / "run/scenario.toml");
         std::string of_file = block;
         CHECK(command("run " + of_file.replace(0, of_file.find(' '), folder.in_shell("other.toml")) + "-o " +
@@ -199,8 +212,9 @@ TEST_CASE("an interrupted run goes on when it is started again") {
 TEST_CASE("a slope that thaws goes on with the same bits") {  // the laws of its points are made again
     const Folder folder("thaw");
     const std::string run =
-        "run permafrost_slope -q -j 1 -s 'mesh.size=3 m' -s 'time.end=0.9 s' -s 'expect={}' -s 'figure=[]' -s "
-        "output.breaks=true -o ";
+        "run permafrost_slope -q -j 1 -s 'mesh.size=3 m' -s 'time.end=0.9 s' -s 'expect={}' -s "
+        "output.breaks=true " +
+        undrawn + "-o ";
     REQUIRE(command(run + folder.in_shell("whole")).code == 0);
     CHECK(command(run + folder.in_shell("parts") + " --until 500ms").code == 0);
     CHECK(command(run + folder.in_shell("parts")).code == 0);

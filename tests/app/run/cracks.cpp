@@ -150,9 +150,9 @@ void check_cracks(const fs::path& run) {
 void run_block(int seed, const std::string& options, const Folder& folder) {
     CAPTURE(seed);
     const std::string name = std::to_string(seed);
-    const Answer run = command(
-        "run edge_cracked_block -q -j 1 -s output.fields=false -s output.breaks=true -s 'expect={}' -s 'figure=[]' " +
-        options + "-s seed=" + name + " -o " + folder.in_shell(name));
+    const Answer run =
+        command("run edge_cracked_block -q -j 1 -s output.fields=false -s output.breaks=true -s 'expect={}' " +
+                undrawn + options + "-s seed=" + name + " -o " + folder.in_shell(name));
     CAPTURE(run.text);
     REQUIRE(run.code == 0);
     check_cracks(folder.path / name);
@@ -164,7 +164,8 @@ TEST_CASE("the starter plate forks as its picture shows") {
     const Folder folder("starter");
     REQUIRE(command("new " + folder.in_shell("plate.toml")).code == 0);
     const Answer run = command("run " + folder.in_shell("plate.toml") +
-                               " -q -j 1 -s output.fields=false -s output.breaks=true -s 'figure=[]' -s 'expect={ "
+                               " -q -j 1 -s output.fields=false -s output.breaks=true " + undrawn +
+                               "-s 'expect={ "
                                "branches = { at_least = 1, at_most = 1 }, tips = { at_least = 2, at_most = 2 } }' -o " +
                                folder.in_shell("run"));
     CAPTURE(run.text);
@@ -207,7 +208,8 @@ TEST_CASE("the summary says where a crack left the triangles that resolve it") {
     const Folder folder("unresolved");
     const auto expects = [&](const std::string& strength, const std::string& expected) {
         const Answer run = command(
-            "run edge_cracked_block -q --force -s output.fields=false -s figure=[] -s 'mesh.size=4 mm' -s "
+            "run edge_cracked_block -q --force -s output.fields=false " + undrawn +
+            "-s 'mesh.size=4 mm' -s "
             "'mesh.refine=[{ along = [[\"50 mm\", \"20 mm\"], [\"66 mm\", \"20 mm\"]], width = \"12 mm\", size = \"1 "
             "mm\" }]' "
             "-s 'load[0].traction=[\"0 MPa\", \"2 MPa\"]' -s 'load[1].traction=[\"0 MPa\", \"-2 MPa\"]' -s "

@@ -22,9 +22,8 @@ struct Balance {
 };
 
 Balance balance_of(const Folder& folder, const std::string& arguments) {
-    const Answer run =
-        command("run " + arguments + " -q -j 1 -s output.fields=false -s 'figure=[]' -s 'expect={}' -o " +
-                folder.in_shell("run"));
+    const Answer run = command("run " + arguments + " -q -j 1 -s output.fields=false -s 'expect={}' " + undrawn +
+                               "-o " + folder.in_shell("run"));
     CAPTURE(run.text);
     REQUIRE(run.code == 0);
     Balance found{.energy = knap::read_csv(folder.path / "run/energy.csv")};

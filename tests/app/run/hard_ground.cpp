@@ -110,7 +110,7 @@ TEST_CASE("without an environment the results are those of any run") {
 
 TEST_CASE("progress is rewritten on a terminal and comes in lines elsewhere") {
     const Folder folder("terminal");
-    std::string run = "run " + small_block() + "-s figure=[] --force -o " + folder.in_shell("run");
+    std::string run = "run " + small_block() + "--force -o " + folder.in_shell("run");
     run.erase(run.find("-q "), 3);
     const Answer elsewhere = command(run);
     CHECK(elsewhere.code == 0);
@@ -188,8 +188,9 @@ TEST_CASE("SIGTERM and SIGHUP end a run as Ctrl-C does") {
     const fs::path run = folder.path / "run";
     for (const int signal : {SIGTERM, SIGHUP}) {
         CAPTURE(signal);
-        const pid_t child =
-            started("run edge_cracked_block -q -j 1 --force -o " + folder.in_shell("run"), folder.path / "log");
+        const pid_t child = started(
+            "run edge_cracked_block -q -j 1 -s 'mesh.size=1 mm' --force " + undrawn + "-o " + folder.in_shell("run"),
+            folder.path / "log");
         wait_for([&] { return fs::exists(run / "fields/bulk_0001.vtu"); });
         kill(child, signal);
         CHECK(exit_code_of(child) == 130);
@@ -215,8 +216,8 @@ TEST_CASE("a run that is ended while it makes its mesh says so and leaves nothin
 
 TEST_CASE("a run under nohup outlives its terminal") {
     const Folder folder("nohup");
-    const pid_t child = started("run " + small_block() + "-s figure=[] -o " + folder.in_shell("run"),
-                                folder.path / "log", "trap '' HUP; ");
+    const pid_t child =
+        started("run " + small_block() + "-o " + folder.in_shell("run"), folder.path / "log", "trap '' HUP; ");
     wait_for([&] { return fs::exists(folder.path / "run/fields/bulk_0001.vtu"); });
     kill(child, SIGHUP);
     CHECK(exit_code_of(child) == 0);
@@ -224,8 +225,8 @@ TEST_CASE("a run under nohup outlives its terminal") {
 
 TEST_CASE("a run that was started with Ctrl-C ignored is not ended by it") {
     const Folder folder("ignored");
-    const pid_t child = started("run " + small_block() + "-s figure=[] -o " + folder.in_shell("run"),
-                                folder.path / "log", "trap '' INT; ");
+    const pid_t child =
+        started("run " + small_block() + "-o " + folder.in_shell("run"), folder.path / "log", "trap '' INT; ");
     wait_for([&] { return fs::exists(folder.path / "run/fields/bulk_0001.vtu"); });
     kill(child, SIGINT);
     CHECK(exit_code_of(child) == 0);
@@ -247,7 +248,7 @@ TEST_CASE("threads are those of the option or else of OMP_NUM_THREADS or else of
 
 TEST_CASE("a run goes on when nobody reads what it says") {
     const Folder folder("deaf");
-    command("run edge_cracked_block -j 1 -s 'mesh.size=2 mm' -s 'time.end=40 us' -s 'expect={}' -o " +
+    command("run edge_cracked_block -j 1 -s 'mesh.size=2 mm' -s 'time.end=40 us' -s 'expect={}' " + undrawn + "-o " +
             folder.in_shell("run") + " 2>&1 | head -c 1");
     CHECK(text_of(folder.path / "run/run.json").find("\"status\": \"done\"") != std::string::npos);
 }
@@ -265,7 +266,7 @@ TEST_CASE("names of files and folders may have any letters") {
 
 TEST_CASE("a language whose decimal sign is a comma changes no number") {
     const Folder folder("comma");
-    const std::string scenario = " run bar_pulled_apart -q -j 1 -o ";
+    const std::string scenario = " run bar_pulled_apart -q -j 1 " + undrawn + "-o ";
     const auto in_language = [&](const std::string& language) {
         const std::string run =
             "LC_ALL=" + language + " '" KNAP_PROGRAM "'" + scenario + folder.in_shell(language) + " > /dev/null 2>&1";

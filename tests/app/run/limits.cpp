@@ -57,8 +57,8 @@ const std::string slide = rectangle("0.04, 0.02", "0.0025", "[[domain.crack]]\np
 
 Answer run(const Folder& folder, const std::string& scenario, const std::string& more = "") {
     std::ofstream(folder.path / "scene.toml") << scenario;
-    return command("run " + folder.in_shell("scene.toml") + " -q -j 1 --force -o " + folder.in_shell("run") + " " +
-                   more);
+    return command("run " + folder.in_shell("scene.toml") + " -q -j 1 --force -s output.report=false -o " +
+                   folder.in_shell("run") + " " + more);
 }
 
 }  // namespace
@@ -200,7 +200,7 @@ TEST_CASE("limits: free faces that meet too fast or lie too deep end the run wit
 
     const auto refused = [&](const std::string& settings, const std::string& reason, const std::string& cure) {
         CAPTURE(settings);
-        const Answer stuck = run(folder, squares, settings);
+        const Answer stuck = run(folder, squares, settings + " -s output.report=true");
         CHECK(stuck.code == 3);
         CHECK(stuck.has("the run cannot continue from t = "));
         CHECK(stuck.has(" at (0.0"));

@@ -12,7 +12,7 @@ using namespace program;
 
 namespace {
 
-const std::string bar = "bar_ramp_wave -q -j 1 -s 'expect={}' -s 'mesh.size=1 mm' ";
+const std::string bar = "bar_ramp_wave -q -j 1 -s 'expect={}' -s 'mesh.size=1 mm' " + undrawn;
 
 /// In a shell, in a directory.
 int run_in(const fs::path& directory, const std::string& output) {

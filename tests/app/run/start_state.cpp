@@ -11,14 +11,16 @@ using namespace program;
 
 namespace {
 
-const std::string block = "edge_cracked_block -q -j 1 -s 'mesh.size=2 mm' -s 'time.step=0.1 us' -s 'expect={}' ";
+const std::string block =
+    "edge_cracked_block -q -j 1 -s 'mesh.size=2 mm' -s 'time.step=0.1 us' -s 'expect={}' " + undrawn;
 const std::string quench =
-    "alumina_quench -q -j 1 -s 'mesh.size=1 mm' -s time.damping=0 -s 'expect={}' -s 'time.step=0.02 us' ";
+    "alumina_quench -q -j 1 -s 'mesh.size=1 mm' -s time.damping=0 -s 'expect={}' -s 'time.step=0.02 us' " + undrawn;
 const std::string refined =
     "edge_cracked_block -q -j 1 -s 'mesh.size=4 mm' -s 'adapt={ size = \"0.5 mm\", every = 10 }' -s "
-    "'interface.default.sigma_c=8 MPa' -s 'time.step=0.05 us' -s 'expect={}' ";
+    "'interface.default.sigma_c=8 MPa' -s 'time.step=0.05 us' -s 'expect={}' " +
+    undrawn;
 const std::string implicit_block =
-    "edge_cracked_block_implicit -q -j 1 -s 'mesh.size=5 mm' -s 'time.step=1 us' -s 'expect={}' ";
+    "edge_cracked_block_implicit -q -j 1 -s 'mesh.size=5 mm' -s 'time.step=1 us' -s 'expect={}' " + undrawn;
 
 /// The last line of a table without its time.
 std::vector<double> last_line(const fs::path& table) {

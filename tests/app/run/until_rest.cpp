@@ -44,7 +44,7 @@ Json record_of(const fs::path& run) { return Json::parse(text_of(run / "run.json
 TEST_CASE("until rest: the run ends at rest and says when and resumes with the same bits") {
     const Folder folder("until rest");
     std::ofstream(folder.path / "block.toml") << scene;
-    const std::string run = "run " + folder.in_shell("block.toml") + " -q -j 1 ";
+    const std::string run = "run " + folder.in_shell("block.toml") + " -q -j 1 -s output.report=false ";
     const Answer whole = command(run + "-o " + folder.in_shell("whole"));
     REQUIRE(whole.code == 0);
     CHECK(whole.has("ended before time.end: the body is at rest since"));
