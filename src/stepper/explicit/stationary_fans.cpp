@@ -69,11 +69,15 @@ bool find_parts(const Model& model, Index rank, const ExplicitStep& step, Statio
 
 }  // namespace
 
+bool may_be_stationary(const Model& model, Index rank, const ExplicitStep& step, StationaryWorkspace& work) {
+    return rank < static_cast<Index>(step.begin.split_fans.size()) &&  // else it is split in this step
+           find_parts(model, rank, step, work);
+}
+
 bool is_stationary(const Model& model, Index rank, const ExplicitStep& step, StationaryWorkspace& work) {
+    if (!may_be_stationary(model, rank, step, work)) return false;
     const State& begin = step.begin;
-    if (rank >= static_cast<Index>(begin.split_fans.size())) return false;  // split in this step
     const Fan& fan = model.fans[begin.split_fans[rank]];
-    if (!find_parts(model, rank, step, work)) return false;
     const auto corners = model.corners(fan);
     const auto points = model.points(fan);
     const double* mass = &step.mass[fan.first_corner];

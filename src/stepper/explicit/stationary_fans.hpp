@@ -28,6 +28,9 @@ struct StationaryWorkspace {
     std::vector<Vec2> required, impulse;  // [N s] per corner, per point
 };
 
+/// False: a split fan is not stationary in this step, whatever the impulses on it.
+bool may_be_stationary(const Model& model, Index rank, const ExplicitStep& step, StationaryWorkspace& work);
+
 /// Whether a split fan is stationary in this step, under these impulses; then `work` has its motion.
 bool is_stationary(const Model& model, Index rank, const ExplicitStep& step, StationaryWorkspace& work);
 

@@ -122,8 +122,9 @@ ContactLaw VertexContacts::law_between(const FaceContact& contact) const {
 }
 
 /// The parts of a fan move as rigid bodies: corners that points hold together which have not moved. Soft: a fan on a
-/// support, or with prescribed corners that may split.
-void VertexContacts::find_parts(TouchedFan& touched, const State& begin) const {
+/// support, or with prescribed corners that may split, or one whose parts cannot stay as they are.
+void VertexContacts::find_parts(TouchedFan& touched, const ExplicitStep& step, ThreadWorkspace& work) const {
+    const State& begin = step.begin;
     const Fan& fan = model_.fans[touched.fan];
     const auto corners = model_.corners(fan);
     const Index rank = begin.split_rank[touched.fan];
@@ -147,7 +148,8 @@ void VertexContacts::find_parts(TouchedFan& touched, const State& begin) const {
                                  part[place_among(corners, point.before)]);
     }
     const auto is_prescribed = [&](Index corner) { return model_.motion_of(corner) != nullptr; };
-    touched.is_soft = touched.is_soft || std::ranges::any_of(touched.corners, is_prescribed);
+    touched.is_soft = touched.is_soft || std::ranges::any_of(touched.corners, is_prescribed) ||
+                      !may_be_stationary(model_, rank, step, work.split.stationary);
 }
 
 void VertexContacts::soften(TouchedFan& touched, const State& begin, std::vector<std::uint8_t>& splits) const {
@@ -265,7 +267,7 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
     ContactProblem& problem = work.contacts;
     bool has_soft = false;
     for (const Index s : cluster.slots) {
-        find_parts(touched_[s], step.begin);
+        find_parts(touched_[s], step, work);
         if (touched_[s].is_soft) soften(touched_[s], step.begin, splits), has_soft = true;
     }
     spread(cluster);

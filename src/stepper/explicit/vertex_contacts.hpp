@@ -71,7 +71,7 @@ private:
     void find_clusters();
     void solve_cluster(Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
                        ThreadWorkspace& work, StepReport& report);
-    void find_parts(TouchedFan& touched, const State& begin) const;
+    void find_parts(TouchedFan& touched, const ExplicitStep& step, ThreadWorkspace& work) const;
     void soften(TouchedFan& touched, const State& begin, std::vector<std::uint8_t>& splits) const;
     bool keeps_its_parts(const TouchedFan& touched, const ExplicitStep& step, ThreadWorkspace& work,
                          StepReport& report) const;
