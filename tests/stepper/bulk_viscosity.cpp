@@ -113,9 +113,11 @@ TEST_CASE("bulk viscosity: the stable step is shorter and enough") {
                 const double h = run.stepper.stable_step();
                 CHECK(h < undamped / (1 + 0.5 * b1));
                 CHECK(h > undamped / (1 + 4 * b1));
-                int i = 0;
-                set_velocity(run,
-                             [&](const Vec2&) -> Vec2 { return 0.01 * Vec2(std::sin(37. * ++i), std::cos(53. * i)); });
+                double i = 0;
+                set_velocity(run, [&](const Vec2&) -> Vec2 {
+                    i += 1;
+                    return 0.01 * Vec2(std::sin(37 * i), std::cos(53 * i));
+                });
                 const double start = energy(run);
                 for (int k = 0; k < 500; ++k) run.step(h);
                 CHECK(energy(run) < start);

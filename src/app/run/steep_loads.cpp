@@ -99,8 +99,9 @@ private:
             return rise.size *= traction.norm(), rise;
         }
         const Elastic& material = model_.materials[mesh_.region[face.edge->triangle]];
-        const Vec2& start =
-            model_.initial_velocity[mesh_.corners_per_triangle() * face.edge->triangle + face.edge->side];
+        // behind the face: corners with a prescribed velocity start with it
+        const Index behind = mesh_.corners_per_triangle() * face.edge->triangle + (face.edge->side + 2) % 3;
+        const Vec2& start = model_.initial_velocity[behind];
         Rise largest;
         for (int k = 0; k < 2; ++k) {
             const double value = load.value[k].value_or(0);

@@ -67,6 +67,27 @@ TEST_CASE("loads that contradict each other are refused with both lines") {
     CHECK(command(plate(folder, top + "[[load]]\non = \"left\"\ntraction = [0, \"1 MPa\"]\n")).code == 0);
 }
 
+TEST_CASE("a load that rises within the passage of five edges by a third of the strength is a warning") {
+    const Folder folder("steep");  // a wave passes five edges in 5 us
+    const auto warns = [&](const std::string& more, const std::string& options = "") {
+        const Answer answer = command(plate(folder, more) + options);
+        CAPTURE(answer.text);
+        CHECK(answer.code == 0);
+        return answer.has("warning[steep-wave]: `load[0]` sends a wave");
+    };
+    const std::string pull = "[[load]]\non = \"top\"\ntraction = [0, \"3 MPa\"]\n";
+    CHECK(warns(pull));
+    CHECK(warns(pull, "-s load[0].ramp='5 us'"));
+    CHECK_FALSE(warns(pull, "-s load[0].ramp='20 us'"));
+    CHECK_FALSE(warns(pull, "-s 'load[0].traction=[0, \"1 MPa\"]'"));
+    CHECK_FALSE(warns(pull, "-s 'material.rock.bulk_viscosity=[0.06, 1.2]'"));
+    CHECK_FALSE(warns(pull, "-s interface.default='{ breakable = false }'"));
+    CHECK_FALSE(warns(pull, "-s time.bulk=implicit"));
+    CHECK(warns(left));  // rho c v = 11 MPa
+    CHECK(warns(top));   // and so does the constant speed of the displacement
+    CHECK_FALSE(warns(left, "-s 'initial=[{ velocity = [-1, 0] }]'"));
+}
+
 TEST_CASE("a displacement without a ramp is reported as a jump") {
     const Folder folder("jump");
     const Answer jump = command(plate(folder, top) + "-s load[0].ramp=");
