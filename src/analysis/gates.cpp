@@ -15,7 +15,7 @@ constexpr bool fixed = false, allowed = true;
 // runs with friction up to 1000, solved vertex by vertex, three exceeded 1e-14, the largest was 4.5e-14.
 constexpr double max_injected = 1e-12;
 
-// A triangle that turns by an angle a in linear kinematics grows by tan^2 a: by a third at 30 degrees. At 1/20 the
+// A triangle that turns by an angle a in linear kinematics grows by tan^2(a): by a third at 30 degrees. At 1/20 the
 // linear strain has an error of about 2 %.
 constexpr double area_warning = 0.05, area_limit = 1. / 3;
 
@@ -215,8 +215,8 @@ const GateRule rules[] = {
              .judged = !std::isnan(run.kinetic_part) && std::abs(row.thermal_work) > std::abs(row.external_work)};
      }},
     {{"rotation", "deg",
-      "largest rotation of a triangle; knap assumes small rotations, and a body that turns by an angle a grows by tan "
-      "a squared",
+      "largest rotation of a triangle; knap assumes small rotations, and a body that turns by an angle a grows by "
+      "tan^2(a)",
       "Set domain.rotation = \"large\", where nothing else excludes it (explicit bulk, mesh.order = 1, start at rest), "
       "or end the run earlier if its question is answered by then. If only fragments turn that no longer matter, allow "
       "it: [limits] rotation = \"none\" and area_change = \"none\"."},
@@ -228,7 +228,7 @@ const GateRule rules[] = {
      }},
     {{"strain", "",
       "largest principal strain of a triangle with large rotations; the elastic law is that of small strains",
-      "Usual cause: loads beyond the strength of an elastic body, an impact that is too fast, or single triangles that "
+      "Usual cause: loads far above sigma_c, an impact that is too fast, or single triangles that "
       "are crushed. Check the units of loads and E."},
      {strain_warning, infinity, allowed},
      [](const GateView& run) {
@@ -239,7 +239,7 @@ const GateRule rules[] = {
     {{"area_change", "",
       "largest change of the area of a triangle over its area; knap assumes small strains, and small rotations unless "
       "domain.rotation = \"large\"",
-      "Usual cause: a body that turns (see rotation), or loads beyond the strength of an elastic body. Check the units "
+      "Usual cause: a body that turns (see rotation), or loads far above sigma_c. Check the units "
       "of loads and E; [limits] area_change sets another limit."},
      {area_warning, area_limit, allowed},
      [](const GateView& run) {

@@ -67,25 +67,30 @@ bool cracks_anywhere(const Scenario& scenario) {
 void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
     const std::vector<Resolution> found = judge_resolution(scenario, mesh);
     std::printf("interfaces\n");
-    for (const Resolution& r : found)
-        std::printf("  %-12s law %s: process zone %.3g mm (at rest), %.1f edges; cohesive length %.3g mm\n",
-                    r.material.c_str(), r.law.c_str(), 1e3 * r.steep_zone(), r.n_edges, 1e3 * r.cohesive_length);
+    const double fine = finest_edge(scenario, mean_edge(mesh)), coarse = scenario.mesh.size / scenario.order;
+    const bool refined = (!scenario.mesh.refine.empty() || scenario.adapt.active()) && coarse > fine;
+    for (const Resolution& r : found) {
+        std::printf("  %-12s law %s: process zone %.3g mm (at rest), %.1f edges%s", r.material.c_str(), r.law.c_str(),
+                    1e3 * r.steep_zone(), r.n_edges, refined ? " where refined" : "");
+        if (refined) std::printf(", %.1f elsewhere", r.n_edges * fine / coarse);
+        std::printf("; cohesive length %.3g mm\n", 1e3 * r.cohesive_length);
+    }
     if (cracks_anywhere(scenario))
         std::printf(
             "  a crack along the edges of a random mesh costs 1.1 to 1.3 G_c per length, however small they are: its "
             "path is 5 %% longer, the rest is damage\n  beside it. To meet a measured toughness, divide G_c by "
-            "work_per_advance/G_c of a first run (summary)\n");
+            "work_per_advance/G_c (summary) of a first run in which a single crack\n  runs, not two from a hole, not "
+            "branches\n");
     const SchemeOptions& scheme = scenario.time.scheme;
+    if (scheme.cohesion == CohesionScheme::explicit_beta) return;  // Assumption 1 is one of the implicit cohesion
     for (const Resolution& r : found) {
-        const double limit = assumption_1_step(r, finest_edge(scenario, mean_edge(mesh)), scheme.theta);
-        const char* what = scheme.cohesion == CohesionScheme::explicit_beta
-                               ? "of an implicit cohesion; explicit beta has no such limit"
-                           : limit >= step ? "holds for every step"
+        const double limit = assumption_1_step(r, fine, scheme.theta);
+        const char* what = limit >= step ? "holds for every step"
                            : scheme.respect_assumption_1
                                ? "may not hold where cohesion decreases: such steps are repeated with a smaller size"
                                : "may not hold where cohesion decreases: one of several solutions is used";
-        std::printf("  %-12s Assumption 1 margin %.2f: certainly holds up to h = %.3g s; %s\n", r.material.c_str(),
-                    limit / step, limit, what);
+        std::printf("  %-12s Assumption 1 certainly holds for h <= %.3g s, margin %.2f; %s\n", r.material.c_str(),
+                    limit, limit / step, what);
     }
 }
 

@@ -45,21 +45,22 @@ std::string all(const std::vector<Diagnostic>& found) {
 }  // namespace
 
 std::string format(const Diagnostic& d) {
-    const std::string number = d.line > 0 ? std::to_string(d.line) : "", margin(number.size() + 1, ' ');
+    const std::string number = d.line > 0 ? std::to_string(d.line) : "",
+                      margin(number.size() + 1, ' ');  // left of the bars
     std::string text = concatenated(d.severity == Diagnostic::Severity::error ? "error" : "warning", "[", d.code,
                                     "]: ", shortened(d.message), "\n");
     if (!d.file.empty()) {
-        text += margin + "--> " + shortened(d.file);
+        text += margin.substr(1) + "--> " + shortened(d.file);
         if (d.line > 0) text += concatenated(":", number, ":", std::max(d.column, 1));
         text += "\n";
     }
     if (!d.source_line.empty()) {
         const auto [line, column] = excerpt(d.source_line, d.column);
         text += concatenated(
-            margin, " |\n", number, " | ", line, "\n", margin, "| ", std::string(std::max(column - 1, 0), ' '),
+            margin, "|\n", number, " | ", line, "\n", margin, "| ", std::string(std::max(column - 1, 0), ' '),
             std::string(std::clamp(d.length, 1, max_line), '^'), d.hint.empty() ? "" : " ", d.hint, "\n");
     } else if (!d.hint.empty()) {
-        text += margin + "= help: " + d.hint + "\n";
+        text += margin + "= " + d.hint + "\n";
     }
     if (!d.note.empty()) text += margin + "= " + d.note + "\n";
     return printable(text);

@@ -159,6 +159,9 @@ void check_points(const std::string& part, const std::vector<Vec2>& points, bool
             throw ShapeError(part, "has a segment of zero length at ", place(side.b), ": remove one of its two points");
 }
 
+/// A part as messages name it.
+std::string part_text(const std::string& part) { return part == "outer" ? "the outline of the body" : part; }
+
 struct Polygon {
     std::string name;
     const std::vector<Vec2>& points;
@@ -199,8 +202,9 @@ void check_polygons(const std::vector<Polygon>& polygons, double tolerance) {
             throw ShapeError(name, "crosses or touches itself near ", near, " (sides ", std::min(s.number, t.number),
                              " and ", std::max(s.number, t.number), ")");
         const auto [first, second] = std::minmax({s.polygon, t.polygon});
-        throw ShapeError(polygons[second].name, "crosses or touches ", polygons[first].name, " near ", near,
-                         ": make it part of that ring or move it away");
+        throw ShapeError(polygons[second].name, "crosses or touches ", part_text(polygons[first].name), " near ", near,
+                         first == 0 ? ": draw it as part of the outline, or move it away"
+                                    : ": make them one, or move one of them away");
     };
     std::ranges::stable_sort(sides, {}, [](const Side& s) { return s.low.x(); });  // sweep along x
     for (auto s = sides.begin(); s != sides.end(); ++s)
@@ -223,7 +227,7 @@ void check_rings(const Shape& shape, double tolerance) {
     check_polygons(rings, tolerance);
     for (std::size_t r = 1; r < rings.size(); ++r) {
         const auto& [name, points] = rings[r];
-        if (!contains(rings[0].points, points[0])) throw ShapeError(name, "lies outside the outer ring");
+        if (!contains(rings[0].points, points[0])) throw ShapeError(name, "lies outside the outline of the body");
         for (std::size_t q = 1; q < rings.size(); ++q)
             if (q != r && contains(rings[q].points, points[0])) throw ShapeError(name, "lies inside ", rings[q].name);
     }
@@ -259,8 +263,8 @@ void check_gaps(const PlanarGraph& graph, const SizeField& min_gap) {
             const double gap = distance_to_segment(a, b, p);
             if (gap >= limit) continue;
             const GraphSegment &offender = likelier(s, *of_node[n]), &other = &offender == &s ? *of_node[n] : s;
-            throw ShapeError(offender.part_name(), "comes within ", gap, " m of ", other.part_name(), " at ", place(p),
-                             " without touching it: let it end there exactly, or leave at least ", limit,
+            throw ShapeError(offender.part_name(), "comes within ", gap, " m of ", part_text(other.part_name()), " at ",
+                             place(p), " without touching it: let it end there exactly, or leave at least ", limit,
                              " m (a twentieth of the mesh size)");
         }
     }

@@ -204,8 +204,9 @@ constexpr SummaryRow rows[]{
     {"main_angle", "deg", "acute angle between the x axis and the least-squares line through the main crack",
      [](F f) { return f.cracks.main_angle(); }},
     {"work_per_advance", "J/m2",
-     "work of the interfaces over length of the main crack and thickness: while one crack runs, what its advance "
-     "costs, with the zigzag and the damage beside it; larger than G_c, and branches add to it",
+     "work of all interfaces over length of the main crack and thickness. In a run in which a single crack runs in "
+     "one direction, without branches, this is what its advance costs, with the zigzag and the damage beside it; other "
+     "cracks (such as two from a hole) and branches count in the work, not in the length",
      [](F f) { return over(f.energy.cohesive_work, f.pattern.main_length * f.thickness); }},
     {"unresolved_part", "",
      "part of the length of all cracks on edges longer than 1.5 process zones (of a crack at rest, of the law with the "
@@ -244,7 +245,9 @@ constexpr SummaryRow rows[]{
     {"peak_stress", "Pa", "largest stress of the specimen: its strength", [](F f) { return f.strength.peak_stress; },
      of_specimen},
     {"peak_strain", "", "axial strain at that stress", [](F f) { return f.strength.peak_strain; }, of_specimen},
-    {"tangent_modulus", "Pa", "slope of stress over axial strain of a specimen, in the plane",
+    {"tangent_modulus", "Pa",
+     "slope of stress over axial strain of a specimen, in the plane; only for loading that is slow against the wave "
+     "transit",
      [](F f) { return f.strength.tangent_modulus; }, of_specimen},
     {"youngs_modulus", "Pa",
      "of the material of a specimen; in plane strain the tangent modulus times 1 - nu^2, which needs a "

@@ -166,7 +166,7 @@ void add_keys_of_run(KeyTable& t) {
     t.number("strain", "", "maximum principal strain of a triangle, with domain.rotation = \"large\"")
         .above(0).or_word("none").computed("none, warning from 5 %");
     t.number("area_change", "", "maximum relative change of the area of a triangle; without domain.rotation = "
-        "\"large\" a rotation by a changes it by tan^2 a")
+        "\"large\" a rotation by a changes it by tan^2(a)")
         .above(0).or_word("none").computed("1/3, warning from 5 %; 0.7 with domain.rotation = \"large\"");
     t.number("rotation_work_part", "", "maximum defect of the elastic energy by large rotations over "
         "the largest energy").above(0).or_word("none").otherwise("0.001");

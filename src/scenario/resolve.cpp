@@ -216,12 +216,17 @@ public:
 
 private:
     void report_excluded(const Key& key, const Node& node, const Node& table, const std::string& path) {
-        const std::string neighbour(key.condition.neighbour);
+        const std::string neighbour(key.condition.neighbour), value = text_of_neighbour(key, table);
+        std::vector<std::string> instead;  // keys that this value has in place of this one
+        for (const Key* other : keys_below(key.parent()))
+            if (other->condition.neighbour == neighbour && std::ranges::count(other->condition.values, value) > 0 &&
+                !table.find(other->name()))
+                instead.push_back("`" + std::string(other->name()) + "`");
         findings_.error(
             "exclusive-keys",
             "`" + path + "` belongs to " + neighbour + " = \"" + joined(key.condition.values, "\" or \"") + "\"", node,
-            "here " + neighbour + " = " + in_quotes(text_of_neighbour(key, table)) +
-                (table.find(neighbour) ? "" : ", its default"));
+            "here " + neighbour + " = " + in_quotes(value) + (table.find(neighbour) ? "" : ", its default") +
+                (instead.empty() ? "" : ", which has " + joined(instead)));
     }
 
     /// Returns the key that was meant; null where none is like it, or where nobody reads so many hints.
@@ -301,6 +306,7 @@ private:
             return members(child, table, key.path, path);
         }
         if (node.type == Node::Type::table) members(child, node, key.path, path);
+        else if (key.path == "expect.*") wrong_type(child, node, path, "a table such as { at_least = 2 }", "");
         else wrong_type(child, node, path, key.text_key.empty() ? "a table" : "a text or a table", "");
     }
 

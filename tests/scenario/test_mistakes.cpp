@@ -99,6 +99,9 @@ const Case cases[] = {
      "out-of-range", 14, 18, 16, "ascend"},
     {"a parameter of another softening beside the default", changed("G_c = 3", "G_c = 3\nplateau = 0.3"),
      "exclusive-keys", 14, 1, 7, "here softening = \"linear\", its default"},
+    {"an expected number without a bound", with("[expect]\nfragments = 2\n"), "wrong-type", 17, 13, 1, ""},
+    {"a place of a probe that watches a stress", with("[[probe]]\nname = \"p\"\nwatch = \"stress\"\nat = [0.5, 0.5]\n"),
+     "exclusive-keys", 19, 1, 2, "here watch = \"stress\", which has `box`"},
     {"a box of a probe that watches a place", with("[[probe]]\nname = \"p\"\nat = [0.5, 0.5]\nbox = [0, 0, 1, 1]\n"),
      "exclusive-keys", 19, 1, 3, "here watch = \"place\", its default"},
     {"friction and a table of it",
@@ -456,8 +459,8 @@ TEST_CASE("mistakes: as the user sees them") {
     REQUIRE(found.size() == 1);
     CHECK(format(found[0]) ==
           "error[unknown-key]: `interface.default.sigmac` is not a key of a scenario\n"
-          "   --> sample.toml:12:1\n"
-          "    |\n"
+          "  --> sample.toml:12:1\n"
+          "   |\n"
           "12 | sigmac  = 3.08e6\n"
           "   | ^^^^^^ did you mean `sigma_c`?\n"
           "   = keys here: breakable, sigma_c, G_c, delta_c, softening, plateau, exponent, table, csv, unloading, "

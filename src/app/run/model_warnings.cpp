@@ -140,23 +140,22 @@ public:
                         "the traction of the law `%s` (`%s`) drops at once, which no mesh resolves: crack speed and "
                         "branching will depend on the mesh",
                         r.law.c_str(), r.material.c_str()),
-                    "help: a short slope instead of the drop, as plateau = 0.9, or accept the dependence on the mesh");
+                    "a short slope instead of the drop, as plateau = 0.9, or accept the dependence on the mesh");
             else if (r.n_edges < 5)
                 add(size, "resolution",
                     formatted("the process zone of `%s` (%.3g m for a crack at rest%s) is covered by %.1f edges; crack "
                               "speed and branching will depend on the mesh",
                               r.material.c_str(), r.steep_zone(),
                               r.steepness != 1 ? ", where the traction falls fastest" : "", r.n_edges),
-                    formatted(
-                        "help: use a size of at most %.2g m where cracks run, or accept the dependence on the mesh",
-                        r.steep_zone() / 5));
+                    formatted("use a size of at most %.2g m where cracks run, or accept the dependence on the mesh",
+                              r.steep_zone() / 5));
     }
 
     void on_heat(double step) {
         const bool is_explicit = scenario_.time.scheme.bulk == BulkScheme::explicit_lumped;
         if (is_explicit && scenario_.heat && 20 * scenario_.heat->every * step > scenario_.time.end)
             add("heat.every", "heat", "temperatures change fewer than 20 times until `time.end`",
-                formatted("help: at most %.2g", std::max(1.0, scenario_.time.end / (20 * step))));
+                formatted("at most %.2g", std::max(1.0, scenario_.time.end / (20 * step))));
         for (const HeatScales& s : judge_heat(scenario_, mesh_, step)) {
             const double factor = scenario_.heat->time_factor, size_of_layer = s.layer() / 5;
             const char* const name = s.material.c_str();
@@ -167,27 +166,26 @@ public:
                               "m run at %.2g of the Rayleigh speed, and radiate that part of their energy: inertia, "
                               "which no real crack has here, will count",
                               factor, name, s.edge, s.radiated(factor)),
-                    formatted("help: at most %.2g%s; the summary's kinetic_part tells afterwards",
+                    formatted("at most %.2g%s; the summary's kinetic_part tells afterwards",
                               std::max(1.0, s.largest_time_factor()), s.damped ? "" : " without time.damping"));
             if (!scenario_.heat->exchanges.empty() && s.layer() < 3 * s.edge)
                 add(size, "heat",
                     formatted(
                         "heat enters `%s` by %.3g m until `time.end`, %.1f edges: its temperature depends on the mesh",
                         name, s.layer(), s.layer() / s.edge),
-                    formatted("help: a size of at most %.2g m where it enters", size_of_layer));
+                    formatted("a size of at most %.2g m where it enters", size_of_layer));
             if (s.convection > 0 && s.convection < s.edge)
                 add(size, "heat",
                     formatted(
                         "convection cools a face of `%s` within a depth k/transfer of %.3g m, %.1f edges: temperature "
                         "and stress of the face are wrong until %.2g s of heat",
                         name, s.convection, s.convection / s.edge, s.edge * s.edge / s.diffusivity),
-                    formatted("help: a size of at most %.2g m at this face, or accept a later first crack",
-                              s.convection));
+                    formatted("a size of at most %.2g m at this face, or accept a later first crack", s.convection));
             if (factor * s.step > s.passage / 20)
                 add("time.step", "heat",
                     formatted("a step of %.3g s is %.2g of the time in which heat crosses `%s`", step,
                               factor * s.step / s.passage, name),
-                    formatted("help: some %.2g s, a 200th of it", s.passage / 200 / factor));
+                    formatted("some %.2g s, a 200th of it", s.passage / 200 / factor));
         }
     }
 
@@ -262,7 +260,7 @@ public:
                        formatted("a free body starts with a spin of %.3g deg/s and turns by %.3g degrees until "
                                  "`time.end`; small rotations are those below %.3g degrees",
                                  spin, angle, from),
-                       "help: domain.rotation = \"large\" (explicit bulk, mesh.order = 1)");
+                       "domain.rotation = \"large\" (explicit bulk, mesh.order = 1)");
         }
     }
 
@@ -304,8 +302,11 @@ public:
                     "smallest one. Next to it: %s",
                     place_text(x).c_str(), std::min({(b - a).norm(), (c - b).norm(), (a - c).norm()}), size(t),
                     stable[t], usual / stable[t], usual, who.c_str()),
-                "move one of them, let them meet, or remove the detail; another seed places random traces elsewhere; "
-                "bulk = \"implicit\" allows larger steps");
+                std::string(who.find(" and ") != who.npos || who.starts_with("two parts")
+                                ? "move one of them, let them meet, or remove the detail; "
+                                : "enlarge or remove it; ") +
+                    (scenario_.random_sets.empty() ? "" : "another seed places random traces elsewhere; ") +
+                    "bulk = \"implicit\" allows larger steps");
         }
     }
 

@@ -339,6 +339,7 @@ void Run::finish() {
     record_.gates = recorder_.gates().gates();
     if (record_.status == "done" && complete)
         record_.expect = judge_expectations(setup_.scenario.expect, record_.summary, record_.rayleigh_speed);
+    if (record_.status == "failed") record_.n_not_judged = setup_.scenario.expect.size();
     record_.figures = recorder_.figures();
     record_.output = recorder_.time();
     record_.spent = spent(), record_.spent.steps = stepping_time;

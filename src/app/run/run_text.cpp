@@ -1,6 +1,7 @@
 #include "app/run/run_text.hpp"
 
 #include "base/formatted.hpp"
+#include "figures/ticks.hpp"
 #include "record/outputs.hpp"
 
 #include <algorithm>
@@ -18,6 +19,27 @@ std::string reason_text(const Cutback& cut) {
     if (cut.value == 0) return text;
     const bool is_length = cut.reason != CutbackReason::contact_residual;
     return text + formatted(is_length ? " (%.4g of an edge)" : " (%.4g of them)", cut.value);
+}
+
+/// Each sentence on a line of its own.
+std::string sentences(std::string text, const std::string& line_break) {
+    for (std::size_t at = text.find(". "); at != text.npos && at + 2 < text.size(); at = text.find(". ", at + 1))
+        text.replace(at + 1, 1, line_break);
+    return text;
+}
+
+/// A gate that has no limit or was not judged says nothing.
+bool is_judged(const Gate& gate) {
+    return gate.level != GateLevel::ok || (!std::isnan(gate.value) && std::isfinite(gate.warning));
+}
+
+/// Whether cracks beside the main one took part in work_per_advance, which then is not what an advance costs.
+std::string shared_work_text(const Summary& summary) {
+    constexpr double zigzag =
+        1.3;  // a single crack along edges over its chords, with side cracks below those that count
+    const double branches = summary["branches"], all = summary["crack_length"] / summary["main_length"];
+    if (!(branches > 0 || all > zigzag)) return "";
+    return formatted(" (not the cost of one crack: all cracks are %.3g times as long as the main one)", all);
 }
 
 /// The work of the implicit solver and the cutbacks.
@@ -140,9 +162,9 @@ std::string end_of_run(const RunRecord& record, const std::filesystem::path& dir
             : formatted("%lld steps of %.4g s", Count(record.steps),
                         record.steps > 0 ? record.largest_step : record.step);
     std::string text =
-        formatted("%s: %s at t = %.6g s after %s; %d triangles, %d interfaces; %.1f s (%.1f s of processor time)\n",
-                  record.name.c_str(), record.status.c_str(), record.time, steps.c_str(), record.triangles,
-                  record.interfaces, spent.wall, spent.cpu);
+        formatted("%s: %s at t = %s after %s; %d triangles, %d interfaces; %.1f s (%.1f s of processor time)\n",
+                  record.name.c_str(), record.status.c_str(), time_text(record.time).c_str(), steps.c_str(),
+                  record.triangles, record.interfaces, spent.wall, spent.cpu);
     text += formatted("  processor time: mesh and model %.2f s, ", spent.model);
     if (spent.preload > 0) text += formatted("preload %.2f s, ", spent.preload);
     // differences of several clocks, which may be below zero by their resolution
@@ -155,26 +177,36 @@ std::string end_of_run(const RunRecord& record, const std::filesystem::path& dir
                           output.waited_for_frames);
     if (record.ended == "rest")
         text +=
-            formatted("  ended before time.end: the body is at rest since t = %.6g s\n", record.summary["rest_time"]);
-    if (!record.reason.empty()) text += "  reason: " + record.reason + "\n";
+            "  ended before time.end: the body is at rest since t = " + time_text(record.summary["rest_time"]) + "\n";
+    if (!record.reason.empty()) text += "  reason: " + sentences(record.reason, "\n          ") + "\n";
     text += solver_text(record);
     if (!record.summary.values.empty())
         text += "  energies and forces are those of the thickness of " + value_text(record.thickness, "m") + "\n";
     for (const auto& [name, value] : record.summary.values) {
+        if (std::isnan(value)) continue;
         const bool of_driver = name == "reaction_x" || name == "reaction_y" || name == "largest_reaction";
         text += formatted("  %-24s %s", name.c_str(), value_text(value, unit_of("summary", name)).c_str());
-        text += of_driver && !record.summary.reaction_of.empty() ? " (of " + record.summary.reaction_of + ")\n" : "\n";
+        text += of_driver && !record.summary.reaction_of.empty() ? " (of " + record.summary.reaction_of + ")" : "";
+        text += (name == "work_per_advance" ? shared_work_text(record.summary) : "") + "\n";
     }
+    std::size_t width = 0;  // of the longest name
+    for (const Gate& gate : record.gates) width = std::max(width, is_judged(gate) ? gate.name.size() : 0);
+    for (const ExpectResult& result : record.expect) width = std::max(width, result.name.size());
+    const int n = static_cast<int>(width);
     for (const Gate& gate : record.gates)
-        text += formatted("  gate   %-20s %-16s limit %-16s %s%s\n", gate.name.data(),
-                          value_text(gate.value, gate.unit, 4).c_str(),
-                          std::isinf(gate.limit) ? "none" : value_text(gate.limit, gate.unit, 4).c_str(),
-                          gate.pass() ? name_of(gate.level).data() : "VIOLATED",
-                          gate.level == GateLevel::ok ? "" : at_place(gate.place).c_str());
+        if (is_judged(gate))
+            text += formatted("  gate   %-*s %-16s limit %-16s %s%s\n", n, gate.name.data(),
+                              value_text(gate.value, gate.unit, 4).c_str(),
+                              std::isinf(gate.limit) ? "none" : value_text(gate.limit, gate.unit, 4).c_str(),
+                              gate.pass() ? name_of(gate.level).data() : "VIOLATED",
+                              gate.level == GateLevel::ok ? "" : at_place(gate.place).c_str());
     for (const ExpectResult& result : record.expect)
-        text += formatted("  expect %-20s %-16s %-24s %s\n", result.name.c_str(),
+        text += formatted("  expect %-*s %-16s %-24s %s\n", n, result.name.c_str(),
                           value_text(result.value, unit_of("summary", result.name)).c_str(), result.limit.c_str(),
                           result.pass ? "ok" : "FAILED");
+    if (record.n_not_judged > 0)
+        text += formatted("  expect: %zu number%s not judged, because the run failed\n", record.n_not_judged,
+                          record.n_not_judged == 1 ? "" : "s");
     text += "run:     " + directory.string() + "\n";
     for (const auto& figure : record.figures) text += "figure:  " + figure.string() + "\n";
     return text;

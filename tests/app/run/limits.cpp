@@ -65,8 +65,10 @@ Answer run(const Folder& folder, const std::string& scenario, const std::string&
 
 TEST_CASE("limits: a bar that turns is warned of from 5 degrees and ends its run at 30") {
     const Folder folder("spin");
-    const Answer turned = run(folder, spin);
+    const Answer turned = run(folder, spin, "-s 'expect.fragments={ at_least = 1 }'");
     CHECK(turned.code == 3);
+    CHECK(turned.has("expect: 1 number not judged, because the run failed"));
+    CHECK(turned.has("\n          Set domain.rotation = \"large\""));
     CHECK(count(turned.text, "warning[rotation]") == 1);
     CHECK(turned.has("gate rotation violated"));
     const Json record = record_of(folder);
