@@ -25,7 +25,7 @@ struct CurveKind {
     Chart (*chart)(const Source&);  // null: the rose
     History Histories::*table;
     FigureNeed needs = FigureNeed::nothing;
-    bool grows = false;  // a point for every line of the histories
+    bool grows = false;  // a point for every line of the histories, which then have a column `time`
     bool marks = false;  // takes_marks()
 };
 
