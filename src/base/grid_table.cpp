@@ -14,7 +14,7 @@ GridTable::GridTable(const std::vector<std::array<double, 4>>& rows) {
         const auto repeated = std::ranges::unique(axes_[k]);
         axes_[k].erase(repeated.begin(), repeated.end());
     }
-    const auto& [x, y, t] = axes_;
+    const std::vector<double>&x = axes_[0], &y = axes_[1], &t = axes_[2];
     const auto fail = [&](const char* what, std::size_t i, std::size_t j, std::size_t l) {
         throw UserError("bad-csv", formatted("%s line for x = %.6g, y = %.6g, t = %.6g", what, x[i], y[j], t[l]),
                         formatted("%zu values of x, %zu of y and %zu of t make a grid with one line for each place",
