@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace knap {
 
@@ -10,6 +11,7 @@ void FanClusters::start(const FanProblem& problem) {
     problem_ = &problem;
     cluster_.resize(problem.bodies.size() + 1);
     std::iota(cluster_.begin(), cluster_.end(), 0);
+    next_ = cluster_;
     offset_.assign(cluster_.size(), Vec2::Zero());
 }
 
@@ -17,8 +19,12 @@ bool FanClusters::join(const FanLink& link, const Vec2& jump, double tolerance) 
     const Index kept = of(link.before), joined = of(link.after);
     const Vec2 shift = offset_[at(link.before)] + jump - offset_[at(link.after)];
     if (kept == joined) return shift.cwiseAbs().maxCoeff() <= tolerance;  // a closed loop: its jumps must sum to zero
-    for (std::size_t b = 0; b < cluster_.size(); ++b)
-        if (cluster_[b] == joined) cluster_[b] = kept, offset_[b] += shift;
+    const Index first = at(link.after);
+    for (Index b = first;;) {
+        cluster_[b] = kept, offset_[b] += shift;
+        if ((b = next_[b]) == first) break;
+    }
+    std::swap(next_[first], next_[at(link.before)]);
     return true;
 }
 

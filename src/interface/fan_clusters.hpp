@@ -43,8 +43,9 @@ private:
     Index of(Index body) const { return cluster_[at(body)]; }
 
     const FanProblem* problem_ = nullptr;
-    std::vector<Index> cluster_;                 // per body, then of the support
-    std::vector<Vec2> offset_;                   // [m/s] likewise
+    std::vector<Index> cluster_;  // per body, then of the support
+    std::vector<Index> next_;     // likewise: another body of the cluster, in a circle through all of them
+    std::vector<Vec2> offset_;    // [m/s] likewise
     std::vector<Vec2> velocity_, inverse_mass_;  // [m/s], [1/kg] per cluster
 };
 
