@@ -120,13 +120,25 @@ void print_text(const Json& record) {
                     number_text(result["value"], result.value("unit", "")).c_str(), result["pass"] ? "ok" : "FAILED");
 }
 
+/// The measured points that a scenario has in a figure with these axes.
+void take_measured(FigureOptions& figure, const std::vector<FigureOptions>& of_run) {
+    const auto same = std::ranges::find_if(of_run, [&](const FigureOptions& one) {
+        return !one.measured.empty() && one.show == figure.show && one.over == figure.over;
+    });
+    if (same != of_run.end()) figure.measured = same->measured, figure.measured_by = same->measured_by;
+}
+
 }  // namespace
 
 ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figure,
                     const std::filesystem::path& output) {
     const FinishedRun finished = read_finished_run(run);
     std::vector<FigureOptions> figures{figure};
-    if (figure.show.empty()) figures = read_scenario(run / "resolved.toml").scenario.figures;
+    if (std::error_code none; figure.show.empty() || std::filesystem::exists(run / "resolved.toml", none)) {
+        const std::vector<FigureOptions> of_run = read_scenario(run / "resolved.toml").scenario.figures;
+        if (figure.show.empty()) figures = of_run;
+        else take_measured(figures[0], of_run);
+    }
     for (const FigureOptions& one : figures) check_figure(one, finished.histories);
     const std::filesystem::path directory = output.empty() ? run / "rendered" : output;
     const bool made = std::filesystem::create_directories(directory);

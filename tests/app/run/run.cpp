@@ -85,6 +85,11 @@ TEST_CASE("a run directory is complete") {
         CHECK(command("render " + folder.in_shell("run")).code == 0);
         CHECK(command("render " + folder.in_shell("run") + " --show nothing").code == 2);
         CHECK(command("render " + folder.in_shell("run") + " --show speed --at 20mm").has("a length"));
+        std::ofstream(folder.path / "run/resolved.toml", std::ios::app)
+            << "\n[[figure]]\nfile = \"m.png\"\nshow = \"speed\"\nmeasured = [[0.05, 0.02]]\nmeasured_by = \"N\"\n";
+        CHECK(command("render " + folder.in_shell("run")).code == 0);
+        CHECK(command("render " + folder.in_shell("run") + " --show speed --file one.png").code == 0);
+        CHECK(text_of(folder.path / "run/rendered/one.png") == text_of(folder.path / "run/rendered/m.png"));
     }
     {  // it is animated, the same picture by picture each time
         const std::string run = folder.in_shell("run"), file = "run/rendered/cracks.webp";
