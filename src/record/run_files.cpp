@@ -43,14 +43,18 @@ FinishedRun read_finished_run(const std::filesystem::path& run) {
         if (is_needed && (histories.*file.table).rows.empty())
             throw UserError("damaged-file", "`" + (run / file.name).string() + "` has no line of numbers");
     }
+    // what can throw stands before the aggregate: GCC 12 destroys members of a nested one that it has not made yet
+    std::vector<double> times;
+    if (std::filesystem::exists(run / "run.pvd")) times = frame_times(run);
     const std::string title = record["title"];
+    FigureContext context{.title = title.empty() ? record["name"].get<std::string>() : title,
+                          .rayleigh_speed = record["rayleigh_speed_m_per_s"],
+                          .materials = record["materials"],
+                          .celsius = record.value("temperature_unit", "") == "C"};
     return {.directory = run,
             .histories = std::move(histories),
-            .context = {.title = title.empty() ? record["name"].get<std::string>() : title,
-                        .rayleigh_speed = record["rayleigh_speed_m_per_s"],
-                        .materials = record["materials"],
-                        .celsius = record.value("temperature_unit", "") == "C"},
-            .frame_times = std::filesystem::exists(run / "run.pvd") ? frame_times(run) : std::vector<double>{}};
+            .context = std::move(context),
+            .frame_times = std::move(times)};
 }
 
 FigureScale scale_of(const FigureOptions& options, const std::filesystem::path& run,
