@@ -199,9 +199,9 @@ TEST_CASE("a run in which a body breaks allocates as often as its lists double")
         {"pulled, implicit cohesion", pulled_plate(1e-3), implicit_beta, 50},
         {"pulled, second order", pulled_plate(1e-3, 2), explicit_beta, 50},
         {"pulled, implicit", pulled_plate(1e-3, 1, 2), implicit, 40},
-        {"pressed", pressed_plate(driven_platen(2e-2, 0.3)), explicit_beta, 120},
+        {"pressed", pressed_plate(driven_platen(2e-2, 0.3)), explicit_beta, 125},
         {"pressed, implicit", pressed_plate(driven_platen(5e-3, 0)), implicit, 80},
-        {"struck", pressed_plate(boulder({1.2, 1.3}, 0.3, {0, -2e-2}, {.friction = 0.3})), explicit_beta, 120},
+        {"struck", pressed_plate(boulder({1.2, 1.3}, 0.3, {0, -2e-2}, {.friction = 0.3})), explicit_beta, 125},
         {"struck, implicit", pressed_plate(boulder({1.2, 1.3}, 0.3, {0, -5e-3})), implicit, 60},
         {"struck by a corner", pressed_plate(wedge(2e-2)), explicit_beta, 100},
     };
