@@ -133,9 +133,11 @@ void CrackArms::close(Index edge, Index a, Index b) {
 /// The last node that the paths to two nodes of a crack have in common.
 Index CrackArms::common(Index a, Index b) const {
     const auto rank = [&](Index node) { return std::pair(nodes_[node].distance, node); };
-    while (a != b) {
-        Index& farther = rank(a) > rank(b) ? a : b;
-        farther = nodes_[farther].parent;
+    while (a != b) {  // the farther one goes back
+        if (rank(a) > rank(b))
+            a = nodes_[a].parent;
+        else
+            b = nodes_[b].parent;
     }
     return a;
 }
