@@ -134,10 +134,8 @@ void CrackArms::close(Index edge, Index a, Index b) {
 Index CrackArms::common(Index a, Index b) const {
     const auto rank = [&](Index node) { return std::pair(nodes_[node].distance, node); };
     while (a != b) {  // the farther one goes back
-        if (rank(a) > rank(b))
-            a = nodes_[a].parent;
-        else
-            b = nodes_[b].parent;
+        if (rank(a) > rank(b)) a = nodes_[a].parent;
+        else b = nodes_[b].parent;
     }
     return a;
 }
