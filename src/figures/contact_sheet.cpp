@@ -45,8 +45,9 @@ DrawnFigure draw_contact_sheet(const std::vector<Tile>& tiles, std::size_t n_col
     draw_title(canvas, heading, margin, page_width - margin, canvas.height() - head);
     draw_legend(canvas, legend, {margin, 0, page_width - 2 * margin, foot});
     for (std::size_t i = 0; i < tiles.size(); ++i) {
+        const std::size_t row_number = i / n_columns;
         const double middle = margin + static_cast<double>(i % n_columns) * column + 0.5 * width,
-                     top = canvas.height() - head - static_cast<double>(i / n_columns) * row;
+                     top = canvas.height() - head - static_cast<double>(row_number) * row;
         const Image image = image_of(tiles[i]);
         if (const double own = shape_of(image); own > 0) {  // as large as fits, at the top
             const double own_width = width * std::min(1., shape / own);

@@ -117,7 +117,7 @@ bool FaceContacts::place_corners(const State& begin, double h, bool boundary_cha
     if (!complete_) reference_.clear(), corners_.clear(), n_read_ = 0, longest_ = 0, total_ = 0, boundary_.sort();
     read_boundary();
     const auto numbers = boundary_.corners();
-    const auto [ground, behind_ground] = boundary_.ground_corners();
+    const std::size_t ground = boundary_.ground_corners()[0], behind_ground = boundary_.ground_corners()[1];
     const std::size_t n_ground = behind_ground - ground, n_known = complete_ ? nearby_.n_corners() : 0;
     const Motion motion = sum_over_blocks(
         numbers.size() - n_ground, block, partial_, [&](std::size_t first, std::size_t last, Motion& own) {

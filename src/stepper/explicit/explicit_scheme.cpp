@@ -188,7 +188,7 @@ bool ExplicitScheme::decide_and_move(const Sweep<Corner>& sweep, const typename 
         return false;
     }
     const InscribedCircle* circles = block.circles.data() + (corner - block.corners.data());
-    const auto is_held = [&, &work = work, &report = report](const auto& force_on, const Vec2& total) {
+    const auto is_held = [&, &step = step, &work = work, &report = report](const auto& force_on, const Vec2& total) {
         return !fan_is_candidate_[f] ||
                is_bonded(f, {circles, static_cast<std::size_t>(fan.n_corners)}, force_on, total, step, work, report);
     };

@@ -162,7 +162,7 @@ void ImplicitBulk::account(const std::vector<Vec2>& rate, const std::vector<Vec2
     const State& begin = *step_->begin;
     const double theta = step_->theta, h = step_->h;
     const Index n = nodes_->n_nodes();
-    auto& [of_corner, of_node] = work;
+    std::vector<Vec2>&of_corner = work.of_corner, &of_node = work.of_node;
     const auto end = [&](Index i) { return end_velocity(i, rate[i]); };
     const auto change = [&](Index i) -> Vec2 { return end(i) - velocity_[i]; };
     const auto momentum = [&](const auto& velocity) {  // of_corner = M velocity
