@@ -50,12 +50,14 @@ struct ViscousTriangles {
 /// Of the triangles from `first` to before `last`: force [N] on their corners, x and y in turns, from the
 /// displacement [m] of the nodes; sum_k f_k = 0. Sets fan_is_candidate [0/1] where |sigma|_F^2 exceeds the threshold
 /// of a fan; with Green's strain |P|_F^2, since |f_k| <= V |P|_F |grad l_k| at any strain. Returns the energy U [J],
-/// with small strains zero: there it is 1/2 u' K u. `viscous` is read and filled if `is_viscous`.
-template <int lanes, StrainMeasure measure, bool is_viscous>
-double constant_strain_forces(std::int32_t first, std::int32_t last, const ConstantStrainBody& body,
-                              const double* displacement, const std::int32_t* node_of_corner, double* force,
-                              std::uint8_t* fan_is_candidate, ViscousTriangles* viscous);
+/// with small strains zero: there it is 1/2 u' K u. `viscous` is read and filled by a viscous kernel.
+using ConstantStrainForces = double (*)(std::int32_t first, std::int32_t last, const ConstantStrainBody& body,
+                                        const double* displacement, const std::int32_t* node_of_corner, double* force,
+                                        std::uint8_t* fan_is_candidate, ViscousTriangles* viscous);
 
-using ConstantStrainForces = decltype(&constant_strain_forces<2, StrainMeasure::small, false>);
+/// The kernel that takes two triangles at once, and the one that takes four, with AVX2 where the compiler has it. Same
+/// bits.
+ConstantStrainForces baseline_kernel(StrainMeasure measure, bool is_viscous);
+ConstantStrainForces avx2_kernel(StrainMeasure measure, bool is_viscous);
 
 }  // namespace knap

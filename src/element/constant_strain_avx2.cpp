@@ -3,22 +3,7 @@
 #ifdef __AVX2__
 namespace knap {
 
-template double constant_strain_forces<4, StrainMeasure::small, false>(std::int32_t, std::int32_t,
-                                                                       const ConstantStrainBody&, const double*,
-                                                                       const std::int32_t*, double*, std::uint8_t*,
-                                                                       ViscousTriangles*);
-template double constant_strain_forces<4, StrainMeasure::small, true>(std::int32_t, std::int32_t,
-                                                                      const ConstantStrainBody&, const double*,
-                                                                      const std::int32_t*, double*, std::uint8_t*,
-                                                                      ViscousTriangles*);
-template double constant_strain_forces<4, StrainMeasure::green, false>(std::int32_t, std::int32_t,
-                                                                       const ConstantStrainBody&, const double*,
-                                                                       const std::int32_t*, double*, std::uint8_t*,
-                                                                       ViscousTriangles*);
-template double constant_strain_forces<4, StrainMeasure::green, true>(std::int32_t, std::int32_t,
-                                                                      const ConstantStrainBody&, const double*,
-                                                                      const std::int32_t*, double*, std::uint8_t*,
-                                                                      ViscousTriangles*);
+ConstantStrainForces avx2_kernel(StrainMeasure measure, bool is_viscous) { return kernel_of<4>(measure, is_viscous); }
 
 }  // namespace knap
 #endif

@@ -1,5 +1,5 @@
 #pragma once
-// See constant_strain.hpp. Included by one file per instruction set.
+// See constant_strain.hpp. Included by one file per instruction set, of which nobody else can name the kernels.
 #include "element/constant_strain.hpp"
 
 namespace knap {
@@ -99,7 +99,7 @@ template <int lanes, class In>
     return {s, before};
 }
 
-/// As constant_strain_forces, of `lanes` triangles from t on; in(i) is the i-th of them: where fewer are left, the last
+/// As ConstantStrainForces, of `lanes` triangles from t on; in(i) is the i-th of them: where fewer are left, the last
 /// one fills the lanes. Adds the energy of the first n.
 template <int lanes, StrainMeasure measure, bool is_viscous, class In>
 [[gnu::always_inline]] inline void add_forces(std::int64_t t, int n, const In& in, const ConstantStrainBody& body,
@@ -182,8 +182,6 @@ template <int lanes, StrainMeasure measure, bool is_viscous, class In>
     for (int i = 0; i < n; ++i) mark_candidates(body, t + i, norm2[lane_of<lanes>(i)], fan_is_candidate);
 }
 
-}  // namespace
-
 template <int lanes, StrainMeasure measure, bool is_viscous>
 double constant_strain_forces(std::int32_t first, std::int32_t last, const ConstantStrainBody& body,
                               const double* displacement, const std::int32_t* node_of_corner, double* force,
@@ -204,4 +202,16 @@ double constant_strain_forces(std::int32_t first, std::int32_t last, const Const
     return energy;
 }
 
+template <int lanes, StrainMeasure measure>
+ConstantStrainForces kernel_of(bool is_viscous) {
+    return is_viscous ? &constant_strain_forces<lanes, measure, true> : &constant_strain_forces<lanes, measure, false>;
+}
+
+template <int lanes>
+ConstantStrainForces kernel_of(StrainMeasure measure, bool is_viscous) {
+    return measure == StrainMeasure::small ? kernel_of<lanes, StrainMeasure::small>(is_viscous)
+                                           : kernel_of<lanes, StrainMeasure::green>(is_viscous);
+}
+
+}  // namespace
 }  // namespace knap

@@ -22,25 +22,20 @@ std::vector<LameConstants> lame_constants(const std::vector<Elastic>& materials,
     return constants;
 }
 
-/// The fastest kernel that this machine can run.
-template <bool is_viscous>
-ConstantStrainForces kernel_of(StrainMeasure measure) {
-    const bool is_small = measure == StrainMeasure::small;
+/// The fastest one that this machine can run.
+ConstantStrainForces fastest_kernel(StrainMeasure measure, bool is_viscous) {
 #ifdef KNAP_AVX2
-    if (__builtin_cpu_supports("avx2"))
-        return is_small ? &constant_strain_forces<4, StrainMeasure::small, is_viscous>
-                        : &constant_strain_forces<4, StrainMeasure::green, is_viscous>;
+    if (__builtin_cpu_supports("avx2")) return avx2_kernel(measure, is_viscous);
 #endif
-    return is_small ? &constant_strain_forces<2, StrainMeasure::small, is_viscous>
-                    : &constant_strain_forces<2, StrainMeasure::green, is_viscous>;
+    return baseline_kernel(measure, is_viscous);
 }
 
 }  // namespace
 
 ConstantStrainTriangles::ConstantStrainTriangles(const Mesh& mesh, const std::vector<Elastic>& materials,
                                                  PlaneModel plane, double thickness, StrainMeasure measure)
-    : forces_(kernel_of<false>(measure)),
-      viscous_forces_(kernel_of<true>(measure)),
+    : forces_(fastest_kernel(measure, false)),
+      viscous_forces_(fastest_kernel(measure, true)),
       stiffness_(lame_constants(materials, plane)),
       viscosity_(viscous_coefficients(mesh, materials, plane)) {
     triangles_.reserve(mesh.n_triangles());
