@@ -1,7 +1,8 @@
 #pragma once
 // Nested dissection (A. George 1973): the triangles are halved again and again, each time across the axis that cuts
-// fewer vertices. Unknowns inside a half are eliminated there, those of the cut vertices after both halves: little
-// fill-in, and a local change reaches only the parts that contain it.
+// fewer vertices, along the fewest vertices near the middle (base/vertex_cut.hpp). Unknowns inside a half are
+// eliminated there, those of the cut vertices after both halves: little fill-in, and a local change reaches only the
+// parts that contain it.
 #include "model/model.hpp"
 
 #include <span>
