@@ -22,14 +22,13 @@ double stands_still(double velocity, const TimeFunction& history) {
     return velocity * history(for_ever) == 0 ? last_change(history) : for_ever;
 }
 
-/// [s] Ten passages of the slowest shear wave.
-double default_duration(const Model& model) {
+}  // namespace
+
+double shear_passage(const Model& model) {
     double slowest = for_ever;
     for (const Elastic& material : model.materials) slowest = std::min(slowest, material.shear_speed());
-    return passages * bounding_box(model.mesh.vertices).diagonal() / slowest;
+    return bounding_box(model.mesh.vertices).diagonal() / slowest;
 }
-
-}  // namespace
 
 double settling_time(const Model& model) {
     double time = -for_ever;
@@ -50,7 +49,7 @@ double settling_time(const Model& model) {
 
 RestWatch::RestWatch(const Model& model, const RestOptions& options)
     : below_(options.below),
-      duration_(options.duration > 0 ? options.duration : default_duration(model)),
+      duration_(options.duration > 0 ? options.duration : passages * shear_passage(model)),
       settled_(std::max(settling_time(model), options.not_before)) {}
 
 void RestWatch::after_step(const EnergyRow& row) {

@@ -38,6 +38,9 @@ private:
     bool at_rest_ = false;
 };
 
+/// [s] In which the slowest shear wave passes through all of the body.
+double shear_passage(const Model& model);
+
 /// [s] From when on no load, prescribed motion or force on an obstacle changes; infinite where something is driven at a
 /// velocity for ever.
 double settling_time(const Model& model);

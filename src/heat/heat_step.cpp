@@ -2,19 +2,17 @@
 
 namespace knap {
 
-HeatStep::HeatStep(const Model& model, bool implicit_bulk)
-    : model_(model),
-      implicit_(implicit_bulk),
-      is_constant_(!model.heat->conduction && model.heat->field.is_constant()) {
+HeatStep::HeatStep(const Model& model)
+    : model_(model), is_constant_(!model.heat->conduction && model.heat->field.is_constant()) {
     if (model.heat->conduction) conduction_.emplace(model);
 }
 
-SharedTemperatures HeatStep::after(const State& begin, double h) {
+SharedTemperatures HeatStep::after(const State& begin, double h, bool implicit_bulk) {
     if (is_constant_) return begin.temperature;
-    if (!implicit_ && (begin.n_steps + 1) % model_.heat->every != 0) return begin.temperature;
+    if (!implicit_bulk && (begin.n_steps + 1) % model_.heat->every != 0) return begin.temperature;
     const double end = begin.time + h;
     if (!conduction_) return field_at(model_, end);
-    return implicit_ ? conduction_->implicit_step(begin, end) : conduction_->explicit_step(begin, end);
+    return implicit_bulk ? conduction_->implicit_step(begin, end) : conduction_->explicit_step(begin, end);
 }
 
 }  // namespace knap

@@ -10,14 +10,14 @@ namespace knap {
 
 class HeatStep {
 public:
-    HeatStep(const Model& model, bool implicit_bulk);
+    explicit HeatStep(const Model& model);
 
     /// Those of `begin` themselves where nothing changes: with the explicit bulk all but every N-th step.
-    SharedTemperatures after(const State& begin, double h);
+    SharedTemperatures after(const State& begin, double h, bool implicit_bulk);
 
 private:
     const Model& model_;
-    bool implicit_, is_constant_;
+    bool is_constant_;
     std::optional<Conduction> conduction_;
 };
 

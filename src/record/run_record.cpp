@@ -152,13 +152,24 @@ const std::vector<Member>& members() {
          are_results},
         {"scheme", "", "of bulk and cohesion, theta, mass, assumption_1",
          [](R r) {
-             return Json{{"bulk", r.scheme.bulk == BulkScheme::explicit_lumped ? "explicit" : "implicit"},
+             return Json{{"bulk", name_of(r.scheme.bulk)},
                          {"cohesion", r.scheme.cohesion == CohesionScheme::explicit_beta ? "explicit" : "implicit"},
                          {"theta", r.scheme.theta},
                          {"mass", name_of(r.scheme.mass)},
                          {"assumption_1", r.scheme.respect_assumption_1 ? "respect" : "ignore"}};
          },
          is_scheme},
+        {"scheme_changes", "",
+         "with bulk = \"auto\": list of the changes: time_s, to (explicit or implicit) and reason (of a change to "
+         "explicit steps, a name in cuts)",
+         [](R r) {
+             if (r.scheme.bulk != BulkScheme::automatic) return absent;
+             return list_of(r.scheme_changes, [](const SchemeChangeEvent& change) {
+                 return Json{{"time_s", change.time},
+                             {"to", change.to_explicit ? "explicit" : "implicit"},
+                             {"reason", change.to_explicit ? name_of(change.reason) : "quiet"}};
+             });
+         }},
         {"linear_solves", "", "number, of the implicit bulk", [](R r) { return r.counts.linear_solves; }, is_number},
         {"factorisations", "", "number, of the implicit bulk", [](R r) { return r.counts.factorisations; }, is_number},
         {"factor", "", "unknowns and entries of the last factor",
@@ -228,6 +239,15 @@ OutputTable run_json_outputs() {
     OutputTable table{"run.json", "further members of this file", {}};
     for (const Member& member : members()) table.rows.push_back({member.name, member.unit, member.doc});
     return table;
+}
+
+void RunRecord::set_counts(const StepReport& counted, const StepControl& control) {
+    counts = counted;
+    counts.linear_solves += control.rejected_steps().linear_solves;
+    counts.factorisations += control.rejected_steps().factorisations;
+    smallest_step = control.smallest_taken(), largest_step = control.largest_taken();
+    n_cutbacks = control.n_cutbacks();
+    scheme_changes = control.changes();
 }
 
 std::string run_json(const RunRecord& record) {

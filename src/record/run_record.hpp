@@ -44,6 +44,7 @@ struct RunRecord {
     double step = 0, time = 0;                                      // [s] planned step, time reached
     double smallest_step = 0, largest_step = 0;                     // [s] accepted steps
     std::array<std::int64_t, cutback_reasons.size()> n_cutbacks{};  // in the order of cutback_reasons
+    std::vector<SchemeChangeEvent> scheme_changes;                  // with BulkScheme::automatic
     SchemeOptions scheme;
     double mean_edge = 0;                // [m]
     double rayleigh_speed = 0;           // [m/s]
@@ -60,6 +61,9 @@ struct RunRecord {
     std::size_t n_not_judged = 0;  // numbers of [expect] of a run that failed
     std::vector<std::filesystem::path> figures;
     std::vector<std::string> warnings;
+
+    /// Of the steps that counted, and those that the control rejected.
+    void set_counts(const StepReport& counted, const StepControl& control);
 
     /// [s] Processor time of all else: reading, checkpoints, the end.
     double cpu_other() const { return spent.cpu - spent.model - spent.preload - spent.steps - output.cpu; }

@@ -13,7 +13,7 @@ void refuse_others(Reading& reading, const Table& table) {
         if (is_there) table.error("exclusive-keys", "", "does not go together with " + what, cure);
     };
     const char* fine_from_start = "[[mesh.refine]] makes a region fine from the start";
-    refuse(scenario.time.scheme.bulk == BulkScheme::implicit_theta, "bulk = \"implicit\"", "the explicit bulk");
+    refuse(scenario.time.scheme.takes_implicit_steps(), "implicit steps of time.bulk", "bulk = \"explicit\"");
     refuse(scenario.order == 2, "mesh.order = 2", "triangles of first order");
     refuse(scenario.large_rotation, "rotation = \"large\" and [contact]", fine_from_start);
     refuse(scenario.given != nullptr, "mesh.file", "a shape that is meshed here");

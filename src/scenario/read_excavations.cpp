@@ -46,7 +46,7 @@ void read_excavations(Reading& reading) {
     const std::vector<Table> tables = reading.list("excavation");
     if (tables.empty()) return;
     const Table& first = tables.front();
-    if (reading.scenario.time.scheme.bulk == BulkScheme::implicit_theta)
+    if (reading.scenario.time.scheme.takes_implicit_steps())
         first.error("exclusive-keys", "", "needs the explicit bulk", "time.bulk = \"explicit\"");
     if (reading.table("specimen").given())
         first.error("exclusive-keys", "", "has no meaning with [specimen]: a specimen keeps its shape",

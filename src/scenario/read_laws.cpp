@@ -201,7 +201,7 @@ void read_materials(Reading& reading) {
 }
 
 void check_softening(Reading& reading) {
-    if (reading.scenario.time.scheme.bulk == BulkScheme::implicit_theta)
+    if (reading.scenario.time.scheme.takes_implicit_steps())
         for (const Table& table : reading.list("interface"))
             if (table.number("incubation_time").value_or(0) > 0)
                 table.error("exclusive-keys", "incubation_time",

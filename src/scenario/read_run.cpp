@@ -35,7 +35,7 @@ void check_theta(const Table& time) {
                    "a smaller theta (0.5 is always possible), or a smaller restitution");
     };
     for (const NamedLaw& named : scenario.laws) check("law `" + named.name + "`", named.law.restitution);
-    if (scenario.time.scheme.bulk != BulkScheme::implicit_theta) return;
+    if (!scenario.time.scheme.takes_implicit_steps()) return;
     for (const Obstacle& obstacle : scenario.obstacles)
         check("obstacle `" + obstacle.name + "`", obstacle.contact.restitution);
 }
@@ -47,8 +47,7 @@ void check_large_rotation(const Table& domain) {
         domain.error("exclusive-keys", "rotation", "= \"large\" " + text, cure + ", or rotation = \"small\"");
     };
     if (scenario.order == 2) error("is for triangles of first order", "mesh.order = 1");
-    if (scenario.time.scheme.bulk == BulkScheme::implicit_theta)
-        error("needs the explicit bulk", "time.bulk = \"explicit\"");
+    if (scenario.time.scheme.takes_implicit_steps()) error("needs the explicit bulk", "time.bulk = \"explicit\"");
 }
 
 void check_bulk_viscosity(Reading& reading) {
@@ -56,7 +55,7 @@ void check_bulk_viscosity(Reading& reading) {
     for (const Table& table : reading.list("material")) {
         const auto given = table.get<std::array<double, 2>>("bulk_viscosity");
         if (!given || ((*given)[0] == 0 && (*given)[1] == 0)) continue;
-        if (scenario.time.scheme.bulk == BulkScheme::implicit_theta)
+        if (scenario.time.scheme.takes_implicit_steps())
             table.error("exclusive-keys", "bulk_viscosity", "needs the explicit bulk: the implicit one has none",
                         "bulk = \"explicit\", or theta > 0.5, which damps short waves too");
         if (reading.values.has("excavation"))
@@ -66,22 +65,47 @@ void check_bulk_viscosity(Reading& reading) {
     }
 }
 
+/// bulk = "auto": both schemes have a lumped mass, and each its own cohesion.
+void read_automatic(const Table& table, SchemeOptions& scheme) {
+    if (table.given("cohesion"))
+        table.error(
+            "exclusive-keys", "cohesion",
+            "belongs to one bulk: with bulk = \"auto\" implicit steps have the implicit cohesion, explicit ones "
+            "the explicit",
+            "remove it");
+    table.leave_out("cohesion");
+    scheme.cohesion = CohesionScheme::implicit_beta;
+    if (scheme.mass != MassMatrix::lumped)
+        table.error("exclusive-keys", "mass", "that is not lumped needs the implicit bulk alone",
+                    "bulk = \"implicit\", or remove mass");
+}
+
+void refuse_without_changes(const Table& table) {
+    for (const char* key : {"quiet_below", "quiet_for"})
+        if (table.given(key))
+            table.error("exclusive-keys", key, "belongs to bulk = \"auto\"", "add bulk = \"auto\" to [time]");
+    table.leave_out("quiet_below");
+}
+
 void read_time(const Table& table, TimeOptions& time) {
-    const SchemeOptions& scheme = time.scheme;
+    SchemeOptions& scheme = time.scheme;
     table.fill(time);
     table.fill(time.scheme);
     table.fill(time.rest);
+    table.fill(time.change);
+    if (scheme.bulk == BulkScheme::automatic) read_automatic(table, scheme);
+    else refuse_without_changes(table);
     for (const char* key : {"rest_below", "rest_for"})
         if (table.given(key) && !time.rest.ends_run)
             table.error("exclusive-keys", key, "belongs to until = \"rest\"", "add until = \"rest\" to [time]");
     if (!time.rest.ends_run) table.leave_out("rest_below");
-    const bool explicit_bulk = scheme.bulk == BulkScheme::explicit_lumped;
+    const bool explicit_bulk = !scheme.takes_implicit_steps();
     if (!explicit_bulk || scheme.cohesion == CohesionScheme::implicit_beta) check_theta(table);
-    if (!explicit_bulk && scheme.damping > 0)
+    if (!scheme.takes_explicit_steps() && scheme.damping > 0)
         table.error("exclusive-keys", "damping", "belongs to the explicit bulk",
                     "remove it, with theta > 0.5 if the scheme is to damp, or bulk = \"explicit\"");
     if (!explicit_bulk && !scheme.absorbing.empty())
-        table.error("exclusive-keys", "bulk", "= \"implicit\" has no absorbing boundaries",
+        table.error("exclusive-keys", "bulk", "= \"" + table.text("bulk") + "\" has no absorbing boundaries",
                     "remove [[absorb]], or bulk = \"explicit\"");
     if (scheme.mass == MassMatrix::one_point) check_one_point_mass(table);
     if (table.has("bulk") && explicit_bulk && scheme.mass != MassMatrix::lumped)

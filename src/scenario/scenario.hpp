@@ -21,6 +21,7 @@
 #include "scenario/toml_tree.hpp"
 #include "stepper/adaptation.hpp"
 #include "stepper/common/step_scheme.hpp"
+#include "stepper/scheme_change.hpp"
 
 #include <memory>
 
@@ -83,6 +84,7 @@ struct TimeOptions {
     bool start_in_equilibrium = false;
     std::string start_run;  // from which the run starts, as given, and the time of its state; empty: none
     RestOptions rest;
+    SchemeChangeOptions change;  // with BulkScheme::automatic; its explicit step follows from the mesh
 };
 
 struct OutputOptions {

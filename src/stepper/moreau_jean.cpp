@@ -2,32 +2,79 @@
 
 #include "base/error.hpp"
 #include "base/formatted.hpp"
+#include "element/triangle_matrices.hpp"
+#include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/law_change.hpp"
 #include "stepper/explicit/explicit_scheme.hpp"
 #include "stepper/implicit/implicit_scheme.hpp"
+#include "stepper/scheme_change.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace knap {
-namespace {
 
-std::unique_ptr<StepScheme> make_scheme(const Model& model, const SchemeOptions& options) {
-    if (options.bulk == BulkScheme::explicit_lumped) return std::make_unique<ExplicitScheme>(model, options);
-    if (model.large_rotation)  // the scheme is linear in the displacement
+MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options) : model_(model), options_(options) {
+    if (options.takes_implicit_steps() && model.large_rotation)  // the scheme is linear in the displacement
         throw UserError("large-rotation", "large rotations need the explicit bulk");
-    return std::make_unique<ImplicitScheme>(model, options);
+    if (options.bulk == BulkScheme::explicit_lumped) explicit_ = std::make_unique<ExplicitScheme>(model, options);
+    if (options.bulk == BulkScheme::implicit_theta) implicit_ = std::make_unique<ImplicitScheme>(model, options);
+    if (model.heat) heat_.emplace(model);
 }
 
-}  // namespace
-
-MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options)
-    : model_(model), options_(options), scheme_(make_scheme(model, options)) {
-    if (model.heat) heat_.emplace(model, options.bulk == BulkScheme::implicit_theta);
+bool MoreauJean::is_implicit(const State& begin) const {
+    return options_.bulk == BulkScheme::automatic ? has_end_velocities(begin) : implicit_ != nullptr;
 }
+
+StepScheme& MoreauJean::scheme_of(const State& begin) {
+    std::unique_ptr<StepScheme>& scheme = is_implicit(begin) ? implicit_ : explicit_;
+    if (scheme) return *scheme;
+    SchemeOptions options = options_;  // of a run that changes
+    if (is_implicit(begin)) {
+        options.cohesion = CohesionScheme::implicit_beta;
+        scheme = std::make_unique<ImplicitScheme>(model_, options);
+    } else {
+        options.cohesion = CohesionScheme::explicit_beta;
+        scheme = std::make_unique<ExplicitScheme>(model_, options);
+    }
+    if (give_up_ != nullptr) scheme->give_up_when(give_up_);
+    return *scheme;
+}
+
+void MoreauJean::give_up_when(GiveUp condition) {
+    give_up_ = condition;
+    for (const auto& scheme : {&explicit_, &implicit_})
+        if (*scheme) (*scheme)->give_up_when(condition);
+}
+
+double MoreauJean::stable_step() const {
+    if (explicit_) return explicit_->stable_step();
+    if (implicit_) return implicit_->stable_step();
+    return std::ranges::min(stable_steps(model_.mesh, model_.materials, model_.plane));
+}
+
+FactorSize MoreauJean::factor_size() const { return implicit_ ? implicit_->factor_size() : FactorSize{}; }
 
 StepReport MoreauJean::step(const State& begin, double h, State& end) {
-    if (heat_) end.temperature = heat_->after(begin, h);
-    StepReport report = scheme_->step(begin, h, end);
+    if (heat_) end.temperature = heat_->after(begin, h, is_implicit(begin));
+    return advance(begin, h, end);
+}
+
+StepReport MoreauJean::close_leapfrog(const State& begin, State& end) {
+    end.temperature = begin.temperature;
+    StepReport report = advance(begin, closing_part * begin.last_step, end);
+    if (report.rejection != Rejection::none) return report;
+    std::vector<Vec2> force;
+    const double strain = elastic_energy(model_, end, force);
+    report.step_change_work += strain - report.strain;
+    report.strain = strain;
+    begin_theta_scheme(end);
+    return report;
+}
+
+/// With the temperatures of the end already there.
+StepReport MoreauJean::advance(const State& begin, double h, State& end) {
+    StepReport report = scheme_of(begin).step(begin, h, end);
     if (heat_) end.temperature_before = begin.temperature;
     if (model_.laws_follow_temperature) account_law_change(model_, begin, report);
     if (report.rejection != Rejection::none) return report;

@@ -25,19 +25,28 @@ public:
     /// longer finite.
     StepReport step(const State& begin, double h, State& end);
 
+    /// BulkScheme::automatic, after an explicit step: the step that brings the velocities to the end of all steps so
+    /// far, so that implicit ones can follow (stepper/scheme_change.hpp). `end` is void after a rejection.
+    StepReport close_leapfrog(const State& begin, State& end);
+
     /// Static equilibrium at start.time (stepper/equilibrium.hpp).
     void start_in_equilibrium(State& start) const { knap::start_in_equilibrium(model_, options_.mass, start); }
 
     /// Ends a long step early, by StepGivenUp. Without it every step is completed.
-    void give_up_when(GiveUp condition) { scheme_->give_up_when(condition); }
+    void give_up_when(GiveUp condition);
 
-    double stable_step() const { return scheme_->stable_step(); }      // [s]; infinite for the implicit scheme
-    FactorSize factor_size() const { return scheme_->factor_size(); }  // of the implicit scheme
+    double stable_step() const;      // [s] of the explicit scheme; infinite without it
+    FactorSize factor_size() const;  // of the implicit scheme
 
 private:
+    bool is_implicit(const State& begin) const;
+    StepScheme& scheme_of(const State& begin);
+    StepReport advance(const State& begin, double h, State& end);
+
     const Model& model_;
     SchemeOptions options_;
-    std::unique_ptr<StepScheme> scheme_;
+    GiveUp give_up_ = nullptr;
+    std::unique_ptr<StepScheme> explicit_, implicit_;  // null: not used so far
     std::optional<HeatStep> heat_;
 };
 

@@ -8,7 +8,8 @@ namespace {
 
 constexpr int steps_until_growth = 10;
 constexpr double growth = 1.5;
-constexpr double least_against_contact = 1. / 1024;  // [-] of the largest step: ten halvings
+constexpr double growth_implicit = 2, cut_implicit = 0.25;  // [-] in a run that changes scheme
+constexpr double least_against_contact = 1. / 1024;         // [-] of the largest step: ten halvings
 
 bool is_of_contact(CutbackReason reason) {
     return reason == CutbackReason::contact_speed || reason == CutbackReason::contact_depth ||
@@ -23,6 +24,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, cutback_reas
     {"contact_depth", "free faces lie deeper in each other than limits.contact_depth"},
     {"contact_residual", "contacts between free faces do not obey their laws to a millionth of their speeds"},
     {"not_converged", "the interface problem was not solved to its tolerance"},
+    {"motion", "the body moves faster than a large implicit step resolves"},
+    {"cohesive_work", "a large implicit step misses the work of cohesion"},
 }};
 
 /// [s] Rounding of a time that is a sum of steps.
@@ -35,7 +38,11 @@ double time_rounding(const State& state, double time) {
 std::string_view name_of(CutbackReason reason) { return reason_texts[static_cast<std::size_t>(reason)].first; }
 std::string_view describe(CutbackReason reason) { return reason_texts[static_cast<std::size_t>(reason)].second; }
 
-void StepControl::start_from(const StepControl& earlier) {
+void StepControl::start_from(const StepControl& earlier, const State& start) {
+    if (limits_.changes()) {
+        if (!has_end_velocities(start)) begin_stage(limits_.change.explicit_step, limits_.change.explicit_step);
+        return;
+    }
     intact_ = earlier.intact_;
     if (!intact_) largest_ = std::min(largest_, limits_.cracking);
     step_ = earlier.step_ < earlier.largest_ ? std::min(earlier.step_, largest_) : largest_;
@@ -80,6 +87,13 @@ std::optional<Cutback> StepControl::reason_against(const State& begin, double h,
         return because(CutbackReason::contact_depth, report.depth_place, report.contact_depth);
     if (report.contact_residual > max_contact_residual)
         return because(CutbackReason::contact_residual, report.residual_place, report.contact_residual);
+    if (limits_.changes()) {
+        switch (has_end_velocities(begin) ? change_.fault(report) : StepFault::none) {
+            case StepFault::motion: return because(CutbackReason::motion);
+            case StepFault::cohesive_work: return because(CutbackReason::cohesive_work);
+            case StepFault::none: return std::nullopt;
+        }
+    }
     if (h <= limits_.cracking * (1 + 1e-12)) return std::nullopt;
     if (report.softened > 0) return because(CutbackReason::softening);
     return report.released > 0 ? std::optional(because(CutbackReason::release)) : std::nullopt;
@@ -89,8 +103,9 @@ std::optional<Cutback> StepControl::judge(const State& begin, double h, const St
     std::optional<Cutback> cut = reason_against(begin, h, report);
     const bool rejected = report.rejection != Rejection::none || (cut && is_of_contact(cut->reason)),
                several_solutions = cut && cut->reason == CutbackReason::assumption_1,
-               breaks = !rejected && (report.softened > 0 || report.released > 0);
-    if (breaks || several_solutions) {
+               breaks = !rejected && (report.softened > 0 || report.released > 0),
+               is_large = limits_.changes() && has_end_velocities(begin);
+    if ((breaks || several_solutions) && !limits_.changes()) {
         largest_ = std::min(largest_, limits_.cracking);
         intact_ = false;
     }
@@ -98,20 +113,65 @@ std::optional<Cutback> StepControl::judge(const State& begin, double h, const St
         smallest_taken_ = largest_taken_ == 0 ? h : std::min(smallest_taken_, h);
         largest_taken_ = std::max(largest_taken_, h);
         step_ = std::min(step_, largest_);
+        if (limits_.changes()) change_.after_step(begin, h, report);
+        if (is_large) {
+            if (change_.is_beyond_rejected(begin.time + h)) step_ = std::min(growth_implicit * step_, largest_);
+            return std::nullopt;
+        }
         if (++n_good_ >= steps_until_growth) step_ = std::min(growth * step_, largest_), n_good_ = 0;
         return std::nullopt;
     }
     ++n_cutbacks_[static_cast<std::size_t>(cut->reason)];
     rejected_steps_ += report;
-    const bool to_cracking = !rejected || (several_solutions && h > limits_.cracking * (1 + 1e-12));
+    if (is_large) {
+        shorten_or_change(*cut);
+        return cut;
+    }
+    const bool to_cracking =
+        (!rejected && !limits_.changes()) || (several_solutions && h > limits_.cracking * (1 + 1e-12));
     cut->to = step_ = to_cracking ? limits_.cracking : 0.5 * h;
     n_good_ = 0;
     stuck_ = step_ < smallest_against(cut->reason);
     return cut;
 }
 
+/// Of an implicit step that does not count.
+void StepControl::shorten_or_change(Cutback& cut) {
+    change_.rejected(cut.time, cut.from);
+    if (cut.from > limits_.cracking * (1 + 1e-12)) {
+        cut.to = step_ = std::max(cut_implicit * cut.from, limits_.cracking);
+        return;
+    }
+    cut.changes_to_explicit = true;
+    change_.to_explicit(cut.time);
+    changes_.push_back({cut.time, true, cut.reason});
+    begin_stage(limits_.change.explicit_step, limits_.change.explicit_step);
+    cut.to = step_;
+}
+
+bool StepControl::ends_explicit_stage(const State& now) const {
+    return limits_.changes() && !has_end_velocities(now) && now.last_step > 0 && change_.is_quiet(now.time);
+}
+
+void StepControl::begin_implicit_stage(const State& now, const StepReport& closing) {
+    change_.to_implicit(now.time, closing);
+    changes_.push_back({now.time, false, {}});
+    begin_stage(limits_.cracking, limits_.largest);
+}
+
+void StepControl::begin_stage(double step, double largest) {
+    step_ = step, largest_ = largest;
+    n_good_ = 0;
+}
+
 double StepControl::smallest_against(CutbackReason reason) const {
     return is_of_contact(reason) ? std::max(limits_.smallest, least_against_contact * largest_) : limits_.smallest;
+}
+
+Vec2 place_of(const Cutback& cut, const Model& model, const State& begin, const State& end) {
+    if (cut.place) return *cut.place;
+    return cut.reason == CutbackReason::motion ? place_of_largest_speed(model, end)
+                                               : place_of_damage(model, begin, end);
 }
 
 Vec2 place_of_damage(const Model& model, const State& begin, const State& end) {

@@ -9,11 +9,14 @@
 //     each other, or break laws   largest step does not help
 //     ten steps without cutback   1.5 times the size, up to the largest (Collins-Craft, Bourrier, Acary, CMAME 400
 //                                 (2022) 115545)
+//     a run that changes scheme   scheme_change.hpp: implicit steps are quartered down to the cracking step and doubled
+//                                 after each that counts; explicit ones have a size of their own
 //     near the end                the rest, or two halves of it: the last step ends there and is no sliver
 //
 // It depends on the reports alone, so a run takes the same steps whenever it is interrupted.
 #include "model/state.hpp"
 #include "stepper/common/step_report.hpp"
+#include "stepper/scheme_change.hpp"
 
 #include <optional>
 #include <string_view>
@@ -27,6 +30,8 @@ struct StepLimits {
     double smallest;                           // a run that needs a smaller one stops
     double end;                                // of the simulated time
     double contact_depth = max_contact_depth;  // [-] largest, of free faces, over the length of the edge
+    SchemeChangeOptions change = {};
+    bool changes() const { return change.explicit_step > 0; }
 };
 
 enum class CutbackReason {
@@ -36,12 +41,14 @@ enum class CutbackReason {
     contact_speed,
     contact_depth,
     contact_residual,
-    not_converged
+    not_converged,
+    motion,
+    cohesive_work
 };
-inline constexpr std::array cutback_reasons{CutbackReason::softening,     CutbackReason::release,
-                                            CutbackReason::assumption_1,  CutbackReason::contact_speed,
-                                            CutbackReason::contact_depth, CutbackReason::contact_residual,
-                                            CutbackReason::not_converged};
+inline constexpr std::array cutback_reasons{
+    CutbackReason::softening,     CutbackReason::release,       CutbackReason::assumption_1,
+    CutbackReason::contact_speed, CutbackReason::contact_depth, CutbackReason::contact_residual,
+    CutbackReason::not_converged, CutbackReason::motion,        CutbackReason::cohesive_work};
 std::string_view name_of(CutbackReason reason);   // "assumption_1", as in run.json
 std::string_view describe(CutbackReason reason);  // "Assumption 1 does not hold"
 
@@ -52,15 +59,29 @@ struct Cutback {
     double from, to;                           // [s] its size, and the next one
     std::optional<Vec2> place = std::nullopt;  // [m] nothing: where the body was damaged
     double value = 0;                          // [-] of contacts: what was too large
+    bool changes_to_explicit = false;          // the run goes on with explicit steps
+};
+
+/// Of a run between its two schemes.
+struct SchemeChangeEvent {
+    double time;           // [s]
+    bool to_explicit;      // or to implicit
+    CutbackReason reason;  // of a change to explicit steps
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(time, to_explicit, reason);
+    }
 };
 
 class StepControl {
 public:
-    explicit StepControl(const StepLimits& limits) : limits_(limits), step_(limits.largest), largest_(limits.largest) {}
+    explicit StepControl(const StepLimits& limits)
+        : limits_(limits), step_(limits.largest), largest_(limits.largest), change_(limits.change) {}
 
     /// Starts where another run was: with its step, where cutbacks had made it smaller, and with the cracking step,
     /// where its cohesion had begun to fall. The counts begin at zero.
-    void start_from(const StepControl& earlier);
+    void start_from(const StepControl& earlier, const State& start);
 
     double next(const State& begin) const;  // [s] size of the step from a state
 
@@ -69,6 +90,12 @@ public:
 
     /// The decision on a step of h [s] from `begin`: nothing where it counts; else its end state is void.
     std::optional<Cutback> judge(const State& begin, double h, const StepReport& report);
+
+    /// Whether implicit steps can go on after the explicit ones up to this state; then it must become one of them.
+    bool ends_explicit_stage(const State& now) const;
+    void begin_implicit_stage(const State& now, const StepReport& closing);
+    void stay_explicit(const State& now) { change_.stay_explicit(now.time); }
+    const std::vector<SchemeChangeEvent>& changes() const { return changes_; }
 
     bool is_stuck() const { return stuck_; }              // the last cutback led below the smallest step
     double smallest_against(CutbackReason reason) const;  // [s] that step
@@ -85,11 +112,14 @@ public:
     template <class Archive>
     void serialize(Archive& archive) {
         archive(step_, largest_, intact_, n_good_, smallest_taken_, largest_taken_, n_cutbacks_, rejected_steps_);
+        archive(change_, changes_);
     }
 
 private:
     double tolerance(const State& begin) const;  // [s]
     std::optional<Cutback> reason_against(const State& begin, double h, const StepReport& report) const;
+    void begin_stage(double step, double largest);
+    void shorten_or_change(Cutback& cut);
 
     StepLimits limits_;
     double step_, largest_;  // [s] current, and the largest from now on
@@ -97,11 +127,15 @@ private:
     int n_good_ = 0;         // steps since the last change
     bool stuck_ = false;
     double smallest_taken_ = 0, largest_taken_ = 0;
+    SchemeChange change_;
+    std::vector<SchemeChangeEvent> changes_;
     std::array<std::int64_t, cutback_reasons.size()> n_cutbacks_{};
     StepReport rejected_steps_;
 };
 
 /// [m] Where most cohesion was lost in a step, or where a fan split if none was lost.
 Vec2 place_of_damage(const Model& model, const State& begin, const State& end);
+/// [m] Of a step from `begin` to `end`: the place of the cutback, else that of the damage, of a motion where it is fastest.
+Vec2 place_of(const Cutback& cut, const Model& model, const State& begin, const State& end);
 
 }  // namespace knap

@@ -62,8 +62,7 @@ Texts refined(const Scenario& base, Refine refine, double level) {
         if (refine == Refine::mesh || step.value == 0 || (refine == Refine::both && step.of_stable_step)) return;
         set.push_back(std::string(key) + "=" + shortest(step.value / level) + (step.of_stable_step ? " CFL" : ""));
     };
-    const bool implicit = time.scheme.bulk == BulkScheme::implicit_theta;
-    const StepLength automatic{.value = implicit ? automatic_multiple : time.safety, .of_stable_step = true};
+    const StepLength automatic = automatic_step(time);
     divide("time.step", time.step.value > 0 ? time.step : automatic);
     divide("time.step_cracking", time.step_cracking);
     divide("time.step_min", time.step_min);
@@ -79,6 +78,7 @@ Texts refined(const Scenario& base, Refine refine, double level) {
 }
 
 std::string scheme_name(const SchemeOptions& scheme) {
+    if (scheme.bulk == BulkScheme::automatic) return "auto";
     return std::string(scheme.bulk == BulkScheme::explicit_lumped ? "explicit" : "implicit") + ", " +
            (scheme.cohesion == CohesionScheme::explicit_beta ? "explicit" : "implicit");
 }

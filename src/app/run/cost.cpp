@@ -24,8 +24,9 @@ constexpr double of_line = 2e-5, of_line_interface = 6e-9;       // a line of th
 
 /// [s] Processor time of a step at the start, after the first one: the minimum over some batches, since other load on
 /// the machine only adds.
-double measured_step(const Model& model, MoreauJean& stepper, double step, double at_least_for) {
+double measured_step(const Model& model, MoreauJean& stepper, double step, bool changes, double at_least_for) {
     State now = initial_state(model), next = now;
+    if (changes) begin_theta_scheme(now);
     stepper.step(now, step, next);
     const Stopwatch all;
     double fastest = infinity;
@@ -98,7 +99,7 @@ double mean_over_first(const Scenario& scenario, const Model& model, double n_st
     const bool breaks_everywhere = faces.n_breakable >= 0.1 * static_cast<double>(model.interfaces.size());
     const double all_over =
         breaks_everywhere ? std::min(1.0, 5 * area_of_finer_half(model.mesh)) : 0;  // 1: everywhere, 0: along lines
-    if (scenario.time.scheme.bulk == BulkScheme::implicit_theta) {
+    if (scenario.time.scheme.takes_implicit_steps()) {
         if (!breaks_everywhere) return faces.rub ? 9 : 2.4;
         const double n_breaking = all_over * faces.n_breakable + (1 - all_over) * std::sqrt(faces.n_breakable);
         return 2.4 + 4 * std::sqrt(n_breaking / n_steps);
@@ -111,16 +112,17 @@ double mean_over_first(const Scenario& scenario, const Model& model, double n_st
 
 Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan& plan, double model_seconds,
                    double measure_for) {
-    const bool implicit = scenario.time.scheme.bulk == BulkScheme::implicit_theta;
+    const bool implicit = scenario.time.scheme.takes_implicit_steps();
     const double triangles = model.mesh.n_triangles(), drawn = triangles * (model.mesh.order == 2 ? 6 : 1),
                  slowness = machine_slowness();
     Cost cost{.model = model_seconds};
 
     // steps may be smaller after the first loss of cohesion, which is early in the gallery
     const double largest = static_cast<double>(plan.n_steps);
-    cost.n_steps = std::max(largest, std::ceil(scenario.time.end / plan.limits.cracking));
+    cost.n_steps =
+        plan.limits.changes() ? largest : std::max(largest, std::ceil(scenario.time.end / plan.limits.cracking));
     MoreauJean stepper(model, scenario.time.scheme);
-    cost.first_step = measured_step(model, stepper, plan.limits.largest, measure_for);
+    cost.first_step = measured_step(model, stepper, plan.limits.largest, plan.limits.changes(), measure_for);
     cost.mean_over_first = mean_over_first(scenario, model, cost.n_steps);
     double growth = 1;  // of the number of triangles, at the end
     if (scenario.adapt.active()) {

@@ -19,9 +19,9 @@ std::vector<HeatScales> judge_heat(const Scenario& scenario, const Mesh& mesh, d
     for (const HeatExchange& exchange : heat.exchanges) transfer = std::max(transfer, exchange.transfer);
     const double edge = finest_edge(scenario, mean_edge(mesh)), side = bounding_box(mesh.vertices).extent().minCoeff();
     const SchemeOptions& scheme = scenario.time.scheme;
-    const bool implicit = scheme.bulk == BulkScheme::implicit_theta,
-               damped = scheme.damping * scenario.time.end >= 10 || (implicit && scheme.theta > 0.5) ||
-                        !scheme.absorbing.empty();
+    const bool implicit = scheme.takes_implicit_steps(), damped = scheme.damping * scenario.time.end >= 10 ||
+                                                                  (implicit && scheme.theta > 0.5) ||
+                                                                  !scheme.absorbing.empty();
     for (std::size_t i = 0; i < scenario.materials.size(); ++i) {
         if (std::ranges::count(mesh.region, static_cast<Index>(i)) == 0) continue;
         const Elastic& elastic = scenario.materials[i].elastic;

@@ -152,7 +152,7 @@ public:
     }
 
     void on_heat(double step) {
-        const bool is_explicit = scenario_.time.scheme.bulk == BulkScheme::explicit_lumped;
+        const bool is_explicit = !scenario_.time.scheme.takes_implicit_steps();
         if (is_explicit && scenario_.heat && 20 * scenario_.heat->every * step > scenario_.time.end)
             add("heat.every", "heat", "temperatures change fewer than 20 times until `time.end`",
                 formatted("at most %.2g", std::max(1.0, scenario_.time.end / (20 * step))));
@@ -323,10 +323,11 @@ public:
                           plan.limits.largest, seconds / 86400),
                 "use a smaller time.end (waves cross a body in micro- to milliseconds), larger triangles, or bulk = "
                 "\"implicit\"");
-        if (const double part = scenario_.time.scheme.damping * plan.limits.largest; part > 1)
+        const double explicit_step = plan.limits.changes() ? plan.limits.change.explicit_step : plan.limits.largest;
+        if (const double part = scenario_.time.scheme.damping * explicit_step; part > 1)
             add("time.damping", "too-large",
                 formatted("`time.damping` = %.6g Hz takes %.3g times the velocity in a step of %.3g s%s",
-                          scenario_.time.scheme.damping, part, plan.limits.largest,
+                          scenario_.time.scheme.damping, part, explicit_step,
                           part > 2 ? ", which then reverses in every step" : ""),
                 "use a rate far below one over the step; vibrations decay as exp(-damping t/2)");
         const auto check = [&](const char* key, double every, double max, const char* what, double bytes) {

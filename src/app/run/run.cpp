@@ -72,6 +72,7 @@ public:
 
 private:
     void step();
+    void count(const StepReport& report);
     void excavate();
     void adapt(const std::optional<Vec2>& also = {});
     void replace_model(const auto& replace);
@@ -141,7 +142,7 @@ void Run::resume(const std::string& text) {
 }
 
 void Run::start_from(StartState& other, const std::string& text) {
-    control_.start_from(other.control);
+    control_.start_from(other.control, now_);
     other.reader.read_energies_and_cracks(recorder_);
     recorder_.set_back(other.time);
     const std::string report =
@@ -243,13 +244,25 @@ void Run::step() {
     const StepReport report = stepper_->step(now_, h, next_);
     if (report.rejection == Rejection::too_coarse) return adapt(report.where);
     if (const std::optional<Cutback> cut = control_.judge(now_, h, report)) {
-        const Vec2 where = cut->place ? *cut->place : place_of_damage(setup_.model, now_, next_);
+        const Vec2 where = place_of(*cut, setup_.model, now_, next_);
         log_.add(cutback_text(*cut, where));
         if (control_.is_stuck()) throw SimulationError(stuck_text(*cut, where, control_.smallest_against(cut->reason)));
+        if (cut->changes_to_explicit) begin_leapfrog(now_);
         return;
     }
     if (setup_.options.dump_lcp.contains(next_.n_steps))
         log_.add(dump_lcp(setup_.model, now_, h, setup_.scenario.time.scheme, setup_.directory / "lcp"));
+    count(report);
+    if (!control_.ends_explicit_stage(now_)) return;
+    const StepReport closing = stepper_->close_leapfrog(now_, next_);
+    if (closing.rejection != Rejection::none) return control_.stay_explicit(now_);
+    control_.begin_implicit_stage(next_, closing);
+    log_.add(quiet_text(next_.time));
+    count(closing);
+}
+
+/// The step to the next state has been taken.
+void Run::count(const StepReport& report) {
     std::swap(now_, next_);
     adaptation_.after_step(setup_.model);
     triangle_steps_ += setup_.model.mesh.n_triangles();
@@ -321,11 +334,7 @@ void Run::finish() {
     for (const auto& [gate, text] : recorder_.gates().warnings())
         record_.warnings.push_back(text.substr(0, text.size() - 1));
     record_.steps = now_.n_steps, record_.time = now_.time;
-    record_.counts = recorder_.ledger().worst();
-    record_.counts.linear_solves += control_.rejected_steps().linear_solves;
-    record_.counts.factorisations += control_.rejected_steps().factorisations;
-    record_.smallest_step = control_.smallest_taken(), record_.largest_step = control_.largest_taken();
-    record_.n_cutbacks = control_.n_cutbacks();
+    record_.set_counts(recorder_.ledger().worst(), control_);
     record_.factor = stepper_->factor_size();
     record_.triangles = setup_.model.mesh.n_triangles();
     record_.interfaces = static_cast<Index>(setup_.model.interfaces.size());

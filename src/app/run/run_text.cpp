@@ -70,9 +70,13 @@ std::string solver_text(const RunRecord& record) {
 }  // namespace
 
 std::string cutback_text(const Cutback& cut, const Vec2& where) {
-    return formatted("cutback: t = %.9g s, step %.4g s -> %.4g s at %s: %s\n", cut.time, cut.from, cut.to,
-                     place_text(where).c_str(), reason_text(cut).c_str());
+    const std::string text = formatted("cutback: t = %.9g s, step %.4g s -> %.4g s at %s: %s\n", cut.time, cut.from,
+                                       cut.to, place_text(where).c_str(), reason_text(cut).c_str());
+    if (!cut.changes_to_explicit) return text;
+    return text + formatted("scheme: explicit from t = %.9g s, since %s\n", cut.time, describe(cut.reason).data());
 }
+
+std::string quiet_text(double time) { return formatted("scheme: implicit from t = %.9g s, the body is quiet\n", time); }
 
 std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest) {
     std::string text = formatted(
@@ -144,6 +148,13 @@ std::string not_at_rest_text(double end) {
 std::string scheme_text(const TimeOptions& time, bool is_viscous) {
     const SchemeOptions& scheme = time.scheme;
     const char* const beta = scheme.cohesion == CohesionScheme::implicit_beta ? "implicit beta" : "explicit beta";
+    if (scheme.bulk == BulkScheme::automatic)
+        return formatted(
+            "changes: implicit bulk (theta %g) and beta in large steps while the body is quiet%s, explicit bulk and "
+            "beta "
+            "where it is not%s",
+            scheme.theta, time.start_in_equilibrium ? ", from equilibrium" : "",
+            scheme.damping > 0 ? "; mass-proportional damping of explicit steps" : "");
     if (scheme.bulk == BulkScheme::implicit_theta)
         return formatted(
             "implicit bulk (theta %g, %s mass%s), %s; all interfaces together: method of multipliers, sparse "

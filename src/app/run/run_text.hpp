@@ -13,6 +13,9 @@ namespace knap {
 /// A cutback, as a line of the log.
 std::string cutback_text(const Cutback& cut, const Vec2& where);
 
+/// The change to implicit steps, likewise.
+std::string quiet_text(double time);
+
 /// Why a run cannot continue with any step allowed, where, when, and what to change. `smallest` [s].
 std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest);
 

@@ -113,7 +113,7 @@ RunOrigin origin_of(const ReadResult& read) {
     const std::string implicit = "\"implicit\"";
     if (or_nothing(here, "time.bulk") == implicit && or_nothing(there, "time.bulk") != implicit)
         throw refusal(read, "its bulk is explicit, and its velocities belong to the middle of a step",
-                      "time.bulk = \"explicit\"; an explicit run may start from an implicit one");
+                      "time.bulk = \"auto\" or \"explicit\", which may start from every run");
     origin.works.include(other.works);
     return origin;
 }
@@ -130,17 +130,18 @@ StartState::StartState(const std::string& file, const Scenario& scenario, Model&
     excavations.repeat(model);
     adaptation.repeat(model);
     now.reaction.assign(model.prescribed.size(), Vec2::Zero());  // of other loads
-    if (scenario.time.scheme.bulk == BulkScheme::explicit_lumped && !now.rate.empty()) {
-        now.rate.clear();
-        now.last_step = 0;  // its velocities are those of this moment
-    }
+    if (!scenario.time.scheme.takes_implicit_steps() && has_end_velocities(now)) begin_leapfrog(now);
     fit_laws(model, now);
 }
 
 /// The state at t = 0. A body that its interfaces cannot hold in equilibrium has failed before its first step.
 State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibrium, RunRecord& record) {
     State start = initial_state(model);
-    if (!in_equilibrium) return start;
+    const auto begin = [&](State& state) -> State& {
+        if (record.scheme.bulk == BulkScheme::automatic) begin_theta_scheme(state);
+        return state;
+    };
+    if (!in_equilibrium) return begin(start);
     const Stopwatch watch;
     State loaded = start;
     try {
@@ -150,7 +151,7 @@ State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibriu
         record.reason = error.what();
     }
     record.spent.preload = watch.cpu();
-    return record.status == "failed" ? start : loaded;
+    return begin(record.status == "failed" ? start : loaded);
 }
 
 std::string jumps_text(const ReadResult& read, const Model& model, const State& start, double step) {

@@ -1,5 +1,6 @@
 #include "app/run/step_plan.hpp"
 
+#include "analysis/rest_watch.hpp"
 #include "base/formatted.hpp"
 #include "element/triangle_matrices.hpp"
 #include "stepper/adaptation.hpp"
@@ -17,6 +18,11 @@ void check_order(const char* key, double step, const char* larger_key, double la
                       "time.step_min <= time.step_cracking <= time.step <= time.end");
 }
 
+// bulk = "auto"
+constexpr double smallest_implicit_multiple = 200;  // [-] of the stable step: an implicit step costs about so many
+constexpr double steps_of_run = 400;                // [-] implicit, with step = "auto": as many as lines of the tables
+constexpr double quiet_passages = 2;                // [-] of a shear wave
+
 /// Thirty years of steps of a microsecond; a double counts them exactly.
 constexpr double max_steps = 1e15;
 
@@ -33,9 +39,10 @@ std::int64_t count(const char* key, double end, double step, const char* cure) {
 
 /// [s] The requested time.step.
 double requested_step(const TimeOptions& time, double stable_step) {
-    const bool implicit = time.scheme.bulk == BulkScheme::implicit_theta;
-    const double step = time.step.value > 0 ? time.step.seconds(stable_step)
-                                            : (implicit ? automatic_multiple : time.safety) * stable_step;
+    const bool implicit = time.scheme.takes_implicit_steps();
+    double step = (time.step.value > 0 ? time.step : automatic_step(time)).seconds(stable_step);
+    if (time.step.value == 0 && time.scheme.bulk == BulkScheme::automatic)
+        step = std::max(step, smallest_implicit_multiple * stable_step);
     if (!implicit && step > stable_step)
         throw BadStep(
             "time.step", "unstable-step",
@@ -45,6 +52,15 @@ double requested_step(const TimeOptions& time, double stable_step) {
 }
 
 }  // namespace
+
+StepLength automatic_step(const TimeOptions& time) {
+    switch (time.scheme.bulk) {
+        case BulkScheme::automatic: return {.value = time.end / steps_of_run};
+        case BulkScheme::implicit_theta: return {.value = automatic_multiple, .of_stable_step = true};
+        case BulkScheme::explicit_lumped: break;
+    }
+    return {.value = time.safety, .of_stable_step = true};
+}
 
 StepPlan plan_steps(const TimeOptions& time, double stable_step, double until) {
     if (!(stable_step >= 0))
@@ -59,17 +75,23 @@ StepPlan plan_steps(const TimeOptions& time, double stable_step, double until) {
     // equal steps, unless one is cut; a step given in seconds is used as it is, and the last ones may be shorter
     const double step = time.step.value > 0 && !time.step.of_stable_step ? std::min(requested, time.end)
                                                                          : time.end / static_cast<double>(n);
-    const double cracking = time.step_cracking.value > 0 ? time.step_cracking.seconds(stable_step) : requested;
+    const bool changes = time.scheme.bulk == BulkScheme::automatic;
+    const double cracking = time.step_cracking.value > 0 ? time.step_cracking.seconds(stable_step)
+                            : changes                    ? std::min(requested, smallest_implicit_multiple * stable_step)
+                                                         : requested;
     const double smallest =
         time.step_min.value > 0 ? time.step_min.seconds(stable_step) : std::ldexp(std::min(cracking, step), -20);
     check_order("time.step_cracking", cracking, "time.step", requested);
     check_order("time.step_min", smallest, "time.step_cracking", cracking);
     count("time.step_cracking", time.end, cracking, "use a larger time.step_cracking, or a smaller time.end");
     const double end = std::min(time.end, until);
+    SchemeChangeOptions change = time.change;
+    change.explicit_step = changes ? time.safety * stable_step : 0;
     return {.limits = {.largest = step,
                        .cracking = std::min(cracking, step),
                        .smallest = std::min(smallest, step),
-                       .end = time.end},
+                       .end = time.end,
+                       .change = change},
             .n_steps = std::min(n, static_cast<std::int64_t>(std::ceil(end / step * (1 - 1e-12)))),
             .stable_step = stable_step};
 }
@@ -80,6 +102,8 @@ StepPlan plan_steps(const TimeOptions& time, const AdaptOptions& adapt, const Mo
     if (adapt.active())  // the step holds for all refinements
         smallest = std::min(smallest, guaranteed_step(adapt.size, model.materials, model.plane));
     StepPlan plan = plan_steps(time, smallest, until);
+    if (double& quiet_for = plan.limits.change.quiet_for; plan.limits.changes() && quiet_for == 0)
+        quiet_for = quiet_passages * shear_passage(model);
     plan.stable_of_triangle = std::move(stable);
     return plan;
 }

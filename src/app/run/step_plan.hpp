@@ -10,6 +10,9 @@ namespace knap {
 /// step = "auto" with the implicit bulk, in stable steps: a wave passes some twenty edges in a step.
 inline constexpr double automatic_multiple = 20;
 
+/// time.step = "auto".
+StepLength automatic_step(const TimeOptions& time);
+
 struct StepPlan {
     StepLimits limits;
     std::int64_t n_steps;                         // if all have the largest size

@@ -7,7 +7,12 @@
 
 namespace knap {
 
-enum class BulkScheme { explicit_lumped, implicit_theta };
+/// Automatic: a run changes between the two (stepper/scheme_change.hpp), each with its cohesion of second order:
+/// explicit bulk and beta, implicit bulk and beta.
+enum class BulkScheme { explicit_lumped, implicit_theta, automatic };
+constexpr const char* name_of(BulkScheme bulk) {
+    return bulk == BulkScheme::automatic ? "auto" : bulk == BulkScheme::implicit_theta ? "implicit" : "explicit";
+}
 enum class CohesionScheme { explicit_beta, implicit_beta };
 
 struct SchemeOptions {
@@ -18,6 +23,9 @@ struct SchemeOptions {
     double damping = 0;                    // [1/s] alpha of the forces -alpha M v, of the explicit bulk
     std::vector<Selection> absorbing;      // boundaries that let waves out, of the explicit bulk
     bool respect_assumption_1 = true;      // reject steps with several solutions; false: continue with one of them
+
+    bool takes_implicit_steps() const { return bulk != BulkScheme::explicit_lumped; }
+    bool takes_explicit_steps() const { return bulk != BulkScheme::implicit_theta; }
 };
 
 /// Of the present matrix of an implicit step.

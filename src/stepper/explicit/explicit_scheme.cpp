@@ -265,7 +265,8 @@ void ExplicitScheme::account_viscosity(const ViscousStep& viscous, StepReport& r
 void ExplicitScheme::add_thermal_forces(const MeshBlock& block, const ExplicitStep& step, Vec2* force,
                                         StepReport& report) {
     const State& begin = step.begin;
-    const auto &before = begin.temperature_before, &now = begin.temperature, &after = step.end.temperature;
+    const auto &now = begin.temperature, &after = step.end.temperature,
+               &before = begin.last_step == 0 ? now : begin.temperature_before;
     const double of_end = thermal_->evaluate(block.first, block.last, begin.displacement, begin.node_of_corner,
                                              now->strain, after->strain, force, fan_is_candidate_);
     report.strain -= 0.5 * of_end;

@@ -28,6 +28,7 @@ void copy_partition(const Model& model, const State& begin, State& end) {
     end.velocity.resize(begin.velocity.size());
     end.points.resize(begin.points.size());
     end.incubation = begin.incubation;
+    end.rate.clear();  // of the implicit scheme, where the run changed from it
     end.reaction.assign(model.prescribed.size(), Vec2::Zero());
 }
 
