@@ -134,7 +134,14 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
     std::printf("run\n  stable step %.4g s, h = %.4g s (%.3g CFL), %lld steps, %.3g triangle-steps\n", plan.stable_step,
                 plan.limits.largest, plan.limits.largest / plan.stable_step, static_cast<long long>(plan.n_steps),
                 static_cast<double>(plan.n_steps) * model.mesh.n_triangles());
-    if (plan.limits.cracking < plan.limits.largest)
+    if (const SchemeChangeOptions& change = plan.limits.change; plan.limits.changes())
+        std::printf(
+            "  these are implicit, down to %.4g s (%.3g CFL) where they fail; then explicit ones of %.4g s go on, at "
+            "least "
+            "%.0f each time, until the body is quiet for %.3g s\n",
+            plan.limits.cracking, plan.limits.cracking / plan.stable_step, change.explicit_step,
+            std::ceil((plan.limits.cracking + change.quiet_for) / change.explicit_step), change.quiet_for);
+    else if (plan.limits.cracking < plan.limits.largest)
         std::printf("  after the first loss of cohesion h = %.4g s (%.3g CFL): up to %.0f steps\n",
                     plan.limits.cracking, plan.limits.cracking / plan.stable_step,
                     std::ceil(scenario.time.end / plan.limits.cracking));

@@ -2,21 +2,22 @@
 // bulk = "auto": when a run changes between the two schemes, and how its state does.
 //
 //     implicit -> explicit   a step is not resolved, and it is no larger than the smallest one (StepLimits::cracking):
-//                            the run goes on with explicit steps from its start. Larger ones are repeated with a quarter
-//                            of their size, which finds the moment. Not resolved is a step that
+//                            the run goes on with explicit steps from its start. Larger ones are repeated with a
+//                            quarter of their size, which finds the moment. Not resolved is a step that
 //                              has no unique solution (Assumption 1: K and the softening slopes are no longer positive
 //                                definite, so a crack runs) or none that was found
 //                              misses the work of cohesion: law lag > 1/20 of the energy that the step consumed
-//                              leaves the body in motion: kinetic energy > 10 quiet_below strain energy
-//     explicit -> implicit   for quiet_for after that step, nothing has softened or split, and the kinetic energy was at
-//                            most quiet_below of the strain energy. An implicit stage that lasts no longer than this
-//                            waiting time doubles the next one, up to 16 times.
+//                              leaves the body in motion: kinetic energy > 10 quiet_below U, in a step in which a
+//                                load only begins 100 quiet_below U; U: strain energy and what interfaces consumed
+//     explicit -> implicit   for quiet_for after that step, nothing has softened or split, and the kinetic energy was
+//                            at most quiet_below U. An implicit stage that lasts no longer than this waiting time
+//                            doubles the next one, up to 16 times.
 //
 // Between steps the explicit scheme has velocities of the middle of the last step, the implicit one those of its end:
 //
 //     implicit -> explicit   last step 0: the first kick is that of half a step, v+ = v + h/2 M^-1 (f + ...)
-//     explicit -> implicit   a last explicit step of nearly no length (closing_part of a step) has the kick of the other
-//                            half; then 1/2 u_n' K u_n+1 becomes 1/2 u' K u
+//     explicit -> implicit   a last explicit step of nearly no length (closing_part of a step) has the kick of the
+//                            other half; then 1/2 u_n' K u_n+1 becomes 1/2 u' K u
 //
 // Both are steps of the leapfrog with a change of its size, whose energy is booked in step_change_work: the energy
 // identity holds to rounding, and every impulse is counted once.
@@ -31,7 +32,7 @@ namespace knap {
 
 struct SchemeChangeOptions {
     double explicit_step = 0;   // [s] 0: the run has one scheme
-    double quiet_below = 1e-4;  // [-] kinetic energy over strain energy of a body at which large steps go on
+    double quiet_below = 1e-4;  // [-] kinetic energy over U of a body at which large steps go on
     double quiet_for = 0;       // [s] for which it must be quiet
 };
 
@@ -69,18 +70,18 @@ public:
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(surface_, quiet_since_, busy_until_, changed_, patience_);
+        archive(surface_, strain_, quiet_since_, busy_until_, changed_, patience_);
     }
 
 private:
     double waiting_time() const { return patience_ * options_.quiet_for; }
 
     SchemeChangeOptions options_;
-    double surface_ = 0;      // [J] Psi after the last step
-    double quiet_since_ = 0;  // [s]
-    double busy_until_ = 0;   // [s] the end of the last implicit step that did not count
-    double changed_ = 0;      // [s] the last change
-    double patience_ = 1;     // [-]
+    double surface_ = 0, strain_ = 0;  // [J] Psi and strain energy after the last step
+    double quiet_since_ = 0;           // [s]
+    double busy_until_ = 0;            // [s] the end of the last implicit step that did not count
+    double changed_ = -infinity;       // [s] the last change
+    double patience_ = 1;              // [-]
 };
 
 }  // namespace knap

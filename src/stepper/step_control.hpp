@@ -135,7 +135,7 @@ private:
 
 /// [m] Where most cohesion was lost in a step, or where a fan split if none was lost.
 Vec2 place_of_damage(const Model& model, const State& begin, const State& end);
-/// [m] Of a step from `begin` to `end`: the place of the cutback, else that of the damage, of a motion where it is fastest.
+/// [m] Of a step from `begin` to `end`: the place of the cutback, else that of the damage; of a motion the fastest one.
 Vec2 place_of(const Cutback& cut, const Model& model, const State& begin, const State& end);
 
 }  // namespace knap

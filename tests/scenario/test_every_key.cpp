@@ -419,6 +419,11 @@ start = "equilibrium"
 assumption_1 = "ignore"
 )";
 
+const std::string changing = samples::least + R"(bulk = "auto"
+quiet_below = 1e-3
+quiet_for = "3 ms"
+)";
+
 const std::string rock = samples::changed("G_c = 3\n", R"(G_c = 3
 softening = "power"
 exponent = 3
@@ -688,6 +693,8 @@ const Case cases[] = {
     {adaptive, "adapt.limit", "2e+06"},
     {implicit, "time.bulk", "\"implicit\""},
     {implicit, "time.cohesion", "\"implicit\""},
+    {changing, "time.quiet_below", "0.001"},
+    {changing, "time.quiet_for", "0.003"},
     {implicit, "time.step", "\"20 CFL\""},
     {implicit, "time.step_cracking", "1e-07"},
     {implicit, "time.step_min", "\"0.001 CFL\""},
@@ -1108,6 +1115,14 @@ TEST_CASE("scenario: the structs hold the refinement during the run") {
     CHECK(s.works().adaptation);
     REQUIRE(s.bodies.at(0).mesh.refine.size() == 1);  // the tip; the other end is on the border
     CHECK_FALSE(samples::read(samples::least).scenario.adapt.active());
+}
+
+TEST_CASE("scenario: the structs hold changes between the schemes") {
+    const TimeOptions time = samples::read(changing).scenario.time;
+    CHECK(time.scheme.bulk == BulkScheme::automatic);
+    CHECK(time.scheme.cohesion == CohesionScheme::implicit_beta);  // of the implicit steps
+    CHECK(time.change.quiet_below == 1e-3);
+    CHECK(time.change.quiet_for == tests::relative(3e-3, 1e-15));
 }
 
 TEST_CASE("scenario: the structs hold the implicit path") {

@@ -396,24 +396,8 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
     if (!options.dump_lcp.empty()) check_dump(model, scenario.time.scheme);
     std::optional<MoreauJean> stepper;
     renew(stepper, model, scenario.time.scheme);
-    RunRecord record{.status = "running",
-                     .name = scenario.name,
-                     .title = scenario.title,
-                     .command = options.command,
-                     .seed = scenario.seed,
-                     .threads = n_threads,
-                     .spent = {.model = clock.cpu()},
-                     .triangles = model.mesh.n_triangles(),
-                     .interfaces = static_cast<Index>(model.interfaces.size()),
-                     .thickness = model.thickness,
-                     .step = plan.limits.largest,
-                     .scheme = scenario.time.scheme,
-                     .mean_edge = mean_edge(model.mesh),
-                     .rayleigh_speed = rayleigh_speed(scenario),
-                     .materials = scenario.material_names(),
-                     .temperature_unit = !scenario.heat           ? ""
-                                         : scenario.heat->celsius ? "C"
-                                                                  : "K"};
+    RunRecord record = record_of(scenario, model, plan);
+    record.command = options.command, record.threads = n_threads, record.spent.model = clock.cpu();
     std::string warnings;
     for (const auto& found : {findings_of_model(read, model, plan), of_obstacles, read.warnings})
         for (const Diagnostic& warning : found) {

@@ -127,6 +127,24 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .continues_other_run = continues_other_run};
 }
 
+RunRecord record_of(const Scenario& scenario, const Model& model, const StepPlan& plan) {
+    return {.status = "running",
+            .name = scenario.name,
+            .title = scenario.title,
+            .seed = scenario.seed,
+            .triangles = model.mesh.n_triangles(),
+            .interfaces = static_cast<Index>(model.interfaces.size()),
+            .thickness = model.thickness,
+            .step = plan.limits.largest,
+            .scheme = scenario.time.scheme,
+            .mean_edge = mean_edge(model.mesh),
+            .rayleigh_speed = rayleigh_speed(scenario),
+            .materials = scenario.material_names(),
+            .temperature_unit = !scenario.heat           ? ""
+                                : scenario.heat->celsius ? "C"
+                                                         : "K"};
+}
+
 std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& mesh) {
     std::vector<Resolution> found;
     const double edge = finest_edge(scenario, mean_edge(mesh));

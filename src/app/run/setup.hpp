@@ -1,8 +1,10 @@
 #pragma once
 // From a scenario to a model, and properties of both that are known before a run.
+#include "app/run/step_plan.hpp"
 #include "mesh/mesh_report.hpp"
 #include "model/model.hpp"
 #include "record/recorder.hpp"
+#include "record/run_record.hpp"
 #include "scenario/scenario.hpp"
 
 namespace knap {
@@ -15,6 +17,9 @@ Model build_model(const Scenario& scenario);
 /// Of a run, with its works and those of the runs from which it starts.
 RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const RareWorks& works,
                                  const std::filesystem::path& directory, bool resumes, bool continues_other_run);
+
+/// A record of all that is known before the first step but the command and its times.
+RunRecord record_of(const Scenario& scenario, const Model& model, const StepPlan& plan);
 
 /// How well a mesh resolves the fracture of one law in one material, between two, or on a glued support. A support
 /// mirrors the body: it is one half of a body that would break with 2 G_c.

@@ -103,8 +103,7 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
     report += account_loads(step);
     if (model_.large_rotation) account_rotation(step, report);
     absorbing_.account(step, report);
-    // so that what a block reads of its split fans is contiguous
-    if (report.released > 0) order_split_fans(model_, end, unordered_);
+    if (report.released > 0) order_split_fans(model_, end, unordered_);  // a block reads contiguous ones
     report.largest_speed = std::sqrt(report.largest_speed);  // squared until here
     return report;
 }

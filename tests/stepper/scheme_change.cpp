@@ -1,0 +1,276 @@
+// bulk = "auto": both schemes on one state, and the changes between them.
+#include "stepper/scheme_change.hpp"
+#include "stepper/step_control.hpp"
+#include "support/bodies.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace scheme_change_test {
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+constexpr double length = 1, height = 0.05;
+constexpr int n_cells = 40;
+
+/// A bar with E = rho = 1: waves of speed 1. Region 1 is its right half.
+ModelInput bar(const CohesiveLaw& in_the_middle) {
+    ModelInput input;
+    input.plane = PlaneModel::stress;
+    input.mesh = symmetric_bar_mesh(n_cells, length, height, [](int i) { return i < n_cells / 2 ? 0 : 1; });
+    input.materials.assign(2, {.density = 1, .E = 1, .nu = 0});
+    input.laws = {CohesiveLaw::unbreakable(), in_the_middle};
+    input.law_of_pair = {{0, 1}, {1, 0}};
+    return input;
+}
+
+/// As the loop of a run.
+struct Changing {
+    Changing(ModelInput input, const StepLimits& limits, SchemeOptions scheme)
+        : body(std::move(input), scheme), control(limits) {
+        begin_theta_scheme(body.now);
+    }
+
+    void step() {
+        const double h = control.next(body.now);
+        const StepReport report = body.stepper.step(body.now, h, next);
+        if (const auto cut = control.judge(body.now, h, report)) {
+            REQUIRE_FALSE(control.is_stuck());
+            if (cut->changes_to_explicit) begin_leapfrog(body.now);
+            return;
+        }
+        take(report);
+        if (!control.ends_explicit_stage(body.now)) return;
+        const StepReport closing = body.stepper.close_leapfrog(body.now, next);
+        REQUIRE(closing.rejection == Rejection::none);
+        control.begin_implicit_stage(next, closing);
+        take(closing);
+    }
+    void take(const StepReport& report) {
+        std::swap(body.now, next);
+        body.ledger.add(body.now, report);
+        ++n_steps;
+    }
+    void run_until(double time) {
+        while (!StepControl::has_reached(body.now, time)) step();
+    }
+
+    Run body;
+    StepControl control;
+    State next;
+    int n_steps = 0;
+};
+
+double momentum(const Run& run) {
+    double sum = 0;
+    for (Index c = 0; c < run.model.mesh.n_corners(); ++c)
+        sum += run.model.corner_mass[c] * run.now.velocity[run.now.node_of_corner[c]].x();
+    return sum;
+}
+
+void change_to_implicit(Run& run) {
+    State end;
+    const StepReport closing = run.stepper.close_leapfrog(run.now, end);
+    REQUIRE(closing.rejection == Rejection::none);
+    run.now = end;
+    run.ledger.add(run.now, closing);
+}
+
+/// The first mode of a free bar, v = cos(pi x) cos(pi t), under a constant force along it, through given stages of one
+/// period. Returns the largest error of the velocity.
+struct Vibration {
+    double error, energy_residual, impulse_error, step_change_work;
+};
+
+enum class Stages { explicit_alone, implicit_alone, both, both_from_implicit };
+
+Vibration vibrate(Stages stages) {
+    ModelInput input = bar(CohesiveLaw::unbreakable());
+    constexpr double force = 1e-3, start = 1, period = 2;
+    input.loads = {load(Load::Kind::body_force, "", force, 0)};
+    input.loads[0].on = {};
+    Run run(std::move(input), {.bulk = BulkScheme::automatic});
+    for (Index c = 0; c < run.model.mesh.n_corners(); ++c) {
+        const double x = run.model.mesh.corner(c / 3, c % 3).x();
+        run.now.velocity[run.now.node_of_corner[c]] = {start * std::cos(std::numbers::pi * x / length), 0};
+    }
+    run.ledger = EnergyLedger(run.model, run.now);
+    const double h = 0.8 * run.stepper.stable_step(), H = period / 400, before = momentum(run);
+    double pushed = 0;  // [s] for which the force has given its impulse
+    const auto go = [&](bool implicit, double until) {
+        if (implicit && !has_end_velocities(run.now)) {
+            if (run.now.last_step > 0) {
+                pushed += 0.5 * (1 + closing_part) * run.now.last_step;
+                change_to_implicit(run);
+            } else {
+                begin_theta_scheme(run.now);
+            }
+        }
+        if (!implicit && has_end_velocities(run.now)) begin_leapfrog(run.now);
+        while (run.now.time < until - 1e-9) {
+            const double step = std::min(implicit ? H : h, until - run.now.time);
+            pushed += implicit ? step : 0.5 * (run.now.last_step + step);
+            run.step(step);
+        }
+    };
+    switch (stages) {
+        case Stages::explicit_alone: go(false, period); break;
+        case Stages::implicit_alone: go(true, period); break;
+        case Stages::both:
+            go(false, 0.3 * period), go(true, 0.55 * period), go(false, 0.8 * period), go(true, period);
+            break;
+        case Stages::both_from_implicit: go(true, 0.3 * period), go(false, 0.7 * period), go(true, period); break;
+    }
+    if (!has_end_velocities(run.now)) {
+        pushed += 0.5 * (1 + closing_part) * run.now.last_step;
+        change_to_implicit(run);
+    }
+    Vibration found{};
+    const double t = run.now.time, mean = force * t / 1;
+    for (Index c = 0; c < run.model.mesh.n_corners(); ++c) {
+        const double x = run.model.mesh.corner(c / 3, c % 3).x(),
+                     exact = mean + start * std::cos(std::numbers::pi * x) * std::cos(std::numbers::pi * t);
+        found.error = std::max(found.error, std::abs(run.now.velocity[run.now.node_of_corner[c]].x() - exact));
+    }
+    const double energy = 0.25 * height * length;
+    found.energy_residual = run.ledger.largest_residual() / energy;
+    found.impulse_error =
+        std::abs(momentum(run) - before - force * height * length * pushed) / (height * length * start);
+    found.step_change_work = std::abs(run.ledger.row().step_change_work) / energy;
+    return found;
+}
+
+}  // namespace
+
+TEST_CASE("scheme change: an elastic bar keeps its energy and momentum through both schemes") {
+    const Vibration alone = vibrate(Stages::explicit_alone), theta = vibrate(Stages::implicit_alone);
+    for (const Stages stages : {Stages::both, Stages::both_from_implicit}) {
+        const Vibration found = vibrate(stages);
+        CHECK(found.energy_residual <= 1e-12);
+        CHECK(found.impulse_error <= 1e-13);
+        // the error of the wave is that of the schemes alone; a change that took velocities of the middle of a step for
+        // those of its end would add pi h/2 = .02
+        CHECK(found.error <= 2 * std::max(alone.error, theta.error));
+        CHECK(found.step_change_work <= 1e-3);  // of second order in the explicit step: leapfrog against true energy
+    }
+    CHECK(alone.energy_residual <= 1e-12);
+    CHECK(theta.energy_residual <= 1e-12);
+    CHECK(std::max(alone.error, theta.error) <= 2e-3);
+}
+
+TEST_CASE("scheme change: a bar that is pulled slowly breaks in explicit steps between implicit ones") {
+    constexpr double sigma_c = 1e-3, G_c = 1e-7, speed = 1e-7;  // the bar holds five times what the break takes
+    ModelInput input = bar({.sigma_c = sigma_c, .G_c = G_c, .gamma = 1});
+    input.loads = {load(Load::Kind::velocity, "left", -speed, std::nullopt),
+                   load(Load::Kind::velocity, "right", speed, std::nullopt)};
+    const double stable = MoreauJean(make_model(ModelInput(input))).stable_step();
+    constexpr double end = 8000;
+    const StepLimits limits{.largest = 100,
+                            .cracking = 200 * stable,
+                            .smallest = 1e-6 * stable,
+                            .end = end,
+                            .change = {.explicit_step = 0.8 * stable, .quiet_below = 1e-4, .quiet_for = 4}};
+    Changing run(std::move(input), limits, {.bulk = BulkScheme::automatic, .damping = 1});
+    run.run_until(end);
+    // the stress is 2 speed t E/length: it reaches sigma_c at t = 5000
+    const std::vector<SchemeChangeEvent>& changes = run.control.changes();
+    REQUIRE(changes.size() == 2);
+    CHECK(changes[0].to_explicit);
+    CHECK_FALSE(changes[1].to_explicit);
+    CHECK(changes[0].time <= 5000);
+    CHECK(changes[0].time > 5000 - 2 * 200 * stable);
+    CHECK(changes[1].time - changes[0].time >= 200 * stable + 4);
+    CHECK(has_end_velocities(run.body.now));
+    const EnergyRow& row = run.body.ledger.row();
+    CHECK(row.dissipated == doctest::Approx(G_c * height).epsilon(1e-12));
+    CHECK(run.body.ledger.largest_residual() <= 1e-12 * run.body.ledger.largest_energy());
+    CHECK(row.kinetic <= 1e-4 * G_c * height);
+    CHECK(run.n_steps < 80 + 20 + (changes[1].time - changes[0].time) / (0.8 * stable) + 60);
+}
+
+TEST_CASE("scheme change: the same steps from a state in the middle of either stage") {
+    ModelInput input = bar({.sigma_c = 1e-3, .G_c = 1e-7, .gamma = 1});
+    input.loads = {load(Load::Kind::velocity, "left", -1e-5, std::nullopt),
+                   load(Load::Kind::velocity, "right", 1e-5, std::nullopt)};
+    const double stable = MoreauJean(make_model(ModelInput(input))).stable_step();
+    const StepLimits limits{.largest = 5,
+                            .cracking = 100 * stable,
+                            .smallest = 1e-6 * stable,
+                            .end = 90,
+                            .change = {.explicit_step = 0.8 * stable, .quiet_below = 1e-2, .quiet_for = 2}};
+    const SchemeOptions scheme{.bulk = BulkScheme::automatic, .damping = 1};
+    Changing whole(ModelInput(input), limits, scheme);
+    for (const double until : {30.0, 52.0, 70.0}) {  // before the break, just after it, and quiet again
+        whole.run_until(until);
+        Changing rest(ModelInput(input), limits, scheme);  // new schemes, with nothing but state and control
+        rest.body.now = whole.body.now;
+        rest.control = whole.control;
+        Changing other(ModelInput(input), limits, scheme);
+        other.body.now = whole.body.now;
+        other.control = whole.control;
+        rest.run_until(90), other.run_until(90);
+        CHECK(same_bits(rest.body.now, other.body.now));
+        CHECK(rest.control.changes().size() == 2);
+        State continued = rest.body.now;
+        if (until == 70.0) {
+            whole.run_until(90);
+            CHECK(same_bits(continued, whole.body.now));
+        }
+    }
+}
+
+TEST_CASE("scheme change: what an implicit step does not resolve") {
+    SchemeChange change({.explicit_step = 1, .quiet_below = 1e-4, .quiet_for = 10});
+    StepReport report;
+    report.strain = 1;
+    State begin;
+    change.after_step(begin, 1, report);
+    CHECK(change.fault(report) == StepFault::none);
+    report.kinetic = 0.9e-3;  // ten times quiet_below
+    CHECK(change.fault(report) == StepFault::none);
+    report.kinetic = 1.1e-3;
+    CHECK(change.fault(report) == StepFault::motion);
+    report.strain = 3, report.kinetic = 0.02;  // the load begins
+    CHECK(change.fault(report) == StepFault::none);
+    report.kinetic = 0.04;
+    CHECK(change.fault(report) == StepFault::motion);
+    report = {};
+    report.strain = 1, report.dissipated = 0.01, report.cohesive_work = 0.0104;
+    CHECK(change.fault(report) == StepFault::none);
+    report.cohesive_work = 0.0106;
+    CHECK(change.fault(report) == StepFault::cohesive_work);
+}
+
+TEST_CASE("scheme change: short implicit stages make the explicit ones longer") {
+    SchemeChange change({.explicit_step = 1, .quiet_below = 1e-4, .quiet_for = 10});
+    StepReport quiet;
+    quiet.strain = 1;
+    double time = 0;
+    const auto explicit_stage = [&] {  // returns its length
+        change.rejected(time, 5);
+        change.to_explicit(time);
+        const double from = time;
+        while (!change.is_quiet(time)) {
+            State begin;
+            begin.time = time;
+            change.after_step(begin, 1, quiet);
+            ++time;
+        }
+        change.to_implicit(time, quiet);
+        return time - from;
+    };
+    CHECK(explicit_stage() == 15);  // beyond the rejected step, and quiet
+    for (const double waits : {20, 40, 80, 160, 160}) {
+        ++time;
+        CHECK(explicit_stage() == 5 + waits);
+    }
+    time += 1000;
+    CHECK(explicit_stage() == 15);
+}
+
+}  // namespace scheme_change_test
