@@ -26,12 +26,12 @@ void add_keys_of_run(KeyTable& t) {
     t.number("rest_for", "s", "time for which it stays below").above(0)
         .computed("ten passages of a shear wave through all of the body").to(&RestOptions::duration);
     t.word("bulk", {"explicit", "implicit", "auto"}, "explicit: central differences with lumped mass, limited to the "
-        "stable step; implicit: theta scheme, steps of any size; auto: implicit while nothing moves fast, explicit where "
-        "a crack runs until the body is quiet")
+        "stable step; implicit: theta scheme, steps of any size; auto: implicit while nothing moves fast, explicit "
+        "where a crack runs until the body is quiet")
         .otherwise("explicit").to(&SchemeOptions::bulk, {BulkScheme::explicit_lumped, BulkScheme::implicit_theta,
                                                          BulkScheme::automatic});
-    t.number("quiet_below", "", "kinetic energy over strain energy below which the body counts as quiet, so that "
-        "implicit steps go on; with bulk = \"auto\"").above(0).below(1).otherwise("1e-4")
+    t.number("quiet_below", "", "kinetic energy over strain energy and energy of broken interfaces, below which the "
+        "body counts as quiet, so that implicit steps go on; with bulk = \"auto\"").above(0).below(1).otherwise("1e-4")
         .to(&SchemeChangeOptions::quiet_below);
     t.number("quiet_for", "s", "time for which it must be quiet; with bulk = \"auto\"").above(0)
         .computed("two passages of a shear wave through all of the body").to(&SchemeChangeOptions::quiet_for);
@@ -43,9 +43,10 @@ void add_keys_of_run(KeyTable& t) {
         "safety times the stable step, 20 CFL with the implicit bulk, time.end/400 (at least 200 CFL) with bulk = "
         "\"auto\", whose explicit steps follow from safety")
         .above(0).or_word("auto").or_multiple_of({"CFL"}).otherwise("\"auto\"").to(&TimeOptions::step);
-    t.number("step_cracking", "s", "maximum step from the first loss of cohesion on; with bulk = \"auto\" the smallest "
-        "implicit step: where it fails, explicit ones go on; CFL as in time.step")
-        .above(0).or_multiple_of({"CFL"}).computed("time.step; 200 CFL with bulk = \"auto\"").to(&TimeOptions::step_cracking);
+    t.number("step_cracking", "s", "maximum step from the first loss of cohesion on; with bulk = \"auto\" the "
+        "smallest implicit step: where it fails, explicit ones go on; CFL as in time.step")
+        .above(0).or_multiple_of({"CFL"}).computed("time.step; 200 CFL with bulk = \"auto\"")
+        .to(&TimeOptions::step_cracking);
     t.number("step_min", "s", "minimum step; a run that needs a smaller one fails; CFL as in time.step")
         .above(0).or_multiple_of({"CFL"}).computed("2^-20 time.step_cracking").to(&TimeOptions::step_min);
     t.number("safety", "", "step over stable step with step = \"auto\" and the explicit bulk")

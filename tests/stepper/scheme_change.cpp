@@ -170,7 +170,7 @@ TEST_CASE("scheme change: a bar that is pulled slowly breaks in explicit steps b
                    load(Load::Kind::velocity, "right", speed, std::nullopt)};
     const double stable = MoreauJean(make_model(ModelInput(input))).stable_step();
     constexpr double end = 8000;
-    const StepLimits limits{.largest = 100,
+    const StepLimits limits{.largest = 70,
                             .cracking = 200 * stable,
                             .smallest = 1e-6 * stable,
                             .end = end,
@@ -182,7 +182,7 @@ TEST_CASE("scheme change: a bar that is pulled slowly breaks in explicit steps b
     REQUIRE(changes.size() == 2);
     CHECK(changes[0].to_explicit);
     CHECK_FALSE(changes[1].to_explicit);
-    CHECK(changes[0].time <= 5000);
+    CHECK(changes[0].time <= 5000 + 0.5 * 70 / 4);  // with theta = 1/2 the law holds in the middle of a step
     CHECK(changes[0].time > 5000 - 2 * 200 * stable);
     CHECK(changes[1].time - changes[0].time >= 200 * stable + 4);
     CHECK(has_end_velocities(run.body.now));
@@ -190,7 +190,7 @@ TEST_CASE("scheme change: a bar that is pulled slowly breaks in explicit steps b
     CHECK(row.dissipated == doctest::Approx(G_c * height).epsilon(1e-12));
     CHECK(run.body.ledger.largest_residual() <= 1e-12 * run.body.ledger.largest_energy());
     CHECK(row.kinetic <= 1e-4 * G_c * height);
-    CHECK(run.n_steps < 80 + 20 + (changes[1].time - changes[0].time) / (0.8 * stable) + 60);
+    CHECK(run.n_steps < 120 + 20 + (changes[1].time - changes[0].time) / (0.8 * stable) + 60);
 }
 
 TEST_CASE("scheme change: the same steps from a state in the middle of either stage") {
@@ -204,23 +204,18 @@ TEST_CASE("scheme change: the same steps from a state in the middle of either st
                             .end = 90,
                             .change = {.explicit_step = 0.8 * stable, .quiet_below = 1e-2, .quiet_for = 2}};
     const SchemeOptions scheme{.bulk = BulkScheme::automatic, .damping = 1};
-    Changing whole(ModelInput(input), limits, scheme);
+    Changing whole(ModelInput(input), limits, scheme), reference(ModelInput(input), limits, scheme);
+    reference.run_until(90);
+    REQUIRE(reference.control.changes().size() == 2);
     for (const double until : {30.0, 52.0, 70.0}) {  // before the break, just after it, and quiet again
         whole.run_until(until);
+        CHECK(has_end_velocities(whole.body.now) == (until != 52.0));
         Changing rest(ModelInput(input), limits, scheme);  // new schemes, with nothing but state and control
         rest.body.now = whole.body.now;
         rest.control = whole.control;
-        Changing other(ModelInput(input), limits, scheme);
-        other.body.now = whole.body.now;
-        other.control = whole.control;
-        rest.run_until(90), other.run_until(90);
-        CHECK(same_bits(rest.body.now, other.body.now));
+        rest.run_until(90);
+        CHECK(same_bits(rest.body.now, reference.body.now));
         CHECK(rest.control.changes().size() == 2);
-        State continued = rest.body.now;
-        if (until == 70.0) {
-            whole.run_until(90);
-            CHECK(same_bits(continued, whole.body.now));
-        }
     }
 }
 

@@ -104,7 +104,7 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
     if (model_.large_rotation) account_rotation(step, report);
     absorbing_.account(step, report);
     if (report.released > 0) order_split_fans(model_, end, unordered_);  // a block reads contiguous ones
-    report.largest_speed = std::sqrt(report.largest_speed);  // squared until here
+    report.largest_speed = std::sqrt(report.largest_speed);              // squared until here
     return report;
 }
 

@@ -42,6 +42,13 @@ const std::string implicit_quench = explicit_quench +
                                     "time.assumption_1=ignore -s limits.law_lag=10 -s "
                                     "'time.step=2 us' ";
 
+/// Implicit steps, explicit ones where cracks run, and implicit ones in between.
+const std::string changing_specimen =
+    "uniaxial_compression -q -j 1 -s 'mesh.size=6 mm' -s time.bulk=auto -s 'time.damping=50 kHz' -s "
+    "time.quiet_below=1e-3 -s 'obstacle[0].velocity=[\"0 m/s\", \"-10 mm/s\"]' -s 'obstacle[0].ramp=2 ms' -s "
+    "'time.step=0.1 ms' -s 'time.end=12 ms' -s limits.law_lag=none -s 'expect={}' -s output.breaks=true " +
+    undrawn;
+
 ino_t inode(const fs::path& path) {
     struct stat found {};
     return stat(path.c_str(), &found) == 0 ? found.st_ino : 0;
@@ -123,6 +130,7 @@ TEST_CASE("a run killed at twenty random moments ends with the same bits") {
 TEST_CASE("runs of other kinds killed at twenty random moments end with the same bits" * doctest::test_suite("slow")) {
     SUBCASE("with refinements") { kill_twenty_times(refined_block, Folder("killed refined")); }
     SUBCASE("implicit") { kill_twenty_times(implicit_block, Folder("killed implicit")); }
+    SUBCASE("both schemes") { kill_twenty_times(changing_specimen, Folder("killed both schemes")); }
     SUBCASE("with heat") { kill_twenty_times(explicit_quench, Folder("killed quench")); }
     SUBCASE("with heat, implicit") { kill_twenty_times(implicit_quench, Folder("killed implicit quench")); }
 }
