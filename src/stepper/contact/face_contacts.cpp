@@ -24,8 +24,6 @@ constexpr double margin_share = 0.2;     // [-] of the mean edge: how far the bo
 constexpr double reach_margin = 1.5, motion_margin = 2.5;  // NearbyEdges
 constexpr double extrapolated = 2.5;  // relative speed of a vertex and a point of the prolonged edge, per largest speed
 
-Vec2 outward(const Vec2& tangent) { return -turned_left(tangent); }
-
 /// A polyline that turns right by more than a flat one; `in_body` decides where it turns back.
 bool is_reflex(const Vec2& t_in, const Vec2& t_out, bool in_body) {
     const double turn = cross(t_in, t_out);
@@ -44,9 +42,7 @@ double largest_overrun(double gap, double reach, double overrun, double length, 
 
 /// Keeps the largest; a speed before any depth.
 void refuse(const ContactRefusal& now, std::optional<ContactRefusal>& worst) {
-    const auto rank = [](const ContactRefusal& refusal) {
-        return std::pair(refusal.reason == ContactRefusal::Reason::speed, refusal.value);
-    };
+    const auto rank = [](const auto& of) { return std::pair(of.reason == ContactRefusal::Reason::speed, of.value); };
     if (!worst || rank(now) > rank(*worst)) worst = now;
 }
 
@@ -284,19 +280,22 @@ bool FaceContacts::belongs_to(Index e, const Vertex& at, double gap, double shar
         const Vec2 &t_1 = sides_[first].tangent, &t_2 = sides_[second].tangent;
         const Vec2 from_corner = at.x - 0.5 * (end_of(first).x + start_of(second).x);
         if (!is_reflex(t_1, t_2, is_outer ? edges[second].reflex_piece : edges[first].reflex_wedge)) {
-            if (second_is_nearer(first, second, at, h) != at_end) continue;
             const auto& [t, length] = sides_[at_end ? second : first];
-            if (at.accepts(outward(t))) return false;
+            const Vec2 n = outward(sides_[e].tangent), other_n = outward(t);
+            // two tips: a plane that only the widened cones accept may separate the vertex, but not its edges
+            const bool tips = n.dot(other_n) < opposite && at.accepts(other_n);
+            if (tips && at.distance(other_n, from_corner) > at.distance(n, from_corner)) return false;
+            if (tips || second_is_nearer(first, second, at, h) != at_end) continue;
+            if (at.accepts(other_n)) return false;
             // both edges at the vertex lie in front of the nearer edge, which separates them from this one
-            if (outward(t).dot(from_corner) - at.overhang(outward(t)) > -touching * length) return false;
+            if (at.distance(other_n, from_corner) > -touching * length) return false;
             // gaps between the places of both vertices: else each may seem smaller than the other
-            const double gap_here = outward(sides_[e].tangent).dot(from_corner);
-            if (meets_nearer(at_end ? edges[e].piece_end : edges[e].piece_start, at, gap_here, begin)) return false;
+            const Index j = at_end ? edges[e].piece_end : edges[e].piece_start;
+            if (meets_nearer(j, at, n.dot(from_corner), begin)) return false;
             continue;
         }
-        const bool beyond = at_end ? share > 1 : share < 0,
-                   beside_other = at_end ? t_2.dot(from_corner) > 0 : t_1.dot(from_corner) < 0;
-        if (beyond && beside_other && gap < 0) return false;
+        const bool beside_other = at_end ? t_2.dot(from_corner) > 0 : t_1.dot(from_corner) < 0;
+        if (gap < 0 && beside_other && (at_end ? share > 1 : share < 0)) return false;
     }
     return true;
 }
@@ -306,7 +305,7 @@ bool FaceContacts::meets_nearer(Index j, const Vertex& at, double gap, const Sta
     if (j < 0) return true;
     const Vertex other = vertex(j, begin);
     return !other.reflex && std::ranges::any_of(std::array{at.t_in, at.t_out}, [&](const Vec2& t) {
-        return other.accepts(outward(t)) && outward(t).dot(other.x - at.x) - other.overhang(outward(t)) > gap;
+        return other.accepts(outward(t)) && other.distance(outward(t), other.x - at.x) > gap;
     });
 }
 
@@ -319,7 +318,7 @@ double FaceContacts::overlap(const FreeEdge& edge, const Vertex& at, double gap,
         const Vertex other = vertex(j, begin);
         for (const auto& [one, two] : {std::pair(&at, &other), std::pair(&other, &at)})
             for (const Vec2& t : {one->t_in, one->t_out})
-                least = std::min(least, two->overhang(outward(t)) - outward(t).dot(two->x - one->x));
+                least = std::min(least, -two->distance(outward(t), two->x - one->x));
     }
     return least;
 }

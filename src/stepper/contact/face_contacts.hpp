@@ -14,6 +14,9 @@
 
 namespace knap {
 
+/// The normal of a free edge, whose material lies to the left.
+inline Vec2 outward(const Vec2& tangent) { return -turned_left(tangent); }
+
 /// A boundary vertex near a boundary edge, at the positions of the start of the step.
 struct FaceContact {
     std::array<Index, 2> vertex;  // corners at the vertex: the end of the boundary edge that enters it, the start of
@@ -42,8 +45,9 @@ struct ContactRefusal {
 ///             its mouth
 /// 2 convex    the vertex is no reflex one
 /// 3 cones     -n lies within the outward normals of the vertex, widened by 15 degrees on both sides
-/// 4 corners   of two edges with a convex corner the one with the larger gap, also beyond its end; of two edges with a
-///             reflex corner both, unless the point lies behind the prolonged edge and beside the other one
+/// 4 corners   of two edges with a convex corner the one with the larger gap, also beyond its end, and at a tip sharper
+///             than 26 degrees the one from which the edges at the vertex are further; of two edges with a reflex
+///             corner both, unless the point lies behind the prolonged edge and beside the other one
 /// 5 deep      deeper than 1e-3 L + 2 h |v_rel| + half the slip at which points retire only where the pair, the vertex
 ///             with a neighbour of the edge, or an end of the edge with an edge at the vertex was a contact in the step
 ///             before, or where both were neighbours in the undeformed body: a vertex beside a thin piece does not
@@ -102,6 +106,8 @@ private:
         }
         /// [m] How much further than the vertex its edges reach against the normal.
         double overhang(const Vec2& n) const { return std::max({0.0, n.dot(t_in) * l_in, -n.dot(t_out) * l_out}); }
+        /// [m] Of its edges from a plane, where the vertex is at `from_plane`; negative: a part of them is behind it.
+        double distance(const Vec2& n, const Vec2& from_plane) const { return n.dot(from_plane) - overhang(n); }
         /// FreeEdge::joint_law of the edge that faces one with this tangent.
         Index joint_law_against(const Vec2& tangent) const { return joint_law[t_out.dot(tangent) < t_in.dot(tangent)]; }
     };
