@@ -105,6 +105,8 @@ void retire_points(const Model& model, const std::vector<std::uint8_t>& before, 
     for_blocks((n + block - 1) / block, [&](std::ptrdiff_t b) {
         for (std::ptrdiff_t rank = b * block; rank < std::min(n, (b + 1) * block); ++rank) {
             const Fan& fan = model.fans[end.split_fans[rank]];
+            if (std::ranges::all_of(model.points(fan), [&](const FanPoint& at) { return end.retired[at.point] == 1; }))
+                continue;
             const PointState* state = end.points.data() + end.first_point[rank];
             const double limit = retirement_limit(model, end, static_cast<Index>(rank));
             for (const FanPoint& point : model.points(fan)) {
