@@ -1,4 +1,4 @@
-// knap bench: what contact between free faces costs a step, in rubble and in dust.
+// knap bench: what contact between free faces costs a step, in rubble, broken pieces and dust.
 #include "app/bench_contact.hpp"
 
 #include "app/run/setup.hpp"
@@ -57,6 +57,39 @@ end     = "1.5 s"
 damping = "2 Hz"
 )";
 
+/// A block that falls into pieces on the ground: at 0.5 s they move, at 1.6 s they lie.
+constexpr const char* breaking = R"(knap = 1
+name = "breaking"
+[domain]
+rotation = "large"
+[mesh]
+size = "0.15 m"
+[[body]]
+name     = "block"
+shape    = "rectangle"
+size     = ["1.5 m", "1 m"]
+velocity = ["0 m/s", "-2 m/s"]
+[material.rock]
+density = "2400 kg/m3"
+E       = "0.2 GPa"
+nu      = 0.25
+[interface.default]
+sigma_c  = "0.2 MPa"
+G_c      = "100 J/m2"
+friction = 0.5
+[contact]
+[[obstacle]]
+shape  = "half plane"
+at     = ["0 m", "-1 mm"]
+normal = [0, 1]
+friction = 0.5
+[[load]]
+acceleration = ["0 m/s2", "-9.81 m/s2"]
+[time]
+end     = "2 s"
+damping = "5 Hz"
+)";
+
 /// A block on a support that goes on beyond its ends.
 constexpr const char* sliding = R"(knap = 1
 name = "sliding"
@@ -87,8 +120,11 @@ Model without_contact(Model model) {
     return model;
 }
 
-class Rubble {
+/// Pieces of a scenario that meet.
+class Pieces {
 public:
+    explicit Pieces(const std::string& text) : scenario_(read_scenario_text(text, "pieces", {}).scenario) {}
+
     /// Adds what a contact costs in the steps to `until` [s] from 1000 steps before.
     void measure(double until, const std::string& name, std::vector<Measurement>& measured) {
         const StepLimits limits = plan_steps(scenario_.time, scenario_.adapt, model_, until).limits;
@@ -99,7 +135,7 @@ public:
             const double h = control.next(now_);
             if (now_.time > until - 1000 * limits.largest && n++ % 10 == 0) {  // the same step, taken both ways
                 State alone = now_, end = now_;
-                alone.retired.clear(), alone.face_contacts.clear();
+                alone.face_contacts.clear();
                 with += time_of(3, [&] { contacts_ = stepper_.step(now_, h, end).face_contacts; });
                 without += time_of(3, [&] { of_free_.step(alone, h, end); });
                 faces.find(now_, h);
@@ -116,7 +152,7 @@ public:
     }
 
 private:
-    Scenario scenario_ = read_scenario_text(std::string(rubble) + rock, "rubble", {}).scenario;
+    Scenario scenario_;
     Model model_ = build_model(scenario_), free_ = without_contact(model_);
     MoreauJean stepper_{model_, scenario_.time.scheme}, of_free_{free_, scenario_.time.scheme};
     State now_ = initial_state(model_), next_ = now_;
@@ -200,9 +236,12 @@ double one_thread_time(const Stopwatch& watch) {
 
 std::vector<Measurement> measure_contact() {
     std::vector<Measurement> measured;
-    Rubble stones;
+    Pieces stones(std::string(rubble) + rock);
     stones.measure(0.6, "rubble in motion", measured);
     stones.measure(1.5, "rubble at rest", measured);
+    Pieces broken(breaking);
+    broken.measure(0.5, "broken pieces in motion", measured);
+    broken.measure(1.6, "broken pieces at rest", measured);
     measure_dust(measured);
     measure_ground(measured);
     return measured;
