@@ -1,4 +1,4 @@
-# Writes scenarios/*.toml, the files that they name (*.msh), the template of `knap new` and the examples of
+# Writes scenarios/*.toml, the files that they name (*.msh, *.csv), the template of `knap new` and the examples of
 # `knap schema --markdown` into one C++ file, so that the program needs no other file.
 function(knap_embed_table pattern with_ending result)
   file(GLOB files CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/scenarios/${pattern})
@@ -19,12 +19,13 @@ endfunction()
 function(knap_embed_scenarios output)
   knap_embed_table(*.toml FALSE scenarios)
   knap_embed_table(*.msh TRUE files)
+  knap_embed_table(*.csv TRUE tables)
   foreach(name new_scenario block_examples)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/scenario/${name}.toml)
     file(READ ${CMAKE_SOURCE_DIR}/src/scenario/${name}.toml ${name})
   endforeach()
   file(CONFIGURE OUTPUT ${output} @ONLY CONTENT
-"// Generated from scenarios/*.toml and scenarios/*.msh.
+"// Generated from scenarios/*.toml, scenarios/*.msh and scenarios/*.csv.
 #include \"scenario/built_in.hpp\"
 
 namespace knap {
@@ -37,7 +38,7 @@ const std::vector<BuiltIn>& built_ins() {
 
 const std::vector<BuiltIn>& built_in_files() {
     static const std::vector<BuiltIn> all{
-@files@    };
+@files@@tables@    };
     return all;
 }
 

@@ -65,7 +65,8 @@ public:
         app.set_version_flag("--version", version_text);
         app.require_subcommand(1);
         app.fallthrough(false);
-        add_run(), add_study(), add_sweep(), add_check(), add_mesh(), add_render(), add_info(), add_new();
+        add_run(), add_study(), add_sweep(), add_calibrate(), add_check(), add_mesh(), add_render(), add_info(),
+            add_new();
         add_schema();
         add("list", "list the built-in scenarios, each with its question", [] {
             for (const BuiltIn& scenario : built_ins())
@@ -174,6 +175,30 @@ private:
                      "KEY=VALUE,VALUE,...: each value, combined with all values of other keys; may be repeated");
         command->add_option("--seeds", seeds_, "20: this number, from the scenario's seed on; or 1..20");
         add_batch(command, sweep_, "sweep", "sweeps");
+    }
+
+    void add_calibrate() {
+        CLI::App* command = add("calibrate",
+                                "measure what a crack along the edges of this mesh costs, for "
+                                "toughness = \"as measured\"",
+                                [this] { return calibrate(scenario_, overrides_, calibrate_); });
+        add_scenario(command, set_key);
+        command->add_option("--table", calibrate_.table, "file of the table; default <name>_toughness.csv")
+            ->type_name(path);
+        command
+            ->add_option(
+                "--loads", calibrate_.loads,
+                "energy release rates of the strips over G_c, as in 1.4,1.6; the smallest one under which four "
+                "of five cracks run through counts")
+            ->delimiter(',')
+            ->check(CLI::Range(1.0, 100.0));
+        command->add_option("--seeds", calibrate_.seeds, "strips under each load")->check(CLI::Range(1, 1000));
+        command->add_option("-o,--output", calibrate_.batch.output, "directory of the strips; default calibrations")
+            ->type_name(path);
+        command->add_option("-j,--jobs", calibrate_.batch.n_at_once, "strips at the same time")
+            ->check(CLI::Range(1, 1024));
+        command->add_flag("--force", calibrate_.batch.force, "repeat finished strips, replace the table");
+        command->add_flag("-q,--quiet", calibrate_.batch.quiet, "no line for every strip");
     }
 
     void add_check() {
@@ -320,6 +345,7 @@ private:
     int n_seeds_ = 0;
     RunOptions run_;
     BatchOptions study_, sweep_;
+    CalibrateOptions calibrate_;
     FigureOptions figure_{.show = ""};
     BenchOptions bench_;
 };

@@ -1,5 +1,6 @@
 #pragma once
 // The commands of the program, one function each; cli.cpp turns arguments into these calls.
+#include "app/ensemble/ensemble.hpp"
 #include "app/run/run.hpp"
 
 #include <filesystem>
@@ -19,6 +20,16 @@ ExitCode write_new_scenario(const std::string& name, const std::string& from, bo
 
 /// Draws a figure of a finished or interrupted run; without a subject (`show`) all figures of its scenario.
 ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figure, const std::filesystem::path& output);
+
+struct CalibrateOptions {
+    std::filesystem::path table;                  // empty: <name>_toughness.csv
+    std::vector<double> loads{1.4, 1.6, 2, 2.5};  // energy release rates of the strips over G_c
+    int seeds = 5;                                // strips under each load
+    BatchOptions batch;                           // output: directory of the sweeps; empty: calibrations
+};
+/// Cracks in strips with each law of the scenario that acts within a material, on its mesh: a table of their surplus
+/// (scenario/toughness.hpp).
+ExitCode calibrate(const std::string& scenario, std::vector<std::string> overrides, const CalibrateOptions& options);
 
 enum class RunFormat { text, json, csv };
 /// Settings and results of runs: for reading, all of run.json, or a table with a line per run.

@@ -67,7 +67,7 @@ bool cracks_anywhere(const Scenario& scenario) {
 void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
     const std::vector<Resolution> found = judge_resolution(scenario, mesh);
     std::printf("interfaces\n");
-    const double fine = finest_edge(scenario, mean_edge(mesh)), coarse = scenario.mesh.size / scenario.order;
+    const double fine = scenario.finest_edge(mean_edge(mesh)), coarse = scenario.mesh.size / scenario.order;
     const bool refined = (!scenario.mesh.refine.empty() || scenario.adapt.active()) && coarse > fine;
     for (const Resolution& r : found) {
         std::printf("  %-12s law %s: process zone %.3g mm (at rest), %.1f edges%s", r.material.c_str(), r.law.c_str(),
@@ -75,12 +75,20 @@ void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
         if (refined) std::printf(", %.1f elsewhere", r.n_edges * fine / coarse);
         std::printf("; cohesive length %.3g mm\n", 1e3 * r.cohesive_length);
     }
-    if (cracks_anywhere(scenario))
+    bool as_measured = false;
+    for (const NamedLaw& law : scenario.laws) {
+        if (law.measured_G_c == 0) continue;
+        as_measured = true;
+        std::printf(
+            "  law %s: a slow crack costs %.4g J/m2 as measured; interfaces have G_c %.4g J/m2, the surplus of this "
+            "mesh is %.3f +- %.3f\n",
+            law.name.c_str(), law.measured_G_c, law.law.G_c, law.surplus.mean, law.surplus.deviation);
+    }
+    if (cracks_anywhere(scenario) && !as_measured)
         std::printf(
             "  a crack along the edges of a random mesh costs 1.1 to 1.3 G_c per length, however small they are: its "
-            "path is 5 %% longer, the rest is damage\n  beside it. To meet a measured toughness, divide G_c by "
-            "work_per_advance/G_c (summary) of a first run in which a single crack\n  runs, not two from a hole, not "
-            "branches\n");
+            "path is 5 %% longer, the rest is damage\n  beside it. To meet a measured toughness write toughness = \"as "
+            "measured\" (above all tables)\n");
     const SchemeOptions& scheme = scenario.time.scheme;
     if (scheme.cohesion == CohesionScheme::explicit_beta) return;  // Assumption 1 is one of the implicit cohesion
     for (const Resolution& r : found) {

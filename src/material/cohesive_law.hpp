@@ -16,6 +16,7 @@
 #include "material/thermal.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 namespace knap {
 
@@ -59,6 +60,15 @@ struct CohesiveLaw {
     double softening_length(double cohesion = 1) const {
         return softening ? G_c / (sigma_c * softening->steepest(cohesion)) : delta_c();
     }
+    /// [-] Steepest slope of the softening over that of linear softening.
+    double steepness() const { return softening ? 2 * softening->steepest() : 1; }
+    /// [m] E' G_c/sigma_c^2; 9 pi/32 of it is the process zone of a crack at rest (J. R. Rice 1968), of which the
+    /// traction falls fastest in the steep zone.
+    double cohesive_length(double plane_modulus) const { return plane_modulus * G_c / (sigma_c * sigma_c); }
+    double process_zone(double plane_modulus) const {
+        return 9 * std::numbers::pi / 32 * cohesive_length(plane_modulus);
+    }
+    double steep_zone(double plane_modulus) const { return process_zone(plane_modulus) / steepness(); }
     /// The piece of the softening branch at the equivalent opening s [m], and its -ds/d beta [m].
     int piece_at(double s) const { return softening ? softening->piece_at(s * sigma_c / G_c) : 0; }
     double piece_length(int piece) const { return softening ? G_c / (sigma_c * softening->slope(piece)) : delta_c(); }

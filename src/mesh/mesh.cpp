@@ -108,6 +108,14 @@ std::vector<InteriorEdge> edges_around(const Mesh& mesh, const std::vector<Index
     return found;
 }
 
+double mean_edge(const Mesh& mesh) {
+    double sum = 0;
+    for (const InteriorEdge& edge : mesh.interior_edges)
+        sum += (mesh.corner(edge.triangle[0], edge.side[0]) - mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3))
+                   .norm();
+    return mesh.interior_edges.empty() ? 0 : sum / static_cast<double>(mesh.interior_edges.size());
+}
+
 Grouped<Index> vertex_stars(const Mesh& mesh) {
     return {mesh.vertices.size(), [&](const auto& visit) {
                 for (Index t = 0; t < mesh.n_triangles(); ++t)

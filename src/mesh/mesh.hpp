@@ -115,6 +115,9 @@ std::vector<Index> triangles_in(const Mesh& mesh, const std::vector<Vec2>& polyg
 /// The edges between these triangles and others.
 std::vector<InteriorEdge> edges_around(const Mesh& mesh, const std::vector<Index>& triangles);
 
+/// [m] Mean length of the interior edges.
+double mean_edge(const Mesh& mesh);
+
 /// The triangles around every vertex. Reads vertices and triangles only.
 Grouped<Index> vertex_stars(const Mesh& mesh);
 

@@ -34,6 +34,9 @@ struct RecorderOptions {
     std::vector<ProbeOptions> probes;
     bool breaks = false;  // record every interface that breaks; a specimen implies it
     std::optional<SpecimenOptions> specimen;
+    struct Toughness {
+        double measured = 0, of_interfaces = 0;  // [J/m2] of the first law with toughness = "as measured"; 0: none
+    } toughness;
     RestOptions rest;
     bool resumes = false;  // files of an earlier part of the run exist: nothing is written before open_files()
     bool continues_other_run = false;  // energies and cracks of another run: nothing is written before begin()

@@ -73,6 +73,7 @@ struct Facts {
     const CrackPattern& pattern = cracks.pattern();
     double rayleigh_speed = recorder.options().context.rayleigh_speed;  // [m/s]
     const std::optional<SpecimenOptions>& specimen = recorder.options().specimen;
+    const RecorderOptions::Toughness& toughness = recorder.options().toughness;
     Vec2 momentum = Vec2::Zero(), mean_displacement = Vec2::Zero();  // [kg m/s], [m]
     std::vector<Reaction> reactions;                                 // at the end
     std::optional<Driver> driver;  // the first load or obstacle that moves, or else the first one
@@ -118,6 +119,7 @@ Facts::Facts(const Model& model, const State& end, const Recorder& of)
 using F = const Facts&;
 
 bool always(F) { return true; }
+bool as_measured(F f) { return f.toughness.measured > 0; }
 bool with_breaks(F f) { return !std::isnan(f.n_shear); }
 bool excavates(F f) { return f.recorder.options().works.excavation; }
 bool with_heat(F f) { return f.recorder.options().works.heat; }
@@ -137,6 +139,21 @@ FirstBranching branching(F f) {
 }
 Vec2 overlap_place(F f) { return f.overlap.value > 0 ? f.overlap.place : Vec2(not_a_number, not_a_number); }
 double over(double value, double scale) { return scale > 0 ? value / scale : not_a_number; }
+
+/// [J/m2] Over the growth of the main crack between a quarter and nine tenths of its length.
+double steady_work_per_advance(F f) {
+    const History& energy = f.recorder.histories().energy;
+    const std::vector<double> work = energy.column("cohesive_work"),
+                              length = f.recorder.histories().cracks.column("main_length");
+    const std::size_t n = std::min(work.size(), length.size());
+    const auto line = [&](double part) {
+        return static_cast<std::size_t>(
+            std::ranges::find_if(length, [&](double l) { return l >= part * length.back(); }) - length.begin());
+    };
+    if (n == 0 || !(length.back() > 0)) return not_a_number;
+    const std::size_t from = line(0.25), to = line(0.9);
+    return to < n ? over(work[to] - work[from], (length[to] - length[from]) * f.thickness) : not_a_number;
+}
 
 struct SummaryRow {
     std::string_view name, unit, doc;
@@ -208,6 +225,14 @@ constexpr SummaryRow rows[]{
      "one direction, without branches, this is what its advance costs, with the zigzag and the damage beside it; other "
      "cracks (such as two from a hole) and branches count in the work, not in the length",
      [](F f) { return over(f.energy.cohesive_work, f.pattern.main_length * f.thickness); }},
+    {"steady_work_per_advance", "J/m2",
+     "the same between a quarter and nine tenths of the growth of the main crack, without the work of its start and of "
+     "the process zone that it takes along",
+     steady_work_per_advance},
+    {"measured_G_c", "J/m2", "G_c of the first law with toughness = \"as measured\", as given",
+     [](F f) { return f.toughness.measured; }, as_measured},
+    {"interface_G_c", "J/m2", "G_c that its interfaces have: the same over the surplus of the mesh",
+     [](F f) { return f.toughness.of_interfaces; }, as_measured},
     {"unresolved_part", "",
      "part of the length of all cracks on edges longer than 1.5 process zones (of a crack at rest, of the law with the "
      "longest): there path and branches follow the mesh",

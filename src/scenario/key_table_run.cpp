@@ -202,6 +202,17 @@ void add_keys_of_run(KeyTable& t) {
         .at_least(0).or_multiple_of({"cR", "%"}).to(&Expectation::within);
 }
 
+void add_keys_of_toughness(KeyTable& t) {
+    t.table("toughness", "what G_c means where cracks run along the edges of a random mesh; as a text: toughness = "
+        "\"as measured\", above all tables").or_text("meaning");
+    t.word("meaning", {"of interfaces", "as measured"}, "of interfaces: G_c is what an interface dissipates, and an "
+        "advance of a crack costs 1.1 to 1.5 times as much; as measured: G_c of the laws within materials is that of a "
+        "specimen, and the interfaces get G_c over the surplus of this mesh, order and gamma")
+        .otherwise("of interfaces");
+    t.text("table", "file of `knap calibrate` with the surplus, relative to the scenario file")
+        .computed("a table of the program for glass and linear softening").only_with("meaning", {"as measured"});
+}
+
 void add_keys_of_ensembles(KeyTable& t) {
     t.table("sweep", "parameter study of `knap sweep`: runs of all combinations");
     t.text("set", "varied keys, each as KEY=VALUE,VALUE,... ; commas in quotes and brackets belong to a value")

@@ -19,6 +19,7 @@
 #include "record/summary.hpp"
 #include "scenario/ensemble_options.hpp"
 #include "scenario/toml_tree.hpp"
+#include "scenario/toughness.hpp"
 #include "stepper/adaptation.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/scheme_change.hpp"
@@ -36,6 +37,8 @@ struct NamedLaw {
     std::string name;  // "default", or "a-b" for a pair of materials, or a free name used by a support
     CohesiveLaw law;
     Scatter scatter;
+    double measured_G_c = 0;  // [J/m2] with toughness = "as measured" G_c of the law times the surplus; 0: likewise G_c
+    Surplus surplus = {};     // of the mesh, by which measured_G_c was divided
 };
 
 /// A body that is meshed by itself.
@@ -163,6 +166,14 @@ struct Scenario {
     const NamedFile* start_file() const {
         const auto found = std::ranges::find(files, "time.start", &NamedFile::key);
         return found == files.end() ? nullptr : &*found;
+    }
+    /// [m] The smallest distance of interface points that is requested anywhere: an edge, of order 2 half an edge.
+    double finest_edge(double mean_edge) const {
+        for (const RefinedPlace& place : mesh.refine) mean_edge = std::min(mean_edge, place.size);
+        if (adapt.active()) mean_edge = std::min(mean_edge, adapt.size);
+        for (const Body& body : bodies)
+            if (body.own_mesh_size) mean_edge = std::min(mean_edge, body.mesh.size);
+        return mean_edge / order;
     }
     std::vector<std::string> boundary_names() const {
         std::vector<std::string> names;

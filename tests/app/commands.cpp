@@ -128,7 +128,7 @@ TEST_CASE("mesh reports and writes") {
 }
 
 TEST_CASE("help and version answer") {
-    for (const char* name : {"run", "check", "mesh", "render", "info", "new", "schema", "bench"})
+    for (const char* name : {"run", "check", "mesh", "render", "info", "new", "schema", "bench", "calibrate"})
         CHECK_MESSAGE(command("--help").has(name), name);
     CHECK(command("--help").code == 0);
     CHECK(command("--version").has("CGAL 5.5"));

@@ -56,6 +56,9 @@ min_angle = "25 deg"
 grading = 0.5
 refine = [{ inside = ["0 mm", "1 mm", "10 mm", "41 mm"], size = "0.5 mm" },
           { along = [["-50 mm", "20 mm"], ["0 mm", "25 mm"]], width = "4 mm", size = "0.8 mm" }]
+[toughness]
+meaning = "as measured"
+table = ")" KNAP_SOURCE_DIR R"(/tests/scenario/data/toughness.csv"
 [material.steel]
 density = "8000 kg/m3"
 E = "190 GPa"
@@ -621,6 +624,8 @@ const Case cases[] = {
     {rectangle, "mesh.refine[1].along", "[[-0.05, 0.02], [0, 0.025]]"},
     {rectangle, "mesh.refine[1].width", "0.004"},
     {rectangle, "mesh.refine[1].size", "8e-04"},
+    {rectangle, "toughness.meaning", "\"as measured\""},
+    {rectangle, "toughness.table", "\"" KNAP_SOURCE_DIR "/tests/scenario/data/toughness.csv\""},
     {rectangle, "material.steel.density", "8000"},
     {rectangle, "material.glass.density", "2450"},
     {rectangle, "material.glass.E", "3.2e+10"},
@@ -1019,8 +1024,9 @@ TEST_CASE("scenario: the structs hold the values of the file") {
     CHECK(s.law_of_pair == std::vector<std::vector<Index>>{{0, 1}, {1, 2}});
     CHECK_FALSE(s.laws[0].law.breakable());
     CHECK(s.laws[1].law.friction == 0.3);
-    CHECK(s.laws[2].law.G_c == tests::relative(2, 1e-15));
-    CHECK(s.laws[2].law.delta_c() == tests::relative(2e-6, 1e-15));
+    CHECK(s.laws[2].measured_G_c == tests::relative(2, 1e-15));
+    CHECK(s.laws[2].law.G_c == tests::relative(2 / 1.125, 1e-15));  // the surplus in data/toughness.csv
+    CHECK(s.laws[2].law.delta_c() == tests::relative(2e-6 / 1.125, 1e-15));
     REQUIRE(s.supports.size() == 2);
     CHECK(s.supports[0].law == 3);
     CHECK(s.supports[0].glued);

@@ -17,7 +17,7 @@ std::vector<HeatScales> judge_heat(const Scenario& scenario, const Mesh& mesh, d
     const Heat& heat = *scenario.heat;
     double transfer = 0;  // [W/(m2 K)] largest
     for (const HeatExchange& exchange : heat.exchanges) transfer = std::max(transfer, exchange.transfer);
-    const double edge = finest_edge(scenario, mean_edge(mesh)), side = bounding_box(mesh.vertices).extent().minCoeff();
+    const double edge = scenario.finest_edge(mean_edge(mesh)), side = bounding_box(mesh.vertices).extent().minCoeff();
     const SchemeOptions& scheme = scenario.time.scheme;
     const bool implicit = scheme.takes_implicit_steps(), damped = scheme.damping * scenario.time.end >= 10 ||
                                                                   (implicit && scheme.theta > 0.5) ||

@@ -39,17 +39,6 @@ std::string beyond_linear(const NamedLaw& named) {
     return text;
 }
 
-/// The softening as the scenario names it; the law itself knows only its polygon.
-std::string softening_of(const NamedLaw& named, const Values& values) {
-    const Node* law = values.find("interface")->find(named.name);
-    const auto given = [&](const char* key) { return law->find(key); };
-    if (!named.law.softening || !given("softening")) return "linear";
-    std::string text = given("softening")->text;
-    for (const char* parameter : {"plateau", "exponent"})
-        if (const Node* node = given(parameter)) text += formatted(" %.4g", node->number);
-    return text;
-}
-
 /// "120 interfaces, 30 of joints, support[0]"
 std::vector<std::string> places_of_laws(const Scenario& scenario, const Mesh& mesh) {
     std::vector<Index> inside(scenario.laws.size(), 0), joints(scenario.laws.size(), 0);
@@ -74,13 +63,15 @@ Row row_of(const NamedLaw& named, const std::string& places, const Values& value
     const bool from_table = law.of_temperature && !law.of_temperature->friction.empty();
     const std::string friction = from_table ? "table" : formatted("%.4g", law.friction);
     if (law.sigma_c <= 0) return {name, places, "no cohesion", "", "", friction, "", beyond_linear(named)};
+    const std::string measured =
+        named.measured_G_c > 0 ? formatted(" (%.4g as measured)", named.measured_G_c) : std::string();
     return {name,
             places,
             formatted("%.4g", 1e-6 * law.sigma_c),
-            formatted("%.4g, %.4g", law.G_c, 1e6 * law.delta_c()),
+            formatted("%.4g", law.G_c) + measured + formatted(", %.4g", 1e6 * law.delta_c()),
             formatted("%.4g", law.gamma),
             friction,
-            softening_of(named, values),
+            softening_words(*values.find("interface")->find(named.name)),
             beyond_linear(named)};
 }
 

@@ -102,8 +102,11 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
         process_zone = std::max(process_zone, r.process_zone);
     for (const NamedMaterial& material : scenario.materials)
         fastest = std::max(fastest, material.elastic.dilatational_speed(scenario.plane));
-    for (const NamedLaw& law : scenario.laws)
+    RecorderOptions::Toughness toughness;
+    for (const NamedLaw& law : scenario.laws) {
         if (law.law.breakable()) critical_opening = std::max(critical_opening, law.law.delta_c());
+        if (law.measured_G_c > 0 && toughness.measured == 0) toughness = {law.measured_G_c, law.law.G_c};
+    }
     return {.directory = directory,
             .end = scenario.time.end,
             .frame_every = scenario.output.fields ? scenario.output.every : 0,
@@ -122,6 +125,7 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .probes = scenario.probes,
             .breaks = scenario.output.breaks,
             .specimen = scenario.specimen,
+            .toughness = toughness,
             .rest = scenario.time.rest,
             .resumes = resumes,
             .continues_other_run = continues_other_run};
@@ -147,17 +151,15 @@ RunRecord record_of(const Scenario& scenario, const Model& model, const StepPlan
 
 std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& mesh) {
     std::vector<Resolution> found;
-    const double edge = finest_edge(scenario, mean_edge(mesh));
+    const double edge = scenario.finest_edge(mean_edge(mesh));
     std::set<std::pair<Index, Index>> meeting;  // materials of separate bodies have no interface
     for (const InteriorEdge& interface : mesh.interior_edges)
         meeting.insert(std::minmax(mesh.region[interface.triangle[0]], mesh.region[interface.triangle[1]]));
     const auto judge_law = [&](const std::string& where, const NamedLaw& law, double modulus, double wave_speed,
                                bool anywhere) {
         if (!law.law.breakable() || law.law.sigma_c <= 0) return;
-        const double length = modulus * law.law.G_c / (law.law.sigma_c * law.law.sigma_c),
-                     zone = 9 * std::numbers::pi / 32 * length,
-                     steepness = law.law.softening ? 2 * law.law.softening->steepest() : 1;
-        found.push_back({where, law.name, length, zone, zone / steepness / edge, wave_speed, steepness, anywhere});
+        found.push_back({where, law.name, law.law.cohesive_length(modulus), law.law.process_zone(modulus),
+                         law.law.steep_zone(modulus) / edge, wave_speed, law.law.steepness(), anywhere});
     };
     const auto modulus = [&](const NamedMaterial& material) { return material.elastic.plane_modulus(scenario.plane); };
     const auto speed = [&](const NamedMaterial& material) {
@@ -188,22 +190,6 @@ bool in_triangle(const Mesh& mesh, Index t, const Vec2& x) {
         if (cross(b - a, x - a) < -1e-9 * (b - a).squaredNorm()) return false;
     }
     return true;
-}
-
-double mean_edge(const Mesh& mesh) {
-    double sum = 0;
-    for (const InteriorEdge& edge : mesh.interior_edges)
-        sum += (mesh.corner(edge.triangle[0], edge.side[0]) - mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3))
-                   .norm();
-    return mesh.interior_edges.empty() ? 0 : sum / static_cast<double>(mesh.interior_edges.size());
-}
-
-double finest_edge(const Scenario& scenario, double mean_edge) {
-    for (const RefinedPlace& place : scenario.mesh.refine) mean_edge = std::min(mean_edge, place.size);
-    if (scenario.adapt.active()) mean_edge = std::min(mean_edge, scenario.adapt.size);
-    for (const Body& body : scenario.bodies)
-        if (body.own_mesh_size) mean_edge = std::min(mean_edge, body.mesh.size);
-    return mean_edge / scenario.order;
 }
 
 std::string random_sets_text(const Scenario& scenario) {

@@ -35,14 +35,8 @@ struct Resolution {
     /// [m] The part in which the traction falls fastest; a mesh that does not resolve it breaks edge by edge.
     double steep_zone() const { return process_zone / steepness; }
 };
-/// Of the pairs of materials with a common interface in the mesh; compared with finest_edge().
+/// Of the pairs of materials with a common interface in the mesh; compared with Scenario::finest_edge().
 std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& mesh);
-
-/// [m] Mean length of the interior edges.
-double mean_edge(const Mesh& mesh);
-
-/// [m] The smallest distance of interface points that the scenario requests anywhere: an edge, of order 2 half an edge.
-double finest_edge(const Scenario& scenario, double mean_edge);
 
 /// The sets of inclusions and joints, a line each: "  inclusions[0]  30 placed, 12.3 % of the area".
 std::string random_sets_text(const Scenario& scenario);

@@ -1,0 +1,85 @@
+// [toughness]: whether G_c is that of the interfaces or that of a specimen, which cracks along a random mesh exceed.
+#include "scenario/built_in.hpp"
+#include "scenario/reading.hpp"
+#include "scenario/toughness.hpp"
+
+#include "base/formatted.hpp"
+
+#include <algorithm>
+
+namespace knap {
+namespace {
+
+constexpr const char* program_table = "mesh_toughness.csv";
+
+std::optional<std::string> toughness_bytes(const Table& table) {
+    if (!table.given("table")) return std::ranges::find(built_in_files(), program_table, &BuiltIn::name)->text;
+    std::optional<std::string> bytes = table.bytes_of("table");
+    if (bytes) table.scenario().files.push_back({table.path("table"), "toughness.csv", *bytes});
+    return bytes;
+}
+
+}  // namespace
+
+std::vector<LawWithin> laws_within(const Scenario& scenario, const Values& values) {
+    const double mean = scenario.given ? mean_edge(scenario.given->mesh) : scenario.mesh.size,
+                 edge = scenario.finest_edge(mean);
+    std::vector<LawWithin> found;
+    for (Index i = 0; i < static_cast<Index>(scenario.laws.size()); ++i) {
+        const CohesiveLaw& law = scenario.laws[i].law;
+        if (!law.breakable() || law.sigma_c <= 0) continue;
+        double shortest = infinity;
+        LawWithin within{.law = i, .material = -1, .meshed = {}};
+        for (Index m = 0; m < static_cast<Index>(scenario.materials.size()); ++m) {
+            if (scenario.law_of_pair[m][m] != i && scenario.law_within[m] != i) continue;
+            const double zone = law.steep_zone(scenario.materials[m].elastic.plane_modulus(scenario.plane));
+            if (zone < shortest) shortest = zone, within.material = m;
+        }
+        if (within.material < 0) continue;  // joints, supports, pairs of materials: their cracks run along given lines
+        within.meshed = {.softening = softening_words(*values.find("interface." + scenario.laws[i].name)),
+                         .unloading = law.unloading == Unloading::secant ? "secant" : "constant",
+                         .order = scenario.order,
+                         .gamma = law.gamma,
+                         .edges = shortest / edge};
+        found.push_back(within);
+    }
+    return found;
+}
+
+void read_toughness(Reading& reading) {
+    const Table table = reading.table("toughness");
+    if (table.text("meaning") != "as measured" || reading.findings.has_errors()) return;
+    const std::optional<std::string> bytes = toughness_bytes(table);
+    if (!bytes) return;
+    Scenario& scenario = reading.scenario;
+    const std::vector<LawWithin> found = laws_within(scenario, reading.values);
+    try {
+        const ToughnessTable toughness(*bytes);
+        for (const LawWithin& within : found) {
+            NamedLaw& named = scenario.laws[within.law];
+            const MeshedLaw& law = within.meshed;
+            const std::optional<Surplus> surplus = toughness.of_measured(law);
+            if (!surplus) {
+                table.error("no-calibration", "",
+                            formatted("= \"as measured\", but its table has no surplus for `interface.%s`: order %d, "
+                                      "softening %s, unloading %s, gamma %.4g, %.3g edges in the process zone",
+                                      named.name.c_str(), law.order, law.softening.c_str(), law.unloading.c_str(),
+                                      law.gamma, law.edges),
+                            "`knap calibrate` with this scenario measures it; the table has " + toughness.contents());
+                continue;
+            }
+            named.measured_G_c = named.law.G_c;
+            named.surplus = *surplus;
+            named.law.G_c /= surplus->mean;
+        }
+    } catch (const UserError& error) {
+        for (const Diagnostic& found : error.diagnostics)
+            table.error(found.code, table.given("table") ? "table" : "", ": " + found.message, found.note);
+        return;
+    }
+    if (found.empty())
+        table.warning("no-effect", "", "= \"as measured\" has no effect: no law with cohesion acts within a material",
+                      "cracks between two materials, along joints and supports run along given lines and cost G_c");
+}
+
+}  // namespace knap

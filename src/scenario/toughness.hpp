@@ -1,0 +1,71 @@
+#pragma once
+// The surplus of a mesh: the work of the interfaces per advance of a crack along the edges of a random mesh, over G_c
+// of these interfaces. `knap calibrate` measures it on strips and writes a table; with toughness = "as measured" a
+// scenario gives the fracture energy of a specimen, and its interfaces get that over the surplus.
+#include "base/vec.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace knap {
+
+struct Node;
+struct Scenario;
+class Values;
+
+/// A law on a mesh, as far as its surplus depends on them.
+struct MeshedLaw {
+    std::string softening, unloading;  // "trapezoid 0.5", "constant"
+    Index order = 1;                   // of the triangles
+    double gamma = 1;
+    double edges = 0;  // in the steep part of the process zone of a crack at rest
+};
+
+/// A law with cohesion that acts within a material: there cracks run along any edge.
+struct LawWithin {
+    Index law, material;  // of several materials the one with the shortest process zone
+    MeshedLaw meshed;     // with the finest edges that the scenario requests
+};
+std::vector<LawWithin> laws_within(const Scenario& scenario, const Values& values);
+
+/// The softening of [interface.NAME] in the words of its keys: "linear", "trapezoid 0.5".
+std::string softening_words(const Node& law);
+
+/// Strips of one law on one mesh under one load, with several seeds.
+struct ToughnessRow {
+    MeshedLaw law;
+    double load = 0;                    // [-] energy release rate of the strip over G_c of its interfaces
+    double through = 0;                 // [-] part of the strips whose crack ran through
+    int seeds = 0;                      // strips
+    double speed = 0;                   // [-] mean over the Rayleigh speed
+    double surplus = 0, deviation = 0;  // [-] mean and standard deviation over the strips
+};
+
+/// Lines of a table, with its header.
+std::string toughness_csv(const std::vector<ToughnessRow>& rows);
+
+struct Surplus {
+    double mean = 1, deviation = 0;
+};
+
+class ToughnessTable {
+public:
+    /// Throws UserError for a text that is no such table. Of the rows that differ only in the load it keeps the one
+    /// with the smallest load under which four of five strips or more broke: a crack as slow as the mesh allows.
+    explicit ToughnessTable(const std::string& csv);
+
+    /// Interpolated over ln(edges) and gamma; beyond the fewest and most edges of the table, up to twice, those.
+    /// None where the table has no rows for the law.
+    std::optional<Surplus> find(const MeshedLaw& law) const;
+    /// The surplus S of interfaces for which G_c S is the measured fracture energy. `law.edges` are those of the
+    /// measured energy, and S is that of edges/S.
+    std::optional<Surplus> of_measured(MeshedLaw law) const;
+    /// "order 1, softening linear, unloading constant: gamma 0.5 to 5, 3 to 12 edges", a part for each kind.
+    std::string contents() const;
+
+private:
+    std::vector<ToughnessRow> rows_;
+};
+
+}  // namespace knap

@@ -1,0 +1,142 @@
+// The surplus of a mesh: tables of it, and G_c as measured.
+#include "samples.hpp"
+#include "scenario/toughness.hpp"
+
+#include "base/error.hpp"
+#include "support/relative.hpp"
+
+#include <doctest/doctest.h>
+
+namespace toughness_test {
+
+using namespace knap;
+
+namespace {
+
+const std::string head = "softening,unloading,order,gamma,edges,load,through,seeds,speed_over_cR,surplus,deviation\n";
+
+/// Two gammas, each on two meshes.
+ToughnessTable four_meshes() {
+    return ToughnessTable(head +
+                          "linear,constant,1,1,4,1.4,1,5,0.4,1.2,0.02\n"
+                          "linear,constant,1,1,16,1.4,1,5,0.4,1.1,0.04\n"
+                          "linear,constant,1,3,4,1.4,1,5,0.4,1.4,0.02\n"
+                          "linear,constant,1,3,16,1.4,1,5,0.4,1.3,0.02\n");
+}
+
+MeshedLaw law_with(double gamma, double edges) { return {"linear", "constant", 1, gamma, edges}; }
+
+}  // namespace
+
+TEST_CASE("toughness: the surplus is linear in the logarithm of the edges and in gamma") {
+    const ToughnessTable table = four_meshes();
+    CHECK(table.find(law_with(1, 4))->mean == 1.2);
+    CHECK(table.find(law_with(1, 8))->mean == tests::relative(1.15, 1e-14));
+    CHECK(table.find(law_with(1, 8))->deviation == tests::relative(0.03, 1e-14));
+    CHECK(table.find(law_with(2, 8))->mean == tests::relative(1.25, 1e-14));
+    // a little beyond the meshes of the table the surplus is that of the last one
+    CHECK(table.find(law_with(1, 31.9))->mean == 1.1);
+    CHECK_FALSE(table.find(law_with(1, 32.1)));
+    CHECK_FALSE(table.find(law_with(1, 1.9)));
+    CHECK_FALSE(table.find(law_with(3.1, 8)));
+    CHECK_FALSE(table.find({"linear", "constant", 2, 1, 8}));
+    CHECK_FALSE(table.find({"linear", "secant", 1, 1, 8}));
+    CHECK(table.contents() == "order 1, softening linear, unloading constant: gamma 1 to 3, 4 to 16 edges");
+}
+
+TEST_CASE("toughness: the surplus of a measured energy is that of the process zone which its interfaces have") {
+    const ToughnessTable table = four_meshes();
+    for (const double edges : {5., 8., 15.}) {
+        const double surplus = table.of_measured(law_with(1, edges))->mean;
+        CHECK(surplus == tests::relative(table.find(law_with(1, edges / surplus))->mean, 1e-11));
+    }
+    CHECK(table.of_measured(law_with(1, 16 * 1.2))->mean == 1.1);
+    CHECK_FALSE(table.of_measured(law_with(1, 100)));
+}
+
+TEST_CASE("toughness: of several loads the smallest one counts under which four of five cracks run through") {
+    const ToughnessTable table(head +
+                               "linear,constant,1,1,6,2,1,5,0.6,1.4,0.02\n"
+                               "linear,constant,1,1,6,1.2,0.6,5,0.2,1.05,0.02  # two cracks stopped\n"
+                               "linear,constant,1,1,6,1.4,0.8,5,0.4,1.1,0.02\n");
+    CHECK(table.find(law_with(1, 6))->mean == 1.1);
+}
+
+TEST_CASE("toughness: a table is what it writes") {
+    const ToughnessRow row{law_with(0.5, 6.25), 1.4, 0.8, 5, 0.45, 1.125, 0.0625};
+    const ToughnessTable table(toughness_csv({row}));
+    CHECK(table.find(law_with(0.5, 6.25))->mean == 1.125);
+    CHECK(table.find(law_with(0.5, 6.25))->deviation == 0.0625);
+    for (const char* wrong : {"linear,constant,1,1,6", "linear,constant,1,1,x,2,1,5,0.6,1.4,0.02",
+                              "linear,constant,1,1,0,2,1,5,0.6,1.4,0.02", "linear,constant,1,1,6,2,1,5,0.6,0,0.02"})
+        CHECK_THROWS_AS(ToughnessTable(head + wrong), UserError);
+    CHECK_THROWS_AS(ToughnessTable(""), UserError);
+}
+
+namespace {
+
+/// A plate of 3 J/m2; `more`: at the top of the scenario.
+std::string plate(const std::string& more) {
+    return "knap = 1\n" + more + R"(
+[domain]
+shape = "rectangle"
+size = ["60 mm", "20 mm"]
+[mesh]
+size = "0.25 mm"
+[material.glass]
+density = "2450 kg/m3"
+E = "32 GPa"
+nu = 0.2
+[material.steel]
+density = "7800 kg/m3"
+E = "210 GPa"
+nu = 0.3
+[interface.default]
+breakable = false
+[interface.glass-glass]
+sigma_c = "7.67 MPa"
+G_c = "3 J/m2"
+[interface.glass-steel]
+sigma_c = "7.67 MPa"
+G_c = "2 J/m2"
+[time]
+end = "1 us"
+)";
+}
+
+}  // namespace
+
+TEST_CASE("toughness: interfaces within a material get the measured energy over the surplus") {
+    const Scenario as_given = read_scenario_text(plate(""), "plate.toml").scenario;
+    CHECK(as_given.laws[1].law.G_c == 3);
+    CHECK(as_given.laws[1].measured_G_c == 0);
+    const Scenario measured = read_scenario_text(plate("toughness = \"as measured\""), "plate.toml").scenario;
+    const NamedLaw& glass = measured.laws[1];
+    CHECK(glass.measured_G_c == 3);
+    CHECK(glass.surplus.mean > 1.05);
+    CHECK(glass.surplus.mean < 1.25);
+    CHECK(glass.law.G_c == 3 / glass.surplus.mean);
+    // a crack between two materials runs along a given line
+    CHECK(measured.laws[2].law.G_c == 2);
+    CHECK(measured.laws[2].measured_G_c == 0);
+}
+
+TEST_CASE("toughness: a mesh without calibration is an error with its cure") {
+    const auto codes = [](const std::string& more, const std::vector<std::string>& set) {
+        try {
+            read_scenario_text(plate(more), "plate.toml", set);
+        } catch (const UserError& error) {
+            CHECK(error.diagnostics.size() == 1);
+            CHECK(error.diagnostics.front().note.find("knap calibrate") != std::string::npos);
+            return error.diagnostics.front().code;
+        }
+        return std::string();
+    };
+    const std::string measured = "toughness = \"as measured\"";
+    CHECK(codes(measured, {"mesh.size=2 um"}) == "no-calibration");
+    CHECK(codes(measured, {"interface.glass-glass.gamma=50"}) == "no-calibration");
+    CHECK(codes(measured, {"interface.glass-glass.softening=exponential"}) == "no-calibration");
+    CHECK(codes("", {"mesh.size=2 um"}).empty());
+}
+
+}  // namespace toughness_test
