@@ -1,13 +1,15 @@
 #pragma once
 // Writes frames in another thread while the steps go on. A step waits only for a copy of the state: of the block with
 // 37 768 triangles 1 ms, where making a Frame takes 4 ms and writing it 10 ms. One state is written while at most one
-// waits; a caller with a third one is held up until it can wait, so a slow disk costs time and no memory.
+// waits; a caller with a third one is held up until it can wait, so a slow disk costs time and no memory. Where the
+// system has no memory for a further thread, the caller writes the states itself (std::launch::deferred).
 #include "base/stopwatch.hpp"
 #include "model/state.hpp"
 
 #include <atomic>
 #include <functional>
 #include <future>
+#include <memory>
 #include <utility>
 
 namespace knap {
@@ -22,13 +24,14 @@ public:
         check();
         if (writing_.valid()) writing_.get();
         writing_ = waiting_;
-        waiting_ = std::async(std::launch::async, [this, now, before = waiting_]() mutable {
+        const auto task = [this, state = std::make_shared<const State>(now), before = waiting_]() mutable {
             // waits for the state before, passes its exception on, and releases it
             if (before.valid()) std::exchange(before, {}).get();
             const double start = Stopwatch::seconds(CLOCK_THREAD_CPUTIME_ID);
-            write_(now);
+            write_(*state);
             cpu_ += Stopwatch::seconds(CLOCK_THREAD_CPUTIME_ID) - start;
-        });
+        };
+        waiting_ = std::async(std::launch::async | std::launch::deferred, task);
     }
 
     /// Returns when all is written.

@@ -343,7 +343,7 @@ TEST_CASE("what has no room in memory is no internal error") {
 TEST_CASE("a run whose memory runs out on the way is a failed one") {
     const Folder folder("memory_of_run");
     const std::filesystem::path record = folder.path / "run" / "run.json";
-    int kilobytes = 150'000;  // more and more, until the model fits and the run does not
+    int kilobytes = 96'000;  // more and more, until the model fits and the run does not
     for (; kilobytes < 400'000 && !std::filesystem::exists(record); kilobytes += 4'000)
         command("--version >/dev/null; ulimit -v " + std::to_string(kilobytes) +
                 "; '" KNAP_PROGRAM "' run edge_cracked_block -q -j 1 --until 1us -s 'mesh.size=0.4 mm' -o " +

@@ -58,7 +58,7 @@ TEST_CASE("help and manual name every command and what the exit codes mean") {
                        page.find("\n.B " + name + "\n") != std::string::npos),
                       name);
     }
-    CHECK(n_commands == 12);
+    CHECK(n_commands == 13);
     for (const char* code :
          {"0 success", "1 internal error", "2 bad scenario or option",
           "3 the simulation failed, ran out of memory or violated a gate, or no solver solved the problem",
