@@ -33,6 +33,7 @@ struct GmshFile {
 
     /// Byte of the file that a message is about, and the cure.
     struct Place {
+        // NOLINTNEXTLINE(google-explicit-constructor): most messages give the byte alone
         Place(std::size_t byte, std::string cure = "") : where(byte), note(std::move(cure)) {}
         std::size_t where;
         std::string note;

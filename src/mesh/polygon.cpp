@@ -22,7 +22,7 @@ double signed_area(const std::vector<Vec2>& polygon) {
 }
 
 Vec2 centroid(const std::vector<Vec2>& polygon) {
-    const Vec2 o = polygon.front();
+    const Vec2& o = polygon.front();
     Vec2 moment = Vec2::Zero();
     double twice_area = 0;
     for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
