@@ -62,9 +62,9 @@ Image with_height(Image image, int height) {
 
 // ---- .webp
 
-class Picture {
+class WebpImage {
 public:
-    explicit Picture(const Image& image) {
+    explicit WebpImage(const Image& image) {
         WebPPictureInit(&picture_);
         picture_.use_argb = 1;
         picture_.width = width_of(image), picture_.height = height_of(image);
@@ -77,9 +77,9 @@ public:
             for (int x = 0; x < picture_.width; ++x) row[x] |= 0xff000000u;
         }
     }
-    ~Picture() { WebPPictureFree(&picture_); }
-    Picture(const Picture&) = delete;
-    Picture& operator=(const Picture&) = delete;
+    ~WebpImage() { WebPPictureFree(&picture_); }
+    WebpImage(const WebpImage&) = delete;
+    WebpImage& operator=(const WebpImage&) = delete;
     WebPPicture* get() { return &picture_; }
 
 private:
@@ -108,7 +108,7 @@ std::string animated_webp(std::size_t n, bool lines, const std::function<Still(s
     for (std::size_t i = 0; i < n; ++i) {
         Still one = still(i);
         if (!encoder) encoder.reset(WebPAnimEncoderNew(width_of(one.image), height_of(one.image), &options));
-        Picture picture(one.image);
+        WebpImage picture(one.image);
         if (!encoder || !WebPAnimEncoderAdd(encoder.get(), picture.get(), static_cast<int>(std::lround(time)), &each))
             fail(encoder ? WebPAnimEncoderGetError(encoder.get()) : "no encoder");
         time += 1000 * one.seconds;
@@ -271,7 +271,7 @@ void write_animation(const path& file, std::size_t n, const std::function<Still(
 
 std::string webp_of(const Image& image) {
     const WebPConfig how = config();
-    Picture picture(image);
+    WebpImage picture(image);
     WebPMemoryWriter writer;
     WebPMemoryWriterInit(&writer);
     picture.get()->writer = WebPMemoryWrite;

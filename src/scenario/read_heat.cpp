@@ -14,10 +14,10 @@ struct KindOfExchange {
     const char* key;
     HeatExchange::Kind kind;
 };
-constexpr KindOfExchange kinds[] = {{"temperature", HeatExchange::Kind::temperature},
-                                    {"outside", HeatExchange::Kind::convection},
-                                    {"flux", HeatExchange::Kind::flux},
-                                    {"source", HeatExchange::Kind::source}};
+constexpr KindOfExchange exchanges[] = {{"temperature", HeatExchange::Kind::temperature},
+                                        {"outside", HeatExchange::Kind::convection},
+                                        {"flux", HeatExchange::Kind::flux},
+                                        {"source", HeatExchange::Kind::source}};
 
 /// An error at a temperature below absolute zero, where the zero is that of degrees Celsius.
 void check_physical(const Table& table, const char* key, double temperature, const Heat& heat) {
@@ -29,12 +29,12 @@ void read_exchange(const Table& table, Heat& heat) {
     HeatExchange exchange;
     table.fill(exchange);
     std::vector<std::string> keys;
-    for (const KindOfExchange& kind : kinds) keys.emplace_back(kind.key);
+    for (const KindOfExchange& kind : exchanges) keys.emplace_back(kind.key);
     const auto key = table.one_of(keys, true);
     exchange.history = read_history(table);
     if (key == "temperature" || key == "outside")
         check_physical(table, key->c_str(), table.number(*key).value_or(0), heat);
-    for (const KindOfExchange& kind : kinds) {
+    for (const KindOfExchange& kind : exchanges) {
         if (key != kind.key) continue;
         exchange.kind = kind.kind;
         exchange.value = table.number(kind.key).value_or(0);
@@ -201,7 +201,7 @@ void read_field(const Table& table, TemperatureField& field) {
 }
 
 /// Of a table over temperature.
-const char* example_of(std::string_view key) {
+const char* table_example(std::string_view key) {
     return key == "expansion_table"  ? "[[0, 0], [570, 0.008], [575, 0.013]]"
            : key == "pressure_table" ? "[[-5, 5e6], [0, 0]]"
            : key == "friction_table" ? "[[-2, 0.6], [-0.5, 0.4]]"
@@ -219,7 +219,7 @@ TemperatureTable read_over_temperature(const Table& table, const char* key) {
     const std::vector<double>& T = read.temperature;
     if (T.size() != 1 && std::ranges::adjacent_find(T, std::greater_equal()) == T.end()) return read;
     table.error("out-of-range", key, "needs at least two pairs [temperature, value] with temperatures that ascend",
-                std::string(key) + " = " + example_of(key));
+                std::string(key) + " = " + table_example(key));
     return {};
 }
 

@@ -85,7 +85,7 @@ std::string computed(const Scenario& scenario, const RunRecord& record) {
     return html_table({}, rows);
 }
 
-std::string numbers(const RunRecord& record) {
+std::string number_rows(const RunRecord& record) {
     std::vector<HtmlRow> rows;
     for (const auto& [name, value] : record.summary.values) {
         const Output* output = find_output("summary", name);
@@ -195,7 +195,7 @@ void write_report(const Scenario& scenario, const RunRecord& record, const Recor
         warnings_of(record) + html_section("Frames", frames(record, recorder, directory)) +
         html_section("Figures", html_figures(record.figures)) +
         html_section("What was computed", computed(scenario, record)) +
-        html_section("Expected results", expectations(record)) + html_section("Results", numbers(record)) +
+        html_section("Expected results", expectations(record)) + html_section("Results", number_rows(record)) +
         html_section("Is the run valid?", gates(record)) + html_section("How to repeat it", origin(record)) +
         "<details><summary>Scenario</summary><pre>" + html_text(text) + "</pre></details>\n";
     write_whole_file(directory / "report.html",
