@@ -140,7 +140,7 @@ TEST_CASE("E9 delayed softening takes its part of Assumption 1") {
             Run run(input, both_implicit);
             n_right += run.step_if_taken(factor * low) == (factor < 1);
         }
-        verify("steps of .98 of the limit that are taken and of 1.02 that are refused, tau = " + digits(tau), n_right,
+        verify("steps of .98 of the limit that are taken and of 1.02 that are rejected, tau = " + digits(tau), n_right,
                2, {1e-12});
     }
 }

@@ -61,7 +61,7 @@ double part_that_differs(const std::set<Index>& a, const std::set<Index>& b) {
     return static_cast<double>(only_one.size()) / static_cast<double>(b.size());
 }
 
-/// To a time in whole steps of about h; implicit steps that are refused are taken in halves.
+/// To a time in whole steps of about h; implicit steps that are rejected are taken in halves.
 void go(
     Run& run, double until, double h, const std::function<void()>& after_step = [] {}) {
     double now = h;

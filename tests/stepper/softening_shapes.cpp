@@ -221,7 +221,7 @@ TEST_CASE("E9 Assumption 1 sees the steepest piece of the softening") {
                 CHECK_MESSAGE(taken == (factor < 1), name, ", factor ", factor, ", force ", force);
             }
         CHECK(n_tried > 0);
-        verify("steps of .98 of the limit that are taken and of 1.02 that are refused, " + name, n_right, n_tried,
+        verify("steps of .98 of the limit that are taken and of 1.02 that are rejected, " + name, n_right, n_tried,
                {1e-12});
     }
 }

@@ -338,7 +338,7 @@ TEST_CASE("E14 a preload of .99 of the strength rests and 2 percent more breaks"
            {0.1});  // .99 x 1.0101 = 1, after half of the rise; the end of the bar rings
     // and at the start
     const std::string message = Start(pulled(0.99 * 1.02), implicit()).complaint();
-    verify_that("2 percent more at the start is refused",
+    verify_that("2 percent more at the start is rejected",
                 message.find("the preload is more than the interfaces hold") != std::string::npos);
     verify_that("1e-6 below the strength is held", Start(pulled(1 - 1e-6), implicit()).complaint() == "nothing");
 }

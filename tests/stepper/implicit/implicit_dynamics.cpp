@@ -28,7 +28,7 @@ void check_energy_balance(const Run& run, double tolerance = 1e-12) {
 
 void take(Run& run, double h) {
     run.step(h);
-    REQUIRE_MESSAGE(run.last.rejection == Rejection::none, "refused at the step after ", run.now.n_steps, " steps of ",
+    REQUIRE_MESSAGE(run.last.rejection == Rejection::none, "rejected at the step after ", run.now.n_steps, " steps of ",
                     h);
 }
 

@@ -26,7 +26,7 @@ int n_broken(const Run& run) {
     return n;
 }
 
-/// To a time; a refused step is taken with half the size, and the size grows again. Number of rejections.
+/// To a time; a rejected step is taken with half the size, and the size grows again. Number of rejections.
 int go(Run& run, double until, double h) {
     int rejections = 0;
     double now = h;
@@ -70,7 +70,7 @@ TEST_CASE("E3 all interfaces of a homogeneous bar reach their strength in one im
     const int rejections = go(run, 2, h);
     CHECK(go(again, 2, h) == rejections);
     on_path(both_implicit);
-    verify_at_most("refused steps", rejections, 0);
+    verify_at_most("rejected steps", rejections, 0);
     verify_that("a second run has the same bits",
                 same_bits(run.now.displacement, again.now.displacement) && run.now.split_fans == again.now.split_fans);
     verify_at_least("vertices that come apart (95 inside)", static_cast<double>(run.now.split_fans.size()),
@@ -159,7 +159,7 @@ TEST_CASE("E11 friction of 1 and 1000 with all edges implicit") {
         verify_at_most("largest friction work of a point in a step, over the energy" + at,
                        run.ledger.worst().worst_friction_work / scale, 1e-14);
         verify_small("residual of the interface laws" + at, run.ledger.worst().residual, {1e-10});
-        verify_at_most("steps refused of " + std::to_string(run.now.n_steps) + at, rejections,
+        verify_at_most("steps rejected of " + std::to_string(run.now.n_steps) + at, rejections,
                        static_cast<double>(run.now.n_steps) / 2);
         CHECK(n_broken(run) > 0.5 * n_broken(twin));
         CHECK(n_broken(run) < 1.5 * n_broken(twin) + 20);

@@ -256,10 +256,10 @@ TEST_CASE("B1 larger theta breaks without ringing and dissipates") {
     }
 }
 
-TEST_CASE("E9 a step beyond Assumption 1 is refused or holds and never breaks below the strength") {
+TEST_CASE("E9 a step beyond Assumption 1 is rejected or holds and never breaks below the strength") {
     describe(
         "One mass, h theta kappa = 1.5, under .9 of the strength: the step has three solutions, with beta = 1, .64 and "
-        "0. It must be refused, or hold.");
+        "0. It must be rejected, or hold.");
     const CohesiveLaw law{.sigma_c = 1, .G_c = 0.5};
     for (const double theta : {0.5, 0.75, 1.0}) {
         const double h = 1.5 / theta;  // h theta kappa = 1.5
@@ -282,11 +282,11 @@ TEST_CASE("E9 a step beyond Assumption 1 is refused or holds and never breaks be
                         now.displacement[now.node_of_corner[0]].norm() <= 1e-12;
             }
         }
-        verify_that("refused or intact and at rest, 20 steps, theta = " + digits(theta), holds);
+        verify_that("rejected or intact and at rest, 20 steps, theta = " + digits(theta), holds);
     }
 }
 
-TEST_CASE("E9 above the strength a step beyond Assumption 1 is refused and a smaller one is taken") {
+TEST_CASE("E9 above the strength a step beyond Assumption 1 is rejected and a smaller one is taken") {
     const CohesiveLaw law{.sigma_c = 1, .G_c = 0.5};
     ModelInput input = point_masses(law, true);
     input.loads = {load(Load::Kind::body_force, "", 0.0, 3 * 1.1)};
@@ -295,7 +295,7 @@ TEST_CASE("E9 above the strength a step beyond Assumption 1 is refused and a sma
     const State now = initial_state(model);
     State end;
     on_path(both_implicit);
-    verify_that("h kappa = 3 under 1.1 of the strength is refused",
+    verify_that("h kappa = 3 under 1.1 of the strength is rejected",
                 stepper.step(now, 3.0, end).rejection == Rejection::assumption_1);
     verify_that("h kappa = .5 is taken", stepper.step(now, 0.5, end).rejection == Rejection::none);
     verify_that("and damages without breaking", cohesion(model, end, 0) > 0 && cohesion(model, end, 0) < 1);

@@ -107,7 +107,7 @@ Vec3 momentum(const Run& run) {
     return sum;
 }
 
-/// One step, in halves where it is refused.
+/// One step, in halves where it is rejected.
 void force_step(Run& run, double h, int depth = 0) {
     if (run.step_if_taken(h)) return;
     REQUIRE(depth < 12);
