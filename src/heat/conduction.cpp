@@ -19,6 +19,18 @@ constexpr double closed_conductivities = 50;  // h_0 of a closed point over k/l
 constexpr double newton_tolerance = 1e-12;  // where heat bends: sum of the errors over all heat, to rounding if it can
 constexpr int max_newton_steps = 60;
 
+/// Heat [W] into the corners of a triangle, by conductances w of its pairs; unrolled: cracks make steps of heat short.
+template <const auto& pairs, std::size_t n>
+void conduct(const double* w, const double* T, double* into) {
+    std::array<double, n> sum{};
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const auto [a, b] = pairs[i];
+        const double flow = w[i] * (T[b] - T[a]);
+        sum[a] += flow, sum[b] -= flow;
+    }
+    std::ranges::copy(sum, into);
+}
+
 }  // namespace
 
 Conduction::Conduction(const Model& model) : model_(model) {
@@ -147,18 +159,11 @@ void Conduction::follow_conductivity(const std::vector<double>& T) {
 double Conduction::add_heat(const std::vector<double>& T, double time, std::vector<double>& into) const {
     const Mesh& mesh = model_.mesh;
     const std::vector<double>& w = present();
-    const auto pairs = corner_pairs(mesh.order);
-    const Index n = mesh.corners_per_triangle();
+    const bool linear = mesh.order == 1;
 #pragma omp parallel for schedule(static) if (mesh.n_triangles() > 4096)
-    for (Index t = 0; t < mesh.n_triangles(); ++t) {
-        double* here = &into[n * t];
-        std::fill_n(here, n, 0.0);
-        for (std::size_t i = 0; i < pairs.size(); ++i) {
-            const auto [a, b] = pairs[i];
-            const double flow = w[pairs.size() * t + i] * (T[n * t + b] - T[n * t + a]);
-            here[a] += flow, here[b] -= flow;
-        }
-    }
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        if (linear) conduct<linear_pairs, 3>(&w[3 * t], &T[3 * t], &into[3 * t]);
+        else conduct<quadratic_pairs, 7>(&w[12 * t], &T[7 * t], &into[7 * t]);
     for (const Gap& gap : gaps_) {
         const double flow = gap.conductance * (T[gap.b] - T[gap.a]);
         into[gap.a] += flow, into[gap.b] -= flow;
@@ -259,9 +264,11 @@ double Conduction::warmed(std::span<const Index> corners, double T, double heat)
 double Conduction::stable_step(const State& begin) {
     find_gaps(begin);
     into_.assign(model_.mesh.n_corners(), infinity);
+    node_capacity_.resize(model_.mesh.n_corners());
     for_each_node(begin, [&](std::span<const Index> corners) {
         double C = 0, sum = 0;
         for (const Index c : corners) C += capacity_[c], sum += diagonal_[c] + of_gaps_[c];
+        node_capacity_[corners[0]] = C;
         if (sum > 0) into_[corners[0]] = C / sum;
     });
     return std::ranges::min(into_);
@@ -280,10 +287,11 @@ SharedTemperatures Conduction::explicit_step(const State& begin, double end) {
         heat_in += dt * add_heat(T, time, into_);
         set_prescribed(time + dt);
         for_each_node(begin, [&](std::span<const Index> corners) {
-            double C = 0, flow = 0, held = 0;
+            const double C = node_capacity_[corners[0]];
+            double flow = 0, held = 0;
             bool is_held = false;
             for (const Index c : corners) {
-                C += capacity_[c], flow += into_[c];
+                flow += into_[c];
                 if (!prescription_.empty() && prescription_[c]) is_held = true, held = prescribed_[c];
             }
             const double T_start = T[corners[0]], T_end = is_held  ? held
@@ -294,9 +302,10 @@ SharedTemperatures Conduction::explicit_step(const State& begin, double end) {
                 stored = 0;
                 for (const Index c : corners) stored += capacity_[c] * (level(c, T_end) - level(c, T_start));
             }
+            for (const Index c : corners) T[c] = T_end;
+            if (prescription_.empty()) return;
             // what the prescription supplies, kept to be summed in order
             into_[corners[0]] = is_held ? stored - dt * flow : 0;
-            for (const Index c : corners) T[c] = T_end;
             for (const Index c : corners.subspan(1)) into_[c] = 0;
         });
         if (!prescription_.empty())

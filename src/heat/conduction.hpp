@@ -87,6 +87,7 @@ private:
     bool conductivity_varies_ = false;               // some material has a k(T)
     std::vector<Gap> gaps_;
     std::vector<double> into_, of_gaps_;  // [W], [W/K] per corner
+    std::vector<double> node_capacity_;   // [J/K] of the nodes of stable_step, at the first corner of each
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
     std::vector<Index> analysed_;  // the unknown of each corner that factor_ was analysed for
 };

@@ -5,11 +5,6 @@
 namespace knap {
 namespace {
 
-constexpr std::array<CornerPair, 3> linear_pairs{{{0, 1}, {1, 2}, {2, 0}}};
-/// Halves of the edges, then spokes to the centre: the sides of the six linear triangles round it.
-constexpr std::array<CornerPair, 12> quadratic_pairs{
-    {{0, 3}, {3, 1}, {1, 4}, {4, 2}, {2, 5}, {5, 0}, {0, 6}, {1, 6}, {2, 6}, {3, 6}, {4, 6}, {5, 6}}};
-
 /// [-] w/(k t) of the side opposite to `at` in a triangle: half the cotangent of the angle there.
 double half_cotangent(const Vec2& at, const Vec2& a, const Vec2& b) {
     return 0.5 * (a - at).dot(b - at) / std::abs(cross(a - at, b - at));

@@ -106,6 +106,13 @@ void check_times(Reading& reading) {
                                     "a number without a unit is in seconds");
     };
     for (std::size_t i = 0; i < scenario.loads.size(); ++i) check_history(item("load", i), scenario.loads[i].history);
+    for (std::size_t i = 0; i < scenario.crack_pressures.size(); ++i)
+        check_history(item("pressure", i), scenario.crack_pressures[i].history);
+    if (scenario.heat) {
+        check_history("heat", scenario.heat->field.history);
+        for (std::size_t i = 0; i < scenario.heat->exchanges.size(); ++i)
+            check_history(item("heat.exchange", i), scenario.heat->exchanges[i].history);
+    }
     for (std::size_t i = 0; i < scenario.obstacles.size(); ++i)
         check_history(item("obstacle", i), std::ranges::max(scenario.obstacles[i].drive, {}, [](const Drive& drive) {
                                                return drive.history.time.size();

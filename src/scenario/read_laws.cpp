@@ -18,8 +18,12 @@ std::shared_ptr<const SofteningShape> read_softening(const Table& table) {
         options.table = read_pairs(table, {.line = "opening, traction", .first = "openings"});
     if (!form || options.table.empty()) return nullptr;  // reported
     if (const std::string fault = fault_of_softening(options.table); !fault.empty()) {
-        table.error("out-of-range", "table", fault,
-                    "pairs [opening, traction] from opening 0 down to traction 0, as [[0, 3], [0.1, 1], [0.5, 0]]");
+        const std::string source = form == "csv" ? ", as read from the file of `csv`" : "";
+        table.error(
+            "out-of-range", "table", fault + source,
+            "pairs [opening, traction] from the strength at opening 0 down to traction 0, as [[0, 3], [0.1, 1], "
+            "[0.5, 0]]; interfaces are rigid up to the strength: leave out what rises to it, and points on "
+            "nearly straight parts");
         return nullptr;
     }
     return make_softening(options);

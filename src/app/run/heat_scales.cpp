@@ -1,5 +1,6 @@
 #include "app/run/heat_scales.hpp"
 
+#include "app/run/findings.hpp"
 #include "app/run/setup.hpp"
 #include "base/formatted.hpp"
 #include "mesh/polygon.hpp"
@@ -40,10 +41,64 @@ std::vector<HeatScales> judge_heat(const Scenario& scenario, const Mesh& mesh, d
     return found;
 }
 
+FieldExtremes field_extremes(const Scenario& scenario, const Mesh& mesh, double t) {
+    FieldExtremes found;
+    const Heat& heat = *scenario.heat;
+    for (Index triangle = 0; triangle < mesh.n_triangles(); ++triangle) {
+        const Index region = mesh.region[triangle];
+        const Elastic& elastic = scenario.materials[region].elastic;
+        const Expansion& expansion = heat.materials[region].expansion;
+        const double prevented = elastic.E / (1 - (scenario.plane == PlaneModel::strain ? 2 : 1) * elastic.nu);
+        for (const Index vertex : mesh.triangles[triangle]) {
+            const double T = heat.field_at(mesh.vertices[vertex], t),
+                         strain = std::abs(expansion(T) - expansion(heat.reference));
+            found.lowest = std::min(found.lowest, T), found.highest = std::max(found.highest, T);
+            found.strain = std::max(found.strain, strain);
+            found.stress = std::max(found.stress, prevented * strain);
+        }
+    }
+    return found;
+}
+
+namespace {
+
+/// "20 C", "20 to 400 C"
+std::string range_text(const FieldExtremes& field, const char* unit) {
+    const std::string low = formatted("%.6g", field.lowest), high = formatted("%.6g", field.highest);
+    return (low == high ? low : low + " to " + high) + " " + unit;
+}
+
+}  // namespace
+
+double smallest_strength(const Scenario& scenario) {
+    double smallest = infinity;
+    for (const NamedLaw& named : scenario.laws)
+        if (named.law.breakable()) smallest = std::min(smallest, named.law.sigma_c);
+    return smallest;
+}
+
 std::string heat_text(const Scenario& scenario, const Mesh& mesh, double step) {
-    std::string text;
+    if (!scenario.heat) return "";
+    const Heat& heat = *scenario.heat;
+    const char* const unit = heat.celsius ? "C" : "K";
+    const FieldExtremes start = field_extremes(scenario, mesh, 0);
+    std::string text = "heat\n  temperature  " + range_text(start, unit) + " at t = 0";
+    FieldExtremes largest = start;
+    if (!heat.conduction && !heat.field.is_constant()) {
+        largest = field_extremes(scenario, mesh, scenario.time.end);
+        text += ", " + range_text(largest, unit) + " at the end";
+        if (start.stress > largest.stress) largest = start;
+    }
+    text += formatted("; reference %.6g %s", heat.reference, unit);
+    if (largest.strain > 0) {
+        text += formatted(": strains up to %.3g, as stresses, where prevented, %.3g MPa", largest.strain,
+                          1e-6 * largest.stress);
+        if (const double strength = smallest_strength(scenario); strength > 0 && std::isfinite(strength))
+            text += formatted(", %.3g times the smallest strength", largest.stress / strength);
+    }
+    text += "\n";
     for (const HeatScales& s : judge_heat(scenario, mesh, step)) {
-        const double factor = scenario.heat->time_factor;
+        const double factor = heat.time_factor;
         text += formatted(
             "  %-12s kappa_T %.3g m2/s; heat crosses the body in %.3g s; the run is %.3g s of heat (time_factor %g)\n",
             s.material.c_str(), s.diffusivity, s.passage, s.duration, factor);
@@ -64,7 +119,28 @@ std::string heat_text(const Scenario& scenario, const Mesh& mesh, double step) {
                                                                  "dissipation: limits.law_lag"
                                                                : "");
     }
-    return text.empty() ? text : "heat\n" + text;
+    return text;
+}
+
+std::vector<Diagnostic> findings_of_hot_start(const ReadResult& read, const Model& model) {
+    const Scenario& scenario = read.scenario;
+    if (!scenario.heat || scenario.time.start_in_equilibrium || !scenario.time.start_run.empty()) return {};
+    const Heat& heat = *scenario.heat;
+    const FieldExtremes start = field_extremes(scenario, model.mesh, 0);
+    const double strength = smallest_strength(scenario);
+    if (!(start.stress > strength / 3)) return {};
+    const char* const unit = heat.celsius ? "C" : "K";
+    return {read.at(
+        "heat.temperature",
+        {.severity = Diagnostic::Severity::warning,
+         .code = "hot-start",
+         .message = formatted(
+             "at t = 0 the body is undeformed at %s, and without thermal strain at a `heat.reference` of %.6g %s: "
+             "stresses up to %.3g MPa at once, %.2g times the smallest strength, as by a blow",
+             range_text(start, unit).c_str(), heat.reference, unit, 1e-6 * start.stress, start.stress / strength),
+         .note = formatted("reference = \"%.6g %s\" if it is free of stress then; start = \"equilibrium\" in [time] if "
+                           "it has been at rest with these strains; ramp or table in [heat] if they come in the run",
+                           heat.field_at(model.mesh.vertices.front(), 0), unit)})};
 }
 
 }  // namespace knap

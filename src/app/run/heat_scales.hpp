@@ -1,5 +1,5 @@
 #pragma once
-// How well a mesh and a time factor resolve the conduction of heat.
+// What a scenario prescribes of temperatures, and how well a mesh and a time factor resolve the conduction of heat.
 #include "model/model.hpp"
 #include "scenario/scenario.hpp"
 
@@ -37,7 +37,17 @@ struct HeatScales {
 /// Empty without conduction. `step`: [s] the largest one of the run.
 std::vector<HeatScales> judge_heat(const Scenario& scenario, const Mesh& mesh, double step);
 
-/// A line or two for each material.
+/// The field at one moment over the vertices of a mesh, and what its strains would be as stresses if they were prevented.
+struct FieldExtremes {
+    double lowest = infinity, highest = -infinity;  // [K]
+    double strain = 0;                              // [-] largest |e(T) - e(reference)|
+    double stress = 0;                              // [Pa] E e/(1 - nu) in plane stress, E e/(1 - 2 nu) in plane strain
+};
+FieldExtremes field_extremes(const Scenario& scenario, const Mesh& mesh, double t);
+/// [Pa] The smallest sigma_c of the laws that can break; infinite without one.
+double smallest_strength(const Scenario& scenario);
+
+/// Temperatures and strains; with conduction a line or two for each material. Empty without heat.
 std::string heat_text(const Scenario& scenario, const Mesh& mesh, double step);
 
 }  // namespace knap

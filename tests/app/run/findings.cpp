@@ -266,7 +266,36 @@ TEST_CASE("check judges the conduction of heat") {
     CHECK(command(slab + "-s heat.every=100000").has("fewer than 20 times until `time.end`"));
     CHECK(command(undamped + "-s time.bulk=implicit -s time.step='200 us'")
               .has("of the time in which heat crosses `alumina`"));
-    CHECK_FALSE(command("check granite_heating -s mesh.size='1 mm'").has("\nheat\n"));  // prescribed
+    // quartz: e(400) - e(20) = .0063, E e/(1 - 2 nu) = 70 GPa x .0063 x 2
+    CHECK(command("check granite_heating -s mesh.size='1 mm'")
+              .has("temperature  20 C at t = 0, 400 C at the end; reference 20 C: strains up to 0.0063, as "
+                   "stresses, where prevented, 882 MPa, 73.5 times the smallest strength"));
+}
+
+// A concrete plate (E = 30 GPa, nu = .2, 1e-5/K) at 20 C whose strains count from 0 C: E a dT/(1 - 2 nu) = 10 MPa.
+TEST_CASE("a body that is hot at the start is a blow unless it is free of stress then") {
+    const Folder folder("hot");
+    const auto plate_at = [&](const std::string& heat, const std::string& time = "") {
+        std::ofstream(folder.path / "hot.toml")
+            << "knap = 1\nname = \"hot\"\n[domain]\nshape = \"rectangle\"\nsize = [\"40 mm\", \"20 mm\"]\n[mesh]\nsize "
+               "= \"4 "
+               "mm\"\n[material.concrete]\ndensity = \"2400 kg/m3\"\nE = \"30 GPa\"\nnu = 0.2\nexpansion = "
+               "1e-5\n[interface.default]\nsigma_c = \"3 MPa\"\nG_c = \"80 J/m2\"\n[heat]\n"
+            << heat << "\n[time]\nend = \"20 us\"\n"
+            << time;
+        return command("check " + folder.in_shell("hot.toml"));
+    };
+    const Answer blow = plate_at("temperature = \"20 C\"");
+    CAPTURE(blow.text);
+    CHECK(
+        blow.has("warning[hot-start]: at t = 0 the body is undeformed at 20 C, and without thermal strain at a "
+                 "`heat.reference` of 0 C: stresses up to 10 MPa at once, 3.3 times the smallest strength"));
+    CHECK(blow.has("reference = \"20 C\" if it is free of stress then"));
+    CHECK_FALSE(plate_at("temperature = \"20 C\"\nreference = \"20 C\"").has("hot-start"));
+    CHECK_FALSE(plate_at("temperature = \"20 C\"\nramp = \"10 us\"").has("hot-start"));
+    CHECK_FALSE(plate_at("temperature = \"1 C\"").has("hot-start"));
+    CHECK(plate_at("temperature = \"20 C\"\ntable = [[1, 0], [2, 1]]")
+              .has("`heat.table` begins at 1 s, and the run ends at 2e-05 s"));
 }
 
 }  // namespace findings_test
