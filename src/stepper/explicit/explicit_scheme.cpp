@@ -397,12 +397,12 @@ void ExplicitScheme::advance_bonded_contacts(const ExplicitStep& step, StepRepor
 /// The split fans that no sweep has moved: those that split in this step, and all if contacts couple fans.
 StepReport ExplicitScheme::advance_remaining_split_fans(const ExplicitStep& step) {
     const std::size_t done = fans_are_independent() ? step.begin.split_fans.size() : 0;
-    return sum_over_blocks(step.end.split_fans.size() - done, split_fans_in_a_block, partial_,
-                           [&](std::size_t first, std::size_t last, StepReport& report) {
-                               for (std::size_t rank = done + first; rank < done + last; ++rank)
-                                   solver_.advance(static_cast<Index>(rank), step,
-                                                   workspaces_[omp_get_thread_num()].split, report);
-                           });
+    const auto advance = [&](std::size_t first, std::size_t last, StepReport& report) {
+        for (auto rank = static_cast<Index>(done + first); rank < static_cast<Index>(done + last); ++rank)
+            solver_.advance(rank, step, workspaces_[omp_get_thread_num()].split, report,
+                            contacts_ ? contacts_->motion_of(rank, step) : nullptr);
+    };
+    return sum_over_blocks(step.end.split_fans.size() - done, split_fans_in_a_block, partial_, advance);
 }
 
 /// Works of the loads, and their part in the energies that the report has of all forces; by the threads that moved

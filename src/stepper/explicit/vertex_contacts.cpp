@@ -179,11 +179,11 @@ bool VertexContacts::keeps_its_parts(const TouchedFan& touched, const ExplicitSt
 /// The motion of a fan under the present impulses.
 void VertexContacts::solve_fan(TouchedFan& touched, const ExplicitStep& step, VertexSolver::Workspace& work) const {
     const auto corners = model_.corners(model_.fans[touched.fan]);
-    solver_.solve(touched.fan, step, work);
-    std::swap(work.fan, touched.solved);
+    touched.known.solution = solver_.solve(touched.fan, step, work);
+    std::swap(work.fan, touched.known.fan);
     touched.velocity.clear();
     for (const Index corner : touched.corners)
-        touched.velocity.push_back(touched.solved.result.velocity[place_among(corners, corner)]);
+        touched.velocity.push_back(touched.known.fan.result.velocity[place_among(corners, corner)]);
 }
 
 /// One body for each part that contacts touch.
@@ -234,10 +234,10 @@ void VertexContacts::assemble(const Cluster& cluster, const ExplicitStep& step, 
         }
         const auto corners = model_.corners(model_.fans[touched.fan]);
         for (const Index corner : touched.corners) {  // without the contacts
-            FanBody& body = touched.solved.problem.bodies[place_among(corners, corner)];
+            FanBody& body = touched.known.fan.problem.bodies[place_among(corners, corner)];
             body.free_velocity -= body.inverse_mass.cwiseProduct(corner_impulse_[corner]);
         }
-        const Index first = problem.add_fan(touched.solved, static_cast<Index>(corners.size()), stuck_stays);
+        const Index first = problem.add_fan(touched.known.fan, static_cast<Index>(corners.size()), stuck_stays);
         for (const Index corner : touched.corners) touched.body.push_back(first + place_among(corners, corner));
     }
     for (const Index i : cluster.contacts) {
@@ -270,6 +270,7 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
     ContactProblem& problem = work.contacts;
     bool has_soft = false;
     for (const Index s : cluster.slots) {
+        touched_[s].is_aside = cluster.is_aside;
         find_parts(touched_[s], step, work);
         if (touched_[s].is_soft) soften(touched_[s], step.begin, splits), has_soft = true;
     }
@@ -370,6 +371,13 @@ double VertexContacts::solve(const ExplicitStep& step, bool aside, std::vector<s
         change = std::max(change, (impulse_[i] - last_impulse_[i]).norm());
     }
     return largest > 0 ? change / largest : 0;
+}
+
+VertexSolver::Known* VertexContacts::motion_of(Index rank, const ExplicitStep& step) {
+    const Index fan = step.end.split_fans[rank];
+    if (!touches(fan) || !step.end.incubation.empty()) return nullptr;
+    TouchedFan& touched = touched_[slot_of_fan_[fan]];
+    return touched.is_soft && !touched.is_aside ? &touched.known : nullptr;
 }
 
 Vec2 VertexContacts::place_of_corner(Index corner, const State& state) const {

@@ -27,6 +27,10 @@ public:
     bool touches(Index fan) const { return !slot_of_fan_.empty() && slot_of_fan_[fan] >= 0; }
     std::size_t size() const { return contacts_.all().size(); }
 
+    /// The motion of a split fan that solve has found, if nothing can change it any more; else null: others couple it,
+    /// or an incubation time follows.
+    VertexSolver::Known* motion_of(Index rank, const ExplicitStep& step);
+
     /// Sets aside the clusters with a fan that others couple: is_coupled(fan).
     template <class IsCoupled>
     void set_aside(const IsCoupled& is_coupled) {
@@ -54,11 +58,12 @@ private:
     struct TouchedFan {
         Index fan;
         bool is_soft = false;        // its points are solved with the contacts
+        bool is_aside = false;       // as its cluster
         std::vector<Index> corners;  // touched
         std::vector<Index> part;     // per corner of a fan that is not soft
         std::vector<Index> body;     // per touched corner: its number in the problem
         std::vector<Vec2> velocity;  // [m/s] per touched corner, under the present impulses
-        SolvedFan solved;            // soft: under these impulses
+        VertexSolver::Known known;   // soft: under these impulses
     };
     struct Cluster {
         std::vector<Index> contacts, slots;

@@ -285,7 +285,8 @@ FanSolution VertexSolver::solve_once(Index f, const ExplicitStep& step, bool reb
     return solve_softening(work.fan, work.solver, work.cohesion, options_.theta);
 }
 
-void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work, StepReport& report) const {
+void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work, StepReport& report,
+                           Known* known) const {
     State& end = step.end;
     const Index f = end.split_fans[rank];
     const Fan& fan = model_.fans[f];
@@ -293,7 +294,8 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
     if (options_.cohesion == CohesionScheme::explicit_beta && !has_outer_forces(f) &&
         advance_stationary(model_, rank, step, work.stationary, report))
         return;
-    const FanSolution solution = solve(f, step, work);
+    if (known) std::swap(work.fan, known->fan);
+    const FanSolution solution = known ? known->solution : solve(f, step, work);
     const FanProblem& problem = work.fan.problem;
     const FanResult& result = work.fan.result;
     const auto corners = model_.corners(fan);

@@ -53,8 +53,16 @@ public:
                !absorbing_.of_fan(fan).empty();
     }
 
-    /// Moves a split fan to the end of the step: velocities, displacements, cohesion, tractions, works.
-    void advance(Index rank, const ExplicitStep& step, Workspace& work, StepReport& report) const;
+    /// What solve found, to be used again.
+    struct Known {
+        SolvedFan fan;
+        FanSolution solution;
+    };
+
+    /// Moves a split fan to the end of the step: velocities, displacements, cohesion, tractions, works. `known`: what
+    /// solve would find; its fan is swapped for another one.
+    void advance(Index rank, const ExplicitStep& step, Workspace& work, StepReport& report,
+                 Known* known = nullptr) const;
 
 private:
     FanSolution solve_for_mean(Index fan, const ExplicitStep& step, Workspace& work) const;
