@@ -73,7 +73,7 @@ std::string range_text(const FieldExtremes& field, const char* unit) {
 double smallest_strength(const Scenario& scenario) {
     double smallest = infinity;
     for (const NamedLaw& named : scenario.laws)
-        if (named.law.breakable()) smallest = std::min(smallest, named.law.sigma_c);
+        if (named.law.breakable() && named.law.sigma_c > 0) smallest = std::min(smallest, named.law.sigma_c);
     return smallest;
 }
 
@@ -93,7 +93,7 @@ std::string heat_text(const Scenario& scenario, const Mesh& mesh, double step) {
     if (largest.strain > 0) {
         text += formatted(": strains up to %.3g, as stresses, where prevented, %.3g MPa", largest.strain,
                           1e-6 * largest.stress);
-        if (const double strength = smallest_strength(scenario); strength > 0 && std::isfinite(strength))
+        if (const double strength = smallest_strength(scenario); std::isfinite(strength))
             text += formatted(", %.3g times the smallest strength", largest.stress / strength);
     }
     text += "\n";
