@@ -1,0 +1,84 @@
+// knap calibrate, and toughness = "as measured" with its table.
+#include "app/program.hpp"
+
+#include "base/vec.hpp"
+#include "scenario/toughness.hpp"
+
+#include <cmath>
+#include <sstream>
+#include <vector>
+
+namespace calibrate_test {
+
+using namespace program;
+using namespace knap;
+
+namespace {
+
+const std::string coarse = "mesh_toughness -s 'mesh.refine[0].size=0.5 mm' ";  // three edges in the process zone
+
+/// A column of sweep.csv.
+std::vector<double> column_of_sweep(const fs::path& csv, const std::string& name) {
+    std::ifstream file(csv);
+    std::vector<double> values;
+    std::ptrdiff_t column = -1;
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream in(line);
+        std::vector<std::string> cells;
+        for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
+        if (column >= 0) values.push_back(std::stod(cells.at(column)));
+        for (std::size_t i = 0; column < 0 && i < cells.size(); ++i)
+            if (cells[i] == name) column = static_cast<std::ptrdiff_t>(i);
+    }
+    return values;
+}
+
+}  // namespace
+
+TEST_CASE("calibrate: it replaces no table unasked and check gives both energies") {
+    const Folder folder("calibrate");
+    std::ofstream(folder.path / "t.csv") << "mine\n";
+    const Answer refused = command("calibrate " + coarse + "--table " + folder.in_shell("t.csv"));
+    CHECK(refused.code == 2);
+    CHECK(refused.has("exists already"));
+    CHECK(text_of(folder.path / "t.csv") == "mine\n");
+    const Answer none = command("calibrate bar_pulled_apart --table " + folder.in_shell("none.csv"));
+    CHECK(none.code == 2);
+    CHECK(none.has("nothing-to-calibrate"));
+    const Answer both = command("check " + coarse + "-s toughness='as measured'");
+    CHECK(both.code == 0);
+    CHECK(both.has("(3 as measured)"));
+    CHECK(both.has("a slow crack costs 3 J/m2 as measured"));
+}
+
+TEST_CASE("calibrate: other strips than those of the table dissipate the measured energy within its scatter" *
+          doctest::test_suite("slow")) {
+    const Folder folder("calibrated");
+    const Answer measured = command("calibrate " + coarse + "--loads 1.4 --seeds 5 -j 2 -q -o " +
+                                    folder.in_shell("strips") + " --table " + folder.in_shell("t.csv"));
+    CAPTURE(measured.text);
+    REQUIRE(measured.code == 0);
+    const ToughnessTable table(text_of(folder.path / "t.csv"));
+    const Surplus surplus = table.find({"linear", "constant", 1, 1, 3}).value();
+    CHECK(surplus.mean > 1.05);
+    // the same load over G_c of the interfaces
+    const double half = 1.08683e-6 / std::sqrt(surplus.mean);
+    const std::string pull = "-s 'load[0].displacement=[0, " + std::to_string(1e6 * half) +
+                             "e-6]' -s 'load[1].displacement=[0, -" + std::to_string(1e6 * half) + "e-6]' ";
+    const Answer strips =
+        command("sweep " + coarse + pull +
+                "-s 'sweep={ quantities = [\"steady_work_per_advance\"] }' --seeds 11..15 -j 2 -q -o " +
+                folder.in_shell("sweep") + " -s 'toughness={ meaning = \"as measured\", table = \"" +
+                (folder.path / "t.csv").string() + "\" }'");
+    CAPTURE(strips.text);
+    REQUIRE(strips.code == 0);
+    const std::vector<double> work =
+        column_of_sweep(folder.path / "sweep" / "sweep.csv", "steady_work_per_advance [J/m2]");
+    REQUIRE(work.size() == 5);
+    double mean = 0;
+    for (const double w : work) mean += w / 5;
+    // two means of five: three times the standard error of their difference
+    CHECK(std::abs(mean / 3 - 1) < 3 * surplus.deviation / surplus.mean * std::sqrt(2. / 5));
+}
+
+}  // namespace calibrate_test
