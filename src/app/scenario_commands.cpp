@@ -80,8 +80,8 @@ void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
         if (law.measured_G_c == 0) continue;
         as_measured = true;
         std::printf(
-            "  law %s: a slow crack costs %.4g J/m2 as measured; interfaces have G_c %.4g J/m2, the surplus of this "
-            "mesh is %.3f +- %.3f\n",
+            "  law %s: a crack under the least load that drives it costs %.4g J/m2 as measured; interfaces have G_c "
+            "%.4g J/m2, the surplus of this mesh is %.3f +- %.3f\n",
             law.name.c_str(), law.measured_G_c, law.law.G_c, law.surplus.mean, law.surplus.deviation);
     }
     if (cracks_anywhere(scenario) && !as_measured)

@@ -206,7 +206,7 @@ void add_keys_of_toughness(KeyTable& t) {
     t.table("toughness", "what G_c means where cracks run along the edges of a random mesh; as a text: toughness = "
         "\"as measured\", above all tables").or_text("meaning");
     t.word("meaning", {"of interfaces", "as measured"}, "of interfaces: G_c is what an interface dissipates, and an "
-        "advance of a crack costs 1.1 to 1.5 times as much; as measured: G_c of the laws within materials is that of a "
+        "advance of a crack costs 1.1 to 1.4 times as much; as measured: G_c of the laws within materials is that of a "
         "specimen, and the interfaces get G_c over the surplus of this mesh, order and gamma")
         .otherwise("of interfaces");
     t.text("table", "file of `knap calibrate` with the surplus, relative to the scenario file")
