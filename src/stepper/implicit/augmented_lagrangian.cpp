@@ -36,7 +36,7 @@ constexpr double endless = infinity;
 AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk& bulk, ThetaMatrix& matrix,
                                          Iterate& iterate)
     : bulk_(bulk), matrix_(matrix), x_(iterate) {
-    reserve_capacity(model.mesh.n_corners(), bulk_impulse_, residual_, right_side_, direction_, changed_, before_.rate,
+    reserve_capacity(model.mesh.n_corners(), bulk_impulse_, residual_, right_side_, direction_, before_.rate,
                      first_.rate);
     reserve_capacity(model.fan_points.size() + 1, factored_states_, tangents_, turn_, move_, last_move_, before_.points,
                      first_.points);
@@ -130,8 +130,6 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
         for (Vec2& r : right_side_) r = -r;
         if (!matrix_.solve(right_side_, direction_)) return false;
         ++counts_.linear_solves;
-        bulk_.apply_matrix(direction_, of_corner_);
-        bulk_.sum_to_nodes(of_corner_, changed_);
         const double a = stalled > 0 && near ? 1 : step_length();  // near the solution rounding hides the slope
         for (std::size_t n = 0; n < x_.rate.size(); ++n) x_.rate[n] += a * direction_[n];
     }
@@ -235,7 +233,11 @@ bool AugmentedLagrangian::violates_assumption_1() {
 double AugmentedLagrangian::step_length() {
     double at_start = 0, bulk_slope = 0;
     for (std::size_t i = 0; i < direction_.size(); ++i)
-        at_start += direction_[i].dot(bulk_impulse_[i]), bulk_slope += direction_[i].dot(changed_[i]);
+        at_start += direction_[i].dot(bulk_impulse_[i]), bulk_slope += direction_[i].dot(right_side_[i]);
+    for (const PointTangent& point : tangents_) {  // d solves (M_hat + H' D H) d = right_side_
+        const Vec2 jump = point.sides.jump(direction_);
+        bulk_slope -= jump.dot(point.block * jump);
+    }
     turn_.resize(x_.points.size());
     for (std::size_t j = 0; j < turn_.size(); ++j) turn_[j] = x_.points[j].across(direction_);
     const auto slope = [&](double a) {

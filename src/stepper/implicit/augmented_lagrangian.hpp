@@ -76,8 +76,8 @@ private:
     double final_augmentation_ = 0;               // of the attempt
     double augmentation_ = 0;                     // with which the matrix is factorised
     bool indefinite_ = false;
-    std::vector<PointTangent> tangents_;
-    std::vector<Vec2> corner_impulse_, of_corner_, bulk_impulse_, residual_, right_side_, direction_, changed_;
+    std::vector<PointTangent> tangents_;  // in the factor
+    std::vector<Vec2> corner_impulse_, bulk_impulse_, residual_, right_side_, direction_;
     std::vector<Vec2> turn_, move_, last_move_;  // per point, (N, T)
     SolverCounts counts_;
     GiveUp given_up_ = nullptr;

@@ -1,13 +1,23 @@
 #include "stepper/implicit/frontal_factor.hpp"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 
 namespace knap {
+namespace {
+
+/// The faster one of those that this machine can run.
+FrontKernel fastest_kernel_of_fronts() {
+#ifdef KNAP_AVX2
+    if (__builtin_cpu_supports("avx2")) return avx2_front_kernel();
+#endif
+    return baseline_front_kernel();
+}
+
+}  // namespace
 
 FrontalFactor::FrontalFactor(const Dissection& dissection, std::size_t n_numbers)
-    : dissection_(dissection),
+    : kernel_(fastest_kernel_of_fronts()),
+      dissection_(dissection),
       fronts_(dissection.parts.size()),
       stale_(fronts_.size(), true),
       place_(n_numbers, -1),
@@ -54,7 +64,7 @@ void FrontalFactor::find_unknowns(Index part, const std::vector<Index>& eliminat
 void FrontalFactor::assemble(Index part) {
     Front& front = fronts_[part];
     const auto set_zero = [&](ArenaList<double>& matrix, std::size_t n_rows, std::size_t n_columns) {
-        matrix.resize(arena_, n_rows * n_columns);
+        matrix.resize(arena_, n_rows * n_columns + front_padding);
         std::ranges::fill(matrix.entries(), 0.0);
     };
     set_zero(front.L, front.size(), front.n_eliminated);
@@ -81,46 +91,25 @@ void FrontalFactor::assemble(Index part) {
     }
 }
 
-bool FrontalFactor::eliminate(Front& front) {
-    const Index n = front.n_eliminated, n_left = front.n_left();
-    if (n == 0) return true;
-    Eigen::Map<Eigen::MatrixXd> whole(front.L.first(), front.size(), n), schur(front.schur.first(), n_left, n_left);
-    auto L = whole.topRows(n);
-    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> in_place(L);
-    if (in_place.info() != Eigen::Success || !(L.diagonal().array() > 0).all()) return false;
-    if (n_left == 0) return true;
-    auto L_B = whole.bottomRows(n_left);
-    L.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(L_B);
-    schur.selfadjointView<Eigen::Lower>().rankUpdate(L_B, -1);
-    return true;
+bool FrontalFactor::eliminate(Front& front) const {
+    return front.n_eliminated == 0 ||
+           kernel_.eliminate(front.L.first(), front.schur.first(), front.size(), front.n_eliminated);
 }
 
 void FrontalFactor::solve(std::vector<double>& x) {
-    // column by column: most fronts are too small for blocks
-    const auto below = [](const double* column, Index k, Index size) -> Eigen::Map<const Eigen::VectorXd> {
-        return {column + k + 1, size - k - 1};
-    };
-    const auto gather = [&](const Front& front) {
-        for (Index i = 0; i < front.size() && front.n_eliminated > 0; ++i) local_[i] = x[front.unknown.first()[i]];
+    const auto in_front = [&](const Front& front, const auto& substitute) {
+        if (front.n_eliminated == 0) return;
+        const Index* unknown = front.unknown.first();
+        for (Index i = 0; i < front.size(); ++i) local_[i] = x[unknown[i]];
+        substitute(front.L.first(), front.size(), front.n_eliminated, local_.data());
     };
     for (const Front& front : fronts_) {
-        const Index n = front.n_eliminated, size = front.size();
-        gather(front);
-        for (Index k = 0; k < n; ++k) {
-            const double* column = front.column_of_L(k);
-            const double at = local_[k] /= column[k];
-            local_.segment(k + 1, size - k - 1) -= at * below(column, k, size);
-        }
-        for (Index i = 0; i < size && n > 0; ++i) x[front.unknown.first()[i]] = local_[i];
+        in_front(front, kernel_.substitute);
+        for (Index i = 0; i < front.size() && front.n_eliminated > 0; ++i) x[front.unknown.first()[i]] = local_[i];
     }
     for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front) {
-        const Index n = front->n_eliminated, size = front->size();
-        gather(*front);
-        for (Index k = n - 1; k >= 0; --k) {
-            const double* column = front->column_of_L(k);
-            const double known = below(column, k, size).dot(local_.segment(k + 1, size - k - 1));
-            x[front->unknown.first()[k]] = local_[k] = (local_[k] - known) / column[k];
-        }
+        in_front(*front, kernel_.substitute_back);
+        for (Index i = 0; i < front->n_eliminated; ++i) x[front->unknown.first()[i]] = local_[i];
     }
 }
 

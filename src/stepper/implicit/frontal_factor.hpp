@@ -25,6 +25,7 @@
 #include "element/triangle_matrices.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/implicit/dissection.hpp"
+#include "stepper/implicit/front_kernel.hpp"
 
 #include <functional>
 
@@ -71,8 +72,9 @@ private:
     };
     void find_unknowns(Index part, const std::vector<Index>& eliminated_in);
     void assemble(Index part);
-    static bool eliminate(Front& front);
+    bool eliminate(Front& front) const;
 
+    const FrontKernel kernel_;
     const Dissection& dissection_;
     Arena arena_;                      // of the fronts, which grow node by node with a crack
     std::vector<Front> fronts_;        // per part
@@ -80,7 +82,7 @@ private:
     std::vector<Index> place_;         // per unknown: in the front in work, or -1
     std::vector<Index> own_, left_;    // unknowns of the front in work
     std::vector<Element> elements_;    // of the leaf in work
-    Eigen::VectorXd local_;
+    std::vector<double> local_;        // right-hand side of the front in work
 };
 
 }  // namespace knap

@@ -146,12 +146,6 @@ void ImplicitBulk::impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_
     add_mass_times(change, of_corner);
 }
 
-void ImplicitBulk::apply_matrix(const std::vector<Vec2>& direction, std::vector<Vec2>& of_corner) const {
-    elastic_force(direction, nodes_->node_of_corner, of_corner);
-    for (Vec2& f : of_corner) f *= -step_->stiffness_factor();
-    add_mass_times([&](Index i) -> Vec2 { return direction[i]; }, of_corner);
-}
-
 void ImplicitBulk::sum_to_nodes(const std::vector<Vec2>& of_corner, std::vector<Vec2>& of_node) const {
     of_node.assign(nodes_->n_nodes(), Vec2::Zero());
     for (std::size_t c = 0; c < of_corner.size(); ++c) of_node[nodes_->node_of_corner[c]] += of_corner[c];

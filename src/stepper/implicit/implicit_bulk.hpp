@@ -42,8 +42,7 @@ public:
     /// Prescribed motions. `rate` becomes the prescribed rates, and `corner_rate` [m/s, per corner] where w is free.
     void set_nodes(const CornerPartition& nodes, const std::vector<Vec2>& corner_rate, std::vector<Vec2>& rate);
 
-    void impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const;            // [N s] r(w)
-    void apply_matrix(const std::vector<Vec2>& direction, std::vector<Vec2>& of_corner) const;  // M_hat times direction
+    void impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const;  // [N s] r(w)
     void sum_to_nodes(const std::vector<Vec2>& of_corner, std::vector<Vec2>& of_node) const;
 
     Vec2 end_velocity(Index node, const Vec2& rate) const;       // [m/s] v+

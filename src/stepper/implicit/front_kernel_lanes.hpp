@@ -1,0 +1,228 @@
+#pragma once
+// See front_kernel.hpp. Included by one file per instruction set, of which nobody else can name the kernels.
+#include "stepper/implicit/front_kernel.hpp"
+
+namespace knap {
+namespace {
+
+constexpr int n_rows = 8, n_columns = 4;  // of a tile; every instruction set adds in the same order
+constexpr double largest = 1e308;
+
+template <int lanes>
+struct Register;
+template <>
+struct Register<2> {
+    using type = double __attribute__((vector_size(16)));
+    using anywhere = double __attribute__((vector_size(16), aligned(8), may_alias));
+};
+template <>
+struct Register<4> {
+    using type = double __attribute__((vector_size(32)));
+    using anywhere = double __attribute__((vector_size(32), aligned(8), may_alias));
+};
+
+/// Eight neighbours in a column, in registers of `lanes` numbers.
+template <int lanes>
+struct Rows {
+    static constexpr int n = n_rows / lanes;
+    using Anywhere = typename Register<lanes>::anywhere;
+    typename Register<lanes>::type part[n];
+
+    [[gnu::always_inline]] void load(const double* from) {
+#pragma GCC unroll 4
+        for (int i = 0; i < n; ++i) part[i] = *reinterpret_cast<const Anywhere*>(from + i * lanes);
+    }
+    [[gnu::always_inline]] void store(double* to) const {
+#pragma GCC unroll 4
+        for (int i = 0; i < n; ++i) *reinterpret_cast<Anywhere*>(to + i * lanes) = part[i];
+    }
+    [[gnu::always_inline]] void clear() {
+#pragma GCC unroll 4
+        for (int i = 0; i < n; ++i) part[i] = typename Register<lanes>::type{};
+    }
+    [[gnu::always_inline]] void subtract(const Rows& a, double b) {
+#pragma GCC unroll 4
+        for (int i = 0; i < n; ++i) part[i] -= a.part[i] * b;
+    }
+    [[gnu::always_inline]] void add(const Rows& a, const Rows& b) {
+#pragma GCC unroll 4
+        for (int i = 0; i < n; ++i) part[i] += a.part[i] * b.part[i];
+    }
+    [[gnu::always_inline]] void scale(double b) {
+#pragma GCC unroll 4
+        for (int i = 0; i < n; ++i) part[i] *= b;
+    }
+};
+
+template <int lanes, int width>
+struct Tile {
+    Rows<lanes> column[width];
+
+    [[gnu::always_inline]] void load(const double* from, std::ptrdiff_t stride) {
+#pragma GCC unroll 4
+        for (int c = 0; c < width; ++c) column[c].load(from + c * stride);
+    }
+    [[gnu::always_inline]] void store(double* to, std::ptrdiff_t stride, std::ptrdiff_t n) const {
+#pragma GCC unroll 4
+        for (int c = 0; c < width; ++c) {
+            if (n == n_rows) {
+                column[c].store(to + c * stride);
+                continue;
+            }
+            double some[n_rows];
+            column[c].store(some);
+            for (std::ptrdiff_t i = 0; i < n; ++i) to[c * stride + i] = some[i];
+        }
+    }
+    /// Minus the product of the first `n` columns of L, from `row` on, and of those from `row_of_column` on.
+    [[gnu::always_inline]] void subtract_product(const double* row, const double* row_of_column, std::ptrdiff_t size,
+                                                 std::ptrdiff_t n) {
+        for (std::ptrdiff_t k = 0; k < n; ++k, row += size, row_of_column += size) {
+            Rows<lanes> a;
+            a.load(row);
+#pragma GCC unroll 4
+            for (int c = 0; c < width; ++c) column[c].subtract(a, row_of_column[c]);
+        }
+    }
+};
+
+/// Columns j to j + width of L, from those before.
+template <int lanes, int width>
+bool eliminate_columns(double* L, std::ptrdiff_t size, std::ptrdiff_t j) {
+    double diagonal[width][width] = {}, inverse[width] = {};  // column, row
+    for (std::ptrdiff_t i = j; i < size; i += n_rows) {
+        const std::ptrdiff_t n = size - i < n_rows ? size - i : n_rows;
+        Tile<lanes, width> tile;
+        tile.load(L + i + size * j, size);
+        tile.subtract_product(L + i, L + j, size, j);
+        if (i == j) {
+            double first[width][n_rows];
+            tile.store(&first[0][0], n_rows, n_rows);
+            for (int c = 0; c < width; ++c) {
+                for (int b = 0; b < c; ++b)
+                    for (int r = c; r < width; ++r) first[c][r] -= first[b][r] * first[b][c];
+                if (!(first[c][c] > 0) || first[c][c] > largest) return false;
+                const double root = __builtin_sqrt(first[c][c]);
+                inverse[c] = 1 / root;
+                first[c][c] = root;
+                for (int r = c + 1; r < width; ++r) first[c][r] *= inverse[c];
+                for (int r = c; r < width; ++r) diagonal[c][r] = first[c][r];
+            }
+            for (int c = 0; c < width; ++c) {
+                for (int b = 0; b < c; ++b)
+                    for (int r = width; r < n_rows; ++r) first[c][r] -= first[b][r] * diagonal[b][c];
+                for (int r = width; r < n_rows; ++r) first[c][r] *= inverse[c];
+            }
+            tile.load(&first[0][0], n_rows);
+        } else {
+#pragma GCC unroll 4
+            for (int c = 0; c < width; ++c) {
+#pragma GCC unroll 4
+                for (int b = 0; b < c; ++b) tile.column[c].subtract(tile.column[b], diagonal[b][c]);
+                tile.column[c].scale(inverse[c]);
+            }
+        }
+        tile.store(L + i + size * j, size, n);
+    }
+    return true;
+}
+
+/// Columns j to j + width of the Schur complement minus L_B L_B'.
+template <int lanes, int width>
+void update_columns(const double* L, double* schur, std::ptrdiff_t size, std::ptrdiff_t n, std::ptrdiff_t j) {
+    const std::ptrdiff_t n_left = size - n;
+    for (std::ptrdiff_t i = j; i < n_left; i += n_rows) {
+        const std::ptrdiff_t n_valid = n_left - i < n_rows ? n_left - i : n_rows;
+        Tile<lanes, width> tile;
+        tile.load(schur + i + n_left * j, n_left);
+        tile.subtract_product(L + n + i, L + n + j, size, n);
+        tile.store(schur + i + n_left * j, n_left, n_valid);
+    }
+}
+
+template <int lanes>
+bool eliminate(double* L, double* schur, std::ptrdiff_t size, std::ptrdiff_t n) {
+    std::ptrdiff_t j = 0;
+    for (; j + n_columns <= n; j += n_columns)
+        if (!eliminate_columns<lanes, n_columns>(L, size, j)) return false;
+    for (; j + 2 <= n; j += 2)
+        if (!eliminate_columns<lanes, 2>(L, size, j)) return false;
+    for (; j < n; ++j)
+        if (!eliminate_columns<lanes, 1>(L, size, j)) return false;
+    for (j = 0; j + n_columns <= size - n; j += n_columns) update_columns<lanes, n_columns>(L, schur, size, n, j);
+    for (; j + 2 <= size - n; j += 2) update_columns<lanes, 2>(L, schur, size, n, j);
+    for (; j < size - n; ++j) update_columns<lanes, 1>(L, schur, size, n, j);
+    return true;
+}
+
+/// x <- L^-1 x for `width` unknowns from j on, and minus L_B times them below.
+template <int lanes, int width>
+void substitute_columns(const double* L, std::ptrdiff_t size, std::ptrdiff_t j, double* x) {
+    const double* column[width];
+    for (int c = 0; c < width; ++c) column[c] = L + size * (j + c);
+    for (int c = 0; c < width; ++c) {
+        for (int b = 0; b < c; ++b) x[j + c] -= column[b][j + c] * x[j + b];
+        x[j + c] /= column[c][j + c];
+    }
+    std::ptrdiff_t i = j + width;
+    for (; i + n_rows <= size; i += n_rows) {
+        Rows<lanes> sum, a;
+        sum.load(x + i);
+#pragma GCC unroll 4
+        for (int c = 0; c < width; ++c) a.load(column[c] + i), sum.subtract(a, x[j + c]);
+        sum.store(x + i);
+    }
+    for (; i < size; ++i)
+        for (int c = 0; c < width; ++c) x[i] -= column[c][i] * x[j + c];
+}
+
+/// x <- L^-T x for them, from the known ones below.
+template <int lanes, int width>
+void substitute_back_columns(const double* L, std::ptrdiff_t size, std::ptrdiff_t j, double* x) {
+    const double* column[width];
+    Rows<lanes> sums[width];
+#pragma GCC unroll 4
+    for (int c = 0; c < width; ++c) column[c] = L + size * (j + c), sums[c].clear();
+    std::ptrdiff_t i = j + width;
+    for (; i + n_rows <= size; i += n_rows) {
+        Rows<lanes> a, b;
+        b.load(x + i);
+#pragma GCC unroll 4
+        for (int c = 0; c < width; ++c) a.load(column[c] + i), sums[c].add(a, b);
+    }
+    double some[width][n_rows], known[width];
+#pragma GCC unroll 4
+    for (int c = 0; c < width; ++c) {
+        sums[c].store(some[c]);
+        known[c] = ((some[c][0] + some[c][4]) + (some[c][2] + some[c][6])) +
+                   ((some[c][1] + some[c][5]) + (some[c][3] + some[c][7]));
+    }
+    for (; i < size; ++i)
+        for (int c = 0; c < width; ++c) known[c] += column[c][i] * x[i];
+    for (int c = width - 1; c >= 0; --c) {
+        for (int b = c + 1; b < width; ++b) known[c] += column[c][j + b] * x[j + b];
+        x[j + c] = (x[j + c] - known[c]) / column[c][j + c];
+    }
+}
+
+template <int lanes>
+void substitute(const double* L, std::ptrdiff_t size, std::ptrdiff_t n, double* x) {
+    std::ptrdiff_t j = 0;
+    for (; j + n_columns <= n; j += n_columns) substitute_columns<lanes, n_columns>(L, size, j, x);
+    for (; j < n; ++j) substitute_columns<lanes, 1>(L, size, j, x);
+}
+
+template <int lanes>
+void substitute_back(const double* L, std::ptrdiff_t size, std::ptrdiff_t n, double* x) {
+    std::ptrdiff_t j = n;
+    for (; j % n_columns != 0; --j) substitute_back_columns<lanes, 1>(L, size, j - 1, x);
+    for (; j > 0; j -= n_columns) substitute_back_columns<lanes, n_columns>(L, size, j - n_columns, x);
+}
+
+template <int lanes>
+FrontKernel front_kernel_of() {
+    return {eliminate<lanes>, substitute<lanes>, substitute_back<lanes>};
+}
+
+}  // namespace
+}  // namespace knap
