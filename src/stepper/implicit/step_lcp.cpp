@@ -18,7 +18,7 @@ StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeO
     : model_(model),
       step_{{.h = h, .theta = options.theta, .implicit_beta = options.cohesion == CohesionScheme::implicit_beta},
             &begin,
-            end_temperature ? std::move(end_temperature) : begin.temperature},
+            end_temperature ? end_temperature : begin.temperature},
       bulk_(model, options.mass) {
     partition_corners(model, std::vector<std::uint8_t>(model.fans.size(), 1), nodes_);
     bulk_.begin_step(step_);
