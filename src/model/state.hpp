@@ -52,7 +52,8 @@ struct State {
     std::int64_t n_steps = 0;
     std::vector<Vec2> displacement;     // [m] per node
     std::vector<Vec2> velocity;         // [m/s] per node; explicit bulk: at the middle of the last step
-    std::vector<Vec2> rate;             // [m/s] per node, implicit bulk: mean over the last step; empty at the start
+    std::vector<Vec2> rate;             // [m/s] per node, implicit bulk: mean over the last step; empty at the start.
+                                        // bulk = "auto": empty where the next step is explicit
     std::vector<Index> node_of_corner;  // per corner
     std::vector<Index> split_fans;      // in any order
     std::vector<Index> first_point;     // per split fan, in that order: into `points`
