@@ -14,7 +14,7 @@ namespace {
 
 constexpr double deep = 1e-3;                // [-] of the edge: a deeper penetration is reduced by a rebound
 constexpr double settled = 2e-4;             // [-] likewise: deeper faces part where they rest
-constexpr double at_rest = 1e-4;             // [-] likewise, of a motion in a step
+constexpr double at_rest = 1e-5;             // [-] likewise, of a motion in a step; they part at half of it at most
 constexpr double parting_steps = 300;        // in which the depth beyond `settled` decays by a factor e
 constexpr double merged = 1e-12;             // [-] of the speeds: nearer kinks of the friction are one
 constexpr double absurd = 1e3;               // [-] of the speeds of a cluster: no impulse of a contact causes it
@@ -349,7 +349,7 @@ double VertexContacts::parting_rate(Index contact, const ExplicitStep& step) con
     const FaceContact& c = contacts_.all()[contact];
     if (c.depth <= settled * c.length || c.contact <= 0) return 0;
     if (step.drift_time * before_[contact].norm() > at_rest * c.length) return 0;
-    return (c.depth - settled * c.length) / (parting_steps * step.drift_time);
+    return std::min((c.depth - settled * c.length) / parting_steps, 0.5 * at_rest * c.length) / step.drift_time;
 }
 
 /// [m/s] The mean of this rate and V-, where it is positive: with it such a contact works.

@@ -41,7 +41,7 @@ void check_rests(std::uint64_t seed) {
     CAPTURE(seed);
     Run run(block(seed, 1), {.damping = 10});
     const double h = 0.8 * run.stepper.stable_step();
-    while (run.now.time < 3)
+    while (run.now.time < 4)
         for (double part = h; !run.step_if_taken(part); part /= 2) REQUIRE(part > 1e-3 * h);
     CHECK(run.ledger.row().kinetic < 1e-9 * run.ledger.largest_energy());
     CHECK(std::ranges::count(run.now.retired, 1) > 20);
