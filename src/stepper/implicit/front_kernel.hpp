@@ -1,8 +1,8 @@
 #pragma once
 // Dense arithmetic of one front of the factor (frontal_factor.hpp), compiled once per instruction set
 // (front_kernel_*.cpp) with the same bits from each. Tiles of eight rows and four columns stay in registers, so small
-// fronts are as fast as large ones: over Eigen's products 1.5 to 2 times without AVX2 (1.0 and 0.7 for 120 and 320
-// unknowns), 2.2 to 3.5 times with it. These files include nothing with inline functions, like constant_strain.hpp.
+// fronts are as fast as large ones: over Eigen's products 1.2 to 2.3 times without AVX2 (0.7 at 320 unknowns), 2.2 to
+// 4.2 times with it. These files include nothing with inline functions, like constant_strain.hpp.
 #include <cstddef>
 
 namespace knap {
