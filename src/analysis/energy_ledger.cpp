@@ -53,9 +53,8 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     const double surface_before = row_.surface();
     ++n_steps_;
     supplied_ += std::max(0.0, report.external_work) + std::max(0.0, report.excavation_work) +
-                 std::max(0.0, report.thermal_work) + report.parting_work;
+                 std::max(0.0, report.thermal_work);
     row_.time = end.time, row_.step = end.last_step;
-    contact_depth_ = report.contact_depth;
     row_.kinetic = report.kinetic;
     row_.strain = report.strain;
     consumed_change_ += report.consumed_change;
@@ -193,16 +192,6 @@ std::span<const EnergyTerm> energy_terms() {
                                    .label = "defect of rotation",
                                    .colour = orange,
                                    .dash = 1}),
-        number<&R::parting_work>("parting_work", "J",
-                                 "work on free faces that lie in each other, to part them slowly, so far, never "
-                                 "negative; with [contact] only",
-                                 {.with = &W::contact,
-                                  .step = &S::parting_work,
-                                  .work = 1,
-                                  .drawn = -1,
-                                  .label = "spent on parting faces",
-                                  .colour = vermilion,
-                                  .dash = 2}),
         number<&R::damping_work>("damping_work", "J",
                                  "work of mass-proportional damping so far, never positive; where there is damping",
                                  {.with = &W::damping,

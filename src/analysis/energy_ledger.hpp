@@ -3,13 +3,12 @@
 //
 //     residual        kinetic + strain - (both at the start) - works: zero to rounding, the energy identity of the
 //                     discrete scheme. Works: external - cohesive + friction + impact + step change + rotation +
-//                     parting + damping + bulk viscosity + radiated + excavation + thermal work + adaptation -
-//                     excavated energy - scheme dissipation
+//                     damping + bulk viscosity + radiated + excavation + thermal work + adaptation - excavated energy
+//                     - scheme dissipation
 //     rotation work   large rotations: the trapezoidal defect of the elastic energy U, which is not quadratic,
 //                     tau = U_n - U_n-1 + 1/2 (f_n-1 + f_n) . (u_n - u_n-1),  f = -grad U; O(h^3) a step. Its sum stays
 //                     bounded (central differences are symplectic) and is of second order in h; zero where rotations
 //                     are small, or a strained body turns rigidly
-//     parting work    of free faces at rest that part from the overlap that cracks left (stepper/contact/README.md)
 //     adaptation      change of the energy by refinements of the mesh
 //     surface energy  Psi = dissipated + recoverable = sum over points of S (G_c f(beta) + beta sigma_c s); with secant
 //                     unloading dissipated + interface_elastic = S (G_c f + beta sigma_c (kappa + s^2/kappa)/2)
@@ -53,7 +52,6 @@ struct EnergyRow {
     double dissipated = 0, recoverable = 0;  // by the interfaces; closing them gives the recoverable energy back
     double interface_elastic = 0;            // likewise, of secant unloading
     double external_work = 0, cohesive_work = 0, friction_work = 0, impact_work = 0, step_change_work = 0;
-    double parting_work = 0;  // of faces that part
     double rotation_work = 0, damping_work = 0, bulk_viscosity_work = 0, radiated_work = 0, excavation_work = 0;
     double excavated_energy = 0, excavated_recoverable = 0;  // that left with excavated regions
     double adaptation = 0;                                   // of refinements of the mesh: change of the energy
@@ -71,15 +69,14 @@ struct EnergyRow {
 
 /// Works that only some scenarios have; energy.csv of the others has no columns for them.
 struct RareWorks {
-    bool rotation = false, contact = false, damping = false, viscosity = false, radiation = false, excavation = false,
+    bool rotation = false, damping = false, viscosity = false, radiation = false, excavation = false,
          adaptation = false, secant = false, heat = false, conduction = false, law_change = false, delay = false,
          incubation = false;
 
     static constexpr auto all() {
         using R = RareWorks;
-        return std::array{&R::rotation,   &R::contact,    &R::damping,   &R::viscosity, &R::radiation,
-                          &R::excavation, &R::adaptation, &R::secant,    &R::heat,      &R::conduction,
-                          &R::law_change, &R::delay,      &R::incubation};
+        return std::array{&R::rotation, &R::damping, &R::viscosity,  &R::radiation,  &R::excavation, &R::adaptation,
+                          &R::secant,   &R::heat,    &R::conduction, &R::law_change, &R::delay,      &R::incubation};
     }
     void include(const RareWorks& other) {
         for (const auto work : all()) this->*work = this->*work || other.*work;
@@ -140,8 +137,7 @@ public:
     void set_clock(double time) { row_.time = time; }
 
     const EnergyRow& row() const { return row_; }
-    const StepReport& worst() const { return worst_; }       // maxima and counts over all steps
-    double contact_depth() const { return contact_depth_; }  // [-] of free faces, in the last step
+    const StepReport& worst() const { return worst_; }  // maxima and counts over all steps
     double largest_energy() const { return largest_energy_; }
     double largest_residual() const { return largest_residual_; }            // [J] over all steps
     double largest_rotation_work() const { return largest_rotation_work_; }  // [J] likewise, of the cumulated work
@@ -176,14 +172,14 @@ public:
     void serialize(auto& archive) {
         archive(start_energy_, excavated_dissipated_, consumed_change_, largest_energy_, largest_recoverable_,
                 largest_residual_, largest_rotation_work_, law_lag_, largest_law_lag_, supplied_, n_steps_, row_,
-                worst_, largest_heat_residual_, largest_overshoot_, largest_free_thermal_, contact_depth_);
+                worst_, largest_heat_residual_, largest_overshoot_, largest_free_thermal_);
     }
 
 private:
     double start_energy_, largest_energy_,
         largest_recoverable_ = 0, largest_residual_ = 0, largest_rotation_work_ = 0, law_lag_ = 0, largest_law_lag_ = 0,
         supplied_, smallest_mass_, weakest_point_, excavated_dissipated_ = 0, consumed_change_ = 0,
-        largest_heat_residual_ = 0, largest_overshoot_ = 0, largest_free_thermal_ = 0, contact_depth_ = 0;
+        largest_heat_residual_ = 0, largest_overshoot_ = 0, largest_free_thermal_ = 0;
     std::int64_t n_steps_ = 0;
     EnergyRow row_;
     StepReport worst_;

@@ -160,7 +160,7 @@ History fragment_table(const Fragments& fragments) {
     return table;
 }
 
-std::span<const Measure<FragmentMoment>> fragment_moment_columns(bool contact) {
+std::span<const Measure<FragmentMoment>> fragment_moment_columns() {
     using M = FragmentMoment;
     static constexpr auto least = [](const M& m, auto of) {
         return std::ranges::min(m.fragments.pieces | std::views::transform(of));
@@ -191,10 +191,8 @@ std::span<const Measure<FragmentMoment>> fragment_moment_columns(bool contact) {
          [](const M& m) { return -least(m, [](const F& f) { return -f.velocity.norm(); }); }},
         {"translation", "J", "kinetic energy of the centres of mass",
          [](const M& m) { return sum(m, &F::energy_of_translation); }},
-        {"rotation", "J", "kinetic energy of the spins", [](const M& m) { return sum(m, &F::energy_of_rotation); }},
-        {"contact_depth", "", "largest penetration of free faces over the length of the edge; with [contact] only",
-         [](const M& m) { return m.contact_depth; }}};
-    return std::span(columns).first(std::size(columns) - (contact ? 0 : 1));  // `contact_depth` is the last
+        {"rotation", "J", "kinetic energy of the spins", [](const M& m) { return sum(m, &F::energy_of_rotation); }}};
+    return columns;
 }
 
 std::vector<Output> fragment_path_columns(bool turn) {

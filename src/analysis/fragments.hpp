@@ -78,11 +78,9 @@ History fragment_table(const Fragments& fragments);
 struct FragmentMoment {
     double time;  // [s]
     const Fragments& fragments;
-    const History& table;      // of these fragments
-    double contact_depth = 0;  // [-] now: StepReport::contact_depth
+    const History& table;  // of these fragments
 };
-/// `contact`: with the columns of free faces that meet.
-std::span<const Measure<FragmentMoment>> fragment_moment_columns(bool contact = true);
+std::span<const Measure<FragmentMoment>> fragment_moment_columns();
 
 /// fragment_paths.csv at one time: the lines of a fragment table behind `time` and `label`, of the heaviest fragments.
 /// The label is the lowest triangle of a fragment: the part that has it keeps the label when a fragment breaks.

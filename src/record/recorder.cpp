@@ -57,8 +57,7 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
         tables_.add(&Histories::stress_strain, names_of<SpecimenMoment>(stress_strain_columns(*options_.specimen)),
                     [this](const State&) { return specimen_->line(breaks_->n_tensile(), breaks_->n_shear()); });
     }
-    const bool meet = !model.contact_of_pair.empty();
-    tables_.add(&Histories::fragment_history, names_of(fragment_moment_columns(meet)));
+    tables_.add(&Histories::fragment_history, names_of(fragment_moment_columns()));
     std::vector<std::string> path_columns;
     for (const Output& column : fragment_path_columns(model.large_rotation)) path_columns.emplace_back(column.name);
     tables_.add(&Histories::fragment_paths, std::move(path_columns));
@@ -181,8 +180,7 @@ void Recorder::write_fragments(const State& now) {
     const Fragments fragments = find_fragments(model_, now);
     const History table = fragment_table(fragments);
     tables_.add_line(&Histories::fragment_history,
-                     values_of(fragment_moment_columns(!model_.contact_of_pair.empty()),
-                               FragmentMoment{now.time, fragments, table, ledger_.contact_depth()}));
+                     values_of(fragment_moment_columns(), FragmentMoment{now.time, fragments, table}));
     for (std::vector<double>& line : fragment_path_lines(now.time, fragments, table))
         tables_.add_line(&Histories::fragment_paths, std::move(line));
 }

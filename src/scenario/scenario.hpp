@@ -196,7 +196,6 @@ struct Scenario {
                                        [&](const NamedLaw& named) { return named.law.breakable() && has(named.law); });
         };
         return {.rotation = large_rotation,
-                .contact = !contact_of_pair.empty(),
                 .damping = time.scheme.damping > 0,
                 .viscosity = std::ranges::any_of(
                     materials, [](const NamedMaterial& named) { return named.elastic.has_bulk_viscosity(); }),

@@ -42,7 +42,6 @@ struct StepReport {
     double friction_work = 0;      // <= 0
     double step_change_work = 0;   // of a change of the step size in the leapfrog energy
     double contact_injection = 0;  // >= 0: positive works of contacts between free faces, by the residual of their laws
-    double parting_work = 0;       // >= 0: on free faces at rest that lie in each other, to part them
     double rotation_work = 0;      // defect of the elastic energy in the leapfrog energy, of large rotations
     double damping_work = 0;       // <= 0: of mass-proportional damping
     double bulk_viscosity_work = 0;  // of bulk viscosity, over the last step (element/bulk_viscosity.hpp)
@@ -99,7 +98,6 @@ struct StepReport {
                                          &R::scheme_dissipation,
                                          &R::rotation_work,
                                          &R::contact_injection,
-                                         &R::parting_work,
                                          &R::damping_work,
                                          &R::radiated_work,
                                          &R::excavation_work,

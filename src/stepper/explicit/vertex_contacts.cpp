@@ -13,9 +13,6 @@ namespace knap {
 namespace {
 
 constexpr double deep = 1e-3;                // [-] of the edge: a deeper penetration is reduced by a rebound
-constexpr double settled = 2e-4;             // [-] likewise: deeper faces part where they rest
-constexpr double at_rest = 1e-5;             // [-] likewise, of a motion in a step; they part at half of it at most
-constexpr double parting_steps = 300;        // in which the depth beyond `settled` decays by a factor e
 constexpr double merged = 1e-12;             // [-] of the speeds: nearer kinks of the friction are one
 constexpr double absurd = 1e3;               // [-] of the speeds of a cluster: no impulse of a contact causes it
 constexpr double max_injected = 1e-3;        // [-] of energy and losses of a cluster, by its residual
@@ -290,13 +287,10 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
     for (int round = 0, last_progress = 0; round < max_contact_rounds; ++round) {
         if (round > 0) assemble(cluster, step, more_soft, work);
         for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
-            const Index i = cluster.contacts[k];
-            const FaceContact& c = contacts_.all()[i];
+            const FaceContact& c = contacts_.all()[cluster.contacts[k]];
             const ContactLaw law = law_between(c);
-            problem.contact(k).law = contact_law(c.gap, before_[i], law.friction, law.restitution, step.drift_time,
-                                                 deep * c.length, merged * speed + error);
-            if (const double parting = parting_rate(i, step); parting > 0)
-                problem.contact(k).law.contact.rate = std::max(problem.contact(k).law.contact.rate, parting);
+            problem.contact(k).law = contact_law(c.gap, before_[cluster.contacts[k]], law.friction, law.restitution,
+                                                 step.drift_time, deep * c.length, merged * speed + error);
         }
         residual = problem.solve(speed, error);
         for (std::size_t k = 0; k < cluster.contacts.size(); ++k)
@@ -334,28 +328,12 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
             after = std::max(after, touched_[s].velocity[c].norm());
         }
     for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
-        const Index i = cluster.contacts[k];
-        const Vec2 P = impulse_[i], parting(mean_parting_rate(i, step), 0),
-                   mean = 0.5 * (before_[i] + work.rate[k]) - parting;
+        const Vec2 P = impulse_[cluster.contacts[k]], mean = 0.5 * (before_[cluster.contacts[k]] + work.rate[k]);
         injected += positive_work(P, mean), lost += positive_work(-P, mean);
     }
     // a residual changes no momentum and no energy, but the sign of single works: a gate judges their sum
     if (!(after <= absurd * before) || injected > max_injected * (energy + lost) + error * problem.largest_impulse())
         report.reject(Rejection::contact_residual, place_of(cluster.contacts.front(), step.begin), cluster.residual);
-}
-
-/// [m/s] The normal rate at which two faces part that rest in each other; 0 for all others.
-double VertexContacts::parting_rate(Index contact, const ExplicitStep& step) const {
-    const FaceContact& c = contacts_.all()[contact];
-    if (c.depth <= settled * c.length || c.contact <= 0) return 0;
-    if (step.drift_time * before_[contact].norm() > at_rest * c.length) return 0;
-    return std::min((c.depth - settled * c.length) / parting_steps, 0.5 * at_rest * c.length) / step.drift_time;
-}
-
-/// [m/s] The mean of this rate and V-, where it is positive: with it such a contact works.
-double VertexContacts::mean_parting_rate(Index contact, const ExplicitStep& step) const {
-    const double rate = parting_rate(contact, step);
-    return rate > 0 ? std::max(0.0, 0.5 * (before_[contact].x() + rate)) : 0;
 }
 
 double VertexContacts::solve(const ExplicitStep& step, bool aside, std::vector<std::uint8_t>& splits,
@@ -394,9 +372,7 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
     step.end.face_contacts.clear();
     for (std::size_t i = 0; i < contacts.size(); ++i) {
         const FaceContact& c = contacts[i];
-        const Vec2 after = rate(i, step.end), P = impulse_[i];
-        const Vec2 parting(mean_parting_rate(i, step), 0), mean = 0.5 * (before_[i] + after) - parting;
-        report.parting_work += P.x() * parting.x();
+        const Vec2 after = rate(i, step.end), mean = 0.5 * (before_[i] + after), P = impulse_[i];
         account_contact({.contact = P.x(),
                          .friction = P.y(),
                          .rate_N = mean.x(),
