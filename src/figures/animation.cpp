@@ -27,9 +27,9 @@ namespace {
 
 using std::filesystem::path;
 
-constexpr float quality = 80;                   // of pictures with many colours
-constexpr int effort = 3, effort_of_still = 2;  // of 6: more takes longer and saves some percent
-constexpr int film_rate = 25;                   // [1/s] pictures of .gif and .mp4
+constexpr float quality = 80;  // of pictures with many colours
+constexpr int effort = 3;      // of 6: more takes longer and saves some percent
+constexpr int film_rate = 25;  // [1/s] pictures of .gif and .mp4
 constexpr const char* encoder_name = "ffmpeg";
 
 int width_of(const Image& image) { return cairo_image_surface_get_width(image.get()); }
@@ -270,8 +270,7 @@ void write_animation(const path& file, std::size_t n, const std::function<Still(
 }
 
 std::string webp_of(const Image& image) {
-    WebPConfig how = config();
-    how.method = effort_of_still;
+    const WebPConfig how = config();
     WebpImage picture(image);
     WebPMemoryWriter writer;
     WebPMemoryWriterInit(&writer);
@@ -287,15 +286,13 @@ std::string webp_of(const Image& image) {
 std::string webp_of_png(const path& file, int width) {
     const Image image(cairo_image_surface_create_from_png(file.string().c_str()), cairo_surface_destroy);
     if (cairo_surface_status(image.get()) != CAIRO_STATUS_SUCCESS) throw OutputError("cannot read " + file.string());
-    const int n = (width_of(image) + width - 1) / width;  // pixels along each side of the square whose mean is one
-    const double scale = 1. / n;
+    const double scale = std::min(1., static_cast<double>(width) / width_of(image));
     const Image smaller = blank(static_cast<int>(std::ceil(scale * width_of(image))),
                                 static_cast<int>(std::ceil(scale * height_of(image))));
     cairo_t* cairo = cairo_create(smaller.get());
     cairo_scale(cairo, scale, scale);
     cairo_set_source_surface(cairo, image.get(), 0, 0);
-    // between four pixels the bilinear filter is their mean, fifteen times as fast as the general one
-    cairo_pattern_set_filter(cairo_get_source(cairo), n == 2 ? CAIRO_FILTER_BILINEAR : CAIRO_FILTER_GOOD);
+    cairo_pattern_set_filter(cairo_get_source(cairo), CAIRO_FILTER_GOOD);
     cairo_paint(cairo);
     cairo_destroy(cairo);
     cairo_surface_flush(smaller.get());

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <unordered_map>
 
 namespace knap {
 namespace {
@@ -175,19 +174,14 @@ std::vector<Index> parts_that_move_as_one(const Model& model, const Fan& fan) {
     if (!fan.split_at_start) return part;
     const auto corners = model.corners(fan);
     std::iota(part.begin(), part.end(), 0);
-    std::unordered_map<Index, Index> place_of;
-    for (Index i = 0; i < fan.n_corners; ++i) place_of[corners[i]] = i;
-    const auto first_of_part = [&](Index i) {
-        while (i >= 0 && part[i] != i) i = part[i] = part[i] < 0 ? part[i] : part[part[i]];
-        return i;
+    const auto part_of = [&](Index c) {
+        return c == rigid_support ? rigid_support : part[std::ranges::find(corners, c) - corners.begin()];
     };
-    const auto part_of = [&](Index c) { return c == rigid_support ? c : first_of_part(place_of.at(c)); };
     for (const FanPoint& point : model.points(fan)) {
         if (!unbreakable(model, point)) continue;
         const Index a = part_of(point.before), b = part_of(point.after);
-        if (a != b) part[std::max(a, b)] = std::min(a, b);
+        std::ranges::replace(part, std::max(a, b), std::min(a, b));
     }
-    for (Index i = 0; i < fan.n_corners; ++i) part[i] = first_of_part(i);
     return part;
 }
 

@@ -15,7 +15,7 @@
 namespace knap {
 namespace {
 
-constexpr std::size_t max_whole = 1'800'000;  // [byte] of pictures that are kept as they are
+constexpr std::size_t max_whole = 1'300'000;  // [byte] of pictures that are kept as they are
 constexpr int small_width = 900;              // [pixel] of further ones
 
 const char* const style = R"(
@@ -64,15 +64,14 @@ addEventListener("beforeprint", () => { line.value = line.max; show(); });
 
 std::string base64(std::string_view bytes) {
     constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text(4 * ((bytes.size() + 2) / 3), '=');
-    char* next = text.data();
+    std::string text;
+    text.reserve(4 * (bytes.size() / 3 + 1));
     for (std::size_t i = 0; i < bytes.size(); i += 3) {
         std::uint32_t three = 0;
         const std::size_t n = std::min<std::size_t>(3, bytes.size() - i);
         for (std::size_t k = 0; k < 3; ++k)
             three = three << 8 | (k < n ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k, ++next)
-            if (k <= n) *next = letters[three >> (18 - 6 * k) & 63];
+        for (std::size_t k = 0; k < 4; ++k) text += k <= n ? letters[three >> (18 - 6 * k) & 63] : '=';
     }
     return text;
 }

@@ -172,12 +172,6 @@ std::vector<std::string> header_of(const std::string& table, const std::vector<s
     return header;
 }
 
-DisplayUnit unit_with_prefix(double value, std::string_view unit) {
-    const bool takes_prefix = unit == "m" || unit == "s" || unit == "Pa" || unit == "J" || unit == "N";
-    if (!takes_prefix || std::abs(value) < 1e-12) return {1, std::string(unit)};
-    return display_unit(std::abs(value), std::string(unit));
-}
-
 std::string value_text(double value, std::string_view unit, int digits) {
     if (std::isnan(value)) return "none";
     return formatted("%.*g", digits, value + 0.0) + (unit.empty() ? "" : " " + std::string(unit));

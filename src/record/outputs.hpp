@@ -13,8 +13,6 @@
 
 namespace knap {
 
-struct DisplayUnit;
-
 const std::vector<OutputTable>& output_tables();
 const OutputTable& output_table(std::string_view name);
 
@@ -32,9 +30,6 @@ std::string_view unit_of_slope(std::string_view column);
 /// Column names as in the header of a table: "time [s]". A pure number has no brackets.
 std::vector<std::string> header_of(const std::string& table, const std::vector<std::string>& columns,
                                    bool celsius = false);
-
-/// The prefix that suits a value of m, s, Pa, J or N; other units, and values too small for any prefix, stay in SI.
-DisplayUnit unit_with_prefix(double value, std::string_view unit);
 
 /// "12.5 mm/s"; "none" for NaN; never "-0".
 std::string value_text(double value, std::string_view unit, int digits = 6);

@@ -3,8 +3,6 @@
 #include "analysis/fragments.hpp"
 #include "analysis/strength.hpp"
 #include "base/formatted.hpp"
-#include "figures/ticks.hpp"
-#include "record/outputs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -352,17 +350,12 @@ std::vector<ExpectResult> judge_expectations(const std::vector<Expectation>& exp
     std::vector<ExpectResult> results;
     for (const Expectation& expected : expectations) {
         const double unit = expected.unit == "cR" ? rayleigh_speed : 1, value = summary[expected.key];
-        const std::string_view si = unit_of("summary", expected.key);
-        /// As the scenario writes them: multiples of the Rayleigh speed, or the prefix that suits the bound.
-        const auto result = [&](double bound, const auto& limit, bool holds) {
-            const DisplayUnit in = expected.unit.empty() ? unit_with_prefix(bound, si) : DisplayUnit{1, expected.unit};
-            const auto text = [&](double number) { return value_text(number * in.factor, in.unit); };
-            results.push_back({expected.key, limit(text), value, text(value / unit), holds});
-        };
+        const std::string name(expected.unit.empty() ? unit_of("summary", expected.key) : expected.unit),
+            tail = name.empty() ? "" : " " + name;
         const auto bound = [&](const std::optional<double>& limit, const char* word, auto holds) {
             if (limit)
-                result(
-                    *limit, [&](const auto& text) { return word + (" " + text(*limit)); }, holds(value, *limit * unit));
+                results.push_back(
+                    {expected.key, formatted("%s %.6g", word, *limit) + tail, value, holds(value, *limit * unit)});
         };
         bound(expected.below, "below", std::less());
         bound(expected.above, "above", std::greater());
@@ -371,13 +364,10 @@ std::vector<ExpectResult> judge_expectations(const std::vector<Expectation>& exp
         if (!expected.value) continue;
         const double target = *expected.value * unit;
         const double allowed = expected.relative ? expected.within * std::abs(target) : expected.within * unit;
-        result(
-            *expected.value != 0 ? *expected.value : expected.within,
-            [&](const auto& text) {
-                return text(*expected.value) + " within " +
-                       (expected.relative ? formatted("%.6g %%", 100 * expected.within) : text(expected.within));
-            },
-            std::abs(value - target) <= allowed);
+        const std::string within =
+            expected.relative ? formatted("%.6g %%", 100 * expected.within) : formatted("%.6g", expected.within) + tail;
+        results.push_back({expected.key, formatted("%.6g", *expected.value) + tail + " within " + within, value,
+                           std::abs(value - target) <= allowed});
     }
     return results;
 }

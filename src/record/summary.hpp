@@ -36,7 +36,6 @@ struct Expectation {
 struct ExpectResult {
     std::string name, limit;  // "max_tip_speed", "below 0.65 cR"
     double value;             // SI; NaN: never happened, which fails every bound
-    std::string shown;        // the value in the unit of the limit: "0.43 cR"
     bool pass;
 };
 std::vector<ExpectResult> judge_expectations(const std::vector<Expectation>& expectations, const Summary& summary,

@@ -28,9 +28,11 @@ constexpr double share = 0.03;              // of the processor time of the run,
 constexpr std::size_t max_bytes = 700'000;  // of all pictures
 constexpr int picture_width = 640;          // [pixel]
 
-/// "0.3 mm"
+/// "0.3 mm"; other units, and values that are small for any prefix, in SI.
 std::string with_prefix(double value, std::string_view unit) {
-    const DisplayUnit shown = unit_with_prefix(value, unit);
+    const bool plain = unit != "m" && unit != "s" && unit != "Pa" && unit != "J" && unit != "N";
+    if (plain || std::abs(value) < 1e-12) return value_text(value, unit, 5);
+    const DisplayUnit shown = display_unit(std::abs(value), std::string(unit));
     return value_text(value * shown.factor, shown.unit, 5);
 }
 
@@ -46,7 +48,9 @@ std::string warnings_of(const RunRecord& record) {
                           value_text(gate.value, gate.unit, 4) + ", limit " + value_text(gate.limit, gate.unit, 4) +
                           ". " + std::string(gate.cure));
     for (const ExpectResult& result : record.expect)
-        if (!result.pass) bad.push_back(result.name + " = " + result.shown + ", expected " + result.limit);
+        if (!result.pass)
+            bad.push_back(result.name + " = " + value_text(result.value, unit_of("summary", result.name)) +
+                          ", expected " + result.limit);
     return html_section("Warnings", html_list(bad, "bad") + html_list(warnings, "warn"));
 }
 
@@ -103,7 +107,8 @@ std::string gates(const RunRecord& record) {
 std::string expectations(const RunRecord& record) {
     std::vector<HtmlRow> rows;
     for (const ExpectResult& result : record.expect)
-        rows.push_back({result.name, result.shown, result.limit, result.pass ? "ok" : "FAILED"});
+        rows.push_back({result.name, value_text(result.value, unit_of("summary", result.name)), result.limit,
+                        result.pass ? "ok" : "FAILED"});
     return html_table({"number", "value", "expected", ""}, rows);
 }
 

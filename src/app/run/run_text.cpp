@@ -212,8 +212,9 @@ std::string end_of_run(const RunRecord& record, const std::filesystem::path& dir
                               gate.pass() ? name_of(gate.level).data() : "VIOLATED",
                               gate.level == GateLevel::ok ? "" : at_place(gate.place).c_str());
     for (const ExpectResult& result : record.expect)
-        text += formatted("  expect %-*s %-16s %-24s %s\n", n, result.name.c_str(), result.shown.c_str(),
-                          result.limit.c_str(), result.pass ? "ok" : "FAILED");
+        text += formatted("  expect %-*s %-16s %-24s %s\n", n, result.name.c_str(),
+                          value_text(result.value, unit_of("summary", result.name)).c_str(), result.limit.c_str(),
+                          result.pass ? "ok" : "FAILED");
     if (record.n_not_judged > 0)
         text += formatted("  expect: %zu number%s not judged, because the run failed\n", record.n_not_judged,
                           record.n_not_judged == 1 ? "" : "s");
